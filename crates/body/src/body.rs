@@ -1,0 +1,85 @@
+//! The rigid body: mesh, charges, hydropathy, mass. Immutable, and shared between simulations behind an `Arc`.
+
+use protomer_kernel::mesh::MassProperties;
+use protomer_kernel::{TriangleMesh, Vec3};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A rigid body in its own frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Body {
+    /// Name, as it appears in assemblies and tables.
+    pub name: String,
+    /// Hard surface: closed, 2-manifold, outward.
+    pub mesh: TriangleMesh,
+    /// Charge sites, one per atom.
+    pub sites: Vec<Site>,
+    /// Residues, in the order of the structure file; empty for a body made from a bare mesh and charges.
+    pub residues: Vec<Residue>,
+    /// Volume, centroid and inertia of the solid inside the mesh.
+    pub mass_properties: MassProperties,
+    /// Where the body comes from.
+    pub provenance: Provenance,
+}
+
+/// One atom of a body, or one bare point charge.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Site {
+    /// Position in the body's frame, Å.
+    pub position: Vec3,
+    /// Partial charge, e.
+    pub charge_e: f64,
+    /// Radius used for the surface, Å; zero for a bare point charge.
+    pub radius_angstrom: f64,
+    /// Atom name as in the structure file, trimmed; empty for a bare point charge.
+    pub atom_name: String,
+    /// Index into [`Body::residues`].
+    pub residue: Option<u32>,
+}
+
+/// One residue of a body.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Residue {
+    /// Chain identifier (author's).
+    pub chain: String,
+    /// Residue number (author's).
+    pub number: i32,
+    /// Insertion code; empty for none.
+    pub insertion_code: String,
+    /// Residue name as in the file, three letters or more.
+    pub name: String,
+    /// Net charge at the body's pH, e.
+    pub charge_e: f64,
+    /// Kyte-Doolittle hydropathy index (J. Mol. Biol. 157, 105 (1982)); `None` where the scale has no value.
+    pub hydropathy: Option<f64>,
+}
+
+/// Where a body comes from: enough to make it again.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Provenance {
+    /// The input file as the user named it.
+    pub source: String,
+    /// SHA-256 of the input file's bytes, in hexadecimal.
+    pub source_sha256: String,
+    /// The body frame's origin in the coordinates of the input file, Å.
+    pub origin_angstrom: Vec3,
+    /// Every setting that shaped the body (pH, probe, density, selection, mutations ...), by name.
+    pub settings: BTreeMap<String, String>,
+}
+
+impl Body {
+    /// Sum of the site charges, e.
+    pub fn net_charge_e(&self) -> f64 {
+        self.sites.iter().map(|site| site.charge_e).sum()
+    }
+
+    /// Radius of the sphere about the body's origin that holds the mesh, Å.
+    pub fn mesh_radius_angstrom(&self) -> f64 {
+        self.mesh.radius_about_origin_angstrom()
+    }
+
+    /// Radius of the sphere about the body's origin that holds every charge, Å.
+    pub fn charge_radius_angstrom(&self) -> f64 {
+        self.sites.iter().map(|site| site.position.norm_squared()).fold(0.0, f64::max).sqrt()
+    }
+}

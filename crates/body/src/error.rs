@@ -1,0 +1,33 @@
+//! The one error type of this crate.
+
+/// What can go wrong between a structure file and a body.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum BodyError {
+    /// A file that could not be understood: where, what, and what to do about it.
+    #[error("{file}:{line}: {cause}; {remedy}")]
+    Parse {
+        /// Name of the file as the user gave it.
+        file: String,
+        /// Line, counted from one; zero where the whole file is meant.
+        line: usize,
+        /// What is wrong.
+        cause: String,
+        /// What the user can do.
+        remedy: String,
+    },
+    /// A selection, option or table entry that does not fit the structure.
+    #[error("{cause}; {remedy}")]
+    Invalid {
+        /// What is wrong, naming the residue, chain or option.
+        cause: String,
+        /// What the user can do.
+        remedy: String,
+    },
+    /// A kernel refused its input.
+    #[error(transparent)]
+    Kernel(#[from] protomer_kernel::KernelError),
+}
+
+/// The result of an operation of this crate.
+pub type Result<T> = std::result::Result<T, BodyError>;

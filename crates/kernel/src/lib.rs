@@ -1,0 +1,28 @@
+//! The kernels on which every protomer engine stands.
+//!
+//! | module | one idea |
+//! |---|---|
+//! | [`units`] | physical constants, [`Conditions`], Bjerrum and Debye lengths |
+//! | [`pose`] | rigid motions: where a body is and how it is turned |
+//! | [`boundary`] | the space bodies live in: open, periodic, or a spherical wall |
+//! | [`mesh`] | closed triangle meshes, their topology and mass properties |
+//!
+//! Lengths are in Å, energies in kT, charges in elementary charges, salt in mol/L.
+
+pub mod boundary;
+mod error;
+pub mod mesh;
+pub mod pose;
+pub mod units;
+
+pub use boundary::Boundary;
+pub use error::{KernelError, Result};
+pub use mesh::TriangleMesh;
+pub use pose::Pose;
+pub use units::Conditions;
+
+/// A point or a displacement in three dimensions, Å.
+pub type Vec3 = nalgebra::Vector3<f64>;
+
+/// A rotation stored as a unit quaternion. Files and Python write it scalar first, `(w, x, y, z)`.
+pub type Rotation = nalgebra::UnitQuaternion<f64>;

@@ -1,0 +1,119 @@
+//! Rigid motions of a body.
+
+use crate::{Rotation, Vec3};
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
+use serde::{Deserialize, Serialize};
+
+/// Where a body is and how it is turned: a point p of the body stands at `rotation * p + position`.
+///
+/// ```
+/// use protomer_kernel::{Pose, Vec3};
+/// let pose = Pose::from_wxyz(Vec3::new(1.0, 0.0, 0.0), [0.0, 0.0, 0.0, 1.0]); // half a turn about z
+/// assert!((pose.transform_point(&Vec3::new(1.0, 0.0, 0.0)) - Vec3::zeros()).norm() < 1e-12);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Pose {
+    /// Position of the body's origin, Å.
+    pub position: Vec3,
+    /// Orientation.
+    pub rotation: Rotation,
+}
+
+impl Pose {
+    /// The pose that leaves every point where it is.
+    pub fn identity() -> Self {
+        Self { position: Vec3::zeros(), rotation: Rotation::identity() }
+    }
+
+    /// A pose from a position (Å) and a quaternion, scalar first; the quaternion is normalised.
+    pub fn from_wxyz(position: Vec3, [w, x, y, z]: [f64; 4]) -> Self {
+        Self { position, rotation: UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)) }
+    }
+
+    /// The orientation as a quaternion, scalar first.
+    pub fn wxyz(&self) -> [f64; 4] {
+        let q = self.rotation.quaternion();
+        [q.w, q.i, q.j, q.k]
+    }
+
+    /// The image of a point, Å.
+    pub fn transform_point(&self, point: &Vec3) -> Vec3 {
+        self.rotation * point + self.position
+    }
+
+    /// The point of the body that stands at `point`, Å.
+    pub fn inverse_transform_point(&self, point: &Vec3) -> Vec3 {
+        self.rotation.inverse() * (point - self.position)
+    }
+
+    /// First `self`, then `outer`.
+    pub fn then(&self, outer: &Pose) -> Pose {
+        Pose { position: outer.transform_point(&self.position), rotation: outer.rotation * self.rotation }
+    }
+
+    /// The motion that undoes this one.
+    pub fn inverse(&self) -> Pose {
+        let rotation = self.rotation.inverse();
+        Pose { position: -(rotation * self.position), rotation }
+    }
+}
+
+/// The pose of one body in the frame of another, with the rotation as a matrix: computed once per pair, used for many
+/// points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RelativePose {
+    /// Rotation matrix R: a point q of the second body stands at `R q + translation` in the first body's frame.
+    pub rotation: Matrix3<f64>,
+    /// Position of the second body's origin in the first body's frame, Å.
+    pub translation: Vec3,
+}
+
+impl RelativePose {
+    /// The pose of `second` in the frame of `first`, where `displacement` leads from `first` to the image of `second`
+    /// meant (for an open space `second.position - first.position`), Å.
+    pub fn new(first: &Pose, second: &Pose, displacement: &Vec3) -> Self {
+        let into_first = first.rotation.inverse();
+        Self {
+            rotation: (into_first * second.rotation).to_rotation_matrix().into_inner(),
+            translation: into_first * displacement,
+        }
+    }
+
+    /// The pose of the first body in the frame of the second.
+    pub fn inverse(&self) -> Self {
+        let rotation = self.rotation.transpose();
+        Self { rotation, translation: -(rotation * self.translation) }
+    }
+
+    /// A point of the second body in the first body's frame, Å.
+    pub fn transform_point(&self, point: &Vec3) -> Vec3 {
+        self.rotation * point + self.translation
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn some_pose(seed: f64) -> Pose {
+        Pose::from_wxyz(Vec3::new(seed, 2.0 - seed, seed * 3.0), [0.3 + seed, 0.4, -0.2 * seed, 0.7])
+    }
+
+    #[test]
+    fn a_pose_and_its_inverse_cancel() {
+        let pose = some_pose(0.7);
+        let point = Vec3::new(1.0, -2.0, 0.5);
+        assert!((pose.then(&pose.inverse()).transform_point(&point) - point).norm() < 1e-12);
+        assert!((pose.inverse_transform_point(&pose.transform_point(&point)) - point).norm() < 1e-12);
+    }
+
+    #[test]
+    fn the_relative_pose_maps_the_second_body_into_the_first() {
+        let (first, second) = (some_pose(0.1), some_pose(1.3));
+        let relative = RelativePose::new(&first, &second, &(second.position - first.position));
+        let point = Vec3::new(0.2, 0.4, -3.0);
+        let expected = first.inverse_transform_point(&second.transform_point(&point));
+        assert!((relative.transform_point(&point) - expected).norm() < 1e-12);
+        assert!((relative.inverse().transform_point(&expected) - point).norm() < 1e-12);
+    }
+}

@@ -1,0 +1,1 @@
+//! Hard-particle Monte Carlo with screened charges and geometric cluster moves.

@@ -1,0 +1,1 @@
+//! protomer: run directories, sweeps and reports on top of the engines.

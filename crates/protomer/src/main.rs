@@ -1,0 +1,2 @@
+//! The `protomer` command.
+fn main() {}
