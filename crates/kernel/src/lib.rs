@@ -6,19 +6,30 @@
 //! | [`pose`] | rigid motions: where a body is and how it is turned |
 //! | [`boundary`] | the space bodies live in: open, periodic, or a spherical wall |
 //! | [`mesh`] | closed triangle meshes, their topology and mass properties |
+//! | [`random`] | counter-based random numbers: directions, rotations, streams per step |
+//! | [`potential`] | radial pair potentials |
+//! | [`cells`] | which bodies are near a point |
+//! | [`overlap`] | do two rigid bodies overlap, and if not, how far can they move before they might |
+//! | [`statistics`] | averages of correlated series and their errors |
 //!
 //! Lengths are in Å, energies in kT, charges in elementary charges, salt in mol/L.
 
 pub mod boundary;
+pub mod cells;
 mod error;
 pub mod mesh;
+pub mod overlap;
 pub mod pose;
+pub mod potential;
+pub mod random;
+pub mod statistics;
 pub mod units;
 
 pub use boundary::Boundary;
 pub use error::{KernelError, Result};
 pub use mesh::TriangleMesh;
-pub use pose::Pose;
+pub use overlap::CollisionShape;
+pub use pose::{Pose, RelativePose};
 pub use units::Conditions;
 
 /// A point or a displacement in three dimensions, Å.

@@ -110,7 +110,7 @@ pub fn water_permittivity(temperature_kelvin: f64) -> Result<f64> {
 }
 
 /// `Ok` if `value` is finite and `holds`, otherwise the error that names the quantity.
-fn require(quantity: &'static str, value: f64, requirement: &'static str, holds: bool) -> Result<()> {
+pub(crate) fn require(quantity: &'static str, value: f64, requirement: &'static str, holds: bool) -> Result<()> {
     if value.is_finite() && holds { Ok(()) } else { Err(KernelError::OutOfRange { quantity, value, requirement }) }
 }
 

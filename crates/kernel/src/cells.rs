@@ -1,0 +1,200 @@
+//! Neighbour finding: which bodies are near a point.
+
+use crate::{Boundary, KernelError, Result, Vec3};
+use std::collections::HashMap;
+
+/// Below this number of bodies looking at all of them is cheaper than any grid.
+const ALL_PAIRS_UP_TO: usize = 64;
+
+/// Fewer cells than this along an edge would make a cell its own neighbour's neighbour.
+const FEWEST_CELLS: f64 = 4.0;
+
+/// Checks that every interaction of this range involves at most one image of a body.
+///
+/// # Errors
+/// [`KernelError::BoxTooSmall`] when the range exceeds half of the smallest box length.
+pub fn require_minimum_image(boundary: &Boundary, range_angstrom: f64) -> Result<()> {
+    let smallest_length_angstrom = boundary.smallest_length_angstrom();
+    if smallest_length_angstrom == f64::INFINITY || 2.0 * range_angstrom <= smallest_length_angstrom {
+        Ok(())
+    } else {
+        Err(KernelError::BoxTooSmall { range_angstrom, smallest_length_angstrom })
+    }
+}
+
+/// Points sorted into cells at least as wide as the range of interest, so that everything in range of a place lies in
+/// the 27 cells about it. Small systems, small boxes and infinite ranges fall back to "everything".
+///
+/// ```
+/// use protomer_kernel::{Boundary, Vec3, cells::CellList};
+/// let space = Boundary::periodic(Vec3::repeat(100.0))?;
+/// let places: Vec<Vec3> = (0..100).map(|i| Vec3::new(f64::from(i) - 50.0, 0.0, 0.0)).collect();
+/// let cells = CellList::new(&space, 5.0, &places)?;
+/// let mut near = Vec::new();
+/// cells.candidates(&Vec3::new(-50.0, 0.0, 0.0), &mut near);
+/// assert!(near.contains(&99) && near.contains(&5) && !near.contains(&50));
+/// # Ok::<(), protomer_kernel::KernelError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct CellList {
+    count: usize,
+    grid: Option<Grid>,
+}
+
+#[derive(Debug, Clone)]
+struct Grid {
+    boundary: Boundary,
+    cell_lengths: Vec3,
+    /// Cells along each edge of a periodic box; `None` where space has no end.
+    cells_per_edge: Option<[i64; 3]>,
+    members: HashMap<[i64; 3], Vec<u32>>,
+}
+
+impl CellList {
+    /// Sorts the positions (Å) into cells for this range (Å).
+    ///
+    /// # Errors
+    /// [`KernelError::BoxTooSmall`] when the range exceeds half of the smallest box length.
+    pub fn new(boundary: &Boundary, range_angstrom: f64, positions: &[Vec3]) -> Result<Self> {
+        require_minimum_image(boundary, range_angstrom)?;
+        let mut grid = if positions.len() > ALL_PAIRS_UP_TO { Grid::new(boundary, range_angstrom) } else { None };
+        if let Some(grid) = &mut grid {
+            for (index, position) in positions.iter().enumerate() {
+                grid.insert(index, position);
+            }
+        }
+        Ok(Self { count: positions.len(), grid })
+    }
+
+    /// Writes the indices, ascending, of every body that may lie in range of `position` into `candidates`. The order
+    /// does not depend on the history of moves.
+    pub fn candidates(&self, position: &Vec3, candidates: &mut Vec<usize>) {
+        candidates.clear();
+        match &self.grid {
+            None => candidates.extend(0..self.count),
+            Some(grid) => {
+                grid.collect(position, candidates);
+                candidates.sort_unstable();
+            }
+        }
+    }
+
+    /// Tells the list that a body has moved.
+    pub fn moved(&mut self, index: usize, from: &Vec3, to: &Vec3) {
+        if let Some(grid) = &mut self.grid {
+            grid.relocate(index, from, to);
+        }
+    }
+}
+
+impl Grid {
+    fn new(boundary: &Boundary, range: f64) -> Option<Self> {
+        if !(range.is_finite() && range > 0.0) {
+            return None;
+        }
+        let (cell_lengths, cells_per_edge) = match boundary {
+            Boundary::Periodic { lengths_angstrom } => {
+                let cells = lengths_angstrom.map(|length| (length / range).floor());
+                if cells.min() < FEWEST_CELLS {
+                    return None;
+                }
+                (lengths_angstrom.component_div(&cells), Some([cells.x as i64, cells.y as i64, cells.z as i64]))
+            }
+            Boundary::Open | Boundary::SphereWall { .. } => (Vec3::repeat(range), None),
+        };
+        Some(Self { boundary: *boundary, cell_lengths, cells_per_edge, members: HashMap::new() })
+    }
+
+    fn cell(&self, position: &Vec3) -> [i64; 3] {
+        let scaled = self.boundary.wrap(position).component_div(&self.cell_lengths);
+        self.periodic([scaled.x.floor() as i64, scaled.y.floor() as i64, scaled.z.floor() as i64])
+    }
+
+    /// The cells start at the origin and go round the box; where their number is odd, the one at the box's face goes on
+    /// behind the opposite face.
+    fn periodic(&self, cell: [i64; 3]) -> [i64; 3] {
+        match self.cells_per_edge {
+            Some(cells) => std::array::from_fn(|axis| cell[axis].rem_euclid(cells[axis])),
+            None => cell,
+        }
+    }
+
+    fn insert(&mut self, index: usize, position: &Vec3) {
+        self.members.entry(self.cell(position)).or_default().push(index as u32);
+    }
+
+    fn relocate(&mut self, index: usize, from: &Vec3, to: &Vec3) {
+        let (old, new) = (self.cell(from), self.cell(to));
+        if old == new {
+            return;
+        }
+        if let Some(members) = self.members.get_mut(&old) {
+            members.retain(|member| *member as usize != index);
+            if members.is_empty() {
+                self.members.remove(&old);
+            }
+        }
+        self.members.entry(new).or_default().push(index as u32);
+    }
+
+    fn collect(&self, position: &Vec3, candidates: &mut Vec<usize>) {
+        let [x, y, z] = self.cell(position);
+        for dx in -1..=1 {
+            for dy in -1..=1 {
+                for dz in -1..=1 {
+                    if let Some(members) = self.members.get(&self.periodic([x + dx, y + dy, z + dz])) {
+                        candidates.extend(members.iter().map(|member| *member as usize));
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::CounterRng;
+
+    fn check_against_all_pairs(boundary: Boundary, extent: Vec3, range: f64, expect_grid: bool) {
+        let mut rng = CounterRng::new(5, 0, 0);
+        let mut place = || Vec3::from_fn(|axis, _| extent[axis] * rng.uniform_in(-0.5, 0.5));
+        let mut positions: Vec<Vec3> = (0..300).map(|_| place()).collect();
+        let mut cells = CellList::new(&boundary, range, &positions).unwrap();
+        assert_eq!(cells.grid.is_some(), expect_grid);
+        for (index, position) in positions.iter_mut().enumerate().take(200) {
+            let to = place();
+            cells.moved(index, position, &to);
+            *position = to;
+        }
+        let mut near = Vec::new();
+        for _ in 0..200 {
+            let centre = place();
+            cells.candidates(&centre, &mut near);
+            assert!(near.windows(2).all(|pair| pair[0] < pair[1]), "ascending and unique");
+            for (index, position) in positions.iter().enumerate() {
+                if boundary.displacement(&centre, position).norm() <= range {
+                    assert!(near.contains(&index));
+                }
+            }
+            assert!(!expect_grid || near.len() < positions.len());
+        }
+    }
+
+    #[test]
+    fn everything_in_range_is_found() {
+        let edges = Vec3::new(41.0, 57.3, 90.0);
+        check_against_all_pairs(Boundary::periodic(edges).unwrap(), edges, 8.1, true);
+        check_against_all_pairs(Boundary::periodic(edges).unwrap(), edges, 20.0, false);
+        check_against_all_pairs(Boundary::Open, edges, 8.1, true);
+        check_against_all_pairs(Boundary::Open, edges, f64::INFINITY, false);
+        check_against_all_pairs(Boundary::SphereWall { radius_angstrom: 100.0 }, edges, 8.1, true);
+    }
+
+    #[test]
+    fn a_box_that_needs_two_images_is_refused_with_the_box_that_would_do() {
+        let small = Boundary::periodic(Vec3::new(100.0, 30.0, 100.0)).unwrap();
+        let message = CellList::new(&small, 20.0, &[]).unwrap_err().to_string();
+        assert!(message.contains("40") && message.contains("30"), "{message}");
+    }
+}

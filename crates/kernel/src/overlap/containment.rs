@@ -1,0 +1,107 @@
+//! Which points lie inside a solid.
+//!
+//! Where the surfaces of two bodies have no point in common, every shell of one lies wholly inside or wholly outside the
+//! other, so one corner of each shell decides whether the solids overlap.
+
+use super::disc::Disc;
+use super::tree::DiscTree;
+use super::triangle::{Triangle, orientation};
+use crate::{Result, TriangleMesh, Vec3};
+
+/// A few corners of one shell, the extreme ones along the coordinate axes: whichever is decided soonest decides all.
+#[derive(Debug, Clone)]
+pub(super) struct Shell {
+    pub corners: Vec<Vec3>,
+}
+
+impl Shell {
+    /// The shells of a closed mesh.
+    pub fn of_mesh(mesh: &TriangleMesh) -> Result<Vec<Shell>> {
+        Ok(mesh.shells()?.iter().map(Shell::new).collect())
+    }
+
+    fn new(mesh: &TriangleMesh) -> Self {
+        let directions = (0..3).flat_map(|axis| [Vec3::ith(axis, 1.0), Vec3::ith(axis, -1.0)]);
+        let extreme = |direction: Vec3| {
+            mesh.vertices.iter().copied().max_by(|p, q| p.dot(&direction).total_cmp(&q.dot(&direction)))
+        };
+        Self { corners: directions.filter_map(extreme).collect() }
+    }
+}
+
+/// Whether a point lies in the closed solid bounded by a mesh: a ray from a point inside leaves it through an odd number
+/// of triangles. All signs are exact; a ray that meets an edge or a corner is drawn anew.
+pub(super) fn solid_contains(mesh: &TriangleMesh, tree: &DiscTree, radius: f64, point: &Vec3) -> bool {
+    const ATTEMPTS: usize = 64;
+    let reach = 4.0 * radius + point.norm();
+    (0..ATTEMPTS)
+        .find_map(|attempt| ray_parity(mesh, tree, point, &(point + direction(attempt) * reach)))
+        .unwrap_or(false)
+}
+
+/// Directions spread over the sphere by the golden angle, none along a coordinate axis.
+fn direction(attempt: usize) -> Vec3 {
+    const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
+    const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
+    let z = ((attempt as f64 + 0.382) * GOLDEN_RATIO).fract() * 1.9 - 0.95;
+    let (sine, cosine) = (GOLDEN_ANGLE * (attempt as f64 + 0.3)).sin_cos();
+    let across = (1.0 - z * z).sqrt();
+    Vec3::new(across * cosine, across * sine, z)
+}
+
+/// Whether the ray leaves the solid an odd number of times; `None` if it meets an edge or a corner.
+fn ray_parity(mesh: &TriangleMesh, tree: &DiscTree, from: &Vec3, to: &Vec3) -> Option<bool> {
+    let mut inside = false;
+    let mut stack = vec![tree.root()];
+    while let Some(node) = stack.pop() {
+        let node = &tree.nodes[node as usize];
+        for (lane, &child) in node.children.iter().enumerate() {
+            if !ray_comes_near(&node.discs.disc(lane), from, to) {
+                continue;
+            }
+            if !node.is_leaf {
+                stack.push(child);
+                continue;
+            }
+            match crossing(&mesh.corners(child as usize), from, to) {
+                Crossing::None => {}
+                Crossing::Proper => inside = !inside,
+                Crossing::AtStart => return Some(true),
+                Crossing::Degenerate => return None,
+            }
+        }
+    }
+    Some(inside)
+}
+
+/// How a segment meets a triangle.
+enum Crossing {
+    None,
+    Proper,
+    AtStart,
+    Degenerate,
+}
+
+fn crossing([a, b, c]: &Triangle, from: &Vec3, to: &Vec3) -> Crossing {
+    let turns = [orientation(from, to, a, b), orientation(from, to, b, c), orientation(from, to, c, a)];
+    if turns.contains(&1) && turns.contains(&-1) {
+        return Crossing::None;
+    }
+    match (orientation(a, b, c, from), orientation(a, b, c, to)) {
+        (0, 0) => Crossing::Degenerate,
+        (0, _) => Crossing::AtStart,
+        (near, far) if near == far => Crossing::None,
+        _ if turns.contains(&0) => Crossing::Degenerate,
+        _ => Crossing::Proper,
+    }
+}
+
+/// Whether a segment meets the sphere around a disc, with room for rounding; never for an unused lane.
+fn ray_comes_near(disc: &Disc, from: &Vec3, to: &Vec3) -> bool {
+    const ROUNDING: f64 = 1e-6;
+    let along = to - from;
+    let offset = Vec3::from(disc.centre.map(f64::from)) - from;
+    let nearest = along * (offset.dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+    let radius = f64::from(disc.radius).hypot(f64::from(disc.half_thickness)) * (1.0 + ROUNDING);
+    disc.radius >= 0.0 && (offset - nearest).norm() <= radius + ROUNDING * offset.norm()
+}

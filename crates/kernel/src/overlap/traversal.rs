@@ -1,0 +1,306 @@
+//! The simultaneous descent of two disc trees.
+
+use super::CollisionShape;
+use super::lanes::{Bits, DiscBlock, Lanes, Motion, WIDTH, negative_lanes, separations};
+use super::tree::Node;
+use super::triangle::{Triangle, triangles_intersect};
+use super::triangle_distance::separation_along_axes;
+use crate::pose::RelativePose;
+use std::cell::RefCell;
+
+/// The rounding error of a separation in `f32` relative to the size of the coordinates: some fifty operations, each
+/// within 2⁻²⁴.
+const ROUNDING: f64 = 64.0 * (f32::EPSILON as f64 / 2.0);
+
+/// What a descent finds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum SurfaceRelation {
+    /// The surfaces have a point in common.
+    Intersecting,
+    /// They are at least this far apart, Å; not more than the ceiling of the search.
+    Apart(f64),
+}
+
+/// Decides whether the surfaces intersect and bounds their separation from below, up to a ceiling in Å. A ceiling of
+/// zero asks for the decision alone.
+pub(super) fn relate_surfaces(
+    first: &CollisionShape,
+    second: &CollisionShape,
+    pose: &RelativePose,
+    ceiling_angstrom: f64,
+) -> SurfaceRelation {
+    let mut descent = Descent::new(first, second, pose, ceiling_angstrom.max(0.0) as f32);
+    if SCRATCH.with_borrow_mut(|scratch| descent.run(scratch)) {
+        SurfaceRelation::Intersecting
+    } else {
+        SurfaceRelation::Apart(f64::from(descent.bound()))
+    }
+}
+
+/// Two nodes to be held against each other.
+#[derive(Debug, Clone, Copy)]
+struct NodePair {
+    /// At least this far apart, Å.
+    separation: f32,
+    a: u32,
+    b: u32,
+}
+
+/// Pairs of nodes visited together.
+const BATCH: usize = 8;
+
+thread_local! {
+    /// Kept from query to query: a query of a microsecond has no time to allocate.
+    static SCRATCH: RefCell<Scratch> = RefCell::new(Scratch { stack: Vec::new(), batch: Batch::new() });
+}
+
+struct Scratch {
+    stack: Vec<NodePair>,
+    batch: Batch,
+}
+
+/// The working memory of one visit.
+struct Batch {
+    pairs: Vec<NodePair>,
+    /// The children of each b in the frame of the first body.
+    moved: [DiscBlock; BATCH],
+    near_rows: [u32; BATCH],
+    /// Pair and child of a that are near.
+    rows: Vec<(u8, u8)>,
+    hits: Vec<(u32, Lanes)>,
+}
+
+impl Batch {
+    fn new() -> Self {
+        Self {
+            pairs: Vec::with_capacity(BATCH),
+            moved: [const { DiscBlock::EMPTY }; BATCH],
+            near_rows: [0; BATCH],
+            rows: Vec::with_capacity(BATCH * WIDTH),
+            hits: Vec::with_capacity(BATCH * WIDTH),
+        }
+    }
+}
+
+struct Descent<'a> {
+    first: &'a CollisionShape,
+    second: &'a CollisionShape,
+    pose: &'a RelativePose,
+    motion: Motion,
+    /// Allowance for rounding in every disc test, Å.
+    rounding: f32,
+    /// The least separation met so far, lane by lane, Å.
+    bound: Lanes,
+    /// Pairs at least this far apart are not looked into, Å. Any value gives a true bound; see [`threshold_for`].
+    threshold: f32,
+}
+
+impl<'a> Descent<'a> {
+    fn new(first: &'a CollisionShape, second: &'a CollisionShape, pose: &'a RelativePose, ceiling: f32) -> Self {
+        let size = first.radius + second.radius + pose.translation.norm();
+        Descent {
+            first,
+            second,
+            pose,
+            motion: Motion::new(pose),
+            rounding: (size * ROUNDING) as f32,
+            bound: [ceiling; WIDTH],
+            threshold: threshold_for(ceiling),
+        }
+    }
+
+    fn run(&mut self, scratch: &mut Scratch) -> bool {
+        #[cfg(target_arch = "x86_64")]
+        if std::arch::is_x86_feature_detected!("avx2") {
+            // SAFETY: the processor has the instructions the function is compiled for.
+            return unsafe { self.run_avx2(scratch) };
+        }
+        self.run_portable(scratch)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+    fn run_avx2(&mut self, scratch: &mut Scratch) -> bool {
+        self.visit_all(scratch)
+    }
+
+    fn run_portable(&mut self, scratch: &mut Scratch) -> bool {
+        self.visit_all(scratch)
+    }
+
+    /// Takes pairs of nodes from the stack, a few at a time so that the arithmetic of one hides the latency of another,
+    /// until an intersection is found.
+    #[inline(always)]
+    fn visit_all(&mut self, scratch: &mut Scratch) -> bool {
+        let Scratch { stack, batch } = scratch;
+        stack.clear();
+        stack.push(NodePair { separation: f32::MIN, a: self.first.tree.root(), b: self.second.tree.root() });
+        while !stack.is_empty() {
+            batch.pairs.clear();
+            while batch.pairs.len() < BATCH
+                && let Some(pair) = stack.pop()
+            {
+                if pair.separation >= self.threshold {
+                    self.bound[0] = self.bound[0].min(pair.separation);
+                } else {
+                    batch.pairs.push(pair);
+                }
+            }
+            if self.visit_batch(batch, stack) {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Holds the children of some pairs of nodes against each other: near nodes go on the stack, near triangles are
+    /// decided. True if two triangles intersect.
+    #[inline(always)]
+    fn visit_batch(&mut self, batch: &mut Batch, stack: &mut Vec<NodePair>) -> bool {
+        let (first, second) = (self.first, self.second);
+        // Which children of a are near to b at all?
+        for (slot, pair) in batch.pairs.iter().enumerate() {
+            let (a, b) = (&first.tree.nodes[pair.a as usize], &second.tree.nodes[pair.b as usize]);
+            batch.moved[slot] = self.motion.block(&b.discs);
+            let b_bound = self.motion.disc(&b.bound);
+            let separations = separations(&b_bound, &a.discs, self.rounding);
+            batch.near_rows[slot] = self.near(&separations);
+            if a.is_leaf != b.is_leaf {
+                self.expand_one(*pair, a, b, &batch.moved[slot], stack);
+                batch.near_rows[slot] = 0;
+            }
+        }
+        // Which children of b are near to each of those?
+        batch.rows.clear();
+        for slot in 0..batch.pairs.len() {
+            for row in Bits(batch.near_rows[slot]) {
+                batch.rows.push((slot as u8, row as u8));
+            }
+        }
+        batch.hits.clear();
+        for &(slot, row) in &batch.rows {
+            let pair = batch.pairs[slot as usize];
+            let a = &first.tree.nodes[pair.a as usize];
+            let separations = separations(&a.discs.disc(row as usize), &batch.moved[slot as usize], self.rounding);
+            let near = self.near(&separations);
+            batch.hits.push((near, separations));
+        }
+        for (&(slot, row), (near, separations)) in batch.rows.iter().zip(&batch.hits) {
+            let pair = batch.pairs[slot as usize];
+            let (a, b) = (&first.tree.nodes[pair.a as usize], &second.tree.nodes[pair.b as usize]);
+            for lane in Bits(*near) {
+                let (child_a, child_b) = (a.children[row as usize], b.children[lane]);
+                let separation = separations[lane];
+                if !a.is_leaf {
+                    stack.push(NodePair { separation, a: child_a, b: child_b });
+                } else if separation > 0.0 {
+                    self.lower(separation);
+                } else if self.visit_triangles(child_a, child_b) {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+
+    /// Holds a leaf against the children of a node that is none.
+    #[inline(always)]
+    fn expand_one(&mut self, pair: NodePair, a: &Node, b: &Node, moved: &DiscBlock, stack: &mut Vec<NodePair>) {
+        let separations = if a.is_leaf {
+            separations(&a.bound, moved, self.rounding)
+        } else {
+            separations(&self.motion.disc(&b.bound), &a.discs, self.rounding)
+        };
+        for lane in Bits(self.near(&separations)) {
+            let (a, b) = if a.is_leaf { (pair.a, b.children[lane]) } else { (a.children[lane], pair.b) };
+            stack.push(NodePair { separation: separations[lane], a, b });
+        }
+    }
+
+    /// The lanes nearer than the threshold; the separations of the others enter the bound.
+    #[inline(always)]
+    fn near(&mut self, separations: &Lanes) -> u32 {
+        let mut excess = [0.0; WIDTH];
+        for lane in 0..WIDTH {
+            excess[lane] = separations[lane] - self.threshold;
+            let skipped = if excess[lane] < 0.0 { f32::MAX } else { separations[lane] };
+            self.bound[lane] = self.bound[lane].min(skipped);
+        }
+        negative_lanes(excess)
+    }
+
+    fn bound(&self) -> f32 {
+        self.bound.iter().copied().fold(f32::MAX, f32::min).max(0.0)
+    }
+
+    /// Takes note of a separation and stops looking into pairs much farther apart.
+    #[inline(always)]
+    fn lower(&mut self, separation: f32) {
+        self.bound[0] = self.bound[0].min(separation);
+        self.threshold = self.threshold.min(threshold_for(separation));
+    }
+
+    /// Decides two triangles; if they do not intersect their separation lowers the threshold.
+    fn visit_triangles(&mut self, first: u32, second: u32) -> bool {
+        let first: Triangle = self.first.mesh.corners(first as usize);
+        let second: Triangle =
+            self.second.mesh.corners(second as usize).map(|corner| self.pose.transform_point(&corner));
+        if triangles_intersect(&first, &second) {
+            return true;
+        }
+        let wanted = self.threshold > f32::MIN_POSITIVE;
+        let separation = if wanted { separation_along_axes(&first, &second) as f32 - self.rounding } else { 0.0 };
+        self.lower(separation.max(0.0));
+        false
+    }
+}
+
+/// How far apart pairs must be not to be looked into, for a separation of interest: a compromise between the cost of a
+/// query and the quality of its bound. Below `FLOOR` only the decision is worth anything.
+fn threshold_for(separation: f32) -> f32 {
+    const SHARE: f32 = 0.25;
+    const FLOOR: f32 = 0.1;
+    let threshold = SHARE * separation;
+    if threshold < FLOOR { f32::MIN_POSITIVE } else { threshold }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Pose, TriangleMesh, Vec3};
+
+    /// A tetrahedron with its base cut into `n` slices: long thin triangles.
+    fn sliced_tetrahedron(n: u32) -> TriangleMesh {
+        let mut vertices = vec![Vec3::new(0.0, 0.0, 8.0), Vec3::new(0.0, 0.0, -1.0)];
+        vertices.extend((0..n).map(|i| {
+            let (sine, cosine) = (f64::from(i) * std::f64::consts::TAU / f64::from(n)).sin_cos();
+            Vec3::new(9.0 * cosine, 5.0 * sine, f64::from(i % 2))
+        }));
+        let rim = |i: u32| 2 + i % n;
+        let triangles = (0..n).flat_map(|i| [[0, rim(i), rim(i + 1)], [1, rim(i + 1), rim(i)]]).collect();
+        TriangleMesh { vertices, triangles }
+    }
+
+    #[test]
+    fn both_compilations_find_the_same_to_the_last_bit() {
+        let (first, second) = (sliced_tetrahedron(300), sliced_tetrahedron(17));
+        let (first, second) = (CollisionShape::new(&first).unwrap(), CollisionShape::new(&second).unwrap());
+        let mut intersecting = 0;
+        for k in 0..400 {
+            let x = f64::from(k);
+            let quaternion = [x.sin(), (2.0 * x).cos(), (3.0 * x).sin(), 0.1];
+            let position = Vec3::new((5.0 * x).sin(), (7.0 * x).cos(), (11.0 * x).sin()) * 14.0;
+            let placed = Pose::from_wxyz(position, quaternion);
+            let pose = RelativePose::new(&Pose::identity(), &placed, &position);
+            let results = [true, false].map(|portable| {
+                let mut descent = Descent::new(&first, &second, &pose, 3.0);
+                let mut scratch = Scratch { stack: Vec::new(), batch: Batch::new() };
+                let met = if portable { descent.run_portable(&mut scratch) } else { descent.run(&mut scratch) };
+                (met, descent.bound().to_bits())
+            });
+            assert_eq!(results[0], results[1]);
+            intersecting += usize::from(results[0].0);
+        }
+        assert!((40..360).contains(&intersecting), "{intersecting}");
+    }
+}

@@ -1,0 +1,120 @@
+//! Whether two triangles intersect, exactly.
+
+use crate::Vec3;
+use robust::{Coord, Coord3D};
+
+/// Three corners, Å.
+pub(super) type Triangle = [Vec3; 3];
+
+/// Whether two closed triangles have a point in common, decided exactly for the coordinates given: all signs come from
+/// adaptive exact predicates (Shewchuk, Discrete Comput. Geom. 18, 305 (1997)).
+///
+/// Two triangles in different planes meet if and only if an edge of one meets the other; the test of the six edges
+/// also settles coplanar triangles, but for one that holds the other, where any corner tells.
+pub(super) fn triangles_intersect(first: &Triangle, second: &Triangle) -> bool {
+    if clearly_on_one_side(first, second) || clearly_on_one_side(second, first) {
+        return false;
+    }
+    let sides_of_second = sides_of_plane(first, second);
+    if on_one_side(sides_of_second) {
+        return false;
+    }
+    let sides_of_first = sides_of_plane(second, first);
+    if on_one_side(sides_of_first) {
+        return false;
+    }
+    if sides_of_second == [0; 3] && sides_of_first == [0; 3] {
+        return coplanar_triangles_intersect(first, second);
+    }
+    (0..3).any(|i| edge_meets_triangle(second, sides_of_second, i, first))
+        || (0..3).any(|i| edge_meets_triangle(first, sides_of_first, i, second))
+}
+
+/// Whether all points lie on one side of a triangle's plane beyond any doubt of rounding: the error of each height is
+/// within some tens of roundings of the product of the lengths.
+fn clearly_on_one_side([a, b, c]: &Triangle, points: &Triangle) -> bool {
+    let normal = (b - a).cross(&(c - a));
+    let [p, q, r] = points.each_ref().map(|point| (point - a).dot(&normal));
+    let reach = a.amax() + points.iter().map(|p| p.amax()).fold(0.0, f64::max);
+    let size = (b - a).amax() * (c - a).amax();
+    let doubt = 1e-13 * reach * size;
+    (p > doubt && q > doubt && r > doubt) || (p < -doubt && q < -doubt && r < -doubt)
+}
+
+/// Sign of the orientation of (a, b, c, d): on which side of the plane (a, b, c) the point d lies.
+pub(super) fn orientation(a: &Vec3, b: &Vec3, c: &Vec3, d: &Vec3) -> i8 {
+    let coordinates = |p: &Vec3| Coord3D { x: p.x, y: p.y, z: p.z };
+    sign(robust::orient3d(coordinates(a), coordinates(b), coordinates(c), coordinates(d)))
+}
+
+fn sides_of_plane([a, b, c]: &Triangle, points: &Triangle) -> [i8; 3] {
+    points.each_ref().map(|point| orientation(a, b, c, point))
+}
+
+fn on_one_side(sides: [i8; 3]) -> bool {
+    sides == [1; 3] || sides == [-1; 3]
+}
+
+/// Whether edge `i` (from corner i to the next) of a triangle meets another triangle; `sides` are the sides of the
+/// other's plane on which the corners lie.
+fn edge_meets_triangle(owner: &Triangle, sides: [i8; 3], i: usize, other: &Triangle) -> bool {
+    let j = (i + 1) % 3;
+    let (p, q) = (&owner[i], &owner[j]);
+    match (sides[i], sides[j]) {
+        (0, 0) => coplanar_segment_meets_triangle(p, q, other),
+        (side_p, side_q) if side_p == side_q => false,
+        _ => line_meets_triangle(p, q, other),
+    }
+}
+
+/// Whether the line through p and q, which crosses or touches the triangle's plane in one point, passes through the
+/// closed triangle: the three edges are not on different sides of it.
+fn line_meets_triangle(p: &Vec3, q: &Vec3, [a, b, c]: &Triangle) -> bool {
+    let turns = [orientation(p, q, a, b), orientation(p, q, b, c), orientation(p, q, c, a)];
+    !(turns.contains(&1) && turns.contains(&-1))
+}
+
+fn coplanar_triangles_intersect(first: &Triangle, second: &Triangle) -> bool {
+    (0..3).any(|i| coplanar_segment_meets_triangle(&second[i], &second[(i + 1) % 3], first))
+        || (0..3).any(|i| coplanar_segment_meets_triangle(&first[i], &first[(i + 1) % 3], second))
+}
+
+/// A closed segment and a closed triangle in one plane. A triangle without area counts for nothing here: all its points
+/// lie on edges of its neighbours.
+fn coplanar_segment_meets_triangle(p: &Vec3, q: &Vec3, triangle: &Triangle) -> bool {
+    let Some(dropped) = (0..3).find(|&axis| {
+        let [a, b, c] = triangle.each_ref().map(|corner| shadow(corner, axis));
+        turn(a, b, c) != 0
+    }) else {
+        return false;
+    };
+    let (p, q) = (shadow(p, dropped), shadow(q, dropped));
+    let corners = triangle.each_ref().map(|corner| shadow(corner, dropped));
+    let edges = [0, 1, 2].map(|i| (corners[i], corners[(i + 1) % 3]));
+    let turns = edges.map(|(a, b)| turn(a, b, p));
+    let starts_inside = !(turns.contains(&1) && turns.contains(&-1));
+    starts_inside || edges.iter().any(|&(a, b)| segments_meet(p, q, a, b))
+}
+
+fn segments_meet(p: Coord<f64>, q: Coord<f64>, a: Coord<f64>, b: Coord<f64>) -> bool {
+    let turns = [turn(p, q, a), turn(p, q, b), turn(a, b, p), turn(a, b, q)];
+    if turns == [0; 4] {
+        let share = |p: f64, q: f64, a: f64, b: f64| p.max(q) >= a.min(b) && a.max(b) >= p.min(q);
+        return share(p.x, q.x, a.x, b.x) && share(p.y, q.y, a.y, b.y);
+    }
+    turns[0] * turns[1] <= 0 && turns[2] * turns[3] <= 0
+}
+
+/// The shadow of a point along a coordinate axis.
+fn shadow(point: &Vec3, axis: usize) -> Coord<f64> {
+    Coord { x: point[(axis + 1) % 3], y: point[(axis + 2) % 3] }
+}
+
+/// Sign of the turn from a over b to c.
+fn turn(a: Coord<f64>, b: Coord<f64>, c: Coord<f64>) -> i8 {
+    sign(robust::orient2d(a, b, c))
+}
+
+fn sign(value: f64) -> i8 {
+    (value > 0.0) as i8 - (value < 0.0) as i8
+}

@@ -1,0 +1,213 @@
+//! Counter-based random numbers: the state of a run is its step number.
+//!
+//! Philox4x32-10 (Salmon, Moraes, Dror and Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC11 (2011)) turns a
+//! 64-bit key and a 128-bit counter into 128 random bits, without memory. The key is the seed; the counter is
+//! (step, replica, purpose, block). Two steps, replicas or purposes never share numbers, and what a step draws does not
+//! depend on how many numbers the steps before it drew, nor on the thread it runs on.
+
+use crate::{Rotation, Vec3};
+use nalgebra::{Quaternion, UnitQuaternion};
+use rand_core::{Infallible, TryRng};
+use std::f64::consts::TAU;
+
+const MULTIPLIERS: [u32; 2] = [0xD251_1F53, 0xCD9E_8D57];
+const WEYL: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
+const ROUNDS: usize = 10;
+const PURPOSE_SHIFT: u32 = 24;
+
+/// The block function: ten rounds of Philox4x32.
+fn philox(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
+    for _ in 0..ROUNDS {
+        let product_0 = u64::from(MULTIPLIERS[0]) * u64::from(counter[0]);
+        let product_1 = u64::from(MULTIPLIERS[1]) * u64::from(counter[2]);
+        counter = [
+            (product_1 >> 32) as u32 ^ counter[1] ^ key[0],
+            product_1 as u32,
+            (product_0 >> 32) as u32 ^ counter[3] ^ key[1],
+            product_0 as u32,
+        ];
+        key = [key[0].wrapping_add(WEYL[0]), key[1].wrapping_add(WEYL[1])];
+    }
+    counter
+}
+
+/// The random numbers of one step of one replica.
+///
+/// A stream holds 2²⁴ blocks of four 32-bit words, far more than a step draws. It implements the traits of `rand_core`,
+/// so every distribution of `rand` works on it.
+///
+/// ```
+/// use protomer_kernel::random::CounterRng;
+/// let draw = |step| CounterRng::new(7, 0, step).uniform();
+/// assert_eq!(draw(12), draw(12)); // the same step gives the same numbers, whenever it is asked
+/// assert_ne!(draw(12), draw(13));
+/// ```
+#[derive(Debug, Clone)]
+pub struct CounterRng {
+    key: [u32; 2],
+    counter: [u32; 4],
+    words: [u32; 4],
+    used: usize,
+}
+
+impl CounterRng {
+    /// The stream of this seed, replica and step, for the purpose 0.
+    pub fn new(seed: u64, replica: u32, step: u64) -> Self {
+        Self::for_purpose(seed, replica, step, 0)
+    }
+
+    /// The stream of this seed, replica and step for one of 256 purposes, each with numbers of its own.
+    pub fn for_purpose(seed: u64, replica: u32, step: u64, purpose: u8) -> Self {
+        Self {
+            key: [seed as u32, (seed >> 32) as u32],
+            counter: [step as u32, (step >> 32) as u32, replica, u32::from(purpose) << PURPOSE_SHIFT],
+            words: [0; 4],
+            used: 4,
+        }
+    }
+
+    fn word(&mut self) -> u32 {
+        if self.used == self.words.len() {
+            self.words = philox(self.counter, self.key);
+            self.counter[3] = self.counter[3].wrapping_add(1);
+            self.used = 0;
+        }
+        let word = self.words[self.used];
+        self.used += 1;
+        word
+    }
+
+    fn two_words(&mut self) -> u64 {
+        let low = u64::from(self.word());
+        low | u64::from(self.word()) << 32
+    }
+
+    /// A number uniform in [0, 1), a multiple of 2⁻⁵³.
+    pub fn uniform(&mut self) -> f64 {
+        (self.two_words() >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
+    }
+
+    /// A number uniform in [low, high).
+    pub fn uniform_in(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.uniform()
+    }
+
+    /// An index uniform in 0..count (0 for an empty range); the bias is below count / 2⁶⁴.
+    pub fn index(&mut self, count: usize) -> usize {
+        ((u128::from(self.two_words()) * count as u128) >> 64) as usize
+    }
+
+    /// A direction uniform on the unit sphere.
+    pub fn unit_vector(&mut self) -> Vec3 {
+        let z = self.uniform_in(-1.0, 1.0);
+        let (sine, cosine) = (TAU * self.uniform()).sin_cos();
+        let radius = (1.0 - z * z).max(0.0).sqrt();
+        Vec3::new(radius * cosine, radius * sine, z)
+    }
+
+    /// A vector uniform in the ball of this radius.
+    pub fn vector_in_ball(&mut self, radius: f64) -> Vec3 {
+        let direction = self.unit_vector();
+        direction * (radius * self.uniform().cbrt())
+    }
+
+    /// A rotation uniform over all rotations (Shoemake, Graphics Gems III (1992), 124).
+    pub fn rotation(&mut self) -> Rotation {
+        let u = self.uniform();
+        let (sine_1, cosine_1) = (TAU * self.uniform()).sin_cos();
+        let (sine_2, cosine_2) = (TAU * self.uniform()).sin_cos();
+        let (near, far) = ((1.0 - u).sqrt(), u.sqrt());
+        UnitQuaternion::new_normalize(Quaternion::new(far * cosine_2, near * sine_1, near * cosine_1, far * sine_2))
+    }
+
+    /// A rotation by at most `largest_angle_rad` whose rotation vector is uniform in a ball. A rotation and its inverse
+    /// are equally likely, which is what a trial move needs.
+    pub fn small_rotation(&mut self, largest_angle_rad: f64) -> Rotation {
+        UnitQuaternion::from_scaled_axis(self.vector_in_ball(largest_angle_rad))
+    }
+}
+
+impl TryRng for CounterRng {
+    type Error = Infallible;
+
+    fn try_next_u32(&mut self) -> Result<u32, Infallible> {
+        Ok(self.word())
+    }
+
+    fn try_next_u64(&mut self) -> Result<u64, Infallible> {
+        Ok(self.two_words())
+    }
+
+    fn try_fill_bytes(&mut self, bytes: &mut [u8]) -> Result<(), Infallible> {
+        for chunk in bytes.chunks_mut(4) {
+            chunk.copy_from_slice(&self.word().to_le_bytes()[..chunk.len()]);
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{Rng, RngExt};
+
+    /// The known answers that the authors publish with the algorithm (Random123, `kat_vectors`).
+    #[test]
+    fn philox_gives_the_published_answers() {
+        let cases = [
+            ([0; 4], [0; 2], [0x6627_e8d5, 0xe169_c58d, 0xbc57_ac4c, 0x9b00_dbd8]),
+            ([u32::MAX; 4], [u32::MAX; 2], [0x408f_276d, 0x41c8_3b0e, 0xa20b_c7c6, 0x6d54_51fd]),
+            (
+                [0x243f_6a88, 0x85a3_08d3, 0x1319_8a2e, 0x0370_7344],
+                [0xa409_3822, 0x299f_31d0],
+                [0xd16c_fe09, 0x94fd_cceb, 0x5001_e420, 0x2412_6ea1],
+            ),
+        ];
+        for (counter, key, expected) in cases {
+            assert_eq!(philox(counter, key), expected);
+        }
+    }
+
+    #[test]
+    fn streams_differ_in_every_word_of_their_name() {
+        let first = |seed, replica, step, purpose| CounterRng::for_purpose(seed, replica, step, purpose).next_u64();
+        let streams = [
+            first(1, 0, 0, 0),
+            first(1 << 32, 0, 0, 0),
+            first(0, 1, 0, 0),
+            first(0, 0, 1, 0),
+            first(0, 0, 1 << 32, 0),
+            first(0, 0, 0, 1),
+        ];
+        for (i, a) in streams.iter().enumerate() {
+            assert!(streams[..i].iter().all(|b| a != b));
+        }
+    }
+
+    #[test]
+    fn it_serves_the_distributions_of_rand() {
+        let mut rng = CounterRng::new(3, 1, 4);
+        assert!((5..9).contains(&rng.random_range(5..9)));
+        let mut bytes = [0; 7];
+        rng.fill_bytes(&mut bytes);
+        assert!(bytes.iter().any(|byte| *byte != 0));
+    }
+
+    #[test]
+    fn moments_of_the_shapes_are_right() {
+        const DRAWS: usize = 200_000;
+        let mut rng = CounterRng::new(11, 0, 0);
+        let mean = |value: &mut dyn FnMut() -> f64| (0..DRAWS).map(|_| value()).sum::<f64>() / DRAWS as f64;
+        // The error of each mean is below 1/sqrt(200 000) = 0.0022 times a standard deviation below 1.
+        assert!((mean(&mut || rng.uniform()) - 0.5).abs() < 4e-3);
+        assert!((mean(&mut || rng.index(5) as f64 / 4.0) - 0.5).abs() < 4e-3);
+        assert!((mean(&mut || rng.unit_vector().x.powi(2)) - 1.0 / 3.0).abs() < 4e-3);
+        assert!(mean(&mut || rng.unit_vector().y).abs() < 8e-3);
+        assert!((mean(&mut || rng.vector_in_ball(2.0).norm_squared() / 4.0) - 0.6).abs() < 4e-3);
+        // A uniform rotation takes z to a uniform direction and has <w²> = 1/4.
+        assert!((mean(&mut || (rng.rotation() * Vec3::z()).z.powi(2)) - 1.0 / 3.0).abs() < 4e-3);
+        assert!((mean(&mut || rng.rotation().quaternion().w.powi(2)) - 0.25).abs() < 4e-3);
+        assert!((mean(&mut || rng.small_rotation(0.1).angle() / 0.1) - 0.75).abs() < 4e-3);
+        assert!(mean(&mut || rng.small_rotation(0.1).scaled_axis().x / 0.1).abs() < 4e-3);
+    }
+}
