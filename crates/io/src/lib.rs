@@ -1,1 +1,27 @@
-//! File formats and nothing else: readers take bytes or text and return kernel types, writers the other way round.
+//! File formats and nothing else: readers take bytes and a name for error messages and return values, writers the other
+//! way round. Only [`gzip`], [`atomic`] and the trajectory in [`gsd`] touch the file system.
+//!
+//! | module | one idea |
+//! |---|---|
+//! | [`mesh`] | triangle meshes: PLY, OBJ, OFF, STL |
+//! | [`points`] | spheres and point charges: `.xyzr`, x y z charge |
+//! | [`pqr`] | atoms with charge and radius |
+//! | [`container`] | named arrays and a JSON header in one checksummed file: bodies, checkpoints |
+//! | [`gsd`] | trajectories in the HOOMD schema |
+//! | [`csv`] | tables |
+//! | [`gzip`] | reading files that may be compressed, within a limit |
+//! | [`atomic`] | files that appear only when complete; SHA-256 |
+
+pub mod atomic;
+mod bytes;
+pub mod container;
+pub mod csv;
+mod error;
+pub mod gsd;
+pub mod gzip;
+pub mod mesh;
+pub mod points;
+pub mod pqr;
+mod text;
+
+pub use error::{IoError, Result};

@@ -1,0 +1,130 @@
+//! Files that appear under their name only when they are complete.
+
+use crate::{IoError, Result};
+use sha2::{Digest, Sha256};
+use std::fs::{self, File, OpenOptions};
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Writes a file so that its name always leads to a complete one, the old or the new: the content goes to a temporary
+/// file in the same folder, is flushed and synced to disk, and takes the name in one step; then the folder is synced.
+/// If anything fails, the temporary file is removed and the old file stays as it was.
+///
+/// ```
+/// # let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("result.csv");
+/// protomer_io::atomic::write_atomically(&path, |file| file.write_all(b"salt_M,r_g\n"))?;
+/// assert_eq!(std::fs::read(&path)?, b"salt_M,r_g\n");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`IoError::File`] names the path and the cause (disk full, no permission, missing folder), also for an error that
+/// `write` returns.
+pub fn write_atomically(path: &Path, write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<()> {
+    let (mut temporary, file) = Temporary::create(path)?;
+    let mut writer = BufWriter::new(file);
+    write(&mut writer).map_err(IoError::at(path, "write"))?;
+    let file = writer.into_inner().map_err(|error| IoError::at(path, "write")(error.into_error()))?;
+    file.sync_all().map_err(IoError::at(path, "write"))?;
+    drop(file);
+    fs::rename(&temporary.path, path).map_err(IoError::at(path, "write"))?;
+    temporary.renamed = true;
+    sync_folder(path)
+}
+
+/// Removed when dropped, unless it was renamed.
+struct Temporary {
+    path: PathBuf,
+    renamed: bool,
+}
+
+impl Temporary {
+    /// A new file `.NAME.PID-N.partial` beside `path`.
+    fn create(path: &Path) -> Result<(Self, File)> {
+        static COUNTER: AtomicU64 = AtomicU64::new(0);
+        let Some(name) = path.file_name() else {
+            let no_name = std::io::Error::new(std::io::ErrorKind::InvalidInput, "it has no file name");
+            return Err(IoError::at(path, "write")(no_name));
+        };
+        let number = COUNTER.fetch_add(1, Ordering::Relaxed);
+        let temporary_name = format!(".{}.{}-{number}.partial", name.to_string_lossy(), std::process::id());
+        let temporary = path.with_file_name(temporary_name);
+        let file = OpenOptions::new().write(true).create(true).truncate(true).open(&temporary);
+        let file = file.map_err(IoError::at(path, "write"))?;
+        Ok((Self { path: temporary, renamed: false }, file))
+    }
+}
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        if !self.renamed {
+            let _ = fs::remove_file(&self.path);
+        }
+    }
+}
+
+/// A rename is on disk only when its folder is.
+fn sync_folder(path: &Path) -> Result<()> {
+    #[cfg(unix)]
+    {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        File::open(folder).and_then(|folder| folder.sync_all()).map_err(IoError::at(path, "sync the folder of"))?;
+    }
+    #[cfg(not(unix))]
+    let _ = path;
+    Ok(())
+}
+
+/// The SHA-256 of these bytes in hexadecimal (FIPS 180-4).
+///
+/// ```
+/// let hash = protomer_io::atomic::sha256_hex(b"abc");
+/// assert_eq!(hash, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+/// ```
+pub fn sha256_hex(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn entries(folder: &Path) -> Vec<String> {
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect()
+    }
+
+    #[test]
+    fn the_new_content_replaces_the_old() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file");
+        for content in ["old", "new"] {
+            write_atomically(&path, |file| file.write_all(content.as_bytes())).unwrap();
+            assert_eq!(fs::read_to_string(&path).unwrap(), content);
+        }
+        assert_eq!(entries(folder.path()), ["file"]);
+    }
+
+    #[test]
+    fn a_failure_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file");
+        fs::write(&path, "old").unwrap();
+        let error = write_atomically(&path, |file| {
+            file.write_all(&[0; 100_000])?;
+            Err(std::io::Error::from(std::io::ErrorKind::StorageFull))
+        });
+        let message = error.unwrap_err().to_string();
+        assert!(message.contains("file") && message.contains("no storage space"), "{message}");
+        assert_eq!(fs::read_to_string(&path).unwrap(), "old");
+        assert_eq!(entries(folder.path()), ["file"]);
+    }
+
+    #[test]
+    fn a_missing_folder_is_named() {
+        let message = write_atomically(Path::new("/no/such/folder/x"), |_| Ok(())).unwrap_err().to_string();
+        assert!(message.contains("/no/such/folder/x"), "{message}");
+        assert!(write_atomically(Path::new("/"), |_| Ok(())).is_err());
+    }
+}

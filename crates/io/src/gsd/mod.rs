@@ -1,0 +1,15 @@
+//! Trajectories in GSD 2 files with the HOOMD schema, which OVITO, freud and the Python package `gsd` open.
+//!
+//! The file layer, frames of named arrays, is written from the public specification
+//! (<https://gsd.readthedocs.io/en/stable/file-layer.html>): [`GsdWriter`] appends, [`GsdFile`] reads. [`trajectory`]
+//! is the schema for rigid bodies on top of it (<https://gsd.readthedocs.io/en/stable/schema-hoomd.html>).
+
+mod format;
+mod reader;
+pub mod trajectory;
+mod writer;
+
+pub use format::{Chunk, ChunkData};
+pub use reader::GsdFile;
+pub use trajectory::{ParticleType, TrajectoryFrame, TrajectoryHeader, TrajectoryWriter, enclosing_box};
+pub use writer::GsdWriter;

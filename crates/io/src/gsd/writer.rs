@@ -1,0 +1,204 @@
+//! Appending frames to a GSD file.
+
+use super::format::{Chunk, ENTRY_BYTES, HEADER_BYTES, Header, IndexEntry, NAME_SEGMENT_BYTES};
+use crate::{IoError, Result};
+use std::collections::HashMap;
+use std::fs::{File, OpenOptions};
+use std::io::{Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+const FIRST_INDEX_ENTRIES: u64 = 128;
+const FIRST_NAME_SEGMENTS: u64 = 16;
+
+/// Appends frames to a GSD file.
+///
+/// A frame's data are written first, its index entries second: a process that dies in between leaves a file that ends
+/// with its last complete frame. A full index moves to the end of the file at twice the size, a full name list as well.
+#[derive(Debug)]
+pub struct GsdWriter {
+    path: PathBuf,
+    file: File,
+    header: Header,
+    /// Bytes in the file.
+    length: u64,
+    entries: Vec<IndexEntry>,
+    names: Vec<String>,
+    name_ids: HashMap<String, u16>,
+    frames: u64,
+}
+
+impl GsdWriter {
+    /// Creates a file without frames, replacing one that is there.
+    ///
+    /// # Errors
+    /// [`IoError::File`] if the system refuses.
+    pub fn create(path: &Path, application: &str, schema: &str, schema_version: (u16, u16)) -> Result<Self> {
+        let mut options = OpenOptions::new();
+        options.read(true).write(true).create(true).truncate(true);
+        let file = options.open(path).map_err(IoError::at(path, "create"))?;
+        let names_location = HEADER_BYTES + FIRST_INDEX_ENTRIES * ENTRY_BYTES;
+        let header = Header {
+            index_location: HEADER_BYTES,
+            index_entries: FIRST_INDEX_ENTRIES,
+            names_location,
+            names_segments: FIRST_NAME_SEGMENTS,
+            schema_version: u32::from(schema_version.0) << 16 | u32::from(schema_version.1),
+            application: application.to_owned(),
+            schema: schema.to_owned(),
+        };
+        let mut writer = Self {
+            path: path.to_owned(),
+            file,
+            header,
+            length: names_location + FIRST_NAME_SEGMENTS * NAME_SEGMENT_BYTES,
+            entries: Vec::new(),
+            names: Vec::new(),
+            name_ids: HashMap::new(),
+            frames: 0,
+        };
+        let mut start = writer.header.to_bytes().to_vec();
+        start.resize(writer.length as usize, 0);
+        writer.write_at(0, &start)?;
+        Ok(writer)
+    }
+
+    /// The frames written.
+    pub fn frames(&self) -> u64 {
+        self.frames
+    }
+
+    /// Appends a frame of these chunks.
+    ///
+    /// # Errors
+    /// [`IoError::File`] if the system refuses (disk full): the file then still ends with the frame before.
+    /// [`IoError::Unwritable`] for a chunk whose values do not fill its columns, a name given twice, or an empty frame.
+    pub fn append_frame(&mut self, chunks: &[Chunk]) -> Result<()> {
+        check_chunks(chunks)?;
+        self.register_names(chunks)?;
+        let mut data = Vec::new();
+        let mut entries = Vec::with_capacity(chunks.len());
+        for chunk in chunks {
+            entries.push(IndexEntry {
+                frame: self.frames,
+                rows: chunk.data.len() as u64 / u64::from(chunk.columns),
+                location: self.length + data.len() as u64,
+                columns: chunk.columns,
+                name: self.name_ids.get(&chunk.name).copied().unwrap_or_default(),
+                code: chunk.data.code(),
+            });
+            data.extend_from_slice(&chunk.data.to_bytes());
+        }
+        entries.sort_by_key(|entry| entry.name);
+        self.write_at(self.length, &data)?;
+        self.length += data.len() as u64;
+        self.append_entries(&entries)?;
+        self.frames += 1;
+        Ok(())
+    }
+
+    /// Returns when everything written is on disk.
+    ///
+    /// # Errors
+    /// [`IoError::File`] if the system refuses.
+    pub fn sync(&mut self) -> Result<()> {
+        self.file.sync_all().map_err(IoError::at(&self.path, "write"))
+    }
+
+    /// Gives the file this name, replacing a file that has it.
+    pub(super) fn rename(&mut self, path: &Path) -> Result<()> {
+        std::fs::rename(&self.path, path).map_err(IoError::at(path, "write"))?;
+        self.path = path.to_owned();
+        Ok(())
+    }
+
+    fn append_entries(&mut self, entries: &[IndexEntry]) -> Result<()> {
+        let total = (self.entries.len() + entries.len()) as u64;
+        // One entry stays zero, to end the list.
+        if total >= self.header.index_entries {
+            self.move_index((total + 1).next_power_of_two() * 2)?;
+        }
+        let bytes: Vec<u8> = entries.iter().flat_map(|entry| entry.to_bytes()).collect();
+        let end = self.header.index_location + self.entries.len() as u64 * ENTRY_BYTES;
+        self.write_at(end, &bytes)?;
+        self.entries.extend_from_slice(entries);
+        Ok(())
+    }
+
+    fn move_index(&mut self, capacity: u64) -> Result<()> {
+        let mut block: Vec<u8> = self.entries.iter().flat_map(|entry| entry.to_bytes()).collect();
+        block.resize((capacity * ENTRY_BYTES) as usize, 0);
+        self.write_at(self.length, &block)?;
+        self.header.index_location = self.length;
+        self.header.index_entries = capacity;
+        self.length += block.len() as u64;
+        self.write_header()
+    }
+
+    /// Adds the names that are new to the name list; if that fails, they stay unknown.
+    fn register_names(&mut self, chunks: &[Chunk]) -> Result<()> {
+        let known = self.names.len();
+        let result = self.write_new_names(chunks);
+        if result.is_err() {
+            self.names.truncate(known);
+            self.name_ids.retain(|_, id| usize::from(*id) < known);
+        }
+        result
+    }
+
+    fn write_new_names(&mut self, chunks: &[Chunk]) -> Result<()> {
+        let known = self.names.len();
+        for chunk in chunks {
+            if !self.name_ids.contains_key(&chunk.name) {
+                let id = u16::try_from(self.names.len())
+                    .map_err(|_| IoError::unwritable("there are more than 65 536 chunk names", "use fewer"))?;
+                self.name_ids.insert(chunk.name.clone(), id);
+                self.names.push(chunk.name.clone());
+            }
+        }
+        if self.names.len() == known {
+            return Ok(());
+        }
+        let mut list: Vec<u8> = self.names.iter().flat_map(|name| name.bytes().chain([0])).collect();
+        let needed = (list.len() as u64 + 1).div_ceil(NAME_SEGMENT_BYTES);
+        if needed <= self.header.names_segments {
+            return self.write_at(self.header.names_location, &list);
+        }
+        self.header.names_segments = needed.next_power_of_two();
+        list.resize((self.header.names_segments * NAME_SEGMENT_BYTES) as usize, 0);
+        self.write_at(self.length, &list)?;
+        self.header.names_location = self.length;
+        self.length += list.len() as u64;
+        self.write_header()
+    }
+
+    fn write_header(&mut self) -> Result<()> {
+        let bytes = self.header.to_bytes();
+        self.write_at(0, &bytes)
+    }
+
+    fn write_at(&mut self, location: u64, bytes: &[u8]) -> Result<()> {
+        self.file
+            .seek(SeekFrom::Start(location))
+            .and_then(|_| self.file.write_all(bytes))
+            .map_err(IoError::at(&self.path, "write"))
+    }
+}
+
+fn check_chunks(chunks: &[Chunk]) -> Result<()> {
+    if chunks.is_empty() {
+        return Err(IoError::unwritable("a frame has no chunks", "give it at least its step"));
+    }
+    for (index, chunk) in chunks.iter().enumerate() {
+        if chunk.columns == 0 || !chunk.data.len().is_multiple_of(chunk.columns as usize) {
+            let cause = format!("chunk {:?} has {} values in {} columns", chunk.name, chunk.data.len(), chunk.columns);
+            return Err(IoError::unwritable(cause, "give whole rows"));
+        }
+        if chunk.name.is_empty() || chunk.name.contains('\0') {
+            return Err(IoError::unwritable(format!("a chunk has the name {:?}", chunk.name), "give it a name"));
+        }
+        if chunks[..index].iter().any(|other| other.name == chunk.name) {
+            return Err(IoError::unwritable(format!("chunk {:?} is given twice", chunk.name), "give it once"));
+        }
+    }
+    Ok(())
+}
