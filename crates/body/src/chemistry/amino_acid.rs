@@ -1,0 +1,124 @@
+//! The twenty amino acids.
+
+use serde::{Deserialize, Serialize};
+
+/// An amino acid, by its three-letter name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[allow(missing_docs, reason = "the variants are the three-letter names")]
+pub enum AminoAcid {
+    Ala,
+    Arg,
+    Asn,
+    Asp,
+    Cys,
+    Gln,
+    Glu,
+    Gly,
+    His,
+    Ile,
+    Leu,
+    Lys,
+    Met,
+    Phe,
+    Pro,
+    Ser,
+    Thr,
+    Trp,
+    Tyr,
+    Val,
+}
+
+/// Name, letter, Kyte-Doolittle hydropathy, side chain's heavy atoms.
+type Entry = (AminoAcid, &'static str, char, f64, &'static [&'static str]);
+
+/// Hydropathy: Kyte and Doolittle, J. Mol. Biol. 157, 105 (1982), table 2.
+const TABLE: [Entry; 20] = [
+    (AminoAcid::Ala, "ALA", 'A', 1.8, &["CB"]),
+    (AminoAcid::Arg, "ARG", 'R', -4.5, &["CB", "CG", "CD", "NE", "CZ", "NH1", "NH2"]),
+    (AminoAcid::Asn, "ASN", 'N', -3.5, &["CB", "CG", "OD1", "ND2"]),
+    (AminoAcid::Asp, "ASP", 'D', -3.5, &["CB", "CG", "OD1", "OD2"]),
+    (AminoAcid::Cys, "CYS", 'C', 2.5, &["CB", "SG"]),
+    (AminoAcid::Gln, "GLN", 'Q', -3.5, &["CB", "CG", "CD", "OE1", "NE2"]),
+    (AminoAcid::Glu, "GLU", 'E', -3.5, &["CB", "CG", "CD", "OE1", "OE2"]),
+    (AminoAcid::Gly, "GLY", 'G', -0.4, &[]),
+    (AminoAcid::His, "HIS", 'H', -3.2, &["CB", "CG", "ND1", "CD2", "CE1", "NE2"]),
+    (AminoAcid::Ile, "ILE", 'I', 4.5, &["CB", "CG1", "CG2", "CD1"]),
+    (AminoAcid::Leu, "LEU", 'L', 3.8, &["CB", "CG", "CD1", "CD2"]),
+    (AminoAcid::Lys, "LYS", 'K', -3.9, &["CB", "CG", "CD", "CE", "NZ"]),
+    (AminoAcid::Met, "MET", 'M', 1.9, &["CB", "CG", "SD", "CE"]),
+    (AminoAcid::Phe, "PHE", 'F', 2.8, &["CB", "CG", "CD1", "CD2", "CE1", "CE2", "CZ"]),
+    (AminoAcid::Pro, "PRO", 'P', -1.6, &["CB", "CG", "CD"]),
+    (AminoAcid::Ser, "SER", 'S', -0.8, &["CB", "OG"]),
+    (AminoAcid::Thr, "THR", 'T', -0.7, &["CB", "OG1", "CG2"]),
+    (AminoAcid::Trp, "TRP", 'W', -0.9, &["CB", "CG", "CD1", "CD2", "NE1", "CE2", "CE3", "CZ2", "CZ3", "CH2"]),
+    (AminoAcid::Tyr, "TYR", 'Y', -1.3, &["CB", "CG", "CD1", "CD2", "CE1", "CE2", "CZ", "OH"]),
+    (AminoAcid::Val, "VAL", 'V', 4.2, &["CB", "CG1", "CG2"]),
+];
+
+/// The heavy atoms every residue has.
+pub const BACKBONE: [&str; 4] = ["N", "CA", "C", "O"];
+
+impl AminoAcid {
+    /// All twenty, by name.
+    pub fn all() -> impl Iterator<Item = AminoAcid> {
+        TABLE.iter().map(|entry| entry.0)
+    }
+
+    fn entry(self) -> &'static Entry {
+        // The table is in the order of the variants, which the test holds.
+        &TABLE[self as usize]
+    }
+
+    /// The amino acid of a three-letter name in upper case, or of a one-letter code.
+    ///
+    /// ```
+    /// use protomer_body::chemistry::AminoAcid;
+    /// assert_eq!(AminoAcid::of_name("GLU"), AminoAcid::of_name("E"));
+    /// ```
+    pub fn of_name(name: &str) -> Option<Self> {
+        let mut letters = name.chars();
+        let single = letters.next().filter(|_| name.len() == 1);
+        TABLE.iter().find(|entry| entry.1 == name || Some(entry.2) == single).map(|entry| entry.0)
+    }
+
+    /// Three-letter name, upper case.
+    pub fn name(self) -> &'static str {
+        self.entry().1
+    }
+
+    /// One-letter code.
+    pub fn letter(self) -> char {
+        self.entry().2
+    }
+
+    /// Kyte-Doolittle hydropathy index.
+    pub fn hydropathy(self) -> f64 {
+        self.entry().3
+    }
+
+    /// Heavy atoms of the side chain, in the names of the Protein Data Bank.
+    pub fn side_chain(self) -> &'static [&'static str] {
+        self.entry().4
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_is_in_the_order_of_the_variants() {
+        for (index, entry) in TABLE.iter().enumerate() {
+            assert_eq!(entry.0 as usize, index);
+            assert_eq!(AminoAcid::of_name(entry.1), AminoAcid::of_name(&entry.2.to_string()));
+        }
+    }
+
+    #[test]
+    fn the_hydropathy_scale_has_its_published_sum_of_ends() {
+        assert_eq!(AminoAcid::Ile.hydropathy(), 4.5);
+        assert_eq!(AminoAcid::Arg.hydropathy(), -4.5);
+        let sum: f64 = AminoAcid::all().map(AminoAcid::hydropathy).sum();
+        assert!((sum - -9.8).abs() < 1e-9, "{sum}");
+    }
+}

@@ -1,0 +1,26 @@
+//! From selected atoms to charged sites.
+//!
+//! | module | one idea |
+//! |---|---|
+//! | [`amino_acid`] | the twenty amino acids: names, heavy atoms, hydropathy |
+//! | [`residue_names`] | other residue names: modified residues and their parents, caps, nucleotides, waters |
+//! | [`protonation`] | titratable groups, model pKa values, Henderson-Hasselbalch |
+//! | [`templates`] | AMBER ff94 charges of each residue |
+//! | [`charges`] | one residue's charge on its atoms |
+//! | [`mutation`] | residues exchanged in place |
+//! | [`radii`] | radii for the surface |
+//! | [`sites`] | the whole selection: sites and residues of a body |
+
+pub mod amino_acid;
+pub mod charges;
+pub mod mutation;
+pub mod protonation;
+pub mod radii;
+pub mod residue_names;
+pub mod sites;
+pub mod templates;
+
+pub use amino_acid::AminoAcid;
+pub use charges::ChargeModel;
+pub use mutation::{Mutation, mutate, parse_mutations};
+pub use sites::{ChargedSites, SiteSettings, build_sites, sites_of_points};

@@ -1,0 +1,32 @@
+//! Radii of heavy atoms for the surface.
+
+/// Radius of an element, Å: C 1.70, N 1.55, O 1.52, S 1.80 (Bondi, J. Phys. Chem. 68, 441 (1964)), any other 1.80
+/// except the following: H 1.10 (Rowland and Taylor, J. Phys. Chem. 100, 7384 (1996)), P 1.80, Se 1.90, halogens and
+/// metals of common ions after Bondi and Mantina et al. (J. Phys. Chem. A 113, 5806 (2009)).
+///
+/// ```
+/// assert_eq!(protomer_body::chemistry::radii::radius_angstrom("N"), 1.55);
+/// ```
+pub fn radius_angstrom(element: &str) -> f64 {
+    match element {
+        "H" | "D" => 1.10,
+        "C" => 1.70,
+        "N" => 1.55,
+        "O" => 1.52,
+        "F" => 1.47,
+        "NA" => 2.27,
+        "MG" => 1.73,
+        "P" | "S" => 1.80,
+        "CL" => 1.75,
+        "K" => 2.75,
+        "CA" => 2.31,
+        "NI" => 1.63,
+        "CU" => 1.40,
+        "ZN" => 1.39,
+        "SE" => 1.90,
+        "BR" => 1.83,
+        "CD" => 1.58,
+        "I" => 1.98,
+        _ => 1.80,
+    }
+}

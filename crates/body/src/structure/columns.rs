@@ -1,0 +1,101 @@
+//! Fixed-column fields of PDB lines.
+
+use super::{parse_error, quoted};
+use crate::{BodyError, Result};
+
+/// One line of a fixed-column file.
+#[derive(Clone, Copy)]
+pub(crate) struct Line<'a> {
+    pub(crate) source: &'a str,
+    pub(crate) number: usize,
+    pub(crate) text: &'a str,
+}
+
+impl<'a> Line<'a> {
+    /// Columns `first` to `last`, counted from one, both included; shorter or empty where the line ends early.
+    pub(crate) fn columns(&self, first: usize, last: usize) -> &'a str {
+        if self.text.is_ascii() {
+            return self.text.get(first - 1..last.min(self.text.len())).unwrap_or("");
+        }
+        let mut starts = self.text.char_indices().map(|(at, _)| at).skip(first - 1);
+        let from = starts.next().unwrap_or(self.text.len());
+        let to = starts.nth(last - first).unwrap_or(self.text.len());
+        self.text.get(from..to).unwrap_or("")
+    }
+
+    /// The columns without the blanks about them.
+    pub(crate) fn field(&self, first: usize, last: usize) -> &'a str {
+        self.columns(first, last).trim()
+    }
+
+    /// The field as a character that is not blank.
+    pub(crate) fn character(&self, column: usize) -> Option<char> {
+        self.field(column, column).chars().next()
+    }
+
+    pub(crate) fn error(&self, cause: String, remedy: &str) -> BodyError {
+        parse_error(self.source, self.number, cause, remedy)
+    }
+
+    /// A coordinate: a finite number of a size that a molecule can have.
+    pub(crate) fn coordinate(&self, name: &str, first: usize, last: usize) -> Result<f64> {
+        /// No structure is larger; eight columns can write more.
+        const LARGEST_ANGSTROM: f64 = 1e6;
+        let field = self.field(first, last);
+        match field.parse::<f64>() {
+            Ok(value) if value.is_finite() && value.abs() <= LARGEST_ANGSTROM => Ok(value),
+            _ => {
+                let cause = format!("{name} in columns {first}-{last} is {}, not a coordinate in Å", quoted(field));
+                Err(self.error(cause, "mend or delete the line; columns may be shifted"))
+            }
+        }
+    }
+}
+
+/// A number of `width` columns in decimal or hybrid-36 notation (Grosse-Kunstleve, cctbx: after 99999 follow A0000 to
+/// ZZZZZ, then a0000 to zzzzz, base 36).
+///
+/// Value of an upper-case field: base36(field) - 10·36^(w-1) + 10^w; lower case continues where upper case ends.
+pub(crate) fn hybrid36(field: &str, width: u32) -> Option<i64> {
+    if let Ok(value) = field.parse::<i64>() {
+        return Some(value);
+    }
+    let first = field.chars().next()?;
+    let of_one_case = |is_case: fn(&char) -> bool| field.chars().all(|c| c.is_ascii_digit() || is_case(&c));
+    let is_upper = first.is_ascii_uppercase() && of_one_case(char::is_ascii_uppercase);
+    let is_lower = first.is_ascii_lowercase() && of_one_case(char::is_ascii_lowercase);
+    if field.len() != width as usize || !(is_upper || is_lower) {
+        return None;
+    }
+    let value = i64::from_str_radix(field, 36).ok()?;
+    let letters = 36_i64.pow(width - 1);
+    Some(value + 10_i64.pow(width) + if is_upper { -10 * letters } else { 16 * letters })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hybrid_36_continues_the_decimals() {
+        let cases = [("99999", 99_999), ("A0000", 100_000), ("A0001", 100_001), ("ZZZZZ", 43_770_015)];
+        for (field, value) in cases {
+            assert_eq!(hybrid36(field, 5), Some(value), "{field}");
+        }
+        assert_eq!(hybrid36("a0000", 5), Some(43_770_016));
+        assert_eq!(hybrid36("A000", 4), Some(10_000));
+        assert_eq!(hybrid36("-12", 4), Some(-12));
+        for nonsense in ["*****", "Aa000", "A00", "", "é000"] {
+            assert_eq!(hybrid36(nonsense, 5), None);
+        }
+    }
+
+    #[test]
+    fn columns_survive_short_lines_and_wide_characters() {
+        let line = Line { source: "x", number: 1, text: "ABé Z" };
+        assert_eq!(
+            (line.columns(1, 2), line.columns(3, 3), line.field(4, 90), line.columns(9, 10)),
+            ("AB", "é", "Z", "")
+        );
+    }
+}

@@ -1,0 +1,225 @@
+//! PDB coordinate records (wwPDB format 3.3, section 9), read as files in the wild write them.
+//!
+//! Tolerated: lines that end early, missing occupancy, B or element, hybrid-36 and overflowing serial numbers, five-digit
+//! residue numbers, two-letter chains (columns 21-22), four-letter residue names, atoms outside MODEL ... ENDMDL.
+//! Not tolerated: a coordinate or a residue number that cannot be read, because the atom would be lost in silence.
+
+use super::columns::{Line, hybrid36};
+use super::{Atom, Model, Names, Structure, element, pdb_header, quoted};
+use crate::Result;
+use crate::chemistry::residue_names;
+use protomer_kernel::Vec3;
+use std::collections::HashSet;
+use std::sync::Arc;
+
+/// Reads a PDB file.
+pub(crate) fn read(source: &str, text: &str) -> Result<Structure> {
+    let mut reader = Reader::new(source);
+    let mut header = pdb_header::HeaderReader::default();
+    for (index, text) in text.lines().enumerate() {
+        let line = Line { source, number: index + 1, text: text.trim_end() };
+        match line.field(1, 6) {
+            "ATOM" | "HETATM" => reader.atom(&line)?,
+            "MODEL" => reader.open_model(&line),
+            "ENDMDL" | "END" => reader.close_model(),
+            "TER" => reader.end_of_polymer(),
+            record if record.starts_with("HETAT") => reader.atom(&line)?,
+            record => header.read(record, &line, &mut reader.names)?,
+        }
+    }
+    reader.finish(header)
+}
+
+/// The state between one line and the next.
+struct Reader {
+    structure: Structure,
+    names: Names,
+    /// Whether atoms that follow belong to the last model.
+    model_is_open: bool,
+    /// Whether a TER record has ended a polymer of the chain in this model.
+    ended_chains: HashSet<Arc<str>>,
+    serial: i64,
+}
+
+impl Reader {
+    fn new(source: &str) -> Self {
+        Self {
+            structure: Structure { source: source.to_string(), ..Structure::default() },
+            names: Names::default(),
+            model_is_open: false,
+            ended_chains: HashSet::new(),
+            serial: 0,
+        }
+    }
+
+    fn open_model(&mut self, line: &Line) {
+        let next = self.next_model_number();
+        let number = line.field(7, 14).parse().unwrap_or(next);
+        self.push_model(number);
+    }
+
+    fn next_model_number(&self) -> i32 {
+        self.structure.models.last().map_or(1, |model| model.number.saturating_add(1))
+    }
+
+    fn push_model(&mut self, number: i32) {
+        self.structure.models.push(Model { number, atoms: Vec::new() });
+        self.model_is_open = true;
+        self.ended_chains.clear();
+    }
+
+    fn close_model(&mut self) {
+        self.model_is_open = false;
+    }
+
+    fn end_of_polymer(&mut self) {
+        if let Some(atom) = self.structure.models.last().and_then(|model| model.atoms.last()) {
+            self.ended_chains.insert(atom.chain.clone());
+        }
+    }
+
+    fn atom(&mut self, line: &Line) -> Result<()> {
+        if !self.model_is_open {
+            if !self.structure.models.is_empty() {
+                let message = "atoms after the end of a model, read as a model of their own";
+                self.structure.warnings.add(line.number, message);
+            }
+            self.push_model(self.next_model_number());
+        }
+        let atom = self.parse_atom(line)?;
+        self.serial = atom.serial;
+        if let Some(model) = self.structure.models.last_mut() {
+            model.atoms.push(atom);
+        }
+        Ok(())
+    }
+
+    fn parse_atom(&mut self, line: &Line) -> Result<Atom> {
+        let hetero = line.text.starts_with('H');
+        let (residue_name, chain) = residue_and_chain(line);
+        let (residue_number, insertion_code) = residue_number(line)?;
+        let position =
+            Vec3::new(line.coordinate("x", 31, 38)?, line.coordinate("y", 39, 46)?, line.coordinate("z", 47, 54)?);
+        let name = line.field(13, 16);
+        if name.is_empty() {
+            return Err(line.error("no atom name in columns 13-16".into(), "mend or delete the line"));
+        }
+        let occupancy = self.number_or(line, "occupancy", 55, 60, 1.0);
+        let b_factor_angstrom2 = self.number_or(line, "B factor", 61, 66, 0.0);
+        let chain = self.names.share(chain);
+        let element = element::known(line.field(77, 78)).unwrap_or_else(|| {
+            element::from_pdb_name(line.columns(13, 16), hetero && !residue_names::is_polymer(residue_name))
+        });
+        Ok(Atom {
+            serial: hybrid36(line.field(7, 11), 5).unwrap_or(self.serial.saturating_add(1)),
+            name: self.names.share(name),
+            alternate: line.character(17),
+            residue_name: self.names.share(residue_name),
+            label_chain: chain.clone(),
+            outside_polymer: hetero && self.ended_chains.contains(&chain),
+            chain,
+            residue_number,
+            insertion_code: self.names.share(insertion_code),
+            element: self.names.share(element),
+            occupancy,
+            b_factor_angstrom2,
+            formal_charge_e: formal_charge(line.field(79, 80)),
+            position,
+            hetero,
+        })
+    }
+
+    /// A number that the file may lack; one that cannot be read is warned of.
+    fn number_or(&mut self, line: &Line, name: &str, first: usize, last: usize, default: f64) -> f64 {
+        let field = line.field(first, last);
+        match field.parse::<f64>() {
+            Ok(value) if value.is_finite() => value,
+            _ if field.is_empty() => default,
+            _ => {
+                self.structure.warnings.add(line.number, &format!("{name} {} read as {default}", quoted(field)));
+                default
+            }
+        }
+    }
+
+    fn finish(mut self, header: pdb_header::HeaderReader) -> Result<Structure> {
+        self.structure.models.retain(|model| !model.atoms.is_empty());
+        (self.structure.header, self.structure.assemblies) = header.finish();
+        Ok(self.structure)
+    }
+}
+
+/// Residue name and chain. Columns 18-20 and 22 by the standard; column 21 belongs to a two-letter chain if the three
+/// columns before it name a residue by themselves, and otherwise to a four-letter residue name.
+fn residue_and_chain<'a>(line: &Line<'a>) -> (&'a str, &'a str) {
+    let (three, four) = (line.field(18, 20), line.field(18, 21));
+    let is_residue = |name: &str| residue_names::is_polymer(name) || residue_names::is_water(name);
+    if line.character(21).is_none() {
+        (three, line.field(22, 22))
+    } else if is_residue(three) && !is_residue(four) {
+        (three, line.field(21, 22))
+    } else {
+        (four, line.field(22, 22))
+    }
+}
+
+/// Residue number and insertion code; a digit in the insertion code's column is the fifth digit of the number.
+fn residue_number<'a>(line: &Line<'a>) -> Result<(i32, &'a str)> {
+    let code = line.field(27, 27);
+    let five_digits = code.starts_with(|c: char| c.is_ascii_digit());
+    let (field, code) = if five_digits { (line.field(23, 27), "") } else { (line.field(23, 26), code) };
+    match hybrid36(field, 4).and_then(|number| i32::try_from(number).ok()) {
+        Some(number) => Ok((number, code)),
+        None => {
+            let cause = format!("residue number in columns 23-26 is {}", quoted(field));
+            Err(line.error(cause, "number the residue; columns may be shifted"))
+        }
+    }
+}
+
+/// `2+`, `1-`, `+1`: a formal charge; anything else is none.
+fn formal_charge(field: &str) -> Option<i32> {
+    let sign = if field.contains('-') { -1 } else { 1 };
+    let digits = field.trim_matches(['+', '-']);
+    digits.parse::<i32>().ok().filter(|_| field.contains(['+', '-'])).map(|charge| sign * charge)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn one(line: &str) -> Result<Atom> {
+        Ok(read("test.pdb", line)?.models.remove(0).atoms.remove(0))
+    }
+
+    #[test]
+    fn a_full_line() {
+        let atom = one("HETATM 1234 ZN  AZN2 B-101A     11.104   6.134  -6.504  0.50 10.25          ZN2+").unwrap();
+        assert_eq!((atom.serial, &*atom.name, atom.alternate, &*atom.element), (1234, "ZN", Some('A'), "ZN"));
+        assert_eq!((&*atom.chain, atom.residue_number, &*atom.insertion_code), ("B", -101, "A"));
+        assert_eq!((atom.occupancy, atom.b_factor_angstrom2, atom.formal_charge_e), (0.5, 10.25, Some(2)));
+    }
+
+    #[test]
+    fn a_line_that_ends_at_its_coordinates() {
+        let atom = one("ATOM      1  CA  GLY     7      11.104   6.134  -6.5\r").unwrap();
+        assert_eq!((atom.position.z, atom.occupancy, &*atom.element, &*atom.chain), (-6.5, 1.0, "C", ""));
+    }
+
+    #[test]
+    fn long_names_and_numbers() {
+        let chains = one("ATOM  A0000  N   GLUBb4016     147.522   4.864  48.302  1.00 97.30         Z N").unwrap();
+        assert_eq!((&*chains.chain, &*chains.residue_name, chains.serial), ("Bb", "GLU", 100_000));
+        let water = one("ATOM  *****  OH2 TIP3W12345    147.522   4.864  48.302  1.00 97.30").unwrap();
+        assert_eq!((&*water.chain, &*water.residue_name, water.residue_number), ("W", "TIP3", 12_345));
+    }
+
+    #[test]
+    fn a_bad_coordinate_names_its_line_and_columns() {
+        let text = "REMARK\nATOM      1  CA  GLY A   7      11.104   6.1x4  -6.504  1.00 10.00           C";
+        let message = read("bad.pdb", text).unwrap_err().to_string();
+        assert!(message.contains("bad.pdb:2") && message.contains("39-46") && message.contains("6.1x4"), "{message}");
+        assert!(one("ATOM      1  CA  GLY A   7         nan   6.134  -6.504").is_err());
+        assert!(one("ATOM      1  CA  GLY A   7       1e300   6.134  -6.504").is_err());
+    }
+}

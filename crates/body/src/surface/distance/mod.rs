@@ -1,0 +1,352 @@
+//! The signed distance to the solvent-excluded surface.
+//!
+//! Let A be the space that probe centres may occupy, closed: the complement of the union of the expanded balls. The
+//! solvent-excluded solid is what no probe reaches, {x : d(x) > p} with d(x) the distance from x to A, so f = p - d
+//! is zero exactly on the surface (Richards, Annu. Rev. Biophys. Bioeng. 6, 151 (1977)). The nearest point of A is
+//! one of
+//!
+//! * the radial projection onto a face, which can only belong to the ball in which x lies deepest: d ≥ max (R - |x - c|)
+//!   for every ball, with equality there;
+//! * the point of an arc in the half-plane of x through the circle's axis;
+//! * a vertex.
+//!
+//! Inside the solid and between both surfaces f is the signed distance itself, cut off at a fixed depth.
+
+mod index;
+mod project;
+
+use super::arrangement::Arrangement;
+use super::implicit::ImplicitSolid;
+use index::{Builder, FeatureIndex, Kind};
+use protomer_kernel::Vec3;
+
+/// How far inside and outside the excluded surface the function is followed, Å. Deeper inside it keeps the value it has
+/// there; outside it is followed to the accessible surface if that is farther.
+const BAND_ANGSTROM: f64 = 1.0;
+/// Edge of the index cells in units of the largest reach of an atom, which then is listed in some hundred cells.
+const CELL_EDGE_PER_REACH: f64 = 0.35;
+
+/// This near its axis all points of a circle are equally near, Å.
+const ON_AXIS_ANGSTROM: f64 = 1e-12;
+
+/// A half-space n·u <= h that a point of a face must lie in, u from the atom's centre in Å.
+#[derive(Debug, Clone, Copy)]
+struct HalfSpace {
+    axis: Vec3,
+    height: f64,
+}
+
+/// What the distance needs to know of an arc.
+#[derive(Debug, Clone, Copy)]
+struct CompactArc {
+    centre: Vec3,
+    axis: Vec3,
+    middle: Vec3,
+    radius: f64,
+    /// Cosine of half the arc's angle: a direction ρ lies on the arc if ρ·middle is at least this.
+    cosine_half_angle: f64,
+}
+
+/// The solid bounded by the solvent-excluded surface.
+///
+/// ```
+/// use protomer_body::surface::{Arrangement, ImplicitSolid, SesSolid};
+/// use protomer_kernel::Vec3;
+/// let accessible = Arrangement::new(&[Vec3::zeros()], &[1.7], 1.4)?;
+/// let solid = SesSolid::new(&accessible);
+/// assert!((solid.signed_distance(&Vec3::new(1.5, 0.0, 0.0)) + 0.2).abs() < 1e-7);
+/// # Ok::<(), protomer_body::BodyError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct SesSolid {
+    probe_radius: f64,
+    centres: Vec<Vec3>,
+    radii: Vec<f64>,
+    /// For atom i the half-spaces `half_space_starts[i] .. half_space_starts[i + 1]`; for buried atoms none.
+    half_space_starts: Vec<u32>,
+    half_spaces: Vec<HalfSpace>,
+    exposed: Vec<bool>,
+    arcs: Vec<CompactArc>,
+    vertices: Vec<Vec3>,
+    cover: Vec<(Vec3, f64)>,
+    bounds: (Vec3, Vec3),
+    index: FeatureIndex,
+}
+
+/// A point of the accessible surface and its distance from the point asked about.
+#[derive(Debug, Clone, Copy)]
+struct Nearest {
+    point: Vec3,
+    distance: f64,
+}
+
+impl SesSolid {
+    /// The solid of an accessible surface.
+    pub fn new(accessible: &Arrangement) -> Self {
+        let (half_space_starts, half_spaces, exposed) = half_spaces_of(accessible);
+        let arcs: Vec<CompactArc> = accessible
+            .arcs()
+            .iter()
+            .map(|arc| CompactArc {
+                centre: arc.centre,
+                axis: arc.axis,
+                middle: arc.middle,
+                radius: arc.radius,
+                cosine_half_angle: if arc.vertices.is_some() { (0.5 * arc.angle).cos() } else { -2.0 },
+            })
+            .collect();
+        let vertices: Vec<Vec3> = accessible.vertices().iter().map(|vertex| vertex.position).collect();
+        let (cover, bounds) = cover_of(accessible);
+        let mut solid = Self {
+            probe_radius: accessible.probe_radius_angstrom(),
+            centres: accessible.centres().to_vec(),
+            radii: accessible.expanded_radii_angstrom().to_vec(),
+            half_space_starts,
+            half_spaces,
+            exposed,
+            arcs,
+            vertices,
+            cover,
+            bounds,
+            index: Builder::new(1.0).finish(),
+        };
+        solid.index = solid.build_index(accessible.members());
+        solid
+    }
+
+    fn build_index(&self, members: &[u32]) -> FeatureIndex {
+        let largest = members.iter().map(|&i| self.radii[i as usize]).fold(1e-3, f64::max);
+        let mut builder = Builder::new(CELL_EDGE_PER_REACH * (largest + BAND_ANGSTROM));
+        for &atom in members {
+            let (centre, radius) = (self.centres[atom as usize], self.radii[atom as usize]);
+            let reach = self.largest_value() - self.probe_radius;
+            builder.insert((Kind::Atom, atom), (&centre, radius), reach, |_, _| false);
+        }
+        let reach = self.reach();
+        for (number, arc) in self.arcs.iter().enumerate() {
+            let ball = arc.ball();
+            builder.insert((Kind::Arc, number as u32), (&ball.0, ball.1), reach, |middle, half_diagonal| {
+                arc.distance_from_circle(middle) > reach + half_diagonal
+            });
+        }
+        for (number, vertex) in self.vertices.iter().enumerate() {
+            builder.insert((Kind::Vertex, number as u32), (vertex, 0.0), reach, |_, _| false);
+        }
+        builder.finish()
+    }
+
+    /// Distances up to this are found exactly, Å.
+    fn reach(&self) -> f64 {
+        self.probe_radius + BAND_ANGSTROM
+    }
+
+    /// The value far outside, Å.
+    fn largest_value(&self) -> f64 {
+        self.probe_radius.max(BAND_ANGSTROM)
+    }
+
+    /// The ball in which `point` lies deepest, and how deep, Å (negative outside all balls).
+    fn deepest(&self, point: &Vec3, atoms: &[u32]) -> Option<(u32, f64)> {
+        let mut best = None;
+        let mut depth = f64::NEG_INFINITY;
+        for &atom in atoms {
+            let this = self.radii[atom as usize] - (point - self.centres[atom as usize]).norm();
+            if this > depth {
+                depth = this;
+                best = Some(atom);
+            }
+        }
+        best.map(|atom| (atom, depth))
+    }
+
+    /// The radial projection onto the ball of `atom`, if it is exposed there.
+    fn on_face(&self, point: &Vec3, atom: u32) -> Option<Vec3> {
+        let atom = atom as usize;
+        if !self.exposed[atom] {
+            return None;
+        }
+        let offset = point - self.centres[atom];
+        let length = offset.norm();
+        let direction = if length > 0.0 { offset / length } else { Vec3::x() };
+        let onto = direction * self.radii[atom];
+        let range = self.half_space_starts[atom] as usize..self.half_space_starts[atom + 1] as usize;
+        let inside = self.half_spaces[range].iter().all(|half_space| half_space.axis.dot(&onto) <= half_space.height);
+        inside.then(|| self.centres[atom] + onto)
+    }
+
+    /// The nearest point on the arcs and vertices listed, nearer than `limit`.
+    fn nearest_edge(
+        &self,
+        point: &Vec3,
+        arcs: impl Iterator<Item = u32>,
+        vertices: impl Iterator<Item = u32>,
+        limit: f64,
+    ) -> Option<Nearest> {
+        let mut best = limit * limit;
+        let mut found = None;
+        for vertex in vertices {
+            let square = (point - self.vertices[vertex as usize]).norm_squared();
+            if square < best {
+                best = square;
+                found = Some(Err(vertex));
+            }
+        }
+        for arc in arcs {
+            if let Some(square) = self.arcs[arc as usize].distance_squared(point)
+                && square < best
+            {
+                best = square;
+                found = Some(Ok(arc));
+            }
+        }
+        let nearest = match found? {
+            Ok(arc) => self.arcs[arc as usize].nearest(point),
+            Err(vertex) => self.vertices[vertex as usize],
+        };
+        Some(Nearest { point: nearest, distance: best.sqrt() })
+    }
+
+    /// The nearest point of the accessible surface from a point inside it; searches everything if nothing is near.
+    fn nearest_accessible(&self, point: &Vec3) -> Option<Nearest> {
+        let nearby = self.index.nearby(point);
+        if let Some((atom, depth)) = self.deepest(point, nearby.atoms)
+            && let Some(onto) = self.on_face(point, atom)
+        {
+            return Some(Nearest { point: onto, distance: depth });
+        }
+        let (arcs, vertices) = (nearby.arcs.iter().copied(), nearby.vertices.iter().copied());
+        self.nearest_edge(point, arcs, vertices, self.reach()).or_else(|| {
+            let (arcs, vertices) = (0..self.arcs.len() as u32, 0..self.vertices.len() as u32);
+            self.nearest_edge(point, arcs, vertices, f64::INFINITY)
+        })
+    }
+
+    /// How deep `point` lies within the accessible solid, at least, and in which ball; searches everything if nothing
+    /// is near.
+    fn deepest_anywhere(&self, point: &Vec3) -> Option<(u32, f64)> {
+        self.deepest(point, self.index.nearby(point).atoms).or_else(|| {
+            let atoms: Vec<u32> = (0..self.centres.len() as u32).filter(|&i| self.exposed[i as usize]).collect();
+            self.deepest(point, &atoms)
+        })
+    }
+}
+
+impl ImplicitSolid for SesSolid {
+    fn signed_distance(&self, point: &Vec3) -> f64 {
+        let nearby = self.index.nearby(point);
+        let Some((atom, depth)) = self.deepest(point, nearby.atoms) else {
+            return self.largest_value();
+        };
+        if depth <= 0.0 {
+            return (self.probe_radius - depth).min(self.largest_value());
+        }
+        if depth >= self.reach() {
+            return -BAND_ANGSTROM;
+        }
+        if self.on_face(point, atom).is_some() {
+            return self.probe_radius - depth;
+        }
+        let (arcs, vertices) = (nearby.arcs.iter().copied(), nearby.vertices.iter().copied());
+        let nearest = self.nearest_edge(point, arcs, vertices, self.reach());
+        nearest.map_or(-BAND_ANGSTROM, |nearest| self.probe_radius - nearest.distance)
+    }
+
+    fn project(&self, point: &Vec3) -> (Vec3, Vec3) {
+        project::project(self, point)
+    }
+
+    fn bounds(&self) -> (Vec3, Vec3) {
+        self.bounds
+    }
+
+    fn cover(&self) -> Vec<(Vec3, f64)> {
+        self.cover.clone()
+    }
+}
+
+impl CompactArc {
+    /// Square of the distance from `point` to the nearest point of the circle if that lies on the arc.
+    fn distance_squared(&self, point: &Vec3) -> Option<f64> {
+        let offset = point - self.centre;
+        let along = offset.dot(&self.axis);
+        let square = offset.norm_squared();
+        let out = (square - along * along).max(0.0).sqrt();
+        let on_arc = offset.dot(&self.middle) >= self.cosine_half_angle * out - ON_AXIS_ANGSTROM;
+        on_arc.then(|| {
+            let gap = out - self.radius;
+            along * along + gap * gap
+        })
+    }
+
+    /// The nearest point of the circle.
+    fn nearest(&self, point: &Vec3) -> Vec3 {
+        let offset = point - self.centre;
+        let out = offset - self.axis * offset.dot(&self.axis);
+        self.centre + out.try_normalize(10.0 * ON_AXIS_ANGSTROM).unwrap_or(self.middle) * self.radius
+    }
+
+    fn distance_from_circle(&self, point: &Vec3) -> f64 {
+        let offset = point - self.centre;
+        let along = offset.dot(&self.axis);
+        let out = (offset.norm_squared() - along * along).max(0.0).sqrt();
+        (along * along + (out - self.radius).powi(2)).sqrt()
+    }
+
+    /// A ball that holds the arc.
+    fn ball(&self) -> (Vec3, f64) {
+        if self.cosine_half_angle <= 0.0 {
+            return (self.centre, self.radius);
+        }
+        // About the middle of the chord; half the chord is radius sin(angle / 2).
+        let half_chord = self.radius * (1.0 - self.cosine_half_angle.powi(2)).max(0.0).sqrt();
+        (self.centre + self.middle * (self.radius * self.cosine_half_angle), half_chord)
+    }
+}
+
+/// Half-spaces of the exposed atoms, largest cap first.
+fn half_spaces_of(accessible: &Arrangement) -> (Vec<u32>, Vec<HalfSpace>, Vec<bool>) {
+    let radii = accessible.expanded_radii_angstrom();
+    let mut exposed = vec![false; radii.len()];
+    accessible.faces().iter().for_each(|face| exposed[face.atom as usize] = true);
+    let mut half_spaces = Vec::new();
+    let mut starts = vec![0];
+    let mut caps = Vec::new();
+    for (atom, (radius, is_exposed)) in radii.iter().zip(&exposed).enumerate() {
+        if *is_exposed && accessible.caps(atom as u32, &mut caps).is_some() {
+            half_spaces.extend(caps.iter().map(|cap| HalfSpace { axis: cap.axis, height: cap.height * radius }));
+        }
+        starts.push(half_spaces.len() as u32);
+    }
+    (starts, half_spaces, exposed)
+}
+
+/// Balls that hold the surface, and their bounding box.
+///
+/// A surface point lies on a segment from its nearest accessible point c towards the atoms that touch the probe at c,
+/// and as long as it does not pass their centres it lies in one of their expanded balls. Only a probe at a vertex that
+/// reaches through the plane of its three atoms can touch beyond; it is covered by a ball of its own.
+fn cover_of(accessible: &Arrangement) -> (Vec<(Vec3, f64)>, (Vec3, Vec3)) {
+    let (centres, radii) = (accessible.centres(), accessible.expanded_radii_angstrom());
+    let probe = accessible.probe_radius_angstrom();
+    let exposed = accessible.exposed_atoms();
+    let mut cover: Vec<(Vec3, f64)> =
+        exposed.iter().map(|&atom| (centres[atom as usize], radii[atom as usize])).collect();
+    let tight = exposed.iter().map(|&atom| (centres[atom as usize], radii[atom as usize] - probe));
+    let everywhere = |x: f64| (Vec3::repeat(x), Vec3::repeat(-x));
+    let mut bounds = tight.fold(everywhere(f64::INFINITY), |(low, high), (centre, radius)| {
+        (low.inf(&(centre - Vec3::repeat(radius))), high.sup(&(centre + Vec3::repeat(radius))))
+    });
+    for vertex in accessible.vertices() {
+        let [a, b, c] = vertex.atoms.map(|atom| centres[atom as usize]);
+        let height = (b - a).cross(&(c - a)).try_normalize(0.0).map_or(0.0, |n| n.dot(&(vertex.position - a)).abs());
+        if height < probe {
+            cover.push((vertex.position, probe));
+        }
+    }
+    let margin = Vec3::repeat(1e-6);
+    bounds = (bounds.0 - margin, bounds.1 + margin);
+    (cover, bounds)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,114 @@
+use super::*;
+use crate::surface::test_support::{clusters, probe_contacts, read_reference};
+
+/// The obvious twin: every radial projection, every nearest point of a circle, every probe contact of three atoms, of
+/// which those in no ball are allowed probe positions.
+fn brute_force_distance(point: &Vec3, centres: &[Vec3], radii: &[f64], contacts: &[Vec3]) -> f64 {
+    let outside = |x: &Vec3| centres.iter().zip(radii).all(|(c, r)| (x - c).norm() >= r - 1e-6);
+    if outside(point) {
+        return 0.0;
+    }
+    let mut best = f64::INFINITY;
+    let mut offer = |x: Vec3| {
+        if (x - point).norm() < best && outside(&x) {
+            best = (x - point).norm();
+        }
+    };
+    contacts.iter().for_each(|contact| offer(*contact));
+    for (i, (ci, ri)) in centres.iter().zip(radii).enumerate() {
+        offer(ci + (point - ci).normalize() * *ri);
+        for (cj, rj) in centres.iter().zip(radii).skip(i + 1) {
+            let d = (cj - ci).norm();
+            let h = (d * d + ri * ri - rj * rj) / (2.0 * d);
+            if d > 0.0 && ri * ri > h * h {
+                let n = (cj - ci) / d;
+                let out = point - ci - n * n.dot(&(point - ci));
+                offer(ci + n * h + out.normalize() * (ri * ri - h * h).sqrt());
+            }
+        }
+    }
+    best
+}
+
+#[test]
+fn the_distance_agrees_with_brute_force() {
+    let mut near = 0;
+    for (number, (centres, radii)) in clusters(60, 3..14).into_iter().enumerate() {
+        let probe = [1.4, 0.9, 2.5][number % 3];
+        let accessible = Arrangement::new(&centres, &radii, probe).unwrap();
+        let solid = SesSolid::new(&accessible);
+        let expanded = accessible.expanded_radii_angstrom();
+        let contacts = probe_contacts(&centres, expanded);
+        let (low, high) = solid.bounds();
+        for step in 0..400 {
+            let fraction =
+                |axis: u64| super::super::test_support::fraction(number as u64 * 7919 + step * 3 + axis) * 1.4 - 0.2;
+            let point = Vec3::new(
+                low.x + (high.x - low.x) * fraction(0),
+                low.y + (high.y - low.y) * fraction(1),
+                low.z + (high.z - low.z) * fraction(2),
+            );
+            let expected = probe - brute_force_distance(&point, &centres, expanded, &contacts);
+            let value = solid.signed_distance(&point);
+            if expected >= probe - 1e-9 {
+                assert!(value >= probe - 1e-9, "cluster {number}: {value} where the probe may be");
+            } else {
+                near += i32::from(expected.abs() < 0.5);
+                assert!((value - expected.max(-BAND_ANGSTROM)).abs() < 1e-5, "cluster {number}: {value} {expected}");
+            }
+        }
+    }
+    assert!(near > 2000, "{near} points near the surface");
+}
+
+#[test]
+fn projected_points_lie_on_the_surface_nearest_to_the_point() {
+    for (number, (centres, radii)) in clusters(40, 3..30).into_iter().enumerate() {
+        let solid = SesSolid::new(&Arrangement::new(&centres, &radii, 1.4).unwrap());
+        let (low, high) = solid.bounds();
+        for step in 0..300 {
+            let fraction = |axis: u64| super::super::test_support::fraction(number as u64 * 104_729 + step * 3 + axis);
+            let point = low + (high - low).component_mul(&Vec3::new(fraction(0), fraction(1), fraction(2)));
+            let value = solid.signed_distance(&point);
+            let (onto, normal) = solid.project(&point);
+            assert!(
+                solid.signed_distance(&onto).abs() < 1e-5,
+                "{} from {value}: {point} to {onto} in {number}",
+                solid.signed_distance(&onto)
+            );
+            assert!(
+                (normal.norm() - 1.0).abs() < 1e-9,
+                "{normal} for {point} in cluster {number}, value {value}, onto {onto}"
+            );
+            if value < 0.0 && value > -BAND_ANGSTROM {
+                assert!(((onto - point).norm() + value).abs() < 1e-9);
+                assert!((onto - normal * value.abs() - point).norm() < 1e-9);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_function_is_1_lipschitz() {
+    let Some((centres, radii)) = read_reference("1crn_heavy.xyzr") else { return };
+    let solid = SesSolid::new(&Arrangement::new(&centres, &radii, 1.4).unwrap());
+    let (low, high) = solid.bounds();
+    for step in 0..20_000 {
+        let fraction = |axis: u64| super::super::test_support::fraction(step * 6 + axis);
+        let point = low + (high - low).component_mul(&Vec3::new(fraction(0), fraction(1), fraction(2)));
+        let other = point + Vec3::new(fraction(3) - 0.5, fraction(4) - 0.5, fraction(5) - 0.5) * fraction(step % 7);
+        let change = (solid.signed_distance(&point) - solid.signed_distance(&other)).abs();
+        assert!(change <= (point - other).norm() + 1e-9, "{change} over {}", (point - other).norm());
+    }
+}
+
+#[test]
+fn every_place_has_an_answer() {
+    let centres = [Vec3::zeros(), Vec3::new(1e9, 0.0, 0.0)];
+    let solid = SesSolid::new(&Arrangement::new(&centres, &[1.7, 1.7], 1.4).unwrap());
+    for point in [Vec3::zeros(), Vec3::repeat(1e8), Vec3::new(1e9, 0.0, 0.0), Vec3::new(0.0, 3.1, 0.0)] {
+        let (onto, normal) = solid.project(&point);
+        assert!(onto.iter().chain(normal.iter()).all(|x| x.is_finite()));
+        assert!(solid.signed_distance(&onto).abs() < 1e-6);
+    }
+}

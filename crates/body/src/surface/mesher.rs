@@ -1,0 +1,181 @@
+//! From an implicit solid to its mesh: extract, remesh, calibrate, check.
+
+use super::calibrate::calibrate;
+use super::extract::extract;
+use super::frame::Frame;
+use super::implicit::ImplicitSolid;
+use super::remesh::remesh;
+use crate::{BodyError, Result};
+use protomer_kernel::mesh::Topology;
+use protomer_kernel::{TriangleMesh, Vec3};
+
+/// More vertices than this are refused.
+const MOST_VERTICES: f64 = 1e7;
+/// The number of vertices that each shell gets at least may be at most this.
+const MOST_PER_SHELL: usize = 10_000;
+/// How much finer the lattice gets with each new attempt. Not a simple fraction, so that the planes differ.
+const REFINEMENT: f64 = 0.73;
+/// Attempts with ever finer lattices before giving up.
+const ATTEMPTS: usize = 3;
+
+/// What a mesh should be like.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeshSettings {
+    /// Vertices per Å² of surface.
+    pub density_per_angstrom2: f64,
+    /// Edge of the cubes of the lattice on which the surface is first found, Å. It sets the smallest feature that is
+    /// seen, about its own size, independently of the density.
+    pub base_spacing_angstrom: f64,
+    /// Every closed shell gets at least this many vertices, so that small bodies stay round.
+    pub fewest_vertices_per_shell: usize,
+}
+
+impl Default for MeshSettings {
+    fn default() -> Self {
+        Self { density_per_angstrom2: 1.0, base_spacing_angstrom: 0.6, fewest_vertices_per_shell: 120 }
+    }
+}
+
+/// What a mesh should measure, over its whole surface, cavities included.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Target {
+    /// Surface area, Å².
+    pub area_angstrom2: f64,
+    /// Enclosed volume, Å³.
+    pub volume_angstrom3: f64,
+}
+
+/// A closed, 2-manifold, outward mesh of the surface of `solid`, cavities included.
+///
+/// With a `target` the mesh is calibrated to it; without, it is only made locally true to volume.
+///
+/// # Errors
+/// [`BodyError::Invalid`] for settings that make no sense or need too many vertices, and for a solid without a surface
+/// that the lattice can see.
+///
+/// ```
+/// use protomer_body::surface::{ImplicitSolid, MeshSettings, mesh_solid};
+/// use protomer_kernel::Vec3;
+///
+/// struct Ball(f64);
+/// impl ImplicitSolid for Ball {
+///     fn signed_distance(&self, point: &Vec3) -> f64 {
+///         point.norm() - self.0
+///     }
+///     fn project(&self, point: &Vec3) -> (Vec3, Vec3) {
+///         let normal = point.normalize();
+///         (normal * self.0, normal)
+///     }
+///     fn bounds(&self) -> (Vec3, Vec3) {
+///         (Vec3::repeat(-self.0), Vec3::repeat(self.0))
+///     }
+///     fn cover(&self) -> Vec<(Vec3, f64)> {
+///         vec![(Vec3::zeros(), self.0)]
+///     }
+/// }
+///
+/// let mesh = mesh_solid(&Ball(5.0), &MeshSettings::default(), None)?;
+/// assert_eq!(mesh.topology()?.genus, 0);
+/// assert!((mesh.volume_angstrom3() / 523.6 - 1.0).abs() < 2e-3);
+/// # Ok::<(), protomer_body::BodyError>(())
+/// ```
+pub fn mesh_solid(solid: &dyn ImplicitSolid, settings: &MeshSettings, target: Option<Target>) -> Result<TriangleMesh> {
+    mesh_with_topology(solid, settings, target).map(|(mesh, _)| mesh)
+}
+
+/// [`mesh_solid`] with the topology that it has checked.
+pub(crate) fn mesh_with_topology(
+    solid: &dyn ImplicitSolid,
+    settings: &MeshSettings,
+    target: Option<Target>,
+) -> Result<(TriangleMesh, Topology)> {
+    settings.check()?;
+    let centres: Vec<Vec3> = solid.cover().iter().map(|(centre, _)| *centre).collect();
+    let frame = Frame::of_points(&centres);
+    let mut spacing = settings.base_spacing_angstrom;
+    let mut last = no_surface();
+    for _ in 0..ATTEMPTS {
+        let first = extract(solid, &frame, spacing)?;
+        settings.check_size(&first)?;
+        if !first.triangles.is_empty() {
+            match finish(first, solid, settings, target) {
+                Ok(result) => return Ok(result),
+                Err(defect) => last = defect,
+            }
+        }
+        spacing *= REFINEMENT;
+    }
+    Err(last)
+}
+
+/// Remeshes, calibrates and checks a first mesh.
+fn finish(
+    first: TriangleMesh,
+    solid: &dyn ImplicitSolid,
+    settings: &MeshSettings,
+    target: Option<Target>,
+) -> Result<(TriangleMesh, Topology)> {
+    let mut half_edges = remesh(first, solid, settings.density_per_angstrom2, settings.fewest_vertices_per_shell)?;
+    calibrate(&mut half_edges, solid, target);
+    let mesh = half_edges.to_mesh();
+    let topology = mesh.topology()?;
+    Ok((mesh, topology))
+}
+
+/// The mesh without the shells that enclose negative volume, and how many those were.
+///
+/// # Errors
+/// [`BodyError::Kernel`] if the mesh is not closed.
+pub fn without_cavities(mesh: &TriangleMesh) -> Result<(TriangleMesh, usize)> {
+    let mut kept = TriangleMesh::default();
+    let mut dropped = 0;
+    for shell in mesh.shells()? {
+        if shell.volume_angstrom3() < 0.0 {
+            dropped += 1;
+            continue;
+        }
+        let offset = kept.vertices.len() as u32;
+        kept.vertices.extend(shell.vertices);
+        kept.triangles.extend(shell.triangles.iter().map(|corners| corners.map(|vertex| vertex + offset)));
+    }
+    Ok((kept, dropped))
+}
+
+impl MeshSettings {
+    /// Refuses a surface that would need too many vertices.
+    fn check_size(&self, first: &TriangleMesh) -> Result<()> {
+        let needed = first.area_angstrom2() * self.density_per_angstrom2;
+        if needed <= MOST_VERTICES {
+            return Ok(());
+        }
+        Err(BodyError::Invalid {
+            cause: format!("{} vertices per Å² make {needed:.1e} vertices, of at most 1e7", self.density_per_angstrom2),
+            remedy: "ask for a lower density".into(),
+        })
+    }
+
+    fn check(&self) -> Result<()> {
+        let positive = |value: f64| value.is_finite() && value > 0.0;
+        let refuse = |cause: String, remedy: &str| Err(BodyError::Invalid { cause, remedy: remedy.into() });
+        if !positive(self.density_per_angstrom2) {
+            let cause = format!("a mesh cannot have {} vertices per Å²", self.density_per_angstrom2);
+            return refuse(cause, "ask for a positive density, 1 per Å² for example");
+        }
+        if !positive(self.base_spacing_angstrom) {
+            let cause = format!("a lattice cannot have a spacing of {} Å", self.base_spacing_angstrom);
+            return refuse(cause, "ask for a positive spacing, 0.6 Å for example");
+        }
+        if self.fewest_vertices_per_shell > MOST_PER_SHELL {
+            let cause = format!("{} is too many vertices for the smallest shells", self.fewest_vertices_per_shell);
+            return refuse(cause, "ask for 10000 at most, or for a higher density");
+        }
+        Ok(())
+    }
+}
+
+fn no_surface() -> BodyError {
+    BodyError::Invalid {
+        cause: "the solid has no surface that a lattice of this spacing can see".into(),
+        remedy: "check that there are atoms with positive radii, or ask for a finer base spacing".into(),
+    }
+}

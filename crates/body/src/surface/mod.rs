@@ -1,0 +1,43 @@
+//! The solvent-excluded surface, written here and robust for every input.
+//!
+//! ```text
+//! atoms, probe --arrangement--> SAS faces, arcs, vertices --distance--> solid --extract, remesh--> mesh --calibrate--> mesh
+//!                                                         --measure---> exact area and volume ---------------^
+//! ```
+//!
+//! | module | one idea |
+//! |---|---|
+//! | [`arrangement`] | the solvent-accessible surface (SAS): the boundary of the union of balls of radius r + p |
+//! | [`distance`] | the signed distance to the solvent-excluded surface (SES), from the nearest feature of the SAS |
+//! | [`measure`] | exact areas and volumes of both surfaces, per class of patch and per shell |
+//! | [`implicit`] | the seam to the triangulation: a solid as a signed distance with a projection |
+//! | [`frame`] | a lattice frame that turns with the body |
+//! | `extract` | a first closed mesh, by marching tetrahedra on a sparse lattice |
+//! | `remesh` | the same surface at a requested vertex density |
+//! | `calibrate` | the exact area and volume for flat triangles |
+//! | [`mesher`] | extract, remesh, calibrate, check: the mesh of any implicit solid |
+//! | [`ses`] | atoms in, mesh and exact measures out |
+//!
+//! The solvent-accessible surface was defined by Lee and Richards (J. Mol. Biol. 55, 379 (1971)), the solvent-excluded
+//! one by Richards (Annu. Rev. Biophys. Bioeng. 6, 151 (1977)); its three classes of patch are those of Connolly
+//! (J. Appl. Cryst. 16, 548 (1983)): convex on an atom, toroidal along an arc of the SAS, concave at its vertices.
+
+pub mod arrangement;
+mod calibrate;
+pub mod distance;
+mod extract;
+pub mod frame;
+pub mod implicit;
+pub mod measure;
+pub mod mesher;
+mod remesh;
+pub mod ses;
+#[cfg(test)]
+pub(crate) mod test_support;
+
+pub use arrangement::Arrangement;
+pub use distance::SesSolid;
+pub use implicit::ImplicitSolid;
+pub use measure::{Measure, SurfaceMeasure};
+pub use mesher::{MeshSettings, Target, mesh_solid, without_cavities};
+pub use ses::{Surface, solvent_excluded_surface};

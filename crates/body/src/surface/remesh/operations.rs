@@ -1,0 +1,265 @@
+//! One pass of each remeshing operation, with the geometric guards that keep triangles from folding over.
+
+use super::half_edge::HalfEdgeMesh;
+use crate::surface::implicit::ImplicitSolid;
+use protomer_kernel::Vec3;
+
+/// An edge longer than this many target lengths is split.
+const LONG: f64 = 4.0 / 3.0;
+/// An edge shorter than this many target lengths is collapsed.
+const SHORT: f64 = 4.0 / 5.0;
+/// Cosine of the largest angle by which one operation may turn a triangle.
+const LARGEST_TURN: f64 = 0.49;
+/// A change must leave triangles with at least this quality, or better than before.
+const LEAST_QUALITY: f64 = 0.2;
+/// Better means by more than rounding, so that equal choices are made equally in every orientation of the body.
+const BETTER: f64 = 1.0 + 1e-9;
+/// An edge is not split where an apex is closer to its middle than this fraction of its length.
+const CROWDED: f64 = 0.25;
+/// Below this quality the direction of a triangle means nothing.
+const DEGENERATE: f64 = 0.02;
+/// No triangle may shrink below this area, Å², or this share of the area of a vertex: a shell around a cavity that is
+/// next to nothing keeps a size.
+const SMALLEST_AREA: f64 = 5e-5;
+const SMALLEST_SHARE: f64 = 0.02;
+/// Splitting halves edges: this many passes shorten them a thousandfold.
+const SPLIT_PASSES: usize = 10;
+
+/// A mesh on its way to a density.
+pub(super) struct Remesher<'a> {
+    pub(super) mesh: HalfEdgeMesh,
+    solid: &'a dyn ImplicitSolid,
+    /// Vertices per Å² asked for.
+    pub(super) density: f64,
+    /// Vertices that every shell gets at least.
+    pub(super) fewest_vertices: usize,
+    /// Target edge length of each shell, Å.
+    pub(super) length: Vec<f64>,
+    /// Factor of the target edge length at each vertex, about 1: shorter where the surface bends more.
+    pub(super) grade: Vec<f64>,
+    /// Outward unit normal of the surface at each vertex, zero where not known yet.
+    pub(super) normal: Vec<Vec3>,
+}
+
+impl<'a> Remesher<'a> {
+    pub(super) fn new(mesh: HalfEdgeMesh, solid: &'a dyn ImplicitSolid, density: f64, fewest_vertices: usize) -> Self {
+        let vertices = mesh.positions.len();
+        let (grade, normal) = (vec![1.0; vertices], vec![Vec3::zeros(); vertices]);
+        let mut remesher = Self { mesh, solid, density, fewest_vertices, length: Vec::new(), grade, normal };
+        remesher.set_lengths();
+        remesher
+    }
+
+    pub(super) fn into_mesh(self) -> HalfEdgeMesh {
+        self.mesh
+    }
+
+    pub(super) fn split_long_edges(&mut self) {
+        for _ in 0..SPLIT_PASSES {
+            let mut splits = 0;
+            for half_edge in 0..self.mesh.half_edge_bound() {
+                if !self.mesh.is_edge(half_edge) {
+                    continue;
+                }
+                let longest = LONG * self.target_length(half_edge);
+                let square = self.mesh.length_squared(half_edge);
+                if square > longest * longest {
+                    let (a, b) = self.mesh.ends(half_edge);
+                    let middle = 0.5 * (self.mesh.position(a) + self.mesh.position(b));
+                    let crowded = [half_edge, self.mesh.twin(half_edge)].iter().any(|&side| {
+                        let apex = self.mesh.position(self.mesh.apex(side));
+                        (apex - middle).norm_squared() < CROWDED * CROWDED * square
+                    });
+                    if crowded {
+                        continue; // a flip is due, not one more vertex beside the apex
+                    }
+                    self.mesh.split(half_edge, middle);
+                    self.grade.push(0.5 * (self.grade[a as usize] + self.grade[b as usize]));
+                    self.normal.push(0.5 * (self.normal[a as usize] + self.normal[b as usize]));
+                    splits += 1;
+                }
+            }
+            if splits == 0 {
+                break;
+            }
+            self.flip_towards_six();
+        }
+    }
+
+    pub(super) fn collapse_short_edges(&mut self) {
+        for half_edge in 0..self.mesh.half_edge_bound() {
+            if !self.mesh.is_edge(half_edge) {
+                continue;
+            }
+            let target = self.target_length(half_edge);
+            let shortest = SHORT * target;
+            if self.mesh.length_squared(half_edge) < shortest * shortest {
+                self.try_collapse(half_edge, LONG * target);
+            }
+        }
+    }
+
+    /// Collapses an edge into one of its ends, if that neither changes the topology nor turns a triangle over nor makes
+    /// an edge longer than `longest`.
+    fn try_collapse(&mut self, half_edge: u32, longest: f64) -> bool {
+        for candidate in [half_edge, self.mesh.twin(half_edge)] {
+            if self.keeps_shape(candidate, longest) && self.mesh.can_collapse(candidate) {
+                self.mesh.collapse(candidate);
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Whether moving the end of a half-edge onto its start leaves the other triangles there in shape.
+    fn keeps_shape(&self, half_edge: u32, longest: f64) -> bool {
+        let (a, b) = self.mesh.ends(half_edge);
+        let twin = self.mesh.twin(half_edge);
+        let (target, moved) = (self.mesh.position(a), self.mesh.position(b));
+        self.mesh.leaving(b).all(|spoke| {
+            if spoke / 3 == half_edge / 3 || spoke / 3 == twin / 3 {
+                return true; // one of the two triangles that vanish
+            }
+            let [p, q] = [self.mesh.ends(spoke).1, self.mesh.apex(spoke)].map(|vertex| self.mesh.position(vertex));
+            let before = (p - moved).cross(&(q - moved));
+            let after = (p - target).cross(&(q - target));
+            (p - target).norm_squared() <= longest * longest
+                && (is_small_turn(&before, &after) || quality(&[moved, p, q]) < DEGENERATE)
+                && acceptable(&[target, p, q], &[moved, p, q])
+        })
+    }
+
+    /// Flips edges where that brings the four vertices concerned closer to six neighbours.
+    pub(super) fn flip_towards_six(&mut self) {
+        self.flip_where(|mesh, half_edge| {
+            let (a, b) = mesh.ends(half_edge);
+            let (c, d) = (mesh.apex(half_edge), mesh.apex(mesh.twin(half_edge)));
+            let excess = [a, b, c, d].map(|vertex| i64::from(mesh.valence(vertex)) - 6);
+            let cost = |change: [i64; 4]| (0..4).map(|i| (excess[i] + change[i]).pow(2)).sum::<i64>();
+            cost([-1, -1, 1, 1]) < cost([0; 4])
+        });
+    }
+
+    /// Flips edges where that makes the worse of the two triangles beside them better (Delaunay, on a flat surface).
+    pub(super) fn flip_towards_equal_angles(&mut self) {
+        self.flip_where(|mesh, half_edge| {
+            let [a, b, c, d] = quadrangle(mesh, half_edge);
+            quality(&[c, a, d]).min(quality(&[d, b, c])) > 1.05 * quality(&[a, b, c]).min(quality(&[b, a, d]))
+        });
+    }
+
+    fn flip_where(&mut self, wanted: impl Fn(&HalfEdgeMesh, u32) -> bool) {
+        for half_edge in 0..self.mesh.half_edge_bound() {
+            if self.mesh.is_edge(half_edge)
+                && wanted(&self.mesh, half_edge)
+                && self.flip_keeps_shape(half_edge)
+                && self.mesh.can_flip(half_edge)
+            {
+                self.mesh.flip(half_edge);
+            }
+        }
+    }
+
+    /// Whether the two triangles after a flip face the way the two before do, and are in shape.
+    fn flip_keeps_shape(&self, half_edge: u32) -> bool {
+        let [a, b, c, d] = quadrangle(&self.mesh, half_edge);
+        let before = (b - a).cross(&(c - a)) + (a - b).cross(&(d - b));
+        let after = [[c, a, d], [d, b, c]];
+        let old = quality(&[a, b, c]).min(quality(&[b, a, d]));
+        after.iter().all(|[p, q, r]| {
+            let shape = quality(&[*p, *q, *r]);
+            is_small_turn(&before, &(q - p).cross(&(r - p))) && (shape > LEAST_QUALITY || shape > old * BETTER)
+        })
+    }
+
+    /// Moves every vertex towards the area-weighted centre of its neighbourhood, and onto the surface.
+    pub(super) fn relax(&mut self) {
+        for vertex in 0..self.mesh.positions.len() as u32 {
+            if self.mesh.leaving(vertex).next().is_none() {
+                continue;
+            }
+            let here = self.mesh.position(vertex);
+            let (mut weight, mut centre, mut normal) = (0.0, Vec3::zeros(), Vec3::zeros());
+            for spoke in self.mesh.leaving(vertex) {
+                let area = self.mesh.area_vector(spoke / 3);
+                let size = area.norm();
+                weight += size;
+                normal += area;
+                centre +=
+                    (here + self.mesh.position(self.mesh.ends(spoke).1) + self.mesh.position(self.mesh.apex(spoke)))
+                        * (size / 3.0);
+            }
+            let Some(normal) = normal.try_normalize(f64::MIN_POSITIVE) else { continue };
+            let pull = centre / weight - here;
+            let along = pull - normal * pull.dot(&normal);
+            let reach = self.length[self.mesh.shell[vertex as usize] as usize];
+            for fraction in [1.0, 0.5, 0.0] {
+                let (projected, normal) = self.solid.project(&(here + along * fraction));
+                let usable = projected.iter().all(|x| x.is_finite()) && (projected - here).norm() < reach;
+                if usable && self.move_keeps_shape(vertex, &projected) {
+                    self.mesh.positions[vertex as usize] = projected;
+                    self.normal[vertex as usize] = normal;
+                    break;
+                }
+            }
+        }
+    }
+
+    fn move_keeps_shape(&self, vertex: u32, target: &Vec3) -> bool {
+        let here = self.mesh.position(vertex);
+        let smallest = SMALLEST_AREA.min(SMALLEST_SHARE / self.density);
+        self.mesh.leaving(vertex).all(|spoke| {
+            let [p, q] = [self.mesh.ends(spoke).1, self.mesh.apex(spoke)].map(|vertex| self.mesh.position(vertex));
+            let (before, after) = ((p - here).cross(&(q - here)), (p - target).cross(&(q - target)));
+            is_small_turn(&before, &after)
+                && (after.norm() > 2.0 * smallest || after.norm() > before.norm() * BETTER)
+                && acceptable(&[*target, p, q], &[here, p, q])
+        })
+    }
+
+    /// Collapses the shortest edge of every triangle that is still badly shaped, or flips its longest.
+    pub(super) fn remove_slivers(&mut self) {
+        for triangle in 0..self.mesh.half_edge_bound() / 3 {
+            let corners = self.mesh.triangle(triangle);
+            if corners[0] == u32::MAX {
+                continue;
+            }
+            let points = corners.map(|vertex| self.mesh.position(vertex));
+            if quality(&points) > LEAST_QUALITY {
+                continue;
+            }
+            let mut sides = [3 * triangle, 3 * triangle + 1, 3 * triangle + 2];
+            sides.sort_by(|&a, &b| self.mesh.length_squared(a).total_cmp(&self.mesh.length_squared(b)));
+            let longest = sides[2];
+            let [a, b, c, d] = quadrangle(&self.mesh, longest);
+            let improves = quality(&[c, a, d]).min(quality(&[d, b, c])) > quality(&[a, b, c]).min(quality(&[b, a, d]));
+            if improves && self.flip_keeps_shape(longest) && self.mesh.can_flip(longest) {
+                self.mesh.flip(longest);
+            } else {
+                self.try_collapse(sides[0], f64::INFINITY);
+            }
+        }
+    }
+}
+
+/// Corners of the two triangles (a, b, c) and (b, a, d) beside an edge a-b.
+fn quadrangle(mesh: &HalfEdgeMesh, half_edge: u32) -> [Vec3; 4] {
+    let (a, b) = mesh.ends(half_edge);
+    [a, b, mesh.apex(half_edge), mesh.apex(mesh.twin(half_edge))].map(|vertex| mesh.position(vertex))
+}
+
+/// Shape of a triangle: 4√3 area / sum of squared sides; 1 for equilateral, 0 for degenerate.
+pub(crate) fn quality([a, b, c]: &[Vec3; 3]) -> f64 {
+    let sides = (b - a).norm_squared() + (c - b).norm_squared() + (a - c).norm_squared();
+    2.0 * 3f64.sqrt() * (b - a).cross(&(c - a)).norm() / sides.max(f64::MIN_POSITIVE)
+}
+
+fn acceptable(after: &[Vec3; 3], before: &[Vec3; 3]) -> bool {
+    let shape = quality(after);
+    shape > LEAST_QUALITY || shape > quality(before) * BETTER
+}
+
+/// Whether two area vectors enclose less than 60°.
+fn is_small_turn(before: &Vec3, after: &Vec3) -> bool {
+    before.dot(after) > LARGEST_TURN * (before.norm_squared() * after.norm_squared()).sqrt()
+}

@@ -1,0 +1,39 @@
+//! Files the tests read.
+
+#![allow(dead_code, reason = "each test binary uses its own part")]
+
+use flate2::read::GzDecoder;
+use protomer_body::structure::{Selection, SelectionSettings, Structure};
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// The structures that come with the repository.
+pub fn bundled() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/structures")
+}
+
+/// The larger set beside the checkout, if it is there.
+pub fn shared() -> Option<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/structures");
+    if !folder.is_dir() {
+        eprintln!("skipped: {} is absent", folder.display());
+        return None;
+    }
+    Some(folder)
+}
+
+/// The decompressed bytes of a file.
+pub fn bytes(folder: &Path, name: &str) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let file = std::fs::File::open(folder.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
+    GzDecoder::new(file).read_to_end(&mut bytes).unwrap();
+    bytes
+}
+
+pub fn read(folder: &Path, name: &str) -> Structure {
+    Structure::read(name, &bytes(folder, name)).unwrap()
+}
+
+pub fn select(structure: &Structure) -> Selection {
+    structure.select(&SelectionSettings::default()).unwrap()
+}

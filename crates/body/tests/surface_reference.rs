@@ -1,0 +1,108 @@
+//! Meshes of real proteins against their exact areas and volumes (../shared/reference/surface).
+
+#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stderr, reason = "helpers of tests may panic")]
+
+mod solids;
+
+use protomer_body::surface::{MeshSettings, solvent_excluded_surface};
+use protomer_kernel::Vec3;
+use solids::random::{Dice, cluster};
+use solids::worst;
+use std::time::Instant;
+
+fn read(name: &str) -> Option<(Vec<Vec3>, Vec<f64>)> {
+    let path = format!("{}/../../../shared/reference/surface/{name}", env!("CARGO_MANIFEST_DIR"));
+    let Ok(text) = std::fs::read_to_string(&path) else {
+        eprintln!("skipped: no {path}");
+        return None;
+    };
+    let rows = text.lines().map(|line| line.split_whitespace().map(|x| x.parse().unwrap()).collect::<Vec<f64>>());
+    Some(rows.map(|row| (Vec3::new(row[0], row[1], row[2]), row[3])).unzip())
+}
+
+/// Name, exact area and volume at probe 1.4 Å, components, genus, cavities.
+type Case = (&'static str, f64, f64, usize, i64, usize);
+
+const CASES: [Case; 10] = [
+    ("s1.xyzr", 36.31681108, 20.57952628, 1, 0, 0),
+    ("s2a_overlap.xyzr", 57.53365247, 35.79288044, 1, 0, 0),
+    ("s2b_singular_d5.8.xyzr", 72.9442406, 41.27369151, 2, 0, 0),
+    ("s3a_equilateral_d2.8.xyzr", 85.59082136, 61.75072336, 1, 0, 0),
+    ("s3b_equilateral_d5.0_cutconcave.xyzr", 120.03076417, 67.22084206, 1, 1, 0),
+    ("s4_square_ring_genus1.xyzr", 156.95359458, 92.83641939, 1, 1, 0),
+    ("s4_tetra.xyzr", 106.80553576, 82.23627732, 1, 0, 0),
+    ("1crn_heavy.xyzr", 2319.06488988, 4664.89728464, 2, 0, 1),
+    ("1aki_heavy.xyzr", 5821.03138074, 15113.46707688, 3, 0, 2),
+    ("4ake_heavy.xyzr", 10885.97612133, 25028.75531596, 6, 2, 5),
+];
+
+#[test]
+fn reference_surfaces_have_their_exact_area_volume_and_topology() {
+    for (name, area_angstrom2, volume_angstrom3, components, genus, cavities) in CASES {
+        let Some((centres, radii)) = read(name) else { return };
+        for density in [0.5, 1.0, 2.0, 4.0] {
+            let settings = MeshSettings { density_per_angstrom2: density, ..MeshSettings::default() };
+            let start = Instant::now();
+            let surface = solvent_excluded_surface(&centres, &radii, 1.4, &settings).unwrap();
+            let (mesh, topology) = (&surface.mesh, surface.topology);
+            assert_eq!(mesh.topology().unwrap(), topology);
+            assert!(surface.without_cavities().unwrap().topology.cavities == 0);
+            let area = mesh.area_angstrom2() / area_angstrom2 - 1.0;
+            let volume = mesh.volume_angstrom3() / volume_angstrom3 - 1.0;
+            eprintln!(
+                "{name} at {density}: {} vertices, area {:+.4} %, volume {:+.4} %, smallest triangle and shape {:?}, {:?}",
+                mesh.vertices.len(),
+                100.0 * area,
+                100.0 * volume,
+                worst(mesh),
+                start.elapsed()
+            );
+            assert!(area.abs() < 0.01 && volume.abs() < 0.002, "{name} {density}");
+            assert_eq!(
+                (topology.components, topology.genus, topology.cavities),
+                (components, genus, cavities),
+                "{name}"
+            );
+            assert!(worst(mesh).0 > 1e-6);
+            let wanted = density * area_angstrom2;
+            assert!(wanted < 120.0 * components as f64 || (mesh.vertices.len() as f64 / wanted - 1.0).abs() < 0.25);
+        }
+    }
+}
+
+#[test]
+fn a_protein_turned_has_the_same_mesh() {
+    let Some((centres, radii)) = read("1crn_heavy.xyzr") else { return };
+    let mut dice = Dice(1);
+    let mut counts = Vec::new();
+    for _ in 0..20 {
+        let mut angle = || std::f64::consts::TAU * dice.unit();
+        let turn = protomer_kernel::Rotation::from_euler_angles(angle(), angle(), angle());
+        let centres: Vec<Vec3> = centres.iter().map(|centre| turn * centre).collect();
+        let surface = solvent_excluded_surface(&centres, &radii, 1.4, &MeshSettings::default()).unwrap();
+        counts.push((surface.topology, surface.mesh.vertices.len()));
+    }
+    assert!(counts.iter().all(|count| *count == counts[0]), "{counts:?}");
+}
+
+fn assert_clusters_are_meshed(seeds: std::ops::Range<u64>) {
+    for seed in seeds {
+        let atoms = cluster(seed, 3 + (seed % 58) as usize);
+        let (centres, radii): (Vec<Vec3>, Vec<f64>) = atoms.iter().map(|&(x, y, z, r)| (Vec3::new(x, y, z), r)).unzip();
+        let surface = solvent_excluded_surface(&centres, &radii, 1.4, &MeshSettings::default());
+        let mesh = surface.unwrap_or_else(|error| panic!("{seed}: {error}")).mesh;
+        mesh.topology().unwrap();
+        assert!(worst(&mesh).0 > 1e-6, "{seed}: {:?}", worst(&mesh));
+    }
+}
+
+#[test]
+fn awkward_clusters_give_valid_excluded_surfaces() {
+    assert_clusters_are_meshed(0..60);
+}
+
+#[test]
+#[ignore = "reason: slow; run by name"]
+fn a_thousand_awkward_clusters_give_valid_excluded_surfaces() {
+    assert_clusters_are_meshed(0..1000);
+}
