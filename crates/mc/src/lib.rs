@@ -1,1 +1,71 @@
 //! Hard-particle Monte Carlo with screened charges and geometric cluster moves.
+//!
+//! ```text
+//! Body --BodyType--> System (types, poses, boundary) --Simulation--> observables, checkpoints
+//!                                                         |
+//!                    moves propose --> hard bodies veto --> the energy model decides
+//! ```
+//!
+//! | module | one idea |
+//! |---|---|
+//! | [`body_type`] | what the engine knows about one kind of body: shape and charges |
+//! | [`charges`] | the charges of a body, laid out for vector units |
+//! | [`system`] | who is where |
+//! | [`energy`] | the seam: a model keeps the pair energies and decides; the direct sum is one such model |
+//! | [`hard`] | hard-body overlap, cheapest test first |
+//! | [`moves`] | trial moves of one body, geometric cluster moves, step sizes |
+//! | [`contact`] | whether two surfaces come near each other |
+//! | [`observables`] | radius of gyration, native contacts, clusters |
+//! | [`settings`] | what a user chooses |
+//! | [`simulation`] | the loop |
+//! | [`checkpoint`] | what a run needs to go on bit for bit |
+//! | [`statistics`] | what is counted on the way |
+//!
+//! Lengths are in Å, energies in kT, charges in elementary charges.
+//!
+//! ```
+//! use protomer_kernel::{Boundary, Pose, Rotation, TriangleMesh, Vec3, potential::Yukawa};
+//! use protomer_mc::{BodyType, Interaction, Settings, Simulation, System};
+//! use std::{ops::ControlFlow, sync::Arc};
+//!
+//! let vertices = [[5.0, 5.0, 5.0], [5.0, -5.0, -5.0], [-5.0, 5.0, -5.0], [-5.0, -5.0, 5.0]].map(Vec3::from).to_vec();
+//! let mesh = TriangleMesh { vertices, triangles: vec![[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]] };
+//! let kind = |name, charge| BodyType::new(name, &mesh, &[(Vec3::zeros(), charge)]).map(Arc::new);
+//! let at = |x| Pose { position: Vec3::new(x, 0.0, 0.0), rotation: Rotation::identity() };
+//! let system = System::new(vec![kind("a", 3.0)?, kind("b", -3.0)?], &[(0, at(-8.0)), (1, at(8.0))], Boundary::Open)?;
+//!
+//! let settings = Settings::new(Interaction::YukawaDirect(Yukawa::new(7.0, 1.0 / 9.6, 48.0)?));
+//! let mut simulation = Simulation::new(system.clone(), settings, 1, 0)?;
+//! simulation.run_until(100, &mut |_| ControlFlow::Continue(()))?;
+//!
+//! // A continued run equals the uninterrupted one.
+//! let mut continued = Simulation::resume(system, simulation.checkpoint())?;
+//! simulation.run_until(200, &mut |_| ControlFlow::Continue(()))?;
+//! continued.run_until(200, &mut |_| ControlFlow::Continue(()))?;
+//! assert_eq!(simulation.observables(), continued.observables());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub mod body_type;
+pub mod charges;
+pub mod checkpoint;
+pub mod contact;
+pub mod energy;
+mod error;
+pub mod hard;
+pub mod moves;
+pub mod observables;
+pub mod settings;
+pub mod simulation;
+mod sparse_rows;
+pub mod statistics;
+pub mod system;
+
+pub use body_type::BodyType;
+pub use checkpoint::Checkpoint;
+pub use error::{McError, Result};
+pub use observables::Observables;
+pub use settings::{Interaction, Settings};
+pub use simulation::{Outcome, Simulation};
+pub use statistics::Statistics;
+pub use system::System;

@@ -1,0 +1,91 @@
+//! The seam between moves and energies.
+//!
+//! A model keeps the energy of every pair of bodies, so an old energy is never computed twice, and it decides: the
+//! engine draws the random number first and asks "is the change below this budget?". The direct sum answers by summing;
+//! a model with bounds may stop as soon as the answer is certain.
+
+mod direct;
+mod none;
+mod yukawa_sum;
+
+pub use direct::DirectSum;
+pub use none::NoCharges;
+pub use yukawa_sum::yukawa_energy_kt;
+
+use crate::system::{System, Trial};
+use crate::{McError, Result};
+use serde::{Deserialize, Serialize};
+
+/// The energy of one pair of bodies.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PairEnergy {
+    /// Index of the first body, the smaller.
+    pub first: usize,
+    /// Index of the second body.
+    pub second: usize,
+    /// Energy, kT.
+    pub energy_kt: f64,
+}
+
+/// Keeps the pair energies of a system and decides on moves.
+///
+/// The engine proposes with [`accept`](EnergyModel::accept) or [`exceeds`](EnergyModel::exceeds) (only for poses without
+/// overlap) and then either [`commit`](EnergyModel::commit)s or [`reject`](EnergyModel::reject)s everything proposed
+/// since the last of the two. What a decision answers must depend on the poses and the budget only.
+pub trait EnergyModel: Send {
+    /// The largest distance (Å) of two origins at which bodies of this system interact; zero if they never do.
+    fn range_angstrom(&self, system: &System) -> f64;
+
+    /// Forgets everything and computes the energies of this system.
+    ///
+    /// # Errors
+    /// [`McError::NonFiniteEnergy`] names a pair whose energy is not finite.
+    fn reset(&mut self, system: &System) -> Result<()>;
+
+    /// Takes the energies over from [`pairs`](EnergyModel::pairs) of the same system, so that a continued run makes the
+    /// decisions of the uninterrupted one, bit for bit. A model whose energies are exact functions of the poses may
+    /// compute them anew instead.
+    ///
+    /// # Errors
+    /// As [`reset`](EnergyModel::reset).
+    fn restore(&mut self, system: &System, pairs: &[PairEnergy]) -> Result<()>;
+
+    /// Whether the total energy would rise by less than `budget_kt` if the trial's body stood where the trial puts it.
+    /// `partners` (ascending, without the body itself) holds every body in range of the new pose.
+    ///
+    /// The Metropolis rule u < exp(-ΔU) is the question for a budget of -ln u.
+    ///
+    /// # Errors
+    /// [`McError::NonFiniteEnergy`] names a pair whose energy is not finite.
+    fn accept(&mut self, trial: &Trial<'_>, partners: &[usize], budget_kt: f64) -> Result<bool>;
+
+    /// Whether the energy of the trial's body with this one partner would rise by more than `threshold_kt` (not
+    /// negative): the bond of a geometric cluster move.
+    ///
+    /// # Errors
+    /// As [`accept`](EnergyModel::accept).
+    fn exceeds(&mut self, trial: &Trial<'_>, partner: usize, threshold_kt: f64) -> Result<bool>;
+
+    /// The bodies `moved` (ascending) took the poses proposed, as rigid groups: energies among them stay.
+    fn commit(&mut self, moved: &[usize]);
+
+    /// Nothing moved.
+    fn reject(&mut self);
+
+    /// The energies of all pairs in range, ascending by (first, second).
+    fn pairs(&self) -> Vec<PairEnergy>;
+
+    /// The energy of the system, kT, summed in the order of [`pairs`](EnergyModel::pairs).
+    fn total_kt(&self) -> f64 {
+        self.pairs().iter().map(|pair| pair.energy_kt).sum()
+    }
+}
+
+/// The energy if it is finite, otherwise the error that names the pair; the engine adds the step.
+fn finite(first: usize, second: usize, energy_kt: f64) -> Result<f64> {
+    if energy_kt.is_finite() {
+        Ok(energy_kt)
+    } else {
+        Err(McError::NonFiniteEnergy { step: 0, first, second, energy_kt })
+    }
+}

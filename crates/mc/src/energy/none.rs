@@ -1,0 +1,39 @@
+//! Bodies without charges.
+
+use super::{EnergyModel, PairEnergy};
+use crate::Result;
+use crate::system::{System, Trial};
+
+/// Hard bodies and nothing else: every move that overlaps nobody is accepted.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct NoCharges;
+
+impl EnergyModel for NoCharges {
+    fn range_angstrom(&self, _: &System) -> f64 {
+        0.0
+    }
+
+    fn reset(&mut self, _: &System) -> Result<()> {
+        Ok(())
+    }
+
+    fn restore(&mut self, _: &System, _: &[PairEnergy]) -> Result<()> {
+        Ok(())
+    }
+
+    fn accept(&mut self, _: &Trial<'_>, _: &[usize], _: f64) -> Result<bool> {
+        Ok(true)
+    }
+
+    fn exceeds(&mut self, _: &Trial<'_>, _: usize, _: f64) -> Result<bool> {
+        Ok(false)
+    }
+
+    fn commit(&mut self, _: &[usize]) {}
+
+    fn reject(&mut self) {}
+
+    fn pairs(&self) -> Vec<PairEnergy> {
+        Vec::new()
+    }
+}

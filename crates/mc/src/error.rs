@@ -1,0 +1,65 @@
+//! The one error type of this crate.
+
+use protomer_kernel::KernelError;
+
+/// What can go wrong in a simulation.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum McError {
+    /// Bodies that overlap before the first move.
+    #[error(
+        "{} pair(s) of bodies overlap at the start: {}; move them apart or shrink their surfaces",
+        pairs.len(), list(pairs)
+    )]
+    OverlappingStart {
+        /// Indices of the bodies, the smaller first, ascending.
+        pairs: Vec<(usize, usize)>,
+    },
+    /// An energy that is not a number or infinite: two charges on top of each other, or a charge that is not a number.
+    #[error(
+        "the energy of bodies {first} and {second} is {energy_kt} kT at trial move {step}; two of their charges \
+         coincide, so the charges reach outside the hard surface"
+    )]
+    NonFiniteEnergy {
+        /// The trial move, counted from the start of the run; zero at the start.
+        step: u64,
+        /// Index of the first body.
+        first: usize,
+        /// Index of the second body.
+        second: usize,
+        /// The energy found.
+        energy_kt: f64,
+    },
+    /// A system that contradicts itself.
+    #[error("{0}")]
+    BadSystem(String),
+    /// A setting out of its range.
+    #[error("{setting} is {value}; it must be {requirement}")]
+    BadSetting {
+        /// The setting's name.
+        setting: &'static str,
+        /// The value given.
+        value: f64,
+        /// What is accepted.
+        requirement: &'static str,
+    },
+    /// A checkpoint of another system.
+    #[error("the checkpoint does not belong to this system: {0}; start anew or use the system it was written from")]
+    ForeignCheckpoint(String),
+    /// A kernel refused its input.
+    #[error(transparent)]
+    Kernel(#[from] KernelError),
+}
+
+/// The result of an operation of this crate.
+pub type Result<T> = std::result::Result<T, McError>;
+
+/// The first few pairs, as a user reads them.
+fn list(pairs: &[(usize, usize)]) -> String {
+    const SHOWN: usize = 12;
+    let mut text: Vec<String> = pairs.iter().take(SHOWN).map(|(i, j)| format!("({i}, {j})")).collect();
+    if pairs.len() > SHOWN {
+        text.push(format!("and {} more", pairs.len() - SHOWN));
+    }
+    text.join(", ")
+}

@@ -1,0 +1,129 @@
+//! Hard-body overlap, cheapest test first.
+//!
+//! 1. bounding spheres about the origins;
+//! 2. a lower bound on the gap, found earlier, less how far the surfaces can have moved since;
+//! 3. the meshes, nearest suspects first, and what they answer is remembered for step 2.
+
+use crate::sparse_rows::SparseRows;
+use crate::system::{Pair, System, Trial};
+use protomer_kernel::overlap::{CarriedBound, overlaps, separation_bound};
+
+/// A gap is looked for no further than this, Å: a pair farther apart is safe for many moves as it is.
+const LOOK_AHEAD_ANGSTROM: f64 = 2.0;
+
+/// A gap below this, Å, is no help to a move; such a pair is only asked whether it overlaps, which is cheaper ...
+const TIGHT_ANGSTROM: f64 = 0.4;
+
+/// ... until its surfaces can have moved this far, Å, and the gap may be another.
+const STALE_ANGSTROM: f64 = 2.0;
+
+/// Rounding in a bound, Å, taken off before it is believed.
+const ROUNDING_ANGSTROM: f64 = 1e-6;
+
+/// Finds overlaps, and remembers how far apart surfaces were. What it remembers saves time and never changes an answer.
+#[derive(Debug, Clone)]
+pub struct HardBodies {
+    /// Row: the first body of a pair; column: the second.
+    gaps: SparseRows<Gap>,
+    suspects: Vec<(f64, usize)>,
+}
+
+/// A lower bound on the gap between two surfaces, Å, and the state in which it held.
+#[derive(Debug, Clone, Copy)]
+struct Gap {
+    bound_angstrom: f64,
+    carried: CarriedBound,
+}
+
+impl HardBodies {
+    /// Nothing is remembered yet.
+    pub fn new(bodies: usize) -> Self {
+        Self { gaps: SparseRows::new(bodies), suspects: Vec::new() }
+    }
+
+    /// Whether the trial's body would overlap one of these partners.
+    pub fn blocks(&mut self, trial: &Trial<'_>, partners: &[usize]) -> bool {
+        let mut suspects = std::mem::take(&mut self.suspects);
+        suspects.clear();
+        for &partner in partners {
+            let pair = trial.pair(partner);
+            if within_bounding_spheres(&pair) {
+                let known = self.known_gap(&pair);
+                if known.now_angstrom() <= 0.0 {
+                    suspects.push((known.now_angstrom(), partner));
+                }
+            }
+        }
+        suspects.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let blocked = suspects.iter().any(|(_, partner)| self.meshes_overlap(&trial.pair(*partner)));
+        self.suspects = suspects;
+        blocked
+    }
+
+    /// Whether the two bodies of this pair overlap.
+    pub fn overlap(&mut self, pair: &Pair<'_>) -> bool {
+        within_bounding_spheres(pair) && self.known_gap(pair).now_angstrom() <= 0.0 && self.meshes_overlap(pair)
+    }
+
+    /// What is remembered of the pair, and how far its surfaces can have moved since.
+    fn known_gap(&self, pair: &Pair<'_>) -> KnownGap {
+        let Some(gap) = self.gaps.get(pair.first, pair.second) else { return KnownGap::NOTHING };
+        let (first, second) = pair.types();
+        let radii = [first.hard_radius_angstrom(), second.hard_radius_angstrom()];
+        let (first, second) = (&pair.first_pose, &pair.second_pose);
+        let remaining = gap.carried.remaining_angstrom(first, second, &pair.displacement, radii);
+        KnownGap { bound_angstrom: gap.bound_angstrom, moved_angstrom: gap.bound_angstrom - remaining }
+    }
+
+    fn meshes_overlap(&mut self, pair: &Pair<'_>) -> bool {
+        let (first, second) = pair.types();
+        let relative = pair.relative();
+        let known = self.known_gap(pair);
+        if known.bound_angstrom < TIGHT_ANGSTROM && known.moved_angstrom < STALE_ANGSTROM {
+            return overlaps(&first.shape, &second.shape, &relative);
+        }
+        match separation_bound(&first.shape, &second.shape, &relative, LOOK_AHEAD_ANGSTROM) {
+            None => true,
+            Some(bound_angstrom) => {
+                let (first, second) = (&pair.first_pose, &pair.second_pose);
+                let carried = CarriedBound::new(bound_angstrom, first, second, &pair.displacement);
+                let gap = Gap { bound_angstrom, carried };
+                self.gaps.set(pair.first, pair.second, gap);
+                false
+            }
+        }
+    }
+}
+
+/// A bound on a gap, found earlier.
+#[derive(Debug, Clone, Copy)]
+struct KnownGap {
+    bound_angstrom: f64,
+    moved_angstrom: f64,
+}
+
+impl KnownGap {
+    const NOTHING: Self = Self { bound_angstrom: 0.0, moved_angstrom: f64::INFINITY };
+
+    /// The bound that holds now, Å.
+    fn now_angstrom(&self) -> f64 {
+        self.bound_angstrom - self.moved_angstrom - ROUNDING_ANGSTROM
+    }
+}
+
+/// Every pair of bodies that overlaps, the smaller index first, ascending; nothing is assumed or remembered.
+pub fn overlapping_pairs(system: &System) -> Vec<(usize, usize)> {
+    let pairs = (0..system.len()).flat_map(|first| (first + 1..system.len()).map(move |second| (first, second)));
+    pairs.filter(|&(first, second)| pair_overlaps(&system.pair(first, second))).collect()
+}
+
+fn pair_overlaps(pair: &Pair<'_>) -> bool {
+    let (first, second) = pair.types();
+    within_bounding_spheres(pair) && overlaps(&first.shape, &second.shape, &pair.relative())
+}
+
+fn within_bounding_spheres(pair: &Pair<'_>) -> bool {
+    let (first, second) = pair.types();
+    let reach = first.hard_radius_angstrom() + second.hard_radius_angstrom();
+    pair.displacement.norm_squared() < reach * reach
+}

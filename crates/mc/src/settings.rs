@@ -1,0 +1,95 @@
+//! What a user chooses about a simulation.
+
+use crate::energy::{DirectSum, EnergyModel, NoCharges};
+use crate::{McError, Result};
+use protomer_kernel::potential::Yukawa;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// How bodies interact beyond being hard.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Interaction {
+    /// Not at all.
+    HardOnly,
+    /// Screened point charges, summed pair by pair.
+    YukawaDirect(Yukawa),
+}
+
+impl Interaction {
+    /// The energy model that computes this interaction.
+    pub fn model(&self) -> Box<dyn EnergyModel> {
+        match self {
+            Interaction::HardOnly => Box::new(NoCharges),
+            Interaction::YukawaDirect(yukawa) => Box::new(DirectSum::new(*yukawa)),
+        }
+    }
+}
+
+/// The settings of a simulation; they travel with its checkpoint.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Settings {
+    /// How bodies interact.
+    pub interaction: Interaction,
+    /// First guess of the largest displacement of a trial move, Å.
+    pub translation_step_angstrom: f64,
+    /// First guess of the largest angle of a trial move, rad.
+    pub rotation_step_rad: f64,
+    /// Sweeps during which steps are tuned; acceptance counts begin anew after them.
+    pub equilibration_sweeps: u64,
+    /// The acceptance that tuning aims at.
+    pub target_acceptance: f64,
+    /// Fraction of the trial moves that are rotations.
+    pub rotation_fraction: f64,
+    /// Geometric cluster moves in each sweep, beside one trial move per body.
+    pub cluster_moves_per_sweep: u32,
+    /// Largest distance from the seed body at which the axis of a cluster move passes, Å; `None` for the diameter of
+    /// the largest body.
+    pub cluster_axis_reach_angstrom: Option<f64>,
+    /// Two bodies are in contact when their surfaces come nearer than this, vertex to vertex, Å.
+    pub contact_gap_angstrom: f64,
+}
+
+impl Settings {
+    /// The usual settings for this interaction.
+    pub fn new(interaction: Interaction) -> Self {
+        Self {
+            interaction,
+            translation_step_angstrom: 0.5,
+            rotation_step_rad: 0.05,
+            equilibration_sweeps: 1000,
+            target_acceptance: 0.4,
+            rotation_fraction: 0.5,
+            cluster_moves_per_sweep: 1,
+            cluster_axis_reach_angstrom: None,
+            contact_gap_angstrom: 5.0,
+        }
+    }
+
+    /// # Errors
+    /// [`McError::BadSetting`] names the first setting out of range.
+    pub(crate) fn check(&self) -> Result<()> {
+        let reach = self.cluster_axis_reach_angstrom.unwrap_or(1.0);
+        let positive = |value: f64| value.is_finite() && value > 0.0;
+        let fraction = (0.0..=1.0).contains(&self.rotation_fraction);
+        let (step, angle) = (self.translation_step_angstrom, self.rotation_step_rad);
+        let checks = [
+            ("translation_step_angstrom", step, positive(step), "positive"),
+            ("rotation_step_rad", angle, positive(angle) && angle <= PI, "positive and at most π"),
+            (
+                "target_acceptance",
+                self.target_acceptance,
+                (0.01..=0.99).contains(&self.target_acceptance),
+                "0.01 to 0.99",
+            ),
+            ("rotation_fraction", self.rotation_fraction, fraction, "0 to 1"),
+            ("cluster_axis_reach_angstrom", reach, positive(reach), "positive"),
+            ("contact_gap_angstrom", self.contact_gap_angstrom, positive(self.contact_gap_angstrom), "positive"),
+        ];
+        match checks.into_iter().find(|check| !check.2) {
+            None => Ok(()),
+            Some((setting, value, _, requirement)) => Err(McError::BadSetting { setting, value, requirement }),
+        }
+    }
+}

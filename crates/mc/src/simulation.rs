@@ -1,0 +1,325 @@
+//! The loop: sweeps of trial moves.
+
+use crate::checkpoint::{Checkpoint, type_names};
+use crate::energy::{EnergyModel, PairEnergy};
+use crate::hard::{HardBodies, overlapping_pairs};
+use crate::moves::step_sizes::Tuner;
+use crate::moves::{HalfTurn, Kind, StepSizes, cluster, single};
+use crate::observables::{Observables, cluster_sizes, contacts, r_g_angstrom, survival};
+use crate::statistics::Statistics;
+use crate::system::{System, Trial};
+use crate::{McError, Result, Settings};
+use protomer_kernel::cells::CellList;
+use protomer_kernel::random::CounterRng;
+use protomer_kernel::{Boundary, Pose, Vec3};
+use std::ops::ControlFlow;
+
+/// How a call of [`Simulation::run_until`] ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// The requested number of sweeps is done.
+    Finished,
+    /// The observer asked to stop; the simulation can go on from where it is.
+    Stopped,
+}
+
+/// A Monte Carlo simulation of one replica.
+///
+/// A sweep is one trial move per body (of bodies drawn at random) and then the geometric cluster moves. Trial move s of a
+/// replica draws its random numbers from the stream (seed, replica, s), so nothing random needs to be saved.
+pub struct Simulation {
+    system: System,
+    settings: Settings,
+    seed: u64,
+    replica: u32,
+    sweep: u64,
+    energy: Box<dyn EnergyModel>,
+    hard: HardBodies,
+    cells: CellList,
+    tuners: Vec<Tuner>,
+    statistics: Statistics,
+    native_contacts: Vec<(usize, usize)>,
+    near: Vec<usize>,
+}
+
+impl Simulation {
+    /// A simulation about to make its first move.
+    ///
+    /// # Errors
+    /// [`McError::OverlappingStart`] lists the pairs that overlap; [`McError::BadSetting`];
+    /// [`McError::NonFiniteEnergy`]; [`KernelError::BoxTooSmall`](protomer_kernel::KernelError::BoxTooSmall).
+    pub fn new(system: System, settings: Settings, seed: u64, replica: u32) -> Result<Self> {
+        Self::with_model(system, settings, settings.interaction.model(), seed, replica)
+    }
+
+    /// As [`Simulation::new`], with an energy model of the caller's in the place of the one the settings name.
+    ///
+    /// # Errors
+    /// As [`Simulation::new`].
+    pub fn with_model(
+        system: System,
+        settings: Settings,
+        mut energy: Box<dyn EnergyModel>,
+        seed: u64,
+        replica: u32,
+    ) -> Result<Self> {
+        settings.check()?;
+        let cells = neighbour_cells(&system, energy.as_ref())?;
+        let pairs = overlapping_pairs(&system);
+        if !pairs.is_empty() {
+            return Err(McError::OverlappingStart { pairs });
+        }
+        energy.reset(&system)?;
+        let steps = StepSizes {
+            translation_angstrom: settings.translation_step_angstrom,
+            rotation_rad: settings.rotation_step_rad,
+        };
+        let tuners = system.types().iter().map(|_| Tuner::new(steps, largest_translation(&system))).collect();
+        Ok(Self {
+            hard: HardBodies::new(system.len()),
+            statistics: Statistics::new(system.types().len()),
+            native_contacts: contacts(&system, settings.contact_gap_angstrom),
+            near: Vec::new(),
+            sweep: 0,
+            system,
+            settings,
+            seed,
+            replica,
+            energy,
+            cells,
+            tuners,
+        })
+    }
+
+    /// Goes on from a checkpoint. `system` gives the body types and the boundary; its poses are replaced.
+    ///
+    /// # Errors
+    /// [`McError::ForeignCheckpoint`] if the checkpoint was written from another system.
+    pub fn resume(system: System, checkpoint: Checkpoint) -> Result<Self> {
+        let model = checkpoint.settings.interaction.model();
+        Self::resume_with_model(system, checkpoint, model)
+    }
+
+    /// As [`Simulation::resume`], with an energy model of the caller's.
+    ///
+    /// # Errors
+    /// As [`Simulation::resume`].
+    pub fn resume_with_model(
+        mut system: System,
+        checkpoint: Checkpoint,
+        mut energy: Box<dyn EnergyModel>,
+    ) -> Result<Self> {
+        checkpoint.check_system(&system)?;
+        for (body, pose) in checkpoint.poses.iter().enumerate() {
+            system.set_pose(body, *pose);
+        }
+        energy.restore(&system, &checkpoint.energies)?;
+        Ok(Self {
+            cells: neighbour_cells(&system, energy.as_ref())?,
+            hard: HardBodies::new(system.len()),
+            near: Vec::new(),
+            settings: checkpoint.settings,
+            seed: checkpoint.seed,
+            replica: checkpoint.replica,
+            sweep: checkpoint.sweep,
+            tuners: checkpoint.tuners,
+            statistics: checkpoint.statistics,
+            native_contacts: checkpoint.native_contacts,
+            system,
+            energy,
+        })
+    }
+
+    /// The state between two sweeps, enough to go on bit for bit.
+    pub fn checkpoint(&self) -> Checkpoint {
+        Checkpoint {
+            version: Checkpoint::VERSION,
+            settings: self.settings,
+            seed: self.seed,
+            replica: self.replica,
+            sweep: self.sweep,
+            type_names: type_names(&self.system),
+            boundary: *self.system.boundary(),
+            poses: self.system.poses().to_vec(),
+            energies: self.energy.pairs(),
+            tuners: self.tuners.clone(),
+            statistics: self.statistics.clone(),
+            native_contacts: self.native_contacts.clone(),
+        }
+    }
+
+    /// Runs until `sweep` sweeps are done in all, calling the observer after each; the observer may stop the run.
+    ///
+    /// # Errors
+    /// [`McError::NonFiniteEnergy`] names the trial move and the pair.
+    pub fn run_until(
+        &mut self,
+        sweep: u64,
+        observer: &mut dyn FnMut(&Simulation) -> ControlFlow<()>,
+    ) -> Result<Outcome> {
+        while self.sweep < sweep {
+            self.advance()?;
+            if observer(self).is_break() {
+                return Ok(Outcome::Stopped);
+            }
+        }
+        Ok(Outcome::Finished)
+    }
+
+    /// One sweep.
+    fn advance(&mut self) -> Result<()> {
+        let bodies = self.system.len() as u64;
+        let cluster_moves = u64::from(self.settings.cluster_moves_per_sweep);
+        let first_step = self.sweep * (bodies + cluster_moves);
+        for step in first_step..first_step + bodies {
+            self.single_move(step).map_err(|error| at_step(error, step))?;
+        }
+        for step in first_step + bodies..first_step + bodies + cluster_moves {
+            self.cluster_move(step).map_err(|error| at_step(error, step))?;
+        }
+        self.sweep += 1;
+        if self.sweep == self.settings.equilibration_sweeps {
+            self.statistics = Statistics::new(self.system.types().len());
+        }
+        Ok(())
+    }
+
+    fn single_move(&mut self, step: u64) -> Result<()> {
+        let mut rng = CounterRng::new(self.seed, self.replica, step);
+        let budget_kt = -rng.uniform().ln();
+        let body = rng.index(self.system.len());
+        let kind = if rng.uniform() < self.settings.rotation_fraction { Kind::Rotation } else { Kind::Translation };
+        let body_type = self.system.type_index(body);
+        let proposed = single::propose(self.system.pose(body), kind, &self.tuners[body_type].steps, &mut rng);
+        let accepted = self.try_pose(body, proposed, budget_kt)?;
+        self.statistics.count(kind, body_type, accepted);
+        if self.sweep < self.settings.equilibration_sweeps {
+            self.tuners[body_type].learn(kind, accepted, self.settings.target_acceptance);
+        }
+        Ok(())
+    }
+
+    /// Moves the body if nothing is in the way and the energy rises by less than the budget.
+    fn try_pose(&mut self, body: usize, pose: Pose, budget_kt: f64) -> Result<bool> {
+        if !self.system.boundary().contains(&pose.position) {
+            return Ok(false);
+        }
+        let trial = Trial { system: &self.system, body, pose: self.system.tidy(pose) };
+        self.cells.candidates(&trial.pose.position, &mut self.near);
+        self.near.retain(|partner| *partner != body);
+        if self.hard.blocks(&trial, &self.near) {
+            return Ok(false);
+        }
+        if !self.energy.accept(&trial, &self.near, budget_kt)? {
+            self.energy.reject();
+            return Ok(false);
+        }
+        let pose = trial.pose;
+        self.move_bodies(&[(body, pose)]);
+        self.energy.commit(&[body]);
+        Ok(true)
+    }
+
+    fn cluster_move(&mut self, step: u64) -> Result<()> {
+        let mut rng = CounterRng::new(self.seed, self.replica, step);
+        let seed_body = rng.index(self.system.len());
+        let reach = self.settings.cluster_axis_reach_angstrom.unwrap_or(self.system.hard_range_angstrom());
+        let turn = HalfTurn::random(&self.system, seed_body, reach, &mut rng);
+        let (hard, energy) = (&mut self.hard, self.energy.as_mut());
+        let members = cluster::grow(&self.system, seed_body, &turn, hard, energy, &self.cells, &mut rng)?;
+        let turned = |body: &usize| (*body, self.system.tidy(turn.apply(self.system.pose(*body))));
+        let poses: Vec<(usize, Pose)> = members.iter().map(turned).collect();
+        self.move_bodies(&poses);
+        self.energy.commit(&members);
+        self.statistics.cluster_moves += 1;
+        self.statistics.cluster_bodies += members.len() as u64;
+        Ok(())
+    }
+
+    /// Puts these bodies where they go; the poses are tidy already, so that their bits are those the energies were
+    /// computed from.
+    fn move_bodies(&mut self, poses: &[(usize, Pose)]) {
+        for (body, pose) in poses {
+            self.cells.moved(*body, &self.system.pose(*body).position, &pose.position);
+            self.system.set_pose(*body, *pose);
+        }
+    }
+
+    /// The present state's observables.
+    pub fn observables(&self) -> Observables {
+        let present = contacts(&self.system, self.settings.contact_gap_angstrom);
+        let clusters = cluster_sizes(self.system.len(), &present);
+        Observables {
+            sweep: self.sweep,
+            energy_kt: self.energy.total_kt(),
+            r_g_angstrom: r_g_angstrom(&self.system, |_| 1.0),
+            r_g_volume_weighted_angstrom: r_g_angstrom(&self.system, |body| {
+                self.system.body_type(body).volume_angstrom3
+            }),
+            native_contacts: survival(&self.native_contacts, &present),
+            contacts: present.len(),
+            largest_cluster: clusters.first().copied().unwrap_or(0),
+            clusters: clusters.len(),
+        }
+    }
+
+    /// The bodies and where they are.
+    pub fn system(&self) -> &System {
+        &self.system
+    }
+
+    /// Sweeps done.
+    pub fn sweep(&self) -> u64 {
+        self.sweep
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// The step sizes in use, by body type.
+    pub fn step_sizes(&self) -> Vec<StepSizes> {
+        self.tuners.iter().map(|tuner| tuner.steps).collect()
+    }
+
+    /// Acceptance counts.
+    pub fn statistics(&self) -> &Statistics {
+        &self.statistics
+    }
+
+    /// The pairs in contact at the start.
+    pub fn native_contacts(&self) -> &[(usize, usize)] {
+        &self.native_contacts
+    }
+
+    /// The energies of all pairs in range, kT.
+    pub fn pair_energies(&self) -> Vec<PairEnergy> {
+        self.energy.pairs()
+    }
+}
+
+/// Cells wide enough for surfaces and charges alike.
+fn neighbour_cells(system: &System, energy: &dyn EnergyModel) -> Result<CellList> {
+    let range = system.hard_range_angstrom().max(energy.range_angstrom(system));
+    let positions: Vec<Vec3> = system.poses().iter().map(|pose| pose.position).collect();
+    Ok(CellList::new(system.boundary(), range, &positions)?)
+}
+
+/// A translation beyond half of the space, or where it has no end beyond two diameters, gains nothing.
+fn largest_translation(system: &System) -> f64 {
+    match system.boundary() {
+        Boundary::Periodic { lengths_angstrom } => 0.5 * lengths_angstrom.min(),
+        Boundary::SphereWall { radius_angstrom } => *radius_angstrom,
+        Boundary::Open => 2.0 * system.hard_range_angstrom(),
+    }
+}
+
+fn at_step(error: McError, step: u64) -> McError {
+    match error {
+        McError::NonFiniteEnergy { first, second, energy_kt, .. } => {
+            McError::NonFiniteEnergy { step, first, second, energy_kt }
+        }
+        other => other,
+    }
+}

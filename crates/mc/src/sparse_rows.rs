@@ -1,0 +1,93 @@
+//! What is remembered about pairs of bodies: a few partners per body.
+
+/// A sparse table: each row holds a value for some columns, ascending.
+#[derive(Debug, Clone)]
+pub(crate) struct SparseRows<T> {
+    rows: Vec<Vec<(u32, T)>>,
+}
+
+impl<T: Copy> SparseRows<T> {
+    pub(crate) fn new(rows: usize) -> Self {
+        Self { rows: vec![Vec::new(); rows] }
+    }
+
+    pub(crate) fn get(&self, row: usize, column: usize) -> Option<T> {
+        let row = &self.rows[row];
+        row.binary_search_by_key(&(column as u32), |entry| entry.0).ok().map(|place| row[place].1)
+    }
+
+    pub(crate) fn set(&mut self, row: usize, column: usize, value: T) {
+        let row = &mut self.rows[row];
+        match row.binary_search_by_key(&(column as u32), |entry| entry.0) {
+            Ok(place) => row[place].1 = value,
+            Err(place) => row.insert(place, (column as u32, value)),
+        }
+    }
+
+    pub(crate) fn remove(&mut self, row: usize, column: usize) {
+        let row = &mut self.rows[row];
+        if let Ok(place) = row.binary_search_by_key(&(column as u32), |entry| entry.0) {
+            row.remove(place);
+        }
+    }
+
+    pub(crate) fn row(&self, row: usize) -> impl Iterator<Item = (usize, T)> + '_ {
+        self.rows[row].iter().map(|(column, value)| (*column as usize, *value))
+    }
+}
+
+/// Values of unordered pairs, kept in both rows so that a body finds its partners at once.
+#[derive(Debug, Clone)]
+pub(crate) struct PairTable<T>(SparseRows<T>);
+
+impl<T: Copy> PairTable<T> {
+    pub(crate) fn new(bodies: usize) -> Self {
+        Self(SparseRows::new(bodies))
+    }
+
+    pub(crate) fn get(&self, first: usize, second: usize) -> Option<T> {
+        self.0.get(first, second)
+    }
+
+    pub(crate) fn set(&mut self, first: usize, second: usize, value: T) {
+        self.0.set(first, second, value);
+        self.0.set(second, first, value);
+    }
+
+    pub(crate) fn remove(&mut self, first: usize, second: usize) {
+        self.0.remove(first, second);
+        self.0.remove(second, first);
+    }
+
+    /// The partners of a body, ascending, with their values.
+    pub(crate) fn row(&self, body: usize) -> impl Iterator<Item = (usize, T)> + '_ {
+        self.0.row(body)
+    }
+
+    /// Every pair once, ascending.
+    pub(crate) fn pairs(&self) -> impl Iterator<Item = (usize, usize, T)> + '_ {
+        (0..self.0.rows.len()).flat_map(move |first| {
+            self.row(first)
+                .filter(move |(second, _)| first < *second)
+                .map(move |(second, value)| (first, second, value))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pairs_come_back_in_order_whatever_the_history() {
+        let mut table = PairTable::new(4);
+        for (i, j) in [(3, 1), (0, 2), (2, 1), (0, 1)] {
+            table.set(i, j, 10 * i.min(j) + i.max(j));
+        }
+        table.remove(1, 2);
+        table.set(1, 0, 7);
+        assert_eq!(table.pairs().collect::<Vec<_>>(), [(0, 1, 7), (0, 2, 2), (1, 3, 13)]);
+        assert_eq!(table.row(1).map(|(j, _)| j).collect::<Vec<_>>(), [0, 3]);
+        assert_eq!((table.get(2, 0), table.get(1, 2)), (Some(2), None));
+    }
+}

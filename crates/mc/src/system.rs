@@ -1,0 +1,160 @@
+//! Who is where.
+
+use crate::{BodyType, McError, Result};
+use protomer_kernel::pose::RelativePose;
+use protomer_kernel::{Boundary, Pose, Vec3};
+use std::sync::Arc;
+
+/// Rigid bodies in a space: the types are shared and immutable, only the poses change.
+#[derive(Debug, Clone)]
+pub struct System {
+    types: Vec<Arc<BodyType>>,
+    type_of: Vec<usize>,
+    poses: Vec<Pose>,
+    boundary: Boundary,
+}
+
+impl System {
+    /// Bodies, each given by the index of its type and its pose. Positions are wrapped into a periodic box.
+    ///
+    /// # Errors
+    /// [`McError::BadSystem`] for no bodies, a type index out of range, a pose that is not finite, or an origin outside
+    /// a wall.
+    pub fn new(types: Vec<Arc<BodyType>>, bodies: &[(usize, Pose)], boundary: Boundary) -> Result<Self> {
+        if bodies.is_empty() {
+            return Err(McError::BadSystem("the system has no bodies; give at least one placement".into()));
+        }
+        for (index, (kind, pose)) in bodies.iter().enumerate() {
+            let finite = pose.position.iter().chain(pose.rotation.coords.iter()).all(|number| number.is_finite());
+            let problem = if *kind >= types.len() {
+                format!("has type {kind}, but there are {} types", types.len())
+            } else if !finite {
+                "has a pose that is not finite".into()
+            } else if !boundary.contains(&pose.position) {
+                "has its origin outside the wall".into()
+            } else {
+                continue;
+            };
+            return Err(McError::BadSystem(format!("body {index} {problem}")));
+        }
+        let mut system =
+            Self { types, type_of: bodies.iter().map(|body| body.0).collect(), poses: Vec::new(), boundary };
+        system.poses = bodies.iter().map(|body| system.tidy(body.1)).collect();
+        Ok(system)
+    }
+
+    /// The pose as the system stores it: wrapped into the box, its quaternion normalised.
+    pub(crate) fn tidy(&self, pose: Pose) -> Pose {
+        Pose {
+            position: self.boundary.wrap(&pose.position),
+            rotation: protomer_kernel::Rotation::new_normalize(pose.rotation.into_inner()),
+        }
+    }
+
+    /// Number of bodies.
+    pub fn len(&self) -> usize {
+        self.poses.len()
+    }
+
+    /// Always false: a system has at least one body.
+    pub fn is_empty(&self) -> bool {
+        self.poses.is_empty()
+    }
+
+    /// The body types.
+    pub fn types(&self) -> &[Arc<BodyType>] {
+        &self.types
+    }
+
+    /// Index of the type of a body.
+    pub fn type_index(&self, body: usize) -> usize {
+        self.type_of[body]
+    }
+
+    /// The type of a body.
+    pub fn body_type(&self, body: usize) -> &BodyType {
+        &self.types[self.type_of[body]]
+    }
+
+    /// The poses of all bodies, positions within the box.
+    pub fn poses(&self) -> &[Pose] {
+        &self.poses
+    }
+
+    /// The pose of a body.
+    pub fn pose(&self, body: usize) -> &Pose {
+        &self.poses[body]
+    }
+
+    pub(crate) fn set_pose(&mut self, body: usize, pose: Pose) {
+        self.poses[body] = pose;
+    }
+
+    /// The space.
+    pub fn boundary(&self) -> &Boundary {
+        &self.boundary
+    }
+
+    /// The pair of bodies as it stands. The smaller index is always the first, so a pair's numbers have the same bits
+    /// whichever of the two moved last.
+    pub fn pair(&self, body: usize, partner: usize) -> Pair<'_> {
+        Trial { system: self, body, pose: self.poses[body] }.pair(partner)
+    }
+
+    /// The largest distance of two origins at which surfaces can touch, Å.
+    pub fn hard_range_angstrom(&self) -> f64 {
+        2.0 * self.types.iter().map(|kind| kind.hard_radius_angstrom()).fold(0.0, f64::max)
+    }
+}
+
+/// One body somewhere else than it is; the others as they are.
+#[derive(Debug, Clone, Copy)]
+pub struct Trial<'a> {
+    /// The system before the move.
+    pub system: &'a System,
+    /// The body that moves.
+    pub body: usize,
+    /// Where it would stand.
+    pub pose: Pose,
+}
+
+impl<'a> Trial<'a> {
+    /// The moved body and an unmoved partner, the smaller index first.
+    pub fn pair(&self, partner: usize) -> Pair<'a> {
+        let system = self.system;
+        let moved_first = self.body < partner;
+        let (first, second) = if moved_first { (self.body, partner) } else { (partner, self.body) };
+        let partner_pose = system.poses[partner];
+        let (first_pose, second_pose) = if moved_first { (self.pose, partner_pose) } else { (partner_pose, self.pose) };
+        let displacement = system.boundary.displacement(&first_pose.position, &second_pose.position);
+        Pair { system, first, second, first_pose, second_pose, displacement }
+    }
+}
+
+/// Two bodies and the way from the first to the nearest image of the second.
+#[derive(Debug, Clone, Copy)]
+pub struct Pair<'a> {
+    system: &'a System,
+    /// Index of the first body.
+    pub first: usize,
+    /// Index of the second body, the larger.
+    pub second: usize,
+    /// Pose of the first body.
+    pub first_pose: Pose,
+    /// Pose of the second body.
+    pub second_pose: Pose,
+    /// From the origin of the first to the nearest image of the second's, Å.
+    pub displacement: Vec3,
+}
+
+impl<'a> Pair<'a> {
+    /// The types of the two bodies.
+    pub fn types(&self) -> (&'a BodyType, &'a BodyType) {
+        (self.system.body_type(self.first), self.system.body_type(self.second))
+    }
+
+    /// The pose of the second body in the frame of the first.
+    pub fn relative(&self) -> RelativePose {
+        RelativePose::new(&self.first_pose, &self.second_pose, &self.displacement)
+    }
+}
