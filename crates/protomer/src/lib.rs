@@ -1,1 +1,39 @@
-//! protomer: run directories, sweeps and reports on top of the engines.
+//! protomer: from structure files to stability curves.
+//!
+//! ```text
+//! input --ingest--> body files --assemble--> assembly file --sweep--> run directories --> table and figure
+//! ```
+//!
+//! | module | one idea |
+//! |---|---|
+//! | [`input`], [`fetch`] | input files: found, read, hashed; downloaded when asked for |
+//! | [`ingest`], [`own_body`], [`body_file`] | bodies from structures, bodies of one's own, bodies on the disk |
+//! | [`surface_of_file`] | the solvent-excluded surface alone |
+//! | [`assemble`], [`assembly_file`] | assemblies made and read |
+//! | [`interaction`] | salt, temperature, permittivity to a Yukawa potential |
+//! | [`inspect`] | one state looked at |
+//! | [`run`] | one simulation in its directory |
+//! | [`sweep`], [`sweep_table`], [`sweep_figure`] | many simulations, one table, one figure |
+//! | [`quantity`], [`keys`], [`interrupt`], [`plot`] | what several of them need |
+//! | `cli` | the command line, one file per verb (feature `cli`) |
+
+pub mod assemble;
+pub mod assembly_file;
+pub mod body_file;
+#[cfg(feature = "cli")]
+pub mod cli;
+pub mod fetch;
+pub mod ingest;
+pub mod input;
+pub mod inspect;
+pub mod interaction;
+pub mod interrupt;
+pub mod keys;
+pub mod own_body;
+pub mod plot;
+pub mod quantity;
+pub mod run;
+pub mod surface_of_file;
+pub mod sweep;
+pub mod sweep_figure;
+pub mod sweep_table;

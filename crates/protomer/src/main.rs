@@ -1,2 +1,7 @@
 //! The `protomer` command.
-fn main() {}
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    protomer::cli::run()
+}

@@ -1,0 +1,43 @@
+//! `protomer inspect`: overlaps, energies and size of an assembly as it stands.
+
+use super::medium::ConditionArgs;
+use super::{Global, Outcome, output};
+use crate::assembly_file::Assembly;
+use crate::inspect::{inspect, inspection_settings};
+use crate::run::{EnergyMode, Engine};
+use anyhow::Result;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Look at an assembly as it stands: overlaps, pair energies, radius of gyration.
+#[derive(Debug, Args)]
+pub struct InspectArgs {
+    /// Assembly file.
+    assembly: PathBuf,
+    #[command(flatten)]
+    conditions: ConditionArgs,
+    /// How energies are computed.
+    #[arg(long, value_enum, default_value_t = EnergyMode::Direct)]
+    energy: EnergyMode,
+    /// Error per pair allowed in the approximate mode, kT.
+    #[arg(long, default_value_t = 1e-3)]
+    tolerance: f64,
+    /// Surfaces closer than this are in contact, Å.
+    #[arg(long, default_value_t = 5.0)]
+    contact_gap: f64,
+}
+
+impl InspectArgs {
+    pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
+        let interaction = self.conditions.interaction()?;
+        let engine = Engine::new(Assembly::read(&self.assembly)?)?;
+        let settings = inspection_settings(self.energy, self.tolerance, self.contact_gap);
+        let inspection = inspect(&engine, &settings, interaction)?;
+        if global.json {
+            output::json(&inspection)?
+        } else {
+            output::text(&inspection.describe())?
+        }
+        Ok(Outcome::Done)
+    }
+}

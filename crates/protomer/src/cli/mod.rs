@@ -1,0 +1,166 @@
+//! The command line: one file per verb. Data goes to stdout, everything else to stderr.
+
+mod assemble;
+mod bench;
+mod body;
+mod candidates;
+mod fetch;
+mod generate;
+mod ingest;
+mod inspect;
+mod medium;
+mod output;
+mod simulate;
+mod surface;
+mod sweep;
+
+use crate::interrupt::Interrupt;
+use anyhow::{Context, Result};
+use clap::{Args, Parser, Subcommand};
+use std::process::ExitCode;
+use std::time::Duration;
+
+/// Coarse-grained protein assembly modelling: structures to rigid bodies, bodies to assemblies, assemblies to stability.
+#[derive(Debug, Parser)]
+#[command(name = "protomer", version, propagate_version = true, max_term_width = 100)]
+pub struct Cli {
+    #[command(flatten)]
+    global: Global,
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+/// Options every verb understands.
+#[derive(Debug, Clone, Args)]
+pub struct Global {
+    /// Print one JSON object on stdout instead of text.
+    #[arg(long, global = true)]
+    json: bool,
+    /// Threads to use; 0 means all.
+    #[arg(short = 'j', long, global = true, default_value_t = 0, env = "PROTOMER_THREADS")]
+    threads: usize,
+    /// Say less: errors only.
+    #[arg(short, long, global = true)]
+    quiet: bool,
+    /// Say more: settings and timings.
+    #[arg(short, long, global = true)]
+    verbose: bool,
+    /// Never draw progress bars.
+    #[arg(long, global = true)]
+    no_progress: bool,
+    /// Overwrite results that are already there.
+    #[arg(long, global = true)]
+    force: bool,
+}
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    Ingest(ingest::IngestArgs),
+    Fetch(fetch::FetchArgs),
+    Surface(surface::SurfaceArgs),
+    Body(body::BodyArgs),
+    Assemble(assemble::AssembleArgs),
+    Candidates(candidates::CandidatesArgs),
+    Inspect(inspect::InspectArgs),
+    Simulate(simulate::SimulateArgs),
+    Sweep(sweep::SweepArgs),
+    Bench(bench::BenchArgs),
+    Completions(generate::CompletionsArgs),
+    Man(generate::ManArgs),
+}
+
+/// How a verb ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// Everything asked for is there.
+    Done,
+    /// Some of the inputs failed; the rest is there.
+    Partial,
+    /// Stopped early on request; the same command goes on from here.
+    Stopped,
+}
+
+/// Parses the command line and runs the verb. Exit codes: 0 done, 1 error, 2 usage, 3 stopped early and resumable.
+pub fn run() -> ExitCode {
+    let cli = Cli::parse();
+    match cli.verb.run(&cli.global) {
+        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(Outcome::Partial) => ExitCode::from(1),
+        Ok(Outcome::Stopped) => ExitCode::from(3),
+        Err(error) if output::is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            output::note(&format!("error: {error:#}"));
+            ExitCode::from(1)
+        }
+    }
+}
+
+impl Verb {
+    fn run(&self, global: &Global) -> Result<Outcome> {
+        global.build_thread_pool()?;
+        match self {
+            Verb::Ingest(args) => args.run(global),
+            Verb::Fetch(args) => args.run(global),
+            Verb::Surface(args) => args.run(global),
+            Verb::Body(args) => args.run(global),
+            Verb::Assemble(args) => args.run(global),
+            Verb::Candidates(args) => args.run(global),
+            Verb::Inspect(args) => args.run(global),
+            Verb::Simulate(args) => args.run(global),
+            Verb::Sweep(args) => args.run(global),
+            Verb::Bench(args) => args.run(global),
+            Verb::Completions(args) => args.run(),
+            Verb::Man(args) => args.run(),
+        }
+    }
+}
+
+impl Global {
+    fn build_thread_pool(&self) -> Result<()> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads);
+        pool.build_global().context("cannot start the threads; try a smaller --threads")
+    }
+
+    /// A line for the user, unless quiet.
+    fn say(&self, line: &str) {
+        if !self.quiet {
+            output::note(line);
+        }
+    }
+
+    /// A bar on a terminal; nothing elsewhere.
+    fn progress(&self, length: u64, what: &'static str) -> indicatif::ProgressBar {
+        use std::io::IsTerminal;
+        if self.quiet || self.no_progress || !std::io::stderr().is_terminal() {
+            return indicatif::ProgressBar::hidden();
+        }
+        let style = indicatif::ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} ({eta} left)");
+        let bar = indicatif::ProgressBar::new(length).with_message(what);
+        match style {
+            Ok(style) => bar.with_style(style),
+            Err(_) => bar,
+        }
+    }
+}
+
+/// An interrupt that the first Ctrl-C or SIGTERM requests; the second one ends the process at once.
+fn interrupt_on_signals(limit_minutes: Option<f64>) -> Result<Interrupt> {
+    let limit = match limit_minutes {
+        None => None,
+        Some(minutes) => Some(
+            Duration::try_from_secs_f64(minutes * 60.0)
+                .with_context(|| format!("--time-limit is {minutes} minutes; give a positive number"))?,
+        ),
+    };
+    let interrupt = Interrupt::after(limit);
+    let on_signal = interrupt.clone();
+    ctrlc::set_handler(move || {
+        if on_signal.is_requested() {
+            std::process::exit(130);
+        }
+        output::note("stopping at the next sweep; the same command goes on from there (again: stop at once)");
+        on_signal.request();
+    })
+    .context("cannot listen for Ctrl-C")?;
+    Ok(interrupt)
+}

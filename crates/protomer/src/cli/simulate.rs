@@ -1,0 +1,143 @@
+//! `protomer simulate`: one simulation in its directory, and the flags that `sweep` shares with it.
+
+use super::medium::{ConditionArgs, MediumArgs};
+use super::{Global, Outcome, interrupt_on_signals, output};
+use crate::assembly_file::Assembly;
+use crate::keys;
+use crate::run::{EnergyMode, RunSettings};
+use crate::sweep::{SweepEnd, run_sweep};
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use std::path::PathBuf;
+
+/// Flags of every run. What is left out comes from the configuration file, or else from the defaults.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Run")]
+pub struct RunArgs {
+    /// Directory of the results.
+    #[arg(short, long)]
+    pub output: PathBuf,
+    /// Configuration (TOML), such as the run.toml of another run; flags override it.
+    #[arg(long)]
+    pub config: Option<PathBuf>,
+    /// Production sweeps to run to (one trial move per body, and the cluster moves) [default: 2000].
+    #[arg(long)]
+    pub sweeps: Option<u64>,
+    /// Sweeps before production, in which step sizes are tuned and then frozen [default: 500].
+    #[arg(long)]
+    pub equilibration: Option<u64>,
+    /// Geometric cluster moves per sweep [default: 1].
+    #[arg(long)]
+    pub cluster_moves: Option<u32>,
+    /// Seed of the random numbers [default: 1].
+    #[arg(long)]
+    pub seed: Option<u64>,
+    /// Surfaces closer than this are in contact, Å [default: 5].
+    #[arg(long)]
+    pub contact_gap: Option<f64>,
+    /// Sweeps between rows of the log [default: 10].
+    #[arg(long)]
+    pub log_every: Option<u64>,
+    /// Sweeps between frames of the trajectory; 0 for none [default: 100].
+    #[arg(long)]
+    pub trajectory_every: Option<u64>,
+    /// How energies are computed [default: direct].
+    #[arg(long, value_enum)]
+    pub energy: Option<EnergyMode>,
+    /// Error per pair allowed in the approximate mode, kT [default: 0.001].
+    #[arg(long)]
+    pub tolerance: Option<f64>,
+    /// Stop (resumably, exit code 3) after this many minutes.
+    #[arg(long, env = "ACTION_WALLTIME_IN_MINUTES")]
+    pub time_limit: Option<f64>,
+}
+
+impl RunArgs {
+    /// The configuration file with the flags on top.
+    pub(super) fn settings(&self, medium: &MediumArgs) -> Result<RunSettings> {
+        let mut settings = match &self.config {
+            None => RunSettings::default(),
+            Some(path) => {
+                let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+                keys::from_toml(path, &text)?
+            }
+        };
+        override_with(&mut settings.sweeps, self.sweeps);
+        override_with(&mut settings.equilibration_sweeps, self.equilibration);
+        override_with(&mut settings.cluster_moves_per_sweep, self.cluster_moves);
+        override_with(&mut settings.seed, self.seed);
+        override_with(&mut settings.contact_gap_angstrom, self.contact_gap);
+        override_with(&mut settings.log_every, self.log_every);
+        override_with(&mut settings.trajectory_every, self.trajectory_every);
+        override_with(&mut settings.energy, self.energy);
+        override_with(&mut settings.tolerance_kt, self.tolerance);
+        medium.override_in(&mut settings.medium);
+        Ok(settings)
+    }
+
+    /// With --force, removes the results of an earlier run. Only a directory that protomer made is removed.
+    pub(super) fn prepare_output(&self, global: &Global) -> Result<()> {
+        if !global.force || !self.output.exists() {
+            return Ok(());
+        }
+        let empty = self.output.read_dir().is_ok_and(|mut entries| entries.next().is_none());
+        if !empty && !self.output.join("run.toml").exists() {
+            bail!("{} is no run directory of protomer, so --force leaves it alone", self.output.display());
+        }
+        std::fs::remove_dir_all(&self.output).with_context(|| format!("cannot remove {}", self.output.display()))
+    }
+}
+
+fn override_with<T: Copy>(setting: &mut T, flag: Option<T>) {
+    if let Some(value) = flag {
+        *setting = value;
+    }
+}
+
+/// Run one simulation of an assembly at one salt concentration. The same command continues it.
+#[derive(Debug, Args)]
+pub struct SimulateArgs {
+    /// Assembly file.
+    assembly: PathBuf,
+    #[command(flatten)]
+    conditions: ConditionArgs,
+    #[command(flatten)]
+    run: RunArgs,
+}
+
+impl SimulateArgs {
+    pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
+        let mut settings = self.run.settings(&self.conditions.medium)?;
+        settings.replicas = 1;
+        if let Some(salt) = self.conditions.salt {
+            settings.salt_molar = vec![salt];
+        }
+        if settings.salt_molar.len() != 1 {
+            bail!("simulate takes one salt concentration, and {} are given; use sweep", settings.salt_molar.len());
+        }
+        let assembly = Assembly::read(&self.assembly)?;
+        self.run.prepare_output(global)?;
+        let bar = global.progress(settings.total_sweeps(), "sweeps");
+        let interrupt = interrupt_on_signals(self.run.time_limit)?;
+        let end = run_sweep(assembly, &settings, &self.run.output, &interrupt, &|sweeps| bar.inc(sweeps))?;
+        bar.finish_and_clear();
+        let SweepEnd::Finished(result) = end else {
+            global.say(&format!("stopped; the same command continues {}", self.run.output.display()));
+            return Ok(Outcome::Stopped);
+        };
+        let replica = &result.replicas[0][0];
+        if global.json {
+            output::json(replica)?;
+        } else {
+            output::text(&format!(
+                "R_g {:.2} ± {:.2} Å, energy {:.2} ± {:.2} kT, largest cluster {:.2}",
+                replica.r_g_angstrom.mean,
+                replica.r_g_angstrom.standard_error,
+                replica.energy_kt.mean,
+                replica.energy_kt.standard_error,
+                replica.largest_cluster.mean
+            ))?;
+        }
+        Ok(Outcome::Done)
+    }
+}

@@ -1,0 +1,95 @@
+//! `protomer sweep`: stability against salt.
+
+use super::medium::MediumArgs;
+use super::simulate::RunArgs;
+use super::{Global, Outcome, interrupt_on_signals, output};
+use crate::assembly_file::Assembly;
+use crate::quantity;
+use crate::run::RunSettings;
+use crate::sweep::{SweepEnd, SweepResult, run_sweep};
+use anyhow::{Result, bail};
+use clap::Args;
+use std::path::PathBuf;
+
+/// Simulate an assembly at several salt concentrations, several replicas each: radius of gyration and surviving contacts
+/// against salt. The same command continues a sweep that was stopped.
+#[derive(Debug, Args)]
+pub struct SweepArgs {
+    /// Assembly file.
+    assembly: PathBuf,
+    /// Salt concentrations: a list such as 10mM,50mM,100mM or a range such as 10mM..300mM/8.
+    #[arg(long, allow_hyphen_values = true)]
+    salt: Option<String>,
+    /// Independent replicas per salt concentration.
+    #[arg(long)]
+    replicas: Option<u32>,
+    #[command(flatten)]
+    run: RunArgs,
+    #[command(flatten)]
+    medium: MediumArgs,
+}
+
+impl SweepArgs {
+    pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
+        let settings = self.settings()?;
+        let assembly = Assembly::read(&self.assembly)?;
+        self.run.prepare_output(global)?;
+        let simulations = settings.salt_molar.len() as u64 * u64::from(settings.replicas);
+        global.say(&format!(
+            "{} bodies, {simulations} simulations of {} + {} sweeps",
+            assembly.len(),
+            settings.equilibration_sweeps,
+            settings.sweeps
+        ));
+        let bar = global.progress(simulations * settings.total_sweeps(), "sweeps");
+        let interrupt = interrupt_on_signals(self.run.time_limit)?;
+        let end = run_sweep(assembly, &settings, &self.run.output, &interrupt, &|sweeps| bar.inc(sweeps))?;
+        bar.finish_and_clear();
+        match end {
+            SweepEnd::Stopped => {
+                global.say(&format!("stopped; the same command continues {}", self.run.output.display()));
+                Ok(Outcome::Stopped)
+            }
+            SweepEnd::Finished(result) => {
+                self.report(&result, global)?;
+                Ok(Outcome::Done)
+            }
+        }
+    }
+
+    /// The settings of the configuration file, if there is one, with those of the flags on top.
+    fn settings(&self) -> Result<RunSettings> {
+        let mut settings = self.run.settings(&self.medium)?;
+        if let Some(salt) = &self.salt {
+            settings.salt_molar = quantity::salt_list(salt)?;
+        } else if self.run.config.is_none() {
+            bail!("no salt concentration is given; add --salt 10mM,100mM,300mM");
+        }
+        if let Some(replicas) = self.replicas {
+            settings.replicas = replicas;
+        }
+        settings.check()?;
+        Ok(settings)
+    }
+
+    fn report(&self, result: &SweepResult, global: &Global) -> Result<()> {
+        if global.json {
+            return output::json(result);
+        }
+        let heading = ["salt (M)", "R_g (Å)", "± sd", "native contacts", "largest cluster", "energy (kT)"];
+        let mut rows = vec![heading.map(str::to_owned).to_vec()];
+        for row in &result.salts {
+            rows.push(vec![
+                format!("{:.4}", row.salt_molar),
+                format!("{:.2}", row.r_g_mean_angstrom),
+                format!("{:.2}", row.r_g_sd_angstrom),
+                format!("{:.3}", row.native_contacts_mean),
+                format!("{:.2}", row.largest_cluster_mean),
+                format!("{:.2}", row.energy_mean_kt),
+            ]);
+        }
+        output::text(&output::table(&rows))?;
+        global.say(&format!("figure: {}", self.run.output.join("sweep.png").display()));
+        Ok(())
+    }
+}

@@ -1,0 +1,90 @@
+//! One state of an assembly, looked at: overlaps, pair energies, radius of gyration.
+
+use crate::interaction::Interaction;
+use crate::run::{EnergyMode, Engine, RunSettings};
+use anyhow::{Context, Result};
+use protomer_kernel::cells::require_minimum_image;
+use protomer_mc::hard::overlapping_pairs;
+use protomer_mc::observables::{contacts, r_g_angstrom};
+use serde::Serialize;
+
+/// What [`inspect`] finds.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Inspection {
+    /// Number of bodies.
+    pub bodies: usize,
+    /// Pairs of bodies that overlap.
+    pub overlaps: Vec<(usize, usize)>,
+    /// Total energy, kT.
+    #[serde(rename = "energy_kT")]
+    pub energy_kt: f64,
+    /// Total energy, kJ/mol.
+    #[serde(rename = "energy_kJ_per_mol")]
+    pub energy_kilojoule_per_mol: f64,
+    /// Energies of the pairs in range: first body, second body, kT.
+    pub pair_energies: Vec<(usize, usize, f64)>,
+    /// Pairs whose surfaces are closer than the contact gap.
+    pub contacts: Vec<(usize, usize)>,
+    /// Radius of gyration of the body positions, Å.
+    pub r_g_angstrom: f64,
+    /// Concentration of the bodies, mol/L; zero in open space.
+    #[serde(rename = "concentration_M")]
+    pub concentration_molar: f64,
+    /// The medium.
+    #[serde(flatten)]
+    pub interaction: Interaction,
+}
+
+/// Looks at an assembly as it stands.
+///
+/// # Errors
+/// If the interaction reaches further than the box allows, or an energy is not finite.
+pub fn inspect(engine: &Engine, settings: &RunSettings, interaction: Interaction) -> Result<Inspection> {
+    let system = engine.system()?;
+    let mut model = engine.energy_model(settings, &interaction)?;
+    let range = model.range_angstrom(&system).max(system.hard_range_angstrom());
+    require_minimum_image(system.boundary(), range).with_context(|| interaction.describe())?;
+    model.reset(&system)?;
+    let pairs = model.pairs();
+    let energy_kt = model.total_kt();
+    let gas_constant = protomer_kernel::units::BOLTZMANN_JOULE_PER_KELVIN * protomer_kernel::units::AVOGADRO_PER_MOL;
+    Ok(Inspection {
+        bodies: system.len(),
+        overlaps: overlapping_pairs(&system),
+        energy_kt,
+        energy_kilojoule_per_mol: energy_kt * gas_constant * interaction.temperature_kelvin * 1e-3,
+        pair_energies: pairs.iter().map(|pair| (pair.first, pair.second, pair.energy_kt)).collect(),
+        contacts: contacts(&system, settings.contact_gap_angstrom),
+        r_g_angstrom: r_g_angstrom(&system, |_| 1.0),
+        concentration_molar: engine.assembly().concentration_molar(),
+        interaction,
+    })
+}
+
+impl Inspection {
+    /// A summary for people.
+    pub fn describe(&self) -> String {
+        let overlaps = match self.overlaps.as_slice() {
+            [] => "none".to_owned(),
+            pairs => pairs.iter().map(|(i, j)| format!("{i}-{j}")).collect::<Vec<_>>().join(", "),
+        };
+        format!(
+            "{} bodies, {} contacts, overlaps: {overlaps}\n\
+             medium: {}\n\
+             energy: {:.6} kT ({:.4} kJ/mol) over {} pairs in range\n\
+             radius of gyration: {:.3} Å",
+            self.bodies,
+            self.contacts.len(),
+            self.interaction.describe(),
+            self.energy_kt,
+            self.energy_kilojoule_per_mol,
+            self.pair_energies.len(),
+            self.r_g_angstrom
+        )
+    }
+}
+
+/// Settings that matter to [`inspect`]: the energy mode and the contact gap.
+pub fn inspection_settings(energy: EnergyMode, tolerance_kt: f64, contact_gap_angstrom: f64) -> RunSettings {
+    RunSettings { energy, tolerance_kt, contact_gap_angstrom, ..RunSettings::default() }
+}

@@ -1,0 +1,29 @@
+//! Stopping long work on request: a signal or a time limit, noticed between steps.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// Shared by all threads of a long piece of work; cheap to ask.
+#[derive(Debug, Clone, Default)]
+pub struct Interrupt {
+    requested: Arc<AtomicBool>,
+    deadline: Option<Instant>,
+}
+
+impl Interrupt {
+    /// An interrupt that comes by itself after `limit`, if there is one.
+    pub fn after(limit: Option<Duration>) -> Self {
+        Self { requested: Arc::default(), deadline: limit.map(|limit| Instant::now() + limit) }
+    }
+
+    /// Asks the work to stop at its next step.
+    pub fn request(&self) {
+        self.requested.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether the work should stop now.
+    pub fn is_requested(&self) -> bool {
+        self.requested.load(Ordering::Relaxed) || self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
+    }
+}

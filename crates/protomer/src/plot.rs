@@ -1,0 +1,328 @@
+//! Figures: points with error bars, single replicas and lines, in one panel or in several that share their x axis.
+//!
+//! A [`Figure`] is data only; [`Figure::write_svg`] and [`Figure::write_png`] draw it. Labels may have subscripts and
+//! superscripts: `R_g`, `10^{-3}`.
+//!
+//! | module | one idea |
+//! |---|---|
+//! | `layout` | where everything goes and what is drawn |
+//! | `ticks` | which values an axis marks, and how they are written |
+//! | `canvas` | lines, markers and text on SVG or pixels |
+
+mod canvas;
+mod layout;
+mod ticks;
+
+use anyhow::{Result, bail};
+use std::path::Path;
+
+/// Width of a figure in pixels of the PNG and units of the SVG.
+pub const WIDTH: u32 = 1200;
+/// Height of a figure in pixels of the PNG and units of the SVG.
+pub const HEIGHT: u32 = 800;
+
+/// A figure of panels stacked on a common x axis.
+///
+/// ```
+/// use protomer::plot::{Axis, Figure, Panel, Point, Series};
+/// let points = [(0.01, 52.0, 0.5), (0.1, 60.0, 2.0)].map(|(x, y, error)| Point { x, y, error: Some(error) });
+/// let series = Series { name: "D_4".into(), points: points.to_vec(), replicas: vec![], line: true };
+/// let figure = Figure {
+///     title: "Stability of the assembly".into(),
+///     caption: "error bars: standard error of five replicas".into(),
+///     x: Axis::log("salt concentration / M"),
+///     panels: vec![Panel { y: Axis::linear("R_g / Å"), series: vec![series] }],
+/// };
+/// assert!(figure.to_svg()?.starts_with("<svg"));
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Figure {
+    /// Title; may be empty.
+    pub title: String,
+    /// A line in small print below the title, such as what the error bars are; may be empty.
+    pub caption: String,
+    /// The x axis of all panels.
+    pub x: Axis,
+    /// The panels from top to bottom. Series of one name have one colour in all panels.
+    pub panels: Vec<Panel>,
+}
+
+/// One panel.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Panel {
+    /// The y axis.
+    pub y: Axis,
+    /// What is drawn, later ones on top.
+    pub series: Vec<Series>,
+}
+
+/// An axis.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Axis {
+    /// Quantity and unit.
+    pub label: String,
+    /// Whether the axis is logarithmic.
+    pub log: bool,
+    /// The values at the two ends; `None` to fit the data.
+    pub range: Option<[f64; 2]>,
+}
+
+/// Points of one colour.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Series {
+    /// Name in the legend.
+    pub name: String,
+    /// The points, in the order in which a line joins them. Points whose y is not a number are left out.
+    pub points: Vec<Point>,
+    /// Single measurements behind the points, drawn small and faint: (x, y).
+    pub replicas: Vec<[f64; 2]>,
+    /// Whether a line joins the points.
+    pub line: bool,
+}
+
+/// A point with its error.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Point {
+    /// Abscissa.
+    pub x: f64,
+    /// Ordinate.
+    pub y: f64,
+    /// Half the length of the error bar.
+    pub error: Option<f64>,
+}
+
+impl Axis {
+    /// A linear axis that fits its data.
+    pub fn linear(label: impl Into<String>) -> Self {
+        Self { label: label.into(), log: false, range: None }
+    }
+
+    /// A logarithmic axis that fits its data.
+    pub fn log(label: impl Into<String>) -> Self {
+        Self { label: label.into(), log: true, range: None }
+    }
+
+    /// The same axis with these ends.
+    #[must_use]
+    pub fn with_range(self, from: f64, to: f64) -> Self {
+        Self { range: Some([from, to]), ..self }
+    }
+}
+
+impl Figure {
+    /// The text of an SVG file.
+    ///
+    /// # Errors
+    /// If a value cannot be drawn: an x or a range that is not finite, a value outside a stated range or at or below
+    /// zero on a logarithmic axis, no point at all.
+    pub fn to_svg(&self) -> Result<String> {
+        self.check()?;
+        canvas::draw_svg(|canvas| layout::draw(self, canvas))
+    }
+
+    /// The bytes of a PNG file of [`WIDTH`] x [`HEIGHT`] pixels.
+    ///
+    /// # Errors
+    /// As [`Figure::to_svg`].
+    pub fn to_png(&self) -> Result<Vec<u8>> {
+        self.check()?;
+        canvas::draw_png(|canvas| layout::draw(self, canvas))
+    }
+
+    /// Writes an SVG file; it appears under its name only when complete.
+    ///
+    /// # Errors
+    /// As [`Figure::to_svg`], and if the file cannot be written.
+    pub fn write_svg(&self, path: &Path) -> Result<()> {
+        let svg = self.to_svg()?;
+        Ok(protomer_io::atomic::write_atomically(path, |file| file.write_all(svg.as_bytes()))?)
+    }
+
+    /// Writes a PNG file; it appears under its name only when complete.
+    ///
+    /// # Errors
+    /// As [`Figure::to_png`], and if the file cannot be written.
+    pub fn write_png(&self, path: &Path) -> Result<()> {
+        let png = self.to_png()?;
+        Ok(protomer_io::atomic::write_atomically(path, |file| file.write_all(&png))?)
+    }
+
+    /// The names of the series in the order of their first appearance.
+    fn series_names(&self) -> Vec<&str> {
+        let mut names = Vec::new();
+        for series in self.panels.iter().flat_map(|panel| &panel.series) {
+            if !names.contains(&series.name.as_str()) {
+                names.push(series.name.as_str());
+            }
+        }
+        names
+    }
+
+    fn check(&self) -> Result<()> {
+        for axis in self.panels.iter().map(|panel| &panel.y).chain([&self.x]) {
+            if let Some([from, to]) = axis.range {
+                let valid = from.is_finite() && to.is_finite() && from < to && (!axis.log || from > 0.0);
+                if !valid {
+                    bail!("the axis {:?} cannot range from {from} to {to}", axis.label);
+                }
+            }
+        }
+        for panel in &self.panels {
+            if panel.values().next().is_none() {
+                bail!("the panel {:?} has no point to draw", panel.y.label);
+            }
+            for [x, y] in panel.values() {
+                for (axis, value) in [(&self.x, x), (&panel.y, y)] {
+                    if !value.is_finite() || (axis.log && value <= 0.0) {
+                        bail!("the value {value} cannot be drawn on the axis {:?}; use a linear axis", axis.label);
+                    }
+                    if let Some([from, to]) = axis.range.filter(|[from, to]| value < *from || value > *to) {
+                        bail!("the value {value} lies outside the axis {:?}, {from} to {to}; widen it", axis.label);
+                    }
+                }
+            }
+        }
+        if self.panels.is_empty() {
+            bail!("the figure {:?} has no panels", self.title);
+        }
+        Ok(())
+    }
+}
+
+impl Panel {
+    /// All positions that are drawn, without error bars.
+    fn values(&self) -> impl Iterator<Item = [f64; 2]> {
+        self.series.iter().flat_map(|series| {
+            let points = series.points.iter().map(|point| [point.x, point.y]);
+            points.chain(series.replicas.iter().copied()).filter(|[_, y]| !y.is_nan())
+        })
+    }
+
+    /// The ends of all error bars; on a logarithmic axis those that reach zero are left out.
+    fn error_ends(&self) -> impl Iterator<Item = f64> {
+        let points = self.series.iter().flat_map(|series| &series.points);
+        points
+            .filter_map(|point| point.error.map(|error| [point.y - error, point.y + error]))
+            .flatten()
+            .filter(|end| end.is_finite() && (!self.y.log || *end > 0.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The figure of a sweep: radius of gyration and native contacts against salt, for two arrangements.
+    fn example() -> Figure {
+        let salts: &'static [f64] = &[10.0, 20.0, 50.0, 100.0, 150.0, 200.0, 300.0];
+        let series = |name: &str, midpoint: f64, low: f64, high: f64| {
+            let curve = |salt: f64| low + (high - low) / (1.0 + (midpoint / salt).powi(4));
+            // Replicas scatter most at the transition; the scatter is that of a golden-ratio sequence.
+            let replicas = |i: usize| -> Vec<f64> {
+                let width = 0.01 + 0.12 * (-(salts[i] / midpoint).ln().powi(2) * 3.0).exp();
+                (0..5)
+                    .map(|k| ((i * 5 + k) as f64 * 0.618_034 + midpoint).fract() - 0.5)
+                    .map(|u| curve(salts[i]) + 2.0 * u * width * (high - low))
+                    .collect()
+            };
+            let point = |i: usize| {
+                let values = replicas(i);
+                let y = values.iter().sum::<f64>() / 5.0;
+                let variance = values.iter().map(|value| (value - y).powi(2)).sum::<f64>() / 4.0;
+                Point { x: salts[i], y, error: Some((variance / 5.0).sqrt()) }
+            };
+            Series {
+                name: name.into(),
+                points: (0..salts.len()).map(point).collect(),
+                replicas: (0..salts.len()).flat_map(|i| replicas(i).into_iter().map(move |y| [salts[i], y])).collect(),
+                line: true,
+            }
+        };
+        let r_g = vec![
+            series("up-up D_4 stack", 60.0, 52.0, 131.0),
+            series("alternating C_8 ring", 110.0, 58.0, 128.0),
+            series("up-down", 170.0, 55.0, 120.0),
+        ];
+        let contacts = vec![
+            series("up-up D_4 stack", 60.0, 0.97, 0.03),
+            series("alternating C_8 ring", 110.0, 0.93, 0.03),
+            series("up-down", 170.0, 0.9, 0.05),
+        ];
+        Figure {
+            title: "Stability of BPTI(+6) / BPTI(−6) assemblies".into(),
+            caption: "16 bodies, cubic box 400 Å, pH 7.4, 298.15 K; error bars: standard error; faint: single replicas"
+                .into(),
+            x: Axis::log("salt concentration / mM"),
+            panels: vec![
+                Panel { y: Axis::linear("radius of gyration R_g / Å"), series: r_g },
+                Panel { y: Axis::linear("native contacts").with_range(0.0, 1.05), series: contacts },
+            ],
+        }
+    }
+
+    #[test]
+    fn an_svg_holds_every_label_and_every_point() {
+        let figure = example();
+        let svg = figure.to_svg().unwrap();
+        assert!(svg.starts_with("<svg width=\"1200\" height=\"800\""), "{}", &svg[..100]);
+        assert!(svg.trim_end().ends_with("</svg>"));
+        for text in ["radius\u{a0}of\u{a0}gyration\u{a0}R", "native\u{a0}contacts", ">\n10\n", ">\n300\n", "up-down"] {
+            assert!(svg.contains(text), "{text}");
+        }
+        // One faint circle for each replica, and markers of the first series with a halo.
+        let replicas: usize = figure.panels.iter().flat_map(|p| &p.series).map(|s| s.replicas.len()).sum();
+        assert_eq!(svg.matches("opacity=\"0.4\"").count(), replicas);
+    }
+
+    #[test]
+    fn a_png_has_the_stated_size_and_the_colours_of_the_series() {
+        let mut figure = example();
+        figure.panels.truncate(1);
+        let bytes = figure.to_png().unwrap();
+        let decoder = png::Decoder::new(std::io::Cursor::new(&bytes));
+        let mut reader = decoder.read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut pixels).unwrap();
+        assert_eq!((info.width, info.height, info.color_type), (WIDTH, HEIGHT, png::ColorType::Rgb));
+        for colour in &canvas::PALETTE[..3] {
+            assert!(pixels.chunks_exact(3).any(|pixel| pixel == *colour), "{colour:?}");
+        }
+        if let Some(path) = std::env::var_os("PROTOMER_EXAMPLE_FIGURE") {
+            example().write_png(Path::new(&path)).unwrap();
+            example().write_svg(&Path::new(&path).with_extension("svg")).unwrap();
+            let panel = &mut figure.panels[0];
+            panel.series.iter_mut().for_each(|series| series.name.push_str(", with a name that is rather long"));
+            panel.y = Axis { label: panel.y.label.clone(), log: true, range: None };
+            figure.x = Axis::linear("salt concentration / mM");
+            figure.caption.clear();
+            figure.write_png(&Path::new(&path).with_extension("single.png")).unwrap();
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_drawn_is_named() {
+        let point = |x, y| Point { x, y, error: None };
+        let figure = |x: Axis, points: Vec<Point>| Figure {
+            x,
+            panels: vec![Panel { y: Axis::linear("R_g"), series: vec![Series { points, ..Series::default() }] }],
+            ..Figure::default()
+        };
+        let error = |figure: Figure| figure.to_svg().unwrap_err().to_string();
+        assert!(
+            error(figure(Axis::log("salt"), vec![point(0.0, 1.0)]))
+                .contains("value 0 cannot be drawn on the axis \"salt\"")
+        );
+        assert!(error(figure(Axis::linear("salt"), vec![point(f64::NAN, 1.0)])).contains("NaN"));
+        assert!(error(figure(Axis::linear("salt"), vec![])).contains("no point"));
+        assert!(
+            error(figure(Axis::linear("salt").with_range(2.0, 1.0), vec![point(0.0, 1.0)])).contains("cannot range")
+        );
+        assert!(error(Figure::default()).contains("no panels"));
+        let outside = error(figure(Axis::linear("salt").with_range(0.0, 1.0), vec![point(2.0, 1.0)]));
+        assert!(outside.contains("value 2 lies outside the axis \"salt\", 0 to 1"), "{outside}");
+        // One point, and points that are all the same, still make a figure.
+        assert!(figure(Axis::log("salt"), vec![point(1.0, 0.0)]).to_svg().is_ok());
+        assert!(figure(Axis::linear("salt"), vec![point(0.0, 5.0), point(1.0, f64::NAN)]).to_png().is_ok());
+    }
+}

@@ -1,0 +1,103 @@
+//! From an assembly and an interaction to a system with an energy model: what all replicas of a sweep share.
+
+use crate::assembly_file::Assembly;
+use crate::interaction::Interaction;
+use crate::run::{EnergyMode, RunSettings};
+use anyhow::{Context, Result};
+use protomer_kernel::cells::require_minimum_image;
+use protomer_kernel::potential::Yukawa;
+use protomer_mc::energy::EnergyModel;
+use protomer_mc::hard::overlapping_pairs;
+use protomer_mc::{BodyType, McError, Settings, System};
+use std::sync::Arc;
+
+/// Body types prepared once and shared by every simulation of an assembly.
+#[derive(Debug, Clone)]
+pub struct Engine {
+    assembly: Assembly,
+    types: Vec<Arc<BodyType>>,
+}
+
+impl Engine {
+    /// Prepares the bodies of an assembly for simulation.
+    ///
+    /// # Errors
+    /// Names the body whose mesh does not bound a solid.
+    pub fn new(assembly: Assembly) -> Result<Self> {
+        let prepare = |body: &Arc<protomer_body::Body>| {
+            let kind = BodyType::from_body(body).with_context(|| format!("body '{}'", body.name))?;
+            Ok(Arc::new(kind))
+        };
+        let types = assembly.bodies.iter().map(prepare).collect::<Result<_>>()?;
+        Ok(Self { assembly, types })
+    }
+
+    /// The assembly.
+    pub fn assembly(&self) -> &Assembly {
+        &self.assembly
+    }
+
+    /// The bodies at their places.
+    ///
+    /// # Errors
+    /// If a placement lies outside a wall.
+    pub fn system(&self) -> Result<System> {
+        let placed: Vec<_> = self.assembly.kinds.iter().copied().zip(self.assembly.poses.iter().copied()).collect();
+        Ok(System::new(self.types.clone(), &placed, self.assembly.boundary)?)
+    }
+
+    /// A model of the energies for one salt concentration.
+    ///
+    /// # Errors
+    /// If the interaction makes no sense.
+    pub fn energy_model(&self, run: &RunSettings, interaction: &Interaction) -> Result<Box<dyn EnergyModel>> {
+        Ok(self.settings(run, interaction)?.interaction.model())
+    }
+
+    /// Checks what would stop every simulation at its start: an overlap, or a box too small for an interaction.
+    ///
+    /// # Errors
+    /// Lists the overlapping pairs; says which box is needed.
+    pub fn check(&self, run: &RunSettings, interactions: &[Interaction]) -> Result<()> {
+        let system = self.system()?;
+        let pairs = overlapping_pairs(&system);
+        if !pairs.is_empty() {
+            return Err(McError::OverlappingStart { pairs }.into());
+        }
+        for interaction in interactions {
+            let range = self.energy_model(run, interaction)?.range_angstrom(&system);
+            let range = range.max(system.hard_range_angstrom());
+            require_minimum_image(system.boundary(), range).with_context(|| interaction.describe())?;
+        }
+        Ok(())
+    }
+
+    /// The engine's settings for one salt concentration.
+    ///
+    /// # Errors
+    /// If the interaction makes no sense.
+    pub fn settings(&self, run: &RunSettings, interaction: &Interaction) -> Result<Settings> {
+        let interaction = match run.energy {
+            EnergyMode::None => protomer_mc::Interaction::HardOnly,
+            _ => protomer_mc::Interaction::YukawaDirect(yukawa(interaction)?),
+        };
+        Ok(Settings {
+            equilibration_sweeps: run.equilibration_sweeps,
+            cluster_moves_per_sweep: run.cluster_moves_per_sweep,
+            contact_gap_angstrom: run.contact_gap_angstrom,
+            ..Settings::new(interaction)
+        })
+    }
+}
+
+/// The potential an interaction describes.
+///
+/// # Errors
+/// If a length makes no sense.
+pub fn yukawa(interaction: &Interaction) -> Result<Yukawa> {
+    Ok(Yukawa::new(
+        interaction.bjerrum_length_angstrom,
+        interaction.inverse_debye_length_per_angstrom(),
+        interaction.cutoff_angstrom,
+    )?)
+}

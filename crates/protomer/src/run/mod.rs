@@ -1,0 +1,16 @@
+//! A simulation is a directory: settings, log, trajectory, checkpoint, and a record of how it was made. The same command
+//! continues it; a run cut anywhere and continued equals the uninterrupted one bit for bit.
+
+mod checkpoint_file;
+mod engine;
+mod log;
+mod record;
+mod replica;
+mod settings;
+mod trajectory;
+
+pub use engine::{Engine, yukawa};
+pub use log::{LogRow, read_log};
+pub use record::{RunRecord, read_record};
+pub use replica::{ReplicaCounts, ReplicaEnd, ReplicaTask, run_replica};
+pub use settings::{EnergyMode, RunSettings};

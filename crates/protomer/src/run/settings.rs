@@ -1,0 +1,125 @@
+//! What a run is asked to do: the resolved configuration, as `run.toml` has it.
+
+use crate::interaction::Medium;
+use anyhow::{Result, bail};
+use serde::{Deserialize, Serialize};
+
+/// Settings of a simulation or of each simulation of a sweep. Everything that can change a result is here and nothing
+/// else: two runs with equal settings on equal input give equal results on any number of threads.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RunSettings {
+    /// Salt concentrations, mol/L; a single simulation uses the first.
+    #[serde(rename = "salt_M")]
+    pub salt_molar: Vec<f64>,
+    /// Independent replicas per salt concentration.
+    pub replicas: u32,
+    /// Production sweeps: run *to* this many. A sweep is one trial move per body, and the cluster moves.
+    pub sweeps: u64,
+    /// Sweeps before production, in which the step sizes are tuned; then they are frozen.
+    pub equilibration_sweeps: u64,
+    /// Geometric cluster moves per sweep.
+    pub cluster_moves_per_sweep: u32,
+    /// Seed of the random numbers.
+    pub seed: u64,
+    /// Two bodies whose surfaces are closer than this are in contact, Å.
+    pub contact_gap_angstrom: f64,
+    /// Sweeps between two rows of the log.
+    pub log_every: u64,
+    /// Sweeps between two frames of the trajectory; zero for no trajectory.
+    pub trajectory_every: u64,
+    /// How energies are computed.
+    pub energy: EnergyMode,
+    /// Stated error of the approximate mode per pair of bodies, kT.
+    #[serde(rename = "tolerance_kT")]
+    pub tolerance_kt: f64,
+    /// The medium between the bodies.
+    pub medium: Medium,
+}
+
+/// How pair energies are computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+#[serde(rename_all = "lowercase")]
+pub enum EnergyMode {
+    /// The plain sum over all pairs of charges.
+    Direct,
+    /// Bounds first, the plain sum where they leave the decision open: the decisions of the plain sum.
+    Certified,
+    /// Within a stated error.
+    Approximate,
+    /// Hard bodies without charges.
+    None,
+}
+
+impl Default for RunSettings {
+    fn default() -> Self {
+        Self {
+            salt_molar: vec![0.1],
+            replicas: 5,
+            sweeps: 2_000,
+            equilibration_sweeps: 500,
+            cluster_moves_per_sweep: 1,
+            seed: 1,
+            contact_gap_angstrom: 5.0,
+            log_every: 10,
+            trajectory_every: 100,
+            energy: EnergyMode::Direct,
+            tolerance_kt: 1e-3,
+            medium: Medium::default(),
+        }
+    }
+}
+
+impl RunSettings {
+    /// Sweeps of equilibration and production together.
+    pub fn total_sweeps(&self) -> u64 {
+        self.equilibration_sweeps.saturating_add(self.sweeps)
+    }
+
+    /// The next sweep, counted from the start, at which a row or a frame is due or the run ends.
+    pub fn next_stop(&self, sweep: u64) -> u64 {
+        if sweep < self.equilibration_sweeps {
+            return self.equilibration_sweeps;
+        }
+        let production = sweep - self.equilibration_sweeps;
+        let after = |interval: u64| match interval {
+            0 => u64::MAX,
+            _ => (production / interval).saturating_add(1).saturating_mul(interval),
+        };
+        let next = after(self.log_every).min(after(self.trajectory_every));
+        self.equilibration_sweeps.saturating_add(next).min(self.total_sweeps())
+    }
+
+    /// Checks what the types cannot.
+    ///
+    /// # Errors
+    /// Names the setting that makes no sense.
+    pub fn check(&self) -> Result<()> {
+        if self.salt_molar.is_empty() && self.medium.debye_length_angstrom.is_none() {
+            bail!("no salt concentration is given; add --salt 10mM,100mM,300mM");
+        }
+        if let Some(salt) = self.salt_molar.iter().find(|salt| !(salt.is_finite() && **salt >= 0.0)) {
+            bail!("salt_M contains {salt}; concentrations are zero or positive, in mol/L");
+        }
+        for (index, salt) in self.salt_molar.iter().enumerate() {
+            if self.salt_molar[..index].contains(salt) {
+                bail!("the salt concentration {salt} M is listed twice; list each once and raise --replicas instead");
+            }
+        }
+        for (name, value) in
+            [("replicas", u64::from(self.replicas)), ("sweeps", self.sweeps), ("log_every", self.log_every)]
+        {
+            if value == 0 {
+                bail!("{name} is 0; it must be at least 1");
+            }
+        }
+        for (name, value) in [("contact_gap_angstrom", self.contact_gap_angstrom), ("tolerance_kT", self.tolerance_kt)]
+        {
+            if !(value.is_finite() && value > 0.0) {
+                bail!("{name} is {value}; it must be positive");
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,177 @@
+//! A sweep: salt concentrations × replicas, on all threads, resumable, with one table and one figure at the end.
+//!
+//! ```text
+//! DIR/run.toml  run.json  sweep.csv  sweep.json  sweep.svg  sweep.png
+//! DIR/salt_0.100000M/replica_0/ log.csv trajectory.gsd checkpoint.bin run.json
+//! ```
+
+use crate::assembly_file::Assembly;
+use crate::interaction::Interaction;
+use crate::interrupt::Interrupt;
+use crate::run::{Engine, ReplicaCounts, ReplicaEnd, ReplicaTask, RunRecord, RunSettings, read_log, run_replica};
+use crate::sweep_figure;
+use crate::sweep_table::{ReplicaResult, SaltRow, to_csv};
+use anyhow::{Context, Result, bail};
+use protomer_io::atomic::{sha256_hex, write_atomically};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// What a sweep leaves behind.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SweepResult {
+    /// Version of the program.
+    pub version: String,
+    /// SHA-256 of the assembly and its bodies.
+    pub input_sha256: String,
+    /// Number of bodies.
+    pub bodies: usize,
+    /// Concentration of the bodies, mol/L; zero in open space.
+    #[serde(rename = "concentration_M")]
+    pub concentration_molar: f64,
+    /// Edge lengths of the box, Å; `None` without a box.
+    pub box_angstrom: Option<[f64; 3]>,
+    /// The resolved settings.
+    pub settings: RunSettings,
+    /// One row per salt concentration.
+    pub salts: Vec<SaltRow>,
+    /// The replicas behind each row.
+    pub replicas: Vec<Vec<ReplicaResult>>,
+}
+
+/// How a sweep ended.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SweepEnd {
+    /// Everything is done.
+    Finished(Box<SweepResult>),
+    /// It was asked to stop; the same command goes on.
+    Stopped,
+}
+
+/// Runs or continues a sweep in a directory. `advanced` hears how many sweeps of all simulations were done.
+///
+/// # Errors
+/// For settings or a start that make no sense, a directory that holds another sweep, and a disk that takes no more. The
+/// first simulation that fails stops the others at their next sweep; what they did is kept.
+pub fn run_sweep(
+    assembly: Assembly,
+    settings: &RunSettings,
+    directory: &Path,
+    interrupt: &Interrupt,
+    advanced: &(dyn Fn(u64) + Sync),
+) -> Result<SweepEnd> {
+    settings.check()?;
+    let interactions = settings
+        .salt_molar
+        .iter()
+        .map(|salt| settings.medium.interaction(Some(*salt)))
+        .collect::<Result<Vec<Interaction>>>()?;
+    let engine = Engine::new(assembly)?;
+    engine.check(settings, &interactions)?;
+    let identity = prepare_directory(&engine, settings, directory)?;
+    let ends: Vec<Result<ReplicaEnd>> = tasks(settings)
+        .into_par_iter()
+        .map(|(salt_index, replica)| {
+            let task = ReplicaTask {
+                engine: &engine,
+                settings,
+                interaction: interactions[salt_index],
+                salt_index: salt_index as u32,
+                replica,
+                directory: replica_directory(directory, settings.salt_molar[salt_index], replica),
+                identity: &identity,
+            };
+            let context = || format!("salt {} M, replica {replica}", settings.salt_molar[salt_index]);
+            let end = run_replica(&task, interrupt, advanced).with_context(context);
+            if end.is_err() {
+                interrupt.request();
+            }
+            end
+        })
+        .collect();
+    let ends = ends.into_iter().collect::<Result<Vec<ReplicaEnd>>>()?;
+    let counts: Option<Vec<ReplicaCounts>> = ends.into_iter().map(ReplicaEnd::finished).collect();
+    let Some(counts) = counts else {
+        record(&engine, &identity, "stopped").write(directory)?;
+        return Ok(SweepEnd::Stopped);
+    };
+    let result = collect(&engine, settings, &interactions, directory, &counts)?;
+    write_results(&result, directory)?;
+    record(&engine, &identity, "done").write(directory)?;
+    Ok(SweepEnd::Finished(Box::new(result)))
+}
+
+/// Every simulation of the sweep, the first replica of every salt first: an interrupted sweep has a whole curve early.
+fn tasks(settings: &RunSettings) -> Vec<(usize, u32)> {
+    let salts = 0..settings.salt_molar.len();
+    (0..settings.replicas).flat_map(|replica| salts.clone().map(move |salt| (salt, replica))).collect()
+}
+
+/// The directory of one simulation.
+pub fn replica_directory(directory: &Path, salt_molar: f64, replica: u32) -> PathBuf {
+    directory.join(format!("salt_{salt_molar:.6}M")).join(format!("replica_{replica}"))
+}
+
+/// Writes the resolved settings, or checks that those of the directory are the same. Returns the identity of the sweep.
+fn prepare_directory(engine: &Engine, settings: &RunSettings, directory: &Path) -> Result<String> {
+    let text = toml::to_string_pretty(settings).context("the settings cannot be written down")?;
+    let identity = sha256_hex(format!("{text}{}", engine.assembly().sha256).as_bytes());
+    std::fs::create_dir_all(directory).with_context(|| format!("cannot make the directory {}", directory.display()))?;
+    let path = directory.join("run.toml");
+    match std::fs::read_to_string(&path) {
+        Ok(present) if present == text => {}
+        Ok(_) => bail!(
+            "{} holds a sweep with other settings; choose another directory, or start anew with --force",
+            directory.display()
+        ),
+        Err(_) => write_atomically(&path, |file| file.write_all(text.as_bytes()))?,
+    }
+    Ok(identity)
+}
+
+fn record(engine: &Engine, identity: &str, exit_reason: &str) -> RunRecord {
+    RunRecord {
+        version: env!("CARGO_PKG_VERSION").into(),
+        verb: "sweep".into(),
+        identity: identity.into(),
+        input_sha256: engine.assembly().sha256.clone(),
+        exit_reason: exit_reason.into(),
+        details: serde_json::Value::Null,
+    }
+}
+
+/// Averages every log.
+fn collect(
+    engine: &Engine,
+    settings: &RunSettings,
+    interactions: &[Interaction],
+    directory: &Path,
+    counts: &[ReplicaCounts],
+) -> Result<SweepResult> {
+    let mut replicas = vec![Vec::new(); settings.salt_molar.len()];
+    for ((salt, replica), counts) in tasks(settings).into_iter().zip(counts) {
+        let folder = replica_directory(directory, settings.salt_molar[salt], replica);
+        let rows = read_log(&folder.join("log.csv"))?;
+        replicas[salt].push(ReplicaResult::new(replica, &rows, *counts));
+    }
+    let salts = settings.salt_molar.iter().zip(interactions).zip(&replicas);
+    let assembly = engine.assembly();
+    Ok(SweepResult {
+        version: env!("CARGO_PKG_VERSION").into(),
+        input_sha256: assembly.sha256.clone(),
+        bodies: assembly.len(),
+        concentration_molar: assembly.concentration_molar(),
+        box_angstrom: assembly.box_angstrom(),
+        settings: settings.clone(),
+        salts: salts.map(|((salt, interaction), replicas)| SaltRow::new(*salt, interaction, replicas)).collect(),
+        replicas,
+    })
+}
+
+fn write_results(result: &SweepResult, directory: &Path) -> Result<()> {
+    let csv = to_csv(&result.salts)?;
+    let json = serde_json::to_string_pretty(result).context("the result cannot be written down")?;
+    write_atomically(&directory.join("sweep.csv"), |file| file.write_all(csv.as_bytes()))?;
+    write_atomically(&directory.join("sweep.json"), |file| writeln!(file, "{json}"))?;
+    sweep_figure::write(result, directory)
+}

@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# Every check of the project on a machine with Rust, a C compiler and CPython 3.11 with pip.
+#   bash test.sh            everything
+#   bash test.sh rust       format, lints, documentation and Rust tests only
+#   bash test.sh python     checks against other programs only
+set -euo pipefail
+cd "$(dirname "$0")"
+
+rust_checks() {
+    cargo fmt --all --check
+    cargo clippy --workspace --all-targets --locked -- -D warnings
+    RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
+    cargo test --workspace --locked
+}
+
+python_checks() {
+    cargo build --release --locked
+    if [ ! -x .venv/bin/python ]; then
+        python3 -m venv .venv
+    fi
+    .venv/bin/python -m pip install --quiet --disable-pip-version-check -r python/checks/requirements.txt
+    .venv/bin/python -m pytest -q -rs python/checks
+}
+
+case "${1:-all}" in
+rust) rust_checks ;;
+python) python_checks ;;
+all) rust_checks && python_checks ;;
+*) echo "test.sh: '$1' is not one of: rust, python" >&2 && exit 2 ;;
+esac
