@@ -188,10 +188,16 @@ impl TriangleMesh {
             }
         }
         let mut neighbours = vec![[0; 3]; self.triangles.len()];
-        for (&(from, to), &(triangle, side)) in &side_of {
-            match side_of.get(&(to, from)) {
-                Some(&(other, _)) => neighbours[triangle][side] = other as u32,
-                None => return Err(KernelError::BadMesh(format!("edge {from}-{to} has a triangle on one side only"))),
+        for (triangle, corners) in self.triangles.iter().enumerate() {
+            for side in 0..3 {
+                let (from, to) = (corners[side], corners[(side + 1) % 3]);
+                match side_of.get(&(to, from)) {
+                    Some(&(other, _)) => neighbours[triangle][side] = other as u32,
+                    None => {
+                        let message = format!("edge {from}-{to} has a triangle on one side only");
+                        return Err(KernelError::BadMesh(message));
+                    }
+                }
             }
         }
         Ok(neighbours)

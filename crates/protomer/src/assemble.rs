@@ -7,7 +7,7 @@ use protomer_body::assembly::{self, Expansion, Recipe, expand_until_free};
 use protomer_body::{Body, BodySettings, Source, build_body_of_selection};
 use protomer_io::atomic::write_atomically;
 use protomer_kernel::Rotation;
-use protomer_kernel::overlap::{CollisionShape, separation_bound};
+use protomer_kernel::overlap::{CollisionShape, overlaps};
 use protomer_kernel::pose::RelativePose;
 use serde::Serialize;
 use std::path::{Component, Path, PathBuf};
@@ -40,33 +40,24 @@ impl BodyFiles {
         Ok(Self { paths, bodies, shapes })
     }
 
-    /// Whether two of the placed bodies overlap or come closer than `gap_angstrom`.
-    pub fn closer_than(&self, gap_angstrom: f64, placements: &[assembly::Placement]) -> bool {
-        !self.close_pairs(gap_angstrom, placements, true).is_empty()
+    /// The pairs of placed bodies that overlap.
+    pub fn overlapping_pairs(&self, placements: &[assembly::Placement]) -> Vec<(usize, usize)> {
+        self.pairs(placements).filter(|pair| self.pair_overlaps(placements, *pair)).collect()
     }
 
-    /// The pairs that overlap or come closer than `gap_angstrom`; only the first if `stop_early`.
-    fn close_pairs(&self, gap: f64, placements: &[assembly::Placement], stop_early: bool) -> Vec<(usize, usize)> {
-        let mut pairs = Vec::new();
-        for (second, (kind_b, pose_b)) in placements.iter().enumerate() {
-            for (first, (kind_a, pose_a)) in placements[..second].iter().enumerate() {
-                let (a, b) = (&self.shapes[*kind_a], &self.shapes[*kind_b]);
-                let displacement = pose_b.position - pose_a.position;
-                let reach = a.bounding_radius_angstrom() + b.bounding_radius_angstrom() + gap;
-                if displacement.norm_squared() > reach * reach {
-                    continue;
-                }
-                let relative = RelativePose::new(pose_a, pose_b, &displacement);
-                // The bound stops at its ceiling: ask a little beyond the gap, to tell equal from closer.
-                if separation_bound(a, b, &relative, gap + 1e-6).is_none_or(|separation| separation < gap) {
-                    pairs.push((first, second));
-                    if stop_early {
-                        return pairs;
-                    }
-                }
-            }
-        }
-        pairs
+    /// Whether any two of the placed bodies overlap.
+    pub fn any_overlap(&self, placements: &[assembly::Placement]) -> bool {
+        self.pairs(placements).any(|pair| self.pair_overlaps(placements, pair))
+    }
+
+    fn pairs(&self, placements: &[assembly::Placement]) -> impl Iterator<Item = (usize, usize)> {
+        (0..placements.len()).flat_map(|second| (0..second).map(move |first| (first, second)))
+    }
+
+    fn pair_overlaps(&self, placements: &[assembly::Placement], (first, second): (usize, usize)) -> bool {
+        let ((kind_a, pose_a), (kind_b, pose_b)) = (placements[first], placements[second]);
+        let displacement = pose_b.position - pose_a.position;
+        overlaps(&self.shapes[kind_a], &self.shapes[kind_b], &RelativePose::new(&pose_a, &pose_b, &displacement))
     }
 
     /// Frames that turn each body's longest axis upright.
@@ -81,14 +72,33 @@ impl BodyFiles {
         self.bodies.iter().map(upright).collect()
     }
 
-    /// Closes a recipe until neighbours are `gap_angstrom` apart.
+    /// Closes a recipe to contact and then opens it a little: neighbours around a ring move `gap_angstrom` further apart
+    /// (their distance is 2 r sin(π/n)), and so do the rings of a stack. The surfaces' gaps are at least of about this size,
+    /// larger where the recipe's contact is elsewhere.
     ///
     /// # Errors
     /// If the recipe does not fit the bodies.
     pub fn close(&self, recipe: &Recipe, gap_angstrom: f64) -> Result<assembly::ClosedAssembly> {
         const TOLERANCE_ANGSTROM: f64 = 1e-3;
-        let too_close = |placements: &[assembly::Placement]| self.closer_than(gap_angstrom, placements);
-        Ok(recipe.close(&self.upright_frames(), 0.0, TOLERANCE_ANGSTROM, too_close)?)
+        let frames = self.upright_frames();
+        let contact = recipe.close(&frames, 0.0, TOLERANCE_ANGSTROM, |placements| self.any_overlap(placements))?;
+        let members = recipe.rings.first().map_or(1, Vec::len);
+        let widened = match members {
+            1 => 0.0,
+            _ => gap_angstrom / (2.0 * (std::f64::consts::PI / members as f64).sin()),
+        };
+        let opened = if recipe.rings.len() > 1 { gap_angstrom } else { 0.0 };
+        let (radius, distance) = (contact.radius_angstrom + widened, contact.ring_distance_angstrom + opened);
+        let placements = recipe.placements(&frames, radius, distance, 0.0)?;
+        if self.any_overlap(&placements) {
+            bail!("a gap of {gap_angstrom} Å brings bodies of the recipe into each other; try another gap");
+        }
+        Ok(assembly::ClosedAssembly {
+            placements,
+            radius_angstrom: radius,
+            ring_distance_angstrom: distance,
+            tilt_radian: contact.tilt_radian,
+        })
     }
 
     /// The assembly file of placements, with body files named relative to `path`.
@@ -182,8 +192,6 @@ pub struct StructureSettings {
     pub body: BodySettings,
     /// Remove overlaps by the smallest uniform expansion.
     pub relax: bool,
-    /// Gap that the expansion leaves, Å.
-    pub gap_angstrom: f64,
     /// Periodic box, Å.
     pub box_angstrom: Option<[f64; 3]>,
 }
@@ -218,7 +226,7 @@ pub fn assemble_structure(input: &Path, folder: &Path, settings: &StructureSetti
         bodies.push(built.body);
     }
     let files = BodyFiles::new(paths, bodies)?;
-    let overlaps = files.close_pairs(0.0, &placements, false);
+    let overlaps = files.overlapping_pairs(&placements);
     let expansion = relax(&files, placements, &overlaps, &chains, settings)?;
     for (path, body) in files.paths.iter().zip(&files.bodies) {
         body_file::write(path, body)?;
@@ -247,8 +255,7 @@ fn relax(
     settings: &StructureSettings,
 ) -> Result<Expansion> {
     if settings.relax {
-        let too_close = |placements: &[assembly::Placement]| files.closer_than(settings.gap_angstrom, placements);
-        return Ok(expand_until_free(&placements, 1e-6, too_close)?);
+        return Ok(expand_until_free(&placements, 1e-6, |placements| files.any_overlap(placements))?);
     }
     if !overlaps.is_empty() {
         let pairs: Vec<String> = overlaps.iter().map(|(i, j)| format!("{}-{}", chains[*i], chains[*j])).collect();

@@ -8,6 +8,7 @@
 use crate::assembly_file::Assembly;
 use crate::interaction::Interaction;
 use crate::interrupt::Interrupt;
+use crate::keys;
 use crate::run::{Engine, ReplicaCounts, ReplicaEnd, ReplicaTask, RunRecord, RunSettings, read_log, run_replica};
 use crate::sweep_figure;
 use crate::sweep_table::{ReplicaResult, SaltRow, to_csv};
@@ -112,20 +113,27 @@ pub fn replica_directory(directory: &Path, salt_molar: f64, replica: u32) -> Pat
     directory.join(format!("salt_{salt_molar:.6}M")).join(format!("replica_{replica}"))
 }
 
-/// Writes the resolved settings, or checks that those of the directory are the same. Returns the identity of the sweep.
+/// Writes the resolved settings, or checks that those of the directory are the same but for the length. Returns the
+/// identity of the sweep, of which the length is no part: a sweep run to 1000 can be run on to 2000.
 fn prepare_directory(engine: &Engine, settings: &RunSettings, directory: &Path) -> Result<String> {
     let text = toml::to_string_pretty(settings).context("the settings cannot be written down")?;
-    let identity = sha256_hex(format!("{text}{}", engine.assembly().sha256).as_bytes());
+    let without_length = toml::to_string_pretty(&RunSettings { sweeps: 0, ..settings.clone() })?;
+    let identity = sha256_hex(format!("{without_length}{}", engine.assembly().sha256).as_bytes());
     std::fs::create_dir_all(directory).with_context(|| format!("cannot make the directory {}", directory.display()))?;
     let path = directory.join("run.toml");
-    match std::fs::read_to_string(&path) {
-        Ok(present) if present == text => {}
-        Ok(_) => bail!(
-            "{} holds a sweep with other settings; choose another directory, or start anew with --force",
-            directory.display()
-        ),
-        Err(_) => write_atomically(&path, |file| file.write_all(text.as_bytes()))?,
+    if let Ok(present) = std::fs::read_to_string(&path) {
+        let present: RunSettings = keys::from_toml(&path, &present)?;
+        if present.sweeps > settings.sweeps && present == (RunSettings { sweeps: present.sweeps, ..settings.clone() }) {
+            bail!("{} was run to {} sweeps already; ask for more, or choose another directory", directory.display(), present.sweeps);
+        }
+        if present != (RunSettings { sweeps: present.sweeps, ..settings.clone() }) {
+            bail!(
+                "{} holds a sweep with other settings; choose another directory, or start anew with --force",
+                directory.display()
+            );
+        }
     }
+    write_atomically(&path, |file| file.write_all(text.as_bytes()))?;
     Ok(identity)
 }
 

@@ -38,9 +38,6 @@ pub struct StructureArgs {
     /// Remove overlaps of the hard surfaces by the smallest uniform expansion.
     #[arg(long)]
     relax: bool,
-    /// Gap that --relax leaves between surfaces, Å.
-    #[arg(long, default_value_t = 0.1)]
-    gap: f64,
     #[command(flatten)]
     space: SpaceArgs,
 }
@@ -66,7 +63,7 @@ pub struct RingArgs {
     /// Turn of each body about its own axis, degrees.
     #[arg(long, value_delimiter = ',', allow_hyphen_values = true)]
     spin: Vec<f64>,
-    /// Gap left between neighbouring surfaces, Å.
+    /// How much further apart than at contact neighbours around the ring, and the rings, are placed, Å.
     #[arg(long, default_value_t = 0.5)]
     gap: f64,
     #[command(flatten)]
@@ -114,7 +111,6 @@ impl StructureArgs {
         let settings = StructureSettings {
             body: body_settings(&self.selection, &self.charges, &self.surface)?,
             relax: self.relax,
-            gap_angstrom: self.gap,
             box_angstrom: self.space.box_angstrom()?,
         };
         let made = assemble_structure(&self.input, &self.output, &settings)?;

@@ -24,7 +24,7 @@ pub struct CandidatesArgs {
     /// Symmetry asked of an arrangement.
     #[arg(long, value_enum, default_value_t = Asked::Dihedral)]
     symmetry: Asked,
-    /// Gap left between neighbouring surfaces, Å.
+    /// How much further apart than at contact neighbours around the ring, and the rings, are placed, Å.
     #[arg(long, default_value_t = 0.5)]
     gap: f64,
     #[command(flatten)]

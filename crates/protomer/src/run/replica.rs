@@ -93,7 +93,8 @@ pub fn run_replica(task: &ReplicaTask<'_>, interrupt: &Interrupt, advanced: &dyn
 fn finished(task: &ReplicaTask<'_>) -> Result<Option<ReplicaCounts>> {
     let Some(record) = read_record(&task.directory)? else { return Ok(None) };
     check_identity(&task.directory, &record.identity, task.identity)?;
-    if record.exit_reason != "done" {
+    let sweeps_done = record.details.get("sweeps_done").and_then(serde_json::Value::as_u64);
+    if record.exit_reason != "done" || sweeps_done != Some(task.settings.total_sweeps()) {
         return Ok(None);
     }
     let counts = record.details.get("acceptance").cloned().unwrap_or_default();
