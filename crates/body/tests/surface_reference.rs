@@ -20,25 +20,30 @@ fn read(name: &str) -> Option<(Vec<Vec3>, Vec<f64>)> {
     Some(rows.map(|row| (Vec3::new(row[0], row[1], row[2]), row[3])).unzip())
 }
 
-/// Name, exact area and volume at probe 1.4 Å, components, genus, cavities.
-type Case = (&'static str, f64, f64, usize, i64, usize);
+/// Components, genus and cavities.
+type Shape = (usize, i64, usize);
+
+/// Name, exact area and volume at probe 1.4 Å, and the shape where it is known: by construction for the small cases; for
+/// 1crn it is the same on lattices from 0.8 Å to 0.2 Å. The others have walls and handles thinner than the default
+/// lattice: 1aki has (3, 0, 2) there but (4, 0, 3) from 0.4 Å down, 4ake (6, 2, 5) but (6, 5, 5) from 0.3 Å down.
+type Case = (&'static str, f64, f64, Option<Shape>);
 
 const CASES: [Case; 10] = [
-    ("s1.xyzr", 36.31681108, 20.57952628, 1, 0, 0),
-    ("s2a_overlap.xyzr", 57.53365247, 35.79288044, 1, 0, 0),
-    ("s2b_singular_d5.8.xyzr", 72.9442406, 41.27369151, 2, 0, 0),
-    ("s3a_equilateral_d2.8.xyzr", 85.59082136, 61.75072336, 1, 0, 0),
-    ("s3b_equilateral_d5.0_cutconcave.xyzr", 120.03076417, 67.22084206, 1, 1, 0),
-    ("s4_square_ring_genus1.xyzr", 156.95359458, 92.83641939, 1, 1, 0),
-    ("s4_tetra.xyzr", 106.80553576, 82.23627732, 1, 0, 0),
-    ("1crn_heavy.xyzr", 2319.06488988, 4664.89728464, 2, 0, 1),
-    ("1aki_heavy.xyzr", 5821.03138074, 15113.46707688, 3, 0, 2),
-    ("4ake_heavy.xyzr", 10885.97612133, 25028.75531596, 6, 2, 5),
+    ("s1.xyzr", 36.31681108, 20.57952628, Some((1, 0, 0))),
+    ("s2a_overlap.xyzr", 57.53365247, 35.79288044, Some((1, 0, 0))),
+    ("s2b_singular_d5.8.xyzr", 72.9442406, 41.27369151, Some((2, 0, 0))),
+    ("s3a_equilateral_d2.8.xyzr", 85.59082136, 61.75072336, Some((1, 0, 0))),
+    ("s3b_equilateral_d5.0_cutconcave.xyzr", 120.03076417, 67.22084206, Some((1, 1, 0))),
+    ("s4_square_ring_genus1.xyzr", 156.95359458, 92.83641939, Some((1, 1, 0))),
+    ("s4_tetra.xyzr", 106.80553576, 82.23627732, Some((1, 0, 0))),
+    ("1crn_heavy.xyzr", 2319.06488988, 4664.89728464, Some((2, 0, 1))),
+    ("1aki_heavy.xyzr", 5821.03138074, 15113.46707688, None),
+    ("4ake_heavy.xyzr", 10885.97612133, 25028.75531596, None),
 ];
 
 #[test]
-fn reference_surfaces_have_their_exact_area_volume_and_topology() {
-    for (name, area_angstrom2, volume_angstrom3, components, genus, cavities) in CASES {
+fn reference_surfaces_have_their_exact_area_and_volume_and_the_right_topology() {
+    for (name, area_angstrom2, volume_angstrom3, shape) in CASES {
         let Some((centres, radii)) = read(name) else { return };
         for density in [0.5, 1.0, 2.0, 4.0] {
             let settings = MeshSettings { density_per_angstrom2: density, ..MeshSettings::default() };
@@ -58,14 +63,13 @@ fn reference_surfaces_have_their_exact_area_volume_and_topology() {
                 start.elapsed()
             );
             assert!(area.abs() < 0.01 && volume.abs() < 0.002, "{name} {density}");
-            assert_eq!(
-                (topology.components, topology.genus, topology.cavities),
-                (components, genus, cavities),
-                "{name}"
-            );
+            let found = (topology.components, topology.genus, topology.cavities);
+            assert!(shape.is_none_or(|shape| shape == found), "{name}: {found:?}");
             assert!(worst(mesh).0 > 1e-6);
             let wanted = density * area_angstrom2;
-            assert!(wanted < 120.0 * components as f64 || (mesh.vertices.len() as f64 / wanted - 1.0).abs() < 0.25);
+            assert!(
+                wanted < 120.0 * topology.components as f64 || (mesh.vertices.len() as f64 / wanted - 1.0).abs() < 0.25
+            );
         }
     }
 }
@@ -105,4 +109,24 @@ fn awkward_clusters_give_valid_excluded_surfaces() {
 #[ignore = "reason: slow; run by name"]
 fn a_thousand_awkward_clusters_give_valid_excluded_surfaces() {
     assert_clusters_are_meshed(0..1000);
+}
+
+/// Thin walls and handles of a protein appear only on a fine lattice; from some spacing on nothing more appears.
+#[test]
+#[ignore = "reason: slow; run by name"]
+fn the_topology_of_proteins_converges_with_the_lattice() {
+    for (name, shape) in
+        [("1crn_heavy.xyzr", (2, 0, 1)), ("1aki_heavy.xyzr", (4, 0, 3)), ("4ake_heavy.xyzr", (6, 5, 5))]
+    {
+        let Some((centres, radii)) = read(name) else { return };
+        for base_spacing_angstrom in [0.3, 0.2] {
+            let settings = MeshSettings { base_spacing_angstrom, ..MeshSettings::default() };
+            let topology = solvent_excluded_surface(&centres, &radii, 1.4, &settings).unwrap().topology;
+            assert_eq!(
+                (topology.components, topology.genus, topology.cavities),
+                shape,
+                "{name} {base_spacing_angstrom}"
+            );
+        }
+    }
 }

@@ -184,7 +184,21 @@ impl Simulation {
         Ok(())
     }
 
-    fn single_move(&mut self, step: u64) -> Result<()> {
+    /// Makes trial moves 0 to `moves` of this replica's stream without cluster moves or tuning between them, and tells
+    /// each decision: what a benchmark times and two energy models are compared by. Meant for a simulation about to make
+    /// its first move; sweeps are not counted.
+    ///
+    /// # Errors
+    /// As [`Simulation::run_until`].
+    pub fn trial_moves(&mut self, moves: u64, decided: &mut dyn FnMut(bool)) -> Result<()> {
+        for step in 0..moves {
+            decided(self.single_move(step).map_err(|error| at_step(error, step))?);
+        }
+        Ok(())
+    }
+
+    /// One trial move; whether it was accepted.
+    fn single_move(&mut self, step: u64) -> Result<bool> {
         let mut rng = CounterRng::new(self.seed, self.replica, step);
         let budget_kt = -rng.uniform().ln();
         let body = rng.index(self.system.len());
@@ -196,7 +210,7 @@ impl Simulation {
         if self.sweep < self.settings.equilibration_sweeps {
             self.tuners[body_type].learn(kind, accepted, self.settings.target_acceptance);
         }
-        Ok(())
+        Ok(accepted)
     }
 
     /// Moves the body if nothing is in the way and the energy rises by less than the budget.
@@ -261,6 +275,11 @@ impl Simulation {
             largest_cluster: clusters.first().copied().unwrap_or(0),
             clusters: clusters.len(),
         }
+    }
+
+    /// Memory the energy model holds, bytes.
+    pub fn energy_memory_bytes(&self) -> usize {
+        self.energy.memory_bytes()
     }
 
     /// The bodies and where they are.

@@ -14,14 +14,17 @@
 //! | [`inspect`] | one state looked at |
 //! | [`run`] | one simulation in its directory |
 //! | [`sweep`], [`sweep_table`], [`sweep_figure`] | many simulations, one table, one figure |
+//! | [`bench`], [`cpu_time`] | trial moves per CPU-second |
 //! | [`quantity`], [`keys`], [`interrupt`], [`plot`] | what several of them need |
 //! | `cli` | the command line, one file per verb (feature `cli`) |
 
 pub mod assemble;
 pub mod assembly_file;
+pub mod bench;
 pub mod body_file;
 #[cfg(feature = "cli")]
 pub mod cli;
+pub mod cpu_time;
 pub mod fetch;
 pub mod ingest;
 pub mod input;

@@ -24,7 +24,9 @@ pub struct MeshSettings {
     /// Vertices per Å² of surface.
     pub density_per_angstrom2: f64,
     /// Edge of the cubes of the lattice on which the surface is first found, Å. It sets the smallest feature that is
-    /// seen, about its own size, independently of the density.
+    /// seen, about its own size, independently of the density. The default of 0.6 Å gives area and volume, but closes some
+    /// of the thinnest walls and handles of a protein; their number has been found to settle at 0.3 Å, which costs four
+    /// times as much.
     pub base_spacing_angstrom: f64,
     /// Every closed shell gets at least this many vertices, so that small bodies stay round.
     pub fewest_vertices_per_shell: usize,

@@ -72,6 +72,11 @@ pub trait EnergyModel: Send {
     /// Nothing moved.
     fn reject(&mut self);
 
+    /// Memory of what was prepared for this model, bytes; shared tables count once per model.
+    fn memory_bytes(&self) -> usize {
+        0
+    }
+
     /// The energies of all pairs in range, ascending by (first, second).
     fn pairs(&self) -> Vec<PairEnergy>;
 

@@ -3,9 +3,9 @@
 //! The accessible surface is the boundary of the union of balls of radius R = r + p about the atoms (Lee and Richards,
 //! J. Mol. Biol. 55, 379 (1971)). A *face* is a connected part of it on one ball, an *arc* a part of the circle in
 //! which two balls meet, a *vertex* a probe position that touches three atoms. Arcs are found by clipping each circle
-//! with the balls near it ([`circle`]), which is linear in the number of atoms; the pieces are then joined by their
-//! names alone ([`join`]): each vertex must be met by exactly three circles, otherwise a coincidence was not resolved
-//! and everything is repeated with a larger perturbation ([`balls`]).
+//! with the balls near it (`circle`), which is linear in the number of atoms; the pieces are then joined by their
+//! names alone (`join`): each vertex must be met by exactly three circles, otherwise a coincidence was not resolved
+//! and everything is repeated with a larger perturbation (`balls`).
 
 mod balls;
 mod cells;

@@ -29,6 +29,11 @@ pub(crate) struct Edge {
 }
 
 impl Edge {
+    /// Whether the edge is a whole circle.
+    fn is_whole(&self) -> bool {
+        self.ends[0] == self.ends[1]
+    }
+
     /// The point of the unit sphere in this direction from the rim's centre.
     fn point(&self, direction: &Vec3) -> Vec3 {
         self.axis * self.height + direction * self.radius
@@ -62,7 +67,7 @@ pub(crate) type Loop = Vec<Edge>;
 fn turning(edges: &[Edge]) -> f64 {
     let curvature: f64 = edges.iter().map(|edge| edge.height * edge.angle).sum();
     if let [only] = edges
-        && only.ends[0] == only.ends[1]
+        && only.is_whole()
     {
         return curvature;
     }
@@ -71,12 +76,13 @@ fn turning(edges: &[Edge]) -> f64 {
     curvature - corners
 }
 
-/// The angle between the directions of travel before and after a corner.
+/// The angle between the directions of travel before and after a corner, within [0, π]: where two caps meet, the region
+/// outside both has a convex corner. At a spike the sign that rounding gives must not turn π into -π.
 fn exterior_angle(arriving: &Edge, departing: &Edge) -> f64 {
     let before = arriving.ends[1].cross(&arriving.axis);
     let after = departing.ends[0].cross(&departing.axis);
     let corner = departing.point(&departing.ends[0]);
-    before.cross(&after).dot(&corner).atan2(before.dot(&after))
+    before.cross(&after).dot(&corner).abs().atan2(before.dot(&after))
 }
 
 /// Solid angle of a connected region with these boundary loops.
@@ -115,20 +121,27 @@ fn longest(edges: &[Edge]) -> Option<&Edge> {
     edges.iter().max_by(|a, b| (a.angle * a.radius).total_cmp(&(b.angle * b.radius)))
 }
 
-/// Whether a point of the sphere lies on the left of a loop, the side of the region: a vote of three paths.
+/// Most paths that vote about the side of a point.
+const MOST_PATHS: usize = 8;
+
+/// Whether a point of the sphere lies on the left of a loop, the side of the region. Several paths vote, each with the
+/// sine of the angle at which it leaves the loop: a path along an edge decides nothing.
 fn on_left(edges: &[Edge], place: &Vec3) -> bool {
-    let stride = edges.len().div_ceil(3).max(1);
-    let votes: i32 =
-        (0..edges.len()).step_by(stride).map(|start| if path_ends_on_left(edges, start, place) { 1 } else { -1 }).sum();
-    votes > 0
+    if let [only] = edges
+        && only.is_whole()
+    {
+        return only.axis.dot(place) < only.height;
+    }
+    let stride = edges.len().div_ceil(MOST_PATHS).max(1);
+    (0..edges.len()).step_by(stride).map(|start| vote(edges, start, place)).sum::<f64>() > 0.0
 }
 
-/// Walks from the middle of edge `start` straight to `place` and counts the edges crossed.
-fn path_ends_on_left(edges: &[Edge], start: usize, place: &Vec3) -> bool {
-    let Some(first) = edges.get(start) else { return true };
+/// Walks from the middle of edge `start` straight to `place` and counts the edges crossed: positive on the left.
+fn vote(edges: &[Edge], start: usize, place: &Vec3) -> f64 {
+    let Some(first) = edges.get(start) else { return 0.0 };
     let origin = first.point(&first.middle);
     let normal = origin.cross(place);
-    let departs_left = normal.cross(&origin).dot(&first.axis) < 0.0;
+    let departure = -normal.cross(&origin).dot(&first.axis);
     let mut crossings = 0;
     for (index, edge) in edges.iter().enumerate() {
         let Some(directions) = edge.meets(&normal) else { continue };
@@ -145,7 +158,7 @@ fn path_ends_on_left(edges: &[Edge], start: usize, place: &Vec3) -> bool {
             }
         }
     }
-    departs_left == (crossings % 2 == 0)
+    if crossings % 2 == 0 { departure } else { -departure }
 }
 
 /// The boundary of a unit sphere less caps.
@@ -207,4 +220,50 @@ pub(crate) fn boundary_loops(caps: &[Cap]) -> Option<Boundary> {
         }
     }
     Some(Boundary { edges, owners })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cap(axis: Vec3, height: f64, owner: u32) -> Cap {
+        Cap { axis: axis.normalize(), height, owner }
+    }
+
+    fn area(caps: &[Cap]) -> (usize, f64) {
+        let loops = boundary_loops(caps).unwrap().edges;
+        let numbers = regions(&loops);
+        let parts = numbers.iter().max().map_or(0, |last| last + 1);
+        let part = |n: usize| loops.iter().zip(&numbers).filter(|(_, m)| **m == n).map(|(l, _)| l).collect::<Vec<_>>();
+        (parts, (0..parts).map(|n| solid_angle(&part(n))).sum())
+    }
+
+    #[test]
+    fn an_octant_with_a_hole_is_one_region() {
+        // The hole lies on the octant's mirror planes, where paths between loops run through the seam of its circle.
+        let planes = [cap(-Vec3::x(), 0.0, 0), cap(-Vec3::y(), 0.0, 1), cap(-Vec3::z(), 0.0, 2)];
+        assert!((area(&planes).1 - PI / 2.0).abs() < 1e-12);
+        for axis in [Vec3::repeat(1.0), Vec3::new(1.0, 1.0, 1.2), Vec3::new(1.0, 0.9, 1.0), Vec3::new(1.3, 1.0, 1.0)] {
+            for height in [0.9, 0.95, 0.99] {
+                let caps = [planes[0], planes[1], planes[2], cap(axis, height, 3)];
+                let (parts, solid_angle) = area(&caps);
+                assert_eq!(parts, 1);
+                assert!((solid_angle - (PI / 2.0 - 2.0 * PI * (1.0 - height))).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn a_band_falls_apart_when_it_is_cut_through_twice() {
+        let band = [cap(Vec3::z(), 0.3, 0), cap(-Vec3::z(), 0.3, 1)];
+        let (parts, whole) = area(&band);
+        assert_eq!(parts, 1);
+        assert!((whole - 4.0 * PI * 0.3).abs() < 1e-12);
+        let once = [band[0], band[1], cap(Vec3::x(), 0.8, 2)];
+        assert_eq!(area(&once).0, 1);
+        let twice = [band[0], band[1], cap(Vec3::x(), 0.8, 2), cap(-Vec3::x(), 0.8, 3)];
+        let (parts, rest) = area(&twice);
+        assert_eq!(parts, 2);
+        assert!((whole - rest - 2.0 * (whole - area(&once).1)).abs() < 1e-12);
+    }
 }

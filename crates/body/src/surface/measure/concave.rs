@@ -14,7 +14,7 @@ use std::f64::consts::{PI, TAU};
 
 /// Shifts of the cutting planes, in probe radii, tried in turn: probes on one circle all cut through its cusps, a
 /// coincidence that shifts of this size resolve.
-const SHIFTS: [f64; 4] = [1e-10, 1e-9, 1e-8, 1e-7];
+const SHIFTS: [f64; 6] = [1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5];
 /// How much larger than the whole cone a cut patch may seem.
 const SOLID_ANGLE_TOLERANCE: f64 = 1e-6;
 /// Points of the sphere where the closed form fails.
@@ -35,6 +35,8 @@ pub(super) struct Patch {
     pub(super) layer_volume: f64,
     pub(super) cut_by: Vec<u32>,
     pub(super) area_error: f64,
+    /// Whether the area had to be sampled.
+    pub(super) is_sampled: bool,
 }
 
 impl<'a> Probes<'a> {
@@ -58,6 +60,7 @@ impl<'a> Probes<'a> {
             layer_volume: probe.powi(3) * solid_angle / 3.0,
             cut_by: Vec::new(),
             area_error: 0.0,
+            is_sampled: false,
         };
         let [a, b, c] = legs;
         let volume = a.dot(&b.cross(&c)).abs();
@@ -77,11 +80,11 @@ impl<'a> Probes<'a> {
             if cuts.is_empty() && solid_angle > 0.0 {
                 return uncut(whole);
             }
-            return Self::cut(probe, solid_angle.max(0.0), &caps, &cutters, 0.0);
+            return Self::cut(probe, solid_angle.max(0.0), &caps, &cutters, TAU * probe * probe * shift);
         }
         let caps = self.caps(&directions, &place, &cutters, 0.0);
         let (solid_angle, error) = sampled_solid_angle(&caps);
-        Self::cut(probe, solid_angle, &caps, &cutters, probe * probe * error)
+        Patch { is_sampled: true, ..Self::cut(probe, solid_angle, &caps, &cutters, probe * probe * error) }
     }
 
     fn cut(probe: f64, solid_angle: f64, caps: &[Cap], cutters: &[u32], area_error: f64) -> Patch {
@@ -94,7 +97,13 @@ impl<'a> Probes<'a> {
                 cut_by.push(cutters[cap.owner as usize - CONE_PLANES]);
             }
         }
-        Patch { area: probe.powi(2) * solid_angle, layer_volume: probe.powi(3) * moment / 3.0, cut_by, area_error }
+        Patch {
+            area: probe.powi(2) * solid_angle,
+            layer_volume: probe.powi(3) * moment / 3.0,
+            cut_by,
+            area_error,
+            is_sampled: false,
+        }
     }
 
     /// Other vertices whose probes overlap the probe of this one.

@@ -6,8 +6,8 @@
 //! | nearest feature | excluded surface | layer |
 //! |---|---|---|
 //! | face | convex patch r² Ω | (R³ - r³) Ω / 3 |
-//! | arc | toroidal patch ([`torus`]) | sector of a torus, ended at the circle's axis |
-//! | vertex | concave patch ([`concave`]) | cone of the probe, ended half-way to other probes |
+//! | arc | toroidal patch (`torus`) | sector of a torus, ended at the circle's axis |
+//! | vertex | concave patch (`concave`) | cone of the probe, ended half-way to other probes |
 //!
 //! An arc's pieces meet no other piece than their own mirror image beyond the circle's axis: with s in the triangle of
 //! c and the two atoms, any allowed probe position y has |y - s| >= |c - s|, because it is at least as far from both
@@ -192,7 +192,7 @@ impl Measure {
                 merged[a.max(b) as usize] = a.min(b);
             }
             self.cut_concave_patches += usize::from(!patch.cut_by.is_empty());
-            self.sampled_patches += usize::from(patch.area_error > 0.0);
+            self.sampled_patches += usize::from(patch.is_sampled);
             let shell = &mut self.shells[shell as usize];
             shell.concave_area_angstrom2 += patch.area;
             shell.ses_volume_angstrom3 -= patch.layer_volume;
