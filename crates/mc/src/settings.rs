@@ -1,5 +1,6 @@
 //! What a user chooses about a simulation.
 
+use crate::energy::certified::CertifiedSum;
 use crate::energy::{DirectSum, EnergyModel, NoCharges};
 use crate::{McError, Result};
 use protomer_kernel::potential::Yukawa;
@@ -14,6 +15,8 @@ pub enum Interaction {
     HardOnly,
     /// Screened point charges, summed pair by pair.
     YukawaDirect(Yukawa),
+    /// The same, with the same decisions, by proven bounds; the direct sum only where they leave a decision open.
+    YukawaCertified(Yukawa),
 }
 
 impl Interaction {
@@ -22,6 +25,7 @@ impl Interaction {
         match self {
             Interaction::HardOnly => Box::new(NoCharges),
             Interaction::YukawaDirect(yukawa) => Box::new(DirectSum::new(*yukawa)),
+            Interaction::YukawaCertified(yukawa) => Box::new(CertifiedSum::new(*yukawa)),
         }
     }
 }

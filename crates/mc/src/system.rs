@@ -153,6 +153,11 @@ impl<'a> Pair<'a> {
         (self.system.body_type(self.first), self.system.body_type(self.second))
     }
 
+    /// The indices of the types of the two bodies.
+    pub fn type_indices(&self) -> (usize, usize) {
+        (self.system.type_index(self.first), self.system.type_index(self.second))
+    }
+
     /// The pose of the second body in the frame of the first.
     pub fn relative(&self) -> RelativePose {
         RelativePose::new(&self.first_pose, &self.second_pose, &self.displacement)

@@ -6,7 +6,7 @@
 use crate::assembly_file::Assembly;
 use crate::cpu_time::thread_seconds;
 use crate::interaction::Interaction;
-use crate::run::{Engine, EnergyMode, RunSettings};
+use crate::run::{EnergyMode, Engine, RunSettings};
 use anyhow::Result;
 use protomer_io::atomic::sha256_hex;
 use protomer_mc::{Settings, Simulation};
@@ -19,8 +19,6 @@ pub struct BenchSettings {
     pub moves: u64,
     /// How energies are computed.
     pub energy: EnergyMode,
-    /// Error per pair allowed in the approximate mode, kT.
-    pub tolerance_kt: f64,
     /// Seed of the random numbers.
     pub seed: u64,
     /// Largest displacement of a trial move, Å.
@@ -34,7 +32,6 @@ impl Default for BenchSettings {
         Self {
             moves: 10_000,
             energy: EnergyMode::Direct,
-            tolerance_kt: 1e-3,
             seed: 1,
             translation_step_angstrom: 0.3,
             rotation_step_rad: 0.04,
@@ -73,7 +70,7 @@ pub struct BenchResult {
 pub fn bench(assembly: Assembly, settings: &BenchSettings, interaction: Interaction) -> Result<BenchResult> {
     let start = thread_seconds();
     let engine = Engine::new(assembly)?;
-    let run = RunSettings { energy: settings.energy, tolerance_kt: settings.tolerance_kt, ..RunSettings::default() };
+    let run = RunSettings { energy: settings.energy, ..RunSettings::default() };
     let system = engine.system()?;
     let bodies = system.len();
     let shapes: usize = system.types().iter().map(|kind| kind.shape.memory_bytes()).sum();

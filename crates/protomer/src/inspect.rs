@@ -85,6 +85,6 @@ impl Inspection {
 }
 
 /// Settings that matter to [`inspect`]: the energy mode and the contact gap.
-pub fn inspection_settings(energy: EnergyMode, tolerance_kt: f64, contact_gap_angstrom: f64) -> RunSettings {
-    RunSettings { energy, tolerance_kt, contact_gap_angstrom, ..RunSettings::default() }
+pub fn inspection_settings(energy: EnergyMode, contact_gap_angstrom: f64) -> RunSettings {
+    RunSettings { energy, contact_gap_angstrom, ..RunSettings::default() }
 }

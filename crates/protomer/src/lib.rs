@@ -14,6 +14,7 @@
 //! | [`inspect`] | one state looked at |
 //! | [`run`] | one simulation in its directory |
 //! | [`sweep`], [`sweep_table`], [`sweep_figure`] | many simulations, one table, one figure |
+//! | [`compare`] | several sweeps in one figure |
 //! | [`bench`], [`cpu_time`] | trial moves per CPU-second |
 //! | [`quantity`], [`keys`], [`interrupt`], [`plot`] | what several of them need |
 //! | `cli` | the command line, one file per verb (feature `cli`) |
@@ -24,6 +25,7 @@ pub mod bench;
 pub mod body_file;
 #[cfg(feature = "cli")]
 pub mod cli;
+pub mod compare;
 pub mod cpu_time;
 pub mod fetch;
 pub mod ingest;

@@ -4,6 +4,7 @@
 //! engine draws the random number first and asks "is the change below this budget?". The direct sum answers by summing;
 //! a model with bounds may stop as soon as the answer is certain.
 
+pub mod certified;
 mod direct;
 mod none;
 mod yukawa_sum;

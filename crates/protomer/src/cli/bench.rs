@@ -22,9 +22,6 @@ pub struct BenchArgs {
     /// How energies are computed.
     #[arg(long, value_enum, default_value_t = EnergyMode::Direct)]
     energy: EnergyMode,
-    /// Error per pair allowed in the approximate mode, kT.
-    #[arg(long, default_value_t = 1e-3)]
-    tolerance: f64,
     /// Seed of the random numbers.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -37,13 +34,8 @@ impl BenchArgs {
         }
         let interaction = self.conditions.interaction()?;
         let assembly = Assembly::read(&self.assembly)?;
-        let settings = BenchSettings {
-            moves: self.moves,
-            energy: self.energy,
-            tolerance_kt: self.tolerance,
-            seed: self.seed,
-            ..BenchSettings::default()
-        };
+        let settings =
+            BenchSettings { moves: self.moves, energy: self.energy, seed: self.seed, ..BenchSettings::default() };
         let result = bench(assembly, &settings, interaction)?;
         if global.json {
             output::json(&result)?;

@@ -19,9 +19,6 @@ pub struct InspectArgs {
     /// How energies are computed.
     #[arg(long, value_enum, default_value_t = EnergyMode::Direct)]
     energy: EnergyMode,
-    /// Error per pair allowed in the approximate mode, kT.
-    #[arg(long, default_value_t = 1e-3)]
-    tolerance: f64,
     /// Surfaces closer than this are in contact, Å.
     #[arg(long, default_value_t = 5.0)]
     contact_gap: f64,
@@ -31,7 +28,7 @@ impl InspectArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
         let interaction = self.conditions.interaction()?;
         let engine = Engine::new(Assembly::read(&self.assembly)?)?;
-        let settings = inspection_settings(self.energy, self.tolerance, self.contact_gap);
+        let settings = inspection_settings(self.energy, self.contact_gap);
         let inspection = inspect(&engine, &settings, interaction)?;
         if global.json {
             output::json(&inspection)?

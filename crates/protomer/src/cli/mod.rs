@@ -4,6 +4,7 @@ mod assemble;
 mod bench;
 mod body;
 mod candidates;
+mod compare;
 mod fetch;
 mod generate;
 mod ingest;
@@ -61,6 +62,7 @@ enum Verb {
     Body(body::BodyArgs),
     Assemble(assemble::AssembleArgs),
     Candidates(candidates::CandidatesArgs),
+    Compare(compare::CompareArgs),
     Inspect(inspect::InspectArgs),
     Simulate(simulate::SimulateArgs),
     Sweep(sweep::SweepArgs),
@@ -105,6 +107,7 @@ impl Verb {
             Verb::Body(args) => args.run(global),
             Verb::Assemble(args) => args.run(global),
             Verb::Candidates(args) => args.run(global),
+            Verb::Compare(args) => args.run(global),
             Verb::Inspect(args) => args.run(global),
             Verb::Simulate(args) => args.run(global),
             Verb::Sweep(args) => args.run(global),

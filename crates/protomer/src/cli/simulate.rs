@@ -44,9 +44,6 @@ pub struct RunArgs {
     /// How energies are computed [default: direct].
     #[arg(long, value_enum)]
     pub energy: Option<EnergyMode>,
-    /// Error per pair allowed in the approximate mode, kT [default: 0.001].
-    #[arg(long)]
-    pub tolerance: Option<f64>,
     /// Stop (resumably, exit code 3) after this many minutes.
     #[arg(long, env = "ACTION_WALLTIME_IN_MINUTES")]
     pub time_limit: Option<f64>,
@@ -70,7 +67,6 @@ impl RunArgs {
         override_with(&mut settings.log_every, self.log_every);
         override_with(&mut settings.trajectory_every, self.trajectory_every);
         override_with(&mut settings.energy, self.energy);
-        override_with(&mut settings.tolerance_kt, self.tolerance);
         medium.override_in(&mut settings.medium);
         Ok(settings)
     }

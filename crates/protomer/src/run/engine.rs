@@ -79,7 +79,8 @@ impl Engine {
     pub fn settings(&self, run: &RunSettings, interaction: &Interaction) -> Result<Settings> {
         let interaction = match run.energy {
             EnergyMode::None => protomer_mc::Interaction::HardOnly,
-            _ => protomer_mc::Interaction::YukawaDirect(yukawa(interaction)?),
+            EnergyMode::Certified => protomer_mc::Interaction::YukawaCertified(yukawa(interaction)?),
+            EnergyMode::Direct => protomer_mc::Interaction::YukawaDirect(yukawa(interaction)?),
         };
         Ok(Settings {
             equilibration_sweeps: run.equilibration_sweeps,

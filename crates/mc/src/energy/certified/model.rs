@@ -1,0 +1,230 @@
+//! The energy model that makes the direct sum's decisions without summing.
+
+use super::pair::{Accuracy, ChargeTable, EnergyInterval};
+use crate::Result;
+use crate::energy::{EnergyModel, PairEnergy, finite, yukawa_energy_kt};
+use crate::sparse_rows::PairTable;
+use crate::system::{Pair, System, Trial};
+use protomer_kernel::pose::RelativePose;
+use protomer_kernel::potential::Yukawa;
+use std::sync::Arc;
+
+/// Energies as intervals that certainly contain the direct sum's value. A decision whose interval is on one side of its
+/// threshold is the direct sum's; while it is open the widest interval is replaced by the direct sum itself, computed
+/// by the same function for the same relative pose. So every decision equals that of [`DirectSum`](crate::energy::DirectSum).
+#[derive(Debug, Clone)]
+pub struct CertifiedSum {
+    yukawa: Yukawa,
+    rays_per_edge: usize,
+    tables: Vec<Arc<ChargeTable>>,
+    energies: PairTable<Known>,
+    proposed: Vec<(usize, usize, Known)>,
+    counts: Counts,
+}
+
+/// How often each path was taken.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Decisions made.
+    pub decisions: u64,
+    /// Pair intervals computed.
+    pub intervals: u64,
+    /// Direct sums that open decisions asked for.
+    pub direct_sums: u64,
+}
+
+/// What is known of one pair of bodies.
+#[derive(Debug, Clone, Copy)]
+struct Known {
+    /// Where the energy was asked for, so that a later refinement gives the bits that the direct sum had then.
+    relative: RelativePose,
+    energy: EnergyInterval,
+    exact: bool,
+}
+
+/// An energy in a decision: one of the moved body's pairs, before or after the move.
+#[derive(Debug, Clone, Copy)]
+struct Term {
+    partner: usize,
+    known: Known,
+    new: bool,
+}
+
+impl CertifiedSum {
+    /// The model for this potential; its tables are made when it first meets a system.
+    pub fn new(yukawa: Yukawa) -> Self {
+        Self::with_tables(yukawa, Vec::new())
+    }
+
+    /// The model with tables from elsewhere, one per body type of the system, shared.
+    pub fn with_tables(yukawa: Yukawa, tables: Vec<Arc<ChargeTable>>) -> Self {
+        let (energies, proposed) = (PairTable::new(0), Vec::new());
+        Self { yukawa, rays_per_edge: super::RAYS_PER_EDGE, tables, energies, proposed, counts: Counts::default() }
+    }
+
+    /// The tables, one per body type.
+    pub fn tables(&self) -> &[Arc<ChargeTable>] {
+        &self.tables
+    }
+
+    /// How often each path was taken.
+    pub fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// What the tables say of a pair; `None` beyond the range of the charges.
+    fn known(&mut self, pair: &Pair<'_>) -> Result<Option<Known>> {
+        let (first, second) = pair.types();
+        let reach = first.charge_radius_angstrom() + second.charge_radius_angstrom() + self.yukawa.cutoff_angstrom;
+        if first.charges.is_empty() || second.charges.is_empty() || pair.displacement.norm_squared() >= reach * reach {
+            return Ok(None);
+        }
+        let relative = pair.relative();
+        let (a, b) = pair.type_indices();
+        self.counts.intervals += 1;
+        let interval = self.tables[a].energy_interval(&self.tables[b], &relative, Accuracy::Fast);
+        let known = match interval.filter(|interval| interval.low_kt().is_finite() && interval.high_kt().is_finite()) {
+            Some(energy) => Known { relative, energy, exact: false },
+            None => self.exactly(pair, &relative)?,
+        };
+        Ok(Some(known))
+    }
+
+    /// The direct sum for this relative pose of the pair's bodies.
+    fn exactly(&mut self, pair: &Pair<'_>, relative: &RelativePose) -> Result<Known> {
+        self.counts.direct_sums += 1;
+        let (first, second) = pair.types();
+        let energy = yukawa_energy_kt(&self.yukawa, &first.charges, &second.charges, relative);
+        let middle_kt = finite(pair.first, pair.second, energy)?;
+        Ok(Known { relative: *relative, energy: EnergyInterval { middle_kt, error_kt: 0.0 }, exact: true })
+    }
+
+    fn old_terms(&self, body: usize) -> Vec<Term> {
+        self.energies.row(body).map(|(partner, known)| Term { partner, known, new: false }).collect()
+    }
+
+    /// Whether the new energies less the old ones lie below (`true`) or not below `threshold_kt`, as the direct sum would
+    /// find. `above` answers the mirrored question, "above or not above".
+    fn decide(&mut self, trial: &Trial<'_>, terms: &mut [Term], threshold_kt: f64, above: bool) -> Result<bool> {
+        self.counts.decisions += 1;
+        loop {
+            let (mut middle, mut error, mut size) = (0.0, 0.0, 0.0);
+            for term in terms.iter() {
+                let energy = term.known.energy;
+                middle += if term.new { energy.middle_kt } else { -energy.middle_kt };
+                error += energy.error_kt;
+                size += energy.middle_kt.abs() + energy.error_kt;
+            }
+            // The direct sum's additions round, and so do these.
+            error += 4.0 * (terms.len() + 2) as f64 * f64::EPSILON * (size + threshold_kt.abs());
+            if middle + error < threshold_kt {
+                return Ok(!above);
+            }
+            if middle - error > threshold_kt {
+                return Ok(above);
+            }
+            let widest = terms.iter_mut().filter(|term| !term.known.exact);
+            let Some(term) = widest.max_by(|a, b| a.known.energy.error_kt.total_cmp(&b.known.energy.error_kt)) else {
+                let sum = |new: bool| -> f64 {
+                    terms.iter().filter(|term| term.new == new).fold(0.0, |sum, term| sum + term.known.energy.middle_kt)
+                };
+                let change = sum(true) - sum(false);
+                return Ok(if above { change > threshold_kt } else { change < threshold_kt });
+            };
+            let pair = trial.pair(term.partner);
+            term.known = self.exactly(&pair, &term.known.relative)?;
+            if !term.new {
+                self.energies.set(trial.body, term.partner, term.known);
+            }
+        }
+    }
+
+    fn propose(&mut self, trial: &Trial<'_>, terms: &[Term]) {
+        let ordered = |partner: usize| (trial.body.min(partner), trial.body.max(partner));
+        self.proposed.extend(terms.iter().filter(|term| term.new).map(|term| {
+            let (first, second) = ordered(term.partner);
+            (first, second, term.known)
+        }));
+    }
+}
+
+impl EnergyModel for CertifiedSum {
+    fn range_angstrom(&self, system: &System) -> f64 {
+        let charged = system.types().iter().filter(|kind| !kind.charges.is_empty());
+        charged.map(|kind| 2.0 * kind.charge_radius_angstrom() + self.yukawa.cutoff_angstrom).fold(0.0, f64::max)
+    }
+
+    fn reset(&mut self, system: &System) -> Result<()> {
+        if self.tables.len() != system.types().len() {
+            let (yukawa, rays) = (&self.yukawa, self.rays_per_edge);
+            self.tables = std::thread::scope(|scope| {
+                let table = |kind: &Arc<crate::BodyType>| Arc::new(ChargeTable::new(&kind.charges, yukawa, rays));
+                let jobs: Vec<_> = system.types().iter().map(|kind| scope.spawn(move || table(kind))).collect();
+                let done = jobs.into_iter().zip(system.types());
+                // A thread that could not finish is replaced by doing its work here.
+                done.map(|(job, kind)| job.join().unwrap_or_else(|_| table(kind))).collect()
+            });
+        }
+        self.proposed.clear();
+        self.energies = PairTable::new(system.len());
+        for first in 0..system.len() {
+            for second in first + 1..system.len() {
+                if let Some(known) = self.known(&system.pair(first, second))? {
+                    self.energies.set(first, second, known);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn restore(&mut self, system: &System, _: &[PairEnergy]) -> Result<()> {
+        self.reset(system)
+    }
+
+    fn accept(&mut self, trial: &Trial<'_>, partners: &[usize], budget_kt: f64) -> Result<bool> {
+        let mut terms = self.old_terms(trial.body);
+        for &partner in partners {
+            if let Some(known) = self.known(&trial.pair(partner))? {
+                terms.push(Term { partner, known, new: true });
+            }
+        }
+        let accepted = self.decide(trial, &mut terms, budget_kt, false)?;
+        self.propose(trial, &terms);
+        Ok(accepted)
+    }
+
+    fn exceeds(&mut self, trial: &Trial<'_>, partner: usize, threshold_kt: f64) -> Result<bool> {
+        let mut terms: Vec<Term> =
+            self.old_terms(trial.body).into_iter().filter(|term| term.partner == partner).collect();
+        if let Some(known) = self.known(&trial.pair(partner))? {
+            terms.push(Term { partner, known, new: true });
+        }
+        let exceeds = self.decide(trial, &mut terms, threshold_kt, true)?;
+        self.propose(trial, &terms);
+        Ok(exceeds)
+    }
+
+    fn commit(&mut self, moved: &[usize]) {
+        let has_moved = |body: usize| moved.binary_search(&body).is_ok();
+        for &body in moved {
+            let left: Vec<usize> = self.energies.row(body).map(|entry| entry.0).filter(|j| !has_moved(*j)).collect();
+            for partner in left {
+                self.energies.remove(body, partner);
+            }
+        }
+        for (first, second, known) in self.proposed.drain(..) {
+            if has_moved(first) != has_moved(second) {
+                self.energies.set(first, second, known);
+            }
+        }
+    }
+
+    fn reject(&mut self) {
+        self.proposed.clear();
+    }
+
+    fn pairs(&self) -> Vec<PairEnergy> {
+        let pairs = self.energies.pairs();
+        pairs.map(|(first, second, known)| PairEnergy { first, second, energy_kt: known.energy.middle_kt }).collect()
+    }
+}

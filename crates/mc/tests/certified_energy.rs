@@ -1,0 +1,126 @@
+//! The certified energies contain the direct sum, and the certified decisions are the direct sum's.
+
+mod common;
+
+use common::icosphere;
+use protomer_kernel::pose::RelativePose;
+use protomer_kernel::potential::Yukawa;
+use protomer_kernel::random::CounterRng;
+use protomer_kernel::{Boundary, Pose, Vec3};
+use protomer_mc::charges::ChargeCloud;
+use protomer_mc::energy::certified::{Accuracy, CertifiedSum, ChargeTable};
+use protomer_mc::energy::{DirectSum, EnergyModel, yukawa_energy_kt};
+use protomer_mc::{BodyType, Interaction, Settings, Simulation, System};
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+const RADIUS: f64 = 10.0;
+
+fn random_charges(count: usize, rng: &mut CounterRng) -> Vec<(Vec3, f64)> {
+    (0..count).map(|_| (rng.vector_in_ball(RADIUS - 1.0), rng.uniform_in(-0.6, 0.6))).collect()
+}
+
+#[test]
+fn intervals_contain_the_direct_sum_from_contact_to_beyond_the_cutoff() {
+    let mut rng = CounterRng::new(31, 0, 0);
+    let mut narrow = 0;
+    for (debye, cutoff) in [(3.0, 15.0), (9.6, 48.0), (30.0, 60.0), (9.6, f64::INFINITY), (9.6, 1000.0)] {
+        let yukawa = Yukawa::new(7.0, 1.0 / debye, cutoff).unwrap();
+        let mut bodies: Vec<Vec<(Vec3, f64)>> =
+            [0, 1, 2, 40, 120].iter().map(|count| random_charges(*count, &mut rng)).collect();
+        // Charges that coincide.
+        let again = bodies[3][7];
+        bodies[3].push(again);
+        bodies[3].push((again.0, -0.2));
+        let clouds: Vec<ChargeCloud> = bodies.iter().map(|charges| ChargeCloud::new(charges)).collect();
+        let tables: Vec<ChargeTable> = clouds.iter().map(|cloud| ChargeTable::new(cloud, &yukawa, 5)).collect();
+        let farthest = cutoff.min(60.0) + 2.0 * RADIUS + 3.0;
+        for case in 0..400 {
+            let (a, b) = (case % 5, case / 5 % 5);
+            let position = rng.unit_vector() * rng.uniform_in(2.0 * RADIUS, farthest);
+            let pose = Pose { position, rotation: rng.rotation() };
+            let relative = RelativePose::new(&Pose::identity(), &pose, &pose.position);
+            let direct = yukawa_energy_kt(&yukawa, &clouds[a], &clouds[b], &relative);
+            for accuracy in [Accuracy::Fast, Accuracy::Fine] {
+                let Some(interval) = tables[a].energy_interval(&tables[b], &relative, accuracy) else {
+                    assert!(cutoff < 30.0, "only cut-offs of the body's size are refused");
+                    continue;
+                };
+                assert!(
+                    interval.low_kt() <= direct && direct <= interval.high_kt(),
+                    "{debye} {cutoff} {a} {b} {accuracy:?}: {direct} {interval:?}"
+                );
+                narrow += usize::from(interval.error_kt < 0.02);
+            }
+        }
+    }
+    assert!(narrow > 2500, "bounds are narrow enough to be of use: {narrow}");
+}
+
+/// Poses that put one pair of charges within rounding of the cut-off, on either side.
+#[test]
+fn a_pair_at_the_very_cutoff_is_inside_the_interval() {
+    let mut rng = CounterRng::new(32, 0, 0);
+    let yukawa = Yukawa::new(7.0, 1.0 / 9.6, 48.0).unwrap();
+    let charges = random_charges(60, &mut rng);
+    let cloud = ChargeCloud::new(&charges);
+    let table = ChargeTable::new(&cloud, &yukawa, 5);
+    for case in 0..300 {
+        let offset = [0.0, 1e-14, 1e-12, 1e-9, 1e-7, 1e-5, 1e-4][case % 7] * if case % 2 == 0 { 1.0 } else { -1.0 };
+        let pose = Pose { position: Vec3::zeros(), rotation: rng.rotation() };
+        let mut relative = RelativePose::new(&Pose::identity(), &pose, &Vec3::zeros());
+        let (first, second) = (charges[rng.index(60)].0, charges[rng.index(60)].0);
+        relative.translation = first + rng.unit_vector() * (48.0 + offset) - relative.rotation * second;
+        if relative.translation.norm() < 2.0 * RADIUS {
+            continue;
+        }
+        let direct = yukawa_energy_kt(&yukawa, &cloud, &cloud, &relative);
+        for accuracy in [Accuracy::Fast, Accuracy::Fine] {
+            let interval = table.energy_interval(&table, &relative, accuracy).unwrap();
+            assert!(interval.low_kt() <= direct && direct <= interval.high_kt(), "{offset} {direct} {interval:?}");
+        }
+    }
+}
+
+fn trajectory(system: &System, yukawa: Yukawa, model: Box<dyn EnergyModel>, sweeps: u64) -> (Vec<Pose>, u64) {
+    let settings = Settings {
+        translation_step_angstrom: 2.0,
+        rotation_step_rad: 0.3,
+        equilibration_sweeps: 0,
+        cluster_moves_per_sweep: 1,
+        ..Settings::new(Interaction::YukawaDirect(yukawa))
+    };
+    let mut simulation = Simulation::with_model(system.clone(), settings, model, 5, 0).unwrap();
+    simulation.run_until(sweeps, &mut |_| ControlFlow::Continue(())).unwrap();
+    let statistics = simulation.statistics();
+    let accepted = statistics.translation.iter().chain(&statistics.rotation).map(|kind| kind.accepted).sum();
+    (simulation.system().poses().to_vec(), accepted)
+}
+
+#[test]
+fn decisions_are_those_of_the_direct_sum() {
+    let mut rng = CounterRng::new(33, 0, 0);
+    let mesh = icosphere(RADIUS, 1);
+    for (debye, cutoff, charge) in [(9.6, 48.0, 0.3), (3.0, 15.0, 1.0), (20.0, 40.0, 0.2)] {
+        let yukawa = Yukawa::new(7.0, 1.0 / debye, cutoff).unwrap();
+        let kinds: Vec<Arc<BodyType>> = [1.0, -1.0]
+            .iter()
+            .map(|sign| {
+                let charges: Vec<(Vec3, f64)> =
+                    random_charges(50, &mut rng).iter().map(|(x, q)| (*x, q + sign * charge)).collect();
+                Arc::new(BodyType::new("ball", &mesh, &charges).unwrap())
+            })
+            .collect();
+        let bodies: Vec<(usize, Pose)> = (0..8)
+            .map(|i| {
+                let corner = |bit: usize| 22.0 * f64::from(u8::from(i >> bit & 1 == 1)) - 11.0;
+                (i % 2, Pose { position: Vec3::new(corner(0), corner(1), corner(2)), rotation: rng.rotation() })
+            })
+            .collect();
+        let system = System::new(kinds, &bodies, Boundary::periodic(Vec3::repeat(200.0)).unwrap()).unwrap();
+        let (direct, accepted) = trajectory(&system, yukawa, Box::new(DirectSum::new(yukawa)), 100);
+        let (certified, also) = trajectory(&system, yukawa, Box::new(CertifiedSum::new(yukawa)), 100);
+        assert_eq!(direct, certified, "every pose to the last bit");
+        assert!(accepted == also && accepted > 80 && accepted < 750, "both answers occur: {accepted}");
+    }
+}
