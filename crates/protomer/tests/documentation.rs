@@ -96,7 +96,9 @@ fn numbers_are_compared_to_a_tolerance_and_words_exactly() {
 
 fn help(words: &[String]) -> String {
     let mut command = Command::new(PROGRAM);
-    VARIABLES.iter().for_each(|variable| drop(command.env_remove(variable)));
+    for variable in VARIABLES {
+        command.env_remove(variable);
+    }
     let output = command.args(words).arg("--help").env("COLUMNS", "100").output().unwrap();
     let lines = String::from_utf8(output.stdout).unwrap();
     lines.lines().map(|line| line.trim_end().to_owned() + "\n").collect()
@@ -153,7 +155,9 @@ fn run(line: &str, folder: &Path) -> String {
     let programs = Path::new(PROGRAM).parent().unwrap().display().to_string();
     let path = format!("{programs}:{}", std::env::var("PATH").unwrap_or_default());
     let mut command = Command::new("sh");
-    VARIABLES.iter().for_each(|variable| drop(command.env_remove(variable)));
+    for variable in VARIABLES {
+        command.env_remove(variable);
+    }
     let output = command.arg("-c").arg(format!("{{ {line}; }} 2>&1")).current_dir(folder).env("PATH", path).output();
     String::from_utf8_lossy(&output.unwrap().stdout).lines().map(|line| line.trim_end().to_owned() + "\n").collect()
 }
