@@ -18,7 +18,7 @@ use crate::interrupt::Interrupt;
 use anyhow::{Context, Result};
 use clap::{Args, Parser, Subcommand};
 use std::process::ExitCode;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Coarse-grained protein assembly modelling: structures to rigid bodies, bodies to assemblies, assemblies to stability.
 #[derive(Debug, Parser)]
@@ -83,7 +83,10 @@ pub enum Outcome {
 /// Parses the command line and runs the verb. Exit codes: 0 done, 1 error, 2 usage, 3 stopped early and resumable.
 pub fn run() -> ExitCode {
     let cli = Cli::parse();
-    match cli.verb.run(&cli.global) {
+    let start = Instant::now();
+    let outcome = cli.verb.run(&cli.global);
+    cli.global.explain(&format!("{:.2} s", start.elapsed().as_secs_f64()));
+    match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::Partial) => ExitCode::from(1),
         Ok(Outcome::Stopped) => ExitCode::from(3),
@@ -124,6 +127,13 @@ impl Global {
     /// A line for the user, unless quiet.
     fn say(&self, line: &str) {
         if !self.quiet {
+            output::note(line);
+        }
+    }
+
+    /// A line for the user who asked for more.
+    fn explain(&self, line: &str) {
+        if self.verbose {
             output::note(line);
         }
     }
