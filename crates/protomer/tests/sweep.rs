@@ -36,6 +36,7 @@ fn a_killed_sweep_goes_on_as_if_nothing_had_happened_on_any_number_of_threads() 
     let place = Workplace::new();
     is_ok(&place.run(&format!("{SWEEP} --threads 1 -o whole")));
     let whole = results(&place.path("whole"));
+    let mut caught_at_work = 0;
     for threads in [1, 2] {
         let command = format!("{SWEEP} --threads {threads} --checkpoint-every 0.005 -o killed{threads}");
         for milliseconds in [5, 20, 40, 60, 80, 100] {
@@ -43,6 +44,9 @@ fn a_killed_sweep_goes_on_as_if_nothing_had_happened_on_any_number_of_threads() 
             std::thread::sleep(Duration::from_millis(milliseconds));
             child.kill().unwrap();
             child.wait().unwrap();
+            let left = contents(&place.path(&format!("killed{threads}")));
+            let begun = left.keys().any(|name| name.ends_with("checkpoint.bin"));
+            caught_at_work += u32::from(begun && !left.contains_key("sweep.csv"));
         }
         is_ok(&place.run(&command));
         // A temporary file of a killed process may stay behind; nothing else may differ.
@@ -50,6 +54,7 @@ fn a_killed_sweep_goes_on_as_if_nothing_had_happened_on_any_number_of_threads() 
         killed.retain(|name, _| !name.ends_with(".partial") && name != ".lock");
         assert_same(&whole, &killed);
     }
+    assert!(caught_at_work > 0, "every kill came too early or too late to test anything");
 }
 
 #[test]
@@ -130,16 +135,17 @@ fn force_removes_the_results_of_protomer_and_nothing_else() {
     assert!(message(&output).contains("no run directory"), "{}", message(&output));
     assert_eq!(contents(&place.path("mine")).len(), 1);
 
+    let (other, senseless) = (SWEEP.replace("--seed 7", "--seed 8"), SWEEP.replace("30A", "1000A"));
     // The directory of the input may be the directory of the results.
     is_ok(&place.run(&format!("{SWEEP} -o .")));
     let first = std::fs::read(place.path("sweep.csv")).unwrap();
-    let output = place.run(&format!("{SWEEP} -o . --seed 8"));
+    let output = place.run(&format!("{other} -o ."));
     assert_eq!(output.status.code(), Some(1));
     assert!(message(&output).contains("other settings"), "{}", message(&output));
     // A new run that makes no sense costs the old one nothing.
-    assert_eq!(place.run(&format!("{SWEEP} -o . --cutoff 1000A --force")).status.code(), Some(1));
+    assert_eq!(place.run(&format!("{senseless} -o . --force")).status.code(), Some(1));
     assert_eq!(std::fs::read(place.path("sweep.csv")).unwrap(), first);
-    is_ok(&place.run(&format!("{SWEEP} -o . --seed 8 --force")));
+    is_ok(&place.run(&format!("{other} -o . --force")));
     assert_ne!(std::fs::read(place.path("sweep.csv")).unwrap(), first);
     assert!(place.path("ring.json").exists() && place.path("a.body").exists());
 }

@@ -131,7 +131,7 @@ impl SimulateArgs {
         let replica = &result.replicas[0][0];
         if global.json {
             output::json(replica)?;
-        } else {
+        } else if !global.quiet {
             output::text(&format!(
                 "R_g {:.2} ± {:.2} Å, energy {:.2} ± {:.2} kT, largest cluster {:.2}",
                 replica.r_g_angstrom.mean,

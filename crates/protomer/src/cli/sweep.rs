@@ -78,6 +78,9 @@ impl SweepArgs {
         if global.json {
             return output::json(result);
         }
+        if global.quiet {
+            return Ok(());
+        }
         let heading = ["salt (M)", "R_g (Å)", "± sd", "native contacts", "largest cluster", "energy (kT)"];
         let mut rows = vec![heading.map(str::to_owned).to_vec()];
         for row in &result.salts {

@@ -28,6 +28,9 @@ impl SweepDirectory {
     /// # Errors
     /// If the directory holds another sweep, another process works in it, or the disk refuses.
     pub fn enter(path: &Path, settings: &RunSettings, record: &RunRecord, start_anew: bool) -> Result<Self> {
+        if path.is_file() {
+            bail!("{} is a file; give a directory for the results", path.display());
+        }
         std::fs::create_dir_all(path).with_context(|| format!("cannot make the directory {}", path.display()))?;
         if start_anew {
             require_ours(path)?;

@@ -111,10 +111,13 @@ impl RunSettings {
             bail!("salt_M contains {salt}; concentrations are zero or positive, in mol/L");
         }
         for (index, salt) in self.salt_molar.iter().enumerate() {
-            if let Some(near) = self.salt_molar[..index].iter().find(|near| salt_label(**near) == salt_label(*salt)) {
+            let same = |near: &f64| salt_label(*near) == salt_label(*salt);
+            if let Some(first) = self.salt_molar[..index].iter().position(same) {
                 bail!(
-                    "the salt concentrations {near} M and {salt} M are the same to 1 µM; list each once, and raise \
-                     --replicas for more simulations of one"
+                    "salt concentrations {} and {} of the list are the same to 1 µM; list each once, and raise \
+                     --replicas for more simulations of one",
+                    first + 1,
+                    index + 1
                 );
             }
         }
