@@ -72,6 +72,31 @@ fn a_time_limit_stops_resumably() {
     assert_same(&results(&place.path("whole")), &results(&place.path("limited")));
 }
 
+#[cfg(unix)]
+#[test]
+fn a_signal_stops_resumably_also_after_the_time_limit() {
+    let place = Workplace::new();
+    is_ok(&place.run(&format!("{SWEEP} -o whole")));
+    let command = format!("{SWEEP} --threads 1 -o signalled");
+    let mut stopped = 0;
+    for (milliseconds, limit) in [(40, ""), (60, ""), (20, "--time-limit 0.0002")] {
+        let mut child = place.command(&format!("{command} {limit}")).spawn().unwrap();
+        std::thread::sleep(Duration::from_millis(milliseconds));
+        // The process may have ended by itself; then there is nobody to hear the signal.
+        let _ = Command::new("sh").args(["-c", "kill -TERM \"$0\" 2>&1", &child.id().to_string()]).output();
+        match child.wait().unwrap().code() {
+            Some(3) => stopped += 1,
+            Some(0) => {}
+            // A signal before the program listens for it ends it the system's way.
+            None => {}
+            code => panic!("exit code {code:?}"),
+        }
+    }
+    assert!(stopped > 0, "every signal came too early or too late to test anything");
+    is_ok(&place.run(&command));
+    assert_same(&results(&place.path("whole")), &results(&place.path("signalled")));
+}
+
 #[test]
 fn what_was_tampered_with_is_refused_and_left_alone() {
     let place = Workplace::new();

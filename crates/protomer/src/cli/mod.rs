@@ -15,9 +15,10 @@ mod surface;
 mod sweep;
 
 use crate::interrupt::Interrupt;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 use clap::{Args, Parser, Subcommand};
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// Coarse-grained protein assembly modelling: structures to rigid bodies, bodies to assemblies, assemblies to stability.
@@ -155,17 +156,17 @@ impl Global {
 
 /// An interrupt that the first Ctrl-C or SIGTERM requests; the second one ends the process at once.
 fn interrupt_on_signals(limit_minutes: Option<f64>) -> Result<Interrupt> {
-    let limit = match limit_minutes {
-        None => None,
-        Some(minutes) => Some(
-            Duration::try_from_secs_f64(minutes * 60.0)
-                .with_context(|| format!("--time-limit is {minutes} minutes; give a positive number"))?,
-        ),
+    let duration = |minutes: f64| {
+        Duration::try_from_secs_f64(minutes * 60.0)
+            .map_err(|_| anyhow!("--time-limit is {minutes} minutes; give zero or more"))
     };
+    let limit = limit_minutes.map(duration).transpose()?;
     let interrupt = Interrupt::after(limit);
     let on_signal = interrupt.clone();
+    // Not `is_requested`: a time limit that is over as well does not make the first signal the second.
+    let signalled = AtomicBool::new(false);
     ctrlc::set_handler(move || {
-        if on_signal.is_requested() {
+        if signalled.swap(true, Ordering::Relaxed) {
             std::process::exit(130);
         }
         output::note("stopping at the next sweep; the same command goes on from there (again: stop at once)");

@@ -81,8 +81,9 @@ impl RunArgs {
 
     /// How the run is to be carried out. From here on, Ctrl-C stops it resumably.
     pub(super) fn execution(&self, global: &Global) -> Result<Execution> {
-        let checkpoint_interval = Duration::try_from_secs_f64(self.checkpoint_every)
-            .with_context(|| format!("--checkpoint-every is {}; give a number of seconds", self.checkpoint_every))?;
+        let Ok(checkpoint_interval) = Duration::try_from_secs_f64(self.checkpoint_every) else {
+            bail!("--checkpoint-every is {} seconds; give zero or more", self.checkpoint_every);
+        };
         let interrupt = interrupt_on_signals(self.time_limit)?;
         Ok(Execution { interrupt, checkpoint_interval, start_anew: global.force })
     }

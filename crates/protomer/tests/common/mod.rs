@@ -79,11 +79,11 @@ pub fn is_ok(output: &Output) {
     assert!(output.status.success(), "{:?}: {}", output.status, message(output));
 }
 
-/// Every file below a folder: its path relative to the folder, and its bytes.
+/// Every file below a folder: its path relative to the folder, and its bytes. None if there is no such folder.
 pub fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut files = BTreeMap::new();
     let mut folders = vec![folder.to_owned()];
-    while let Some(next) = folders.pop() {
+    while let Some(next) = folders.pop().filter(|folder| folder.exists()) {
         for entry in std::fs::read_dir(&next).unwrap() {
             let path = entry.unwrap().path();
             if path.is_dir() {
