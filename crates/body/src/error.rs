@@ -5,7 +5,7 @@
 #[non_exhaustive]
 pub enum BodyError {
     /// A file that could not be understood: where, what, and what to do about it.
-    #[error("{file}:{line}: {cause}; {remedy}")]
+    #[error("{}: {cause}; {remedy}", place(file, *line))]
     Parse {
         /// Name of the file as the user gave it.
         file: String,
@@ -31,3 +31,7 @@ pub enum BodyError {
 
 /// The result of an operation of this crate.
 pub type Result<T> = std::result::Result<T, BodyError>;
+
+fn place(file: &str, line: usize) -> String {
+    if line == 0 { file.to_owned() } else { format!("{file}:{line}") }
+}

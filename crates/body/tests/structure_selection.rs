@@ -3,10 +3,9 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use protomer_body::assembly::body_types;
-use protomer_body::chemistry::{
-    BareAtom, ChargeModel, SiteSettings, build_sites, mutate, parse_mutations, sites_from_pqr,
-};
+use protomer_body::chemistry::{ChargeModel, SiteSettings, build_sites, mutate, parse_mutations, sites_of_points};
 use protomer_body::structure::{SelectedResidue, Selection, SelectionSettings, Structure};
+use protomer_io::points::PointRecord;
 use protomer_kernel::Vec3;
 
 /// One PDB coordinate line; `code` is the alternate location.
@@ -270,18 +269,18 @@ fn an_assembly_is_copies_of_its_chains() {
 
 #[test]
 fn a_pqr_brings_its_own_charges_and_radii() {
-    let atom = |x: f64, charge_e: f64, residue_name: &str| BareAtom {
+    let atom = |x: f64, charge_e: f64, residue_name: &str| PointRecord {
         position: Vec3::new(x, 0.0, 0.0),
         charge_e,
         radius_angstrom: 1.5,
         residue_name: residue_name.into(),
-        ..BareAtom::default()
+        ..PointRecord::default()
     };
-    let sites = sites_from_pqr(&[atom(0.0, 0.25, "LYS"), atom(2.0, 0.5, "LYS"), atom(4.0, -0.125, "")]).unwrap();
+    let sites = sites_of_points(&[atom(0.0, 0.25, "LYS"), atom(2.0, 0.5, "LYS"), atom(4.0, -0.125, "")]).unwrap();
     assert_eq!((sites.origin_angstrom.x, sites.net_charge_e()), (2.0, 0.625));
     assert_eq!((sites.residues.len(), sites.residues[0].charge_e, sites.residues[0].hydropathy), (1, 0.75, Some(-3.9)));
     assert_eq!((sites.sites[2].residue, sites.sites[0].radius_angstrom), (None, 1.5));
-    assert!(sites_from_pqr(&[]).is_err());
+    assert!(sites_of_points(&[]).is_err());
 }
 
 #[test]

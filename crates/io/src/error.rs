@@ -31,14 +31,14 @@ pub enum IoError {
         remedy: String,
     },
     /// The operating system refused.
-    #[error("cannot {action} {}: {source}", path.display())]
+    #[error("cannot {action} {}: {cause}", path.display())]
     File {
         /// The file or folder.
         path: PathBuf,
         /// What was tried, as a verb phrase ("read", "write").
         action: &'static str,
-        /// The operating system's answer.
-        source: std::io::Error,
+        /// The operating system's answer; part of the message, and so no source of its own.
+        cause: std::io::Error,
     },
     /// Values that a format cannot hold.
     #[error("{cause}; {remedy}")]
@@ -65,7 +65,7 @@ impl IoError {
     /// Turns an operating system's error into one that names the file and what was tried.
     pub(crate) fn at(path: &Path, action: &'static str) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.to_owned();
-        move |source| IoError::File { path, action, source }
+        move |cause| IoError::File { path, action, cause }
     }
 }
 

@@ -5,6 +5,9 @@ use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
+/// The largest coordinate of a body, Å: the overlap test's single-precision bounds are sharp enough up to here.
+pub const LARGEST_COORDINATE_ANGSTROM: f64 = 1e6;
+
 /// A triangle mesh. A mesh that bounds a solid is closed, 2-manifold and counter-clockwise seen from outside;
 /// [`TriangleMesh::topology`] checks that.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -111,7 +114,7 @@ impl TriangleMesh {
     /// # Errors
     /// [`KernelError::BadMesh`] names the first defect: an index out of range, a repeated corner, an edge that is not
     /// shared by exactly two triangles of opposite direction, a vertex whose triangles do not form one fan, a vertex
-    /// that no triangle uses, a coordinate that is not finite, an outer shell that is inside out.
+    /// that no triangle uses, a coordinate that is not finite or out of range, an outer shell that is inside out.
     pub fn topology(&self) -> Result<Topology> {
         self.check_indices()?;
         let neighbours = self.edge_neighbours()?;
@@ -157,8 +160,11 @@ impl TriangleMesh {
     }
 
     fn check_indices(&self) -> Result<()> {
-        if let Some(vertex) = self.vertices.iter().position(|v| !v.iter().all(|x| x.is_finite())) {
-            return Err(KernelError::BadMesh(format!("vertex {vertex} has a coordinate that is not a finite number")));
+        let in_range = |x: &f64| x.abs() <= LARGEST_COORDINATE_ANGSTROM;
+        if let Some(vertex) = self.vertices.iter().position(|v| !v.iter().all(in_range)) {
+            return Err(KernelError::BadMesh(format!(
+                "vertex {vertex} has a coordinate that is no number within {LARGEST_COORDINATE_ANGSTROM:.0} Å"
+            )));
         }
         for (index, triangle) in self.triangles.iter().enumerate() {
             let [a, b, c] = *triangle;

@@ -111,6 +111,11 @@ impl Assembly {
         if file.placements.is_empty() {
             bail!("the assembly places no body; add entries to 'placements'");
         }
+        for (index, entry) in file.bodies.iter().enumerate() {
+            if file.bodies[..index].iter().any(|earlier| earlier.name == entry.name) {
+                bail!("two entries of 'bodies' are called '{}'; give each a name of its own", entry.name);
+            }
+        }
         let mut kinds = Vec::with_capacity(file.placements.len());
         let mut poses = Vec::with_capacity(file.placements.len());
         for (index, placement) in file.placements.iter().enumerate() {
@@ -154,7 +159,7 @@ fn checked_pose(placement: &Placement) -> Result<Pose> {
         bail!("position_angstrom must be three finite numbers");
     }
     if !(norm.is_finite() && (norm - 1.0).abs() < 1e-3) {
-        bail!("orientation_wxyz must be a unit quaternion (scalar first), but its length is {norm}");
+        bail!("orientation_wxyz has the length {norm:.4}; give a unit quaternion, scalar first");
     }
     Ok(Pose::from_wxyz(Vec3::from(placement.position_angstrom), placement.orientation_wxyz))
 }

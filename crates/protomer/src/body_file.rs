@@ -4,6 +4,7 @@ use anyhow::{Context, Result, bail};
 use protomer_body::{Body, Provenance, Residue, Site};
 use protomer_io::atomic::{sha256_hex, write_atomically};
 use protomer_io::container::{Array, Container};
+use protomer_kernel::mesh::LARGEST_COORDINATE_ANGSTROM;
 use protomer_kernel::{TriangleMesh, Vec3};
 use serde::{Deserialize, Serialize};
 use std::io::Read;
@@ -146,6 +147,9 @@ fn numbers<'a>(file: &str, container: &'a Container, name: &str, shape: &[Option
 
 fn vectors(file: &str, container: &Container, name: &str) -> Result<Vec<Vec3>> {
     let values = numbers(file, container, name, &[None, Some(3)])?;
+    if values.iter().any(|value| value.abs() > LARGEST_COORDINATE_ANGSTROM) {
+        bail!("array '{name}' has a coordinate beyond {LARGEST_COORDINATE_ANGSTROM:.0} Å");
+    }
     Ok(values.as_chunks::<3>().0.iter().map(|point| Vec3::from(*point)).collect())
 }
 

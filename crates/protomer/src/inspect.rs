@@ -1,9 +1,8 @@
 //! One state of an assembly, looked at: overlaps, pair energies, radius of gyration.
 
 use crate::interaction::Interaction;
-use crate::run::{EnergyMode, Engine, RunSettings};
-use anyhow::{Context, Result};
-use protomer_kernel::cells::require_minimum_image;
+use crate::run::{EnergyMode, Engine, RunSettings, require_room};
+use anyhow::Result;
 use protomer_mc::hard::overlapping_pairs;
 use protomer_mc::observables::{contacts, r_g_angstrom};
 use serde::Serialize;
@@ -42,8 +41,7 @@ pub struct Inspection {
 pub fn inspect(engine: &Engine, settings: &RunSettings, interaction: Interaction) -> Result<Inspection> {
     let system = engine.system()?;
     let mut model = engine.energy_model(settings, &interaction)?;
-    let range = model.range_angstrom(&system).max(system.hard_range_angstrom());
-    require_minimum_image(system.boundary(), range).with_context(|| interaction.describe())?;
+    require_room(&system, model.as_ref(), &interaction)?;
     model.reset(&system)?;
     let pairs = model.pairs();
     let energy_kt = model.total_kt();

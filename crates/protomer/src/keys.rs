@@ -2,6 +2,7 @@
 
 use anyhow::{Result, anyhow};
 use serde::de::DeserializeOwned;
+use serde_json::error::Category;
 use std::path::Path;
 
 /// Deserialises JSON.
@@ -11,8 +12,13 @@ use std::path::Path;
 pub fn from_json<T: DeserializeOwned>(path: &Path, bytes: &[u8]) -> Result<T> {
     serde_json::from_slice(bytes).map_err(|error| {
         let cause = error.to_string();
-        let cause = cause.split(" at line ").next().unwrap_or(&cause).to_owned();
-        anyhow!("{}:{}: {}", path.display(), error.line(), with_hint(&cause))
+        let cause = cause.split(" at line ").next().unwrap_or(&cause);
+        let explained = match error.classify() {
+            Category::Eof => format!("the file ends too early ({cause}); it is empty or cut: complete it"),
+            Category::Syntax => format!("this is no JSON ({cause} at column {}); mend the line", error.column()),
+            Category::Data | Category::Io => with_hint(cause),
+        };
+        anyhow!("{}:{}: {explained}", path.display(), error.line())
     })
 }
 

@@ -12,7 +12,7 @@ use anyhow::{Result, bail};
 /// # Ok::<(), anyhow::Error>(())
 /// ```
 pub fn salt_molar(text: &str) -> Result<f64> {
-    const UNITS: [(&str, f64); 4] = [("uM", 1e6), ("mM", 1e3), ("M", 1.0), ("", 1.0)];
+    const UNITS: [(&str, i32); 5] = [("uM", -6), ("µM", -6), ("mM", -3), ("M", 0), ("", 0)];
     let salt = parse(text, "a salt concentration", &UNITS, "100mM or 0.1M")?;
     if salt < 0.0 {
         bail!("the salt concentration '{text}' is negative; give zero or more, such as 100mM");
@@ -25,7 +25,7 @@ pub fn salt_molar(text: &str) -> Result<f64> {
 /// # Errors
 /// Says what was typed and which forms are understood.
 pub fn length_angstrom(text: &str) -> Result<f64> {
-    const UNITS: [(&str, f64); 4] = [("nm", 0.1), ("Å", 1.0), ("A", 1.0), ("", 1.0)];
+    const UNITS: [(&str, i32); 4] = [("nm", 1), ("Å", 0), ("A", 0), ("", 0)];
     parse(text, "a length", &UNITS, "48A or 4.8nm")
 }
 
@@ -82,15 +82,16 @@ fn round_to_micromolar(salt_molar: f64) -> f64 {
     if salt_molar < 1e-4 { salt_molar } else { (salt_molar * 1e6).round() / 1e6 }
 }
 
-/// `value × unit`; each unit is its suffix and how many of it make one base unit. Dividing keeps 150mM exactly 0.15.
-fn parse(text: &str, what: &str, units: &[(&str, f64)], example: &str) -> Result<f64> {
+/// `value × unit`; each unit is its suffix and its power of ten. Powers above one are exact, so that dividing by them
+/// keeps 150mM exactly 0.15.
+fn parse(text: &str, what: &str, units: &[(&str, i32)], example: &str) -> Result<f64> {
     let text = text.trim();
-    for (suffix, per_base_unit) in units {
+    for (suffix, power) in units {
         let Some(number) = text.strip_suffix(suffix) else { continue };
         if let Ok(value) = number.trim().parse::<f64>()
             && value.is_finite()
         {
-            return Ok(value / per_base_unit);
+            return Ok(if *power < 0 { value / 10f64.powi(-power) } else { value * 10f64.powi(*power) });
         }
     }
     bail!("'{text}' is not {what}; write it like {example}")

@@ -7,12 +7,13 @@
 
 use crate::assembly_file::Assembly;
 use crate::interaction::Interaction;
-use crate::interrupt::Interrupt;
-use crate::keys;
-use crate::run::{Engine, ReplicaCounts, ReplicaEnd, ReplicaTask, RunRecord, RunSettings, read_log, run_replica};
+use crate::run::{
+    Engine, Execution, ReplicaCounts, ReplicaEnd, ReplicaTask, RunRecord, RunSettings, SweepDirectory, read_log,
+    run_replica, salt_label,
+};
 use crate::sweep_figure;
 use crate::sweep_table::{ReplicaResult, SaltRow, to_csv};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use protomer_io::atomic::{sha256_hex, write_atomically};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -52,13 +53,14 @@ pub enum SweepEnd {
 /// Runs or continues a sweep in a directory. `advanced` hears how many sweeps of all simulations were done.
 ///
 /// # Errors
-/// For settings or a start that make no sense, a directory that holds another sweep, and a disk that takes no more. The
-/// first simulation that fails stops the others at their next sweep; what they did is kept.
+/// For settings or a start that make no sense, a directory that holds another sweep or that another process works in,
+/// and a disk that takes no more. The first simulation that fails stops the others at their next sweep; what they did
+/// is kept.
 pub fn run_sweep(
     assembly: Assembly,
     settings: &RunSettings,
     directory: &Path,
-    interrupt: &Interrupt,
+    execution: &Execution,
     advanced: &(dyn Fn(u64) + Sync),
 ) -> Result<SweepEnd> {
     settings.check()?;
@@ -69,7 +71,9 @@ pub fn run_sweep(
         .collect::<Result<Vec<Interaction>>>()?;
     let engine = Engine::new(assembly)?;
     engine.check(settings, &interactions)?;
-    let identity = prepare_directory(&engine, settings, directory)?;
+    let identity = identity(&engine, settings)?;
+    let record = |exit_reason| record(&engine, &identity, exit_reason);
+    let _mine = SweepDirectory::enter(directory, settings, &record("running"), execution.start_anew)?;
     let ends: Vec<Result<ReplicaEnd>> = tasks(settings)
         .into_par_iter()
         .map(|(salt_index, replica)| {
@@ -83,9 +87,9 @@ pub fn run_sweep(
                 identity: &identity,
             };
             let context = || format!("salt {} M, replica {replica}", settings.salt_molar[salt_index]);
-            let end = run_replica(&task, interrupt, advanced).with_context(context);
+            let end = run_replica(&task, execution, advanced).with_context(context);
             if end.is_err() {
-                interrupt.request();
+                execution.interrupt.request();
             }
             end
         })
@@ -93,12 +97,12 @@ pub fn run_sweep(
     let ends = ends.into_iter().collect::<Result<Vec<ReplicaEnd>>>()?;
     let counts: Option<Vec<ReplicaCounts>> = ends.into_iter().map(ReplicaEnd::finished).collect();
     let Some(counts) = counts else {
-        record(&engine, &identity, "stopped").write(directory)?;
+        record("stopped").write(directory)?;
         return Ok(SweepEnd::Stopped);
     };
     let result = collect(&engine, settings, &interactions, directory, &counts)?;
     write_results(&result, directory)?;
-    record(&engine, &identity, "done").write(directory)?;
+    record("done").write(directory)?;
     Ok(SweepEnd::Finished(Box::new(result)))
 }
 
@@ -110,31 +114,13 @@ fn tasks(settings: &RunSettings) -> Vec<(usize, u32)> {
 
 /// The directory of one simulation.
 pub fn replica_directory(directory: &Path, salt_molar: f64, replica: u32) -> PathBuf {
-    directory.join(format!("salt_{salt_molar:.6}M")).join(format!("replica_{replica}"))
+    directory.join(salt_label(salt_molar)).join(format!("replica_{replica}"))
 }
 
-/// Writes the resolved settings, or checks that those of the directory are the same but for the length. Returns the
-/// identity of the sweep, of which the length is no part: a sweep run to 1000 can be run on to 2000.
-fn prepare_directory(engine: &Engine, settings: &RunSettings, directory: &Path) -> Result<String> {
-    let text = toml::to_string_pretty(settings).context("the settings cannot be written down")?;
-    let without_length = toml::to_string_pretty(&RunSettings { sweeps: 0, ..settings.clone() })?;
-    let identity = sha256_hex(format!("{without_length}{}", engine.assembly().sha256).as_bytes());
-    std::fs::create_dir_all(directory).with_context(|| format!("cannot make the directory {}", directory.display()))?;
-    let path = directory.join("run.toml");
-    if let Ok(present) = std::fs::read_to_string(&path) {
-        let present: RunSettings = keys::from_toml(&path, &present)?;
-        if present.sweeps > settings.sweeps && present == (RunSettings { sweeps: present.sweeps, ..settings.clone() }) {
-            bail!("{} was run to {} sweeps already; ask for more, or choose another directory", directory.display(), present.sweeps);
-        }
-        if present != (RunSettings { sweeps: present.sweeps, ..settings.clone() }) {
-            bail!(
-                "{} holds a sweep with other settings; choose another directory, or start anew with --force",
-                directory.display()
-            );
-        }
-    }
-    write_atomically(&path, |file| file.write_all(text.as_bytes()))?;
-    Ok(identity)
+/// SHA-256 of everything that shapes the result but its length.
+fn identity(engine: &Engine, settings: &RunSettings) -> Result<String> {
+    let text = toml::to_string_pretty(&settings.without_length()).context("the settings cannot be written down")?;
+    Ok(sha256_hex(format!("{text}{}", engine.assembly().sha256).as_bytes()))
 }
 
 fn record(engine: &Engine, identity: &str, exit_reason: &str) -> RunRecord {

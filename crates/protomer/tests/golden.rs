@@ -1,10 +1,13 @@
 //! Cases of the command line: each folder of `tests/golden` holds a `command` (one `protomer` call per line, words
-//! separated by spaces), its input files, and the `expected` transcript: exit code, stdout and stderr of each call.
+//! separated by spaces, `$DATA` for the folder of the bundled data), its input files, and the `expected` transcript: exit
+//! code, stdout and stderr of each call. The calls run in a copy of the folder, so that no path of the machine is shown.
 //!
 //! `UPDATE_GOLDEN=1 cargo test -p protomer --test golden` writes the transcripts anew; read the difference before
 //! committing it.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
+
+mod common;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -13,30 +16,34 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()
 }
 
+/// A link where the system has them, so that messages name `data` and not the way to it.
+fn link(target: &Path, link: &Path) {
+    #[cfg(unix)]
+    std::os::unix::fs::symlink(target, link).unwrap();
+    #[cfg(not(unix))]
+    panic!("cannot link {} to {}: run these cases on Unix", link.display(), target.display());
+}
+
 /// Runs every line of the case's command in a copy of its folder and writes down what happened.
 fn transcript(case: &Path) -> String {
     let folder = tempfile::tempdir().unwrap();
     for entry in std::fs::read_dir(case).unwrap().map(Result::unwrap) {
         std::fs::copy(entry.path(), folder.path().join(entry.file_name())).unwrap();
     }
+    link(&root().join("data"), &folder.path().join("data"));
     let command = std::fs::read_to_string(case.join("command")).unwrap();
-    let data = root().join("data").display().to_string();
     let mut transcript = String::new();
     for line in command.lines().filter(|line| !line.trim().is_empty()) {
-        let words = line.split_whitespace().map(|word| word.replace("$DATA", &data));
-        let output = Command::new(env!("CARGO_BIN_EXE_protomer"))
-            .args(words)
-            .current_dir(folder.path())
-            .env("NO_COLOR", "1")
-            .output()
-            .unwrap();
-        let plain = |bytes: &[u8]| {
-            String::from_utf8_lossy(bytes).replace(&data, "$DATA").replace(&*folder.path().to_string_lossy(), "$FOLDER")
-        };
+        let mut program = Command::new(env!("CARGO_BIN_EXE_protomer"));
+        common::cleaned(&mut program);
+        program.args(line.split_whitespace().map(|word| word.replace("$DATA", "data")));
+        let output = program.current_dir(folder.path()).output().unwrap();
+        let plain = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
         transcript += &format!("$ protomer {line}\nexit {}\n", output.status.code().unwrap_or(-1));
         for (name, bytes) in [("stdout", &output.stdout), ("stderr", &output.stderr)] {
             for text in plain(bytes).lines() {
-                transcript += &format!("{name}: {text}\n");
+                transcript += format!("{name}: {text}").trim_end();
+                transcript += "\n";
             }
         }
     }

@@ -64,7 +64,7 @@ pub struct RingArgs {
     #[arg(long, value_delimiter = ',', allow_hyphen_values = true)]
     spin: Vec<f64>,
     /// How much further apart than at contact neighbours around the ring, and the rings, are placed, Å.
-    #[arg(long, default_value_t = 0.5)]
+    #[arg(long, default_value_t = 0.5, allow_negative_numbers = true)]
     gap: f64,
     #[command(flatten)]
     space: SpaceArgs,
@@ -143,13 +143,20 @@ impl RingArgs {
     fn run(&self, global: &Global) -> Result<Outcome> {
         let files = BodyFiles::read(&self.bodies)?;
         let pattern = self.pattern()?;
+        if !(self.gap.is_finite() && self.gap >= 0.0) {
+            bail!("--gap is {} Å; give zero or more", self.gap);
+        }
         let recipe = match self.stack {
             1 => Recipe::ring(self.members, &pattern),
             2 => Recipe::dihedral(self.members, &pattern),
             other => bail!("--stack is {other}; one ring or a stack of two can be closed"),
         };
         if !self.members.is_multiple_of(pattern.len()) {
-            bail!("{} bodies do not alternate evenly in a ring of {}", pattern.len(), self.members);
+            bail!(
+                "{} bodies do not alternate evenly in a ring of {}; choose --members that the number of bodies divides",
+                pattern.len(),
+                self.members
+            );
         }
         let closed = files.close(&recipe, self.gap)?;
         let provenance = serde_json::json!({
@@ -190,6 +197,11 @@ impl RingArgs {
         for (flag, given) in [("--directions", up.len()), ("--tilt", tilt.len()), ("--spin", spin.len())] {
             if given != count {
                 bail!("{flag} has {given} values for {count} bodies; give one per body");
+            }
+        }
+        for (flag, given) in [("--tilt", &tilt), ("--spin", &spin)] {
+            if given.iter().any(|angle| !angle.is_finite()) {
+                bail!("{flag} has an angle that is not a finite number; give degrees");
             }
         }
         let site = |body: usize| RecipeSite { body, up: up[body], tilt_radian: tilt[body], spin_radian: spin[body] };

@@ -89,7 +89,7 @@ pub struct SurfaceFlags {
     #[arg(long, default_value_t = 1.0)]
     pub density: f64,
     /// Probe radius, Å.
-    #[arg(long, default_value_t = 1.4)]
+    #[arg(long, default_value_t = 1.4, allow_negative_numbers = true)]
     pub probe: f64,
     /// What to do with cavities inside the body.
     #[arg(long, value_enum, default_value_t = Cavities::Drop)]
@@ -172,6 +172,9 @@ impl SurfaceFlags {
 impl IngestArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
         let files = input::expand(&self.inputs)?;
+        if self.name.as_ref().is_some_and(|name| name.contains(['/', '\\'])) {
+            bail!("--name is the name of the body, not a path; use --output for the folder");
+        }
         if self.name.is_some() && files.len() > 1 {
             bail!("--name names one body, and {} files are given", files.len());
         }

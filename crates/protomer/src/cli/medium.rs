@@ -10,19 +10,19 @@ use clap::Args;
 #[command(next_help_heading = "Medium")]
 pub struct MediumArgs {
     /// Temperature, K [default: 298.15].
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     pub temperature: Option<f64>,
     /// Relative permittivity; that of water at the temperature if left out.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     pub permittivity: Option<f64>,
     /// Bjerrum length (such as 7.0A), instead of temperature and permittivity.
-    #[arg(long, value_parser = quantity::length_angstrom, conflicts_with = "permittivity")]
+    #[arg(long, value_parser = quantity::length_angstrom, allow_hyphen_values = true, conflicts_with = "permittivity")]
     pub bjerrum: Option<f64>,
     /// Debye length (such as 9.6A), instead of a salt concentration.
-    #[arg(long, value_parser = quantity::length_angstrom)]
+    #[arg(long, value_parser = quantity::length_angstrom, allow_hyphen_values = true)]
     pub debye: Option<f64>,
     /// Distance at which the interaction is cut off; five Debye lengths if left out.
-    #[arg(long, value_parser = quantity::length_angstrom)]
+    #[arg(long, value_parser = quantity::length_angstrom, allow_hyphen_values = true)]
     pub cutoff: Option<f64>,
 }
 

@@ -16,10 +16,11 @@ mod surface;
 mod sweep;
 
 use crate::interrupt::Interrupt;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 use clap::{Args, Parser, Subcommand};
 use std::process::ExitCode;
-use std::time::Duration;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 /// Coarse-grained protein assembly modelling: structures to rigid bodies, bodies to assemblies, assemblies to stability.
 #[derive(Debug, Parser)]
@@ -85,7 +86,10 @@ pub enum Outcome {
 /// Parses the command line and runs the verb. Exit codes: 0 done, 1 error, 2 usage, 3 stopped early and resumable.
 pub fn run() -> ExitCode {
     let cli = Cli::parse();
-    match cli.verb.run(&cli.global) {
+    let start = Instant::now();
+    let outcome = cli.verb.run(&cli.global);
+    cli.global.explain(&format!("{:.2} s", start.elapsed().as_secs_f64()));
+    match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::Partial) => ExitCode::from(1),
         Ok(Outcome::Stopped) => ExitCode::from(3),
@@ -131,6 +135,13 @@ impl Global {
         }
     }
 
+    /// A line for the user who asked for more.
+    fn explain(&self, line: &str) {
+        if self.verbose {
+            output::note(line);
+        }
+    }
+
     /// A bar on a terminal; nothing elsewhere.
     fn progress(&self, length: u64, what: &'static str) -> indicatif::ProgressBar {
         use std::io::IsTerminal;
@@ -148,17 +159,17 @@ impl Global {
 
 /// An interrupt that the first Ctrl-C or SIGTERM requests; the second one ends the process at once.
 fn interrupt_on_signals(limit_minutes: Option<f64>) -> Result<Interrupt> {
-    let limit = match limit_minutes {
-        None => None,
-        Some(minutes) => Some(
-            Duration::try_from_secs_f64(minutes * 60.0)
-                .with_context(|| format!("--time-limit is {minutes} minutes; give a positive number"))?,
-        ),
+    let duration = |minutes: f64| {
+        Duration::try_from_secs_f64(minutes * 60.0)
+            .map_err(|_| anyhow!("--time-limit is {minutes} minutes; give zero or more"))
     };
+    let limit = limit_minutes.map(duration).transpose()?;
     let interrupt = Interrupt::after(limit);
     let on_signal = interrupt.clone();
+    // Not `is_requested`: a time limit that is over as well does not make the first signal the second.
+    let signalled = AtomicBool::new(false);
     ctrlc::set_handler(move || {
-        if on_signal.is_requested() {
+        if signalled.swap(true, Ordering::Relaxed) {
             std::process::exit(130);
         }
         output::note("stopping at the next sweep; the same command goes on from there (again: stop at once)");

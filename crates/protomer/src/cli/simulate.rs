@@ -4,11 +4,12 @@ use super::medium::{ConditionArgs, MediumArgs};
 use super::{Global, Outcome, interrupt_on_signals, output};
 use crate::assembly_file::Assembly;
 use crate::keys;
-use crate::run::{EnergyMode, RunSettings};
+use crate::run::{EnergyMode, Execution, RunSettings};
 use crate::sweep::{SweepEnd, run_sweep};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// Flags of every run. What is left out comes from the configuration file, or else from the defaults.
 #[derive(Debug, Clone, Args)]
@@ -45,8 +46,11 @@ pub struct RunArgs {
     #[arg(long, value_enum)]
     pub energy: Option<EnergyMode>,
     /// Stop (resumably, exit code 3) after this many minutes.
-    #[arg(long, env = "ACTION_WALLTIME_IN_MINUTES")]
+    #[arg(long, env = "ACTION_WALLTIME_IN_MINUTES", allow_negative_numbers = true)]
     pub time_limit: Option<f64>,
+    /// Seconds between checkpoints: what a killed run loses at most.
+    #[arg(long, default_value_t = 20.0, allow_negative_numbers = true)]
+    pub checkpoint_every: f64,
 }
 
 impl RunArgs {
@@ -71,16 +75,13 @@ impl RunArgs {
         Ok(settings)
     }
 
-    /// With --force, removes the results of an earlier run. Only a directory that protomer made is removed.
-    pub(super) fn prepare_output(&self, global: &Global) -> Result<()> {
-        if !global.force || !self.output.exists() {
-            return Ok(());
-        }
-        let empty = self.output.read_dir().is_ok_and(|mut entries| entries.next().is_none());
-        if !empty && !self.output.join("run.toml").exists() {
-            bail!("{} is no run directory of protomer, so --force leaves it alone", self.output.display());
-        }
-        std::fs::remove_dir_all(&self.output).with_context(|| format!("cannot remove {}", self.output.display()))
+    /// How the run is to be carried out. From here on, Ctrl-C stops it resumably.
+    pub(super) fn execution(&self, global: &Global) -> Result<Execution> {
+        let Ok(checkpoint_interval) = Duration::try_from_secs_f64(self.checkpoint_every) else {
+            bail!("--checkpoint-every is {} seconds; give zero or more", self.checkpoint_every);
+        };
+        let interrupt = interrupt_on_signals(self.time_limit)?;
+        Ok(Execution { interrupt, checkpoint_interval, start_anew: global.force })
     }
 }
 
@@ -105,17 +106,20 @@ impl SimulateArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
         let mut settings = self.run.settings(&self.conditions.medium)?;
         settings.replicas = 1;
-        if let Some(salt) = self.conditions.salt {
-            settings.salt_molar = vec![salt];
+        match self.conditions.salt {
+            Some(salt) => settings.salt_molar = vec![salt],
+            None if self.run.config.is_none() && settings.medium.debye_length_angstrom.is_none() => {
+                bail!("no salt concentration is given; add --salt 100mM")
+            }
+            None => {}
         }
         if settings.salt_molar.len() != 1 {
             bail!("simulate takes one salt concentration, and {} are given; use sweep", settings.salt_molar.len());
         }
         let assembly = Assembly::read(&self.assembly)?;
-        self.run.prepare_output(global)?;
         let bar = global.progress(settings.total_sweeps(), "sweeps");
-        let interrupt = interrupt_on_signals(self.run.time_limit)?;
-        let end = run_sweep(assembly, &settings, &self.run.output, &interrupt, &|sweeps| bar.inc(sweeps))?;
+        let execution = self.run.execution(global)?;
+        let end = run_sweep(assembly, &settings, &self.run.output, &execution, &|sweeps| bar.inc(sweeps))?;
         bar.finish_and_clear();
         let SweepEnd::Finished(result) = end else {
             global.say(&format!("stopped; the same command continues {}", self.run.output.display()));
@@ -124,7 +128,7 @@ impl SimulateArgs {
         let replica = &result.replicas[0][0];
         if global.json {
             output::json(replica)?;
-        } else {
+        } else if !global.quiet {
             output::text(&format!(
                 "R_g {:.2} ± {:.2} Å, energy {:.2} ± {:.2} kT, largest cluster {:.2}",
                 replica.r_g_angstrom.mean,

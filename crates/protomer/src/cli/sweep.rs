@@ -2,7 +2,7 @@
 
 use super::medium::MediumArgs;
 use super::simulate::RunArgs;
-use super::{Global, Outcome, interrupt_on_signals, output};
+use super::{Global, Outcome, output};
 use crate::assembly_file::Assembly;
 use crate::quantity;
 use crate::run::RunSettings;
@@ -33,7 +33,6 @@ impl SweepArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
         let settings = self.settings()?;
         let assembly = Assembly::read(&self.assembly)?;
-        self.run.prepare_output(global)?;
         let simulations = settings.salt_molar.len() as u64 * u64::from(settings.replicas);
         global.say(&format!(
             "{} bodies, {simulations} simulations of {} + {} sweeps",
@@ -41,9 +40,12 @@ impl SweepArgs {
             settings.equilibration_sweeps,
             settings.sweeps
         ));
+        for salt in &settings.salt_molar {
+            global.explain(&settings.medium.interaction(Some(*salt))?.describe());
+        }
         let bar = global.progress(simulations * settings.total_sweeps(), "sweeps");
-        let interrupt = interrupt_on_signals(self.run.time_limit)?;
-        let end = run_sweep(assembly, &settings, &self.run.output, &interrupt, &|sweeps| bar.inc(sweeps))?;
+        let execution = self.run.execution(global)?;
+        let end = run_sweep(assembly, &settings, &self.run.output, &execution, &|sweeps| bar.inc(sweeps))?;
         bar.finish_and_clear();
         match end {
             SweepEnd::Stopped => {
@@ -75,6 +77,9 @@ impl SweepArgs {
     fn report(&self, result: &SweepResult, global: &Global) -> Result<()> {
         if global.json {
             return output::json(result);
+        }
+        if global.quiet {
+            return Ok(());
         }
         let heading = ["salt (M)", "R_g (Å)", "± sd", "native contacts", "largest cluster", "energy (kT)"];
         let mut rows = vec![heading.map(str::to_owned).to_vec()];

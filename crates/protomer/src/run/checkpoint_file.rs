@@ -1,5 +1,6 @@
 //! `checkpoint.bin`: the state of a run, with how much of its log and trajectory belongs to it.
 
+use super::log::LogMark;
 use anyhow::{Context, Result};
 use protomer_io::atomic::write_atomically;
 use protomer_io::container::Container;
@@ -16,8 +17,8 @@ const KIND: &str = "checkpoint";
 pub struct RunCheckpoint {
     /// Hash of everything that shapes the result.
     pub identity: String,
-    /// Bytes of the log that belong to this state.
-    pub log_bytes: u64,
+    /// The part of the log that belongs to this state.
+    pub log: LogMark,
     /// Frames of the trajectory that belong to this state.
     pub trajectory_frames: u64,
     /// Cluster moves, and bodies they moved, at the last row of the log.
@@ -37,7 +38,8 @@ pub fn read_checkpoint(path: &Path) -> Result<Option<RunCheckpoint>> {
         Err(error) => return Err(error).with_context(|| format!("cannot read {}", path.display())),
     };
     let name = path.display().to_string();
-    let container = Container::from_bytes(&name, KIND, &bytes).context("start anew with --force")?;
+    let container = Container::from_bytes(&name, KIND, &bytes)
+        .with_context(|| format!("cannot continue {name}; restore it, or start anew with --force"))?;
     let checkpoint = serde_json::from_value(container.header)
         .with_context(|| format!("{name} was written by another version of protomer; start anew with --force"))?;
     Ok(Some(checkpoint))

@@ -65,9 +65,7 @@ impl Engine {
             return Err(McError::OverlappingStart { pairs }.into());
         }
         for interaction in interactions {
-            let range = self.energy_model(run, interaction)?.range_angstrom(&system);
-            let range = range.max(system.hard_range_angstrom());
-            require_minimum_image(system.boundary(), range).with_context(|| interaction.describe())?;
+            require_room(&system, self.energy_model(run, interaction)?.as_ref(), interaction)?;
         }
         Ok(())
     }
@@ -89,6 +87,17 @@ impl Engine {
             ..Settings::new(interaction)
         })
     }
+}
+
+/// Checks that no body meets two images of another.
+///
+/// # Errors
+/// Says how large the box must be, and for which interaction.
+pub fn require_room(system: &System, model: &dyn EnergyModel, interaction: &Interaction) -> Result<()> {
+    let range = model.range_angstrom(system).max(system.hard_range_angstrom());
+    require_minimum_image(system.boundary(), range).with_context(|| {
+        format!("the box is too small: enlarge box_angstrom or state a shorter --cutoff ({})", interaction.describe())
+    })
 }
 
 /// The potential an interaction describes.

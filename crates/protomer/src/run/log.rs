@@ -1,8 +1,10 @@
 //! The log of a run: one row of observables per sampled sweep, as CSV.
 
 use anyhow::{Context, Result, bail};
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 use std::fs::{File, OpenOptions};
-use std::io::{BufWriter, Seek, SeekFrom, Write};
+use std::io::{BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// The columns, in order.
@@ -26,34 +28,39 @@ pub struct LogRow {
     pub cluster_moved: f64,
 }
 
+/// The part of a log that a checkpoint vouches for.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LogMark {
+    /// Its length in bytes; zero for a log that is yet to be begun.
+    pub bytes: u64,
+    /// Its SHA-256.
+    pub sha256: String,
+}
+
 /// A log that is being written. What lies beyond the last checkpoint is cut off when a run is resumed.
 #[derive(Debug)]
 pub struct Log {
     path: PathBuf,
     file: BufWriter<File>,
+    length: u64,
+    hash: Sha256,
 }
 
 impl Log {
-    /// Opens the log and cuts it to `length` bytes (zero starts a new one).
+    /// Opens the log and cuts it to what the checkpoint vouches for (nothing starts a new one).
     ///
     /// # Errors
-    /// If the file cannot be written, or is shorter than the checkpoint says.
-    pub fn open(path: &Path, length: u64) -> Result<Self> {
+    /// If the file cannot be written, or was changed since the checkpoint; then it stays as it is.
+    pub fn open(path: &Path, mark: &LogMark) -> Result<Self> {
+        let hash = if mark.bytes == 0 { Sha256::new() } else { check_log(path, mark)? };
         let context = || format!("cannot write the log {}", path.display());
         let file = OpenOptions::new().create(true).truncate(false).write(true).open(path).with_context(context)?;
-        let present = file.metadata().with_context(context)?.len();
-        if present < length {
-            bail!(
-                "{} holds {present} bytes where the checkpoint counts {length}; it was changed since. \
-                 Restore it, or start anew with --force",
-                path.display()
-            );
-        }
-        file.set_len(length).with_context(context)?;
+        file.set_len(mark.bytes).with_context(context)?;
         let mut file = BufWriter::new(file);
         file.seek(SeekFrom::End(0)).with_context(context)?;
-        let mut log = Self { path: path.to_owned(), file };
-        if length == 0 {
+        let mut log = Self { path: path.to_owned(), file, length: mark.bytes, hash };
+        if mark.bytes == 0 {
             log.write_line(&COLUMNS.join(","))?;
         }
         Ok(log)
@@ -71,21 +78,44 @@ impl Log {
         ))
     }
 
-    /// Forces everything written so far onto the disk and returns the length in bytes.
+    /// Forces everything written so far onto the disk and returns what a checkpoint can vouch for.
     ///
     /// # Errors
     /// If the disk does not take it.
-    pub fn sync(&mut self) -> Result<u64> {
+    pub fn sync(&mut self) -> Result<LogMark> {
         let path = self.path.clone();
         let context = || format!("cannot write the log {}", path.display());
         self.file.flush().with_context(context)?;
         self.file.get_ref().sync_data().with_context(context)?;
-        Ok(self.file.get_ref().metadata().with_context(context)?.len())
+        Ok(LogMark { bytes: self.length, sha256: hexadecimal(&self.hash) })
     }
 
     fn write_line(&mut self, line: &str) -> Result<()> {
-        writeln!(self.file, "{line}").with_context(|| format!("cannot write the log {}", self.path.display()))
+        let line = format!("{line}\n");
+        self.hash.update(&line);
+        self.length += line.len() as u64;
+        self.file.write_all(line.as_bytes()).with_context(|| format!("cannot write the log {}", self.path.display()))
     }
+}
+
+/// Checks that a log begins with what a checkpoint vouches for, and returns the state of its hash.
+///
+/// # Errors
+/// If the log was changed or cut since.
+pub fn check_log(path: &Path, mark: &LogMark) -> Result<Sha256> {
+    let mut start = Vec::new();
+    File::open(path)
+        .and_then(|file| file.take(mark.bytes).read_to_end(&mut start))
+        .with_context(|| format!("cannot read the log {}; restore it, or start anew with --force", path.display()))?;
+    let hash = Sha256::new_with_prefix(&start);
+    if start.len() as u64 != mark.bytes || hexadecimal(&hash) != mark.sha256 {
+        bail!("{} was changed since its checkpoint; restore it, or start anew with --force", path.display());
+    }
+    Ok(hash)
+}
+
+fn hexadecimal(hash: &Sha256) -> String {
+    hash.clone().finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Reads a log.
@@ -133,16 +163,21 @@ mod tests {
             energy_kt: -1e-17,
             cluster_moved: 0.0,
         };
-        let mut log = Log::open(&path, 0).unwrap();
+        let mut log = Log::open(&path, &LogMark::default()).unwrap();
         log.append(&row(1)).unwrap();
-        let length = log.sync().unwrap();
+        let mark = log.sync().unwrap();
         log.append(&row(2)).unwrap();
         log.sync().unwrap();
         assert_eq!(read_log(&path).unwrap(), vec![row(1), row(2)]);
-        let mut resumed = Log::open(&path, length).unwrap();
+        let mut resumed = Log::open(&path, &mark).unwrap();
         resumed.append(&row(3)).unwrap();
-        resumed.sync().unwrap();
+        let mark = resumed.sync().unwrap();
         assert_eq!(read_log(&path).unwrap(), vec![row(1), row(3)]);
-        assert!(Log::open(&path, 1 << 40).unwrap_err().to_string().contains("--force"));
+        let text = std::fs::read_to_string(&path).unwrap();
+        for changed in [text.replace("0.3333", "0.4333"), text[..text.len() - 2].to_owned()] {
+            std::fs::write(&path, &changed).unwrap();
+            assert!(Log::open(&path, &mark).unwrap_err().to_string().contains("--force"));
+            assert_eq!(std::fs::read_to_string(&path).unwrap(), changed, "a refused log stays as it is");
+        }
     }
 }

@@ -2,15 +2,19 @@
 //! continues it; a run cut anywhere and continued equals the uninterrupted one bit for bit.
 
 mod checkpoint_file;
+mod directory;
 mod engine;
+mod execution;
 mod log;
 mod record;
 mod replica;
 mod settings;
 mod trajectory;
 
-pub use engine::{Engine, yukawa};
+pub use directory::SweepDirectory;
+pub use engine::{Engine, require_room, yukawa};
+pub use execution::Execution;
 pub use log::{LogRow, read_log};
 pub use record::{RunRecord, read_record};
 pub use replica::{ReplicaCounts, ReplicaEnd, ReplicaTask, run_replica};
-pub use settings::{EnergyMode, RunSettings};
+pub use settings::{EnergyMode, RunSettings, salt_label};

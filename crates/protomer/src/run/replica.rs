@@ -1,21 +1,23 @@
 //! One simulation in its directory: start or continue, log, keep the trajectory, stop when asked.
 
 use super::checkpoint_file::{RunCheckpoint, read_checkpoint, write_checkpoint};
-use super::log::{Log, LogRow};
+use super::execution::Execution;
+use super::log::{Log, LogMark, LogRow, check_log};
 use super::record::{RunRecord, read_record};
 use super::trajectory::Trajectory;
 use super::{Engine, RunSettings};
 use crate::interaction::Interaction;
-use crate::interrupt::Interrupt;
 use anyhow::{Context, Result, bail};
 use protomer_mc::Statistics;
 use protomer_mc::{Outcome, Simulation};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-/// Time between two checkpoints. Where they fall does not change the result.
-const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(20);
+/// Names of files in the directory of a simulation.
+const CHECKPOINT: &str = "checkpoint.bin";
+const LOG: &str = "log.csv";
+const TRAJECTORY: &str = "trajectory.gsd";
 
 /// One simulation to be run or continued.
 #[derive(Debug)]
@@ -69,7 +71,7 @@ pub struct ReplicaCounts {
 /// # Errors
 /// For an overlapping start, a directory that belongs to another run, a disk that takes no more, or an energy that is
 /// not finite.
-pub fn run_replica(task: &ReplicaTask<'_>, interrupt: &Interrupt, advanced: &dyn Fn(u64)) -> Result<ReplicaEnd> {
+pub fn run_replica(task: &ReplicaTask<'_>, execution: &Execution, advanced: &dyn Fn(u64)) -> Result<ReplicaEnd> {
     std::fs::create_dir_all(&task.directory)
         .with_context(|| format!("cannot make the directory {}", task.directory.display()))?;
     if let Some(counts) = finished(task)? {
@@ -78,7 +80,7 @@ pub fn run_replica(task: &ReplicaTask<'_>, interrupt: &Interrupt, advanced: &dyn
     }
     let mut run = Run::open(task)?;
     advanced(run.simulation.sweep());
-    let outcome = run.advance(interrupt, advanced)?;
+    let outcome = run.advance(execution, advanced)?;
     run.save()?;
     let counts = acceptance(run.simulation.statistics());
     let (end, reason) = match outcome {
@@ -96,6 +98,9 @@ fn finished(task: &ReplicaTask<'_>) -> Result<Option<ReplicaCounts>> {
     let sweeps_done = record.details.get("sweeps_done").and_then(serde_json::Value::as_u64);
     if record.exit_reason != "done" || sweeps_done != Some(task.settings.total_sweeps()) {
         return Ok(None);
+    }
+    if let Some(saved) = read_checkpoint(&task.path(CHECKPOINT))? {
+        check_log(&task.path(LOG), &saved.log)?;
     }
     let counts = record.details.get("acceptance").cloned().unwrap_or_default();
     serde_json::from_value(counts).map(Some).with_context(|| format!("run.json in {}", task.directory.display()))
@@ -157,32 +162,31 @@ impl<'a> Run<'a> {
         let system = task.engine.system()?;
         let settings = task.engine.settings(task.settings, &task.interaction)?;
         let model = task.engine.energy_model(task.settings, &task.interaction)?;
-        let checkpoint_path = task.path("checkpoint.bin");
-        let (simulation, log_bytes, frames, cluster_moves_logged) = match read_checkpoint(&checkpoint_path)? {
+        let (simulation, log, frames, cluster_moves_logged) = match read_checkpoint(&task.path(CHECKPOINT))? {
             Some(saved) => {
                 check_identity(&task.directory, &saved.identity, task.identity)?;
                 let simulation = Simulation::resume_with_model(system, saved.simulation, model)?;
-                (simulation, saved.log_bytes, saved.trajectory_frames, saved.cluster_moves_logged)
+                (simulation, saved.log, saved.trajectory_frames, saved.cluster_moves_logged)
             }
             None => {
                 let simulation = Simulation::with_model(system, settings, model, task.settings.seed, task.stream())?;
-                (simulation, 0, 0, (0, 0))
+                (simulation, LogMark::default(), 0, (0, 0))
             }
         };
-        let log = Log::open(&task.path("log.csv"), log_bytes)?;
+        let log = Log::open(&task.path(LOG), &log)?;
         let trajectory = match task.settings.trajectory_every {
             0 => None,
-            _ => Some(Trajectory::open(&task.path("trajectory.gsd"), task.engine.assembly(), frames)?),
+            _ => Some(Trajectory::open(&task.path(TRAJECTORY), task.engine.assembly(), frames)?),
         };
         Ok(Self { task, simulation, log, trajectory, cluster_moves_logged, saved: Instant::now() })
     }
 
     /// Sweeps until done or interrupted, one row or frame at a time.
-    fn advance(&mut self, interrupt: &Interrupt, advanced: &dyn Fn(u64)) -> Result<Outcome> {
+    fn advance(&mut self, execution: &Execution, advanced: &dyn Fn(u64)) -> Result<Outcome> {
         let settings = self.task.settings;
         let mut reported = self.simulation.sweep();
         while self.simulation.sweep() < settings.total_sweeps() {
-            let mut until_asked = |_: &Simulation| match interrupt.is_requested() {
+            let mut until_asked = |_: &Simulation| match execution.interrupt.is_requested() {
                 true => ControlFlow::Break(()),
                 false => ControlFlow::Continue(()),
             };
@@ -194,7 +198,7 @@ impl<'a> Run<'a> {
             if outcome == Outcome::Stopped {
                 return Ok(Outcome::Stopped);
             }
-            if self.saved.elapsed() >= CHECKPOINT_INTERVAL {
+            if self.saved.elapsed() >= execution.checkpoint_interval {
                 self.save()?;
             }
         }
@@ -238,19 +242,19 @@ impl<'a> Run<'a> {
 
     /// Everything on the disk, the checkpoint last: it vouches for the rest.
     fn save(&mut self) -> Result<()> {
-        let log_bytes = self.log.sync()?;
+        let log = self.log.sync()?;
         let trajectory_frames = match &mut self.trajectory {
             Some(trajectory) => trajectory.sync()?,
             None => 0,
         };
         let checkpoint = RunCheckpoint {
             identity: self.task.identity.into(),
-            log_bytes,
+            log,
             trajectory_frames,
             cluster_moves_logged: self.cluster_moves_logged,
             simulation: self.simulation.checkpoint(),
         };
-        write_checkpoint(&self.task.path("checkpoint.bin"), &checkpoint)?;
+        write_checkpoint(&self.task.path(CHECKPOINT), &checkpoint)?;
         self.saved = Instant::now();
         Ok(())
     }

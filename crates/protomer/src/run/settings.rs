@@ -65,7 +65,18 @@ impl Default for RunSettings {
     }
 }
 
+/// The name of a salt concentration in a path.
+pub fn salt_label(salt_molar: f64) -> String {
+    format!("salt_{salt_molar:.6}M")
+}
+
 impl RunSettings {
+    /// The same settings with no length: what runs have in common that differ only in how far they went. A run to 1000
+    /// sweeps can be run on to 2000.
+    pub fn without_length(&self) -> Self {
+        Self { sweeps: 0, ..self.clone() }
+    }
+
     /// Sweeps of equilibration and production together.
     pub fn total_sweeps(&self) -> u64 {
         self.equilibration_sweeps.saturating_add(self.sweeps)
@@ -90,15 +101,24 @@ impl RunSettings {
     /// # Errors
     /// Names the setting that makes no sense.
     pub fn check(&self) -> Result<()> {
-        if self.salt_molar.is_empty() && self.medium.debye_length_angstrom.is_none() {
+        if self.salt_molar.is_empty() {
             bail!("no salt concentration is given; add --salt 10mM,100mM,300mM");
+        }
+        if self.medium.debye_length_angstrom.is_some() && self.salt_molar.len() > 1 {
+            bail!("a stated Debye length makes all salt concentrations the same; leave out --debye, or give one salt");
         }
         if let Some(salt) = self.salt_molar.iter().find(|salt| !(salt.is_finite() && **salt >= 0.0)) {
             bail!("salt_M contains {salt}; concentrations are zero or positive, in mol/L");
         }
         for (index, salt) in self.salt_molar.iter().enumerate() {
-            if self.salt_molar[..index].contains(salt) {
-                bail!("the salt concentration {salt} M is listed twice; list each once and raise --replicas instead");
+            let same = |near: &f64| salt_label(*near) == salt_label(*salt);
+            if let Some(first) = self.salt_molar[..index].iter().position(same) {
+                bail!(
+                    "salt concentrations {} and {} of the list are the same to 1 µM; list each once, and raise \
+                     --replicas for more simulations of one",
+                    first + 1,
+                    index + 1
+                );
             }
         }
         for (name, value) in

@@ -1,0 +1,66 @@
+//! Energies from the command line against sums written out here, and against the shared benchmark state.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
+
+mod common;
+
+use common::{CHARGES, Workplace, is_ok};
+use std::path::Path;
+
+fn inspect(place: &Workplace, assembly: &str) -> serde_json::Value {
+    let output = place.run(&format!("inspect {assembly} --bjerrum 7.0A --debye 9.6A --cutoff 48A --json"));
+    is_ok(&output);
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+#[test]
+fn the_energy_of_two_bodies_is_the_sum_over_their_charges() {
+    let place = Workplace::new();
+    // The second body stands a quarter turn about z from the first one: (x, y, z) becomes (-y, x, z).
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    std::fs::write(
+        place.path("pair.json"),
+        format!(
+            r#"{{"bodies": [{{"name": "a", "file": "a.body"}}, {{"name": "b", "file": "b.body"}}], "placements": [
+            {{"body": "a", "position_angstrom": [1, 2, 3], "orientation_wxyz": [1, 0, 0, 0]}},
+            {{"body": "b", "position_angstrom": [14, 2, 3], "orientation_wxyz": [{half}, 0, 0, {half}]}}]}}"#
+        ),
+    )
+    .unwrap();
+    let mut expected = 0.0;
+    for [x1, y1, z1, q1] in CHARGES[0] {
+        for [x2, y2, z2, q2] in CHARGES[1] {
+            let (dx, dy, dz) = (13.0 - y2 - x1, x2 - y1, z2 - z1);
+            let r = f64::sqrt(dx * dx + dy * dy + dz * dz);
+            expected += 7.0 * q1 * q2 * (-r / 9.6).exp() / r;
+        }
+    }
+    let found = inspect(&place, "pair.json");
+    let energy = found["energy_kT"].as_f64().unwrap();
+    assert!((energy - expected).abs() < 1e-12, "{energy} {expected}");
+    assert!((found["pair_energies"][0][2].as_f64().unwrap() - expected).abs() < 1e-12);
+    assert!((found["r_g_angstrom"].as_f64().unwrap() - 6.5).abs() < 1e-12);
+    assert_eq!(found["overlaps"].as_array().unwrap().len(), 0);
+}
+
+#[test]
+fn the_benchmark_state_has_its_stated_energy() {
+    let shared = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/bench/data"));
+    if !shared.is_dir() {
+        eprintln!("skipped: {} is not there", shared.display());
+        return;
+    }
+    let place = Workplace::new();
+    std::fs::copy(shared.join("cluster16.json"), place.path("cluster16.json")).unwrap();
+    for name in ["a", "b"] {
+        let (mesh, charges) = (shared.join("bumpy_1620.off"), shared.join(format!("charges_{name}.xyzq")));
+        let mut command = place.command("body");
+        command.arg("--mesh").arg(mesh).arg("--charges").arg(charges).args(["-o", &format!("{name}.body")]);
+        is_ok(&command.output().unwrap());
+    }
+    let found = inspect(&place, "cluster16.json");
+    assert!((found["energy_kT"].as_f64().unwrap() + 26.303340096741).abs() < 1e-8, "{}", found["energy_kT"]);
+    let pair = found["pair_energies"].as_array().unwrap().iter().find(|pair| pair[0] == 0 && pair[1] == 1).unwrap();
+    assert!((pair[2].as_f64().unwrap() - 0.589221080102).abs() < 1e-10, "{pair}");
+    assert_eq!(found["overlaps"].as_array().unwrap().len(), 0);
+}

@@ -1,0 +1,320 @@
+//! Sweeps as a process: killed, stopped, continued, on a full disk, in a directory that was tampered with.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
+
+mod common;
+
+use common::{Workplace, contents, is_ok, message};
+use protomer::run::RunSettings;
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::{Child, Command};
+use std::time::Duration;
+
+/// Two salts, two replicas; long enough to be killed in the middle, short enough for a test.
+const SWEEP: &str = "sweep ring.json --salt 50mM,300mM --cutoff 30A --replicas 2 --sweeps 1500 --equilibration 200 \
+                     --seed 7 --log-every 5 --trajectory-every 50 --quiet";
+
+/// What must not depend on how the sweep came to its end: everything but the records' own history.
+fn results(directory: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut files = contents(directory);
+    files.retain(|name, _| name != ".lock");
+    assert!(files.keys().filter(|name| name.ends_with("trajectory.gsd")).count() == 4, "{:?}", files.keys());
+    assert!(files.keys().all(|name| !name.contains("partial")), "{:?}", files.keys());
+    files
+}
+
+fn assert_same(a: &BTreeMap<String, Vec<u8>>, b: &BTreeMap<String, Vec<u8>>) {
+    assert_eq!(a.keys().collect::<Vec<_>>(), b.keys().collect::<Vec<_>>());
+    for (name, bytes) in a {
+        assert!(*bytes == b[name], "{name} differs");
+    }
+}
+
+/// Starts the command and waits until it has written a checkpoint below `directory`, or has ended.
+fn spawn_until_saved(place: &Workplace, command: &str, directory: &str) -> Child {
+    let checkpoints = || {
+        // Files come and go while the process works.
+        let salts = ["salt_0.050000M", "salt_0.300000M"];
+        let paths = salts.iter().flat_map(|salt| (0..2).map(move |replica| format!("{salt}/replica_{replica}")));
+        paths.map(|path| std::fs::read(place.path(&format!("{directory}/{path}/checkpoint.bin"))).ok()).collect()
+    };
+    let before: Vec<Option<Vec<u8>>> = checkpoints();
+    let mut child = place.command(command).spawn().unwrap();
+    while checkpoints() == before && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    child
+}
+
+/// Starts the command and ends it by a signal after its first checkpoint.
+#[cfg(unix)]
+fn stop(place: &Workplace, command: &str, directory: &str) {
+    let mut child = spawn_until_saved(place, command, directory);
+    // The process may just have ended by itself; then there is nobody to hear the signal.
+    let _ = Command::new("sh").args(["-c", "kill -TERM \"$0\" 2>&1", &child.id().to_string()]).output();
+    assert_eq!(child.wait().unwrap().code(), Some(3), "{command}");
+}
+
+#[test]
+fn a_killed_sweep_goes_on_as_if_nothing_had_happened_on_any_number_of_threads() {
+    let place = Workplace::new();
+    is_ok(&place.run(&format!("{SWEEP} --threads 1 -o whole")));
+    let whole = results(&place.path("whole"));
+    let mut caught_at_work = 0;
+    for threads in [1, 2] {
+        let command = format!("{SWEEP} --threads {threads} --checkpoint-every 0.005 -o killed{threads}");
+        for extra_milliseconds in [0, 1, 2, 4, 8, 16] {
+            let mut child = spawn_until_saved(&place, &command, &format!("killed{threads}"));
+            std::thread::sleep(Duration::from_millis(extra_milliseconds));
+            child.kill().unwrap();
+            child.wait().unwrap();
+            let left = contents(&place.path(&format!("killed{threads}")));
+            let begun = left.keys().any(|name| name.ends_with("checkpoint.bin"));
+            caught_at_work += u32::from(begun && !left.contains_key("sweep.csv"));
+        }
+        is_ok(&place.run(&command));
+        // A temporary file of a killed process may stay behind; nothing else may differ.
+        let mut killed = contents(&place.path(&format!("killed{threads}")));
+        killed.retain(|name, _| !name.ends_with(".partial") && name != ".lock");
+        assert_same(&whole, &killed);
+    }
+    assert!(caught_at_work > 0, "every kill came too early or too late to test anything");
+}
+
+#[test]
+fn a_time_limit_stops_resumably() {
+    let place = Workplace::new();
+    is_ok(&place.run(&format!("{SWEEP} -o whole")));
+    let command = format!("{SWEEP} -o limited");
+    assert_eq!(place.run(&format!("{command} --time-limit 0")).status.code(), Some(3));
+    assert!(!place.path("limited/sweep.csv").exists());
+    is_ok(&place.run(&command));
+    assert_same(&results(&place.path("whole")), &results(&place.path("limited")));
+    // Once more finds everything done and leaves it as it is.
+    is_ok(&place.run(&format!("{command} --time-limit 0")));
+    assert_same(&results(&place.path("whole")), &results(&place.path("limited")));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_signal_stops_resumably_also_after_the_time_limit() {
+    let place = Workplace::new();
+    is_ok(&place.run(&format!("{SWEEP} -o whole")));
+    let command = format!("{SWEEP} --threads 1 --checkpoint-every 0.005 -o signalled");
+    stop(&place, &command, "signalled");
+    stop(&place, &format!("{command} --time-limit 0"), "signalled");
+    is_ok(&place.run(&command));
+    assert_same(&results(&place.path("whole")), &results(&place.path("signalled")));
+}
+
+#[cfg(unix)]
+#[test]
+fn what_was_tampered_with_is_refused_and_left_alone() {
+    let place = Workplace::new();
+    let command = format!("{SWEEP} --threads 1 --checkpoint-every 0.005 -o run");
+    stop(&place, &command, "run");
+    let replica = "run/salt_0.050000M/replica_0";
+    let tamper = |file: &str, change: fn(&mut Vec<u8>)| {
+        let path = place.path(&format!("{replica}/{file}"));
+        let sound = std::fs::read(&path).unwrap();
+        let mut changed = sound.clone();
+        change(&mut changed);
+        assert_ne!(sound, changed);
+        std::fs::write(&path, changed).unwrap();
+        let before = contents(&place.path(replica));
+        let output = place.run(&command);
+        assert_eq!(output.status.code(), Some(1), "{file}: {}", message(&output));
+        let said = message(&output);
+        assert!(said.contains(file) && said.contains("--force") && said.contains("salt 0.05 M"), "{said}");
+        assert_same(&before, &contents(&place.path(replica)));
+        std::fs::write(&path, sound).unwrap();
+    };
+    let flip = |bytes: &mut Vec<u8>| {
+        let middle = bytes.len() / 2;
+        bytes[middle] ^= 1;
+    };
+    tamper("checkpoint.bin", flip);
+    tamper("checkpoint.bin", |bytes| bytes.truncate(bytes.len() / 2));
+    tamper("checkpoint.bin", Vec::clear);
+    tamper("log.csv", flip);
+    tamper("log.csv", |bytes| bytes.truncate(bytes.len() - 3));
+    is_ok(&place.run(&command));
+    // Also once all is done: the table must not be made of something else.
+    tamper("log.csv", flip);
+    is_ok(&place.run(&format!("{SWEEP} -o whole")));
+    assert_same(&results(&place.path("whole")), &results(&place.path("run")));
+}
+
+#[test]
+fn a_shortened_trajectory_is_refused_and_left_alone() {
+    let place = Workplace::new();
+    let command = "simulate ring.json --salt 50mM --cutoff 30A --sweeps 100000000 --equilibration 0 --trajectory-every 5 \
+                   -o run --time-limit 0.01";
+    assert_eq!(place.run(command).status.code(), Some(3));
+    let path = place.path("run/salt_0.050000M/replica_0/trajectory.gsd");
+    let sound = std::fs::read(&path).unwrap();
+    std::fs::write(&path, &sound[..sound.len() / 2]).unwrap();
+    let before = contents(&place.path("run/salt_0.050000M/replica_0"));
+    let output = place.run(command);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(message(&output).contains("trajectory.gsd"), "{}", message(&output));
+    assert_same(&before, &contents(&place.path("run/salt_0.050000M/replica_0")));
+}
+
+#[test]
+fn force_removes_the_results_of_protomer_and_nothing_else() {
+    let place = Workplace::new();
+    std::fs::create_dir(place.path("mine")).unwrap();
+    std::fs::write(place.path("mine/thesis.tex"), "years of work").unwrap();
+    let output = place.run(&format!("{SWEEP} -o mine --force"));
+    assert_eq!(output.status.code(), Some(1));
+    assert!(message(&output).contains("no run directory"), "{}", message(&output));
+    assert_eq!(contents(&place.path("mine")).len(), 1);
+
+    let (other, senseless) = (SWEEP.replace("--seed 7", "--seed 8"), SWEEP.replace("30A", "1000A"));
+    // The directory of the input may be the directory of the results.
+    is_ok(&place.run(&format!("{SWEEP} -o .")));
+    let first = std::fs::read(place.path("sweep.csv")).unwrap();
+    let output = place.run(&format!("{other} -o ."));
+    assert_eq!(output.status.code(), Some(1));
+    assert!(message(&output).contains("other settings"), "{}", message(&output));
+    // A new run that makes no sense costs the old one nothing.
+    assert_eq!(place.run(&format!("{senseless} -o . --force")).status.code(), Some(1));
+    assert_eq!(std::fs::read(place.path("sweep.csv")).unwrap(), first);
+    is_ok(&place.run(&format!("{other} -o . --force")));
+    assert_ne!(std::fs::read(place.path("sweep.csv")).unwrap(), first);
+    assert!(place.path("ring.json").exists() && place.path("a.body").exists());
+}
+
+#[test]
+fn other_input_in_the_same_directory_is_refused() {
+    let place = Workplace::new();
+    is_ok(&place.run(&format!("{SWEEP} -o run")));
+    let text = std::fs::read_to_string(place.path("ring.json")).unwrap();
+    std::fs::write(place.path("ring.json"), text.replace("[12, 0, 0]", "[12.5, 0, 0]")).unwrap();
+    let before = contents(&place.path("run"));
+    let output = place.run(&format!("{SWEEP} -o run"));
+    assert_eq!(output.status.code(), Some(1));
+    assert!(message(&output).contains("other input"), "{}", message(&output));
+    assert_same(&before, &contents(&place.path("run")));
+}
+
+#[test]
+fn two_processes_do_not_work_in_one_directory() {
+    let place = Workplace::new();
+    let long = "simulate ring.json --salt 50mM --cutoff 30A --sweeps 100000000 -o run";
+    let mut first = place.command(long).spawn().unwrap();
+    while !place.path("run/run.json").exists() {
+        assert!(first.try_wait().unwrap().is_none(), "the first process ended");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let output = place.run(long);
+    first.kill().unwrap();
+    first.wait().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(message(&output).contains("another process"), "{}", message(&output));
+}
+
+/// Runs the command with files limited to this many blocks, so that writing beyond fails as on a full disk.
+#[cfg(unix)]
+fn run_limited(place: &Workplace, blocks: u32, command: &str) -> std::process::Output {
+    // The signal is ignored so that the write returns an error, as a full disk does.
+    let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" {command}");
+    let mut shell = Command::new("sh");
+    common::cleaned(&mut shell);
+    shell.args(["-c", &script, env!("CARGO_BIN_EXE_protomer")]).current_dir(place.path(".")).output().unwrap()
+}
+
+#[cfg(unix)]
+#[test]
+fn a_full_disk_is_an_error_and_costs_nothing() {
+    let place = Workplace::new();
+    is_ok(&place.run(&format!("{SWEEP} -o whole")));
+    let whole = results(&place.path("whole"));
+    let command = format!("{SWEEP} --checkpoint-every 0.005 -o full");
+    let output = run_limited(&place, 16, &command);
+    let said = message(&output);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("cannot write") && said.contains("full/salt_0"), "{said}");
+    is_ok(&place.run(&command));
+    assert_same(&whole, &results(&place.path("full")));
+    // Nothing of a finished sweep is lost when its table and figure cannot be written again.
+    let output = run_limited(&place, 1, &command);
+    assert_eq!(output.status.code(), Some(1), "{}", message(&output));
+    let mut after = contents(&place.path("full"));
+    after.remove(".lock");
+    assert_same(&whole, &after);
+}
+
+/// The columns of a CSV file by name.
+fn columns(path: &Path) -> BTreeMap<String, Vec<f64>> {
+    let text = std::fs::read_to_string(path).unwrap();
+    let mut lines = text.lines();
+    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let mut columns: BTreeMap<String, Vec<f64>> = names.iter().map(|name| ((*name).to_owned(), vec![])).collect();
+    for line in lines {
+        let cells: Vec<&str> = line.split(',').collect();
+        assert_eq!(cells.len(), names.len(), "{line}");
+        for (name, cell) in names.iter().zip(cells) {
+            columns.get_mut(*name).unwrap().push(cell.parse().unwrap());
+        }
+    }
+    columns
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+fn sample_deviation(values: &[f64]) -> f64 {
+    let centre = mean(values);
+    (values.iter().map(|x| (x - centre) * (x - centre)).sum::<f64>() / (values.len() as f64 - 1.0)).sqrt()
+}
+
+#[test]
+fn the_table_holds_the_averages_of_the_logs() {
+    let place = Workplace::new();
+    is_ok(&place.run(&format!("{SWEEP} -o run")));
+    let table = columns(&place.path("run/sweep.csv"));
+    assert_eq!(table["salt_M"], [0.05, 0.3]);
+    let json: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(place.path("run/sweep.json")).unwrap()).unwrap();
+    for (row, salt) in ["salt_0.050000M", "salt_0.300000M"].into_iter().enumerate() {
+        let logs: Vec<_> =
+            (0..2).map(|replica| columns(&place.path(&format!("run/{salt}/replica_{replica}/log.csv")))).collect();
+        for (logged, tabled, unit) in [
+            ("r_g_angstrom", "r_g", "_angstrom"),
+            ("native_contacts", "native_contacts", ""),
+            ("largest_cluster", "largest_cluster", ""),
+            ("energy_kT", "energy", "_kT"),
+        ] {
+            let means: Vec<f64> = logs.iter().map(|log| mean(&log[logged])).collect();
+            assert_eq!(logs[0][logged].len(), 300, "a row every 5 of 1500 sweeps");
+            for (kind, expected) in [("mean", mean(&means)), ("sd", sample_deviation(&means))] {
+                let column = format!("{tabled}_{kind}{unit}");
+                let found = table[&column][row];
+                assert!((found - expected).abs() <= 1e-9 * (1.0 + expected.abs()), "{column}: {found} {expected}");
+                let in_json = json["salts"][row][&column].as_f64().unwrap();
+                assert!((in_json - expected).abs() <= 1e-9 * (1.0 + expected.abs()), "{column} of sweep.json");
+            }
+        }
+        assert!(logs[0]["r_g_angstrom"] != logs[1]["r_g_angstrom"], "replicas differ");
+    }
+    for figure in ["run/sweep.svg", "run/sweep.png"] {
+        assert!(std::fs::metadata(place.path(figure)).unwrap().len() > 1000, "{figure}");
+    }
+}
+
+#[test]
+fn the_settings_file_of_a_run_is_a_configuration_that_continues_it() {
+    let place = Workplace::new();
+    is_ok(&place.run(&format!("{SWEEP} -o first")));
+    is_ok(&place.run("sweep ring.json --config first/run.toml -o second --quiet"));
+    is_ok(&place.run("sweep ring.json --config first/run.toml -o first --quiet"));
+    assert_same(&results(&place.path("first")), &results(&place.path("second")));
+    let settings = RunSettings { seed: 3, log_every: 7, tolerance_kt: 0.1 + 0.2, ..RunSettings::default() };
+    assert_eq!(toml::from_str::<RunSettings>(&toml::to_string_pretty(&settings).unwrap()).unwrap(), settings);
+    assert!(toml::from_str::<RunSettings>("sweps = 3").is_err());
+    assert!(toml::from_str::<RunSettings>("[medium]\nsalt = 3").is_err());
+}
