@@ -4,7 +4,7 @@ use super::calibrate::calibrate;
 use super::extract::extract;
 use super::frame::Frame;
 use super::implicit::ImplicitSolid;
-use super::remesh::remesh;
+use super::remesh::{HalfEdgeMesh, remesh};
 use crate::{BodyError, Result};
 use protomer_kernel::mesh::Topology;
 use protomer_kernel::{TriangleMesh, Vec3};
@@ -18,15 +18,18 @@ const REFINEMENT: f64 = 0.73;
 /// Attempts with ever finer lattices before giving up.
 const ATTEMPTS: usize = 3;
 
+/// The edges of the first mesh, in units of density^(-1/2), which is about the length of the last one's.
+const FIRST_EDGE: f64 = 0.65;
+
 /// What a mesh should be like.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeshSettings {
     /// Vertices per Å² of surface.
     pub density_per_angstrom2: f64,
     /// Edge of the cubes of the lattice on which the surface is first found, Å. It sets the smallest feature that is
-    /// seen, about its own size, independently of the density. The default of 0.6 Å gives area and volume, but closes some
-    /// of the thinnest walls and handles of a protein; their number has been found to settle at 0.3 Å, which costs four
-    /// times as much.
+    /// seen, about its own size, independently of the density. At the default of 0.3 Å the shells and cavities of proteins
+    /// are those of lattices many times finer. Handles are too, except through walls that end in a cusp: these get
+    /// thinner than any lattice, and whether such an edge has a hole may depend on the lattice at every spacing.
     pub base_spacing_angstrom: f64,
     /// Every closed shell gets at least this many vertices, so that small bodies stay round.
     pub fewest_vertices_per_shell: usize,
@@ -34,7 +37,7 @@ pub struct MeshSettings {
 
 impl Default for MeshSettings {
     fn default() -> Self {
-        Self { density_per_angstrom2: 1.0, base_spacing_angstrom: 0.6, fewest_vertices_per_shell: 120 }
+        Self { density_per_angstrom2: 1.0, base_spacing_angstrom: 0.3, fewest_vertices_per_shell: 120 }
     }
 }
 
@@ -82,22 +85,31 @@ pub struct Target {
 /// # Ok::<(), protomer_body::BodyError>(())
 /// ```
 pub fn mesh_solid(solid: &dyn ImplicitSolid, settings: &MeshSettings, target: Option<Target>) -> Result<TriangleMesh> {
-    mesh_with_topology(solid, settings, target).map(|(mesh, _)| mesh)
+    mesh_in_full(solid, settings, target).map(|meshed| meshed.mesh)
 }
 
-/// [`mesh_solid`] with the topology that it has checked.
-pub(crate) fn mesh_with_topology(
+/// A mesh that is checked, and the surface that it was calibrated from.
+pub(crate) struct Meshed {
+    pub(crate) mesh: TriangleMesh,
+    pub(crate) topology: Topology,
+    /// The mesh with its vertices on the surface.
+    pub(crate) uncalibrated: TriangleMesh,
+}
+
+/// [`mesh_solid`] with all that it knows.
+pub(crate) fn mesh_in_full(
     solid: &dyn ImplicitSolid,
     settings: &MeshSettings,
     target: Option<Target>,
-) -> Result<(TriangleMesh, Topology)> {
+) -> Result<Meshed> {
     settings.check()?;
     let centres: Vec<Vec3> = solid.cover().iter().map(|(centre, _)| *centre).collect();
     let frame = Frame::of_points(&centres);
     let mut spacing = settings.base_spacing_angstrom;
+    let first_edge = FIRST_EDGE * settings.density_per_angstrom2.powf(-0.5);
     let mut last = no_surface();
     for _ in 0..ATTEMPTS {
-        let first = extract(solid, &frame, spacing)?;
+        let first = extract(solid, &frame, spacing, first_edge)?;
         settings.check_size(&first)?;
         if !first.triangles.is_empty() {
             match finish(first, solid, settings, target) {
@@ -116,9 +128,23 @@ fn finish(
     solid: &dyn ImplicitSolid,
     settings: &MeshSettings,
     target: Option<Target>,
-) -> Result<(TriangleMesh, Topology)> {
+) -> Result<Meshed> {
     let mut half_edges = remesh(first, solid, settings.density_per_angstrom2, settings.fewest_vertices_per_shell)?;
+    let uncalibrated = half_edges.to_mesh();
     calibrate(&mut half_edges, solid, target);
+    let mesh = half_edges.to_mesh();
+    let topology = mesh.topology()?;
+    Ok(Meshed { mesh, topology, uncalibrated })
+}
+
+/// An uncalibrated mesh without its cavities, calibrated to `target`.
+pub(crate) fn calibrated_without_cavities(
+    uncalibrated: &TriangleMesh,
+    solid: &dyn ImplicitSolid,
+    target: Target,
+) -> Result<(TriangleMesh, Topology)> {
+    let mut half_edges = HalfEdgeMesh::new(without_cavities(uncalibrated)?.0)?;
+    calibrate(&mut half_edges, solid, Some(target));
     let mesh = half_edges.to_mesh();
     let topology = mesh.topology()?;
     Ok((mesh, topology))
@@ -165,7 +191,7 @@ impl MeshSettings {
         }
         if !positive(self.base_spacing_angstrom) {
             let cause = format!("a lattice cannot have a spacing of {} Å", self.base_spacing_angstrom);
-            return refuse(cause, "ask for a positive spacing, 0.6 Å for example");
+            return refuse(cause, "ask for a positive spacing, 0.3 Å for example");
         }
         if self.fewest_vertices_per_shell > MOST_PER_SHELL {
             let cause = format!("{} is too many vertices for the smallest shells", self.fewest_vertices_per_shell);

@@ -12,7 +12,7 @@
 //! | [`measure`] | exact areas and volumes of both surfaces, per class of patch and per shell |
 //! | [`implicit`] | the seam to the triangulation: a solid as a signed distance with a projection |
 //! | [`frame`] | a lattice frame that turns with the body |
-//! | `extract` | a first closed mesh, by marching tetrahedra on a sparse lattice |
+//! | `extract` | a first closed mesh, by dual marching cubes on a sparse lattice |
 //! | `remesh` | the same surface at a requested vertex density |
 //! | `calibrate` | the exact area and volume for flat triangles |
 //! | [`mesher`] | extract, remesh, calibrate, check: the mesh of any implicit solid |

@@ -1,6 +1,6 @@
 //! Atoms in, solvent-excluded surface out: the mesh, what it should measure exactly, and by how much it misses that.
 
-use super::mesher::{MeshSettings, Target, mesh_with_topology, without_cavities};
+use super::mesher::{MeshSettings, Meshed, Target, calibrated_without_cavities, mesh_in_full};
 use super::{Arrangement, Measure, SesSolid, SurfaceMeasure};
 use crate::Result;
 use protomer_kernel::mesh::Topology;
@@ -22,6 +22,9 @@ pub struct Surface {
     pub exact: SurfaceMeasure,
     /// Exact areas and volumes of all shells, cavities included.
     pub measure: Measure,
+    /// The mesh with its vertices on the surface, from which `mesh` was calibrated.
+    uncalibrated: TriangleMesh,
+    solid: SesSolid,
 }
 
 impl Surface {
@@ -35,21 +38,31 @@ impl Surface {
         self.mesh.volume_angstrom3() / self.exact.ses_volume_angstrom3 - 1.0
     }
 
-    /// The surface without the shells of its internal cavities; the exact values are those of the shells that are left.
+    /// The surface without the shells of its internal cavities, calibrated to the exact area and volume of the shells that
+    /// are left.
     ///
     /// # Errors
     /// [`crate::BodyError::Kernel`] if the mesh is not closed, which a surface made here always is.
-    pub fn without_cavities(&self) -> Result<Self> {
-        let (mesh, _) = without_cavities(&self.mesh)?;
-        let topology = mesh.topology()?;
-        Ok(Self { mesh, topology, exact: self.measure.without_cavities(), measure: self.measure.clone() })
+    pub fn without_cavities(self) -> Result<Self> {
+        if self.topology.cavities == 0 {
+            return Ok(self);
+        }
+        let exact = self.measure.without_cavities();
+        let (mesh, topology) = calibrated_without_cavities(&self.uncalibrated, &self.solid, target(&exact))?;
+        Ok(Self { mesh, topology, exact, ..self })
     }
+}
+
+/// What a mesh of this surface should measure.
+fn target(exact: &SurfaceMeasure) -> Target {
+    Target { area_angstrom2: exact.ses_area_angstrom2(), volume_angstrom3: exact.ses_volume_angstrom3 }
 }
 
 /// The solvent-excluded surface of atoms, internal cavities included, as a mesh calibrated to its exact area and volume.
 ///
-/// The topology is that of the surface down to the base spacing of `settings` (0.6 Å, or 0.6 radii of the smallest atom
-/// if that is less): a gap, wall or handle thinner than that may be missed, the same way in every orientation.
+/// The topology is that of the surface down to the base spacing of `settings` (0.3 Å, or 0.6 radii of the smallest atom
+/// if that is less): a gap, wall or handle thinner than that may be missed, the same way in every orientation. The walls of
+/// a re-entrant surface end in cusps, thinner than any lattice, so there can be handles that no spacing settles.
 ///
 /// # Errors
 /// [`crate::BodyError::Invalid`] for no atoms, coordinates, radii or settings that make no sense, and surfaces too large
@@ -79,7 +92,7 @@ pub fn solvent_excluded_surface(
     let smallest = resolved.copied().fold(f64::INFINITY, f64::min);
     let base_spacing_angstrom = settings.base_spacing_angstrom.min(SPACING_PER_RADIUS * smallest);
     let settings = MeshSettings { base_spacing_angstrom, ..*settings };
-    let target = Target { area_angstrom2: exact.ses_area_angstrom2(), volume_angstrom3: exact.ses_volume_angstrom3 };
-    let (mesh, topology) = mesh_with_topology(&SesSolid::new(&accessible), &settings, Some(target))?;
-    Ok(Surface { mesh, topology, exact, measure })
+    let solid = SesSolid::new(&accessible);
+    let Meshed { mesh, topology, uncalibrated } = mesh_in_full(&solid, &settings, Some(target(&exact)))?;
+    Ok(Surface { mesh, topology, exact, measure, uncalibrated, solid })
 }

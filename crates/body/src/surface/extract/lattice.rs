@@ -1,47 +1,47 @@
-//! Node values of a body-centred cubic lattice, kept only in blocks near the surface.
+//! Node values of a cubic lattice, kept only in blocks near the surface.
 
 use crate::surface::frame::Frame;
 use crate::surface::implicit::ImplicitSolid;
 use crate::{BodyError, Result};
 use protomer_kernel::Vec3;
 use std::collections::{HashMap, HashSet};
+use std::hash::{BuildHasherDefault, Hasher};
 
-/// Cells along a block's edge.
+/// Nodes along a block's edge.
 pub(super) const BLOCK: i32 = 4;
-/// Cells of a block.
-pub(super) const CELLS: usize = (BLOCK * BLOCK * BLOCK) as usize;
-/// Nodes of a block: an even one at the corner and an odd one at the centre of every cell.
-pub(super) const NODES: usize = 2 * CELLS;
-/// At most this many blocks are looked at, and this many kept; a protein of 50 000 atoms keeps about 100 000.
+/// Nodes of a block.
+pub(super) const NODES: usize = (BLOCK * BLOCK * BLOCK) as usize;
+/// At most this many blocks are looked at, and this many kept; a protein of 50 000 atoms keeps about 1 000 000.
 const MOST_CANDIDATES: usize = 30_000_000;
-const MOST_BLOCKS: usize = 1_000_000;
+const MOST_BLOCKS: usize = 4_000_000;
 
-/// Lattice coordinates of a cell or a block.
+/// Lattice coordinates of a node or a block. A cell has those of its lowest node.
 pub(super) type Cell = [i32; 3];
 
-/// A lattice of cubic cells with nodes at the corners (even) and centres (odd) of the cells.
+/// A cubic lattice near a surface.
 pub(super) struct SparseLattice<'a> {
     frame: &'a Frame,
     spacing: f64,
-    /// The blocks that hold a node with a neighbour of the other sign, and some others near the surface.
+    /// The blocks that hold a corner of a cell that the surface crosses, and some others near the surface.
     pub(super) blocks: Vec<Block>,
     /// Where in `blocks` a block is.
-    pub(super) index_of: HashMap<Cell, u32>,
+    index_of: HashMap<Cell, u32, BuildHasherDefault<Mixer>>,
 }
 
 /// The node values of one block.
 pub(super) struct Block {
     /// Coordinates, in blocks.
     pub(super) place: Cell,
-    /// Node values, Å, even nodes first; negative is inside. A node too far from the surface to need its value holds
-    /// an infinity of the right sign.
+    /// Node values, Å; negative is inside. A node whose sign is fixed by the value of a point nearby holds that value.
     pub(super) values: [f64; NODES],
+    /// Whether all nodes are inside, or all outside; `None` if there are both.
+    pub(super) side: Option<bool>,
 }
 
 impl<'a> SparseLattice<'a> {
     /// Fills every block of the lattice that the surface may cross.
     pub(super) fn around(solid: &dyn ImplicitSolid, frame: &'a Frame, spacing: f64) -> Result<Self> {
-        let mut lattice = Self { frame, spacing, blocks: Vec::new(), index_of: HashMap::new() };
+        let mut lattice = Self { frame, spacing, blocks: Vec::new(), index_of: HashMap::default() };
         for place in lattice.candidates(&solid.cover())? {
             if let Some(block) = lattice.fill(solid, place) {
                 lattice.index_of.insert(place, lattice.blocks.len() as u32);
@@ -54,25 +54,24 @@ impl<'a> SparseLattice<'a> {
         Ok(lattice)
     }
 
-    /// Position of a node in input coordinates, Å; `odd` nodes sit at the centres of their cells.
-    pub(super) fn node(&self, cell: Cell, odd: bool) -> Vec3 {
-        let shift = if odd { 0.5 } else { 0.0 };
-        self.point(cell.map(|x| f64::from(x) + shift))
+    /// Where in `blocks` the block at `place` is.
+    pub(super) fn index(&self, place: &Cell) -> Option<u32> {
+        self.index_of.get(place).copied()
     }
 
-    fn point(&self, cells: [f64; 3]) -> Vec3 {
+    /// A point given in cells from the origin of the lattice, in input coordinates, Å.
+    pub(super) fn point(&self, cells: [f64; 3]) -> Vec3 {
         self.frame.to_input(&(Vec3::from(cells) * self.spacing))
     }
 
-    /// The blocks within a lattice edge of the cover, sorted, so that the mesh does not depend on a hash.
+    /// The blocks within the diagonal of a cell of the cover, sorted, so that the mesh does not depend on a hash.
     fn candidates(&self, cover: &[(Vec3, f64)]) -> Result<Vec<Cell>> {
         let edge = self.spacing * f64::from(BLOCK);
-        let mut seen = HashSet::new();
+        let mut seen: HashSet<Cell, BuildHasherDefault<Mixer>> = HashSet::default();
         let mut work = 0.0;
         for (centre, radius) in cover {
             let centre = self.frame.to_lattice(centre) / edge;
-            // A node's block must be there if the node has an edge that crosses the surface.
-            let reach = (radius + 1.5 * self.spacing) / edge;
+            let reach = (radius + 1.8 * self.spacing) / edge;
             let extent = centre.amax() + reach;
             work += (2.0 * reach + 1.0).powi(3);
             if !(extent.is_finite() && extent < 1e8 && work < 4.0 * MOST_CANDIDATES as f64) {
@@ -99,62 +98,76 @@ impl<'a> SparseLattice<'a> {
         Ok(candidates)
     }
 
-    /// The node values of a block, or `None` if the distance at its centre shows that no edge of its nodes crosses the
-    /// surface: |f(centre)| > radius of the block's nodes about it + longest edge, for a 1-Lipschitz f.
+    /// The node values of a block, or `None` if the distance at its centre shows that no cell with a corner here crosses
+    /// the surface: |f(centre)| > radius of the block's nodes about it + diagonal of a cell, for a 1-Lipschitz f.
     fn fill(&self, solid: &dyn ImplicitSolid, place: Cell) -> Option<Block> {
-        let first = place.map(|x| x * BLOCK);
-        let at = |offset: f64| self.point(first.map(|x| f64::from(x) + offset));
-        let half = 0.5 * (f64::from(BLOCK) - 0.5);
-        let far = (half * 3f64.sqrt() + 1.0) * self.spacing;
-        if solid.signed_distance(&at(half)).abs() > far {
+        let first = place.map(|x| f64::from(x * BLOCK));
+        let half = 0.5 * f64::from(BLOCK - 1);
+        let value = solid.signed_distance(&self.point(first.map(|x| x + half)));
+        let diagonal = 3f64.sqrt() * self.spacing;
+        if value.abs() > (half + 1.0) * diagonal {
             return None;
         }
-        let mut block = Block { place, values: [0.0; NODES] };
-        for octant in 0..8 {
-            let corner = [0, 1, 2].map(|axis| (octant >> axis & 1) * (BLOCK / 2));
-            self.fill_octant(solid, first, corner, &mut block.values);
+        let mut block = Block { place, values: [value; NODES], side: Some(value < 0.0) };
+        if value.abs() <= half * diagonal * (1.0 + 1e-9) {
+            for octant in 0..8 {
+                let corner = [0, 1, 2].map(|axis| (octant >> axis & 1) * (BLOCK / 2));
+                self.fill_octant(solid, first, corner, &mut block.values);
+            }
+            let is_inside = block.values[0] < 0.0;
+            block.side = block.values.iter().all(|value| (*value < 0.0) == is_inside).then_some(is_inside);
         }
         Some(block)
     }
 
-    /// Fills 2 x 2 x 2 cells of a block; a value is computed only where no value nearby already fixes its sign.
-    fn fill_octant(&self, solid: &dyn ImplicitSolid, first: Cell, corner: Cell, values: &mut [f64; NODES]) {
-        let in_cells = |cell: Cell, odd: bool| cell.map(|x| f64::from(x) + if odd { 0.5 } else { 0.0 });
-        let value_at = |cells: [f64; 3]| {
-            solid.signed_distance(&self.point([0, 1, 2].map(|axis| f64::from(first[axis]) + cells[axis])))
-        };
-        let centre = corner.map(|x| f64::from(x) + 0.75);
+    /// Fills 2 x 2 x 2 nodes of a block; a value is computed only where no value nearby already fixes its sign.
+    fn fill_octant(&self, solid: &dyn ImplicitSolid, first: [f64; 3], corner: Cell, values: &mut [f64; NODES]) {
+        let value_at =
+            |cells: [f64; 3]| solid.signed_distance(&self.point([0, 1, 2].map(|axis| first[axis] + cells[axis])));
+        let centre = corner.map(|x| f64::from(x) + 0.5);
         let mut known = [(centre, value_at(centre)); 9];
         let mut count = 1;
-        for odd in [true, false] {
-            for i in 0..8 {
-                let cell = [0, 1, 2].map(|axis| corner[axis] + (i >> axis & 1));
-                let here = in_cells(cell, odd);
-                let sign = known[..count].iter().find(|(there, value)| {
-                    let square: f64 = (0..3).map(|axis| (here[axis] - there[axis]).powi(2)).sum();
-                    value * value > square * self.spacing * self.spacing * (1.0 + 1e-9)
-                });
-                let value = match sign {
-                    Some((_, value)) => f64::INFINITY.copysign(*value),
-                    None => {
-                        let value = value_at(here);
-                        if count < known.len() {
-                            known[count] = (here, value);
-                            count += 1;
-                        }
-                        value
-                    }
-                };
-                values[node_index(cell, odd)] = value;
-            }
+        for i in 0..8 {
+            let node = [0, 1, 2].map(|axis| corner[axis] + (i >> axis & 1));
+            let here = node.map(f64::from);
+            let fixed = known[..count].iter().find(|(there, value)| {
+                let square: f64 = (0..3).map(|axis| (here[axis] - there[axis]).powi(2)).sum();
+                value * value > square * self.spacing * self.spacing * (1.0 + 1e-9)
+            });
+            let value = match fixed {
+                Some((_, value)) => *value,
+                None => {
+                    let value = value_at(here);
+                    known[count] = (here, value);
+                    count += 1;
+                    value
+                }
+            };
+            values[node_index(node)] = value;
         }
     }
 }
 
-/// Index of a node in its block; `cell` counts from the block's first cell.
-pub(super) fn node_index(cell: Cell, odd: bool) -> usize {
-    let cell = (cell[0] * BLOCK + cell[1]) * BLOCK + cell[2];
-    cell as usize + if odd { CELLS } else { 0 }
+/// Index of a node in its block, counted from the block's first node.
+pub(super) fn node_index(node: Cell) -> usize {
+    ((node[0] * BLOCK + node[1]) * BLOCK + node[2]) as usize
+}
+
+/// A hash of lattice coordinates, which nobody chooses to collide: multiply and rotate.
+#[derive(Default)]
+pub(super) struct Mixer(u64);
+
+impl Hasher for Mixer {
+    fn write(&mut self, bytes: &[u8]) {
+        for chunk in bytes.chunks(8) {
+            let word = chunk.iter().rev().fold(0, |word, byte| word << 8 | u64::from(*byte));
+            self.0 = (self.0.rotate_left(23) ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        }
+    }
+
+    fn finish(&self) -> u64 {
+        self.0 ^ (self.0 >> 29)
+    }
 }
 
 fn too_large(spacing: f64) -> BodyError {
@@ -186,36 +199,31 @@ mod tests {
         }
     }
 
-    /// The slow twin: every node of the box, evaluated. Signs agree wherever a block is kept, and both ends of every
-    /// edge that changes sign are in blocks that are kept.
+    /// The slow twin: every node of the box, evaluated. Signs agree wherever a block is kept, and all corners of every
+    /// cell that the surface crosses are in blocks that are kept.
     #[test]
     fn the_sparse_lattice_sees_what_a_dense_one_sees() {
         let frame = Frame::of_points(&Pair.cover().iter().map(|ball| ball.0).collect::<Vec<_>>());
         for spacing in [0.6, 0.31] {
             let lattice = SparseLattice::around(&Pair, &frame, spacing).unwrap();
-            let kept = |cell: Cell, odd: bool| {
-                let index = lattice.index_of.get(&cell.map(|x| x.div_euclid(BLOCK)))?;
-                Some(lattice.blocks[*index as usize].values[node_index(cell.map(|x| x.rem_euclid(BLOCK)), odd)])
+            let kept = |node: Cell| {
+                let index = lattice.index_of.get(&node.map(|x| x.div_euclid(BLOCK)))?;
+                Some(lattice.blocks[*index as usize].values[node_index(node.map(|x| x.rem_euclid(BLOCK)))])
             };
-            let inside = |cell: Cell, odd: bool| Pair.signed_distance(&lattice.node(cell, odd)) < 0.0;
+            let inside = |node: Cell| Pair.signed_distance(&lattice.point(node.map(f64::from))) < 0.0;
             let reach = (5.0 / spacing) as i32;
             let mut crossings = 0;
             for i in 0..(2 * reach).pow(3) {
                 let side = 2 * reach;
                 let cell = [i / side / side - reach, i / side % side - reach, i % side - reach];
-                for odd in [false, true] {
-                    if let Some(value) = kept(cell, odd) {
-                        assert_eq!(value < 0.0, inside(cell, odd));
-                    }
-                    for to in [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map(|d| [0, 1, 2].map(|axis| cell[axis] + d[axis])) {
-                        if inside(cell, odd) != inside(to, odd) {
-                            assert!(kept(cell, odd).is_some() && kept(to, odd).is_some());
-                            crossings += 1;
-                        }
-                    }
-                    if !odd && inside(cell, false) != inside(cell, true) {
-                        assert!(kept(cell, false).is_some() && kept(cell, true).is_some());
-                    }
+                if let Some(value) = kept(cell) {
+                    assert_eq!(value < 0.0, inside(cell));
+                }
+                let corners: [Cell; 8] =
+                    std::array::from_fn(|corner| [0, 1, 2].map(|a| cell[a] + (corner >> a & 1) as i32));
+                if corners.iter().any(|corner| inside(*corner) != inside(cell)) {
+                    assert!(corners.iter().all(|corner| kept(*corner).is_some()));
+                    crossings += 1;
                 }
             }
             assert!(crossings > 100);

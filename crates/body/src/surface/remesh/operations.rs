@@ -14,8 +14,9 @@ const LARGEST_TURN: f64 = 0.49;
 const LEAST_QUALITY: f64 = 0.2;
 /// Better means by more than rounding, so that equal choices are made equally in every orientation of the body.
 const BETTER: f64 = 1.0 + 1e-9;
-/// An edge is not split where an apex is closer to its middle than this fraction of its length.
-const CROWDED: f64 = 0.25;
+/// An edge is not split where an apex is closer to its middle than this fraction of its length; not 1/4, at
+/// which halved edges tie.
+const CROWDED: f64 = 0.27;
 /// Below this quality the direction of a triangle means nothing.
 const DEGENERATE: f64 = 0.02;
 /// No triangle may shrink below this area, Å², or this share of the area of a vertex: a shell around a cavity that is

@@ -1,0 +1,159 @@
+//! Joins the vertices of a dual surface in coarse cells, where that keeps the topology.
+//!
+//! A vertex of the dual stands for a sheet in a cell, a patch of the surface; the patches tile it. Patches that hang
+//! together within one coarse cell are merged into one if their union is a disk, V - E + F = 1. Merging disks into disks
+//! changes nothing of the surface, only its tiling, so whatever the fine lattice resolves is kept, at the coarse number of
+//! vertices wherever the surface is simple. Merged patches that touch another one along two seams, or fewer than three
+//! others, are taken apart again, since a triangle mesh cannot express them.
+
+use super::dual::{Dual, NOTHING};
+
+/// The vertices merged into each other.
+pub(super) struct Patches {
+    /// The patch of each vertex of the dual: one of its members.
+    patch: Vec<u32>,
+    size: Vec<u32>,
+    apart: Vec<bool>,
+}
+
+impl Patches {
+    /// Patches of at most `width` cells along each axis.
+    pub(super) fn merged(dual: &Dual, width: i32) -> Self {
+        let mut patch = united(dual, width);
+        for vertex in 0..patch.len() {
+            patch[vertex] = root(&mut patch, vertex as u32);
+        }
+        let mut size = vec![0; patch.len()];
+        patch.iter().for_each(|root| size[*root as usize] += 1);
+        let apart = vec![false; patch.len()];
+        let mut patches = Self { patch, size, apart };
+        let doubled_euler = patches.doubled_euler_numbers(dual);
+        for (patch, euler) in doubled_euler.into_iter().enumerate() {
+            if euler != 2 {
+                patches.take_apart(patch as u32);
+            }
+        }
+        patches
+    }
+
+    /// The patch that a vertex of the dual belongs to.
+    pub(super) fn of(&self, vertex: u32) -> u32 {
+        let patch = self.patch[vertex as usize];
+        if self.apart[patch as usize] { vertex } else { patch }
+    }
+
+    /// Undoes a merger; whether there was one to undo.
+    pub(super) fn take_apart(&mut self, patch: u32) -> bool {
+        let merged = self.is_merged(patch);
+        if merged {
+            self.apart[patch as usize] = true;
+        }
+        merged
+    }
+
+    fn is_merged(&self, patch: u32) -> bool {
+        self.size[patch as usize] > 1 && !self.apart[patch as usize]
+    }
+
+    /// Merged patches that have fewer than `least` corners.
+    pub(super) fn with_fewer_corners<'a>(&'a self, corners: &'a [u32], least: u32) -> impl Iterator<Item = u32> + 'a {
+        (0..corners.len() as u32).filter(move |&patch| self.is_merged(patch) && corners[patch as usize] < least)
+    }
+
+    /// 2 (V - E + F) of each closed patch: its tiles are the vertices of the dual, its edges those of the dual (each on two
+    /// quadrangles), its vertices the quadrangles.
+    fn doubled_euler_numbers(&self, dual: &Dual) -> Vec<i32> {
+        let mut sum = vec![0; self.patch.len()];
+        self.patch.iter().for_each(|patch| sum[*patch as usize] += 2);
+        for quad in &dual.quads {
+            let corners = quad.corners.map(|vertex| self.patch[vertex as usize]);
+            for i in 0..4 {
+                if !corners[..i].contains(&corners[i]) {
+                    sum[corners[i] as usize] += 2;
+                }
+                let (a, b) = (corners[i], corners[(i + 1) % 4]);
+                sum[a as usize] -= 1;
+                if a != b {
+                    sum[b as usize] -= 1;
+                }
+            }
+        }
+        sum
+    }
+}
+
+/// A forest over the vertices: neighbours in the same coarse cell are in the same tree.
+fn united(dual: &Dual, width: i32) -> Vec<u32> {
+    let coarse: Vec<_> = dual.cells.iter().map(|cell| cell.map(|x| x.div_euclid(width))).collect();
+    let mut parent: Vec<u32> = (0..dual.cells.len() as u32).collect();
+    if width == 1 {
+        return parent;
+    }
+    for quad in &dual.quads {
+        for i in 0..4 {
+            let (a, b) = (quad.corners[i], quad.corners[(i + 1) % 4]);
+            if coarse[a as usize] == coarse[b as usize] {
+                let (a, b) = (root(&mut parent, a), root(&mut parent, b));
+                parent[a.max(b) as usize] = a.min(b);
+            }
+        }
+    }
+    parent
+}
+
+fn root(parent: &mut [u32], mut vertex: u32) -> u32 {
+    while parent[vertex as usize] != vertex {
+        parent[vertex as usize] = parent[parent[vertex as usize] as usize];
+        vertex = parent[vertex as usize];
+    }
+    vertex
+}
+
+/// How many polygons have each edge.
+pub(super) struct EdgeCounts {
+    /// The first entry of each vertex, which lists the edges to vertices of higher number.
+    head: Vec<u32>,
+    entries: Vec<EdgeCount>,
+}
+
+struct EdgeCount {
+    other: u32,
+    next: u32,
+    count: u32,
+}
+
+impl EdgeCounts {
+    pub(super) fn new(vertices: usize) -> Self {
+        Self { head: vec![NOTHING; vertices], entries: Vec::new() }
+    }
+
+    /// Counts an edge once more, and says how often it has been by now.
+    pub(super) fn add(&mut self, a: u32, b: u32) -> u32 {
+        let (low, high) = (a.min(b), a.max(b));
+        if let Some(entry) = self.find(low, high) {
+            let entry = &mut self.entries[entry as usize];
+            entry.count += 1;
+            return entry.count;
+        }
+        let head = &mut self.head[low as usize];
+        self.entries.push(EdgeCount { other: high, next: *head, count: 1 });
+        *head = self.entries.len() as u32 - 1;
+        1
+    }
+
+    pub(super) fn count(&self, a: u32, b: u32) -> u32 {
+        self.find(a.min(b), a.max(b)).map_or(0, |entry| self.entries[entry as usize].count)
+    }
+
+    fn find(&self, low: u32, high: u32) -> Option<u32> {
+        let mut here = self.head[low as usize];
+        while here != NOTHING {
+            let entry = &self.entries[here as usize];
+            if entry.other == high {
+                return Some(here);
+            }
+            here = entry.next;
+        }
+        None
+    }
+}

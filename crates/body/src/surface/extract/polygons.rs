@@ -1,0 +1,166 @@
+//! Triangles from the patches of a dual surface.
+//!
+//! Every quadrangle of the dual whose corners belong to three or four patches is a polygon of the mesh.
+
+use super::coarsen::{EdgeCounts, Patches};
+use super::dual::{Dual, NOTHING, Quad};
+use super::lattice::Cell;
+use protomer_kernel::{TriangleMesh, Vec3};
+use std::collections::HashMap;
+
+/// Fewer corners than this a patch cannot have in a triangle mesh.
+const FEWEST_CORNERS: u32 = 3;
+
+/// The mesh of a dual surface whose vertices are merged within `width` cells; empty if the dual is not closed.
+pub(super) fn triangulate(dual: &Dual, width: i32) -> TriangleMesh {
+    if dual.quads.iter().any(|quad| quad.corners.contains(&NOTHING)) {
+        return TriangleMesh::default();
+    }
+    let mut patches = Patches::merged(dual, width);
+    loop {
+        let (edges, is_settled) = count_edges(dual, &mut patches);
+        if is_settled {
+            return Builder::new(dual, &patches, edges).mesh();
+        }
+    }
+}
+
+/// The edges of all polygons; takes patches apart that have two common edges, or too few corners. True if there were none.
+fn count_edges(dual: &Dual, patches: &mut Patches) -> (EdgeCounts, bool) {
+    let mut edges = EdgeCounts::new(dual.cells.len());
+    let mut corners = vec![0; dual.cells.len()];
+    let mut wrong = Vec::new();
+    for quad in &dual.quads {
+        let (polygon, count) = polygon(quad, patches);
+        for i in 0..count {
+            corners[polygon[i] as usize] += 1;
+            let (a, b) = (polygon[i], polygon[(i + 1) % count]);
+            if edges.add(a, b) > 2 {
+                wrong.extend([a, b]);
+            }
+        }
+    }
+    wrong.extend(patches.with_fewer_corners(&corners, FEWEST_CORNERS));
+    let mut is_settled = true;
+    for patch in wrong {
+        is_settled &= !patches.take_apart(patch);
+    }
+    (edges, is_settled)
+}
+
+/// The patches around a quadrangle, in order: 3 or 4, or 0 if there are fewer.
+fn polygon(quad: &Quad, patches: &Patches) -> ([u32; 4], usize) {
+    let around = quad.corners.map(|vertex| patches.of(vertex));
+    let (mut polygon, mut count) = ([0; 4], 0);
+    for i in 0..4 {
+        if around[i] != around[(i + 3) % 4] {
+            polygon[count] = around[i];
+            count += 1;
+        }
+    }
+    (polygon, if count < 3 { 0 } else { count })
+}
+
+/// Numbers the vertices and cuts the polygons into triangles.
+struct Builder<'a> {
+    dual: &'a Dual,
+    patches: &'a Patches,
+    edges: EdgeCounts,
+    /// The mesh vertex of each patch.
+    number: Vec<u32>,
+    /// The vertex in the middle of each edge that two patches have twice: along an ambiguous face two sheets may meet along
+    /// two seams. Each seam runs around one outside node, by which both its ends know it.
+    middle: HashMap<(u32, u32, Cell), (u32, f64)>,
+    mesh: TriangleMesh,
+}
+
+impl<'a> Builder<'a> {
+    fn new(dual: &'a Dual, patches: &'a Patches, edges: EdgeCounts) -> Self {
+        let (number, middle) = (vec![NOTHING; dual.cells.len()], HashMap::new());
+        Self { dual, patches, edges, number, middle, mesh: TriangleMesh::default() }
+    }
+
+    fn mesh(mut self) -> TriangleMesh {
+        self.place_vertices();
+        for quad in &self.dual.quads {
+            let (polygon, count) = polygon(quad, self.patches);
+            self.polygon(quad, &polygon[..count]);
+        }
+        self.mesh
+    }
+
+    /// Puts the vertex of every patch at the mean of the crossings around its tiles.
+    fn place_vertices(&mut self) {
+        let mut weight = Vec::new();
+        for vertex in 0..self.dual.cells.len() as u32 {
+            let number = &mut self.number[self.patches.of(vertex) as usize];
+            if *number == NOTHING {
+                *number = weight.len() as u32;
+                weight.push(0.0);
+            }
+        }
+        self.mesh.vertices = vec![Vec3::zeros(); weight.len()];
+        for quad in &self.dual.quads {
+            for vertex in quad.corners {
+                let number = self.number[self.patches.of(vertex) as usize] as usize;
+                self.mesh.vertices[number] += quad.point;
+                weight[number] += 1.0;
+            }
+        }
+        self.mesh.vertices.iter_mut().zip(weight).for_each(|(vertex, weight)| *vertex /= weight);
+    }
+
+    fn polygon(&mut self, quad: &Quad, polygon: &[u32]) {
+        let mut corners = Vec::with_capacity(8);
+        for (i, &patch) in polygon.iter().enumerate() {
+            corners.push(self.number[patch as usize]);
+            let next = polygon[(i + 1) % polygon.len()];
+            if self.edges.count(patch, next) > 2 {
+                corners.push(self.middle(patch, next, quad));
+            }
+        }
+        match (polygon, corners.as_slice()) {
+            ([], _) => {}
+            (_, &[a, b, c]) => self.mesh.triangles.push([a, b, c]),
+            (&[p, q, r, s], &[a, b, c, d]) => {
+                let at = |vertex: u32| self.mesh.vertices[vertex as usize];
+                // Equal diagonals must be a tie in every orientation of the body, whatever the rounding.
+                let first = (at(a) - at(c)).norm_squared() <= (at(b) - at(d)).norm_squared() * (1.0 + 1e-9);
+                let choices = if first { [true, false] } else { [false, true] };
+                let free = |ac: bool| if ac { self.edges.count(p, r) == 0 } else { self.edges.count(q, s) == 0 };
+                match choices.into_iter().find(|&ac| free(ac)) {
+                    Some(true) => {
+                        self.edges.add(p, r);
+                        self.mesh.triangles.extend([[a, b, c], [a, c, d]]);
+                    }
+                    Some(false) => {
+                        self.edges.add(q, s);
+                        self.mesh.triangles.extend([[a, b, d], [b, c, d]]);
+                    }
+                    None => self.fan(quad.point, &corners),
+                }
+            }
+            _ => self.fan(quad.point, &corners),
+        }
+    }
+
+    fn fan(&mut self, centre: Vec3, corners: &[u32]) {
+        let number = self.mesh.vertices.len() as u32;
+        self.mesh.vertices.push(centre);
+        let next = corners.iter().cycle().skip(1);
+        self.mesh.triangles.extend(corners.iter().zip(next).map(|(&a, &b)| [a, b, number]));
+    }
+
+    /// The vertex in the middle of the seam between two patches that ends at `quad`: the mean of both ends.
+    fn middle(&mut self, a: u32, b: u32, quad: &Quad) -> u32 {
+        let new = self.mesh.vertices.len() as u32;
+        let (vertex, ends) = self.middle.entry((a.min(b), a.max(b), quad.outside)).or_insert((new, 0.0));
+        if *vertex == new {
+            self.mesh.vertices.push(Vec3::zeros());
+        }
+        let place = &mut self.mesh.vertices[*vertex as usize];
+        *place = (*place * *ends + quad.point) / (*ends + 1.0);
+        *ends += 1.0;
+        *vertex
+    }
+}
