@@ -313,7 +313,7 @@ fn the_settings_file_of_a_run_is_a_configuration_that_continues_it() {
     is_ok(&place.run("sweep ring.json --config first/run.toml -o second --quiet"));
     is_ok(&place.run("sweep ring.json --config first/run.toml -o first --quiet"));
     assert_same(&results(&place.path("first")), &results(&place.path("second")));
-    let settings = RunSettings { seed: 3, log_every: 7, tolerance_kt: 0.1 + 0.2, ..RunSettings::default() };
+    let settings = RunSettings { seed: 3, log_every: 7, contact_gap_angstrom: 0.1 + 0.2, ..RunSettings::default() };
     assert_eq!(toml::from_str::<RunSettings>(&toml::to_string_pretty(&settings).unwrap()).unwrap(), settings);
     assert!(toml::from_str::<RunSettings>("sweps = 3").is_err());
     assert!(toml::from_str::<RunSettings>("[medium]\nsalt = 3").is_err());
