@@ -1,5 +1,7 @@
 //! The certified energies contain the direct sum, and the certified decisions are the direct sum's.
 
+#![allow(clippy::unwrap_used)]
+
 mod common;
 
 use common::icosphere;

@@ -12,6 +12,7 @@
 use crate::{body_file, keys};
 use anyhow::{Context, Result, bail};
 use protomer_body::Body;
+use protomer_kernel::mesh::LARGEST_COORDINATE_ANGSTROM;
 use protomer_kernel::{Boundary, Pose, Vec3};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -155,8 +156,8 @@ impl Assembly {
 
 fn checked_pose(placement: &Placement) -> Result<Pose> {
     let norm = placement.orientation_wxyz.iter().map(|x| x * x).sum::<f64>().sqrt();
-    if !placement.position_angstrom.iter().all(|x| x.is_finite()) {
-        bail!("position_angstrom must be three finite numbers");
+    if !placement.position_angstrom.iter().all(|x| x.abs() <= LARGEST_COORDINATE_ANGSTROM) {
+        bail!("position_angstrom must be three numbers within {LARGEST_COORDINATE_ANGSTROM:.0} Å of the origin");
     }
     if !(norm.is_finite() && (norm - 1.0).abs() < 1e-3) {
         bail!("orientation_wxyz has the length {norm:.4}; give a unit quaternion, scalar first");

@@ -39,7 +39,7 @@ impl Default for BenchSettings {
     }
 }
 
-/// What [`bench`] measures.
+/// What [`bench()`] measures.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BenchResult {
     /// How energies were computed.

@@ -3,6 +3,8 @@
 use anyhow::{Context, Result, bail};
 use protomer_io::atomic::sha256_hex;
 use protomer_io::gzip::read_maybe_gzip_from;
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// No structure or mesh file is larger, decompressed.
@@ -32,7 +34,13 @@ impl InputFile {
         if path.is_dir() {
             bail!("{name} is a folder; name a file");
         }
-        let raw = std::fs::read(path).with_context(|| format!("cannot read {name}"))?;
+        let mut raw = Vec::new();
+        File::open(path)
+            .and_then(|file| file.take(LARGEST_INPUT_BYTES + 1).read_to_end(&mut raw))
+            .with_context(|| format!("cannot read {name}"))?;
+        if raw.len() as u64 > LARGEST_INPUT_BYTES {
+            bail!("{name} holds more than {LARGEST_INPUT_BYTES} bytes; give a structure, mesh or point file");
+        }
         let sha256 = sha256_hex(&raw);
         let bytes = if raw.starts_with(&[0x1f, 0x8b]) {
             read_maybe_gzip_from(&name, raw.as_slice(), LARGEST_INPUT_BYTES)?

@@ -37,8 +37,9 @@ pub struct Inspection {
 /// Looks at an assembly as it stands.
 ///
 /// # Errors
-/// If the interaction reaches further than the box allows, or an energy is not finite.
+/// If a setting makes no sense, the interaction reaches further than the box allows, or an energy is not finite.
 pub fn inspect(engine: &Engine, settings: &RunSettings, interaction: Interaction) -> Result<Inspection> {
+    settings.check()?;
     let system = engine.system()?;
     let mut model = engine.energy_model(settings, &interaction)?;
     require_room(&system, model.as_ref(), &interaction)?;

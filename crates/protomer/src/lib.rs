@@ -15,7 +15,7 @@
 //! | [`run`] | one simulation in its directory |
 //! | [`sweep`], [`sweep_table`], [`sweep_figure`] | many simulations, one table, one figure |
 //! | [`compare`] | several sweeps in one figure |
-//! | [`bench`], [`cpu_time`] | trial moves per CPU-second |
+//! | [`mod@bench`], [`cpu_time`] | trial moves per CPU-second |
 //! | [`quantity`], [`keys`], [`interrupt`], [`plot`] | what several of them need |
 //! | `cli` | the command line, one file per verb (feature `cli`) |
 

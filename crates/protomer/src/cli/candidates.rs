@@ -3,7 +3,7 @@
 use super::assemble::SpaceArgs;
 use super::{Global, Outcome, output};
 use crate::assemble::{BodyFiles, write_assembly};
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use protomer_body::assembly::{Stack, Symmetry};
 use std::path::PathBuf;
@@ -51,6 +51,9 @@ impl CandidatesArgs {
             Asked::Cyclic => Symmetry::Cyclic,
             Asked::Dihedral => Symmetry::Dihedral,
         };
+        if !(self.gap.is_finite() && self.gap >= 0.0) {
+            bail!("--gap is {} Å; give zero or more", self.gap);
+        }
         let stack = Stack::new(self.ring, self.stack, (0..self.bodies.len()).collect())?;
         let found = stack.candidates(symmetry);
         let mut written = Vec::new();

@@ -16,7 +16,7 @@ mod surface;
 mod sweep;
 
 use crate::interrupt::Interrupt;
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result, anyhow, bail};
 use clap::{Args, Parser, Subcommand};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -31,6 +31,9 @@ pub struct Cli {
     #[command(subcommand)]
     verb: Verb,
 }
+
+/// More threads than any machine has cores for.
+const MOST_THREADS: usize = 1024;
 
 /// Options every verb understands.
 #[derive(Debug, Clone, Args)]
@@ -124,6 +127,9 @@ impl Verb {
 
 impl Global {
     fn build_thread_pool(&self) -> Result<()> {
+        if self.threads > MOST_THREADS {
+            bail!("--threads is {}; give at most {MOST_THREADS}", self.threads);
+        }
         let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads);
         pool.build_global().context("cannot start the threads; try a smaller --threads")
     }

@@ -33,17 +33,17 @@ impl SweepArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
         let settings = self.settings()?;
         let assembly = Assembly::read(&self.assembly)?;
-        let simulations = settings.salt_molar.len() as u64 * u64::from(settings.replicas);
         global.say(&format!(
-            "{} bodies, {simulations} simulations of {} + {} sweeps",
+            "{} bodies, {} simulations of {} + {} sweeps",
             assembly.len(),
+            settings.simulations(),
             settings.equilibration_sweeps,
             settings.sweeps
         ));
         for salt in &settings.salt_molar {
             global.explain(&settings.medium.interaction(Some(*salt))?.describe());
         }
-        let bar = global.progress(simulations * settings.total_sweeps(), "sweeps");
+        let bar = global.progress(settings.simulations().saturating_mul(settings.total_sweeps()), "sweeps");
         let execution = self.run.execution(global)?;
         let end = run_sweep(assembly, &settings, &self.run.output, &execution, &|sweeps| bar.inc(sweeps))?;
         bar.finish_and_clear();

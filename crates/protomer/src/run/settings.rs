@@ -70,11 +70,21 @@ pub fn salt_label(salt_molar: f64) -> String {
     format!("salt_{salt_molar:.6}M")
 }
 
+/// A run directory with more folders than this serves nobody.
+const LARGEST_NUMBER_OF_SIMULATIONS: u64 = 100_000;
+/// Runs stop between sweeps, so that a sweep must not last for ever.
+const MOST_CLUSTER_MOVES: u32 = 100_000;
+
 impl RunSettings {
     /// The same settings with no length: what runs have in common that differ only in how far they went. A run to 1000
     /// sweeps can be run on to 2000.
     pub fn without_length(&self) -> Self {
         Self { sweeps: 0, ..self.clone() }
+    }
+
+    /// Number of simulations of a sweep: salt concentrations times replicas.
+    pub fn simulations(&self) -> u64 {
+        (self.salt_molar.len() as u64).saturating_mul(u64::from(self.replicas))
     }
 
     /// Sweeps of equilibration and production together.
@@ -120,6 +130,20 @@ impl RunSettings {
                     index + 1
                 );
             }
+        }
+        if self.simulations() > LARGEST_NUMBER_OF_SIMULATIONS {
+            bail!(
+                "{} salt concentrations with {} replicas each are too many; ask for at most \
+                 {LARGEST_NUMBER_OF_SIMULATIONS} simulations",
+                self.salt_molar.len(),
+                self.replicas
+            );
+        }
+        if self.cluster_moves_per_sweep > MOST_CLUSTER_MOVES {
+            bail!(
+                "cluster_moves_per_sweep is {}; a sweep this long cannot be stopped: ask for at most {MOST_CLUSTER_MOVES}",
+                self.cluster_moves_per_sweep
+            );
         }
         for (name, value) in
             [("replicas", u64::from(self.replicas)), ("sweeps", self.sweeps), ("log_every", self.log_every)]
