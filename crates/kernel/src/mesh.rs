@@ -183,27 +183,25 @@ impl TriangleMesh {
 
     /// For each triangle the triangles across its three edges.
     fn edge_neighbours(&self) -> Result<Vec<[u32; 3]>> {
-        let mut side_of: HashMap<(u32, u32), (usize, usize)> = HashMap::with_capacity(self.triangles.len() * 3);
+        let mut triangle_of: HashMap<(u32, u32), usize> = HashMap::with_capacity(self.triangles.len() * 3);
         for (triangle, corners) in self.triangles.iter().enumerate() {
             for side in 0..3 {
                 let edge = (corners[side], corners[(side + 1) % 3]);
-                if side_of.insert(edge, (triangle, side)).is_some() {
+                if triangle_of.insert(edge, triangle).is_some() {
                     let message = format!("edge {}-{} is used twice in the same direction", edge.0, edge.1);
                     return Err(KernelError::BadMesh(message));
                 }
             }
         }
         let mut neighbours = vec![[0; 3]; self.triangles.len()];
-        for (triangle, corners) in self.triangles.iter().enumerate() {
+        // In the order of the triangles, so that the same mesh gives the same message every time.
+        for (corners, neighbours) in self.triangles.iter().zip(&mut neighbours) {
             for side in 0..3 {
                 let (from, to) = (corners[side], corners[(side + 1) % 3]);
-                match side_of.get(&(to, from)) {
-                    Some(&(other, _)) => neighbours[triangle][side] = other as u32,
-                    None => {
-                        let message = format!("edge {from}-{to} has a triangle on one side only");
-                        return Err(KernelError::BadMesh(message));
-                    }
-                }
+                let Some(other) = triangle_of.get(&(to, from)) else {
+                    return Err(KernelError::BadMesh(format!("edge {from}-{to} has a triangle on one side only")));
+                };
+                neighbours[side] = *other as u32;
             }
         }
         Ok(neighbours)
