@@ -113,7 +113,7 @@ fn balls_just_apart_and_just_overlapping_are_both_valid() {
 
 #[test]
 fn balls_far_apart_cost_no_more_than_their_own_size() {
-    let solid = Balls::new(&[(-1e6, 0.0, 0.0, 2.0), (1e6, 3e5, 0.0, 2.0)]);
+    let solid = Balls::new(&[(-9e5, 0.0, 0.0, 2.0), (9e5, 3e5, 0.0, 2.0)]);
     assert_eq!(mesh_of(&solid, 1.0, None).1.components, 2);
 }
 
