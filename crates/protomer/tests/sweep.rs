@@ -96,6 +96,20 @@ fn a_time_limit_stops_resumably() {
     assert_same(&results(&place.path("whole")), &results(&place.path("limited")));
 }
 
+#[test]
+fn a_finished_sweep_can_be_run_on() {
+    let place = Workplace::new();
+    let longer = SWEEP.replace("--sweeps 1500", "--sweeps 1800");
+    assert_ne!(longer, SWEEP);
+    is_ok(&place.run(&format!("{longer} -o whole")));
+    is_ok(&place.run(&format!("{SWEEP} -o parts")));
+    is_ok(&place.run(&format!("{longer} -o parts")));
+    assert_same(&results(&place.path("whole")), &results(&place.path("parts")));
+    let shorter = place.run(&format!("{SWEEP} -o parts"));
+    assert_eq!(shorter.status.code(), Some(1));
+    assert!(message(&shorter).contains("ask for at least as many"), "{}", message(&shorter));
+}
+
 #[cfg(unix)]
 #[test]
 fn a_signal_stops_resumably_also_after_the_time_limit() {
