@@ -15,7 +15,7 @@ pub enum Interaction {
     HardOnly,
     /// Screened point charges, summed pair by pair.
     YukawaDirect(Yukawa),
-    /// The same, with the same decisions, by proven bounds; the direct sum only where they leave a decision open.
+    /// The same, with the same decisions, by intervals; the direct sum only where they leave a decision open.
     YukawaCertified(Yukawa),
 }
 
