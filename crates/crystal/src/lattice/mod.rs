@@ -1,0 +1,30 @@
+//! Rigid squares, joined at their corners by massless rigid rods.
+//!
+//! ```text
+//! Network (squares, rods)  +  State (positions, velocities, time)
+//!         |                            |
+//!         +------- Dynamics -----------+   one step: forces, SHAKE, RATTLE; one sparse factorisation
+//! ```
+//!
+//! | module | one idea |
+//! |---|---|
+//! | [`network`] | what is joined to what: data, not code |
+//! | [`state`] | where everything is, and starting states |
+//! | [`rods`] | the rods as constraints: lengths, gradients, J M⁻¹ Jᵀ |
+//! | [`force`] | accelerations beyond those of the rods |
+//! | [`dynamics`] | one step in time |
+//!
+//! The equations are those of Campos-Gonzalez-Angulo, Wiesehan, Ribeiro and Yuen-Zhou, "Computational method for
+//! highly-constrained molecular dynamics of rigid bodies: coarse-grained simulation of auxetic two-dimensional protein
+//! crystals" (2020), below "the paper", with its misprints corrected.
+
+pub mod dynamics;
+pub mod force;
+pub mod network;
+pub mod rods;
+pub mod state;
+
+pub use dynamics::Dynamics;
+pub use force::{Coherence, Force};
+pub use network::{Corner, Edges, Network, Rod, Square};
+pub use state::State;

@@ -1,0 +1,13 @@
+//! Two-dimensional crystals of rigid squares joined by rods, and rod-and-hinge frameworks.
+//!
+//! | module | one idea |
+//! |---|---|
+//! | [`lattice`] | rigid impenetrable squares whose corners are joined by massless rigid rods: their dynamics |
+//!
+//! The lattice lives in reduced units: the half-diagonal of a square is 1, its mass is 1, and time is what follows when
+//! velocities are of order one. A scale in Å is recorded where a lattice was made from a body.
+
+mod error;
+pub mod lattice;
+
+pub use error::{CrystalError, Result};
