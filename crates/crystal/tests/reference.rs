@@ -1,6 +1,6 @@
 //! Converged trajectories computed elsewhere.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr)]
 
 use protomer_crystal::lattice::{Coherence, Dynamics, Edges, Network, Square, State};
 use std::f64::consts::FRAC_PI_4;

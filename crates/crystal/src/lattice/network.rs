@@ -142,7 +142,7 @@ impl Network {
         }
         let squares = vec![square; rows * columns];
         let distance = spacing(rod_length, square.half_diagonal, angle);
-        let cell = periodic.then(|| [columns as f64 * distance, rows as f64 * distance]);
+        let cell = periodic.then_some([columns as f64 * distance, rows as f64 * distance]);
         let network = Self { rows, columns, squares, rods, cell };
         network.check()?;
         Ok(network)
@@ -150,7 +150,7 @@ impl Network {
 
     /// +1 for squares with even i + j, -1 for the others.
     pub fn sign(&self, square: usize) -> f64 {
-        if (square / self.columns + square % self.columns) % 2 == 0 { 1.0 } else { -1.0 }
+        if (square / self.columns + square % self.columns).is_multiple_of(2) { 1.0 } else { -1.0 }
     }
 
     /// Checks what the types cannot.
