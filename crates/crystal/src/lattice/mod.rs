@@ -18,6 +18,8 @@
 //! highly-constrained molecular dynamics of rigid bodies: coarse-grained simulation of auxetic two-dimensional protein
 //! crystals" (2020), below "the paper", with its misprints corrected.
 
+pub mod collision;
+pub mod contact;
 pub mod dynamics;
 pub mod force;
 pub mod network;
