@@ -27,7 +27,10 @@ pub fn solve(w: &[f64], q: &[f64]) -> Solution {
     let count = q.len();
     let tolerance = TOLERANCE * q.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
     let left = |p: &[f64]| -> Vec<f64> {
-        q.iter().zip(w.chunks_exact(count)).map(|(q, row)| q + row.iter().zip(p).map(|(w, p)| w * p).sum::<f64>()).collect()
+        q.iter()
+            .zip(w.chunks_exact(count))
+            .map(|(q, row)| q + row.iter().zip(p).map(|(w, p)| w * p).sum::<f64>())
+            .collect()
     };
     let mut p = vec![0.0; count];
     let mut inside: Vec<usize> = Vec::new();
@@ -62,7 +65,8 @@ pub fn solve(w: &[f64], q: &[f64]) -> Solution {
                 .filter(|(j, z)| **z <= 0.0 && p[**j] <= 1e-14 * z.abs().max(f64::MIN_POSITIVE))
                 .map(|(j, _)| *j)
                 .collect();
-            let smallest = inside.iter().copied().filter(|j| !stopped.contains(j)).min_by(|a, b| p[*a].total_cmp(&p[*b]));
+            let smallest =
+                inside.iter().copied().filter(|j| !stopped.contains(j)).min_by(|a, b| p[*a].total_cmp(&p[*b]));
             let out = if stopped.is_empty() { smallest.into_iter().collect() } else { stopped };
             for j in &out {
                 p[*j] = 0.0;
@@ -111,8 +115,7 @@ fn solve_inside(w: &[f64], q: &[f64], inside: &[usize]) -> Option<Vec<f64>> {
         b
     };
     let mut z = back_substitute(inside.iter().map(|j| -q[*j]).collect());
-    let residual =
-        (0..size).map(|row| -q[inside[row]] - (0..size).map(|k| at(row, k) * z[k]).sum::<f64>()).collect();
+    let residual = (0..size).map(|row| -q[inside[row]] - (0..size).map(|k| at(row, k) * z[k]).sum::<f64>()).collect();
     for (z, correction) in z.iter_mut().zip(back_substitute(residual)) {
         *z += correction;
     }

@@ -1,11 +1,76 @@
 //! First contact and response for scripts.
 
+use super::detection::Detector;
 use super::response::impact;
 use crate::lattice::contact::{Contact, Row, without_repetitions};
 use crate::lattice::network::{Corner, Network};
 use crate::lattice::rods::RodSystem;
+use crate::lattice::{Dynamics, State};
 use crate::{CrystalError, Result};
 use protomer_kernel::sparse::SparseError;
+
+/// The first contact of a trajectory.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FirstContact {
+    /// When.
+    pub time: f64,
+    /// The state at contact, before any impact.
+    pub state: State,
+    /// Everything that touches; corners head on from either side.
+    pub contacts: Vec<Contact>,
+}
+
+impl FirstContact {
+    /// Contacts of squares as [striker, corner 1 to 4, target].
+    pub fn listed(&self) -> Vec<[usize; 3]> {
+        let listed = |contact: &Contact| match *contact {
+            Contact::VertexSide { striker, target, .. } => Some([striker.square, usize::from(striker.vertex), target]),
+            Contact::VertexVertex { striker, target, .. } => {
+                Some([striker.square, usize::from(striker.vertex), target.square])
+            }
+            Contact::RodCorner { .. } | Contact::RodStop { .. } => None,
+        };
+        self.contacts.iter().filter_map(listed).collect()
+    }
+}
+
+/// Goes on from a prepared state in steps of `step` to the first contact of squares (and of rods, with `rods_block`), or to
+/// `until`, where the result is `None`. The state is left at the contact, or at `until`.
+///
+/// # Errors
+/// Those of [`Dynamics::step`], and [`CrystalError::Overlap`] if squares overlap at the start.
+pub fn first_contact(
+    dynamics: &mut Dynamics,
+    state: &mut State,
+    step: f64,
+    until: f64,
+    rods_block: bool,
+) -> Result<Option<FirstContact>> {
+    if !(step.is_finite() && step > 0.0) {
+        return Err(CrystalError::BadSetting { setting: "step", value: step, requirement: "positive" });
+    }
+    let network = dynamics.network().clone();
+    let mut detector = Detector::new(&network, &state.positions, rods_block);
+    detector.check_no_overlap(&network, &state.positions, state.time)?;
+    let mut positions = state.positions.clone();
+    let begin = state.time;
+    for index in 1_u64.. {
+        let goal = (begin + index as f64 * step).min(until);
+        if goal - state.time <= 1e-12 * step {
+            break;
+        }
+        let meeting = detector.first_meeting(dynamics, state, goal - state.time, &mut positions)?;
+        let length = meeting.map_or(goal - state.time, |meeting| meeting.time);
+        if length > 0.0 {
+            dynamics.arrive(state, length, &positions)?;
+        }
+        let contacts = if meeting.is_some() { detector.touching(&network, &state.positions) } else { Vec::new() };
+        if !contacts.is_empty() {
+            return Ok(Some(FirstContact { time: state.time, state: state.clone(), contacts }));
+        }
+    }
+    Ok(None)
+}
 
 /// What an impact made of the velocities.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,7 +98,7 @@ pub fn respond(
     restitution: f64,
 ) -> Result<Response> {
     network.check()?;
-    let state = crate::lattice::State { time: 0.0, positions: positions.to_vec(), velocities: velocities.to_vec() };
+    let state = State { time: 0.0, positions: positions.to_vec(), velocities: velocities.to_vec() };
     state.check(network)?;
     check_restitution(restitution)?;
     let squares = network.squares.len();

@@ -3,7 +3,7 @@
 //! A list of all pairs whose circumscribed circles are within a skin of each other, made with a grid over the centres and
 //! used until a centre has moved by half the skin. In a periodic cell every image that is near enough is a pair of its own.
 
-use super::separation::Rectangle;
+use super::separation::{Rectangle, at_rest};
 use crate::lattice::network::Network;
 
 /// A square or a rod.
@@ -76,7 +76,6 @@ impl Candidates {
         self.reference.clear();
         self.reference.extend_from_slice(positions);
         self.pairs.clear();
-        let still = vec![0.0; positions.len()];
         self.middles.clear();
         let mut radii: Vec<f64> = Vec::with_capacity(network.squares.len() + network.rods.len());
         for (square, s) in network.squares.iter().zip(positions.chunks_exact(3)) {
@@ -85,7 +84,7 @@ impl Candidates {
         }
         if self.with_rods {
             for (index, rod) in network.rods.iter().enumerate() {
-                self.middles.push(Rectangle::rod(network, positions, &still, index).centre);
+                self.middles.push(Rectangle::rod(network, index, at_rest(positions)).centre);
                 radii.push(0.5 * rod.length);
             }
         }

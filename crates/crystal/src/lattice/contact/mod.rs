@@ -137,12 +137,12 @@ fn side_normal(angle: f64, side: u8) -> [f64; 2] {
 }
 
 /// The two sides that meet at a corner.
-fn sides_at(vertex: u8) -> [u8; 2] {
+pub(crate) fn sides_at(vertex: u8) -> [u8; 2] {
     let [x, y] = corner_direction(vertex);
     [if x > 0.0 { 0 } else { 2 }, if y > 0.0 { 1 } else { 3 }]
 }
 
-fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+pub(crate) fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [a[0] - b[0], a[1] - b[1]]
 }
 

@@ -9,8 +9,8 @@
 //! than their distance, and for two squares its sign is that of eq. 13 of the paper over all corners and both roles. A rod is
 //! a rectangle of no width.
 
-use super::{arm, rod_shift};
-use crate::lattice::network::Network;
+use super::rod_shift;
+use crate::lattice::network::{Corner, Network, corner_direction};
 
 /// A rectangle in motion.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -38,10 +38,26 @@ pub struct Along {
     pub worst_rate: f64,
 }
 
+/// Position and velocity (x, y, θ) of one square.
+pub type Moving = ([f64; 3], [f64; 3]);
+
+/// The squares at rest at these positions.
+pub fn at_rest(positions: &[f64]) -> impl Fn(usize) -> Moving + Copy + '_ {
+    |p| ([positions[3 * p], positions[3 * p + 1], positions[3 * p + 2]], [0.0; 3])
+}
+
+/// Place and velocity of a corner.
+pub(crate) fn corner_in_motion(network: &Network, corner: Corner, (s, v): Moving) -> ([f64; 2], [f64; 2]) {
+    let [x, y] = corner_direction(corner.vertex).map(|x| x * network.squares[corner.square].half_diagonal);
+    let (sine, cosine) = s[2].sin_cos();
+    let rho = [cosine * x - sine * y, sine * x + cosine * y];
+    ([s[0] + rho[0], s[1] + rho[1]], [v[0] - v[2] * rho[1], v[1] + v[2] * rho[0]])
+}
+
 impl Rectangle {
-    /// A square at these positions and velocities.
-    pub fn square(network: &Network, positions: &[f64], velocities: &[f64], square: usize) -> Self {
-        let (s, v) = (&positions[3 * square..3 * square + 3], &velocities[3 * square..3 * square + 3]);
+    /// A square, moving as `at` says.
+    pub fn square(network: &Network, square: usize, at: impl Fn(usize) -> Moving) -> Self {
+        let (s, v) = at(square);
         let (sine, cosine) = s[2].sin_cos();
         Self {
             centre: [s[0], s[1]],
@@ -52,16 +68,11 @@ impl Rectangle {
         }
     }
 
-    /// A rod, the first axis from its first to its second end.
-    pub fn rod(network: &Network, positions: &[f64], velocities: &[f64], rod: usize) -> Self {
+    /// A rod, the first axis from its first to its second end, its squares moving as `at` says.
+    pub fn rod(network: &Network, rod: usize, at: impl Fn(usize) -> Moving) -> Self {
         let (ends, shift) = (network.rods[rod], rod_shift(network, rod));
-        let point = |corner: crate::lattice::Corner| {
-            let (rho, p) = (arm(network, positions, corner), 3 * corner.square);
-            let place = [positions[p] + rho[0], positions[p + 1] + rho[1]];
-            let omega = velocities[p + 2];
-            (place, [velocities[p] - omega * rho[1], velocities[p + 1] + omega * rho[0]])
-        };
-        let ((a, va), (b, vb)) = (point(ends.from), point(ends.to));
+        let (a, va) = corner_in_motion(network, ends.from, at(ends.from.square));
+        let (b, vb) = corner_in_motion(network, ends.to, at(ends.to.square));
         let along = [b[0] + shift[0] - a[0], b[1] + shift[1] - a[1]];
         let length = along[0].hypot(along[1]);
         let u = [along[0] / length, along[1] / length];
@@ -91,8 +102,7 @@ pub fn separation(a: &Rectangle, b: &Rectangle) -> f64 {
 pub fn along_axes(a: &Rectangle, b: &Rectangle) -> [Along; 4] {
     let d = [a.centre[0] - b.centre[0], a.centre[1] - b.centre[1]];
     let v = [a.velocity[0] - b.velocity[0], a.velocity[1] - b.velocity[1]];
-    let (cosine, sine) =
-        (a.axis[0] * b.axis[0] + a.axis[1] * b.axis[1], a.axis[0] * b.axis[1] - a.axis[1] * b.axis[0]);
+    let (cosine, sine) = (a.axis[0] * b.axis[0] + a.axis[1] * b.axis[1], a.axis[0] * b.axis[1] - a.axis[1] * b.axis[0]);
     let turning = b.spin - a.spin;
     let (c, s) = (cosine.abs(), sine.abs());
     // d|cos φ|/dt and d|sin φ|/dt.
