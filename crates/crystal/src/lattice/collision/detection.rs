@@ -277,8 +277,8 @@ pub struct Detector {
     /// For every pair, then every stop.
     due: Vec<f64>,
     travelled: f64,
-    /// The watches that can have met in the last step looked at.
-    hot: Vec<Watch>,
+    /// The watches that can have met in the last step looked at, and whether they touched at its start.
+    hot: Vec<(Watch, bool)>,
     /// Those whose path had a root: time, rate.
     roots: Vec<(Watch, f64, f64)>,
 }
@@ -326,8 +326,8 @@ impl Detector {
     }
 
     /// The watches that may be closed in the step last looked at.
-    pub fn hot(&self) -> &[Watch] {
-        &self.hot
+    pub fn hot(&self) -> impl Iterator<Item = &Watch> {
+        self.hot.iter().map(|(watch, _)| watch)
     }
 
     /// Refreshes the candidates and forgets what is due: for positions that did not come from a step.
@@ -354,7 +354,7 @@ impl Detector {
     /// listed from either side.
     pub fn touching(&self, network: &Network, positions: &[f64]) -> Vec<Contact> {
         let mut contacts = Vec::new();
-        for watch in &self.hot {
+        for (watch, _) in &self.hot {
             if watch.gap(network, positions) <= TOUCHING {
                 watch.contacts(network, positions, &mut contacts);
             }
@@ -398,12 +398,12 @@ impl Detector {
                     (watch, 1.0 + length)
                 }
             };
-            let gap = watch.gap(network, &state.positions) / lever;
-            *due = now + gap;
+            let gap = watch.gap(network, &state.positions);
+            *due = now + gap / lever;
             if *due > self.travelled {
                 continue;
             }
-            self.hot.push(watch);
+            self.hot.push((watch, gap <= TOUCHING));
             match path.march(network, &watch) {
                 End::Free => {}
                 End::Root { time, rate } => self.roots.push((watch, time, rate)),
@@ -442,10 +442,11 @@ impl Detector {
         for newton_step in 0..=MOST_NEWTON_STEPS {
             dynamics.drift(state, time, positions)?;
             let mut gap = f64::INFINITY;
-            for (other, at, _) in &self.roots {
-                // What touches at the start and parts is not asked before its own time.
-                let value = if *at <= time + 1e-6 * step { other.gap(&network, positions) } else { f64::INFINITY };
-                if value < gap {
+            for (other, touched) in &self.hot {
+                let value = other.gap(&network, positions);
+                // What touched at the start and parts is no contact; it may come back, or the path may have been wrong.
+                let comes_back = || self.roots.iter().any(|(root, at, _)| root == other && time >= 0.5 * at);
+                if value < gap && (!touched || value < -2.0 * ROOT || comes_back()) {
                     (gap, watch) = (value, *other);
                 }
             }
