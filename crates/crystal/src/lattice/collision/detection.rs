@@ -192,7 +192,11 @@ impl Path<'_> {
             let (bend, v) = (self.bend(p), &self.velocities[3 * p..3 * p + 3]);
             let centre =
                 (v[0] * v[0] + v[1] * v[1]).sqrt() * self.length + (bend[0] * bend[0] + bend[1] * bend[1]).sqrt();
-            farthest = farthest.max(centre + square.half_diagonal * (v[2].abs() * self.length + bend[2].abs()));
+            let travel = centre + square.half_diagonal * (v[2].abs() * self.length + bend[2].abs());
+            if travel.is_nan() {
+                return travel;
+            }
+            farthest = farthest.max(travel);
         }
         farthest
     }
@@ -272,6 +276,7 @@ impl Path<'_> {
 #[derive(Debug, Clone)]
 pub struct Detector {
     candidates: Candidates,
+    skin: f64,
     rods_block: bool,
     stops: Vec<Watch>,
     /// For every pair, then every stop.
@@ -296,7 +301,8 @@ impl Detector {
     /// For a network at these positions. With `rods_block`, rods are obstacles for corners and for the squares they hang on.
     pub fn new(network: &Network, positions: &[f64], rods_block: bool) -> Self {
         let half_diagonal = network.squares.iter().map(|square| square.half_diagonal).fold(0.0, f64::max);
-        let candidates = Candidates::new(network, positions, SKIN * half_diagonal, rods_block);
+        let skin = SKIN * half_diagonal;
+        let candidates = Candidates::new(network, positions, skin, rods_block);
         let mut stops = Vec::new();
         for (rod, ends) in network.rods.iter().enumerate().filter(|_| rods_block) {
             // A shorter rod's far end meets the side itself.
@@ -307,7 +313,7 @@ impl Detector {
             }
         }
         let due = vec![0.0; candidates.pairs().len() + stops.len()];
-        Self { candidates, rods_block, stops, due, travelled: 0.0, hot: Vec::new(), roots: Vec::new() }
+        Self { candidates, skin, rods_block, stops, due, travelled: 0.0, hot: Vec::new(), roots: Vec::new() }
     }
 
     /// Whether rods are obstacles.
@@ -366,19 +372,13 @@ impl Detector {
     fn scan(&mut self, network: &Network, state: &State, next: &[f64], step: f64) -> Result<()> {
         let path = Path { positions: &state.positions, velocities: &state.velocities, next, length: step };
         let travel = path.travel(network);
-        let mut listed_late = false;
-        if !self.candidates.holds(&state.positions, travel) {
-            self.reset(network, &state.positions);
-            listed_late = 2.0 * travel >= SKIN;
+        if !travel.is_finite() {
+            return Err(CrystalError::NotFinite { square: 0, time: state.time });
         }
-        if listed_late || !travel.is_finite() {
-            return Err(CrystalError::StepTooLarge {
-                time: state.time,
-                time_step: step,
-                rod: 0,
-                violation: travel,
-                suggested_time_step: 0.1 * SKIN / travel * step,
-            });
+        if !self.candidates.holds(&state.positions, travel) {
+            // Free squares may be fast: the list then reaches farther.
+            self.candidates.set_skin(self.skin.max(2.5 * travel));
+            self.reset(network, &state.positions);
         }
         self.hot.clear();
         self.roots.clear();
