@@ -286,7 +286,7 @@ fn first_contacts_of_free_squares_are_found_however_short() {
         // Fast enough to pass by or through each other within one step.
         let velocities: Vec<f64> = (0..9).map(|_| rng.uniform_in(-12.0, 12.0)).collect();
         let state = State { time: 0.0, positions, velocities };
-        let step = 0.02;
+        let step = 0.05;
         let expected = slow_first_contact(&network, &state, step);
         let mut dynamics = Dynamics::new(network.clone(), Vec::new(), &state).unwrap();
         let mut detector = Detector::new(&network, &state.positions, false);
@@ -311,7 +311,7 @@ fn first_contacts_of_free_squares_are_found_however_short() {
         }
     }
     eprintln!("{hits} contacts, {grazes} grazes the slow twin missed, of {tried}");
-    assert!(hits > 30 && grazes < 5);
+    assert!(hits > 50 && grazes < 5);
 }
 
 #[test]
