@@ -13,18 +13,26 @@
 //! | [`rods`] | the rods as constraints: lengths, gradients, J M⁻¹ Jᵀ |
 //! | [`force`] | accelerations beyond those of the rods |
 //! | [`dynamics`] | one step in time |
+//! | [`contact`] | who touches whom, and how |
+//! | [`collision`] | when bodies meet, and what follows |
+//! | [`engine`] | steps with collisions, event by event |
 //!
 //! The equations are those of Campos-Gonzalez-Angulo, Wiesehan, Ribeiro and Yuen-Zhou, "Computational method for
 //! highly-constrained molecular dynamics of rigid bodies: coarse-grained simulation of auxetic two-dimensional protein
 //! crystals" (2020), below "the paper", with its misprints corrected.
 
+pub mod collision;
+pub mod contact;
 pub mod dynamics;
+pub mod engine;
 pub mod force;
 pub mod network;
 pub mod rods;
 pub mod state;
 
+pub use contact::Contact;
 pub use dynamics::Dynamics;
+pub use engine::{CollisionSettings, CollisionStatistics, Engine};
 pub use force::{Coherence, Force};
 pub use network::{Corner, Edges, Network, Rod, Square};
 pub use state::State;
