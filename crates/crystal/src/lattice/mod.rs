@@ -13,18 +13,30 @@
 //! | [`rods`] | the rods as constraints: lengths, gradients, J M⁻¹ Jᵀ |
 //! | [`force`] | accelerations beyond those of the rods |
 //! | [`dynamics`] | one step in time |
+//! | [`start`] | starting states, and how to bring positions and velocities onto the rods |
+//! | [`drag`] | linear friction |
+//! | [`thermostat`] | Langevin dynamics at a temperature |
+//! | [`pair`] | screened charges on the squares |
 //!
 //! The equations are those of Campos-Gonzalez-Angulo, Wiesehan, Ribeiro and Yuen-Zhou, "Computational method for
 //! highly-constrained molecular dynamics of rigid bodies: coarse-grained simulation of auxetic two-dimensional protein
 //! crystals" (2020), below "the paper", with its misprints corrected.
 
+pub mod drag;
 pub mod dynamics;
 pub mod force;
 pub mod network;
+pub mod pair;
 pub mod rods;
+pub mod start;
 pub mod state;
+pub mod thermostat;
 
+pub use drag::Drag;
 pub use dynamics::Dynamics;
 pub use force::{Coherence, Force};
 pub use network::{Corner, Edges, Network, Rod, Square};
+pub use pair::ScreenedCharges;
+pub use start::{AngularVelocities, Start, Started};
 pub use state::State;
+pub use thermostat::Langevin;
