@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stderr)]
 
+use nalgebra::{DMatrix, DVector};
 use protomer_crystal::lattice::pair::{ScreenedCharges, SquareCharge, neighbours};
 use protomer_crystal::lattice::{
     AngularVelocities, Corner, Drag, Dynamics, Edges, Force, Langevin, Network, Rod, Square, Start, State,
@@ -227,6 +228,61 @@ fn two_squares_on_a_rod_are_distributed_as_rigid_rods_must_be() {
     }
     let found = summarize(&series[0]);
     assert!((found.mean - springs[0]).abs() > 8.0 * found.standard_error, "the test could not tell the two apart");
+}
+
+/// Velocities drawn at a temperature have the covariance kT P M⁻¹, with P = 1 - M⁻¹ Jᵀ (J M⁻¹ Jᵀ)⁻¹ J from dense matrices and J
+/// from differences of the rods' lengths.
+#[test]
+fn drawn_velocities_have_the_covariance_of_the_constrained_ensemble() {
+    let network = lattice(2, 0.7);
+    let mut state = Start { angle_spread: 0.3, seed: 1, ..Start::default() }.build(&network, 0).unwrap().state;
+    let lengths = |s: &[f64]| -> Vec<f64> {
+        let corner = |c: Corner| {
+            let ((sine, cosine), [x, y]) = (s[3 * c.square + 2].sin_cos(), c.direction());
+            [s[3 * c.square] + cosine * x - sine * y, s[3 * c.square + 1] + sine * x + cosine * y]
+        };
+        let length = |rod: &Rod| {
+            let (a, b) = (corner(rod.from), corner(rod.to));
+            (a[0] - b[0]).hypot(a[1] - b[1])
+        };
+        network.rods.iter().map(length).collect()
+    };
+    let jacobian = DMatrix::from_fn(4, 12, |rod, k| {
+        let moved = |by: f64| {
+            let mut s = state.positions.clone();
+            s[k] += by;
+            lengths(&s)[rod]
+        };
+        (moved(1e-5) - moved(-1e-5)) / 2e-5
+    });
+    let inverse_mass = DMatrix::from_fn(12, 12, |a, b| {
+        if a != b {
+            0.0
+        } else if a % 3 == 2 {
+            3.0
+        } else {
+            1.0
+        }
+    });
+    let coupling = (&jacobian * &inverse_mass * jacobian.transpose()).try_inverse().unwrap();
+    let kept = DMatrix::identity(12, 12) - &inverse_mass * jacobian.transpose() * coupling * &jacobian;
+    let expected = kept * inverse_mass * 0.3;
+    let mut dynamics = Dynamics::new(network.clone(), Vec::new(), &state).unwrap();
+    let draws = 40_000;
+    let mut found = DMatrix::<f64>::zeros(12, 12);
+    for seed in 0..draws {
+        Langevin::new(0.3, 1.0, seed, 0).unwrap().draw_velocities(&mut dynamics, &mut state);
+        let v = DVector::from_column_slice(&state.velocities);
+        found += &v * v.transpose() / draws as f64;
+    }
+    for a in 0..12 {
+        for b in 0..12 {
+            let error = ((expected[(a, a)] * expected[(b, b)] + expected[(a, b)].powi(2)) / draws as f64).sqrt();
+            let away = found[(a, b)] - expected[(a, b)];
+            assert!(away.abs() < 4.5 * error, "{a} {b}: {} {} ± {error}", found[(a, b)], expected[(a, b)]);
+        }
+    }
+    assert!(Langevin::new(-1.0, 1.0, 0, 0).is_err() && Langevin::new(1.0, f64::NAN, 0, 0).is_err());
 }
 
 #[test]

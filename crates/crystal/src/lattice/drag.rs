@@ -39,20 +39,31 @@ impl Drag {
     /// # Errors
     /// [`CrystalError::BadSetting`] for a rate that is negative or not finite.
     pub fn new(translation: f64, rotation: f64) -> Result<Self> {
-        for (setting, value) in [("drag of translations", translation), ("drag of rotations", rotation)] {
+        let drag = Self { translation, rotation };
+        drag.check()?;
+        Ok(drag)
+    }
+
+    /// Checks settings that were read from a file; [`apply`](Drag::apply) does it too.
+    ///
+    /// # Errors
+    /// As [`Drag::new`].
+    pub fn check(&self) -> Result<()> {
+        for (setting, value) in [("drag of translations", self.translation), ("drag of rotations", self.rotation)] {
             if !(value.is_finite() && value >= 0.0) {
                 return Err(CrystalError::BadSetting { setting, value, requirement: "zero or positive" });
             }
         }
-        Ok(Self { translation, rotation })
+        Ok(())
     }
 
     /// What friction alone makes of the velocities in this time, at the positions at which `dynamics` is prepared.
     ///
     /// # Errors
-    /// [`CrystalError::BadSetting`] if two different rates are too high for so long
+    /// As [`Drag::new`], and [`CrystalError::BadSetting`] if two different rates are too high for so long
     /// a time.
     pub fn apply(&self, dynamics: &mut Dynamics, velocities: &mut [f64], duration: f64) -> Result<()> {
+        self.check()?;
         if self.translation == self.rotation {
             let kept = (-self.translation * duration).exp();
             velocities.iter_mut().for_each(|velocity| *velocity *= kept);

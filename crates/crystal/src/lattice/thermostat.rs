@@ -67,12 +67,22 @@ impl Langevin {
     /// # Errors
     /// [`CrystalError::BadSetting`] for either negative or not finite.
     pub fn new(kt: f64, friction: f64, seed: u64, replica: u32) -> Result<Self> {
-        for (setting, value) in [("kt", kt), ("friction", friction)] {
+        let langevin = Self { kt, friction, seed, replica };
+        langevin.check()?;
+        Ok(langevin)
+    }
+
+    /// Checks settings that were read from a file; [`step`](Langevin::step) does it too.
+    ///
+    /// # Errors
+    /// As [`Langevin::new`].
+    pub fn check(&self) -> Result<()> {
+        for (setting, value) in [("kt", self.kt), ("friction", self.friction)] {
             if !(value.is_finite() && value >= 0.0) {
                 return Err(CrystalError::BadSetting { setting, value, requirement: "zero or positive" });
             }
         }
-        Ok(Self { kt, friction, seed, replica })
+        Ok(())
     }
 
     /// Velocities of the canonical ensemble at the positions at which `dynamics` is prepared.
@@ -96,8 +106,11 @@ impl Langevin {
     /// One step without collisions, the `number`th of the run.
     ///
     /// # Errors
-    /// As [`Dynamics::step`].
+    /// As [`Langevin::new`] and [`Dynamics::step`]; after an error of the latter the velocities have had their first half
+    /// step of noise, so go on from a copy. Noise has no largest value: choose the time step for several times the
+    /// thermal velocity, 0.1 r0 √(m/kT) / 3 or so.
     pub fn step(&self, dynamics: &mut Dynamics, state: &mut State, step: f64, number: u64) -> Result<()> {
+        self.check()?;
         self.before(dynamics, state, step, number);
         dynamics.step(state, step)?;
         self.after(dynamics, state, step, number);
