@@ -2,6 +2,7 @@
 //!
 //! | module | one idea |
 //! |---|---|
+//! | [`framework`] | periodic networks of springs and hinges: elastic constants, mechanisms, loads |
 //! | [`lattice`] | rigid impenetrable squares whose corners are joined by massless rigid rods: their dynamics |
 //! | [`analysis`] | what their motion shows: modes, synchronisation, strain, chaos, and the exact coherent orbit |
 //!
@@ -10,6 +11,7 @@
 
 pub mod analysis;
 mod error;
+pub mod framework;
 pub mod lattice;
 
 pub use error::{CrystalError, Result};
