@@ -11,7 +11,7 @@
 //! | `meter` | an energy model that watches another one: the parts of a move |
 //! | [`suite`] | the tables |
 
-mod bodies;
+pub(crate) mod bodies;
 mod measure;
 mod meter;
 mod states;
@@ -19,12 +19,14 @@ pub mod suite;
 
 use crate::assembly_file::Assembly;
 use crate::cpu_time::{Stopwatch, process_seconds};
+use crate::energy_tables::EnergyTables;
 use crate::interaction::Interaction;
 use crate::run::{EnergyMode, Engine, RunSettings};
 use anyhow::Result;
 use protomer_io::atomic::sha256_hex;
 use protomer_mc::{Settings, Simulation};
 use serde::Serialize;
+use std::sync::Arc;
 
 /// What is timed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,9 +83,14 @@ pub struct BenchResult {
 ///
 /// # Errors
 /// For a mesh that bounds no solid, an overlapping start, a box too small for the interaction, or an energy that is not finite.
-pub fn bench(assembly: Assembly, settings: &BenchSettings, interaction: Interaction) -> Result<BenchResult> {
+pub fn bench(
+    assembly: Assembly,
+    settings: &BenchSettings,
+    interaction: Interaction,
+    tables: Arc<EnergyTables>,
+) -> Result<BenchResult> {
     let start = process_seconds();
-    let engine = Engine::new(assembly)?;
+    let engine = Engine::new(assembly)?.with_tables(tables);
     let run = RunSettings { energy: settings.energy, ..RunSettings::default() };
     let system = engine.system()?;
     let bodies = system.len();

@@ -6,6 +6,7 @@ mod common;
 
 use common::{Workplace, is_ok};
 use protomer::bench::suite::{Part, SuiteResult, SuiteSettings, rows, run_suite};
+use protomer::energy_tables::EnergyTables;
 use protomer::interaction::{Interaction, Medium};
 use protomer::interrupt::Interrupt;
 use protomer::run::EnergyMode;
@@ -30,7 +31,7 @@ fn interaction() -> Interaction {
 }
 
 fn run(settings: &SuiteSettings) -> SuiteResult {
-    run_suite(settings, interaction(), &Interrupt::default(), &|_| {}).unwrap()
+    run_suite(settings, interaction(), &EnergyTables::default(), &Interrupt::default(), &|_| {}).unwrap()
 }
 
 /// What does not depend on the machine.
@@ -60,7 +61,7 @@ fn the_tables_are_complete_and_hang_together() {
     let settings = small();
     let begun = std::cell::RefCell::new(Vec::new());
     let begin = |what: &str| begun.borrow_mut().push(what.to_owned());
-    let result = run_suite(&settings, interaction(), &Interrupt::default(), &begin).unwrap();
+    let result = run_suite(&settings, interaction(), &EnergyTables::default(), &Interrupt::default(), &begin).unwrap();
     assert_eq!(begun.borrow().len(), rows(&settings));
     assert_eq!(result.parts.len(), settings.charges.len());
     for row in &result.parts {
@@ -90,7 +91,7 @@ fn an_interrupt_leaves_what_was_measured() {
             interrupt.request();
         }
     };
-    let result = run_suite(&small(), interaction(), &interrupt, &begin).unwrap();
+    let result = run_suite(&small(), interaction(), &EnergyTables::default(), &interrupt, &begin).unwrap();
     assert!(!result.complete);
     assert_eq!((result.charges.len(), result.bodies.len(), result.threads.len()), (2, 0, 0));
 }

@@ -1,6 +1,7 @@
 //! Moves from a prepared state, measured.
 
 use crate::cpu_time::{Stopwatch, process_seconds};
+use crate::energy_tables::EnergyTables;
 use crate::interrupt::Interrupt;
 use crate::run::EnergyMode;
 use anyhow::Result;
@@ -52,29 +53,18 @@ impl Timing {
 }
 
 impl Prepared {
-    /// Makes the tables, if this mode has any.
+    /// Gets the tables, if this mode has any.
     ///
     /// # Errors
-    /// If an energy is not finite.
-    pub(super) fn new(system: &System, yukawa: Yukawa, energy: EnergyMode) -> Result<Self> {
-        Self::with_tables(system, yukawa, energy, &mut Vec::new())
-    }
-
-    /// As [`Prepared::new`], with the tables of an earlier state of the same bodies; empty tables are filled.
-    pub(super) fn with_tables(
-        system: &System,
-        yukawa: Yukawa,
-        energy: EnergyMode,
-        tables: &mut Vec<Arc<ChargeTable>>,
-    ) -> Result<Self> {
+    /// If they take more memory than is allowed.
+    pub(super) fn new(system: &System, yukawa: Yukawa, energy: EnergyMode, tables: &EnergyTables) -> Result<Self> {
         let start = process_seconds();
-        if energy == EnergyMode::Certified && tables.is_empty() {
-            let mut model = CertifiedSum::new(yukawa);
-            model.reset(system)?;
-            *tables = model.tables().to_vec();
-        }
+        let tables = match energy {
+            EnergyMode::Certified => tables.of(system.types(), &yukawa)?,
+            EnergyMode::None | EnergyMode::Direct => Vec::new(),
+        };
         let setup_seconds = process_seconds() - start;
-        Ok(Self { system: system.clone(), yukawa, energy, tables: tables.clone(), setup_seconds })
+        Ok(Self { system: system.clone(), yukawa, energy, tables, setup_seconds })
     }
 
     /// A model of certified energies with the prepared tables.

@@ -6,12 +6,15 @@ use super::measure::{Prepared, Timing};
 use super::meter::{Metered, Readings};
 use super::states::{cluster, spread};
 use crate::cpu_time::Stopwatch;
+use crate::energy_tables::EnergyTables;
 use crate::interaction::Interaction;
 use crate::interrupt::Interrupt;
 use crate::run::{EnergyMode, yukawa};
 use anyhow::{Context, Result};
 use protomer_io::atomic::sha256_hex;
+use protomer_kernel::cells::require_minimum_image;
 use protomer_kernel::potential::Yukawa;
+use protomer_mc::energy::{DirectSum, EnergyModel};
 use protomer_mc::{BodyType, Simulation, System};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -67,7 +70,7 @@ impl Default for SuiteSettings {
     fn default() -> Self {
         Self {
             parts: Part::ALL.to_vec(),
-            charges: vec![500, 3000, 10_000],
+            charges: vec![500, 3000],
             bodies: vec![16, 128, 1000],
             few_charges: 500,
             threads: vec![1, 2],
@@ -232,15 +235,18 @@ pub fn rows(settings: &SuiteSettings) -> usize {
 /// result holds what was measured until then.
 ///
 /// # Errors
-/// For an interaction that makes no sense or reaches too far for the states, and for an energy that is not finite.
+/// For an interaction that makes no sense or reaches too far for the states, tables over their limit, and an energy that
+/// is not finite.
 pub fn run_suite(
     settings: &SuiteSettings,
     interaction: Interaction,
+    tables: &EnergyTables,
     interrupt: &Interrupt,
     begin: &dyn Fn(&str),
 ) -> Result<SuiteResult> {
     let yukawa = yukawa(&interaction)?;
-    let mut suite = Suite { settings, yukawa, interrupt, begin, tables: Vec::new() };
+    let suite = Suite { settings, yukawa, interrupt, begin, tables };
+    suite.check_room()?;
     let mut result = SuiteResult {
         version: env!("CARGO_PKG_VERSION").into(),
         processor: processor(),
@@ -271,8 +277,7 @@ struct Suite<'a> {
     yukawa: Yukawa,
     interrupt: &'a Interrupt,
     begin: &'a dyn Fn(&str),
-    /// Clusters with the tables of certified energies, by the number of charges: made once.
-    tables: Vec<(usize, Prepared)>,
+    tables: &'a EnergyTables,
 }
 
 impl Suite<'_> {
@@ -294,19 +299,19 @@ impl Suite<'_> {
     }
 
     /// The cluster with what this mode needs.
-    fn prepared(&mut self, charges: usize, energy: EnergyMode) -> Result<Prepared> {
-        if energy != EnergyMode::Certified {
-            return Prepared::new(&self.cluster(charges)?, self.yukawa, energy);
-        }
-        if let Some((_, prepared)) = self.tables.iter().find(|(count, _)| *count == charges) {
-            return Ok(prepared.clone());
-        }
-        let prepared = Prepared::new(&self.cluster(charges)?, self.yukawa, energy)?;
-        self.tables.push((charges, prepared.clone()));
-        Ok(prepared)
+    fn prepared(&self, charges: usize, energy: EnergyMode) -> Result<Prepared> {
+        Prepared::new(&self.cluster(charges)?, self.yukawa, energy, self.tables)
     }
 
-    fn rates(&mut self) -> Result<Vec<RateRow>> {
+    /// Before anything is measured.
+    fn check_room(&self) -> Result<()> {
+        let system = self.cluster(self.settings.few_charges)?;
+        let range = DirectSum::new(self.yukawa).range_angstrom(&system);
+        require_minimum_image(system.boundary(), range)
+            .context("the interaction reaches too far; state a shorter --cutoff")
+    }
+
+    fn rates(&self) -> Result<Vec<RateRow>> {
         let mut rows = Vec::new();
         for &charges in &self.settings.charges {
             let moves = self.settings.moves.unwrap_or(affordable_moves(charges));
@@ -341,7 +346,7 @@ impl Suite<'_> {
         Ok(rows)
     }
 
-    fn parts(&mut self) -> Result<Vec<PartsRow>> {
+    fn parts(&self) -> Result<Vec<PartsRow>> {
         let mut rows = Vec::new();
         for &charges in &self.settings.charges {
             if !self.goes_on(&format!("{charges} charges, parts of a move")) {
@@ -349,9 +354,8 @@ impl Suite<'_> {
             }
             let prepared = self.prepared(charges, EnergyMode::Certified)?;
             let readings = Arc::new(Mutex::new(Readings::default()));
-            let mut model = || -> Box<dyn protomer_mc::energy::EnergyModel> {
-                Box::new(Metered::new(prepared.certified(), Arc::clone(&readings)))
-            };
+            let mut model =
+                || -> Box<dyn EnergyModel> { Box::new(Metered::new(prepared.certified(), Arc::clone(&readings))) };
             let (moves, seconds) = (self.settings.moves.unwrap_or(0), self.settings.seconds_per_rate);
             let timing = prepared.time_with(&mut model, moves, seconds, self.settings.seed, self.interrupt)?;
             let readings = *readings.lock().unwrap_or_else(PoisonError::into_inner);
@@ -360,18 +364,17 @@ impl Suite<'_> {
         Ok(rows)
     }
 
-    fn bodies(&mut self) -> Result<Vec<BodiesRow>> {
+    fn bodies(&self) -> Result<Vec<BodiesRow>> {
         let mut rows = Vec::new();
         let kinds = self.kinds(self.settings.few_charges)?;
         for energy in CHEAP_MODES {
-            let mut tables = Vec::new();
             for &bodies in &self.settings.bodies {
                 if !self.goes_on(&format!("{bodies} bodies, energy {}", name(energy))) {
                     return Ok(rows);
                 }
                 let box_angstrom = self.box_angstrom(&kinds, energy, bodies);
                 let system = spread(&kinds, bodies, box_angstrom, self.settings.seed)?;
-                let prepared = Prepared::with_tables(&system, self.yukawa, energy, &mut tables)?;
+                let prepared = Prepared::new(&system, self.yukawa, energy, self.tables)?;
                 let range = prepared.model().range_angstrom(&system).max(system.hard_range_angstrom());
                 let neighbours = mean_neighbours(&system, range);
                 // Every body moves some times in each run, so that gaps are remembered as in a long simulation.
@@ -406,7 +409,7 @@ impl Suite<'_> {
         (ROOM * range).max(full) * (bodies as f64 / first).cbrt()
     }
 
-    fn threads(&mut self) -> Result<Vec<ThreadsRow>> {
+    fn threads(&self) -> Result<Vec<ThreadsRow>> {
         let most = self.settings.threads.iter().copied().max().unwrap_or(1);
         let replicas = (2 * most).max(4) as u32;
         let mut rows: Vec<ThreadsRow> = Vec::new();

@@ -1,6 +1,7 @@
 //! `protomer bench`: trial moves per CPU-second.
 
 use super::medium::ConditionArgs;
+use super::tables::TablesArgs;
 use super::{Global, Outcome, interrupt_saying, output};
 use crate::assembly_file::Assembly;
 use crate::bench::suite::{Part, SuiteResult, SuiteSettings, name, rows, run_suite};
@@ -23,8 +24,6 @@ const MOST_CHARGES: usize = 50_000;
 pub struct BenchArgs {
     /// Assembly file; left out, the program makes its own states.
     assembly: Option<PathBuf>,
-    #[command(flatten)]
-    conditions: ConditionArgs,
     /// Trial moves [default: 10000; without an assembly, as many as the direct sum makes in a few seconds].
     #[arg(long)]
     moves: Option<u64>,
@@ -34,12 +33,16 @@ pub struct BenchArgs {
     /// Only this table (repeat for several).
     #[arg(long, value_enum, conflicts_with = "assembly")]
     part: Vec<Part>,
-    /// Numbers of charges per body in the tables [default: 500,3000,10000].
+    /// Numbers of charges per body in the tables [default: 500,3000].
     #[arg(long, value_delimiter = ',', conflicts_with = "assembly")]
     charges: Vec<usize>,
     /// Seed of the random numbers, and of the program's own states.
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    #[command(flatten)]
+    conditions: ConditionArgs,
+    #[command(flatten)]
+    tables: TablesArgs,
 }
 
 impl BenchArgs {
@@ -63,7 +66,7 @@ impl BenchArgs {
             seed: self.seed,
             ..usual
         };
-        let result = bench(assembly, &settings, interaction)?;
+        let result = bench(assembly, &settings, interaction, self.tables.tables())?;
         if global.json {
             output::json(&result)?;
         } else {
@@ -92,7 +95,7 @@ impl BenchArgs {
         let bar = global.progress(rows(&settings) as u64, "bench");
         // A row counts when the next one begins.
         let begun = std::cell::Cell::new(0);
-        let result = run_suite(&settings, interaction, &interrupt, &|what| {
+        let result = run_suite(&settings, interaction, &self.tables.tables(), &interrupt, &|what| {
             bar.set_position(begun.replace(begun.get() + 1));
             bar.set_message(what.to_owned());
             global.explain(what);

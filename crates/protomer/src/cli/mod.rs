@@ -14,6 +14,7 @@ mod output;
 mod simulate;
 mod surface;
 mod sweep;
+mod tables;
 
 use crate::interrupt::Interrupt;
 use anyhow::{Context, Result, anyhow, bail};
