@@ -90,7 +90,7 @@ pub fn bench(
     tables: Arc<EnergyTables>,
 ) -> Result<BenchResult> {
     let start = process_seconds();
-    let engine = Engine::new(assembly)?.with_tables(tables);
+    let engine = Engine::new(assembly)?.with_tables(Arc::clone(&tables));
     let run = RunSettings { energy: settings.energy, ..RunSettings::default() };
     let system = engine.system()?;
     let bodies = system.len();
@@ -103,7 +103,7 @@ pub fn bench(
         ..engine.settings(&run, &interaction)?
     };
     let mut simulation = Simulation::with_model(system, mc, model, settings.seed, 0)?;
-    let memory_bytes = shapes + simulation.energy_memory_bytes();
+    let memory_bytes = shapes + simulation.energy_memory_bytes().max(tables.memory_bytes());
     let setup_seconds = process_seconds() - start;
     let mut watch = Stopwatch::default();
     let mut decisions = Vec::new();

@@ -57,6 +57,11 @@ impl EnergyTables {
         })
     }
 
+    /// Memory of the tables that are there now, bytes.
+    pub fn memory_bytes(&self) -> usize {
+        locked(&self.made).tables.values().map(|table| table.memory_bytes()).sum()
+    }
+
     fn table(&self, kind: &BodyType, yukawa: &Yukawa) -> Result<Arc<ChargeTable>> {
         let key = key(kind, yukawa);
         let making = Arc::clone(locked(&self.made).making.entry(key.clone()).or_default());

@@ -10,6 +10,7 @@ use protomer::energy_tables::EnergyTables;
 use protomer::interaction::{Interaction, Medium};
 use protomer::interrupt::Interrupt;
 use protomer::run::EnergyMode;
+use std::sync::OnceLock;
 
 /// Every table on small bodies.
 fn small() -> SuiteSettings {
@@ -26,12 +27,18 @@ fn small() -> SuiteSettings {
 }
 
 fn interaction() -> Interaction {
-    let medium = Medium { debye_length_angstrom: Some(9.6), cutoff_angstrom: Some(48.0), ..Medium::default() };
+    let medium = Medium { debye_length_angstrom: Some(9.6), cutoff_angstrom: Some(36.0), ..Medium::default() };
     medium.interaction(None).unwrap()
 }
 
+/// Shared by all tests, so that each table is made once.
+fn tables() -> &'static EnergyTables {
+    static TABLES: OnceLock<EnergyTables> = OnceLock::new();
+    TABLES.get_or_init(EnergyTables::default)
+}
+
 fn run(settings: &SuiteSettings) -> SuiteResult {
-    run_suite(settings, interaction(), &EnergyTables::default(), &Interrupt::default(), &|_| {}).unwrap()
+    run_suite(settings, interaction(), tables(), &Interrupt::default(), &|_| {}).unwrap()
 }
 
 /// What does not depend on the machine.
@@ -61,7 +68,7 @@ fn the_tables_are_complete_and_hang_together() {
     let settings = small();
     let begun = std::cell::RefCell::new(Vec::new());
     let begin = |what: &str| begun.borrow_mut().push(what.to_owned());
-    let result = run_suite(&settings, interaction(), &EnergyTables::default(), &Interrupt::default(), &begin).unwrap();
+    let result = run_suite(&settings, interaction(), tables(), &Interrupt::default(), &begin).unwrap();
     assert_eq!(begun.borrow().len(), rows(&settings));
     assert_eq!(result.parts.len(), settings.charges.len());
     for row in &result.parts {
@@ -91,7 +98,7 @@ fn an_interrupt_leaves_what_was_measured() {
             interrupt.request();
         }
     };
-    let result = run_suite(&small(), interaction(), &EnergyTables::default(), &interrupt, &begin).unwrap();
+    let result = run_suite(&small(), interaction(), tables(), &interrupt, &begin).unwrap();
     assert!(!result.complete);
     assert_eq!((result.charges.len(), result.bodies.len(), result.threads.len()), (2, 0, 0));
 }
@@ -128,6 +135,7 @@ fn an_assembly_gives_its_keys_and_equal_hashes() {
     }
     assert_eq!(direct["decisions_sha256"], certified["decisions_sha256"]);
     assert_ne!(direct["decisions_sha256"], none["decisions_sha256"]);
+    assert!(certified["memory_bytes"].as_u64() > direct["memory_bytes"].as_u64(), "the tables count");
 }
 
 #[test]
