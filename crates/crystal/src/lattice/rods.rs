@@ -165,6 +165,11 @@ impl RodSystem {
         self.factor.log_determinant()
     }
 
+    /// A factored, for its size.
+    pub fn factor(&self) -> &LdlFactor {
+        &self.factor
+    }
+
     /// J x for a vector over the squares.
     pub fn apply(&self, x: &[f64], out: &mut [f64]) {
         for ((rod, row), out) in self.rods.iter().zip(&self.rows).zip(out) {
