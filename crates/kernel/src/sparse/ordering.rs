@@ -104,24 +104,22 @@ fn sort(part: &mut [usize], axis: usize, places: &[[f64; 3]], ranks: &mut [u32])
 /// rank and up to the largest rank of its neighbours, so that sums of differences give the separators of all cuts at once.
 fn best_cut(part: &[usize], axis: usize, neighbours: &[Vec<usize>], ranks: &[u32]) -> Cut {
     let count = part.len();
-    let mut changes = [vec![0_i32; count + 2], vec![0_i32; count + 2]];
+    let mut changes = vec![[0_i32; 2]; count + 2];
     for (rank, unknown) in part.iter().enumerate() {
         let (mut low, mut high) = (rank, rank);
         for other in neighbours[*unknown].iter().map(|other| ranks[*other]).filter(|other| *other != OUTSIDE) {
             low = low.min(other as usize);
             high = high.max(other as usize);
         }
-        changes[0][rank + 1] += 1;
-        changes[0][high + 1] -= 1;
-        changes[1][low + 1] += 1;
-        changes[1][rank + 1] -= 1;
+        changes[rank + 1][0] += 1;
+        changes[high + 1][0] -= 1;
+        changes[low + 1][1] += 1;
+        changes[rank + 1][1] -= 1;
     }
     let mut best = Cut { axis, cut: count / 2, separator: count, far: false, price: f64::INFINITY };
     let mut sizes = [0_i32; 2];
-    for cut in 1..count {
-        for side in 0..2 {
-            sizes[side] += changes[side][cut];
-        }
+    for (cut, change) in changes.iter().enumerate().take(count).skip(1) {
+        sizes = [sizes[0] + change[0], sizes[1] + change[1]];
         let balance = cut.min(count - cut) as f64 / count as f64;
         if balance < SMALLEST_SIDE {
             continue;
