@@ -56,8 +56,7 @@ impl Dynamics {
     pub fn new(network: Arc<Network>, forces: Vec<Box<dyn Force>>, state: &State) -> Result<Self> {
         network.check()?;
         state.check(&network)?;
-        // The order of elimination must depend on the network alone, or a resumed run would round differently.
-        let rods = RodSystem::new(&network, &State::coherent(&network, std::f64::consts::FRAC_PI_4).positions);
+        let rods = RodSystem::new(&network);
         let (coordinates, count) = (state.positions.len(), rods.len());
         let mut dynamics = Self {
             network,
@@ -159,7 +158,7 @@ impl Dynamics {
             return Ok(());
         }
         let extent = self.base.iter().fold(1.0_f64, |extent, x| extent.max(x.abs()));
-        let tolerance = ROD_TOLERANCE + 2.0 * f64::EPSILON * extent;
+        let tolerance = ROD_TOLERANCE + 4.0 * f64::EPSILON * extent;
         let mut before = f64::INFINITY;
         for correction in 0..=MOST_CORRECTIONS {
             positions.copy_from_slice(&self.base);
