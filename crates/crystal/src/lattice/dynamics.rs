@@ -220,6 +220,13 @@ impl Dynamics {
         }
     }
 
+    /// Accelerations at the prepared state: of the forces alone, and with those of the rods (eq. 23 of the paper).
+    pub fn accelerations_into(&self, free: &mut [f64], total: &mut [f64]) {
+        free.copy_from_slice(&self.accelerations);
+        total.copy_from_slice(&self.accelerations);
+        self.rods.add_response(&self.start, 1.0, total);
+    }
+
     /// To be called after changing the velocities at the prepared state, as impacts do: what of them would change the
     /// lengths of the rods is taken out, and the next drift knows the rest.
     pub fn velocities_changed(&mut self, velocities: &mut [f64]) {

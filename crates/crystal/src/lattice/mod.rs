@@ -16,6 +16,7 @@
 //! | [`contact`] | who touches whom, and how |
 //! | [`collision`] | when bodies meet, and what follows |
 //! | [`engine`] | steps with collisions, event by event |
+//! | [`paper`] | collisions as the paper prescribes them, for comparison |
 //!
 //! The equations are those of Campos-Gonzalez-Angulo, Wiesehan, Ribeiro and Yuen-Zhou, "Computational method for
 //! highly-constrained molecular dynamics of rigid bodies: coarse-grained simulation of auxetic two-dimensional protein
@@ -27,6 +28,7 @@ pub mod dynamics;
 pub mod engine;
 pub mod force;
 pub mod network;
+pub mod paper;
 pub mod rods;
 pub mod state;
 
