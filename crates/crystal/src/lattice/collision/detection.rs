@@ -102,7 +102,8 @@ impl Watch {
                     let (across, share) = height(place(network, positions, striker));
                     // At the very end of a rod there is a corner, and that has contacts of its own.
                     let inside = (TOUCHING..1.0 - TOUCHING).contains(&share);
-                    if inside && (if left { across } else { -across }) <= TOUCHING {
+                    // Where only an end of the rod touches, corners may lie beyond its prolongation.
+                    if inside && across.abs() <= TOUCHING {
                         out.push(Contact::RodCorner { striker, rod, left, shift });
                     }
                 }
