@@ -22,6 +22,8 @@ const AT_REST: f64 = 1e-13;
 const IMPACTS_BEFORE_REST: usize = 4;
 /// A contact that closes again within this share of the rest of a step has not really opened.
 const AT_ONCE: f64 = 0.02;
+/// The smallest speed with which resting contacts are made to part; it doubles with every impact in a step.
+const LEAST_LIFT: f64 = 1e-9;
 /// A jam is reported after so many times the cap.
 const JAMMED: usize = 25;
 
@@ -237,7 +239,7 @@ impl Engine {
         let rests = if lossy { at_once || impacts > IMPACTS_BEFORE_REST } else { false };
         let capped = impacts > self.settings.most_impacts_per_step;
         if (rests || capped) && left > 0.0 {
-            return self.rest(network, state, &contacts, left);
+            return self.rest(network, state, &contacts, left, impacts);
         }
         // An impact may send a contact that was parting back together: it then takes part in the next one, at once.
         for _ in 0..self.settings.most_impacts_per_step.max(1) {
@@ -285,14 +287,21 @@ impl Engine {
 
     /// Holds contacts apart that would strike again and again. An impact takes what is left of their approach; how far
     /// they would sink into each other in the rest of the step tells the speed with which they must part so as not to.
-    fn rest(&mut self, network: &Network, state: &mut State, contacts: &[Contact], left: f64) -> Result<()> {
+    fn rest(
+        &mut self,
+        network: &Network,
+        state: &mut State,
+        contacts: &[Contact],
+        left: f64,
+        impacts: usize,
+    ) -> Result<()> {
         let restitution = if self.settings.restitution < 1.0 { 0.0 } else { 1.0 };
         let mut change = self.strike(network, state, contacts, restitution, Some(0.0));
         self.dynamics.drift(state, left, &mut self.next)?;
         let sunk = contacts.iter().map(|contact| -contact.gap(network, &self.next)).fold(0.0, f64::max);
-        if sunk > 0.0 {
-            change += self.strike(network, state, contacts, restitution, Some(1.5 * sunk / left));
-        }
+        // Contacts that sink only in between ask for more each time.
+        let least = LEAST_LIFT * f64::from(1 << impacts.min(20));
+        change += self.strike(network, state, contacts, restitution, Some(least.max(1.5 * sunk / left)));
         self.statistics.lifts += 1;
         self.statistics.lift_energy += change;
         Ok(())
