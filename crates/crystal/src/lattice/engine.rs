@@ -24,6 +24,9 @@ const IMPACTS_BEFORE_REST: usize = 4;
 const AT_ONCE: f64 = 0.02;
 /// The smallest speed with which resting contacts are made to part; it doubles with every impact in a step.
 const LEAST_LIFT: f64 = 1e-9;
+/// Rods longer than this, in half-diagonals, are obstacles by default. On random 10 x 10 lattices no corner met a rod up to
+/// r0 = 0.7 in 2000 steps of 0.005, and some did at 1.
+const BLOCKING_LENGTH: f64 = 0.5;
 /// A jam is reported after so many times the cap.
 const JAMMED: usize = 25;
 
@@ -34,7 +37,7 @@ pub struct CollisionSettings {
     /// e, 0 (no rebound) to 1 (elastic).
     pub restitution: f64,
     /// Whether rods are obstacles for corners and for the squares they hang on. By default they are where a rod is longer
-    /// than a side of its squares: then its far end leaves the side, and only the rod itself can stop it.
+    /// than half a half-diagonal: corners do not come between shorter ones.
     pub rods_block: Option<bool>,
     /// Impacts in one step after which the contacts of the rest of the step are held apart with a little speed of their own;
     /// such steps are counted.
@@ -107,7 +110,7 @@ impl Engine {
     ) -> Result<Self> {
         check_restitution(settings.restitution)?;
         let dynamics = Dynamics::new(network.clone(), forces, state)?;
-        let longer = |end: usize, length: f64| length > std::f64::consts::SQRT_2 * network.squares[end].half_diagonal;
+        let longer = |end: usize, length: f64| length > BLOCKING_LENGTH * network.squares[end].half_diagonal;
         let long =
             network.rods.iter().any(|rod| longer(rod.from.square, rod.length) || longer(rod.to.square, rod.length));
         let detector = Detector::new(&network, &state.positions, settings.rods_block.unwrap_or(long));
