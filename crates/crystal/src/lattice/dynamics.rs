@@ -222,6 +222,13 @@ impl Dynamics {
         }
     }
 
+    /// To be called after changing the velocities at the prepared state, as impacts do: what of them would change the
+    /// lengths of the rods is taken out, and the next drift knows the rest.
+    pub fn velocities_changed(&mut self, velocities: &mut [f64]) {
+        self.project_velocities(velocities);
+        self.prepare_velocities(velocities);
+    }
+
     /// One step without collisions.
     ///
     /// # Errors
