@@ -3,13 +3,14 @@
 #![allow(clippy::unwrap_used, clippy::print_stderr)]
 
 use protomer_crystal::Result;
-use protomer_crystal::analysis::lyapunov::{LyapunovSettings, RodFlow, maximal_exponent};
+use protomer_crystal::analysis::lyapunov::{CollisionFlow, LyapunovSettings, RodFlow, maximal_exponent};
 use protomer_crystal::analysis::modes::{ModeEnergies, Modes, OutOf, orientational_spread};
 use protomer_crystal::analysis::spread::FirstMaximum;
 use protomer_crystal::analysis::strain::{biot_strain, centres, corners, deformation_gradient, poisson_ratio};
 use protomer_crystal::analysis::synchronisation::{Synchronisation, angles, staggered};
 use protomer_crystal::lattice::{
-    AngularVelocities, Coherence, Corner, Dynamics, Edges, Force, Network, Rod, Square, Start, State,
+    AngularVelocities, Coherence, CollisionSettings, Corner, Dynamics, Edges, Engine, Force, Network, Rod, Square,
+    Start, State,
 };
 use std::f64::consts::{FRAC_PI_4, PI};
 use std::sync::Arc;
@@ -124,6 +125,26 @@ fn four_squares_on_rods_are_chaotic_however_it_is_measured() {
         let [a, b] = [found[0], (exponent, error)];
         assert!((a.0 - b.0).abs() <= 4.0 * a.1.hypot(b.1));
     }
+}
+
+/// Four squares that collide are chaotic too.
+#[test]
+fn colliding_squares_are_chaotic() {
+    let network = lattice(2, 0.5);
+    let velocities = AngularVelocities::Uniform { largest: 1.0, sum_of_squares: Some(4.0) };
+    let mut state = Start { velocities, seed: 4, ..Start::default() }.build(&network, 0).unwrap().state;
+    let flow = |state: &State| {
+        CollisionFlow::new(
+            Engine::new(network.clone(), Vec::new(), state, CollisionSettings::default()).unwrap(),
+            0.005,
+        )
+    };
+    let (mut first, mut second) = (flow(&state), flow(&state));
+    let settings = LyapunovSettings { interval: 0.25, discarded: 20, intervals: 400, ..LyapunovSettings::default() };
+    let found = maximal_exponent(&network, &mut first, &mut second, &mut state, &settings).unwrap();
+    eprintln!("{} ± {}, {:?}", found.exponent, found.standard_error, first.engine().statistics());
+    assert!(first.engine().statistics().impacts > 50);
+    assert!(found.exponent > 6.0 * found.standard_error);
 }
 
 /// Poisson's ratio of a lattice that only opens and closes is -1 from its trajectory, by either points.
