@@ -142,8 +142,7 @@ impl Dynamics {
         })
     }
 
-    /// Completes a change of velocities (a collision, friction, noise) at the prepared positions; they must obey the rods.
-    pub fn prepare_velocities(&mut self, velocities: &[f64]) {
+    fn prepare_velocities(&mut self, velocities: &[f64]) {
         self.rods.acceleration_deficit(velocities, &self.accelerations, &mut self.start);
         self.rods.solve(&mut self.start);
         self.sloped = false;
