@@ -228,37 +228,35 @@ def spread(values, digits=1):
 
 
 def tables(rows, lost, cpu):
-    starts = [start for start in ("fluid", "native") if any(row["start"] == start for row in rows)]
+    present = {(row["start"], row["salt"]) for row in rows}
+    runs = [(start, salt) for start in ("fluid", "native") for salt in SALTS if (start, salt) in present]
     print("\nLargest and mean cluster against sweeps (mean ± standard deviation of replicas)\n")
-    for start in starts:
-        for salt in SALTS:
-            sweeps, largest = series(rows, start, salt, "largest_cluster")
-            _, mean = series(rows, start, salt, "mean_cluster")
-            used = np.array([seconds for key, seconds in cpu.items() if key[:2] == (start, salt)])
-            chosen = sorted({round(part * (len(sweeps) - 1)) for part in (0, 0.25, 0.5, 0.75, 1)})
-            cells = [f"{sweeps[k]}: {spread(largest[:, k])}; {spread(mean[:, k])}" for k in chosen]
-            print(f"| {start} {salt} | " + " | ".join(cells) + f" | {spread(used)} |")
+    for start, salt in runs:
+        sweeps, largest = series(rows, start, salt, "largest_cluster")
+        _, mean = series(rows, start, salt, "mean_cluster")
+        used = np.array([seconds for key, seconds in cpu.items() if key[:2] == (start, salt)])
+        chosen = sorted({round(part * (len(sweeps) - 1)) for part in (0, 0.25, 0.5, 0.75, 1)})
+        cells = [f"{sweeps[k]}: {spread(largest[:, k])}; {spread(mean[:, k])}" for k in chosen]
+        print(f"| {start} {salt} | " + " | ".join(cells) + f" | {spread(used)} |")
     print("\nLast quarter (mean over frames of each replica, then mean ± standard deviation of replicas)\n")
     keys = ["largest_cluster", "mean_cluster", "unlike_contacts", "plus_plus_contacts", "minus_minus_contacts",
             "native_like", "native_like_by_chance", "like_any_of_five", "like_any_by_chance", "energy_kT"]
     print("| start | " + " | ".join(keys) + " |")
-    for start in starts:
-        for salt in SALTS:
-            cells = []
-            for key in keys:
-                sweeps, values = series(rows, start, salt, key)
-                late = np.nanmean(values[:, sweeps >= 0.75 * sweeps[-1]], axis=1)
-                cells.append(spread(late, 3 if key.endswith("by_chance") else 1))
-            print(f"| {start} {salt} | " + " | ".join(cells) + " |")
+    for start, salt in runs:
+        cells = []
+        for key in keys:
+            sweeps, values = series(rows, start, salt, key)
+            late = np.nanmean(values[:, sweeps >= 0.75 * sweeps[-1]], axis=1)
+            cells.append(spread(late, 3 if key.endswith("by_chance") else 1))
+        print(f"| {start} {salt} | " + " | ".join(cells) + " |")
     print(f"\nContacts from sweep {LATE_SWEEP} on that are there 500 and 2000 sweeps later as well\n")
-    for start in starts:
-        for salt in SALTS:
-            cells = []
-            for lag in LAGS:
-                kept = [(k, n) for s, c, _, g, k, n in lost if (s, c, g) == (start, salt, lag)]
-                total = sum(n for _, n in kept)
-                cells.append(f"{sum(k for k, _ in kept) / total:.2f} of {total}" if total else "none")
-            print(f"| {start} {salt} | " + " | ".join(cells) + " |")
+    for start, salt in runs:
+        cells = []
+        for lag in LAGS:
+            kept = [(k, n) for s, c, _, g, k, n in lost if (s, c, g) == (start, salt, lag)]
+            total = sum(n for _, n in kept)
+            cells.append(f"{sum(k for k, _ in kept) / total:.2f} of {total}" if total else "none")
+        print(f"| {start} {salt} | " + " | ".join(cells) + " |")
     print(f"\nCPU-seconds in all: {sum(cpu.values()):.0f}")
 
 
