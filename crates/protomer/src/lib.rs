@@ -10,6 +10,7 @@
 //! | [`ingest`], [`own_body`], [`body_file`] | bodies from structures, bodies of one's own, bodies on the disk |
 //! | [`surface_of_file`] | the solvent-excluded surface alone |
 //! | [`assemble`], [`assembly_file`] | assemblies made and read |
+//! | [`fluid`] | bodies at random places in a box |
 //! | [`interaction`] | salt, temperature, permittivity to a Yukawa potential |
 //! | [`inspect`] | one state looked at |
 //! | [`run`] | one simulation in its directory |
@@ -32,6 +33,7 @@ pub mod cpu_time;
 pub mod disk_cache;
 pub mod energy_tables;
 pub mod fetch;
+pub mod fluid;
 pub mod ingest;
 pub mod input;
 pub mod inspect;
