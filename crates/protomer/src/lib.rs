@@ -16,6 +16,8 @@
 //! | [`sweep`], [`sweep_table`], [`sweep_figure`] | many simulations, one table, one figure |
 //! | [`compare`] | several sweeps in one figure |
 //! | [`mod@bench`], [`cpu_time`] | trial moves per CPU-second |
+//! | [`energy_tables`] | tables of certified energies, shared and bounded in memory |
+//! | [`disk_cache`] | what takes long to make, kept for the next run |
 //! | [`quantity`], [`keys`], [`interrupt`], [`plot`] | what several of them need |
 //! | `cli` | the command line, one file per verb (feature `cli`) |
 
@@ -27,6 +29,8 @@ pub mod body_file;
 pub mod cli;
 pub mod compare;
 pub mod cpu_time;
+pub mod disk_cache;
+pub mod energy_tables;
 pub mod fetch;
 pub mod ingest;
 pub mod input;

@@ -62,7 +62,7 @@ impl Dynamics {
     pub fn new(network: Arc<Network>, forces: Vec<Box<dyn Force>>, state: &State) -> Result<Self> {
         network.check()?;
         state.check(&network)?;
-        let rods = RodSystem::new(&network, &state.positions);
+        let rods = RodSystem::new(&network);
         let (coordinates, count) = (state.positions.len(), rods.len());
         let mut dynamics = Self {
             network,
@@ -172,7 +172,7 @@ impl Dynamics {
             return Ok(());
         }
         let extent = self.base.iter().fold(1.0_f64, |extent, x| extent.max(x.abs()));
-        let tolerance = ROD_TOLERANCE + 2.0 * f64::EPSILON * extent;
+        let tolerance = ROD_TOLERANCE + 4.0 * f64::EPSILON * extent;
         let mut before = f64::INFINITY;
         for correction in 0..=MOST_CORRECTIONS {
             positions.copy_from_slice(&self.base);

@@ -219,7 +219,7 @@ impl PaperEngine {
                 if (at(middle) < 0.0) == (begin < 0.0) { low = middle } else { high = middle }
             }
             let landing = ansatz.land(high);
-            let mut rods = RodSystem::new(network, &state.positions);
+            let mut rods = RodSystem::new(network);
             let mut sigma = vec![0.0; rods.len()];
             let (rod, sigma) = rods.violations(&landing.positions, &mut sigma);
             // σ = (|Δ|² - r0²) / 2 r0.
