@@ -119,3 +119,25 @@ pub(crate) fn interpolate(part: &[f64; 3], mut corner: impl FnMut(usize, usize, 
     }
     sum
 }
+
+/// Interpolation by cubic polynomials through four points along each axis, for a cell that has all its neighbours.
+pub(crate) fn interpolate_cubically(part: &[f64; 3], mut point: impl FnMut(usize, usize, usize) -> f64) -> f64 {
+    // Lagrange's weights for points at -1, 0, 1, 2.
+    let weights = part.map(|t| {
+        [
+            -t * (t - 1.0) * (t - 2.0) / 6.0,
+            (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
+            -(t + 1.0) * t * (t - 2.0) / 2.0,
+            (t + 1.0) * t * (t - 1.0) / 6.0,
+        ]
+    });
+    let mut sum = 0.0;
+    for (dk, wk) in weights[2].iter().enumerate() {
+        for (dj, wj) in weights[1].iter().enumerate() {
+            for (di, wi) in weights[0].iter().enumerate() {
+                sum += wi * wj * wk * point(di, dj, dk);
+            }
+        }
+    }
+    sum
+}

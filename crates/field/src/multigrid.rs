@@ -43,10 +43,6 @@ impl Multigrid {
         Self { levels }
     }
 
-    pub fn memory_bytes(&self) -> usize {
-        self.levels.iter().map(|level| level.operator.memory_bytes() + 16 * level.operator.len()).sum()
-    }
-
     /// out ≈ A⁻¹ r.
     pub fn apply(&mut self, r: &[f64], out: &mut [f64]) {
         self.levels[0].right.par_iter_mut().zip(r).for_each(|(right, r)| *right = *r as f32);

@@ -131,9 +131,4 @@ impl Operator {
                 .multiply_subtract(T::from_f32(down[i]), xd[i]);
         }
     }
-
-    /// Bytes held.
-    pub fn memory_bytes(&self) -> usize {
-        20 * self.len()
-    }
 }

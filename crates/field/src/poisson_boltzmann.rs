@@ -14,7 +14,7 @@
 use crate::conjugate_gradient;
 use crate::debye_huckel::Superposition;
 use crate::dielectric::{DielectricMap, LARGEST_SPACING_ANGSTROM};
-use crate::grid::{Grid, ScalarField, interpolate};
+use crate::grid::{Grid, ScalarField, interpolate, interpolate_cubically};
 use crate::operator::Operator;
 use crate::{FieldError, Result};
 use protomer_body::surface::{Arrangement, ImplicitSolid, SesSolid};
@@ -229,7 +229,7 @@ fn solve_on(
     let operator = Operator::new(grid.shape, edges, mass);
     let charges: Vec<ChargedSphere> = spheres.iter().copied().filter(|sphere| sphere.charge_e != 0.0).collect();
     let coulomb = medium.vacuum_bjerrum_angstrom() / inner;
-    let right = sources(&grid, &operator, &inside, &charges, coulomb, inner as f32);
+    let right = sources(&grid, &operator, &inside, &charges, coulomb, medium);
     let mut reduced = faces(&grid, boundary);
     let iterations = solve_with_faces(&operator, right, &mut reduced, settings.relative_tolerance)?;
     let mut potential = Potential {
@@ -283,81 +283,111 @@ fn solve_with_faces(operator: &Operator, mut right: Vec<f64>, x: &mut [f64], tol
     Ok(iterations)
 }
 
-/// The right-hand side: what taking φ_C out of the inside leaves on edges that are not wholly inside,
+/// An edge from a point inside to one outside.
+struct Crossing {
+    inside: usize,
+    outside: usize,
+    permittivity: f64,
+    /// Where the surface is, from the inner end, 0 to 1.
+    part: f64,
+    place: Vec3,
+    /// From the inner to the outer end.
+    direction: Vec3,
+}
+
+/// The right-hand side. On an edge of length h from i inside to j outside that meets the surface at Γ, a part t of the way,
+/// u + φ_C and φ agree at Γ, and so do their fluxes. With the series permittivity ε and φ_C' the slope of φ_C along the edge
+/// at Γ, that makes the flux h⁻¹ ε (φ_j - u_i - φ_C + t h φ_C') outside and by ε_in φ_C' less inside:
 ///
-/// i inside: Σ_j [ε_in (φ_C,i - φ_C,j) - ε_ij (φ_C,i - s_j φ_C,j)] - k_i φ_C,i,   i outside: Σ_j ε_ij s_j φ_C,j,
+/// b_i = -ε φ_C + h φ_C' (t ε - ε_in),   b_j = ε (φ_C - t h φ_C').
 ///
-/// with s = 1 inside and 0 outside.
+/// Where ions reach into the box of a point inside, they see u + φ_C there: b_i -= k φ_C.
 fn sources(
     grid: &Grid,
     operator: &Operator,
     inside: &[bool],
     charges: &[ChargedSphere],
     coulomb: f64,
-    inner: f32,
+    medium: &Medium,
 ) -> Vec<f64> {
-    let strides = grid.strides();
-    let edge_to = |i: usize, axis: usize, up: bool| {
-        if up {
-            (operator.edges[axis][i], i + strides[axis])
-        } else {
-            (operator.edges[axis][i - strides[axis]], i - strides[axis])
-        }
-    };
-    let neighbours = |i: usize| (0..3).flat_map(move |axis| [edge_to(i, axis, true), edge_to(i, axis, false)]);
-    // Where φ_C is needed: both ends of edges that begin inside and are not wholly there.
-    let mut needed = vec![false; grid.len()];
-    let [nx, ny, nz] = grid.shape;
-    for k in 1..nz - 1 {
-        for j in 1..ny - 1 {
-            for i in 1..nx - 1 {
-                let at = grid.index(i, j, k);
-                if !inside[at] {
-                    continue;
-                }
-                needed[at] |= operator.mass[at] > 0.0;
-                for (permittivity, other) in neighbours(at) {
-                    if permittivity != inner || !inside[other] {
-                        (needed[at], needed[other]) = (true, true);
-                    }
-                }
-            }
-        }
-    }
-    let mut potential = vec![0.0; grid.len()];
-    potential.par_chunks_mut(nx * ny).enumerate().for_each(|(k, plane)| {
-        for (n, value) in plane.iter_mut().enumerate() {
-            if needed[k * nx * ny + n] {
-                *value = coulomb_at(charges, coulomb, &grid.point(n % nx, n / nx, k));
-            }
-        }
-    });
+    let (inner, outer) = (medium.inner_permittivity, medium.conditions.relative_permittivity);
+    let h = grid.spacing_angstrom;
+    let contributions: Vec<(Crossing, f64, f64)> = crossings(grid, operator, inside, inner, outer)
+        .into_par_iter()
+        .map(|crossing| {
+            let (value, gradient) = coulomb_with_gradient(charges, coulomb, &crossing.place);
+            let slope = h * gradient.dot(&crossing.direction);
+            let (permittivity, part) = (crossing.permittivity, crossing.part);
+            let to_inside = -permittivity * value + slope * (part * permittivity - inner);
+            let to_outside = permittivity * (value - part * slope);
+            (crossing, to_inside, to_outside)
+        })
+        .collect();
     let mut right = vec![0.0; grid.len()];
+    for (crossing, to_inside, to_outside) in contributions {
+        right[crossing.inside] += to_inside;
+        right[crossing.outside] += to_outside;
+    }
+    let [nx, ny, _] = grid.shape;
     operator.inner_rows(&mut right, |row, start| {
         for (offset, b) in row.iter_mut().enumerate() {
             let at = start + offset;
-            if inside[at] {
-                if !needed[at] {
-                    continue;
-                }
-                *b -= f64::from(operator.mass[at]) * potential[at];
-                for (permittivity, other) in neighbours(at) {
-                    if permittivity != inner || !inside[other] {
-                        let kept = if inside[other] { potential[other] } else { 0.0 };
-                        *b += f64::from(inner) * (potential[at] - potential[other])
-                            - f64::from(permittivity) * (potential[at] - kept);
-                    }
-                }
-            } else {
-                for (permittivity, other) in neighbours(at) {
-                    if inside[other] {
-                        *b += f64::from(permittivity) * potential[other];
-                    }
-                }
+            if inside[at] && operator.mass[at] > 0.0 {
+                let place = grid.point(at % nx, at / nx % ny, at / (nx * ny));
+                *b -= f64::from(operator.mass[at]) * coulomb_at(charges, coulomb, &place);
             }
         }
     });
     right
+}
+
+/// All edges that cross the surface. Where along an edge it is follows from the edge's permittivity.
+fn crossings(grid: &Grid, operator: &Operator, inside: &[bool], inner: f64, outer: f64) -> Vec<Crossing> {
+    let (h, strides) = (grid.spacing_angstrom, grid.strides());
+    let [nx, ny, nz] = grid.shape;
+    let planes: Vec<Vec<Crossing>> = (1..nz - 1)
+        .into_par_iter()
+        .map(|k| {
+            let mut found = Vec::new();
+            for j in 1..ny - 1 {
+                for i in 1..nx - 1 {
+                    let at = grid.index(i, j, k);
+                    for axis in 0..3 {
+                        let other = at + strides[axis];
+                        if inside[at] == inside[other] {
+                            continue;
+                        }
+                        let permittivity = f64::from(operator.edges[axis][at]);
+                        let contrast = 1.0 / inner - 1.0 / outer;
+                        let part =
+                            if contrast.abs() < 1e-12 { 0.5 } else { (1.0 / permittivity - 1.0 / outer) / contrast };
+                        let part = part.clamp(0.0, 1.0);
+                        let (mut place, mut direction) = (grid.point(i, j, k), Vec3::zeros());
+                        let (ends, along, sign) =
+                            if inside[at] { ((at, other), part, 1.0) } else { ((other, at), 1.0 - part, -1.0) };
+                        place[axis] += h * along;
+                        direction[axis] = sign;
+                        found.push(Crossing { inside: ends.0, outside: ends.1, permittivity, part, place, direction });
+                    }
+                }
+            }
+            found
+        })
+        .collect();
+    planes.into_iter().flatten().collect()
+}
+
+/// φ_C, kT/e, and its gradient, kT/e/Å.
+fn coulomb_with_gradient(charges: &[ChargedSphere], coulomb: f64, place: &Vec3) -> (f64, Vec3) {
+    let (mut value, mut gradient) = (0.0, Vec3::zeros());
+    for charge in charges {
+        let offset = place - charge.centre;
+        let inverse = 1.0 / offset.norm().max(1e-3);
+        let one = coulomb * charge.charge_e * inverse;
+        value += one;
+        gradient -= offset * (one * inverse * inverse);
+    }
+    (value, gradient)
 }
 
 /// φ_C, kT/e.
@@ -409,10 +439,15 @@ impl Potential {
         &self.reduced.grid
     }
 
-    /// The reaction field φ - φ_C at a place, kT/e: trilinear.
+    /// The reaction field φ - φ_C at a place, kT/e: cubic deep inside, trilinear near the surface.
     fn reaction_at(&self, place: &Vec3) -> f64 {
         let grid = &self.reduced.grid;
         let Some((cell, part)) = grid.locate(place) else { return 0.0 };
+        let has_neighbours = (0..3).all(|axis| cell[axis] > 0 && cell[axis] + 2 < grid.shape[axis]);
+        let index = |di: usize, dj: usize, dk: usize| grid.index(cell[0] + di - 1, cell[1] + dj - 1, cell[2] + dk - 1);
+        if has_neighbours && (0..64).all(|n| self.inside[index(n & 3, n >> 2 & 3, n >> 4)]) {
+            return interpolate_cubically(&part, |di, dj, dk| self.reduced.values[index(di, dj, dk)]);
+        }
         interpolate(&part, |di, dj, dk| {
             let [i, j, k] = [cell[0] + di, cell[1] + dj, cell[2] + dk];
             let at = grid.index(i, j, k);
