@@ -11,6 +11,7 @@
 //! | [`surface_of_file`] | the solvent-excluded surface alone |
 //! | [`assemble`], [`assembly_file`] | assemblies made and read |
 //! | [`fluid`] | bodies at random places in a box |
+//! | [`potential`] | the electrostatic potential around a structure |
 //! | [`interaction`] | salt, temperature, permittivity to a Yukawa potential |
 //! | [`inspect`] | one state looked at |
 //! | [`run`] | one simulation in its directory |
@@ -42,6 +43,7 @@ pub mod interrupt;
 pub mod keys;
 pub mod own_body;
 pub mod plot;
+pub mod potential;
 pub mod quantity;
 pub mod run;
 pub mod surface_of_file;

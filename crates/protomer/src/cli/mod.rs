@@ -11,6 +11,7 @@ mod ingest;
 mod inspect;
 mod medium;
 mod output;
+mod potential;
 mod simulate;
 mod surface;
 mod sweep;
@@ -64,6 +65,7 @@ enum Verb {
     Ingest(ingest::IngestArgs),
     Fetch(fetch::FetchArgs),
     Surface(surface::SurfaceArgs),
+    Potential(potential::PotentialArgs),
     Body(body::BodyArgs),
     Assemble(assemble::AssembleArgs),
     Candidates(candidates::CandidatesArgs),
@@ -112,6 +114,7 @@ impl Verb {
             Verb::Ingest(args) => args.run(global),
             Verb::Fetch(args) => args.run(global),
             Verb::Surface(args) => args.run(global),
+            Verb::Potential(args) => args.run(global),
             Verb::Body(args) => args.run(global),
             Verb::Assemble(args) => args.run(global),
             Verb::Candidates(args) => args.run(global),
