@@ -14,6 +14,7 @@
 //! | [`inspect`] | one state looked at |
 //! | [`run`] | one simulation in its directory |
 //! | [`sweep`], [`sweep_table`], [`sweep_figure`] | many simulations, one table, one figure |
+//! | [`framework`] | networks of rods and hinges: elastic constants, loads, figures |
 //! | [`compare`] | several sweeps in one figure |
 //! | [`mod@bench`], [`cpu_time`] | trial moves per CPU-second |
 //! | [`quantity`], [`keys`], [`interrupt`], [`plot`] | what several of them need |
@@ -28,6 +29,7 @@ pub mod cli;
 pub mod compare;
 pub mod cpu_time;
 pub mod fetch;
+pub mod framework;
 pub mod ingest;
 pub mod input;
 pub mod inspect;

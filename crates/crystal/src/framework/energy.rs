@@ -238,6 +238,21 @@ impl NetworkEnergy {
         self.entries = entries;
     }
 
+    /// The network with the rest lengths and angles written out that are otherwise those it is built with, so that its nodes
+    /// and cell can be moved without changing its energy as a function of them.
+    pub fn with_rests(&self, framework: &Framework) -> Framework {
+        let mut fixed = framework.clone();
+        let mut rests = self.terms.iter().map(|term| match term.kind {
+            // The side is that on which it is built.
+            Kind::PlaneHinge => term.rest.abs(),
+            _ => term.rest,
+        });
+        fixed.rods.iter_mut().for_each(|rod| rod.rest_length_angstrom = rests.next());
+        fixed.hinges.iter_mut().for_each(|hinge| hinge.rest_angle_rad = rests.next());
+        fixed.torsions.iter_mut().for_each(|torsion| torsion.rest_angle_rad = rests.next());
+        fixed
+    }
+
     /// Number of dimensions.
     pub fn dimension(&self) -> usize {
         self.dimension
