@@ -54,8 +54,8 @@ pub struct AxialModuli {
 }
 
 impl AxialModuli {
-    /// The stiffness in the order yy, zz, yz, GPa; `None` where a strain costs nothing (ν_12 ν_21 = 1), as when a honeycomb
-    /// only hinges or only stretches.
+    /// The stiffness in the order yy, zz, yz, GPa; `None` where it has no end (ν_12 ν_21 = 1), as when a honeycomb only
+    /// hinges: one freedom cannot make two strains.
     pub fn stiffness_gpa(&self) -> Option<[[f64; 3]; 3]> {
         let left = 1.0 - self.nu_yz * self.nu_zy;
         let coupled = self.nu_zy * self.e_y_gpa / left;

@@ -154,7 +154,9 @@ fn minimise_from(
             }
         }
     }
-    Err(CrystalError::BadState(format!("no minimum is found in {MOST_STEPS} steps; load the network in smaller steps")))
+    Err(CrystalError::BadState(format!(
+        "no minimum is found in {MOST_STEPS} steps; load the network in smaller steps, or see whether a mechanism gives way"
+    )))
 }
 
 fn newton_factor(energy: &NetworkEnergy, at: &Configuration) -> LdlFactor {

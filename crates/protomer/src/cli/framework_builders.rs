@@ -28,6 +28,7 @@ pub(super) enum Builder {
 
 /// Hexagonal honeycomb: ribs h along z, ribs l at the angle theta to them; re-entrant below 90 degrees.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Network")]
 pub(super) struct HoneycombArgs {
     /// Length of the ribs along z, Å.
     #[arg(long, default_value = "2A", value_parser = length, allow_hyphen_values = true)]
@@ -39,14 +40,15 @@ pub(super) struct HoneycombArgs {
     #[arg(long, allow_negative_numbers = true)]
     theta: f64,
     /// Stiffness of each hinge between an h and an l rib, kcal/mol/rad².
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     kh: f64,
     /// Stiffness of each rib, kcal/mol/Å².
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     ks: f64,
 }
 
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Network")]
 pub(super) struct PolygonArgs {
     /// Side of a polygon, Å.
     #[arg(long, default_value = "1A", value_parser = length, allow_hyphen_values = true)]
@@ -55,15 +57,16 @@ pub(super) struct PolygonArgs {
     #[arg(long, allow_negative_numbers = true)]
     angle: f64,
     /// Stiffness of the rods that keep a polygon in shape, kcal/mol/Å².
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     ks: f64,
     /// Stiffness of the hinges between neighbouring rods, kcal/mol/rad².
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     kh: f64,
 }
 
 /// Arrowheads: long ribs at the outer and short ribs at the inner angle to z.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Network")]
 pub(super) struct ArrowheadArgs {
     /// Extent of a cell along y, Å.
     #[arg(long, default_value = "2A", value_parser = length, allow_hyphen_values = true)]
@@ -75,15 +78,16 @@ pub(super) struct ArrowheadArgs {
     #[arg(long, allow_negative_numbers = true)]
     inner: f64,
     /// Stiffness of each rib, kcal/mol/Å².
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     ks: f64,
     /// Stiffness of each hinge, kcal/mol/rad².
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     kh: f64,
 }
 
 /// The lattice of squares whose corners are joined by rods.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Network")]
 pub(super) struct RodLatticeArgs {
     /// Half-diagonal of a square, Å.
     #[arg(long, default_value = "1A", value_parser = length, allow_hyphen_values = true)]
@@ -95,38 +99,40 @@ pub(super) struct RodLatticeArgs {
     #[arg(long, allow_negative_numbers = true)]
     angle: f64,
     /// Stiffness of the rods that keep a square in shape, kcal/mol/Å².
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     square_ks: f64,
     /// Stiffness of the rods between squares, kcal/mol/Å².
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     ks: f64,
     /// Stiffness of each hinge, kcal/mol/rad².
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     kh: f64,
 }
 
 /// Face-centred cubic net of nearest-neighbour rods.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Network")]
 pub(super) struct FccArgs {
     /// Edge of the cubic cell, Å.
     #[arg(long, default_value = "1A", value_parser = length, allow_hyphen_values = true)]
     edge: f64,
     /// Stiffness of each rod, kcal/mol/Å².
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     ks: f64,
 }
 
 /// Diamond net of nearest-neighbour rods, hinged between all rods at a node.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Network")]
 pub(super) struct DiamondArgs {
     /// Edge of the cubic cell, Å.
     #[arg(long, default_value = "1A", value_parser = length, allow_hyphen_values = true)]
     edge: f64,
     /// Stiffness of each rod, kcal/mol/Å².
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     ks: f64,
     /// Stiffness of each hinge, kcal/mol/rad².
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     kh: f64,
 }
 

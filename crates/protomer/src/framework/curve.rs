@@ -1,6 +1,7 @@
 //! A network under growing loads along one axis.
 
 use super::axes;
+use super::report::rounded;
 use anyhow::{Result, bail};
 use protomer_crystal::framework::load::{Loaded, stretch_curve};
 use protomer_crystal::framework::{Framework, Load, StressKind};
@@ -145,7 +146,7 @@ impl Curve {
         let mut rows = vec![table.columns().to_vec()];
         rows.extend(table.rows().iter().map(|row| {
             let show = |cell: &protomer_io::csv::Cell| match cell {
-                protomer_io::csv::Cell::Number(value) => format!("{:.5}", value + 0.0),
+                protomer_io::csv::Cell::Number(value) => rounded(*value, 5),
                 _ => String::new(),
             };
             row.iter().map(show).collect::<Vec<String>>()

@@ -37,13 +37,20 @@ pub fn svg(title: &str, unloaded: &Framework, loaded: Option<LoadedNetwork>) -> 
     let before = Patch::new(unloaded, &counts);
     let after = loaded.map(|loaded| Patch::new(loaded.network, &counts));
     let patches = || [Some(&before), after.as_ref()].into_iter().flatten();
-    let mut half = [0.0_f64; 2];
+    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     for point in patches().flat_map(|patch| patch.lines.iter().flatten()) {
-        half = [half[0].max(point[0].abs()), half[1].max(point[1].abs())];
+        for axis in 0..2 {
+            (low[axis], high[axis]) = (low[axis].min(point[axis]), high[axis].max(point[axis]));
+        }
     }
+    let centre = [0, 1].map(|axis| 0.5 * (low[axis] + high[axis]));
+    let half = [0, 1].map(|axis| 0.5 * (high[axis] - low[axis]));
     let room = [0.5 * WIDTH - MARGIN, 0.5 * (HEIGHT - HEAD) - MARGIN];
     let scale = (0..2).map(|i| room[i] / half[i].max(1e-9)).fold(f64::INFINITY, f64::min);
-    let place = |point: &[f64; 2]| [0.5 * WIDTH + scale * point[0], HEAD + 0.5 * (HEIGHT - HEAD) - scale * point[1]];
+    let place = |point: &[f64; 2]| {
+        let [x, y] = [scale * (point[0] - centre[0]), scale * (point[1] - centre[1])];
+        [0.5 * WIDTH + x, HEAD + 0.5 * (HEIGHT - HEAD) - y]
+    };
     let mut text = format!(
         "<svg width=\"{WIDTH}\" height=\"{HEIGHT}\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" xmlns=\"http://www.w3.org/2000/svg\" \
          font-family=\"DejaVu Sans, sans-serif\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n<text x=\"{MARGIN}\" \
@@ -83,7 +90,7 @@ fn cell_counts(network: &Framework) -> Vec<usize> {
     counts
 }
 
-/// Rods of several cells as lines of the drawing plane, about the middle of their nodes.
+/// Rods of several cells as lines of the drawing plane, about the middle of their ends.
 struct Patch {
     lines: Vec<[[f64; 2]; 2]>,
 }
@@ -117,18 +124,13 @@ impl Patch {
             })
             .collect();
         let mut lines = Vec::new();
-        let (mut middle, mut nodes) = ([0.0; 2], 0.0);
         for cell in &cells {
-            for node in 0..network.nodes_angstrom.len() {
-                let place = at(&Neighbour::here(node), cell);
-                middle = [middle[0] + place[0], middle[1] + place[1]];
-                nodes += 1.0;
-            }
             for rod in &network.rods {
                 lines.push([at(&Neighbour::here(rod.from), cell), at(&rod.to, cell)]);
             }
         }
-        middle = middle.map(|x| x / nodes);
+        let ends = 2.0 * lines.len() as f64;
+        let middle = [0, 1].map(|axis| lines.iter().flatten().map(|point: &[f64; 2]| point[axis]).sum::<f64>() / ends);
         for point in lines.iter_mut().flatten() {
             *point = [point[0] - middle[0], point[1] - middle[1]];
         }

@@ -50,7 +50,7 @@ pub struct Report {
     pub dimension: usize,
     /// Names of the components of strain and stress, in the order of all matrices; shear strains are engineering strains.
     pub strain_order: Vec<&'static str>,
-    /// Numbers of nodes, rods, hinges and torsions.
+    /// Nodes.
     pub nodes: usize,
     /// Rods.
     pub rods: usize,
@@ -132,7 +132,7 @@ pub struct AnalyticModuli {
     /// On the axes.
     #[serde(flatten)]
     pub axial: AxialModuli,
-    /// Stiffness, GPa; null where a strain costs nothing.
+    /// Stiffness, GPa; null where it has no end.
     pub c_gpa: Option<[[f64; 3]; 3]>,
 }
 
@@ -354,10 +354,14 @@ fn label(key: &str) -> String {
 }
 
 fn number(value: Option<f64>) -> String {
-    value.map_or_else(
-        || "-".into(),
-        |value| if value.abs() < 10.0 { format!("{value:.5}") } else { format!("{value:.3}") },
-    )
+    match value {
+        None => "-".into(),
+        Some(value) if value.abs() < 10.0 => rounded(value, 5),
+        Some(value) if value.abs() < 1e7 => format!("{value:.3}"),
+        // What cannot yield at all.
+        Some(value) if value.abs() > 1e20 => "unlimited".into(),
+        Some(value) => format!("{value:.3e}"),
+    }
 }
 
 fn percent(fraction: f64) -> String {
@@ -366,6 +370,14 @@ fn percent(fraction: f64) -> String {
 }
 
 fn fixed(values: &[f64], decimals: usize) -> String {
-    // Adding zero turns -0 into 0.
-    values.iter().map(|x| format!("{:.decimals$}", x + 0.0)).collect::<Vec<_>>().join(", ")
+    values.iter().map(|x| rounded(*x, decimals)).collect::<Vec<_>>().join(", ")
+}
+
+/// A number with so many decimals; what rounds to zero has no sign.
+pub(super) fn rounded(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(size) if size.bytes().all(|byte| b"0.".contains(&byte)) => size.to_owned(),
+        _ => text,
+    }
 }
