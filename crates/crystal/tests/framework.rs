@@ -90,9 +90,9 @@ fn compliances_add() {
         assert!((-s[(0, 1)] / s[(1, 1)] / both.nu_zy - 1.0).abs() < 1e-9);
         assert!((1.0 / s[(2, 2)] / both.g_yz_gpa - 1.0).abs() < 1e-9);
         let stiffness = both.stiffness_gpa().unwrap();
-        for i in 0..3 {
-            for j in 0..3 {
-                let error = elasticity.stiffness[(i, j)] - stiffness[i][j];
+        for (i, row) in stiffness.iter().enumerate() {
+            for (j, expected) in row.iter().enumerate() {
+                let error = elasticity.stiffness[(i, j)] - expected;
                 assert!(error.abs() < 1e-9 * elasticity.stiffness.amax(), "{theta} {i} {j}: {error:e}");
             }
         }

@@ -117,6 +117,9 @@ impl FrameworkArgs {
 
     fn analyse(&self, network: &Framework, name: &str, global: &Global) -> Result<Outcome> {
         let args = &self.analysis;
+        if args.derivatives && !global.json && args.output.is_none() {
+            bail!("--derivatives go into the JSON; add --json or -o DIR");
+        }
         let settings = args.settings()?;
         let (placed, mut report) = analyse(network, name, &settings)?;
         if let (Some(Builder::Honeycomb(honeycomb)), None) = (&self.builder, settings.relax) {

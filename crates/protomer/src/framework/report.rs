@@ -165,8 +165,11 @@ pub fn analyse(network: &Framework, name: &str, settings: &Settings) -> Result<(
     };
     let placed = at.place(&fixed);
     let derivatives = energy.derivatives(&at);
-    let hint =
-        if settings.relax.is_none() { "--relax finds the minimum first" } else { "the relaxed network is unstable" };
+    let hint = if settings.relax.is_none() {
+        "elastic constants are those of a network at rest; add --relax"
+    } else {
+        "the relaxed network has no elastic constants"
+    };
     let elasticity = Elasticity::at(network, &energy, &at).context(hint)?;
     let dimension = placed.dimension();
     let printed = settings.derivatives.then(|| print_derivatives(&energy, &at, &derivatives)).transpose()?;
