@@ -185,6 +185,31 @@ fn a_mechanism_yields_only_to_loads_that_drive_it() {
     assert!((directions[1].poissons.unwrap() - 1.0).abs() < 1e-12, "{directions:?}");
 }
 
+/// A turned network is turned back, and only turned.
+#[test]
+fn rotations_are_taken_out() {
+    for net in [build::rotating_triangles(2.0, 0.3, 5.0, 2.0).unwrap(), tetrahedral_chain()] {
+        let (energy, start) = (NetworkEnergy::new(&net).unwrap(), Configuration::built(&net));
+        let dimension = net.dimension();
+        let mut strained = shaken(&net, 0.05, 2);
+        strained = strained.without_rotation(&start);
+        let mut turned = strained.clone();
+        let (sine, cosine) = 0.4_f64.sin_cos();
+        let turn = |v: &mut [f64]| (v[0], v[1]) = (cosine * v[0] - sine * v[1], sine * v[0] + cosine * v[1]);
+        turned.nodes_angstrom.chunks_exact_mut(dimension).for_each(turn);
+        turned.cell_angstrom.iter_mut().for_each(|v| turn(v));
+        assert!((energy.energy(&turned) / energy.energy(&strained) - 1.0).abs() < 1e-9);
+        let back = turned.without_rotation(&start);
+        let pairs = back.nodes_angstrom.iter().zip(&strained.nodes_angstrom);
+        let cells = back.cell_angstrom.iter().flatten().zip(strained.cell_angstrom.iter().flatten());
+        assert!(pairs.chain(cells).all(|(a, b)| (a - b).abs() < 1e-12));
+        // A pure strain has nothing to take out.
+        let pure = shaken(&net, 0.0, 3);
+        let same = pure.without_rotation(&start);
+        assert!(same.nodes_angstrom.iter().zip(&pure.nodes_angstrom).all(|(a, b)| (a - b).abs() < 1e-12));
+    }
+}
+
 /// Rest lengths and angles written out leave the energy as it was, wherever nodes and cell are then put.
 #[test]
 fn rests_written_out_change_nothing() {

@@ -161,7 +161,10 @@ pub fn analyse(network: &Framework, name: &str, settings: &Settings) -> Result<(
     let fixed = energy.with_rests(network);
     let at = match settings.relax {
         None => Configuration::built(network),
-        Some(relax) => minimise(&fixed, relax == Relax::FreeCell, None)?.configuration,
+        Some(relax) => {
+            let relaxed = minimise(&fixed, relax == Relax::FreeCell, None)?.configuration;
+            relaxed.without_rotation(&Configuration::built(network))
+        }
     };
     let placed = at.place(&fixed);
     let derivatives = energy.derivatives(&at);
@@ -312,7 +315,7 @@ impl Report {
             let largest = c.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
             // What is zero but for rounding is shown as zero.
             let tidy = |x: f64| if x.abs() < 1e-9 * largest { 0.0 } else { x };
-            let line = |row: &Vec<f64>| row.iter().map(|x| format!("{:>14.4}", tidy(*x))).collect::<String>();
+            let line = |row: &Vec<f64>| row.iter().map(|x| format!("{:>14}", rounded(tidy(*x), 4))).collect::<String>();
             c.iter().map(line).collect::<Vec<_>>().join("\n")
         };
         let order = self.strain_order.join(", ");
