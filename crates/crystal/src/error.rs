@@ -49,6 +49,36 @@ pub enum CrystalError {
         /// A step that should do.
         suggested_time_step: f64,
     },
+    /// Bodies that overlap.
+    #[error(
+        "{first} and {second} overlap by {depth:e} at t = {time}; start from a state without overlaps, or take a smaller \
+         time step"
+    )]
+    Overlap {
+        /// One body.
+        first: String,
+        /// The other.
+        second: String,
+        /// How deep.
+        depth: f64,
+        /// Time.
+        time: f64,
+    },
+    /// Impacts without end.
+    #[error(
+        "{events} impacts in the step from t = {time} and no end ({first} and {second} at last): the bodies are jammed; \
+         take a smaller time step or start from a looser state"
+    )]
+    Jammed {
+        /// Impacts in the step.
+        events: usize,
+        /// One body.
+        first: String,
+        /// The other.
+        second: String,
+        /// Time at the start of the step.
+        time: f64,
+    },
     /// A number that is not finite.
     #[error("square {square} has a position or velocity that is not finite at t = {time}")]
     NotFinite {
