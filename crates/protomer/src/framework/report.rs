@@ -159,12 +159,11 @@ pub fn analyse(network: &Framework, name: &str, settings: &Settings) -> Result<(
     let gpa = gpa_per_kcal_mol_angstrom3(settings.avogadro_per_mol);
     let energy = NetworkEnergy::new(network)?;
     let fixed = energy.with_rests(network);
+    let built = Configuration::built(network);
     let at = match settings.relax {
-        None => Configuration::built(network),
-        Some(relax) => {
-            let relaxed = minimise(&fixed, relax == Relax::FreeCell, None)?.configuration;
-            relaxed.without_rotation(&Configuration::built(network))
-        }
+        None => built,
+        Some(Relax::FixedCell) => minimise(&fixed, false, None)?.configuration,
+        Some(Relax::FreeCell) => minimise(&fixed, true, None)?.configuration.without_rotation(&built),
     };
     let placed = at.place(&fixed);
     let derivatives = energy.derivatives(&at);
