@@ -416,6 +416,7 @@ fn broken_networks_are_refused_with_the_reason() {
     refuse(&|net| net.cell_angstrom[1] = net.cell_angstrom[0].clone(), "collapsed");
     refuse(&|net| net.rods[2].to.node = 9, "names node 9");
     refuse(&|net| net.rods[2].to.image = vec![1], "whole numbers");
+    refuse(&|net| net.rods[2].to.image = vec![i32::MIN, 0], "far enough");
     refuse(&|net| net.rods[2].stiffness_kcal_mol_angstrom2 = -1.0, "zero or positive");
     refuse(&|net| net.nodes_angstrom[0][0] = f64::NAN, "node 0");
     refuse(&|net| net.cell_angstrom.clear(), "2 or 3 dimensions");

@@ -17,6 +17,9 @@ use std::path::PathBuf;
 const BUILDERS: [&str; 8] =
     ["honeycomb", "rotating-squares", "rotating-triangles", "arrowhead", "rod-lattice", "fcc", "diamond", "tables"];
 
+/// More nodes than can be analysed in reasonable time and memory.
+const MOST_NODES: usize = 1_000_000;
+
 /// Elastic constants, mechanisms and deformation of a periodic network of rods and hinges: one that is built from a few
 /// numbers, or one of your own in a TOML file (--write shows what that looks like).
 #[derive(Debug, Args)]
@@ -106,7 +109,12 @@ impl FrameworkArgs {
             network.thickness_angstrom = thickness;
         }
         if let Some(cells) = &self.analysis.cells {
-            network = network.supercell(&cell_counts(cells, network.dimension())?)?;
+            let counts = cell_counts(cells, network.dimension())?;
+            let nodes = counts.iter().try_fold(network.nodes_angstrom.len(), |nodes, count| nodes.checked_mul(*count));
+            if nodes.is_none_or(|nodes| nodes > MOST_NODES) {
+                bail!("--cells {cells} makes more than {MOST_NODES} nodes; ask for fewer cells");
+            }
+            network = network.supercell(&counts)?;
         }
         if let Some(path) = &self.analysis.write {
             directory::write_one(path, &network_file::to_toml(&network, &name), global.force)?;

@@ -93,7 +93,7 @@ pub fn write(folder: &Path, files: &[NamedFile], force: bool) -> Result<()> {
 /// Writes one file.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_one(path: &Path, text: &str, force: bool) -> Result<()> {
     refuse_to_overwrite(path, force)?;
     Ok(write_atomically(path, |file| file.write_all(text.as_bytes()))?)
