@@ -16,6 +16,7 @@
 //! | [`inspect`] | one state looked at |
 //! | [`run`] | one simulation in its directory |
 //! | [`sweep`], [`sweep_table`], [`sweep_figure`] | many simulations, one table, one figure |
+//! | [`framework`] | networks of rods and hinges: elastic constants, loads, figures |
 //! | [`compare`] | several sweeps in one figure |
 //! | [`mod@bench`], [`cpu_time`] | trial moves per CPU-second |
 //! | [`energy_tables`] | tables of certified energies, shared and bounded in memory |
@@ -35,6 +36,7 @@ pub mod disk_cache;
 pub mod energy_tables;
 pub mod fetch;
 pub mod fluid;
+pub mod framework;
 pub mod ingest;
 pub mod input;
 pub mod inspect;

@@ -6,6 +6,8 @@ mod body;
 mod candidates;
 mod compare;
 mod fetch;
+mod framework;
+mod framework_builders;
 mod generate;
 mod ingest;
 mod inspect;
@@ -70,6 +72,7 @@ enum Verb {
     Assemble(assemble::AssembleArgs),
     Candidates(candidates::CandidatesArgs),
     Compare(compare::CompareArgs),
+    Framework(framework::FrameworkArgs),
     Inspect(inspect::InspectArgs),
     Simulate(simulate::SimulateArgs),
     Sweep(sweep::SweepArgs),
@@ -91,7 +94,7 @@ pub enum Outcome {
 
 /// Parses the command line and runs the verb. Exit codes: 0 done, 1 error, 2 usage, 3 stopped early and resumable.
 pub fn run() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = Cli::try_parse().unwrap_or_else(|error| framework::explain_usage(error).exit());
     let start = Instant::now();
     let outcome = cli.verb.run(&cli.global);
     cli.global.explain(&format!("{:.2} s", start.elapsed().as_secs_f64()));
@@ -119,6 +122,7 @@ impl Verb {
             Verb::Assemble(args) => args.run(global),
             Verb::Candidates(args) => args.run(global),
             Verb::Compare(args) => args.run(global),
+            Verb::Framework(args) => args.run(global),
             Verb::Inspect(args) => args.run(global),
             Verb::Simulate(args) => args.run(global),
             Verb::Sweep(args) => args.run(global),
