@@ -15,6 +15,7 @@
 //! | [`run`] | one simulation in its directory |
 //! | [`sweep`], [`sweep_table`], [`sweep_figure`] | many simulations, one table, one figure |
 //! | [`compare`] | several sweeps in one figure |
+//! | [`lattice`] | lattices of rigid squares: runs, sweeps, pictures |
 //! | [`mod@bench`], [`cpu_time`] | trial moves per CPU-second |
 //! | [`quantity`], [`keys`], [`interrupt`], [`plot`] | what several of them need |
 //! | `cli` | the command line, one file per verb (feature `cli`) |
@@ -34,6 +35,7 @@ pub mod inspect;
 pub mod interaction;
 pub mod interrupt;
 pub mod keys;
+pub mod lattice;
 pub mod own_body;
 pub mod plot;
 pub mod quantity;

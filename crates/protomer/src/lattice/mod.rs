@@ -1,0 +1,28 @@
+//! Lattices of rigid squares on the disk: settings, run directories, sweeps, pictures.
+//!
+//! ```text
+//! LatticeSettings --start--> network, state --run--> directory (log, trajectory, checkpoint) --animation--> page
+//! SweepSettings --sweep--> one directory per run --> tables and figures
+//! ```
+//!
+//! | module | one idea |
+//! |---|---|
+//! | [`settings`] | what a run is asked to do |
+//! | [`start`] | from settings to a network, a state, a time step |
+//! | [`mover`] | one step of a run, whatever moves it |
+//! | [`log`], [`trajectory`], [`directory`] | what a run writes |
+//! | [`run`] | one run in its directory |
+//! | [`replay`] | a state from a file, followed to the first contact and through it |
+//! | [`mod@bench`] | steps per CPU-second |
+//! | [`animation`] | the page that plays a run |
+//! | [`square_of_body`] | the square that stands for a body |
+
+pub mod bench;
+pub mod directory;
+pub mod log;
+pub mod mover;
+pub mod replay;
+pub mod run;
+pub mod settings;
+pub mod start;
+pub mod trajectory;
