@@ -4,7 +4,7 @@
 //! and the rest of the step goes on from the new velocities. Steps of an engine therefore end where the caller wants them, and
 //! each sub-step is one of [`Dynamics`]: rods are exact throughout.
 
-use super::collision::detection::{Detector, Meeting, Watch, overlap};
+use super::collision::detection::{Detector, Meeting, overlap};
 use super::collision::replay::check_restitution;
 use super::collision::response::impact;
 use super::contact::{Contact, Row, TOUCHING, without_repetitions};
@@ -20,6 +20,8 @@ use std::sync::Arc;
 const AT_REST: f64 = 1e-13;
 /// After so many impacts in one step, lossy contacts are taken to rest on each other.
 const IMPACTS_BEFORE_REST: usize = 4;
+/// A contact that closes again within this share of the rest of a step has not really opened.
+const AT_ONCE: f64 = 0.02;
 /// A jam is reported after so many times the cap.
 const JAMMED: usize = 25;
 
@@ -231,40 +233,22 @@ impl Engine {
         }
         let contacts = without_repetitions(&self.detector.touching(network, &state.positions));
         let lossy = self.settings.restitution < 1.0;
-        let rest_after = if lossy { IMPACTS_BEFORE_REST } else { self.settings.most_impacts_per_step };
-        let lift = (impacts > rest_after && left > 0.0).then(|| self.lift(network, meeting.watch, left));
+        let at_once = impacts > 1 && meeting.time < AT_ONCE * (meeting.time + left);
+        let rests = if lossy { at_once || impacts > IMPACTS_BEFORE_REST } else { false };
+        let capped = impacts > self.settings.most_impacts_per_step;
+        if (rests || capped) && left > 0.0 {
+            return self.rest(network, state, &contacts, left);
+        }
         // An impact may send a contact that was parting back together: it then takes part in the next one, at once.
         for _ in 0..self.settings.most_impacts_per_step.max(1) {
-            let limit = if lift.is_some() { f64::INFINITY } else { AT_REST };
-            let touching: Vec<(Contact, Row)> = contacts
-                .iter()
-                .map(|contact| (*contact, contact.row(network, &state.positions)))
-                .filter(|(_, row)| row.dot(&state.velocities) <= limit)
-                .collect();
-            let rows: Vec<Row> = touching.iter().map(|(_, row)| *row).collect();
-            if lift.is_none() && !rows.iter().any(|row| row.dot(&state.velocities) < -AT_REST) {
+            let approaching: Vec<Contact> =
+                contacts.iter().filter(|contact| rate(contact, network, state) <= AT_REST).copied().collect();
+            if !approaching.iter().any(|contact| rate(contact, network, state) < -AT_REST) {
                 break;
             }
             let energy = state.kinetic_energy(network);
-            let e = if lift.is_some() && lossy { 0.0 } else { self.settings.restitution };
-            let result = impact(network, self.dynamics.rods(), &mut state.velocities, &rows, e, lift);
-            self.dynamics.velocities_changed(&mut state.velocities);
+            let change = self.strike(network, state, &approaching, self.settings.restitution, None);
             let statistics = &mut self.statistics;
-            statistics.impacts += 1;
-            statistics.relaxed += u64::from(!result.exact);
-            for ((contact, _), impulse) in touching.iter().zip(&result.impulses).filter(|(_, impulse)| **impulse > 0.0)
-            {
-                statistics.contacts += 1;
-                let with_rod = matches!(contact, Contact::RodCorner { .. } | Contact::RodStop { .. });
-                statistics.rod_contacts += u64::from(with_rod);
-                statistics.impulse += impulse;
-            }
-            let change = state.kinetic_energy(network) - energy;
-            if lift.is_some() {
-                statistics.lifts += 1;
-                statistics.lift_energy += change;
-                break;
-            }
             statistics.impact_energy += change;
             if !lossy {
                 statistics.largest_relative_energy_change =
@@ -274,11 +258,44 @@ impl Engine {
         Ok(())
     }
 
-    /// The speed that keeps a resting contact apart for the rest of the step: its acceleration times the time.
-    fn lift(&mut self, network: &Network, watch: Watch, left: f64) -> f64 {
-        // `next` was overwritten on the way to the contact; the free path from here tells how fast it closes.
-        let sunk = watch.gap(network, &self.next).min(0.0).abs();
-        2.0 * sunk / left + TOUCHING / left.max(TOUCHING)
+    /// One impact; returns the change of the kinetic energy.
+    fn strike(
+        &mut self,
+        network: &Network,
+        state: &mut State,
+        contacts: &[Contact],
+        restitution: f64,
+        lift: Option<f64>,
+    ) -> f64 {
+        let energy = state.kinetic_energy(network);
+        let rows: Vec<Row> = contacts.iter().map(|contact| contact.row(network, &state.positions)).collect();
+        let result = impact(network, self.dynamics.rods(), &mut state.velocities, &rows, restitution, lift);
+        self.dynamics.velocities_changed(&mut state.velocities);
+        let statistics = &mut self.statistics;
+        statistics.impacts += 1;
+        statistics.relaxed += u64::from(!result.exact);
+        for (contact, impulse) in contacts.iter().zip(&result.impulses).filter(|(_, impulse)| **impulse > 0.0) {
+            statistics.contacts += 1;
+            let with_rod = matches!(contact, Contact::RodCorner { .. } | Contact::RodStop { .. });
+            statistics.rod_contacts += u64::from(with_rod);
+            statistics.impulse += impulse;
+        }
+        state.kinetic_energy(network) - energy
+    }
+
+    /// Holds contacts apart that would strike again and again. An impact takes what is left of their approach; how far
+    /// they would sink into each other in the rest of the step tells the speed with which they must part so as not to.
+    fn rest(&mut self, network: &Network, state: &mut State, contacts: &[Contact], left: f64) -> Result<()> {
+        let restitution = if self.settings.restitution < 1.0 { 0.0 } else { 1.0 };
+        let mut change = self.strike(network, state, contacts, restitution, Some(0.0));
+        self.dynamics.drift(state, left, &mut self.next)?;
+        let sunk = contacts.iter().map(|contact| -contact.gap(network, &self.next)).fold(0.0, f64::max);
+        if sunk > 0.0 {
+            change += self.strike(network, state, contacts, restitution, Some(1.5 * sunk / left));
+        }
+        self.statistics.lifts += 1;
+        self.statistics.lift_energy += change;
+        Ok(())
     }
 
     fn measure(&mut self, state: &State) {
@@ -290,4 +307,8 @@ impl Engine {
         statistics.largest_rod_violation = statistics.largest_rod_violation.max(violation.abs());
         statistics.largest_rod_rate = statistics.largest_rod_rate.max(rate);
     }
+}
+
+fn rate(contact: &Contact, network: &Network, state: &State) -> f64 {
+    contact.row(network, &state.positions).dot(&state.velocities)
 }

@@ -192,7 +192,11 @@ impl Path<'_> {
             let (bend, v) = (self.bend(p), &self.velocities[3 * p..3 * p + 3]);
             let centre =
                 (v[0] * v[0] + v[1] * v[1]).sqrt() * self.length + (bend[0] * bend[0] + bend[1] * bend[1]).sqrt();
-            farthest = farthest.max(centre + square.half_diagonal * (v[2].abs() * self.length + bend[2].abs()));
+            let travel = centre + square.half_diagonal * (v[2].abs() * self.length + bend[2].abs());
+            if travel.is_nan() {
+                return travel;
+            }
+            farthest = farthest.max(travel);
         }
         farthest
     }
@@ -272,13 +276,14 @@ impl Path<'_> {
 #[derive(Debug, Clone)]
 pub struct Detector {
     candidates: Candidates,
+    skin: f64,
     rods_block: bool,
     stops: Vec<Watch>,
     /// For every pair, then every stop.
     due: Vec<f64>,
     travelled: f64,
-    /// The watches that can have met in the last step looked at.
-    hot: Vec<Watch>,
+    /// The watches that can have met in the last step looked at, and whether they touched at its start.
+    hot: Vec<(Watch, bool)>,
     /// Those whose path had a root: time, rate.
     roots: Vec<(Watch, f64, f64)>,
 }
@@ -296,7 +301,8 @@ impl Detector {
     /// For a network at these positions. With `rods_block`, rods are obstacles for corners and for the squares they hang on.
     pub fn new(network: &Network, positions: &[f64], rods_block: bool) -> Self {
         let half_diagonal = network.squares.iter().map(|square| square.half_diagonal).fold(0.0, f64::max);
-        let candidates = Candidates::new(network, positions, SKIN * half_diagonal, rods_block);
+        let skin = SKIN * half_diagonal;
+        let candidates = Candidates::new(network, positions, skin, rods_block);
         let mut stops = Vec::new();
         for (rod, ends) in network.rods.iter().enumerate().filter(|_| rods_block) {
             // A shorter rod's far end meets the side itself.
@@ -307,7 +313,7 @@ impl Detector {
             }
         }
         let due = vec![0.0; candidates.pairs().len() + stops.len()];
-        Self { candidates, rods_block, stops, due, travelled: 0.0, hot: Vec::new(), roots: Vec::new() }
+        Self { candidates, skin, rods_block, stops, due, travelled: 0.0, hot: Vec::new(), roots: Vec::new() }
     }
 
     /// Whether rods are obstacles.
@@ -326,8 +332,8 @@ impl Detector {
     }
 
     /// The watches that may be closed in the step last looked at.
-    pub fn hot(&self) -> &[Watch] {
-        &self.hot
+    pub fn hot(&self) -> impl Iterator<Item = &Watch> {
+        self.hot.iter().map(|(watch, _)| watch)
     }
 
     /// Refreshes the candidates and forgets what is due: for positions that did not come from a step.
@@ -354,7 +360,7 @@ impl Detector {
     /// listed from either side.
     pub fn touching(&self, network: &Network, positions: &[f64]) -> Vec<Contact> {
         let mut contacts = Vec::new();
-        for watch in &self.hot {
+        for (watch, _) in &self.hot {
             if watch.gap(network, positions) <= TOUCHING {
                 watch.contacts(network, positions, &mut contacts);
             }
@@ -366,19 +372,13 @@ impl Detector {
     fn scan(&mut self, network: &Network, state: &State, next: &[f64], step: f64) -> Result<()> {
         let path = Path { positions: &state.positions, velocities: &state.velocities, next, length: step };
         let travel = path.travel(network);
-        let mut listed_late = false;
-        if !self.candidates.holds(&state.positions, travel) {
-            self.reset(network, &state.positions);
-            listed_late = 2.0 * travel >= SKIN;
+        if !travel.is_finite() {
+            return Err(CrystalError::NotFinite { square: 0, time: state.time });
         }
-        if listed_late || !travel.is_finite() {
-            return Err(CrystalError::StepTooLarge {
-                time: state.time,
-                time_step: step,
-                rod: 0,
-                violation: travel,
-                suggested_time_step: 0.1 * SKIN / travel * step,
-            });
+        if !self.candidates.holds(&state.positions, travel) {
+            // Free squares may be fast: the list then reaches farther.
+            self.candidates.set_skin(self.skin.max(2.5 * travel));
+            self.reset(network, &state.positions);
         }
         self.hot.clear();
         self.roots.clear();
@@ -398,12 +398,12 @@ impl Detector {
                     (watch, 1.0 + length)
                 }
             };
-            let gap = watch.gap(network, &state.positions) / lever;
-            *due = now + gap;
+            let gap = watch.gap(network, &state.positions);
+            *due = now + gap / lever;
             if *due > self.travelled {
                 continue;
             }
-            self.hot.push(watch);
+            self.hot.push((watch, gap <= TOUCHING));
             match path.march(network, &watch) {
                 End::Free => {}
                 End::Root { time, rate } => self.roots.push((watch, time, rate)),
@@ -442,10 +442,11 @@ impl Detector {
         for newton_step in 0..=MOST_NEWTON_STEPS {
             dynamics.drift(state, time, positions)?;
             let mut gap = f64::INFINITY;
-            for (other, at, _) in &self.roots {
-                // What touches at the start and parts is not asked before its own time.
-                let value = if *at <= time + 1e-6 * step { other.gap(&network, positions) } else { f64::INFINITY };
-                if value < gap {
+            for (other, touched) in &self.hot {
+                let value = other.gap(&network, positions);
+                // What touched at the start and parts is no contact; it may come back, or the path may have been wrong.
+                let comes_back = || self.roots.iter().any(|(root, at, _)| root == other && time >= 0.5 * at);
+                if value < gap && (!touched || value < -2.0 * ROOT || comes_back()) {
                     (gap, watch) = (value, *other);
                 }
             }

@@ -70,6 +70,11 @@ impl Candidates {
             })
     }
 
+    /// Width of the skin from the next list on.
+    pub fn set_skin(&mut self, skin: f64) {
+        self.skin = skin;
+    }
+
     /// Makes the list anew.
     pub fn rebuild(&mut self, network: &Network, positions: &[f64]) {
         self.rebuilds += 1;
