@@ -56,7 +56,8 @@ impl Dynamics {
     pub fn new(network: Arc<Network>, forces: Vec<Box<dyn Force>>, state: &State) -> Result<Self> {
         network.check()?;
         state.check(&network)?;
-        let rods = RodSystem::new(&network, &state.positions);
+        // The order of elimination must depend on the network alone, or a resumed run would round differently.
+        let rods = RodSystem::new(&network, &State::coherent(&network, std::f64::consts::FRAC_PI_4).positions);
         let (coordinates, count) = (state.positions.len(), rods.len());
         let mut dynamics = Self {
             network,
@@ -136,7 +137,8 @@ impl Dynamics {
         })
     }
 
-    fn prepare_velocities(&mut self, velocities: &[f64]) {
+    /// Completes a change of velocities (a collision, friction, noise) at the prepared positions; they must obey the rods.
+    pub fn prepare_velocities(&mut self, velocities: &[f64]) {
         self.rods.acceleration_deficit(velocities, &self.accelerations, &mut self.start);
         self.rods.solve(&mut self.start);
     }

@@ -13,9 +13,13 @@
 //! | [`rods`] | the rods as constraints: lengths, gradients, J M⁻¹ Jᵀ |
 //! | [`force`] | accelerations beyond those of the rods |
 //! | [`dynamics`] | one step in time |
-//! | [`contact`] | who touches whom, and how |
 //! | [`collision`] | when bodies meet, and what follows |
+//! | [`contact`] | who touches whom, and how |
+//! | [`drag`] | linear friction |
 //! | [`engine`] | steps with collisions, event by event |
+//! | [`pair`] | screened charges on the squares |
+//! | [`start`] | starting states, and how to bring positions and velocities onto the rods |
+//! | [`thermostat`] | Langevin dynamics at a temperature |
 //!
 //! The equations are those of Campos-Gonzalez-Angulo, Wiesehan, Ribeiro and Yuen-Zhou, "Computational method for
 //! highly-constrained molecular dynamics of rigid bodies: coarse-grained simulation of auxetic two-dimensional protein
@@ -23,16 +27,24 @@
 
 pub mod collision;
 pub mod contact;
+pub mod drag;
 pub mod dynamics;
 pub mod engine;
 pub mod force;
 pub mod network;
+pub mod pair;
 pub mod rods;
+pub mod start;
 pub mod state;
+pub mod thermostat;
 
 pub use contact::Contact;
+pub use drag::Drag;
 pub use dynamics::Dynamics;
 pub use engine::{CollisionSettings, CollisionStatistics, Engine};
 pub use force::{Coherence, Force};
 pub use network::{Corner, Edges, Network, Rod, Square};
+pub use pair::ScreenedCharges;
+pub use start::{AngularVelocities, Start, Started};
 pub use state::State;
+pub use thermostat::Langevin;

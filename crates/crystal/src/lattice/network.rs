@@ -33,6 +33,13 @@ pub struct Corner {
     pub vertex: u8,
 }
 
+impl Corner {
+    /// From the centre of a square of half-diagonal 1 at θ = 0 to this corner.
+    pub fn direction(self) -> [f64; 2] {
+        corner_direction(self.vertex)
+    }
+}
+
 /// A massless rigid rod between two corners.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
