@@ -17,7 +17,7 @@ fn lattice(size: usize, rod_length: f64) -> Arc<Network> {
 }
 
 fn one_square() -> Network {
-    Network { rows: 1, columns: 1, squares: vec![Square::default()], rods: Vec::new(), cell: None }
+    Network { rows: 1, columns: 1, squares: vec![Square::default()], rods: Vec::new(), cell: None, places: None }
 }
 
 /// The cat map, (x, y) → (2x + y, x + y) mod 1, has λ = ln((3 + √5)/2) everywhere.

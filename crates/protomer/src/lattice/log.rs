@@ -1,8 +1,9 @@
 //! `log.csv`: what a run looks like from step to step.
 
 use super::mover::Mover;
-use super::start::spread;
 use anyhow::{Context, Result, bail};
+use protomer_crystal::analysis::modes::{ModeEnergies, Modes, OutOf, orientational_spread};
+use protomer_crystal::analysis::strain::{biot_strain, corners, deformation_gradient};
 use protomer_crystal::lattice::{Network, State};
 use std::path::Path;
 
@@ -21,18 +22,28 @@ pub struct LogRow {
     pub energy: f64,
     /// ⟨θ⟩₀, the mean orientation.
     pub uniform: f64,
-    /// ⟨θ⟩₁, the mean of (-1)^(i+j) θ.
+    /// ⟨θ⟩₁, the amplitude of (-1)^(i+j).
     pub checkerboard: f64,
+    /// Amplitude of (-1)^j.
+    pub vertical: f64,
+    /// Amplitude of (-1)^i.
+    pub horizontal: f64,
     /// Share of the checkerboard mode in the rotational energy, without that of the uniform mode; NaN where nothing turns.
     pub checkerboard_fraction: f64,
-    /// Standard deviation of (-1)^(i+j) θ over the squares.
+    /// The same of the energy as a whole.
+    pub checkerboard_fraction_of_total: f64,
+    /// Standard deviation of the angles about the coherent state.
     pub angle_spread: f64,
-    /// Strain along x since the start.
+    /// Strain along x since the start, from the corners of all squares.
     pub strain_xx: f64,
     /// Strain along y since the start.
     pub strain_yy: f64,
     /// Shear since the start.
     pub strain_xy: f64,
+    /// Strain along x since the last row.
+    pub step_strain_xx: f64,
+    /// Strain along y since the last row.
+    pub step_strain_yy: f64,
     /// Largest deviation of a rod from its length.
     pub rod_violation: f64,
     /// Collisions so far.
@@ -47,18 +58,23 @@ macro_rules! columns {
 }
 
 /// The columns between `step` and `events`.
-const NUMBERS: [Column; 12] = columns![
+const NUMBERS: [Column; 17] = columns![
     time,
     kinetic_energy,
     potential_energy,
     energy,
     uniform,
     checkerboard,
+    vertical,
+    horizontal,
     checkerboard_fraction,
+    checkerboard_fraction_of_total,
     angle_spread,
     strain_xx,
     strain_yy,
     strain_xy,
+    step_strain_xx,
+    step_strain_yy,
     rod_violation
 ];
 
@@ -69,26 +85,34 @@ pub fn columns() -> Vec<&'static str> {
 }
 
 impl LogRow {
-    /// What there is to say of a state; strains are against `start`.
-    pub fn new(step: u64, mover: &mut Mover, state: &State, start: &State) -> Self {
+    /// What there is to say of a state; strains are against the positions of the start and of the last row.
+    pub fn new(step: u64, mover: &mut Mover, state: &State, start: &[f64], last: &[f64]) -> Self {
         let network = mover.network().clone();
-        let kinetic_energy = state.kinetic_energy(&network);
         let potential_energy = mover.potential_energy();
-        let [strain_xx, strain_yy, strain_xy] = strain(start, state);
-        let [uniform, checkerboard] = modes(&network, &state.positions);
+        let kinetic_energy = state.kinetic_energy(&network);
+        let modes = Modes::of(&network, &state.positions);
+        let energies = ModeEnergies::of(&network, state);
+        let fraction = |out_of| energies.checkerboard_fraction(out_of, potential_energy).unwrap_or(f64::NAN);
+        let [strain_xx, strain_yy, strain_xy] = strain(&network, start, &state.positions);
+        let [step_strain_xx, step_strain_yy, _] = strain(&network, last, &state.positions);
         Self {
             step,
             time: state.time,
             kinetic_energy,
             potential_energy,
             energy: kinetic_energy + potential_energy,
-            uniform,
-            checkerboard,
-            checkerboard_fraction: checkerboard_fraction(&network, state),
-            angle_spread: spread(&network, state),
+            uniform: modes.uniform,
+            checkerboard: modes.checkerboard,
+            vertical: modes.vertical,
+            horizontal: modes.horizontal,
+            checkerboard_fraction: fraction(OutOf::Rotational),
+            checkerboard_fraction_of_total: fraction(OutOf::Total),
+            angle_spread: orientational_spread(&network, &state.positions),
             strain_xx,
             strain_yy,
             strain_xy,
+            step_strain_xx,
+            step_strain_yy,
             rod_violation: mover.rod_violation(state),
             events: mover.events(),
         }
@@ -128,47 +152,15 @@ pub fn read_log(path: &Path) -> Result<Vec<LogRow>> {
     Ok(rows)
 }
 
-/// Means over the squares of x₃ and of (-1)^(i+j) x₃.
-fn modes(network: &Network, x: &[f64]) -> [f64; 2] {
-    let count = network.squares.len() as f64;
-    let thirds = || x.iter().skip(2).step_by(3).enumerate();
-    let uniform = thirds().map(|(_, x)| x).sum::<f64>() / count;
-    let checkerboard = thirds().map(|(p, x)| network.sign(p) * x).sum::<f64>() / count;
-    [uniform, checkerboard]
-}
-
-/// n ⟨ω⟩₁² / (Σ ω² - n ⟨ω⟩₀²): modes of equal inertia are orthogonal, so their energies add up.
-fn checkerboard_fraction(network: &Network, state: &State) -> f64 {
-    let count = network.squares.len() as f64;
-    let [uniform, checkerboard] = modes(network, &state.velocities);
-    let total: f64 = state.velocities.iter().skip(2).step_by(3).map(|omega| omega * omega).sum();
-    let without_uniform = total - count * uniform * uniform;
-    if without_uniform > 1e-14 * total { count * checkerboard * checkerboard / without_uniform } else { f64::NAN }
-}
-
-/// (Fᵀ F)^½ - 1 of the deformation gradient F that takes the centres from one state to another with the least squares of
-/// error; xx, yy, xy.
-fn strain(from: &State, to: &State) -> [f64; 3] {
-    use nalgebra::{Matrix2, SymmetricEigen, Vector2};
-    let centre = |state: &State| {
-        let count = (state.positions.len() / 3) as f64;
-        let sum = state.positions.chunks_exact(3).fold(Vector2::zeros(), |sum, s| sum + Vector2::new(s[0], s[1]));
-        sum / count
-    };
-    let (middle, other_middle) = (centre(from), centre(to));
-    let (mut crossed, mut own) = (Matrix2::zeros(), Matrix2::zeros());
-    for (s, t) in from.positions.chunks_exact(3).zip(to.positions.chunks_exact(3)) {
-        let (x, y) = (Vector2::new(s[0], s[1]) - middle, Vector2::new(t[0], t[1]) - other_middle);
-        crossed += y * x.transpose();
-        own += x * x.transpose();
+/// xx, yy and xy of the strain from one array of positions to another; NaN for squares that show none.
+fn strain(network: &Network, from: &[f64], to: &[f64]) -> [f64; 3] {
+    match deformation_gradient(&corners(network, from), &corners(network, to)) {
+        Ok(gradient) => {
+            let strain = biot_strain(&gradient);
+            [strain[(0, 0)], strain[(1, 1)], strain[(0, 1)]]
+        }
+        Err(_) => [f64::NAN; 3],
     }
-    let Some(inverse) = own.try_inverse() else { return [f64::NAN; 3] };
-    let gradient = crossed * inverse;
-    let eigen = SymmetricEigen::new(gradient.transpose() * gradient);
-    let stretch = eigen.eigenvectors
-        * Matrix2::from_diagonal(&eigen.eigenvalues.map(|x| x.max(0.0).sqrt()))
-        * eigen.eigenvectors.transpose();
-    [stretch[(0, 0)] - 1.0, stretch[(1, 1)] - 1.0, stretch[(0, 1)]]
 }
 
 #[cfg(test)]

@@ -1,13 +1,16 @@
 //! One step of a run, whatever moves it.
 
 use super::settings::LatticeSettings;
+use super::start::heat_bath;
 use anyhow::Result;
-use protomer_crystal::lattice::{Coherence, CollisionSettings, Dynamics, Engine, Force, Network, State};
+use protomer_crystal::lattice::{Coherence, CollisionSettings, Dynamics, Engine, Force, Langevin, Network, State};
 use std::sync::Arc;
 
 /// The engine of a run.
 pub struct Mover {
     kind: Kind,
+    /// Friction and noise, half a step before and half a step after the rest.
+    bath: Option<Langevin>,
     sigma: Vec<f64>,
     /// Collisions before this engine was made, in the part of the run that led to its checkpoint.
     earlier_events: u64,
@@ -34,7 +37,8 @@ impl Mover {
         } else {
             Kind::Free(Dynamics::new(network, forces, first)?)
         };
-        Ok(Self { kind, sigma, earlier_events: 0 })
+        let bath = if settings.friction > 0.0 { Some(heat_bath(settings)?) } else { None };
+        Ok(Self { kind, bath, sigma, earlier_events: 0 })
     }
 
     /// Goes on from another state, that of a checkpoint.
@@ -99,7 +103,19 @@ impl Mover {
     ///
     /// # Errors
     /// For a step that is too large; the state is then as it was.
-    pub fn step(&mut self, state: &mut State, time_step: f64, _step: u64) -> Result<()> {
+    pub fn step(&mut self, state: &mut State, time_step: f64, step: u64) -> Result<()> {
+        let Some(bath) = self.bath else { return self.step_without_bath(state, time_step) };
+        let before = state.clone();
+        bath.before(self.dynamics(), state, time_step, step);
+        if let Err(error) = self.step_without_bath(state, time_step) {
+            *state = before;
+            return Err(error);
+        }
+        bath.after(self.dynamics(), state, time_step, step);
+        Ok(())
+    }
+
+    fn step_without_bath(&mut self, state: &mut State, time_step: f64) -> Result<()> {
         match &mut self.kind {
             Kind::Free(dynamics) => dynamics.step(state, time_step)?,
             Kind::Colliding(engine) => engine.step(state, time_step)?,

@@ -39,6 +39,8 @@ struct Checkpoint {
     frames: u64,
     progress: Progress,
     state: State,
+    /// Positions at the last row of the log.
+    logged: Vec<f64>,
 }
 
 /// How far a run is, and the worst of what it met.
@@ -65,7 +67,7 @@ pub struct LatticeResult {
     pub time: f64,
     /// Time step.
     pub time_step: f64,
-    /// Standard deviation of (-1)^(i+j) θ at the start, which the rods may have kept from what was asked for.
+    /// Standard deviation of the angles about the coherent state at the start: less than was asked for where rods are short.
     pub start_angle_spread: f64,
     /// Collisions.
     pub events: u64,
@@ -167,6 +169,8 @@ struct Run<'a> {
     start: State,
     start_angle_spread: f64,
     state: State,
+    /// Positions at the last row of the log.
+    logged: Vec<f64>,
     time_step: f64,
     progress: Progress,
     log: Log,
@@ -183,6 +187,7 @@ impl<'a> Run<'a> {
         let first_energy = mover.energy(&begun.state);
         let new = Progress { steps: 0, events: 0, largest_rod_violation: 0.0, largest_energy_error: 0.0, first_energy };
         let mut state = begun.state.clone();
+        let mut logged = state.positions.clone();
         let (mut mark, mut frames, mut progress) = (LogMark::default(), 0, new);
         let saved = read_checkpoint(&path.join(CHECKPOINT))?;
         let is_new = saved.is_none();
@@ -190,7 +195,8 @@ impl<'a> Run<'a> {
             if saved.identity != identity {
                 bail!("{} holds another run; choose another directory, or start anew with --force", path.display());
             }
-            (mark, frames, progress, state) = (saved.log, saved.frames, saved.progress, saved.state);
+            (mark, frames, progress) = (saved.log, saved.frames, saved.progress);
+            (state, logged) = (saved.state, saved.logged);
             mover.resume(&state, progress.events)?;
         }
         let log = Log::open_with_columns(&path.join(LOG), &columns(), &mark)?;
@@ -206,6 +212,7 @@ impl<'a> Run<'a> {
             start: begun.state,
             start_angle_spread: begun.angle_spread,
             state,
+            logged,
             time_step,
             progress,
             log,
@@ -242,12 +249,13 @@ impl<'a> Run<'a> {
     fn write_outputs(&mut self) -> Result<()> {
         let step = self.progress.steps;
         if step.is_multiple_of(self.settings.log_every) {
-            let row = LogRow::new(step, &mut self.mover, &self.state, &self.start);
+            let row = LogRow::new(step, &mut self.mover, &self.state, &self.start.positions, &self.logged);
             let scale = self.progress.first_energy.abs();
             let error = (row.energy - self.progress.first_energy).abs() / if scale > 0.0 { scale } else { 1.0 };
             self.progress.largest_energy_error = self.progress.largest_energy_error.max(error);
             self.progress.largest_rod_violation = self.progress.largest_rod_violation.max(row.rod_violation);
             self.log.write_line(&row.to_line())?;
+            self.logged.copy_from_slice(&self.state.positions);
         }
         if let Some(trajectory) = &mut self.trajectory
             && step.is_multiple_of(self.settings.trajectory_every)
@@ -271,6 +279,7 @@ impl<'a> Run<'a> {
             frames,
             progress: self.progress,
             state: self.state.clone(),
+            logged: self.logged.clone(),
         };
         let header = serde_json::to_value(&checkpoint).context("the state cannot be written down")?;
         let bytes = Container::new(KIND, header).to_bytes()?;

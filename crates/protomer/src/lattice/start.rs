@@ -1,20 +1,14 @@
 //! From settings to a network, a state on its rods, and a time step.
 
-use super::settings::{LatticeSettings, Start, TimeStep, Velocities};
+use super::settings::{LatticeSettings, OtherSquare, TimeStep, Velocities};
 use anyhow::{Context, Result, bail};
 use protomer_crystal::lattice::rods::RodSystem;
-use protomer_crystal::lattice::{Coherence, Corner, Dynamics, Network, Rod, Square, State};
-use protomer_kernel::random::CounterRng;
+use protomer_crystal::lattice::{
+    AngularVelocities, Coherence, Corner, Dynamics, Langevin, Network, Rod, Square, Start, State,
+};
 use std::collections::BTreeSet;
 use std::f64::consts::FRAC_PI_4;
 use std::sync::Arc;
-
-/// What is drawn at the start: streams of random numbers of their own.
-const ANGLES: u8 = 1;
-const VELOCITIES: u8 = 2;
-/// Rods are brought this close to their lengths.
-const ROD_TOLERANCE: f64 = 1e-12;
-const MOST_CORRECTIONS: usize = 200;
 
 /// A lattice at its start.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,7 +17,9 @@ pub struct Begun {
     pub network: Network,
     /// The first state.
     pub state: State,
-    /// Standard deviation of (-1)^(i+j) θ that the rods allowed.
+    /// Standard deviation about the coherent state of the random angles that were drawn.
+    pub angle_spread_drawn: f64,
+    /// The same of what the rods allowed.
     pub angle_spread: f64,
 }
 
@@ -34,17 +30,42 @@ pub struct Begun {
 pub fn begin(settings: &LatticeSettings) -> Result<Begun> {
     settings.check()?;
     let network = network(settings)?;
-    let mut state = State::coherent(&network, settings.start.angle_rad());
-    if settings.angle_spread > 0.0 {
-        let mut rng = CounterRng::for_purpose(settings.seed, 0, 0, ANGLES);
-        for s in state.positions.chunks_exact_mut(3) {
-            s[2] += settings.angle_spread * normal(&mut rng);
+    let angle = settings.start.angle_rad();
+    let closes = (angle - FRAC_PI_4).abs() < 1e-9;
+    let velocities = match settings.velocities {
+        Velocities::Rest | Velocities::Thermal => AngularVelocities::Rest,
+        Velocities::Random if settings.speed > 0.0 => {
+            AngularVelocities::Uniform { largest: settings.speed, sum_of_squares: None }
         }
+        Velocities::Random => AngularVelocities::Rest,
+        Velocities::Checkerboard => {
+            AngularVelocities::Checkerboard { rate: if closes { -settings.speed } else { settings.speed } }
+        }
+    };
+    let start = Start { angle, angle_spread: settings.angle_spread, velocities, seed: settings.seed };
+    let started = start.build(&network, 0).context(
+        "the rods cannot have their lengths in this start; start from 'open', lower angle_spread, or change the sizes and \
+         rods that do not fit",
+    )?;
+    let mut state = started.state;
+    if settings.velocities == Velocities::Thermal {
+        let mut dynamics = Dynamics::new(Arc::new(network.clone()), Vec::new(), &state)?;
+        heat_bath(settings)?.draw_velocities(&mut dynamics, &mut state);
     }
-    project_positions(&network, &mut state)?;
-    move_squares(settings, &network, &mut state)?;
-    let angle_spread = spread(&network, &state);
-    Ok(Begun { network, state, angle_spread })
+    Ok(Begun {
+        network,
+        state,
+        angle_spread_drawn: started.angle_spread_drawn,
+        angle_spread: started.angle_spread_reached,
+    })
+}
+
+/// The heat bath of these settings; at kT = 0 if they have no temperature.
+///
+/// # Errors
+/// For a temperature or friction that makes no sense.
+pub fn heat_bath(settings: &LatticeSettings) -> Result<Langevin> {
+    Ok(Langevin::new(settings.temperature.unwrap_or(0.0), settings.friction, settings.seed, 0)?)
 }
 
 /// What is joined to what.
@@ -96,110 +117,18 @@ pub fn network(settings: &LatticeSettings) -> Result<Network> {
     let removed = settings.removed_squares.iter().map(|[row, column]| place("removed_squares", *row, *column));
     let removed = removed.collect::<Result<BTreeSet<usize>>>()?;
     if !removed.is_empty() {
-        network = without(network, &removed);
+        network = network.without_squares(&removed.into_iter().collect::<Vec<_>>())?;
     }
     network.check()?;
     Ok(network)
 }
 
 /// A square of another size, mass or inertia; inertia follows m l² if it is not given.
-fn different(usual: &Square, other: &super::settings::OtherSquare) -> Square {
+fn different(usual: &Square, other: &OtherSquare) -> Square {
     let half_diagonal = other.half_diagonal.unwrap_or(usual.half_diagonal);
     let mass = other.mass.unwrap_or(usual.mass);
     let usual_ratio = usual.inertia / (usual.mass * usual.half_diagonal * usual.half_diagonal);
     Square { half_diagonal, mass, inertia: other.inertia.unwrap_or(usual_ratio * mass * half_diagonal * half_diagonal) }
-}
-
-fn without(network: Network, removed: &BTreeSet<usize>) -> Network {
-    let _ = removed;
-    network
-}
-
-/// Moves the squares as little as their masses ask for until every rod has its length:
-/// s -= M⁻¹ Jᵀ A⁻¹ σ, again and again.
-fn project_positions(network: &Network, state: &mut State) -> Result<()> {
-    let mut rods = RodSystem::new(network, &state.positions);
-    let mut sigma = vec![0.0; rods.len()];
-    let infeasible = "the rods cannot have their lengths in this start; start from 'open', lower angle_spread, or change \
-                      the sizes and rods that do not fit";
-    for _ in 0..MOST_CORRECTIONS {
-        let (_, worst) = rods.violations(&state.positions, &mut sigma);
-        if !worst.is_finite() {
-            bail!("{infeasible}");
-        }
-        if worst.abs() <= ROD_TOLERANCE {
-            return Ok(());
-        }
-        rods.linearize(&state.positions).context(infeasible)?;
-        rods.solve(&mut sigma);
-        // Far from the rods a full correction overshoots: no coordinate moves more than a tenth of a half-diagonal.
-        let mut correction = vec![0.0; state.positions.len()];
-        rods.add_response(&sigma, -1.0, &mut correction);
-        let longest = correction.iter().fold(0.0_f64, |longest, x| longest.max(x.abs()));
-        let scale = if longest > 0.1 { 0.1 / longest } else { 1.0 };
-        for (position, correction) in state.positions.iter_mut().zip(&correction) {
-            *position += scale * correction;
-        }
-    }
-    bail!("{infeasible}")
-}
-
-/// Velocities as asked for, less what the rods forbid.
-fn move_squares(settings: &LatticeSettings, network: &Network, state: &mut State) -> Result<()> {
-    let angle = settings.start.angle_rad();
-    let mut rng = CounterRng::for_purpose(settings.seed, 0, 0, VELOCITIES);
-    match settings.velocities {
-        Velocities::Rest => {}
-        Velocities::Random => {
-            for v in state.velocities.chunks_exact_mut(3) {
-                v[2] = rng.uniform_in(-settings.speed, settings.speed);
-            }
-        }
-        Velocities::Checkerboard => {
-            let closes = (angle - FRAC_PI_4).abs() < 1e-9;
-            let rate = if closes { -settings.speed } else { settings.speed };
-            // The distance of neighbours is 2 l cos(θ - π/4) + r0: the lattice shrinks or grows about its middle.
-            let distance = |angle: f64| 2.0 * settings.square.half_diagonal * (angle - FRAC_PI_4).cos() + settings.r0;
-            let growth = -2.0 * settings.square.half_diagonal * (angle - FRAC_PI_4).sin() * rate / distance(angle);
-            for p in 0..network.squares.len() {
-                let growth = if network.cell.is_some() { 0.0 } else { growth };
-                state.velocities[3 * p] = growth * state.positions[3 * p];
-                state.velocities[3 * p + 1] = growth * state.positions[3 * p + 1];
-                state.velocities[3 * p + 2] = network.sign(p) * rate;
-            }
-        }
-        Velocities::Thermal => {
-            let temperature = settings.temperature.unwrap_or(0.0);
-            for (v, square) in state.velocities.chunks_exact_mut(3).zip(&network.squares) {
-                for (v, inertia) in v.iter_mut().zip([square.mass, square.mass, square.inertia]) {
-                    *v = (temperature / inertia).sqrt() * normal(&mut rng);
-                }
-            }
-        }
-    }
-    let mut rods = RodSystem::new(network, &state.positions);
-    rods.linearize(&state.positions).context("the rods over-constrain the squares; remove rods")?;
-    let mut left = vec![0.0; rods.len()];
-    for _ in 0..3 {
-        rods.apply(&state.velocities, &mut left);
-        rods.solve(&mut left);
-        rods.add_response(&left, -1.0, &mut state.velocities);
-    }
-    Ok(())
-}
-
-/// Standard deviation of (-1)^(i+j) θ over the squares.
-pub fn spread(network: &Network, state: &State) -> f64 {
-    let angles = || (0..network.squares.len()).map(|p| network.sign(p) * state.positions[3 * p + 2]);
-    let count = network.squares.len() as f64;
-    let mean = angles().sum::<f64>() / count;
-    (angles().map(|angle| (angle - mean).powi(2)).sum::<f64>() / count).sqrt()
-}
-
-/// A number from the normal distribution (Box and Muller).
-fn normal(rng: &mut CounterRng) -> f64 {
-    let radius = (-2.0 * (1.0 - rng.uniform()).ln()).sqrt();
-    radius * (std::f64::consts::TAU * rng.uniform()).cos()
 }
 
 /// Steps end in 1, 2 or 5 times a power of ten, so that times are round.
@@ -271,10 +200,5 @@ impl LatticeSettings {
     /// Steps to do in all.
     pub fn total_steps(&self, time_step: f64) -> u64 {
         self.steps.unwrap_or_else(|| (self.time / time_step - 1e-9).ceil().max(0.0) as u64)
-    }
-
-    /// Whether this is the open start.
-    pub fn starts_open(&self) -> bool {
-        (self.start.angle_rad() - Start::Named(super::settings::NamedStart::Open).angle_rad()).abs() < 1e-9
     }
 }
