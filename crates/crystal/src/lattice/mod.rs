@@ -13,13 +13,13 @@
 //! | [`rods`] | the rods as constraints: lengths, gradients, J M⁻¹ Jᵀ |
 //! | [`force`] | accelerations beyond those of the rods |
 //! | [`dynamics`] | one step in time |
-//! | [`collision`] | when bodies meet, and what follows |
 //! | [`contact`] | who touches whom, and how |
-//! | [`drag`] | linear friction |
+//! | [`collision`] | when bodies meet, and what follows |
 //! | [`engine`] | steps with collisions, event by event |
-//! | [`pair`] | screened charges on the squares |
 //! | [`start`] | starting states, and how to bring positions and velocities onto the rods |
+//! | [`drag`] | linear friction |
 //! | [`thermostat`] | Langevin dynamics at a temperature |
+//! | [`pair`] | screened charges on the squares |
 //!
 //! The equations are those of Campos-Gonzalez-Angulo, Wiesehan, Ribeiro and Yuen-Zhou, "Computational method for
 //! highly-constrained molecular dynamics of rigid bodies: coarse-grained simulation of auxetic two-dimensional protein

@@ -7,13 +7,19 @@
 //! | module | one idea |
 //! |---|---|
 //! | `ordering` | P: nested dissection of the graph of A by coordinates |
-//! | `ldl` | L and D: the pattern found once, the numbers as often as they change |
+//! | `symbolic` | from the pattern to dense fronts and where every number goes, once |
+//! | `front` | dense work on one front, vectorised |
+//! | `ldl` | L and D, as often as the numbers change; solutions |
 //!
 //! A is held as its lower triangle, a list of (row, column) places fixed at the start; the numbers come as one slice in
 //! the order of that list.
 
+mod front;
 mod ldl;
 mod ordering;
+mod symbolic;
+#[cfg(test)]
+mod up_looking;
 
 pub use ldl::{LdlFactor, SparseError};
 pub use ordering::nested_dissection;
