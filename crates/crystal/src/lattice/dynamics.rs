@@ -42,6 +42,10 @@ pub struct Dynamics {
     start: Vec<f64>,
     /// Multipliers of the last drift, and how many corrections they took.
     multipliers: Vec<f64>,
+    /// Change of the multipliers per length of the drift, from the first drift from the prepared state: a shorter one
+    /// then begins near its end. (Kept from state to state it would help further, but make results depend on the past.)
+    slope: Vec<f64>,
+    sloped: bool,
     corrections: u64,
     sigma: Vec<f64>,
     drifted: Vec<f64>,
@@ -67,6 +71,8 @@ impl Dynamics {
             potential_energy: 0.0,
             start: vec![0.0; count],
             multipliers: vec![0.0; count],
+            slope: vec![0.0; count],
+            sloped: false,
             corrections: 0,
             sigma: vec![0.0; count],
             drifted: vec![0.0; coordinates],
@@ -141,6 +147,7 @@ impl Dynamics {
     pub fn prepare_velocities(&mut self, velocities: &[f64]) {
         self.rods.acceleration_deficit(velocities, &self.accelerations, &mut self.start);
         self.rods.solve(&mut self.start);
+        self.sloped = false;
     }
 
     /// Where the squares would be `step` after the prepared state, rods and forces obeyed, nothing else in the way.
@@ -154,6 +161,9 @@ impl Dynamics {
             *base = s + v * step + a * half_square;
         }
         self.multipliers.copy_from_slice(&self.start);
+        if self.sloped {
+            add(&mut self.multipliers, step, &self.slope);
+        }
         if half_square == 0.0 {
             positions.copy_from_slice(&self.base);
             return Ok(());
@@ -168,6 +178,13 @@ impl Dynamics {
             // Done, or as near as rounding allows.
             if violation.abs() <= tolerance || (violation.abs() >= 0.5 * before && violation.abs() <= 4.0 * tolerance) {
                 self.corrections += correction as u64;
+                if !self.sloped {
+                    let ends = self.multipliers.iter().zip(&self.start);
+                    for (slope, (end, start)) in self.slope.iter_mut().zip(ends) {
+                        *slope = (end - start) / step;
+                    }
+                    self.sloped = true;
+                }
                 return Ok(());
             }
             if correction == MOST_CORRECTIONS || !violation.is_finite() || violation.abs() > 1e3 * before {
@@ -220,6 +237,13 @@ impl Dynamics {
             self.rods.solve(&mut self.sigma);
             self.rods.add_response(&self.sigma, -1.0, velocities);
         }
+    }
+
+    /// Accelerations at the prepared state: of the forces alone, and with those of the rods (eq. 23 of the paper).
+    pub fn accelerations_into(&self, free: &mut [f64], total: &mut [f64]) {
+        free.copy_from_slice(&self.accelerations);
+        total.copy_from_slice(&self.accelerations);
+        self.rods.add_response(&self.start, 1.0, total);
     }
 
     /// To be called after changing the velocities at the prepared state, as impacts do: what of them would change the

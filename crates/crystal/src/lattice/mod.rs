@@ -20,6 +20,7 @@
 //! | [`drag`] | linear friction |
 //! | [`thermostat`] | Langevin dynamics at a temperature |
 //! | [`pair`] | screened charges on the squares |
+//! | [`paper`] | collisions as the paper prescribes them, for comparison |
 //!
 //! The equations are those of Campos-Gonzalez-Angulo, Wiesehan, Ribeiro and Yuen-Zhou, "Computational method for
 //! highly-constrained molecular dynamics of rigid bodies: coarse-grained simulation of auxetic two-dimensional protein
@@ -33,6 +34,7 @@ pub mod engine;
 pub mod force;
 pub mod network;
 pub mod pair;
+pub mod paper;
 pub mod rods;
 pub mod start;
 pub mod state;

@@ -1,6 +1,7 @@
 //! What a run is asked to do: the resolved configuration, as `run.toml` has it.
 
 use anyhow::{Result, bail};
+use protomer_crystal::lattice::pair::SquareCharge;
 use protomer_crystal::lattice::{Edges, Square};
 use serde::{Deserialize, Serialize};
 
@@ -51,7 +52,7 @@ pub struct LatticeSettings {
     pub log_every: u64,
     /// Steps between two frames of the trajectory; zero for no trajectory.
     pub trajectory_every: u64,
-    /// Half-diagonal in Å, where the lattice stands for real bodies; recorded, without effect.
+    /// Length of one reduced unit in Å, where the lattice stands for real bodies; only screened charges need it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub half_diagonal_angstrom: Option<f64>,
     /// Squares that are missing, with their rods: row and column, from 0 at the upper left.
@@ -68,6 +69,12 @@ pub struct LatticeSettings {
     /// The rods, if they are not those of the lattice.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rods: Option<Vec<ListedRod>>,
+    /// Charges on every square, which act if there is a `screening`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub charges: Vec<SquareCharge>,
+    /// How the charges act on each other.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub screening: Option<Screening>,
     /// What a sweep varies.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sweep: Option<SweepAxes>,
@@ -202,6 +209,20 @@ pub struct ListedRod {
     pub length: Option<f64>,
 }
 
+/// The medium between the charges.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Screening {
+    /// Bjerrum length, Å.
+    pub bjerrum_length_angstrom: f64,
+    /// Debye length, Å.
+    pub debye_length_angstrom: f64,
+    /// Where the interaction ends, Å.
+    pub cutoff_angstrom: f64,
+    /// kT in reduced units: how strong a pair of charges is against the motion.
+    pub kt: f64,
+}
+
 /// What a sweep varies: every r0 with every κ, as many times as there are seeds.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -243,6 +264,8 @@ impl Default for LatticeSettings {
             square: Square::default(),
             other_squares: Vec::new(),
             rods: None,
+            charges: Vec::new(),
+            screening: None,
             sweep: None,
         }
     }
@@ -300,6 +323,12 @@ impl LatticeSettings {
         }
         if self.temperature.is_some() && self.friction == 0.0 {
             bail!("a heat bath needs a friction to act; add friction = 1, or leave out temperature");
+        }
+        if self.paper && (self.restitution != 1.0 || !self.collisions) {
+            bail!("the paper's collisions are elastic; leave out restitution and collisions, or leave out paper");
+        }
+        if self.screening.is_some() && self.half_diagonal_angstrom.is_none() {
+            bail!("screened charges need a scale; add half_diagonal_angstrom, the length of one unit in Å");
         }
         if self.velocities == Velocities::Thermal && self.temperature.is_none() {
             bail!("thermal velocities need a temperature; add temperature = 0.1");

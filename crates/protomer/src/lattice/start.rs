@@ -1,11 +1,10 @@
 //! From settings to a network, a state on its rods, and a time step.
 
+use super::mover::forces;
 use super::settings::{LatticeSettings, OtherSquare, TimeStep, Velocities};
 use anyhow::{Context, Result, bail};
 use protomer_crystal::lattice::rods::RodSystem;
-use protomer_crystal::lattice::{
-    AngularVelocities, Coherence, Corner, Dynamics, Langevin, Network, Rod, Square, Start, State,
-};
+use protomer_crystal::lattice::{AngularVelocities, Corner, Dynamics, Langevin, Network, Rod, Square, Start, State};
 use std::collections::BTreeSet;
 use std::f64::consts::FRAC_PI_4;
 use std::sync::Arc;
@@ -158,11 +157,8 @@ pub fn time_step(settings: &LatticeSettings, begun: &Begun) -> Result<f64> {
     let thermal = (settings.temperature.unwrap_or(0.0) / settings.square.mass).sqrt();
     let rate = turning.max(spinning * settings.square.half_diagonal / settings.r0).max(thermal / settings.r0);
     let mut step = round_down((0.05 / rate).min(LONGEST_STEP));
-    let mut dynamics = Dynamics::new(
-        Arc::new(begun.network.clone()),
-        vec![Box::new(Coherence { kappa: settings.kappa })],
-        &begun.state,
-    )?;
+    let forces = forces(settings, &begun.network)?;
+    let mut dynamics = Dynamics::new(Arc::new(begun.network.clone()), forces, &begun.state)?;
     for _ in 0..MOST_HALVINGS {
         if trial(&mut dynamics, &begun.state, step)? < TRIAL_ERROR {
             break;

@@ -68,7 +68,7 @@ pub fn impact(
 }
 
 /// S nᵀ.
-fn constrained_response(network: &Network, rods: &mut RodSystem, row: &Row, coordinates: usize) -> Vec<f64> {
+pub(crate) fn constrained_response(network: &Network, rods: &mut RodSystem, row: &Row, coordinates: usize) -> Vec<f64> {
     let mut column = vec![0.0; coordinates];
     for (p, n) in row.entries() {
         let square = network.squares[p];

@@ -88,6 +88,14 @@ impl Row {
         }
     }
 
+    /// Two squares pushed apart along a normal that leads from the second to the first, at these arms.
+    pub(crate) fn along([first, second]: [usize; 2], normal: [f64; 2], arms: [[f64; 2]; 2]) -> Self {
+        let mut row = Self::default();
+        row.push(first, 1.0, normal, arms[0]);
+        row.push(second, -1.0, normal, arms[1]);
+        row
+    }
+
     /// The squares and their numbers (along x, y and θ).
     pub fn entries(&self) -> impl Iterator<Item = (usize, &[f64; 3])> {
         self.squares.iter().copied().zip(&self.entries).take(self.count)
