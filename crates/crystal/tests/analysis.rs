@@ -3,13 +3,16 @@
 #![allow(clippy::unwrap_used, clippy::print_stderr)]
 
 use protomer_crystal::Result;
-use protomer_crystal::analysis::lyapunov::{LyapunovSettings, RodFlow, maximal_exponent};
+use protomer_crystal::analysis::lyapunov::{CollisionFlow, LyapunovSettings, RodFlow, maximal_exponent};
 use protomer_crystal::analysis::modes::{ModeEnergies, Modes, OutOf, orientational_spread};
 use protomer_crystal::analysis::spread::FirstMaximum;
 use protomer_crystal::analysis::strain::{biot_strain, centres, corners, deformation_gradient, poisson_ratio};
 use protomer_crystal::analysis::synchronisation::{Synchronisation, angles, staggered};
-use protomer_crystal::lattice::{AngularVelocities, Coherence, Dynamics, Edges, Force, Network, Square, Start, State};
-use std::f64::consts::FRAC_PI_4;
+use protomer_crystal::lattice::{
+    AngularVelocities, Coherence, CollisionSettings, Corner, Dynamics, Edges, Engine, Force, Network, Rod, Square,
+    Start, State,
+};
+use std::f64::consts::{FRAC_PI_4, PI};
 use std::sync::Arc;
 
 fn lattice(size: usize, rod_length: f64) -> Arc<Network> {
@@ -62,6 +65,37 @@ fn hill_and_valley_have_their_exponents() {
     assert!(valley.exponent.abs() < 2.0 * 500.0f64.ln() / 500.0, "{}", valley.exponent);
 }
 
+/// Two squares and a rod in one line that turn about their middle: centrifugal forces hold the line, and neighbours do not
+/// part faster than linearly. Folded inwards over the rod they are balanced as a pencil on its tip: with the corners at
+/// a = 1.5 from the middle and Ω = l = 1, Lagrange's equations for small angles α against the rod give
+/// α̈ = al (a² - 2al + l² + I) / (a² I) α for both turned alike and α̈ = (a - l) l / I α for both turned oppositely, so that
+/// neighbours part at rates between √(7/6) and √(3/2).
+#[test]
+fn a_turning_line_of_squares_is_regular_and_a_folded_one_is_not() {
+    let rod =
+        Rod { from: Corner { square: 0, vertex: 2 }, to: Corner { square: 1, vertex: 2 }, length: 3.0, image: [0, 0] };
+    let network =
+        Arc::new(Network { rows: 1, columns: 2, squares: vec![Square::default(); 2], rods: vec![rod], cell: None });
+    let run = |outwards: f64, step: f64| {
+        // The corners at ±1.5, the centres beyond them or before.
+        let turned = if outwards > 0.0 { PI } else { 0.0 };
+        let x = 1.5 + outwards;
+        let positions = vec![-x, 0.0, turned + PI - FRAC_PI_4, x, 0.0, turned - FRAC_PI_4];
+        let velocities = vec![0.0, -x, 1.0, 0.0, x, 1.0];
+        let mut state = State { time: 0.0, positions, velocities };
+        let flow = |state: &State| RodFlow::new(Dynamics::new(network.clone(), Vec::new(), state).unwrap(), step);
+        let (mut first, mut second) = (flow(&state), flow(&state));
+        // The steps themselves disturb the balance by their square, so it does not last.
+        let (intervals, discarded) = if outwards > 0.0 { (1000, 20) } else { (8, 16) };
+        let settings = LyapunovSettings { interval: 0.25, intervals, discarded, ..LyapunovSettings::default() };
+        maximal_exponent(&network, &mut first, &mut second, &mut state, &settings).unwrap().exponent
+    };
+    let (line, folded) = (run(1.0, 0.01), run(-1.0, 1e-3));
+    eprintln!("{line} {folded}");
+    assert!(line.abs() < 2.0 * 250.0f64.ln() / 250.0, "{line}");
+    assert!(folded > (7.0f64 / 6.0).sqrt() && folded < 1.5f64.sqrt() + 1e-3, "{folded}");
+}
+
 fn lattice_exponent(rod_length: f64, kappa: f64, settings: &LyapunovSettings, step: f64) -> (f64, f64) {
     let network = lattice(2, rod_length);
     let velocities = AngularVelocities::Uniform { largest: 1.0, sum_of_squares: Some(4.0) };
@@ -91,6 +125,26 @@ fn four_squares_on_rods_are_chaotic_however_it_is_measured() {
         let [a, b] = [found[0], (exponent, error)];
         assert!((a.0 - b.0).abs() <= 4.0 * a.1.hypot(b.1));
     }
+}
+
+/// Four squares that collide are chaotic too.
+#[test]
+fn colliding_squares_are_chaotic() {
+    let network = lattice(2, 0.5);
+    let velocities = AngularVelocities::Uniform { largest: 1.0, sum_of_squares: Some(4.0) };
+    let mut state = Start { velocities, seed: 4, ..Start::default() }.build(&network, 0).unwrap().state;
+    let flow = |state: &State| {
+        CollisionFlow::new(
+            Engine::new(network.clone(), Vec::new(), state, CollisionSettings::default()).unwrap(),
+            0.005,
+        )
+    };
+    let (mut first, mut second) = (flow(&state), flow(&state));
+    let settings = LyapunovSettings { interval: 0.25, discarded: 20, intervals: 400, ..LyapunovSettings::default() };
+    let found = maximal_exponent(&network, &mut first, &mut second, &mut state, &settings).unwrap();
+    eprintln!("{} ± {}, {:?}", found.exponent, found.standard_error, first.engine().statistics());
+    assert!(first.engine().statistics().impacts > 50);
+    assert!(found.exponent > 6.0 * found.standard_error);
 }
 
 /// Poisson's ratio of a lattice that only opens and closes is -1 from its trajectory, by either points.

@@ -507,6 +507,96 @@ fn coherent_motion_ends_at_the_angle_of_contact() {
     }
 }
 
+/// Results are a function of the state alone: neither the list of near pairs nor anything else of the past shows.
+#[test]
+fn a_run_taken_up_again_goes_on_as_if_nothing_had_been() {
+    for r0 in [3.0 / 22.0, 2.0] {
+        let network = lattice(4, r0);
+        let mut whole = random_start(&network, 9);
+        let start =
+            |state: &State| Engine::new(network.clone(), Vec::new(), state, CollisionSettings::default()).unwrap();
+        let mut engine = start(&whole);
+        for _ in 0..700 {
+            engine.step(&mut whole, 0.005).unwrap();
+        }
+        let mut parted = whole.clone();
+        // The elimination is ordered by the positions an engine is made with, so both are made with the same.
+        let mut fresh = start(&random_start(&network, 9));
+        fresh.prepare(&parted).unwrap();
+        for _ in 0..700 {
+            engine.step(&mut whole, 0.005).unwrap();
+            fresh.step(&mut parted, 0.005).unwrap();
+        }
+        assert!(fresh.statistics().impacts > 0);
+        assert_eq!(whole, parted);
+    }
+}
+
+#[test]
+fn a_periodic_lattice_collides_across_its_edges() {
+    // With all its rods the straight rows and columns would hold each other: one rod is missing from each.
+    let mut network = Network::lattice(4, 4, 0.15, Square::default(), Edges::Periodic, 0.5).unwrap();
+    let mut index = 0;
+    network.rods.retain(|_| {
+        let (i, j) = (index / 8, index / 2 % 4);
+        index += 1;
+        i != j
+    });
+    let network = Arc::new(network);
+    let mut state = State::coherent(&network, 0.5);
+    let mut rng = CounterRng::new(11, 0, 0);
+    for omega in state.velocities.iter_mut().skip(2).step_by(3) {
+        *omega = rng.uniform_in(-1.0, 1.0);
+    }
+    let mut dynamics = Dynamics::new(network.clone(), Vec::new(), &state).unwrap();
+    dynamics.project_velocities(&mut state.velocities);
+    let mut engine = Engine::new(network.clone(), Vec::new(), &state, CollisionSettings::default()).unwrap();
+    let energy = state.kinetic_energy(&network);
+    let cell = network.cell.unwrap();
+    for step in 0..4000 {
+        engine.step(&mut state, 0.0025).unwrap();
+        if step % 20 == 0 {
+            let mut everything = Vec::new();
+            for (i, j) in (-1..=1).flat_map(|i| (-1..=1).map(move |j| (i, j))) {
+                for s in state.positions.chunks_exact(3) {
+                    everything.extend([s[0] + f64::from(i) * cell[0], s[1] + f64::from(j) * cell[1], s[2]]);
+                }
+            }
+            assert!(smallest_height(&loose(144, None), &everything) > -1e-9, "step {step}");
+        }
+    }
+    eprintln!("{:?} {:e}", engine.statistics(), state.kinetic_energy(&network) / energy - 1.0);
+    assert!(engine.statistics().impacts > 5);
+    assert!((state.kinetic_energy(&network) / energy - 1.0).abs() < 1e-2);
+}
+
+/// Collisions do not spoil the order of the integrator: impacts happen at their own times, not at steps.
+#[test]
+fn trajectories_through_collisions_converge_to_second_order() {
+    for (r0, until, seed) in [(1.0, 4.0, 1), (3.0 / 22.0, 1.5, 1), (2.0, 12.0, 1)] {
+        let network = lattice(2, r0);
+        let ends: Vec<(Vec<f64>, u64)> = [1, 2, 4]
+            .iter()
+            .map(|finer| {
+                let mut state = random_start(&network, seed);
+                let mut engine =
+                    Engine::new(network.clone(), Vec::new(), &state, CollisionSettings::default()).unwrap();
+                let steps = 2000 * finer;
+                for _ in 0..steps {
+                    engine.step(&mut state, until / f64::from(steps)).unwrap();
+                }
+                (state.positions, engine.statistics().impacts)
+            })
+            .collect();
+        let difference = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let coarse = difference(&ends[0].0, &ends[1].0);
+        let fine = difference(&ends[1].0, &ends[2].0);
+        eprintln!("r0 = {r0}: {} impacts, {coarse:.1e}, {fine:.1e}, ratio {}", ends[0].1, coarse / fine);
+        assert!(ends[0].1 >= 2 && ends.iter().all(|(_, impacts)| *impacts == ends[0].1));
+        assert!((3.6..4.4).contains(&(coarse / fine)), "{r0}: {coarse:e} {fine:e}");
+    }
+}
+
 #[test]
 fn long_rods_cut_no_square() {
     for (r0, steps) in [(1.0, 4000), (2.0, 4000)] {

@@ -5,7 +5,8 @@
 use nalgebra::{DMatrix, DVector};
 use protomer_crystal::lattice::pair::{ScreenedCharges, SquareCharge, neighbours};
 use protomer_crystal::lattice::{
-    AngularVelocities, Corner, Drag, Dynamics, Edges, Force, Langevin, Network, Rod, Square, Start, State,
+    AngularVelocities, CollisionSettings, Corner, Drag, Dynamics, Edges, Engine, Force, Langevin, Network, Rod, Square,
+    Start, State,
 };
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::statistics::summarize;
@@ -160,6 +161,27 @@ fn kinetic_energy_is_half_kt_per_degree_of_freedom() {
         assert!((found.mean - expected).abs() < 3.0 * found.standard_error);
         assert!(found.standard_error < 0.01 * expected);
     }
+}
+
+/// Elastic collisions leave the canonical ensemble as it is.
+#[test]
+fn kinetic_energy_is_the_same_with_collisions() {
+    let network = lattice(2, 0.5);
+    let mut state = Start::default().build(&network, 0).unwrap().state;
+    let mut engine = Engine::new(network.clone(), Vec::new(), &state, CollisionSettings::default()).unwrap();
+    let langevin = Langevin::new(0.05, 1.0, 13, 0).unwrap();
+    langevin.draw_velocities(engine.dynamics(), &mut state);
+    let mut energies = Vec::new();
+    for number in 0..300_000 {
+        langevin.before(engine.dynamics(), &mut state, 0.01, number);
+        engine.step(&mut state, 0.01).unwrap();
+        langevin.after(engine.dynamics(), &mut state, 0.01, number);
+        energies.push(state.kinetic_energy(&network));
+    }
+    let found = summarize(&energies);
+    eprintln!("{} ± {}, {:?}", found.mean, found.standard_error, engine.statistics());
+    assert!(engine.statistics().impacts > 1000);
+    assert!((found.mean - 0.2).abs() < 3.0 * found.standard_error && found.standard_error < 0.003);
 }
 
 /// Two squares and a rod of length r: with α the angles between the rod and the two arms,

@@ -12,11 +12,13 @@
 //!
 //! d² = Σ m (δx² + δy² + δẋ² + δẏ²) + I (δθ² + δω²).
 //!
+//! Where collisions leave no room for the neighbour at d0, it is carried on from where it is.
+//!
 //! Directions without growth (translations, the time along the orbit) let d grow linearly, so a regular motion gives
 //! λ of about ln(T)/T, not zero, after a time T.
 
 use crate::lattice::start::{Projector, normal_pair};
-use crate::lattice::{Dynamics, Network, State};
+use crate::lattice::{Dynamics, Engine, Network, State};
 use crate::{CrystalError, Result};
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::statistics::{block_standard_error, summarize};
@@ -76,6 +78,42 @@ impl Flow for RodFlow {
         self.projector.positions(&mut state.positions)?;
         self.projector.velocities(&state.positions, &mut state.velocities)?;
         self.dynamics.prepare(state)
+    }
+}
+
+/// An [`Engine`], with collisions, in equal steps of at most a given length.
+pub struct CollisionFlow {
+    engine: Engine,
+    projector: Projector,
+    longest_step: f64,
+}
+
+impl CollisionFlow {
+    /// The flow of this engine, which must be prepared at the state from which it starts.
+    pub fn new(engine: Engine, longest_step: f64) -> Self {
+        let projector = Projector::new(engine.network());
+        Self { engine, projector, longest_step }
+    }
+
+    /// The engine, with its statistics.
+    pub fn engine(&self) -> &Engine {
+        &self.engine
+    }
+}
+
+impl Flow for CollisionFlow {
+    fn advance(&mut self, state: &mut State, duration: f64) -> Result<()> {
+        let steps = (duration / self.longest_step - 1e-9).ceil().max(1.0);
+        for _ in 0..steps as u64 {
+            self.engine.step(state, duration / steps)?;
+        }
+        Ok(())
+    }
+
+    fn project(&mut self, state: &mut State) -> Result<()> {
+        self.projector.positions(&mut state.positions)?;
+        self.projector.velocities(&state.positions, &mut state.velocities)?;
+        self.engine.prepare(state)
     }
 }
 
@@ -167,7 +205,7 @@ fn distance(weights: &[f64], state: &State, neighbour: &State) -> f64 {
     (positions + squares(&state.velocities, &neighbour.velocities)).sqrt()
 }
 
-/// Brings the neighbour back to the distance `separation`; returns the distance after projection.
+/// Brings the neighbour back to the distance `separation`, where that is free; returns the distance after projection.
 fn renormalise<F: Flow>(
     weights: &[f64],
     flow: &mut F,
@@ -182,6 +220,7 @@ fn renormalise<F: Flow>(
             state.time
         )));
     }
+    let kept = neighbour.clone();
     let factor = separation / apart;
     let shrink = |from: &[f64], to: &mut [f64]| {
         to.iter_mut().zip(from).for_each(|(to, from)| *to = from + factor * (*to - from));
@@ -189,6 +228,13 @@ fn renormalise<F: Flow>(
     shrink(&state.positions, &mut neighbour.positions);
     shrink(&state.velocities, &mut neighbour.velocities);
     neighbour.time = state.time;
-    flow.project(neighbour)?;
+    match flow.project(neighbour) {
+        Err(CrystalError::Overlap { .. }) => {
+            // The neighbour at the smaller distance would be inside another body: it is left where it is this time.
+            neighbour.clone_from(&kept);
+            flow.project(neighbour)?;
+        }
+        other => other?,
+    }
     Ok(distance(weights, state, neighbour))
 }

@@ -2,7 +2,8 @@
 //!
 //! v̇ = -P Γ v, with Γ = γ for translations and γ' for rotations and P = 1 - M⁻¹ Jᵀ A⁻¹ J the projection on velocities that
 //! keep the rods. It is a map of the velocities, made for half a step before and after a step without friction: the whole is
-//! of second order, and any way of making the middle step will do, collisions included.
+//! of second order, and any way of making the middle step will do, collisions included ([`Drag::apply`] with the
+//! [`dynamics`](super::Engine::dynamics) of an engine).
 //!
 //! A single γ commutes with P, and v ← exp(-γ t) v is exact. With two, the midpoint rule of Runge is used,
 //! v ← v - t P Γ (v - t/2 P Γ v), of second order in t.
@@ -83,7 +84,7 @@ impl Drag {
             self.decelerate(dynamics, &slowed, duration, &mut middle);
             velocities.copy_from_slice(&middle);
         }
-        dynamics.prepare_velocities(velocities);
+        dynamics.velocities_changed(velocities);
         Ok(())
     }
 

@@ -22,6 +22,11 @@ const AT_REST: f64 = 1e-13;
 const IMPACTS_BEFORE_REST: usize = 4;
 /// A contact that closes again within this share of the rest of a step has not really opened.
 const AT_ONCE: f64 = 0.02;
+/// The smallest speed with which resting contacts are made to part; it doubles with every impact in a step.
+const LEAST_LIFT: f64 = 1e-9;
+/// Rods longer than this, in half-diagonals, are obstacles by default. On random 10 x 10 lattices no corner met a rod up to
+/// r0 = 0.7 in 2000 steps of 0.005, and some did at 1.
+const BLOCKING_LENGTH: f64 = 0.5;
 /// A jam is reported after so many times the cap.
 const JAMMED: usize = 25;
 
@@ -32,7 +37,7 @@ pub struct CollisionSettings {
     /// e, 0 (no rebound) to 1 (elastic).
     pub restitution: f64,
     /// Whether rods are obstacles for corners and for the squares they hang on. By default they are where a rod is longer
-    /// than a side of its squares: then its far end leaves the side, and only the rod itself can stop it.
+    /// than half a half-diagonal: corners do not come between shorter ones.
     pub rods_block: Option<bool>,
     /// Impacts in one step after which the contacts of the rest of the step are held apart with a little speed of their own;
     /// such steps are counted.
@@ -105,7 +110,7 @@ impl Engine {
     ) -> Result<Self> {
         check_restitution(settings.restitution)?;
         let dynamics = Dynamics::new(network.clone(), forces, state)?;
-        let longer = |end: usize, length: f64| length > std::f64::consts::SQRT_2 * network.squares[end].half_diagonal;
+        let longer = |end: usize, length: f64| length > BLOCKING_LENGTH * network.squares[end].half_diagonal;
         let long =
             network.rods.iter().any(|rod| longer(rod.from.square, rod.length) || longer(rod.to.square, rod.length));
         let detector = Detector::new(&network, &state.positions, settings.rods_block.unwrap_or(long));
@@ -237,7 +242,7 @@ impl Engine {
         let rests = if lossy { at_once || impacts > IMPACTS_BEFORE_REST } else { false };
         let capped = impacts > self.settings.most_impacts_per_step;
         if (rests || capped) && left > 0.0 {
-            return self.rest(network, state, &contacts, left);
+            return self.rest(network, state, &contacts, left, impacts);
         }
         // An impact may send a contact that was parting back together: it then takes part in the next one, at once.
         for _ in 0..self.settings.most_impacts_per_step.max(1) {
@@ -285,14 +290,21 @@ impl Engine {
 
     /// Holds contacts apart that would strike again and again. An impact takes what is left of their approach; how far
     /// they would sink into each other in the rest of the step tells the speed with which they must part so as not to.
-    fn rest(&mut self, network: &Network, state: &mut State, contacts: &[Contact], left: f64) -> Result<()> {
+    fn rest(
+        &mut self,
+        network: &Network,
+        state: &mut State,
+        contacts: &[Contact],
+        left: f64,
+        impacts: usize,
+    ) -> Result<()> {
         let restitution = if self.settings.restitution < 1.0 { 0.0 } else { 1.0 };
         let mut change = self.strike(network, state, contacts, restitution, Some(0.0));
         self.dynamics.drift(state, left, &mut self.next)?;
         let sunk = contacts.iter().map(|contact| -contact.gap(network, &self.next)).fold(0.0, f64::max);
-        if sunk > 0.0 {
-            change += self.strike(network, state, contacts, restitution, Some(1.5 * sunk / left));
-        }
+        // Contacts that sink only in between ask for more each time.
+        let least = LEAST_LIFT * f64::from(1 << impacts.min(20));
+        change += self.strike(network, state, contacts, restitution, Some(least.max(1.5 * sunk / left)));
         self.statistics.lifts += 1;
         self.statistics.lift_energy += change;
         Ok(())

@@ -45,8 +45,9 @@ struct Product {
 }
 
 impl RodSystem {
-    /// Prepares the rods of a network; `positions` serve to order the elimination well.
-    pub fn new(network: &Network, positions: &[f64]) -> Self {
+    /// Prepares the rods of a network. The order of elimination follows from where squares are in the lattice, not from a
+    /// state, so that a run resumed elsewhere gives the same bits.
+    pub fn new(network: &Network) -> Self {
         let cell = network.cell.unwrap_or([0.0; 2]);
         let rods: Vec<RodGeometry> = network
             .rods
@@ -64,11 +65,15 @@ impl RodSystem {
             })
             .collect();
         let (entries, products) = gram_pattern(&rods, network.squares.len());
-        let place = |rod: &RodGeometry| {
-            let at = |end: usize, axis: usize| positions[3 * rod.squares[end] + axis];
-            [0.5 * (at(0, 0) + at(1, 0)), 0.5 * (at(0, 1) + at(1, 1)), 0.0]
+        // Columns along x, rows against y; the middle of a rod on the way to the periodic image it leads to.
+        let place = |rod: &super::Rod| {
+            let at = |square: usize| [(square % network.columns) as f64, (square / network.columns) as f64];
+            let ([x, y], [to_x, to_y]) = (at(rod.from.square), at(rod.to.square));
+            let [around_x, around_y] = rod.image.map(f64::from);
+            let (to_x, to_y) = (to_x + around_x * network.columns as f64, to_y - around_y * network.rows as f64);
+            [0.5 * (x + to_x), 0.5 * (y + to_y), 0.0]
         };
-        let places: Vec<[f64; 3]> = rods.iter().map(place).collect();
+        let places: Vec<[f64; 3]> = network.rods.iter().map(place).collect();
         let factor = LdlFactor::new(rods.len(), &entries, &places);
         Self {
             rows: vec![[[0.0; 3]; 2]; rods.len()],
@@ -163,6 +168,11 @@ impl RodSystem {
     /// ln det A, for the metric correction of stiff rods.
     pub fn log_determinant(&self) -> f64 {
         self.factor.log_determinant()
+    }
+
+    /// A factored, for its size.
+    pub fn factor(&self) -> &LdlFactor {
+        &self.factor
     }
 
     /// J x for a vector over the squares.

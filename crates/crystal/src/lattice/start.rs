@@ -234,7 +234,7 @@ pub struct Projector {
 impl Projector {
     /// For the rods of this network.
     pub fn new(network: &Network) -> Self {
-        let rods = RodSystem::new(network, &State::coherent(network, FRAC_PI_4).positions);
+        let rods = RodSystem::new(network);
         let sigma = vec![0.0; rods.len()];
         Self { rods, sigma }
     }

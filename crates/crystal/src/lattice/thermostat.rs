@@ -19,6 +19,9 @@
 //! ([`RodSystem::log_determinant`](super::rods::RodSystem::log_determinant), at the prepared state), the correction of Fixman
 //! (Proc. Natl. Acad. Sci. 71, 3050 (1974)).
 //!
+//! With elastic collisions the middle step is that of an [`Engine`](super::Engine), whose
+//! [`dynamics`](super::Engine::dynamics) [`Langevin::before`] and [`Langevin::after`] take.
+//!
 //! The noise is counter-based: it is a function of seed, replica, step and square, and a run resumed from its state and the
 //! number of its step goes on bit for bit.
 
@@ -129,7 +132,6 @@ impl Langevin {
             velocity[1] = kept * velocity[1] + per_mass * y;
             velocity[2] = kept * velocity[2] + amplitude / square.inertia.sqrt() * angle;
         }
-        dynamics.project_velocities(velocities);
-        dynamics.prepare_velocities(velocities);
+        dynamics.velocities_changed(velocities);
     }
 }

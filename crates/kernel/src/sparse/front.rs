@@ -10,6 +10,9 @@
 //! tile t:  columns 0..k     full
 //! ```
 //!
+//! When a front is done, the triangle T at the end of a diagonal tile (with ones on the diagonal, and for rows below the
+//! front's own) gives way to T⁻¹ less its diagonal, so that solutions need no recurrence.
+//!
 //! What is left for the rows k to m, S = A' - L D Lᵀ, is kept by columns, its rows counted from the tile that holds row k.
 //! No fused operations: every processor gives the same bits.
 
@@ -218,6 +221,30 @@ fn store(block: &mut [f64], stride: usize, tile: usize, sum: &[Tile; BLOCK]) {
     }
 }
 
+/// Inverts the triangle of every diagonal tile. With T = 1 + L, the columns of V = T⁻¹ are V_c = e_c - Σ_{j>c} V_j L_jc.
+#[inline(always)]
+pub(super) fn invert_triangles(panel: &mut [f64], shape: Shape) {
+    for tile in 0..shape.columns.div_ceil(LANES) {
+        let start = shape.tile_start(tile) + LANES * LANES * tile;
+        let count = LANES.min(shape.columns - LANES * tile);
+        let columns = panel[start..start + LANES * count].as_chunks_mut::<LANES>().0;
+        let mut inverse = [[0.0; LANES]; LANES];
+        for c in (0..LANES).rev() {
+            if let Some(column) = columns.get_mut(c) {
+                let mut sum = [0.0; LANES];
+                for j in c + 1..LANES {
+                    for l in 0..LANES {
+                        sum[l] -= inverse[j][l] * column[j];
+                    }
+                }
+                *column = sum;
+                inverse[c] = sum;
+            }
+            inverse[c][c] = 1.0;
+        }
+    }
+}
+
 /// L y = t for the front's own rows, t -= L y for those below; t has room for all tiles.
 #[inline(always)]
 pub(super) fn solve_forward(panel: &[f64], shape: Shape, t: &mut [Tile]) {
@@ -238,10 +265,10 @@ pub(super) fn solve_forward(panel: &[f64], shape: Shape, t: &mut [Tile]) {
         for l in 0..LANES {
             value[l] -= sum[0][l] + sum[1][l];
         }
-        for (c, column) in columns[LANES * tile..].iter().enumerate() {
-            let known = value[c];
+        let given = value;
+        for (column, given) in columns[LANES * tile..].iter().zip(&given) {
             for l in 0..LANES {
-                value[l] -= column[l] * known;
+                value[l] += column[l] * given;
             }
         }
         rest[0] = value;
@@ -315,13 +342,17 @@ pub(super) fn solve_backward(panel: &[f64], shape: Shape, t: &mut [Tile], sums: 
     for tile in (0..diagonal_tiles).rev() {
         let columns = columns_of(panel, shape, tile);
         let value = &mut own[tile];
-        for c in (0..columns.len() - LANES * tile).rev() {
-            let p = LANES * tile + c;
+        let triangle = &columns[LANES * tile..];
+        for (value, sum) in value.iter_mut().zip(&sums[LANES * tile..]) {
+            *value -= total(sum);
+        }
+        let given = *value;
+        for (value, column) in value.iter_mut().zip(triangle) {
             let mut product = [0.0; LANES];
             for l in 0..LANES {
-                product[l] = sums[p][l] + columns[p][l] * value[l];
+                product[l] = column[l] * given[l];
             }
-            value[c] -= total(&product);
+            *value += total(&product);
         }
         spread([&columns[..LANES * tile]], [value], sums);
     }

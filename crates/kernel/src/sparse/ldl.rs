@@ -209,14 +209,14 @@ fn factor_fronts(symbolic: &Symbolic, work: &mut Numbers, numbers: &[f64]) -> Re
         let (pivots, inverse) = (&mut pivots[own_columns.clone()], &mut inverse[own_columns]);
         front::factor_panel(panel, shape, own, pivots, inverse, packed)
             .map_err(|(column, pivot)| (front.first + column, pivot, own(column)))?;
-        if shape.height == shape.columns {
-            continue;
+        if shape.height > shape.columns {
+            let own_left = &mut left[front.left..front.left + shape.left_size()];
+            front::start_left(panel, shape, pivots, own_left, packed);
+            for child in children {
+                add_to_left(symbolic, &symbolic.fronts[*child as usize], front, left);
+            }
         }
-        let own_left = &mut left[front.left..front.left + shape.left_size()];
-        front::start_left(panel, shape, pivots, own_left, packed);
-        for child in children {
-            add_to_left(symbolic, &symbolic.fronts[*child as usize], front, left);
-        }
+        front::invert_triangles(panel, shape);
     }
     Ok(())
 }

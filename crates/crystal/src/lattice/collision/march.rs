@@ -63,7 +63,14 @@ pub fn first_root<const N: usize>(probe: impl Fn(f64) -> Probe<N>, curvature: f6
         }
         leaving = leaving && most <= TOUCHING;
         if leaving && most < lowest {
-            return End::Root { time: before, rate };
+            // What touched has not come apart, or another corner has come down beside it.
+            let depth = |time: f64| probe(time).along.iter().fold(f64::NEG_INFINITY, |most, m| most.max(m.distance));
+            let (mut open, mut closed) = (before, time);
+            for _ in 0..40 {
+                let middle = 0.5 * (open + closed);
+                if depth(middle) < lowest { closed = middle } else { open = middle }
+            }
+            return End::Root { time: open, rate };
         }
         if most <= ROOT && !leaving {
             return End::Root { time, rate };

@@ -121,7 +121,7 @@ pub fn respond(
     }
     let contacts = without_repetitions(&touches);
     let rows: Vec<Row> = contacts.iter().map(|contact| contact.row(network, positions)).collect();
-    let mut rods = RodSystem::new(network, positions);
+    let mut rods = RodSystem::new(network);
     rods.linearize(positions).map_err(|error| match error {
         SparseError::Dependent { row, .. } => CrystalError::OverConstrained { rod: row, time: 0.0 },
         other => CrystalError::BadNetwork(other.to_string()),

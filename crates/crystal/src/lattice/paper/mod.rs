@@ -219,7 +219,7 @@ impl PaperEngine {
                 if (at(middle) < 0.0) == (begin < 0.0) { low = middle } else { high = middle }
             }
             let landing = ansatz.land(high);
-            let mut rods = RodSystem::new(network, &state.positions);
+            let mut rods = RodSystem::new(network);
             let mut sigma = vec![0.0; rods.len()];
             let (rod, sigma) = rods.violations(&landing.positions, &mut sigma);
             // σ = (|Δ|² - r0²) / 2 r0.
@@ -342,7 +342,7 @@ pub fn printed_normal(network: &Network, state: &State, striker: Corner, target:
     let solved = [(c * sum[0] - b * sum[1]) / determinant, (a * sum[1] - b * sum[0]) / determinant];
     let (x, y) = (-solved[1], solved[0]);
     let length = x.hypot(y);
-    if !(length > HEAD_ON) {
+    if length.is_nan() || length <= HEAD_ON {
         return None;
     }
     let outward = (l[0] - k[0]) * x + (l[1] - k[1]) * y;
