@@ -51,9 +51,6 @@ impl Mover {
 
     /// Goes on from another state, that of a checkpoint.
     ///
-    /// The order of elimination stays that of the first state of the run: rounding, and with it every later bit, depends
-    /// on it.
-    ///
     /// # Errors
     /// If the rods depend on each other there.
     pub fn resume(&mut self, state: &State, events: u64) -> Result<()> {

@@ -107,13 +107,16 @@ pub fn run_lattice(
     }
     let begun = begin(settings)?;
     let identity = identity(settings)?;
+    // Before the directory is touched: a start that makes no sense leaves nothing behind.
+    let time_step = time_step(settings, &begun)?;
+    let mover = Mover::new(settings, Arc::new(begun.network.clone()), &begun.state)?;
     let _mine = LatticeDirectory::enter(path, settings, &RESULTS, execution.start_anew)?;
-    let total = settings.total_steps(time_step(settings, &begun)?);
+    let total = settings.total_steps(time_step);
     if let Some(result) = finished(path, &identity, total)? {
         advanced(total);
         return Ok(LatticeEnd::Finished(result));
     }
-    let mut run = Run::open(settings, path, identity, begun)?;
+    let mut run = Run::open(settings, path, identity, begun, mover, time_step)?;
     advanced(run.progress.steps);
     let outcome = run.advance(total, execution, advanced);
     run.save()?;
@@ -180,10 +183,15 @@ struct Run<'a> {
 
 impl<'a> Run<'a> {
     /// Continues from the checkpoint, or starts anew.
-    fn open(settings: &'a LatticeSettings, path: &Path, identity: String, begun: Begun) -> Result<Self> {
-        let time_step = time_step(settings, &begun)?;
-        let network = Arc::new(begun.network);
-        let mut mover = Mover::new(settings, network.clone(), &begun.state)?;
+    fn open(
+        settings: &'a LatticeSettings,
+        path: &Path,
+        identity: String,
+        begun: Begun,
+        mut mover: Mover,
+        time_step: f64,
+    ) -> Result<Self> {
+        let network = mover.network().clone();
         let first_energy = mover.energy(&begun.state);
         let new = Progress { steps: 0, events: 0, largest_rod_violation: 0.0, largest_energy_error: 0.0, first_energy };
         let mut state = begun.state.clone();

@@ -2,7 +2,8 @@
 
 use super::mover::forces;
 use super::settings::{LatticeSettings, OtherSquare, TimeStep, Velocities};
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
+use protomer_crystal::CrystalError;
 use protomer_crystal::lattice::rods::RodSystem;
 use protomer_crystal::lattice::{AngularVelocities, Corner, Dynamics, Langevin, Network, Rod, Square, Start, State};
 use std::collections::BTreeSet;
@@ -42,10 +43,17 @@ pub fn begin(settings: &LatticeSettings) -> Result<Begun> {
         }
     };
     let start = Start { angle, angle_spread: settings.angle_spread, velocities, seed: settings.seed };
-    let started = start.build(&network, 0).context(
-        "the rods cannot have their lengths in this start; start from 'open', lower angle_spread, or change the sizes and \
-         rods that do not fit",
-    )?;
+    let started = start.build(&network, 0).map_err(|error| match error {
+        CrystalError::OverConstrained { .. } if network.cell.is_some() => anyhow::Error::from(error).context(
+            "straight rows and columns across periodic edges hold each other; leave out a rod of each with removed_rods",
+        ),
+        // That says itself what is wrong.
+        CrystalError::OverConstrained { .. } => anyhow::Error::from(error),
+        _ => anyhow::Error::from(error).context(
+            "the rods cannot have their lengths in this start; start from 'open', lower angle_spread, or change the \
+             sizes and rods that do not fit",
+        ),
+    })?;
     let mut state = started.state;
     if settings.velocities == Velocities::Thermal {
         let mut dynamics = Dynamics::new(Arc::new(network.clone()), Vec::new(), &state)?;
@@ -150,7 +158,7 @@ pub fn time_step(settings: &LatticeSettings, begun: &Begun) -> Result<f64> {
     if let TimeStep::Fixed(step) = settings.time_step {
         return Ok(step);
     }
-    let mut rods = RodSystem::new(&begun.network, &begun.state.positions);
+    let mut rods = RodSystem::new(&begun.network);
     let turning = rods.largest_turning_rate(&begun.state.positions, &begun.state.velocities);
     // A coherent start has rods at rest: then what the squares could give them counts.
     let spinning = begun.state.velocities.chunks_exact(3).map(|v| v[2].abs()).fold(0.0, f64::max);

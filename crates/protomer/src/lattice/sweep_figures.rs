@@ -34,8 +34,8 @@ pub fn write(sweep: &LatticeSweep, data: &[Data], directory: &Path) -> Result<()
                 sweep,
                 "Synchronisation against rod length",
                 &[
-                    ("whole", "leading eigenvalue / squares", |row| row.synchronisation, |run| run.synchronisation),
-                    ("partial", "partial", |row| row.partial_synchronisation, |run| run.partial_synchronisation),
+                    ("", "λ(|R|) / squares", |row| row.synchronisation, |run| run.synchronisation),
+                    ("", "λ(|P|) / squares", |row| row.partial_synchronisation, |run| run.partial_synchronisation),
                 ],
             ),
         ),
@@ -45,14 +45,9 @@ pub fn write(sweep: &LatticeSweep, data: &[Data], directory: &Path) -> Result<()
                 sweep,
                 "Poisson's ratio against rod length",
                 &[
-                    ("total least squares", "Poisson's ratio", |row| row.poisson_ratio, |run| run.poisson_ratio),
-                    (
-                        "ordinary least squares",
-                        "ordinary",
-                        |row| row.poisson_ratio_ordinary,
-                        |run| run.poisson_ratio_ordinary,
-                    ),
-                    ("squared correlation", "r²", |row| row.r_squared, |run| run.r_squared),
+                    ("total least squares", "ν", |row| row.poisson_ratio, |_| f64::NAN),
+                    ("ordinary least squares", "ν", |row| row.poisson_ratio_ordinary, |_| f64::NAN),
+                    ("", "r²", |row| row.r_squared, |run| run.r_squared),
                 ],
             ),
         ),
@@ -62,8 +57,8 @@ pub fn write(sweep: &LatticeSweep, data: &[Data], directory: &Path) -> Result<()
                 sweep,
                 "The checkerboard mode against rod length",
                 &[
-                    ("deviation", "σ of its share", |row| row.checkerboard_deviation, |run| run.checkerboard_deviation),
-                    ("mean", "mean share", |row| row.checkerboard_fraction, |run| run.checkerboard_fraction),
+                    ("", "σ of its share", |row| row.checkerboard_deviation, |run| run.checkerboard_deviation),
+                    ("", "mean share", |row| row.checkerboard_fraction, |run| run.checkerboard_fraction),
                 ],
             ),
         ),
@@ -154,18 +149,14 @@ fn thinned(points: &[[f64; 2]]) -> impl Iterator<Item = [f64; 2]> + '_ {
     points.iter().copied().step_by(points.len().div_ceil(MOST_POINTS).max(1))
 }
 
-/// Name of the series, label of its axis, and the value of a condition and of a run.
+/// What is said of it behind its label, the label, and the value of a condition and of a run.
 type Quantity = (&'static str, &'static str, fn(&ConditionRow) -> Estimate, fn(&RunRow) -> f64);
 
 /// A panel per quantity, a series per κ.
 fn against_r0(sweep: &LatticeSweep, title: &str, quantities: &[Quantity]) -> Option<Figure> {
     let axes = axes(&sweep.settings);
     let panels = quantities.iter().map(|(what, label, of_row, of_run)| Panel {
-        y: Axis::linear(if quantities.len() > 1 && label != &"r²" {
-            format!("{label} ({what})")
-        } else {
-            (*label).into()
-        }),
+        y: Axis::linear(if what.is_empty() { (*label).to_owned() } else { format!("{label}, {what}") }),
         series: axes
             .kappa
             .iter()

@@ -4,14 +4,15 @@ use super::log::LogRow;
 use super::run::LatticeResult;
 use super::sweep::{Series, Task};
 use anyhow::Result;
+use nalgebra::{Complex, DMatrix};
 use protomer_crystal::analysis::spread::FirstMaximum;
-use protomer_crystal::analysis::strain::poisson_ratio;
-use protomer_crystal::analysis::synchronisation::{Synchronisation, eigenvalues};
+use protomer_crystal::analysis::strain::{PoissonRatio, poisson_ratio};
+use protomer_crystal::analysis::synchronisation::Synchronisation;
 use protomer_io::csv::{Cell, Table};
 use protomer_kernel::statistics::RunningMoments;
 use serde::Serialize;
 
-/// Blocks of the jackknife behind the errors of a single Poisson's ratio.
+/// Blocks per run of the jackknife behind the errors of Poisson's ratio.
 const BLOCKS: usize = 10;
 /// R is mixed with this much of the identity before it is inverted: squares that never part leave it singular.
 pub const RIDGE: f64 = 1e-6;
@@ -43,9 +44,9 @@ pub struct RunRow {
     pub poisson_ratio_ordinary: f64,
     /// Squared correlation of the two strains.
     pub r_squared: f64,
-    /// Leading eigenvalue of the synchronisation indices, over the number of squares.
+    /// Leading eigenvalue of the matrix of |R|, over the number of squares: 1 if all turn alike.
     pub synchronisation: f64,
-    /// Leading eigenvalue of the partial indices, over the number of squares.
+    /// The same of the partial indices.
     pub partial_synchronisation: f64,
 }
 
@@ -83,15 +84,19 @@ impl RunRow {
     }
 }
 
-/// Leading eigenvalues of the two kinds of indices, over the number of squares; NaN without frames.
+/// Leading eigenvalues of |R| and |P|, over the number of squares; NaN without frames.
+///
+/// Of the magnitudes: P itself, with ones on its diagonal, is 2 less a normalised inverse, whose smallest eigenvalue is near 0
+/// wherever squares hold together, so that its own leading eigenvalue is 2 whatever they do.
 fn leading(angles: &Synchronisation) -> Result<[f64; 2]> {
     if angles.samples() == 0 {
         return Ok([f64::NAN; 2]);
     }
-    let index = angles.index()?;
-    let first = |values: Vec<f64>| values.first().map_or(f64::NAN, |value| value / index.nrows() as f64);
-    let partial = angles.partial(RIDGE).map_or(f64::NAN, |partial| first(eigenvalues(&partial)));
-    Ok([first(eigenvalues(&index)), partial])
+    let first = |matrix: &DMatrix<Complex<f64>>| {
+        let largest = matrix.map(|entry| entry.norm()).symmetric_eigenvalues().max();
+        largest / matrix.nrows() as f64
+    };
+    Ok([first(&angles.index()?), angles.partial(RIDGE).map_or(f64::NAN, |partial| first(&partial))])
 }
 
 /// A mean over runs with its standard error: NaN where there is one run only.
@@ -131,11 +136,11 @@ pub struct ConditionRow {
     pub largest_spread: Estimate,
     /// As in [`RunRow`].
     pub largest_spread_time: Estimate,
-    /// As in [`RunRow`].
+    /// By total least squares from the strains of all runs together; the error is that of a jackknife over blocks.
     pub poisson_ratio: Estimate,
-    /// As in [`RunRow`].
+    /// The same by ordinary least squares.
     pub poisson_ratio_ordinary: Estimate,
-    /// As in [`RunRow`].
+    /// Squared correlation of the strains of all runs together; without error.
     pub r_squared: Estimate,
     /// As in [`RunRow`].
     pub synchronisation: Estimate,
@@ -156,6 +161,11 @@ impl ConditionRow {
     /// If the angles make no matrix.
     pub fn new(runs: &[RunRow], series: &Series) -> Result<Self> {
         let of = |value: fn(&RunRow) -> f64| Estimate::of(runs.iter().map(value));
+        let ratio = poisson_ratio(&series.strains, BLOCKS * runs.len()).ok();
+        let pooled = |value: fn(&PoissonRatio) -> (f64, f64)| {
+            let (mean, error) = ratio.as_ref().map_or((f64::NAN, f64::NAN), value);
+            Estimate { mean, error }
+        };
         let [pooled_synchronisation, pooled_partial_synchronisation] = leading(&series.synchronisation)?;
         Ok(Self {
             r0: runs.first().map_or(f64::NAN, |run| run.r0),
@@ -166,9 +176,9 @@ impl ConditionRow {
             checkerboard_fraction: of(|run| run.checkerboard_fraction),
             largest_spread: of(|run| run.largest_spread),
             largest_spread_time: of(|run| run.largest_spread_time),
-            poisson_ratio: of(|run| run.poisson_ratio),
-            poisson_ratio_ordinary: of(|run| run.poisson_ratio_ordinary),
-            r_squared: of(|run| run.r_squared),
+            poisson_ratio: pooled(|ratio| (ratio.total, ratio.total_error)),
+            poisson_ratio_ordinary: pooled(|ratio| (ratio.ordinary, ratio.ordinary_error)),
+            r_squared: pooled(|ratio| (ratio.r_squared, f64::NAN)),
             synchronisation: of(|run| run.synchronisation),
             partial_synchronisation: of(|run| run.partial_synchronisation),
             pooled_synchronisation,
