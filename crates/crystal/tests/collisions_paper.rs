@@ -96,7 +96,7 @@ fn the_protocol_leaves_overlaps_and_the_engine_does_not() {
     for _ in 0..300 {
         engine.step(&mut state, 0.01).unwrap();
     }
-    assert!(engine.statistics().smallest_gap > -1e-10);
+    assert!(engine.statistics().smallest_gap.unwrap() > -1e-10);
 }
 
 /// One contact at a time: the equality and the inequality agree, and so do the trajectories, to the tolerance of the times.

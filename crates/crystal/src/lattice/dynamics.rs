@@ -57,6 +57,8 @@ pub struct Dynamics {
     /// then begins near its end. (Kept from state to state it would help further, but make results depend on the past.)
     slope: Vec<f64>,
     sloped: bool,
+    /// Length of the last drift.
+    last_step: f64,
     corrections: u64,
     sigma: Vec<f64>,
     drifted: Vec<f64>,
@@ -83,6 +85,7 @@ impl Dynamics {
             multipliers: vec![0.0; count],
             slope: vec![0.0; count],
             sloped: false,
+            last_step: 0.0,
             corrections: 0,
             sigma: vec![0.0; count],
             drifted: vec![0.0; coordinates],
@@ -169,10 +172,12 @@ impl Dynamics {
         for (base, ((s, v), a)) in self.base.iter_mut().zip(moved) {
             *base = s + v * step + a * half_square;
         }
-        self.multipliers.copy_from_slice(&self.start);
         if self.sloped {
-            add(&mut self.multipliers, step, &self.slope);
+            add(&mut self.multipliers, step - self.last_step, &self.slope);
+        } else {
+            self.multipliers.copy_from_slice(&self.start);
         }
+        self.last_step = step;
         if half_square == 0.0 {
             positions.copy_from_slice(&self.base);
             return Ok(());
@@ -197,6 +202,7 @@ impl Dynamics {
                 return Ok(());
             }
             if correction == MOST_CORRECTIONS || !violation.is_finite() || violation.abs() > 1e3 * before {
+                self.sloped = false;
                 let rate = self.rods.largest_turning_rate(&state.positions, &state.velocities);
                 return Err(CrystalError::StepTooLarge {
                     time: state.time,

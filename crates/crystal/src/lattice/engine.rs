@@ -79,9 +79,9 @@ pub struct CollisionStatistics {
     pub largest_rod_violation: f64,
     /// The largest |J v| there.
     pub largest_rod_rate: f64,
-    /// The smallest gap (negative: overlap) of all pairs that were near at the end of a sub-step.
-    pub smallest_gap: f64,
-    /// How often the list of near pairs was made.
+    /// The smallest gap (negative: overlap) of all pairs that were near at the end of a sub-step; none if none ever was.
+    pub smallest_gap: Option<f64>,
+    /// How often the list of near pairs was made since the engine was.
     pub candidate_lists: u64,
 }
 
@@ -115,7 +115,7 @@ impl Engine {
             network.rods.iter().any(|rod| longer(rod.from.square, rod.length) || longer(rod.to.square, rod.length));
         let detector = Detector::new(&network, &state.positions, settings.rods_block.unwrap_or(long));
         detector.check_no_overlap(&network, &state.positions, state.time)?;
-        let statistics = CollisionStatistics { smallest_gap: f64::INFINITY, ..CollisionStatistics::default() };
+        let statistics = CollisionStatistics::default();
         Ok(Self {
             scratch: vec![0.0; network.rods.len()],
             next: state.positions.clone(),
@@ -150,6 +150,11 @@ impl Engine {
     /// What has happened so far.
     pub fn statistics(&self) -> &CollisionStatistics {
         &self.statistics
+    }
+
+    /// Goes on counting from here, for a run taken up again.
+    pub fn set_statistics(&mut self, statistics: CollisionStatistics) {
+        self.statistics = statistics;
     }
 
     /// To be called when a state has been changed from outside, or another one taken.
@@ -196,7 +201,8 @@ impl Engine {
             }
             for watch in self.detector.hot() {
                 let gap = watch.gap(&network, &state.positions);
-                self.statistics.smallest_gap = self.statistics.smallest_gap.min(gap);
+                self.statistics.smallest_gap =
+                    Some(self.statistics.smallest_gap.map_or(gap, |smallest| smallest.min(gap)));
                 if gap.is_nan() || gap < -TOUCHING {
                     return Err(overlap(&network, watch, -gap, state.time));
                 }

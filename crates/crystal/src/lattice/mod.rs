@@ -40,6 +40,7 @@ pub mod start;
 pub mod state;
 pub mod thermostat;
 
+pub use collision::replay::{FirstContact, Response, first_contact, respond};
 pub use contact::Contact;
 pub use drag::Drag;
 pub use dynamics::Dynamics;
