@@ -111,9 +111,19 @@ fn name(row: &ConditionRow, sweep: &LatticeSweep) -> String {
 
 /// A line of text cannot hold more entries; the tables have them all.
 const MOST_SERIES: usize = 8;
+/// A page of matrices is long enough with these.
+const MOST_MATRICES: usize = 24;
+
+/// Where both vary, the rod lengths of the first κ.
+fn shown<'a>(sweep: &'a LatticeSweep, data: &'a [Data]) -> impl Iterator<Item = (&'a ConditionRow, &'a Data)> {
+    let axes = axes(&sweep.settings);
+    let first = (axes.r0.len() > 1).then(|| axes.kappa.first().copied()).flatten();
+    let is_shown = move |row: &ConditionRow| first.is_none_or(|kappa| row.kappa == kappa);
+    sweep.conditions.iter().zip(data).filter(move |(row, _)| is_shown(row)).take(MOST_SERIES)
+}
 
 fn phase_differences(sweep: &LatticeSweep, data: &[Data]) -> Figure {
-    let series = sweep.conditions.iter().zip(data).take(MOST_SERIES).map(|(row, data)| Series {
+    let series = shown(sweep, data).map(|(row, data)| Series {
         name: name(row, sweep),
         points: thinned(&data.phase_differences).map(|[x, y]| Point { x, y, error: None }).collect(),
         replicas: Vec::new(),
@@ -128,7 +138,7 @@ fn phase_differences(sweep: &LatticeSweep, data: &[Data]) -> Figure {
 }
 
 fn strains(sweep: &LatticeSweep, data: &[Data]) -> Figure {
-    let series = sweep.conditions.iter().zip(data).take(MOST_SERIES).map(|(row, data)| Series {
+    let series = shown(sweep, data).map(|(row, data)| Series {
         name: name(row, sweep),
         points: Vec::new(),
         replicas: thinned(&data.strains).map(|[x, y]| [x, -y]).collect(),
@@ -240,7 +250,7 @@ fn spread(sweep: &LatticeSweep) -> Option<Figure> {
 /// |R| and |P| of every condition side by side.
 fn indices(sweep: &LatticeSweep, data: &[Data], directory: &Path) -> Result<()> {
     let mut maps = Vec::new();
-    for (row, data) in sweep.conditions.iter().zip(data).take(MOST_SERIES) {
+    for (row, data) in sweep.conditions.iter().zip(data).take(MOST_MATRICES) {
         if data.synchronisation.samples() == 0 {
             return Ok(());
         }

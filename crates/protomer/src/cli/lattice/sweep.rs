@@ -49,7 +49,7 @@ impl SweepArgs {
         let runs = tasks(&settings, &self.directory.output)?.len();
         let conditions = axes(&settings);
         global.say(&format!(
-            "{} × {} squares, {} rod lengths, {} κ, {} seeds: {runs} runs",
+            "{} × {} squares; rod lengths: {}, κ: {}, seeds: {}, runs: {runs}",
             settings.rows,
             settings.columns,
             conditions.r0.len(),
