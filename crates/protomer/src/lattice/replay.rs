@@ -63,7 +63,7 @@ fn one() -> f64 {
     1.0
 }
 
-/// What [`replay`] finds.
+/// What [`replay()`] finds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Replay {
     /// The largest time step taken.
