@@ -7,6 +7,7 @@ use protomer_crystal::framework::analytic::Honeycomb;
 use protomer_crystal::framework::build;
 use protomer_crystal::framework::energy::{Configuration, NetworkEnergy};
 use protomer_crystal::framework::load::{minimise, stretch_curve};
+use protomer_crystal::framework::moduli::polar;
 use protomer_crystal::framework::{
     Elasticity, Framework, Hinge, Load, Moduli, Neighbour, Rod, StressKind, Torsion, gpa_per_kcal_mol_angstrom3,
 };
@@ -86,6 +87,19 @@ fn compliances_add() {
         assert!((1.0 / s[(0, 0)] / both.e_y_gpa - 1.0).abs() < 1e-9);
         assert!((1.0 / s[(1, 1)] / both.e_z_gpa - 1.0).abs() < 1e-9);
         assert!((-s[(1, 0)] / s[(0, 0)] / both.nu_yz - 1.0).abs() < 1e-9);
+        assert!((-s[(0, 1)] / s[(1, 1)] / both.nu_zy - 1.0).abs() < 1e-9);
+        assert!((1.0 / s[(2, 2)] / both.g_yz_gpa - 1.0).abs() < 1e-9);
+        let stiffness = both.stiffness_gpa().unwrap();
+        for (i, row) in stiffness.iter().enumerate() {
+            for (j, expected) in row.iter().enumerate() {
+                let error = elasticity.stiffness[(i, j)] - expected;
+                assert!(error.abs() < 1e-9 * elasticity.stiffness.amax(), "{theta} {i} {j}: {error:e}");
+            }
+        }
+        // A honeycomb that only hinges has one freedom for two strains.
+        assert!(
+            honeycomb.hinging(1.0).stiffness_gpa().is_none() && honeycomb.stretching(1.0).stiffness_gpa().is_some()
+        );
     }
 }
 
@@ -126,6 +140,86 @@ fn rotating_polygons_shrink_alike_in_all_directions() {
             let moduli = Moduli::new(&elasticity, 1.0);
             assert!(moduli.youngs_gpa[0].is_none() && (moduli.poissons[0][1].unwrap() + 1.0).abs() < 1e-6);
         }
+    }
+}
+
+/// The slow way: turn the network itself and load it along y.
+#[test]
+fn moduli_off_the_axes_are_those_of_the_turned_network() {
+    let net = build::arrowhead(2.0, 0.5, 1.1, 30.0, 2.0).unwrap();
+    let directions = polar(&Elasticity::of(&net).unwrap(), 1.0, 12);
+    for direction in directions {
+        let (sine, cosine) = (-direction.angle_deg).to_radians().sin_cos();
+        let mut turned = net.clone();
+        for place in turned.nodes_angstrom.iter_mut().chain(&mut turned.cell_angstrom) {
+            *place = vec![cosine * place[0] - sine * place[1], sine * place[0] + cosine * place[1]];
+        }
+        let moduli = Moduli::new(&Elasticity::of(&turned).unwrap(), 1.0);
+        assert!((moduli.youngs_gpa[0].unwrap() / direction.youngs_gpa.unwrap() - 1.0).abs() < 1e-9);
+        assert!((moduli.poissons[0][1].unwrap() - direction.poissons.unwrap()).abs() < 1e-9, "{direction:?}");
+    }
+}
+
+/// A net of squares without hinges shears freely, and yet bears loads along its rods.
+#[test]
+fn a_mechanism_yields_only_to_loads_that_drive_it() {
+    let n = |y: i32, z: i32| Neighbour::there(0, &[y, z]);
+    let rod = |to| Rod { from: 0, to, stiffness_kcal_mol_angstrom2: 5.0, rest_length_angstrom: None };
+    let net = Framework {
+        cell_angstrom: vec![vec![2.0, 0.0], vec![0.0, 4.0]],
+        thickness_angstrom: 1.0,
+        nodes_angstrom: vec![vec![0.0, 0.0]],
+        rods: vec![rod(n(1, 0)), rod(n(0, 1))],
+        hinges: Vec::new(),
+        torsions: Vec::new(),
+    };
+    let elasticity = Elasticity::of(&net).unwrap();
+    let moduli = Moduli::new(&elasticity, 1.0);
+    // k (length along) / (width across), thickness 1.
+    assert!(
+        (moduli.youngs_gpa[0].unwrap() - 2.5).abs() < 1e-12 && (moduli.youngs_gpa[1].unwrap() - 10.0).abs() < 1e-12
+    );
+    assert!(moduli.poissons[0][1].unwrap().abs() < 1e-12 && moduli.shear_gpa[0].is_none());
+    let directions = polar(&elasticity, 1.0, 4);
+    assert!(directions[0].youngs_gpa.is_some() && directions[1].youngs_gpa.is_none());
+    assert!((directions[1].poissons.unwrap() - 1.0).abs() < 1e-12, "{directions:?}");
+}
+
+/// A turned network is turned back, and only turned.
+#[test]
+fn rotations_are_taken_out() {
+    for net in [build::rotating_triangles(2.0, 0.3, 5.0, 2.0).unwrap(), tetrahedral_chain()] {
+        let (energy, start) = (NetworkEnergy::new(&net).unwrap(), Configuration::built(&net));
+        let dimension = net.dimension();
+        let mut strained = shaken(&net, 0.05, 2);
+        strained = strained.without_rotation(&start);
+        let mut turned = strained.clone();
+        let (sine, cosine) = 0.4_f64.sin_cos();
+        let turn = |v: &mut [f64]| (v[0], v[1]) = (cosine * v[0] - sine * v[1], sine * v[0] + cosine * v[1]);
+        turned.nodes_angstrom.chunks_exact_mut(dimension).for_each(turn);
+        turned.cell_angstrom.iter_mut().for_each(|v| turn(v));
+        assert!((energy.energy(&turned) / energy.energy(&strained) - 1.0).abs() < 1e-9);
+        let back = turned.without_rotation(&start);
+        let pairs = back.nodes_angstrom.iter().zip(&strained.nodes_angstrom);
+        let cells = back.cell_angstrom.iter().flatten().zip(strained.cell_angstrom.iter().flatten());
+        assert!(pairs.chain(cells).all(|(a, b)| (a - b).abs() < 1e-12));
+        // A pure strain has nothing to take out.
+        let pure = shaken(&net, 0.0, 3);
+        let same = pure.without_rotation(&start);
+        assert!(same.nodes_angstrom.iter().zip(&pure.nodes_angstrom).all(|(a, b)| (a - b).abs() < 1e-12));
+    }
+}
+
+/// Rest lengths and angles written out leave the energy as it was, wherever nodes and cell are then put.
+#[test]
+fn rests_written_out_change_nothing() {
+    for (seed, net) in [build::rotating_triangles(2.0, 0.3, 5.0, 2.0).unwrap(), tetrahedral_chain()].iter().enumerate()
+    {
+        let energy = NetworkEnergy::new(net).unwrap();
+        let at = shaken(net, 0.1, seed as u64);
+        let moved = at.place(&energy.with_rests(net));
+        let there = NetworkEnergy::new(&moved).unwrap().energy(&Configuration::built(&moved));
+        assert!((there / energy.energy(&at) - 1.0).abs() < 1e-12 && there > 1e-3);
     }
 }
 
@@ -322,6 +416,7 @@ fn broken_networks_are_refused_with_the_reason() {
     refuse(&|net| net.cell_angstrom[1] = net.cell_angstrom[0].clone(), "collapsed");
     refuse(&|net| net.rods[2].to.node = 9, "names node 9");
     refuse(&|net| net.rods[2].to.image = vec![1], "whole numbers");
+    refuse(&|net| net.rods[2].to.image = vec![i32::MIN, 0], "far enough");
     refuse(&|net| net.rods[2].stiffness_kcal_mol_angstrom2 = -1.0, "zero or positive");
     refuse(&|net| net.nodes_angstrom[0][0] = f64::NAN, "node 0");
     refuse(&|net| net.cell_angstrom.clear(), "2 or 3 dimensions");

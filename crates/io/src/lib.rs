@@ -9,6 +9,7 @@
 //! | [`container`] | named arrays and a JSON header in one checksummed file: bodies, checkpoints |
 //! | [`gsd`] | trajectories in the HOOMD schema |
 //! | [`csv`] | tables |
+//! | [`volume`] | values on a grid: MRC, OpenDX |
 //! | [`gzip`] | reading files that may be compressed, within a limit |
 //! | [`atomic`] | files that appear only when complete; SHA-256 |
 
@@ -23,5 +24,6 @@ pub mod mesh;
 pub mod points;
 pub mod pqr;
 mod text;
+pub mod volume;
 
 pub use error::{IoError, Result};

@@ -47,6 +47,12 @@ fn with_hint(message: &str) -> String {
     }
 }
 
+/// The known word nearest to a wrong one, unless none is near.
+pub fn nearest<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let nearest = known.into_iter().min_by_key(|word| edit_distance(wrong, word))?;
+    (edit_distance(wrong, nearest) <= 1 + wrong.chars().count() / 3).then_some(nearest)
+}
+
 /// Levenshtein distance.
 fn edit_distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();

@@ -11,10 +11,12 @@
 //! | [`surface_of_file`] | the solvent-excluded surface alone |
 //! | [`assemble`], [`assembly_file`] | assemblies made and read |
 //! | [`fluid`] | bodies at random places in a box |
+//! | [`potential`] | the electrostatic potential around a structure |
 //! | [`interaction`] | salt, temperature, permittivity to a Yukawa potential |
 //! | [`inspect`] | one state looked at |
 //! | [`run`] | one simulation in its directory |
 //! | [`sweep`], [`sweep_table`], [`sweep_figure`] | many simulations, one table, one figure |
+//! | [`framework`] | networks of rods and hinges: elastic constants, loads, figures |
 //! | [`compare`] | several sweeps in one figure |
 //! | [`lattice`] | lattices of rigid squares: runs, sweeps, pictures |
 //! | [`mod@bench`], [`cpu_time`] | trial moves per CPU-second |
@@ -35,6 +37,7 @@ pub mod disk_cache;
 pub mod energy_tables;
 pub mod fetch;
 pub mod fluid;
+pub mod framework;
 pub mod ingest;
 pub mod input;
 pub mod inspect;
@@ -44,6 +47,7 @@ pub mod keys;
 pub mod lattice;
 pub mod own_body;
 pub mod plot;
+pub mod potential;
 pub mod quantity;
 pub mod run;
 pub mod surface_of_file;

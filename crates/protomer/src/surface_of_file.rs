@@ -73,7 +73,7 @@ pub fn surface_of_file(path: &Path, settings: &SurfaceSettings) -> Result<(Trian
 }
 
 /// The sites about their centroid, and the centroid.
-fn read_sites(file: &InputFile) -> Result<(Vec<Site>, Vec3)> {
+pub(crate) fn read_sites(file: &InputFile) -> Result<(Vec<Site>, Vec3)> {
     let plain = file.name.strip_suffix(".gz").unwrap_or(&file.name);
     let charged = if plain.ends_with(".xyzr") {
         sites_of_points(&read_xyzr(&file.name, &file.bytes)?)

@@ -9,6 +9,12 @@
 //! | ν12 | -tan θ X1/X2 | cot θ X1/X2 |
 //! | ν21 | -cot θ X2/X1 | sin θ cos θ X2 / ((2 + cos²θ) X1) |
 //!
+//! | 1/G12 | 4 b h² l² sin²θ / (K_h X1 X2) | 4 b (h cos θ - l)² / (K_s X1 X2) |
+//!
+//! The shear modulus is not in the paper. It follows from the balance of moments: under a shear stress τ a vertical rib passes
+//! on a force τ b X1 across itself, so each hinge turns under the moment τ b h l sin θ / 2, and an inclined rib is pulled by
+//! τ b (h cos θ - l); twice the energy stored in the 8 hinges and 4 inclined ribs of a cell is τ²/G of its volume.
+//!
 //! A rib's K_s does not depend on its length. The paper's second line of eq. 6 repeats the denominator of the first;
 //! loading along 1 stretches only the inclined ribs, so that ν12 = cot θ X1/X2. When both happen, compliances add (eqs. 16,
 //! 20), which is exact for this model.
@@ -43,6 +49,20 @@ pub struct AxialModuli {
     pub nu_yz: f64,
     /// ν_21 = ν_zy.
     pub nu_zy: f64,
+    /// G_12 = G_yz, GPa.
+    pub g_yz_gpa: f64,
+}
+
+impl AxialModuli {
+    /// The stiffness in the order yy, zz, yz, GPa; `None` where it has no end (ν_12 ν_21 = 1), as when a honeycomb only
+    /// hinges: one freedom cannot make two strains.
+    pub fn stiffness_gpa(&self) -> Option<[[f64; 3]; 3]> {
+        let left = 1.0 - self.nu_yz * self.nu_zy;
+        let coupled = self.nu_zy * self.e_y_gpa / left;
+        let stiffness =
+            [[self.e_y_gpa / left, coupled, 0.0], [coupled, self.e_z_gpa / left, 0.0], [0.0, 0.0, self.g_yz_gpa]];
+        (left.abs() > 1e-9).then_some(stiffness)
+    }
 }
 
 impl Honeycomb {
@@ -62,6 +82,7 @@ impl Honeycomb {
             e_z_gpa: k / (sine * sine) * x2 / x1,
             nu_yz,
             nu_zy: 1.0 / nu_yz,
+            g_yz_gpa: k * x1 * x2 / (2.0 * self.h_angstrom * sine).powi(2),
         }
     }
 
@@ -75,19 +96,22 @@ impl Honeycomb {
             e_z_gpa: k / along_z * x2 / x1,
             nu_yz: cosine / sine * x1 / x2,
             nu_zy: sine * cosine / along_z * x2 / x1,
+            g_yz_gpa: k * x1 * x2 / (2.0 * (self.h_angstrom * cosine - self.l_angstrom)).powi(2),
         }
     }
 
     /// Both at once: compliances add.
     pub fn both(&self, gpa: f64) -> AxialModuli {
         let (h, s) = (self.hinging(gpa), self.stretching(gpa));
-        let modulus = |a: f64, b: f64| a * b / (a + b);
+        // 1/(1/a + 1/b), also where one is infinite: at h cos θ = l shear stretches nothing.
+        let modulus = |a: f64, b: f64| 1.0 / (1.0 / a + 1.0 / b);
         let ratio = |nu_h: f64, e_h: f64, nu_s: f64, e_s: f64| (nu_s * e_h + nu_h * e_s) / (e_s + e_h);
         AxialModuli {
             e_y_gpa: modulus(h.e_y_gpa, s.e_y_gpa),
             e_z_gpa: modulus(h.e_z_gpa, s.e_z_gpa),
             nu_yz: ratio(h.nu_yz, h.e_y_gpa, s.nu_yz, s.e_y_gpa),
             nu_zy: ratio(h.nu_zy, h.e_z_gpa, s.nu_zy, s.e_z_gpa),
+            g_yz_gpa: modulus(h.g_yz_gpa, s.g_yz_gpa),
         }
     }
 }

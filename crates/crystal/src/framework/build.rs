@@ -34,7 +34,7 @@ pub fn honeycomb(made_of: &Honeycomb) -> Result<Framework> {
     if !(theta > 0.0 && theta < PI) {
         return Err(CrystalError::BadSetting {
             setting: "theta",
-            value: theta.to_degrees(),
+            value: degrees(theta),
             requirement: "between 0 and 180 degrees",
         });
     }
@@ -210,7 +210,7 @@ pub fn arrowhead(width_angstrom: f64, outer_rad: f64, inner_rad: f64, ks: f64, k
     turned("inner angle", inner_rad, PI / 2.0)?;
     if !(outer_rad > 0.0 && outer_rad < inner_rad) {
         let requirement = "positive and smaller than the inner angle";
-        return Err(CrystalError::BadSetting { setting: "outer angle", value: outer_rad.to_degrees(), requirement });
+        return Err(CrystalError::BadSetting { setting: "outer angle", value: degrees(outer_rad), requirement });
     }
     let half = 0.5 * width_angstrom;
     let (tall, short) = (half / outer_rad.tan(), half / inner_rad.tan());
@@ -366,11 +366,16 @@ fn positive(setting: &'static str, value: f64) -> Result<()> {
     }
 }
 
+/// Degrees for a message: without the last bits, which a conversion there and back changes.
+fn degrees(angle_rad: f64) -> f64 {
+    (angle_rad.to_degrees() * 1e9).round() / 1e9
+}
+
 fn turned(setting: &'static str, angle_rad: f64, limit: f64) -> Result<()> {
     if angle_rad.abs() < limit {
         Ok(())
     } else {
         let requirement = "small enough that the parts do not overlap (squares 45, triangles 60, arrows 90 degrees)";
-        Err(CrystalError::BadSetting { setting, value: angle_rad.to_degrees(), requirement })
+        Err(CrystalError::BadSetting { setting, value: degrees(angle_rad), requirement })
     }
 }

@@ -168,7 +168,7 @@ fn relax_nodes(energy: &NetworkEnergy, at: &Configuration, d: &Derivatives) -> R
 
 fn not_minimal(lowest: f64) -> CrystalError {
     CrystalError::BadState(format!(
-        "the network is not at a minimum of its energy (a curvature of {lowest:e} kcal/mol/Å²): minimise it first"
+        "the network is not at a minimum of its energy (a curvature of {lowest:.3e} kcal/mol/Å²): minimise it first"
     ))
 }
 

@@ -11,7 +11,7 @@
 use super::jet::{Jet, cross, dot};
 use super::model::{Framework, Neighbour};
 use crate::{CrystalError, Result};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, Matrix3, Vector3};
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
@@ -106,6 +106,36 @@ impl Configuration {
         };
         self.nodes_angstrom.chunks_exact_mut(dimension).for_each(apply);
         self.cell_angstrom.iter_mut().for_each(|vector| apply(&mut vector[..]));
+    }
+
+    /// The same without the rotation from `start` to here, so that axes keep their meaning: with F = R U the deformation of
+    /// the cell, all is turned by R⁻¹. Strains that follow each other add up to rotations, which cost nothing.
+    #[must_use]
+    pub fn without_rotation(&self, start: &Self) -> Self {
+        let columns = |cell: &[[f64; 3]; 3]| {
+            let mut matrix = Matrix3::from_fn(|i, j| cell[j][i]);
+            // The axis that a plane leaves out.
+            if matrix.column(2).iter().all(|x| *x == 0.0) {
+                matrix[(2, 2)] = 1.0;
+            }
+            matrix
+        };
+        let Some(inverse) = columns(&start.cell_angstrom).try_inverse() else { return self.clone() };
+        let svd = (columns(&self.cell_angstrom) * inverse).svd(true, true);
+        let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else { return self.clone() };
+        let back = (u * v_t).transpose();
+        let turn = |vector: &[f64]| back * Vector3::from_fn(|i, _| vector.get(i).copied().unwrap_or(0.0));
+        let mut turned = self.clone();
+        let dimension = if start.cell_angstrom[2] == [0.0; 3] { 2 } else { 3 };
+        for node in turned.nodes_angstrom.chunks_exact_mut(dimension) {
+            let place = turn(node);
+            node.copy_from_slice(&place.as_slice()[..dimension]);
+        }
+        for vector in turned.cell_angstrom.iter_mut().take(dimension) {
+            let place = turn(&vector[..dimension]);
+            vector[..dimension].copy_from_slice(&place.as_slice()[..dimension]);
+        }
+        turned
     }
 
     /// The network with its nodes and cell here.
@@ -236,6 +266,21 @@ impl NetworkEnergy {
             }
         }
         self.entries = entries;
+    }
+
+    /// The network with the rest lengths and angles written out that are otherwise those it is built with, so that its nodes
+    /// and cell can be moved without changing its energy as a function of them.
+    pub fn with_rests(&self, framework: &Framework) -> Framework {
+        let mut fixed = framework.clone();
+        let mut rests = self.terms.iter().map(|term| match term.kind {
+            // The side is that on which it is built.
+            Kind::PlaneHinge => term.rest.abs(),
+            _ => term.rest,
+        });
+        fixed.rods.iter_mut().for_each(|rod| rod.rest_length_angstrom = rests.next());
+        fixed.hinges.iter_mut().for_each(|hinge| hinge.rest_angle_rad = rests.next());
+        fixed.torsions.iter_mut().for_each(|torsion| torsion.rest_angle_rad = rests.next());
+        fixed
     }
 
     /// Number of dimensions.

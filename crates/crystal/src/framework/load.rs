@@ -146,7 +146,7 @@ fn minimise_from(
                 }
                 None if shift > 1e6 => {
                     return Err(CrystalError::BadState(format!(
-                        "no minimum is found: a force of {force:e} kcal/mol/Å and {stress:e} kcal/mol on the cell remain; \
+                        "no minimum is found: a force of {force:.2e} kcal/mol/Å and {stress:.2e} kcal/mol on the cell remain; \
                          load the network in smaller steps, or see whether a mechanism gives way"
                     )));
                 }
@@ -154,7 +154,9 @@ fn minimise_from(
             }
         }
     }
-    Err(CrystalError::BadState(format!("no minimum is found in {MOST_STEPS} steps; load the network in smaller steps")))
+    Err(CrystalError::BadState(format!(
+        "no minimum is found in {MOST_STEPS} steps; load the network in smaller steps, or see whether a mechanism gives way"
+    )))
 }
 
 fn newton_factor(energy: &NetworkEnergy, at: &Configuration) -> LdlFactor {

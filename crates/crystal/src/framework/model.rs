@@ -89,6 +89,9 @@ pub struct Torsion {
 /// A rod, or a cell, shorter or flatter than this (Å) has collapsed.
 const SMALLEST_LENGTH_ANGSTROM: f64 = 1e-9;
 
+/// No term reaches over more cells than this; it keeps sums of images from overflowing.
+const FARTHEST_IMAGE: u32 = 1_000_000;
+
 impl Neighbour {
     /// A node of the cell itself.
     pub fn here(node: usize) -> Self {
@@ -193,6 +196,12 @@ impl Framework {
             if !(neighbour.image.is_empty() || neighbour.image.len() == self.dimension()) {
                 let dimension = self.dimension();
                 return bad(format!("{what} {index} has image {:?}; give {dimension} whole numbers", neighbour.image));
+            }
+            if neighbour.image.iter().any(|count| count.unsigned_abs() > FARTHEST_IMAGE) {
+                return bad(format!(
+                    "{what} {index} has image {:?}; {FARTHEST_IMAGE} cells is far enough",
+                    neighbour.image
+                ));
             }
             Ok(())
         };

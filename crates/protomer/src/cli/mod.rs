@@ -6,12 +6,15 @@ mod body;
 mod candidates;
 mod compare;
 mod fetch;
+mod framework;
+mod framework_builders;
 mod generate;
 mod ingest;
 mod inspect;
 mod lattice;
 mod medium;
 mod output;
+mod potential;
 mod simulate;
 mod surface;
 mod sweep;
@@ -65,10 +68,12 @@ enum Verb {
     Ingest(ingest::IngestArgs),
     Fetch(fetch::FetchArgs),
     Surface(surface::SurfaceArgs),
+    Potential(potential::PotentialArgs),
     Body(body::BodyArgs),
     Assemble(assemble::AssembleArgs),
     Candidates(candidates::CandidatesArgs),
     Compare(compare::CompareArgs),
+    Framework(framework::FrameworkArgs),
     Inspect(inspect::InspectArgs),
     Simulate(simulate::SimulateArgs),
     Sweep(sweep::SweepArgs),
@@ -91,7 +96,7 @@ pub enum Outcome {
 
 /// Parses the command line and runs the verb. Exit codes: 0 done, 1 error, 2 usage, 3 stopped early and resumable.
 pub fn run() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = Cli::try_parse().unwrap_or_else(|error| framework::explain_usage(error).exit());
     let start = Instant::now();
     let outcome = cli.verb.run(&cli.global);
     cli.global.explain(&format!("{:.2} s", start.elapsed().as_secs_f64()));
@@ -114,10 +119,12 @@ impl Verb {
             Verb::Ingest(args) => args.run(global),
             Verb::Fetch(args) => args.run(global),
             Verb::Surface(args) => args.run(global),
+            Verb::Potential(args) => args.run(global),
             Verb::Body(args) => args.run(global),
             Verb::Assemble(args) => args.run(global),
             Verb::Candidates(args) => args.run(global),
             Verb::Compare(args) => args.run(global),
+            Verb::Framework(args) => args.run(global),
             Verb::Inspect(args) => args.run(global),
             Verb::Simulate(args) => args.run(global),
             Verb::Sweep(args) => args.run(global),

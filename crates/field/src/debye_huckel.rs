@@ -1,0 +1,77 @@
+//! Screened charges in a uniform medium.
+//!
+//! A sphere of radius a with charge q in a solvent has, outside its ion-free shell of radius b ≥ a (Debye and Hückel, Phys.
+//! Z. 24, 185 (1923)),
+//!
+//! φ(r) = λ_B q exp(-κ (r - b)) / (r (1 + κ b)),
+//!
+//! in kT/e with the Bjerrum length λ_B of the solvent. For many spheres the sum of these is an approximation that ignores
+//! what they displace: good far away, where it serves as boundary value, and the cheap alternative near by.
+
+use crate::grid::{Grid, ScalarField};
+use crate::poisson_boltzmann::{ChargedSphere, Medium};
+use protomer_kernel::Vec3;
+use rayon::prelude::*;
+
+/// Screened potentials of charged spheres, added up.
+#[derive(Debug, Clone)]
+pub struct Superposition {
+    sources: Vec<Source>,
+    kappa: f64,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Source {
+    place: Vec3,
+    /// λ_B q exp(κ b) / (1 + κ b).
+    strength: f64,
+    radius: f64,
+}
+
+impl Superposition {
+    /// The potentials of these spheres in this medium.
+    pub fn new(spheres: &[ChargedSphere], medium: &Medium) -> Self {
+        let (kappa, bjerrum) = (medium.kappa_per_angstrom(), medium.solvent_bjerrum_angstrom());
+        let sources = spheres.iter().filter(|sphere| sphere.charge_e != 0.0).map(|sphere| {
+            let b = sphere.radius_angstrom + medium.ion_radius_angstrom;
+            let strength = bjerrum * sphere.charge_e * (kappa * b).exp() / (1.0 + kappa * b);
+            Source { place: sphere.centre, strength, radius: sphere.radius_angstrom }
+        });
+        Self { sources: sources.collect(), kappa }
+    }
+
+    /// Like [`new`](Superposition::new), with all charges on one sphere around the whole: for boundary values, where a solute
+    /// is seen as one ion. `reach_angstrom` is the distance from a charge to the ions around the solute.
+    pub(crate) fn of_solute(spheres: &[ChargedSphere], medium: &Medium, reach_angstrom: f64) -> Self {
+        let mut superposition = Self::new(spheres, medium);
+        let kappa = superposition.kappa;
+        let charged = spheres.iter().filter(|sphere| sphere.charge_e != 0.0);
+        for (source, sphere) in superposition.sources.iter_mut().zip(charged) {
+            let b = reach_angstrom + medium.ion_radius_angstrom;
+            source.strength =
+                medium.solvent_bjerrum_angstrom() * sphere.charge_e * (kappa * b).exp() / (1.0 + kappa * b);
+        }
+        superposition
+    }
+
+    /// The potential at a place, kT/e; inside a sphere that at its surface.
+    pub fn at(&self, place: &Vec3) -> f64 {
+        let one = |source: &Source| {
+            let r = (place - source.place).norm().max(source.radius).max(1e-6);
+            source.strength * (-self.kappa * r).exp() / r
+        };
+        self.sources.iter().map(one).sum()
+    }
+
+    /// The potential on a grid, kT/e.
+    pub fn on(&self, grid: Grid) -> ScalarField {
+        let plane = grid.shape[0] * grid.shape[1];
+        let mut values = vec![0.0; grid.len()];
+        values.par_chunks_mut(plane).enumerate().for_each(|(k, plane)| {
+            for (n, value) in plane.iter_mut().enumerate() {
+                *value = self.at(&grid.point(n % grid.shape[0], n / grid.shape[0], k));
+            }
+        });
+        ScalarField { grid, values }
+    }
+}

@@ -1,0 +1,30 @@
+//! Grids around proteins: electrostatic potentials.
+//!
+//! ```text
+//! spheres with charges --dielectric--> permittivity and salt on a grid --operator, multigrid, solve--> potential, energy
+//! ```
+//!
+//! | module | one idea |
+//! |---|---|
+//! | [`grid`] | points in space, and values between them |
+//! | [`dielectric`] | what the medium is at every edge and point of a grid |
+//! | [`debye_huckel`] | screened charges in a uniform medium: boundary values, and the cheap alternative |
+//! | `operator` | -∇·ε∇φ + k φ on a grid |
+//! | `multigrid` | an approximate inverse of it |
+//! | `conjugate_gradient` | the exact one |
+//! | [`poisson_boltzmann`] | charges in, potential and solvation energy out |
+//!
+//! Lengths are in Å, charges in e, potentials in kT/e; energies in kT, and in kJ/mol where a name says so.
+
+mod conjugate_gradient;
+pub mod debye_huckel;
+pub mod dielectric;
+mod error;
+pub mod grid;
+mod multigrid;
+mod operator;
+pub mod poisson_boltzmann;
+
+pub use error::{FieldError, Result};
+pub use grid::{Grid, ScalarField};
+pub use poisson_boltzmann::{ChargedSphere, Medium, Potential, SolveSettings, solve};

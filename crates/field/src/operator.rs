@@ -1,0 +1,134 @@
+//! (A φ)_i = Σ_edges c (φ_i - φ_j) + k_i φ_i on the inner points of a grid.
+//!
+//! c is an edge's permittivity (times the spacing, with k as permittivity · κ² · h²: everything in units of the solution).
+//! Points on the grid's faces are given, not unknown: A ignores their rows, and their values are zero in what it is applied
+//! to. A is symmetric and positive definite.
+
+use rayon::prelude::*;
+
+/// A in single precision.
+#[derive(Debug, Clone)]
+pub struct Operator {
+    pub shape: [usize; 3],
+    /// Coefficients of the edges to the next point along each axis.
+    pub edges: [Vec<f32>; 3],
+    /// k.
+    pub mass: Vec<f32>,
+    /// Sum of a row's edges and k; one on the faces.
+    pub diagonal: Vec<f32>,
+}
+
+/// A number that operators are applied in.
+pub trait Number: Copy + Send + Sync {
+    fn from_f32(x: f32) -> Self;
+    fn multiply_subtract(self, a: Self, b: Self) -> Self;
+    fn multiply(self, other: Self) -> Self;
+}
+
+impl Number for f32 {
+    #[inline(always)]
+    fn from_f32(x: f32) -> Self {
+        x
+    }
+
+    #[inline(always)]
+    fn multiply_subtract(self, a: Self, b: Self) -> Self {
+        self - a * b
+    }
+
+    #[inline(always)]
+    fn multiply(self, other: Self) -> Self {
+        self * other
+    }
+}
+
+impl Number for f64 {
+    #[inline(always)]
+    fn from_f32(x: f32) -> Self {
+        f64::from(x)
+    }
+
+    #[inline(always)]
+    fn multiply_subtract(self, a: Self, b: Self) -> Self {
+        self - a * b
+    }
+
+    #[inline(always)]
+    fn multiply(self, other: Self) -> Self {
+        self * other
+    }
+}
+
+impl Operator {
+    pub fn new(shape: [usize; 3], edges: [Vec<f32>; 3], mass: Vec<f32>) -> Self {
+        let mut operator = Self { shape, edges, mass, diagonal: Vec::new() };
+        operator.diagonal = operator.sum_rows();
+        operator
+    }
+
+    fn sum_rows(&self) -> Vec<f32> {
+        let mut diagonal = vec![1.0; self.len()];
+        self.inner_rows(&mut diagonal, |row, start| {
+            let [_, y, z] = self.strides();
+            for (offset, value) in row.iter_mut().enumerate() {
+                let i = start + offset;
+                let [ex, ey, ez] = &self.edges;
+                *value = ex[i] + ex[i - 1] + ey[i] + ey[i - y] + ez[i] + ez[i - z] + self.mass[i];
+            }
+        });
+        diagonal
+    }
+
+    pub fn len(&self) -> usize {
+        self.shape.iter().product()
+    }
+
+    pub fn strides(&self) -> [usize; 3] {
+        [1, self.shape[0], self.shape[0] * self.shape[1]]
+    }
+
+    /// Calls `work` for the inner points of every row along x, with where the row begins.
+    pub fn inner_rows<T: Send>(&self, values: &mut [T], work: impl Fn(&mut [T], usize) + Sync) {
+        let [nx, ny, nz] = self.shape;
+        let plane = nx * ny;
+        values.par_chunks_mut(plane).enumerate().for_each(|(k, values)| {
+            if k == 0 || k + 1 == nz {
+                return;
+            }
+            for j in 1..ny - 1 {
+                work(&mut values[j * nx + 1..(j + 1) * nx - 1], k * plane + j * nx + 1);
+            }
+        });
+    }
+
+    /// out = A x on inner points.
+    pub fn apply<T: Number>(&self, x: &[T], out: &mut [T]) {
+        self.inner_rows(out, |row, start| self.apply_row(x, row, start));
+    }
+
+    /// One row of A x.
+    #[inline(always)]
+    pub fn apply_row<T: Number>(&self, x: &[T], out: &mut [T], start: usize) {
+        let (n, [_, y, z]) = (out.len(), self.strides());
+        let [ex, ey, ez] = &self.edges;
+        // Equal lengths let the compiler drop the bounds checks and use vectors.
+        let diagonal = &self.diagonal[start..start + n];
+        let (east, west) = (&ex[start..start + n], &ex[start - 1..start - 1 + n]);
+        let (north, south) = (&ey[start..start + n], &ey[start - y..start - y + n]);
+        let (up, down) = (&ez[start..start + n], &ez[start - z..start - z + n]);
+        let here = &x[start..start + n];
+        let (xe, xw) = (&x[start + 1..start + 1 + n], &x[start - 1..start - 1 + n]);
+        let (xn, xs) = (&x[start + y..start + y + n], &x[start - y..start - y + n]);
+        let (xu, xd) = (&x[start + z..start + z + n], &x[start - z..start - z + n]);
+        for i in 0..n {
+            out[i] = T::from_f32(diagonal[i])
+                .multiply(here[i])
+                .multiply_subtract(T::from_f32(east[i]), xe[i])
+                .multiply_subtract(T::from_f32(west[i]), xw[i])
+                .multiply_subtract(T::from_f32(north[i]), xn[i])
+                .multiply_subtract(T::from_f32(south[i]), xs[i])
+                .multiply_subtract(T::from_f32(up[i]), xu[i])
+                .multiply_subtract(T::from_f32(down[i]), xd[i]);
+        }
+    }
+}

@@ -1,0 +1,488 @@
+//! The linearised Poisson-Boltzmann equation around charged spheres,
+//!
+//! -∇·ε∇φ + ε_out κ² λ φ = 4π l ρ,
+//!
+//! with φ in kT/e, ρ in e/Å³, l = e²/(4π ε₀ kT) the Bjerrum length of the vacuum, and λ = 1 where ions go. The dielectric
+//! boundary is the solvent-excluded surface of the spheres.
+//!
+//! Charges are points. Inside the surface the Coulomb potential φ_C = l/ε_in Σ q/r is taken out, so what is solved for is the
+//! reaction field u = φ - φ_C inside and φ outside, both smooth; on edges that meet the surface φ_C appears as a source. One
+//! solve gives the solvation energy ½ Σ q u, without the grid's self-energy and without a reference solve.
+//!
+//! Boundary values come from a coarse grid twice as large, whose own are screened Coulomb potentials.
+
+use crate::conjugate_gradient;
+use crate::debye_huckel::Superposition;
+use crate::dielectric::{DielectricMap, LARGEST_SPACING_ANGSTROM};
+use crate::grid::{Grid, ScalarField, interpolate, interpolate_cubically};
+use crate::operator::Operator;
+use crate::{FieldError, Result};
+use protomer_body::surface::{Arrangement, ImplicitSolid, SesSolid};
+use protomer_kernel::units::NUMBER_DENSITY_PER_MOLAR;
+use protomer_kernel::{Conditions, Vec3};
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// An atom: a sphere with a charge at its centre.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ChargedSphere {
+    /// Centre, Å.
+    pub centre: Vec3,
+    /// Radius, Å.
+    pub radius_angstrom: f64,
+    /// Charge, e.
+    pub charge_e: f64,
+}
+
+/// What is inside and outside the surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Medium {
+    /// Temperature, salt, and the permittivity of the solvent.
+    pub conditions: Conditions,
+    /// Relative permittivity inside the surface.
+    pub inner_permittivity: f64,
+    /// Radius of the solvent's molecules, Å.
+    pub probe_angstrom: f64,
+    /// Ions keep their centres this far from the spheres, Å; zero: up to the surface.
+    pub ion_radius_angstrom: f64,
+}
+
+impl Medium {
+    /// Proteins in this solvent: permittivity 2 inside, a probe of 1.4 Å, ions of 2 Å.
+    pub fn new(conditions: Conditions) -> Self {
+        Self { conditions, inner_permittivity: 2.0, probe_angstrom: 1.4, ion_radius_angstrom: 2.0 }
+    }
+
+    /// l = e²/(4π ε₀ kT), Å.
+    pub fn vacuum_bjerrum_angstrom(&self) -> f64 {
+        self.solvent_bjerrum_angstrom() * self.conditions.relative_permittivity
+    }
+
+    /// λ_B of the solvent, Å.
+    pub fn solvent_bjerrum_angstrom(&self) -> f64 {
+        self.conditions.bjerrum_length_angstrom()
+    }
+
+    /// κ = (8π λ_B c)^½, 1/Å.
+    pub fn kappa_per_angstrom(&self) -> f64 {
+        (8.0 * PI * self.solvent_bjerrum_angstrom() * NUMBER_DENSITY_PER_MOLAR * self.conditions.salt_molar).sqrt()
+    }
+}
+
+/// How finely to solve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SolveSettings {
+    /// Grid spacing, Å.
+    pub spacing_angstrom: f64,
+    /// From the spheres to the grid's faces at least, Å.
+    pub margin_angstrom: f64,
+    /// Residual of the linear equations over its start.
+    pub relative_tolerance: f64,
+    /// Memory that a solve may take, bytes.
+    pub memory_limit_bytes: usize,
+}
+
+impl Default for SolveSettings {
+    fn default() -> Self {
+        Self { spacing_angstrom: 0.5, margin_angstrom: 10.0, relative_tolerance: 1e-6, memory_limit_bytes: 16 << 30 }
+    }
+}
+
+/// Bytes per grid point that a solve takes.
+const BYTES_PER_POINT: usize = 140;
+/// The coarse grid is this many times larger along each axis,
+const COARSE_EXTENT: f64 = 2.0;
+/// and this many times coarser, up to a limit in Å.
+const COARSE_SPACING: f64 = 4.0;
+const COARSEST_SPACING_ANGSTROM: f64 = 2.0;
+/// Grids have a multiple of this many cells along each axis, so that they can be halved four times.
+const CELLS_MULTIPLE: usize = 16;
+
+/// A solved potential.
+#[derive(Debug, Clone)]
+pub struct Potential {
+    /// u inside, φ outside, kT/e.
+    reduced: ScalarField,
+    inside: Vec<bool>,
+    charges: Vec<ChargedSphere>,
+    coulomb: f64,
+    /// Half the sum of charges times reaction field, kT.
+    pub solvation_energy_kt: f64,
+    /// Iterations of the solver.
+    pub iterations: usize,
+}
+
+/// Solves for the potential of these spheres.
+///
+/// ```
+/// use protomer_field::{ChargedSphere, Medium, SolveSettings, solve};
+/// use protomer_kernel::{Conditions, Vec3};
+/// // Born's ion: -l q²/(2 a) (1/ε_in - 1/ε_out).
+/// let mut medium = Medium::new(Conditions::with_permittivity(298.15, 0.0, 7.0, 78.54)?);
+/// medium.inner_permittivity = 1.0;
+/// let ion = ChargedSphere { centre: Vec3::zeros(), radius_angstrom: 3.0, charge_e: 1.0 };
+/// let solved = solve(&[ion], &medium, &SolveSettings::default())?;
+/// let born = -medium.vacuum_bjerrum_angstrom() / 6.0 * (1.0 - 1.0 / 78.54);
+/// assert!((solved.solvation_energy_kt / born - 1.0).abs() < 0.01);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`FieldError::BadSetting`] names the setting; [`FieldError::ChargeOutside`] the charge; [`FieldError::TooLarge`] says what
+/// would be needed; [`FieldError::NotConverged`] if the iteration fails.
+pub fn solve(spheres: &[ChargedSphere], medium: &Medium, settings: &SolveSettings) -> Result<Potential> {
+    check(spheres, medium, settings)?;
+    let solid = surface(spheres, medium)?;
+    let (low, high) = bounds(spheres);
+    let margin = Vec3::repeat(settings.margin_angstrom);
+    let fine = Grid::around(&(low - margin), &(high + margin), settings.spacing_angstrom, CELLS_MULTIPLE)?;
+    let needed = fine.len().saturating_mul(BYTES_PER_POINT);
+    if needed > settings.memory_limit_bytes {
+        return Err(FieldError::TooLarge {
+            points: fine.len(),
+            needed_bytes: needed,
+            allowed_bytes: settings.memory_limit_bytes,
+        });
+    }
+    let extent = high - low + 2.0 * margin;
+    let larger = 0.5 * (COARSE_EXTENT - 1.0) * extent;
+    let spacing =
+        (COARSE_SPACING * settings.spacing_angstrom).min(COARSEST_SPACING_ANGSTROM.max(settings.spacing_angstrom));
+    let coarse = Grid::around(&(low - margin - larger), &(high + margin + larger), spacing, CELLS_MULTIPLE)?;
+    let size = 0.25 * (high - low).sum() / 1.5;
+    let far = Superposition::of_solute(spheres, medium, size);
+    let wide = solve_on(coarse, spheres, medium, &solid, settings, |place| far.at(place))?;
+    solve_on(fine, spheres, medium, &solid, settings, |place| wide.reduced.at(place).unwrap_or(0.0))
+}
+
+fn check(spheres: &[ChargedSphere], medium: &Medium, settings: &SolveSettings) -> Result<()> {
+    if spheres.is_empty() {
+        return Err(FieldError::BadInput("there are no atoms; give at least one".into()));
+    }
+    let ranges = [
+        ("spacing", settings.spacing_angstrom, 0.05..=LARGEST_SPACING_ANGSTROM, "0.05 to 1.1 Å"),
+        ("margin", settings.margin_angstrom, 1.0..=1000.0, "1 to 1000 Å"),
+        ("tolerance", settings.relative_tolerance, 1e-12..=1e-2, "1e-12 to 1e-2"),
+        ("inner permittivity", medium.inner_permittivity, 1.0..=1000.0, "1 to 1000"),
+        ("outer permittivity", medium.conditions.relative_permittivity, 1.0..=1000.0, "1 to 1000"),
+        ("probe", medium.probe_angstrom, 0.1..=20.0, "0.1 to 20 Å"),
+        ("ion radius", medium.ion_radius_angstrom, 0.0..=20.0, "0 to 20 Å"),
+    ];
+    for (setting, value, range, requirement) in ranges {
+        if !range.contains(&value) {
+            return Err(FieldError::BadSetting { setting, value, requirement });
+        }
+    }
+    for (index, sphere) in spheres.iter().enumerate() {
+        let numbers = [sphere.centre.x, sphere.centre.y, sphere.centre.z, sphere.radius_angstrom, sphere.charge_e];
+        if numbers.iter().any(|x| !x.is_finite()) || sphere.radius_angstrom < 0.0 {
+            return Err(FieldError::BadInput(format!("atom {index} has a number that makes no sense: {numbers:?}")));
+        }
+    }
+    Ok(())
+}
+
+/// The surface, of the atoms that have a radius; charges must be inside.
+fn surface(spheres: &[ChargedSphere], medium: &Medium) -> Result<SesSolid> {
+    let solid_atoms: Vec<&ChargedSphere> = spheres.iter().filter(|sphere| sphere.radius_angstrom > 0.0).collect();
+    let centres: Vec<Vec3> = solid_atoms.iter().map(|sphere| sphere.centre).collect();
+    let radii: Vec<f64> = solid_atoms.iter().map(|sphere| sphere.radius_angstrom).collect();
+    if centres.is_empty() {
+        return Err(FieldError::BadInput(
+            "no atom has a radius, so there is no surface; give radii (a PQR has them)".into(),
+        ));
+    }
+    let solid = SesSolid::new(&Arrangement::new(&centres, &radii, medium.probe_angstrom)?);
+    for (index, sphere) in spheres.iter().enumerate().filter(|(_, sphere)| sphere.charge_e != 0.0) {
+        let distance = solid.signed_distance(&sphere.centre);
+        if distance >= 0.0 {
+            return Err(FieldError::ChargeOutside { index, charge_e: sphere.charge_e, distance_angstrom: distance });
+        }
+    }
+    Ok(solid)
+}
+
+fn bounds(spheres: &[ChargedSphere]) -> (Vec3, Vec3) {
+    let start = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
+    spheres.iter().fold(start, |(low, high), sphere| {
+        let r = Vec3::repeat(sphere.radius_angstrom);
+        (low.inf(&(sphere.centre - r)), high.sup(&(sphere.centre + r)))
+    })
+}
+
+fn solve_on(
+    grid: Grid,
+    spheres: &[ChargedSphere],
+    medium: &Medium,
+    solid: &SesSolid,
+    settings: &SolveSettings,
+    boundary: impl Fn(&Vec3) -> f64 + Sync,
+) -> Result<Potential> {
+    let (inner, outer) = (medium.inner_permittivity, medium.conditions.relative_permittivity);
+    let gap = (medium.ion_radius_angstrom > 0.0).then(|| ion_gap(&grid, spheres, medium.ion_radius_angstrom));
+    let DielectricMap { inside, edges, accessible } = DielectricMap::new(&grid, solid, inner, outer, gap.as_deref());
+    drop(gap);
+    let h = grid.spacing_angstrom;
+    let per_part = outer * (medium.kappa_per_angstrom() * h).powi(2);
+    let mass: Vec<f32> = accessible.par_iter().map(|part| (per_part * f64::from(*part)) as f32).collect();
+    drop(accessible);
+    let operator = Operator::new(grid.shape, edges, mass);
+    let charges: Vec<ChargedSphere> = spheres.iter().copied().filter(|sphere| sphere.charge_e != 0.0).collect();
+    let coulomb = medium.vacuum_bjerrum_angstrom() / inner;
+    let right = sources(&grid, &operator, &inside, &charges, coulomb, medium);
+    let mut reduced = faces(&grid, boundary);
+    let iterations = solve_with_faces(&operator, right, &mut reduced, settings.relative_tolerance)?;
+    let mut potential = Potential {
+        reduced: ScalarField { grid, values: reduced },
+        inside,
+        charges,
+        coulomb,
+        solvation_energy_kt: 0.0,
+        iterations,
+    };
+    potential.solvation_energy_kt = 0.5
+        * potential
+            .charges
+            .par_iter()
+            .map(|c| c.charge_e * potential.reaction_at(&c.centre))
+            .collect::<Vec<_>>()
+            .iter()
+            .sum::<f64>();
+    Ok(potential)
+}
+
+/// Zero inside, boundary values on the faces.
+fn faces(grid: &Grid, boundary: impl Fn(&Vec3) -> f64 + Sync) -> Vec<f64> {
+    let [nx, ny, nz] = grid.shape;
+    let mut values = vec![0.0; grid.len()];
+    values.par_chunks_mut(nx * ny).enumerate().for_each(|(k, plane)| {
+        for (n, value) in plane.iter_mut().enumerate() {
+            let (i, j) = (n % nx, n / nx);
+            if i == 0 || i + 1 == nx || j == 0 || j + 1 == ny || k == 0 || k + 1 == nz {
+                *value = boundary(&grid.point(i, j, k));
+            }
+        }
+    });
+    values
+}
+
+/// Solves for the inner points with the values on the faces as they are.
+fn solve_with_faces(operator: &Operator, mut right: Vec<f64>, x: &mut [f64], tolerance: f64) -> Result<usize> {
+    // b - A (faces), then zero faces.
+    let mut from_faces = vec![0.0; x.len()];
+    operator.apply(x, &mut from_faces);
+    operator.inner_rows(&mut right, |row, start| {
+        for (offset, b) in row.iter_mut().enumerate() {
+            *b -= from_faces[start + offset];
+        }
+    });
+    drop(from_faces);
+    let mut inner = vec![0.0; x.len()];
+    let iterations = conjugate_gradient::solve(operator, &right, &mut inner, tolerance)?;
+    operator.inner_rows(x, |row, start| row.copy_from_slice(&inner[start..start + row.len()]));
+    Ok(iterations)
+}
+
+/// An edge from a point inside to one outside.
+struct Crossing {
+    inside: usize,
+    outside: usize,
+    permittivity: f64,
+    /// Where the surface is, from the inner end, 0 to 1.
+    part: f64,
+    place: Vec3,
+    /// From the inner to the outer end.
+    direction: Vec3,
+}
+
+/// The right-hand side. On an edge of length h from i inside to j outside that meets the surface at Γ, a part t of the way,
+/// u + φ_C and φ agree at Γ, and so do their fluxes. With the series permittivity ε and φ_C' the slope of φ_C along the edge
+/// at Γ, that makes the flux h⁻¹ ε (φ_j - u_i - φ_C + t h φ_C') outside and by ε_in φ_C' less inside:
+///
+/// b_i = -ε φ_C + h φ_C' (t ε - ε_in),   b_j = ε (φ_C - t h φ_C').
+///
+/// Where ions reach into the box of a point inside, they see u + φ_C there: b_i -= k φ_C.
+fn sources(
+    grid: &Grid,
+    operator: &Operator,
+    inside: &[bool],
+    charges: &[ChargedSphere],
+    coulomb: f64,
+    medium: &Medium,
+) -> Vec<f64> {
+    let (inner, outer) = (medium.inner_permittivity, medium.conditions.relative_permittivity);
+    let h = grid.spacing_angstrom;
+    let contributions: Vec<(Crossing, f64, f64)> = crossings(grid, operator, inside, inner, outer)
+        .into_par_iter()
+        .map(|crossing| {
+            let (value, gradient) = coulomb_with_gradient(charges, coulomb, &crossing.place);
+            let slope = h * gradient.dot(&crossing.direction);
+            let (permittivity, part) = (crossing.permittivity, crossing.part);
+            let to_inside = -permittivity * value + slope * (part * permittivity - inner);
+            let to_outside = permittivity * (value - part * slope);
+            (crossing, to_inside, to_outside)
+        })
+        .collect();
+    let mut right = vec![0.0; grid.len()];
+    for (crossing, to_inside, to_outside) in contributions {
+        right[crossing.inside] += to_inside;
+        right[crossing.outside] += to_outside;
+    }
+    let [nx, ny, _] = grid.shape;
+    operator.inner_rows(&mut right, |row, start| {
+        for (offset, b) in row.iter_mut().enumerate() {
+            let at = start + offset;
+            if inside[at] && operator.mass[at] > 0.0 {
+                let place = grid.point(at % nx, at / nx % ny, at / (nx * ny));
+                *b -= f64::from(operator.mass[at]) * coulomb_at(charges, coulomb, &place);
+            }
+        }
+    });
+    right
+}
+
+/// All edges that cross the surface. Where along an edge it is follows from the edge's permittivity.
+fn crossings(grid: &Grid, operator: &Operator, inside: &[bool], inner: f64, outer: f64) -> Vec<Crossing> {
+    let (h, strides) = (grid.spacing_angstrom, grid.strides());
+    let [nx, ny, nz] = grid.shape;
+    let planes: Vec<Vec<Crossing>> = (1..nz - 1)
+        .into_par_iter()
+        .map(|k| {
+            let mut found = Vec::new();
+            for j in 1..ny - 1 {
+                for i in 1..nx - 1 {
+                    let at = grid.index(i, j, k);
+                    for axis in 0..3 {
+                        let other = at + strides[axis];
+                        if inside[at] == inside[other] {
+                            continue;
+                        }
+                        let permittivity = f64::from(operator.edges[axis][at]);
+                        let contrast = 1.0 / inner - 1.0 / outer;
+                        let part =
+                            if contrast.abs() < 1e-12 { 0.5 } else { (1.0 / permittivity - 1.0 / outer) / contrast };
+                        let part = part.clamp(0.0, 1.0);
+                        let (mut place, mut direction) = (grid.point(i, j, k), Vec3::zeros());
+                        let (ends, along, sign) =
+                            if inside[at] { ((at, other), part, 1.0) } else { ((other, at), 1.0 - part, -1.0) };
+                        place[axis] += h * along;
+                        direction[axis] = sign;
+                        found.push(Crossing { inside: ends.0, outside: ends.1, permittivity, part, place, direction });
+                    }
+                }
+            }
+            found
+        })
+        .collect();
+    planes.into_iter().flatten().collect()
+}
+
+/// φ_C, kT/e, and its gradient, kT/e/Å.
+fn coulomb_with_gradient(charges: &[ChargedSphere], coulomb: f64, place: &Vec3) -> (f64, Vec3) {
+    let (mut value, mut gradient) = (0.0, Vec3::zeros());
+    for charge in charges {
+        let offset = place - charge.centre;
+        let inverse = 1.0 / offset.norm().max(1e-3);
+        let one = coulomb * charge.charge_e * inverse;
+        value += one;
+        gradient -= offset * (one * inverse * inverse);
+    }
+    (value, gradient)
+}
+
+/// φ_C, kT/e.
+fn coulomb_at(charges: &[ChargedSphere], coulomb: f64, place: &Vec3) -> f64 {
+    coulomb * charges.iter().map(|charge| charge.charge_e / (place - charge.centre).norm().max(1e-3)).sum::<f64>()
+}
+
+/// How far outside the spheres grown by the radius of ions a place is, Å, to within a spacing or so.
+fn ion_gap(grid: &Grid, spheres: &[ChargedSphere], ion_radius: f64) -> Vec<f32> {
+    let h = grid.spacing_angstrom;
+    let mut gap = vec![f32::MAX; grid.len()];
+    let [nx, ny, _] = grid.shape;
+    gap.par_chunks_mut(nx * ny).enumerate().for_each(|(k, plane)| {
+        let z = grid.origin_angstrom[2] + h * k as f64;
+        for sphere in spheres.iter().filter(|sphere| sphere.radius_angstrom > 0.0) {
+            let radius = sphere.radius_angstrom + ion_radius;
+            let reach = radius + h;
+            let dz = z - sphere.centre.z;
+            let square = reach * reach - dz * dz;
+            if square <= 0.0 {
+                continue;
+            }
+            let range = |centre: f64, origin: f64, half: f64, points: usize| {
+                let first = ((centre - half - origin) / h).ceil().max(0.0) as usize;
+                let last = ((centre + half - origin) / h).floor().min(points as f64 - 1.0);
+                if last < 0.0 { 0..0 } else { first..last as usize + 1 }
+            };
+            for j in range(sphere.centre.y, grid.origin_angstrom[1], square.sqrt(), ny) {
+                let dy = grid.origin_angstrom[1] + h * j as f64 - sphere.centre.y;
+                let left = square - dy * dy;
+                if left <= 0.0 {
+                    continue;
+                }
+                for i in range(sphere.centre.x, grid.origin_angstrom[0], left.sqrt(), nx) {
+                    let dx = grid.origin_angstrom[0] + h * i as f64 - sphere.centre.x;
+                    let value = ((dx * dx + dy * dy + dz * dz).sqrt() - radius) as f32;
+                    let gap = &mut plane[j * nx + i];
+                    *gap = gap.min(value);
+                }
+            }
+        }
+    });
+    gap
+}
+
+impl Potential {
+    /// The grid.
+    pub fn grid(&self) -> &Grid {
+        &self.reduced.grid
+    }
+
+    /// The reaction field φ - φ_C at a place, kT/e: cubic deep inside, trilinear near the surface.
+    fn reaction_at(&self, place: &Vec3) -> f64 {
+        let grid = &self.reduced.grid;
+        let Some((cell, part)) = grid.locate(place) else { return 0.0 };
+        let has_neighbours = (0..3).all(|axis| cell[axis] > 0 && cell[axis] + 2 < grid.shape[axis]);
+        let index = |di: usize, dj: usize, dk: usize| grid.index(cell[0] + di - 1, cell[1] + dj - 1, cell[2] + dk - 1);
+        if has_neighbours && (0..64).all(|n| self.inside[index(n & 3, n >> 2 & 3, n >> 4)]) {
+            return interpolate_cubically(&part, |di, dj, dk| self.reduced.values[index(di, dj, dk)]);
+        }
+        interpolate(&part, |di, dj, dk| {
+            let [i, j, k] = [cell[0] + di, cell[1] + dj, cell[2] + dk];
+            let at = grid.index(i, j, k);
+            let taken =
+                if self.inside[at] { 0.0 } else { coulomb_at(&self.charges, self.coulomb, &grid.point(i, j, k)) };
+            self.reduced.values[at] - taken
+        })
+    }
+
+    /// The potential at a place, kT/e; `None` outside the grid. Where all corners of the place's cell are outside the surface
+    /// it is interpolated, elsewhere the reaction field is, and the Coulomb potential is added.
+    pub fn at(&self, place: &Vec3) -> Option<f64> {
+        let grid = &self.reduced.grid;
+        let (cell, part) = grid.locate(place)?;
+        let corner = |d: usize| grid.index(cell[0] + (d & 1), cell[1] + (d >> 1 & 1), cell[2] + (d >> 2));
+        if (0..8).all(|d| !self.inside[corner(d)]) {
+            return Some(interpolate(&part, |di, dj, dk| {
+                self.reduced.values[grid.index(cell[0] + di, cell[1] + dj, cell[2] + dk)]
+            }));
+        }
+        Some(self.reaction_at(place) + coulomb_at(&self.charges, self.coulomb, place))
+    }
+
+    /// The potential at all points, kT/e.
+    pub fn field(&self) -> ScalarField {
+        let grid = self.reduced.grid;
+        let [nx, ny, _] = grid.shape;
+        let mut values = self.reduced.values.clone();
+        values.par_chunks_mut(nx * ny).enumerate().for_each(|(k, plane)| {
+            for (n, value) in plane.iter_mut().enumerate() {
+                if self.inside[k * nx * ny + n] {
+                    *value += coulomb_at(&self.charges, self.coulomb, &grid.point(n % nx, n / nx, k));
+                }
+            }
+        });
+        ScalarField { grid, values }
+    }
+}

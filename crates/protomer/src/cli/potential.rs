@@ -1,0 +1,113 @@
+//! `protomer potential`: the electrostatic potential around a structure.
+
+use super::{Global, Outcome, output};
+use crate::potential::{PotentialReport, potential_of_file, read_places, volume};
+use crate::quantity;
+use anyhow::{Result, bail};
+use clap::Args;
+use protomer_field::{Medium, SolveSettings};
+use protomer_io::atomic::write_atomically;
+use protomer_io::volume::{dx::write_dx, mrc::write_mrc};
+use protomer_kernel::Conditions;
+use std::path::PathBuf;
+
+/// Solve the linearised Poisson-Boltzmann equation around a structure or PQR: potential in kT/e and solvation energy. The
+/// dielectric boundary is the solvent-excluded surface.
+#[derive(Debug, Args)]
+pub struct PotentialArgs {
+    /// Structure or PQR file, perhaps gzipped.
+    input: PathBuf,
+    /// Concentration of a 1:1 salt, such as 100mM or 0.1M.
+    #[arg(long, value_parser = quantity::salt_molar, allow_hyphen_values = true)]
+    salt: f64,
+    /// Grid spacing, Å.
+    #[arg(long, default_value_t = 0.5, allow_negative_numbers = true)]
+    spacing: f64,
+    /// From the atoms to the faces of the grid at least, Å.
+    #[arg(long, default_value_t = 10.0, allow_negative_numbers = true)]
+    margin: f64,
+    /// Temperature, K.
+    #[arg(long, default_value_t = 298.15, allow_negative_numbers = true)]
+    temperature: f64,
+    /// Relative permittivity inside the surface.
+    #[arg(long, default_value_t = 2.0, allow_negative_numbers = true)]
+    inner_permittivity: f64,
+    /// Relative permittivity of the solvent; that of water at the temperature if left out.
+    #[arg(long, allow_negative_numbers = true)]
+    outer_permittivity: Option<f64>,
+    /// Ions keep their centres this far from the atoms, Å; 0: up to the surface.
+    #[arg(long, default_value_t = 2.0, allow_negative_numbers = true)]
+    ion_radius: f64,
+    /// Probe radius of the surface, Å.
+    #[arg(long, default_value_t = 1.4, allow_negative_numbers = true)]
+    probe: f64,
+    /// File of points (x y z per line, Å) at which to print the potential.
+    #[arg(long)]
+    points: Option<PathBuf>,
+    /// Leave out the second solve that tells the error of the energy.
+    #[arg(long)]
+    no_error_estimate: bool,
+    /// Volume file to write: .mrc, .map, .ccp4 or .dx.
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+}
+
+impl PotentialArgs {
+    pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
+        let name = self.output.as_ref().map(|path| path.display().to_string());
+        let known = [".mrc", ".map", ".ccp4", ".dx"];
+        if let Some(name) = name.as_ref().filter(|name| !known.iter().any(|ending| name.ends_with(ending))) {
+            bail!("{name} has none of the endings {}; name one of them", known.join(", "));
+        }
+        let conditions = match self.outer_permittivity {
+            Some(permittivity) => Conditions::with_permittivity(self.temperature, self.salt, 7.0, permittivity)?,
+            None => Conditions::new(self.temperature, self.salt, 7.0)?,
+        };
+        let medium = Medium {
+            conditions,
+            inner_permittivity: self.inner_permittivity,
+            probe_angstrom: self.probe,
+            ion_radius_angstrom: self.ion_radius,
+        };
+        let settings =
+            SolveSettings { spacing_angstrom: self.spacing, margin_angstrom: self.margin, ..SolveSettings::default() };
+        let places = self.points.as_ref().map(|path| read_places(path)).transpose()?;
+        let (potential, report) =
+            potential_of_file(&self.input, &medium, &settings, !self.no_error_estimate, places.as_deref())?;
+        if let (Some(path), Some(name)) = (&self.output, name) {
+            let volume = volume(&potential);
+            let bytes = if name.ends_with(".dx") {
+                write_dx("potential, kT/e", &volume).into_bytes()
+            } else {
+                write_mrc("potential, kT/e", &volume)
+            };
+            write_atomically(path, |file| file.write_all(&bytes))?;
+        }
+        if global.json {
+            output::json(&report)?;
+        } else {
+            output::text(&describe(&report))?;
+        }
+        Ok(Outcome::Done)
+    }
+}
+
+fn describe(report: &PotentialReport) -> String {
+    let error = report.error_estimate_kj_mol.map_or(String::new(), |error| format!(" ± {error:.1}"));
+    let debye = report.debye_length_angstrom.map_or("no salt".into(), |debye| format!("Debye length {debye:.2} Å"));
+    let [nx, ny, nz] = report.grid.shape;
+    let mut text = format!(
+        "{} atoms, net charge {:+.2} e, {debye}\nsolvation energy {:.2}{error} kJ/mol\ngrid {nx} x {ny} x {nz} at {} Å, {} \
+         iterations, {:.2} s",
+        report.atoms,
+        report.net_charge_e,
+        report.solvation_energy_kj_mol,
+        report.grid.spacing_angstrom,
+        report.iterations,
+        report.seconds
+    );
+    for value in report.potentials_kt_per_e.iter().flatten() {
+        text.push_str(&value.map_or("\nnan".into(), |value| format!("\n{value:.6}")));
+    }
+    text
+}

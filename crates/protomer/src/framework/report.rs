@@ -1,0 +1,388 @@
+//! The elastic constants of a network, with units, and closed formulas beside them where there are any.
+
+use super::curve::Curve;
+use super::{axes, strain_names};
+use anyhow::{Context, Result};
+use nalgebra::DMatrix;
+use protomer_crystal::framework::analytic::{AxialModuli, Honeycomb};
+use protomer_crystal::framework::elastic::MaxwellCount;
+use protomer_crystal::framework::energy::{Configuration, Derivatives, NetworkEnergy};
+use protomer_crystal::framework::load::minimise;
+use protomer_crystal::framework::moduli::polar;
+use protomer_crystal::framework::{Elasticity, Framework, Mechanism, Moduli, gpa_per_kcal_mol_angstrom3};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Directions over half a turn in [`Report::polar`].
+const POLAR_DIRECTIONS: usize = 36;
+/// A force on a node (kcal/mol/Å) above which a network is not at rest: what the paper's minimisations stop at.
+const REST_FORCE: f64 = 1e-3;
+/// The most node coordinates whose Hessian is printed in full.
+const MOST_PRINTED_COORDINATES: usize = 1500;
+
+/// What is asked of [`analyse`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Value of Avogadro's number that converts kcal/mol/Å³ to GPa, 1/mol.
+    pub avogadro_per_mol: f64,
+    /// Find the minimum of the energy first.
+    pub relax: Option<Relax>,
+    /// Print energy, forces and Hessian.
+    pub derivatives: bool,
+}
+
+/// How a network is relaxed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Relax {
+    /// Nodes and cell.
+    FreeCell,
+    /// Nodes only.
+    FixedCell,
+}
+
+/// A network's elastic constants.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// Builder or file.
+    pub network: String,
+    /// 2 or 3.
+    pub dimension: usize,
+    /// Names of the components of strain and stress, in the order of all matrices; shear strains are engineering strains.
+    pub strain_order: Vec<&'static str>,
+    /// Nodes.
+    pub nodes: usize,
+    /// Rods.
+    pub rods: usize,
+    /// Hinges.
+    pub hinges: usize,
+    /// Torsions.
+    pub torsions: usize,
+    /// Cell vectors, Å.
+    pub cell_angstrom: Vec<Vec<f64>>,
+    /// Extent along x of a two-dimensional network, Å.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub thickness_angstrom: Option<f64>,
+    /// Volume of the cell, Å³.
+    pub volume_angstrom3: f64,
+    /// Avogadro's number as used, 1/mol.
+    pub avogadro_per_mol: f64,
+    /// What one kcal/mol/Å³ is worth with it.
+    pub gpa_per_kcal_mol_angstrom3: f64,
+    /// Stiffness with relaxed nodes, GPa.
+    pub c_gpa: Vec<Vec<f64>>,
+    /// Stiffness with nodes that follow the strain as points of a homogeneous medium, GPa.
+    pub c_clamped_gpa: Vec<Vec<f64>>,
+    /// `e_y_gpa`, `g_yz_gpa`, `nu_yz`, ...: null where a mechanism yields or decides.
+    #[serde(flatten)]
+    pub moduli: BTreeMap<String, Option<f64>>,
+    /// Closed formulas.
+    #[serde(flatten)]
+    pub analytic: Option<Analytic>,
+    /// Stress of the network as it stands, GPa.
+    pub stress_gpa: Vec<f64>,
+    /// Energy of the cell as it stands, kcal/mol.
+    pub energy_kcal_mol: f64,
+    /// Largest component of a force on a node, kcal/mol/Å.
+    pub largest_force_kcal_mol_angstrom: f64,
+    /// How the network was relaxed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub relaxed: Option<Relax>,
+    /// Coordinates against springs.
+    pub maxwell: MaxwellCount,
+    /// Strains that cost nothing.
+    pub mechanisms: Vec<Mechanism>,
+    /// Floppy motions of the nodes at fixed cell, beyond translations; null for networks too large to count them.
+    pub internal_mechanisms: Option<usize>,
+    /// E and ν against the direction of the load in the plane, from y; empty in three dimensions.
+    pub polar: Vec<Direction>,
+    /// The network under growing loads.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub curve: Option<Curve>,
+    /// Energy, forces and Hessian.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub derivatives: Option<PrintedDerivatives>,
+}
+
+/// One direction of [`Report::polar`].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Direction {
+    /// Angle of the load from y, degrees.
+    pub angle_deg: f64,
+    /// E, GPa; null where a mechanism yields.
+    pub e_gpa: Option<f64>,
+    /// ν in the plane; null where nothing decides it.
+    pub nu: Option<f64>,
+}
+
+/// Closed formulas for a honeycomb.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Analytic {
+    /// Hinging and stretching together, exact.
+    pub analytic: AnalyticModuli,
+    /// Rods of fixed length.
+    pub analytic_hinging: AnalyticModuli,
+    /// Angles that do not change.
+    pub analytic_stretching: AnalyticModuli,
+}
+
+/// Moduli from a closed formula.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AnalyticModuli {
+    /// On the axes.
+    #[serde(flatten)]
+    pub axial: AxialModuli,
+    /// Stiffness, GPa; null where it has no end.
+    pub c_gpa: Option<[[f64; 3]; 3]>,
+}
+
+/// Energy and its derivatives over node coordinates, node after node, in the order of the axes.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PrintedDerivatives {
+    /// Where the nodes are, Å.
+    pub nodes_angstrom: Vec<f64>,
+    /// kcal/mol.
+    pub energy_kcal_mol: f64,
+    /// Minus the gradient, kcal/mol/Å.
+    pub forces_kcal_mol_angstrom: Vec<f64>,
+    /// kcal/mol/Å².
+    pub hessian_kcal_mol_angstrom2: Vec<Vec<f64>>,
+    /// Over the strain components, kcal/mol.
+    pub strain_gradient_kcal_mol: Vec<f64>,
+}
+
+/// The network as it is analysed (relaxed if that was asked for, with all rest lengths written out), and its constants.
+///
+/// # Errors
+/// If the network makes no sense, or is not at a minimum of its energy.
+pub fn analyse(network: &Framework, name: &str, settings: &Settings) -> Result<(Framework, Report)> {
+    let gpa = gpa_per_kcal_mol_angstrom3(settings.avogadro_per_mol);
+    let energy = NetworkEnergy::new(network)?;
+    let fixed = energy.with_rests(network);
+    let built = Configuration::built(network);
+    let at = match settings.relax {
+        None => built,
+        Some(Relax::FixedCell) => minimise(&fixed, false, None)?.configuration,
+        Some(Relax::FreeCell) => minimise(&fixed, true, None)?.configuration.without_rotation(&built),
+    };
+    let placed = at.place(&fixed);
+    let derivatives = energy.derivatives(&at);
+    let hint = if settings.relax.is_none() {
+        "elastic constants are those of a network at rest; add --relax"
+    } else {
+        "the relaxed network has no elastic constants"
+    };
+    let elasticity = Elasticity::at(network, &energy, &at).context(hint)?;
+    let dimension = placed.dimension();
+    let printed = settings.derivatives.then(|| print_derivatives(&energy, &at, &derivatives)).transpose()?;
+    let direction = |d: protomer_crystal::framework::moduli::Direction| Direction {
+        angle_deg: d.angle_deg,
+        e_gpa: d.youngs_gpa,
+        nu: d.poissons,
+    };
+    let report = Report {
+        network: name.to_owned(),
+        dimension,
+        strain_order: strain_names(dimension).to_vec(),
+        nodes: placed.nodes_angstrom.len(),
+        rods: placed.rods.len(),
+        hinges: placed.hinges.len(),
+        torsions: placed.torsions.len(),
+        cell_angstrom: placed.cell_angstrom.clone(),
+        thickness_angstrom: (dimension == 2).then_some(placed.thickness_angstrom),
+        volume_angstrom3: placed.volume_angstrom3(),
+        avogadro_per_mol: settings.avogadro_per_mol,
+        gpa_per_kcal_mol_angstrom3: gpa,
+        c_gpa: rows(&(&elasticity.stiffness * gpa)),
+        c_clamped_gpa: rows(&(&elasticity.clamped_stiffness * gpa)),
+        moduli: named_moduli(&Moduli::new(&elasticity, gpa), dimension),
+        analytic: None,
+        stress_gpa: elasticity.stress.iter().map(|stress| stress * gpa).collect(),
+        energy_kcal_mol: derivatives.energy,
+        largest_force_kcal_mol_angstrom: derivatives.gradient.iter().fold(0.0, |most: f64, g| most.max(g.abs())),
+        relaxed: settings.relax,
+        maxwell: elasticity.maxwell,
+        mechanisms: elasticity.mechanisms.clone(),
+        internal_mechanisms: elasticity.internal_mechanisms,
+        polar: polar(&elasticity, gpa, POLAR_DIRECTIONS).into_iter().map(direction).collect(),
+        curve: None,
+        derivatives: printed,
+    };
+    Ok((placed, report))
+}
+
+impl Analytic {
+    /// The formulas for this honeycomb.
+    pub fn of(honeycomb: &Honeycomb, gpa: f64) -> Self {
+        let with_stiffness = |axial: AxialModuli| AnalyticModuli { axial, c_gpa: axial.stiffness_gpa() };
+        Self {
+            analytic: with_stiffness(honeycomb.both(gpa)),
+            analytic_hinging: with_stiffness(honeycomb.hinging(gpa)),
+            analytic_stretching: with_stiffness(honeycomb.stretching(gpa)),
+        }
+    }
+}
+
+fn print_derivatives(energy: &NetworkEnergy, at: &Configuration, d: &Derivatives) -> Result<PrintedDerivatives> {
+    let n = energy.coordinates();
+    anyhow::ensure!(
+        n <= MOST_PRINTED_COORDINATES,
+        "--derivatives prints the Hessian of at most {MOST_PRINTED_COORDINATES} coordinates, and the network has {n}"
+    );
+    let mut hessian = vec![vec![0.0; n]; n];
+    for (&(row, column), value) in energy.entries().iter().zip(&d.hessian) {
+        hessian[row][column] = *value;
+        hessian[column][row] = *value;
+    }
+    Ok(PrintedDerivatives {
+        nodes_angstrom: at.nodes_angstrom.clone(),
+        energy_kcal_mol: d.energy,
+        forces_kcal_mol_angstrom: d.gradient.iter().map(|g| 0.0 - g).collect(),
+        hessian_kcal_mol_angstrom2: hessian,
+        strain_gradient_kcal_mol: d.strain_gradient.clone(),
+    })
+}
+
+fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    matrix.row_iter().map(|row| row.iter().copied().collect()).collect()
+}
+
+fn named_moduli(moduli: &Moduli, dimension: usize) -> BTreeMap<String, Option<f64>> {
+    let axes = axes(dimension);
+    let mut named = BTreeMap::new();
+    for (i, first) in axes.iter().enumerate() {
+        named.insert(format!("e_{first}_gpa"), moduli.youngs_gpa.get(i).copied().flatten());
+        for (j, second) in axes.iter().enumerate().filter(|(j, _)| *j != i) {
+            let ratio = moduli.poissons.get(i).and_then(|row| row.get(j).copied().flatten());
+            named.insert(format!("nu_{first}{second}"), ratio);
+        }
+    }
+    for (name, shear) in strain_names(dimension).iter().skip(dimension).zip(&moduli.shear_gpa) {
+        named.insert(format!("g_{name}_gpa"), *shear);
+    }
+    named
+}
+
+impl Report {
+    /// Whether no node feels a force to speak of.
+    pub fn at_rest(&self) -> bool {
+        self.largest_force_kcal_mol_angstrom <= REST_FORCE
+    }
+
+    /// The moduli as rows of name, this network and, where there are formulas, the formulas and the deviation from them; the
+    /// first row is the heading.
+    pub fn moduli_rows(&self) -> Vec<Vec<String>> {
+        let mut rows = vec![vec!["".to_owned(), "network".to_owned()]];
+        if self.analytic.is_some() {
+            rows[0].extend(["formula", "deviation", "hinging only", "stretching only"].map(str::to_owned));
+        }
+        for (key, value) in &self.moduli {
+            let mut row = vec![label(key), number(*value)];
+            if let Some(analytic) = &self.analytic {
+                let of = |moduli: &AnalyticModuli| field(&moduli.axial, key);
+                let formula = of(&analytic.analytic);
+                let deviation = value.zip(formula).map(|(a, b)| percent(a / b - 1.0));
+                row.push(number(formula));
+                row.push(deviation.unwrap_or_else(|| "-".into()));
+                row.push(number(of(&analytic.analytic_hinging)));
+                row.push(number(of(&analytic.analytic_stretching)));
+            }
+            rows.push(row);
+        }
+        rows
+    }
+
+    /// The lines above and below the table of moduli, for people.
+    pub fn describe(&self) -> [String; 2] {
+        let thickness =
+            self.thickness_angstrom.map_or_else(String::new, |thickness| format!(" (thickness {thickness} Å)"));
+        let vectors: Vec<String> = self.cell_angstrom.iter().map(|v| format!("({})", fixed(v, 4))).collect();
+        let head = format!(
+            "{}: {} nodes, {} rods, {} hinges, {} torsions\ncell: {} Å, volume {:.4} Å³{thickness}\nN_A: {:e} /mol, 1 \
+             kcal/mol/Å³ = {:.7} GPa",
+            self.network,
+            self.nodes,
+            self.rods,
+            self.hinges,
+            self.torsions,
+            vectors.join(" "),
+            self.volume_angstrom3,
+            self.avogadro_per_mol,
+            self.gpa_per_kcal_mol_angstrom3
+        );
+        let matrix = |c: &[Vec<f64>]| -> String {
+            let largest = c.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
+            // What is zero but for rounding is shown as zero.
+            let tidy = |x: f64| if x.abs() < 1e-9 * largest { 0.0 } else { x };
+            let line = |row: &Vec<f64>| row.iter().map(|x| format!("{:>14}", rounded(tidy(*x), 4))).collect::<String>();
+            c.iter().map(line).collect::<Vec<_>>().join("\n")
+        };
+        let order = self.strain_order.join(", ");
+        let m = &self.maxwell;
+        let mechanisms = match self.mechanisms.as_slice() {
+            [] => "none".to_owned(),
+            found => found.iter().map(|m| format!("({})", fixed(&m.strain, 4))).collect::<Vec<_>>().join(" "),
+        };
+        let internal = match self.internal_mechanisms {
+            Some(count) => format!("{count} floppy motions of the nodes at fixed cell"),
+            None => "floppy motions of the nodes not counted".into(),
+        };
+        let tail = format!(
+            "C with relaxed nodes, GPa ({order}):\n{}\nC with clamped nodes, GPa:\n{}\nMaxwell: {} freedoms, {} springs, \
+             excess {:+}\nstrains that cost nothing ({order}): {mechanisms}; {internal}",
+            matrix(&self.c_gpa),
+            matrix(&self.c_clamped_gpa),
+            m.freedoms,
+            m.springs,
+            m.excess
+        );
+        [head, tail]
+    }
+}
+
+fn field(moduli: &AxialModuli, key: &str) -> Option<f64> {
+    Some(match key {
+        "e_y_gpa" => moduli.e_y_gpa,
+        "e_z_gpa" => moduli.e_z_gpa,
+        "g_yz_gpa" => moduli.g_yz_gpa,
+        "nu_yz" => moduli.nu_yz,
+        "nu_zy" => moduli.nu_zy,
+        _ => return None,
+    })
+}
+
+/// `e_y_gpa` as `E_y (GPa)`.
+fn label(key: &str) -> String {
+    let unit = if key.ends_with("_gpa") { " (GPa)" } else { "" };
+    let name = key.trim_end_matches("_gpa").replace("nu_", "ν_").replace("e_", "E_").replace("g_", "G_");
+    format!("{name}{unit}")
+}
+
+fn number(value: Option<f64>) -> String {
+    match value {
+        None => "-".into(),
+        Some(value) if value.abs() < 10.0 => rounded(value, 5),
+        Some(value) if value.abs() < 1e7 => format!("{value:.3}"),
+        // What cannot yield at all.
+        Some(value) if value.abs() > 1e20 => "unlimited".into(),
+        Some(value) => format!("{value:.3e}"),
+    }
+}
+
+fn percent(fraction: f64) -> String {
+    let percent = 100.0 * fraction;
+    if percent.abs() < 5e-5 { "0 %".into() } else { format!("{percent:+.4} %") }
+}
+
+fn fixed(values: &[f64], decimals: usize) -> String {
+    values.iter().map(|x| rounded(*x, decimals)).collect::<Vec<_>>().join(", ")
+}
+
+/// A number with so many decimals; what rounds to zero has no sign.
+pub(super) fn rounded(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(size) if size.bytes().all(|byte| b"0.".contains(&byte)) => size.to_owned(),
+        _ => text,
+    }
+}
