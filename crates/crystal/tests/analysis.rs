@@ -20,7 +20,7 @@ fn lattice(size: usize, rod_length: f64) -> Arc<Network> {
 }
 
 fn one_square() -> Network {
-    Network { rows: 1, columns: 1, squares: vec![Square::default()], rods: Vec::new(), cell: None }
+    Network { rows: 1, columns: 1, squares: vec![Square::default()], rods: Vec::new(), cell: None, places: None }
 }
 
 /// The cat map, (x, y) → (2x + y, x + y) mod 1, has λ = ln((3 + √5)/2) everywhere.
@@ -74,8 +74,14 @@ fn hill_and_valley_have_their_exponents() {
 fn a_turning_line_of_squares_is_regular_and_a_folded_one_is_not() {
     let rod =
         Rod { from: Corner { square: 0, vertex: 2 }, to: Corner { square: 1, vertex: 2 }, length: 3.0, image: [0, 0] };
-    let network =
-        Arc::new(Network { rows: 1, columns: 2, squares: vec![Square::default(); 2], rods: vec![rod], cell: None });
+    let network = Arc::new(Network {
+        rows: 1,
+        columns: 2,
+        squares: vec![Square::default(); 2],
+        rods: vec![rod],
+        cell: None,
+        places: None,
+    });
     let run = |outwards: f64, step: f64| {
         // The corners at ±1.5, the centres beyond them or before.
         let turned = if outwards > 0.0 { PI } else { 0.0 };

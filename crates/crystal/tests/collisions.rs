@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 /// Squares without rods.
 fn loose(count: usize, cell: Option<[f64; 2]>) -> Network {
-    Network { rows: 1, columns: count, squares: vec![Square::default(); count], rods: Vec::new(), cell }
+    Network { rows: 1, columns: count, squares: vec![Square::default(); count], rods: Vec::new(), cell, places: None }
 }
 
 fn lattice(size: usize, r0: f64) -> Arc<Network> {

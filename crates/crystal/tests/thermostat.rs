@@ -42,7 +42,8 @@ impl Force for Alignment {
 }
 
 fn one_square() -> (Arc<Network>, State) {
-    let network = Network { rows: 1, columns: 1, squares: vec![Square::default()], rods: Vec::new(), cell: None };
+    let network =
+        Network { rows: 1, columns: 1, squares: vec![Square::default()], rods: Vec::new(), cell: None, places: None };
     (Arc::new(network), State { time: 0.0, positions: vec![0.0; 3], velocities: vec![0.0; 3] })
 }
 
@@ -190,8 +191,14 @@ fn kinetic_energy_is_the_same_with_collisions() {
 fn two_squares_on_a_rod_are_distributed_as_rigid_rods_must_be() {
     let rod =
         Rod { from: Corner { square: 0, vertex: 4 }, to: Corner { square: 1, vertex: 3 }, length: 1.0, image: [0, 0] };
-    let network =
-        Arc::new(Network { rows: 1, columns: 2, squares: vec![Square::default(); 2], rods: vec![rod], cell: None });
+    let network = Arc::new(Network {
+        rows: 1,
+        columns: 2,
+        squares: vec![Square::default(); 2],
+        rods: vec![rod],
+        cell: None,
+        places: None,
+    });
     let angle = |vertex: u8| [135.0f64, 45.0, 225.0, -45.0][usize::from(vertex) - 1].to_radians();
     let (kt, strength) = (0.5, 0.6);
     // Quadrature over the two arms' directions from the rod; θ - θ' differs from their difference by the corners' angles.

@@ -18,6 +18,7 @@
 //! | [`sweep`], [`sweep_table`], [`sweep_figure`] | many simulations, one table, one figure |
 //! | [`framework`] | networks of rods and hinges: elastic constants, loads, figures |
 //! | [`compare`] | several sweeps in one figure |
+//! | [`lattice`] | lattices of rigid squares: runs, sweeps, pictures |
 //! | [`mod@bench`], [`cpu_time`] | trial moves per CPU-second |
 //! | [`energy_tables`] | tables of certified energies, shared and bounded in memory |
 //! | [`disk_cache`] | what takes long to make, kept for the next run |
@@ -43,6 +44,7 @@ pub mod inspect;
 pub mod interaction;
 pub mod interrupt;
 pub mod keys;
+pub mod lattice;
 pub mod own_body;
 pub mod plot;
 pub mod potential;

@@ -38,7 +38,8 @@ impl Modes {
         let (mut gram, mut right) = ([0.0; 3], [0.0; 2]);
         for (p, square) in network.squares.iter().enumerate() {
             let left = coordinates[3 * p + 2] - uniform - network.sign(p) * checkerboard;
-            let signs = [parity(p % network.columns), parity(p / network.columns)];
+            let [row, column] = network.place(p);
+            let signs = [parity(column), parity(row)];
             for (right, sign) in right.iter_mut().zip(signs) {
                 *right += square.inertia * sign * left;
             }

@@ -81,6 +81,9 @@ pub struct Network {
     /// Edges of the periodic cell along x and y.
     #[serde(default)]
     pub cell: Option<[f64; 2]>,
+    /// Row and column of every square, where some are missing from the lattice; otherwise they fill it row by row.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub places: Option<Vec<[usize; 2]>>,
 }
 
 /// The corner of the unit square (half-diagonal 1) at θ = 0.
@@ -150,14 +153,55 @@ impl Network {
         let squares = vec![square; rows * columns];
         let distance = spacing(rod_length, square.half_diagonal, angle);
         let cell = periodic.then_some([columns as f64 * distance, rows as f64 * distance]);
-        let network = Self { rows, columns, squares, rods, cell };
+        let network = Self { rows, columns, squares, rods, cell, places: None };
         network.check()?;
         Ok(network)
     }
 
+    /// Row and column of a square.
+    pub fn place(&self, square: usize) -> [usize; 2] {
+        match &self.places {
+            Some(places) => places[square],
+            None => [square / self.columns, square % self.columns],
+        }
+    }
+
+    /// The square in a row and column; `None` where it is missing.
+    pub fn at(&self, row: usize, column: usize) -> Option<usize> {
+        if row >= self.rows || column >= self.columns {
+            return None;
+        }
+        match &self.places {
+            Some(places) => places.iter().position(|place| *place == [row, column]),
+            None => Some(row * self.columns + column),
+        }
+    }
+
     /// +1 for squares with even i + j, -1 for the others.
     pub fn sign(&self, square: usize) -> f64 {
-        if (square / self.columns + square % self.columns).is_multiple_of(2) { 1.0 } else { -1.0 }
+        let [row, column] = self.place(square);
+        if (row + column).is_multiple_of(2) { 1.0 } else { -1.0 }
+    }
+
+    /// The network without some of its squares and the rods that end there; the others move up in the list.
+    ///
+    /// # Errors
+    /// [`CrystalError::BadNetwork`] if no square is left.
+    pub fn without_squares(&self, removed: &[usize]) -> Result<Self> {
+        let kept: Vec<usize> = (0..self.squares.len()).filter(|square| !removed.contains(square)).collect();
+        let corner = |corner: Corner| {
+            kept.iter().position(|square| *square == corner.square).map(|square| Corner { square, ..corner })
+        };
+        let rods =
+            self.rods.iter().filter_map(|rod| Some(Rod { from: corner(rod.from)?, to: corner(rod.to)?, ..*rod }));
+        let network = Self {
+            rods: rods.collect(),
+            places: Some(kept.iter().map(|square| self.place(*square)).collect()),
+            squares: kept.iter().map(|square| self.squares[*square]).collect(),
+            ..*self
+        };
+        network.check()?;
+        Ok(network)
     }
 
     /// Checks what the types cannot.
@@ -172,7 +216,20 @@ impl Network {
                 Err(CrystalError::BadSetting { setting, value, requirement: "positive" })
             }
         };
-        if self.squares.is_empty() || self.rows * self.columns != self.squares.len() {
+        if let Some(places) = &self.places {
+            let outside = places.iter().position(|[row, column]| *row >= self.rows || *column >= self.columns);
+            if places.len() != self.squares.len() || outside.is_some() {
+                return Err(CrystalError::BadNetwork(format!(
+                    "{} places in {} rows of {} columns do not fit {} squares",
+                    places.len(),
+                    self.rows,
+                    self.columns,
+                    self.squares.len()
+                )));
+            }
+        }
+        let fills = self.places.is_some() || self.rows * self.columns == self.squares.len();
+        if self.squares.is_empty() || !fills {
             return Err(CrystalError::BadNetwork(format!(
                 "{} rows of {} columns are not {} squares",
                 self.rows,
@@ -213,4 +270,30 @@ impl Network {
 /// The distance of neighbouring centres in the coherent state θ = (-1)^(i+j) angle with rods along x and y.
 pub(crate) fn spacing(rod_length: f64, half_diagonal: f64, angle: f64) -> f64 {
     2.0 * half_diagonal * (angle - std::f64::consts::FRAC_PI_4).cos() + rod_length
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::lattice::State;
+
+    #[test]
+    fn a_lattice_with_a_hole_keeps_its_places_and_signs() {
+        let full = Network::lattice(3, 4, 0.2, Square::default(), Edges::Open, 0.5).unwrap();
+        let holed = full.without_squares(&[5, 0]).unwrap();
+        assert_eq!((holed.squares.len(), holed.at(0, 0), holed.at(1, 1), holed.at(3, 0)), (10, None, None, None));
+        // A corner square has two rods, one in the middle four.
+        assert_eq!(holed.rods.len(), full.rods.len() - 6);
+        let (state, before) = (State::coherent(&holed, 0.5), State::coherent(&full, 0.5));
+        for square in 0..10 {
+            let [row, column] = holed.place(square);
+            assert_eq!(holed.at(row, column), Some(square));
+            let old = full.at(row, column).unwrap();
+            assert_eq!(holed.sign(square), full.sign(old));
+            assert_eq!(state.positions[3 * square..3 * square + 3], before.positions[3 * old..3 * old + 3]);
+        }
+        assert!(full.without_squares(&(0..12).collect::<Vec<_>>()).is_err());
+        assert!(Network { places: Some(vec![[9, 9]; 12]), ..full }.check().is_err());
+    }
 }

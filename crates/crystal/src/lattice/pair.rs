@@ -182,9 +182,11 @@ pub fn neighbours(network: &Network) -> Vec<SquarePair> {
         for j in 0..columns {
             for (down, right) in [(0, 1), (1, 0), (1, 1), (1, -1)] {
                 if let (Some((row, below)), Some((column, beside))) = (wrap(i + down, rows), wrap(j + right, columns)) {
-                    let squares = [(i * columns + j) as usize, (row * columns + column) as usize];
-                    // y falls with the row.
-                    pairs.push(SquarePair { squares, image: [beside, -below] });
+                    let square = |row: i64, column: i64| network.at(row as usize, column as usize);
+                    if let (Some(first), Some(second)) = (square(i, j), square(row, column)) {
+                        // y falls with the row.
+                        pairs.push(SquarePair { squares: [first, second], image: [beside, -below] });
+                    }
                 }
             }
         }

@@ -217,7 +217,7 @@ pub fn coherent_velocities(network: &Network, rate: f64, state: &mut State) {
     let opening = -2.0 * half_diagonal * (angle - FRAC_PI_4).sin() * rate;
     let middle = |count: usize| 0.5 * (count - 1) as f64;
     for (p, velocity) in state.velocities.chunks_exact_mut(3).enumerate() {
-        let (i, j) = ((p / network.columns) as f64, (p % network.columns) as f64);
+        let [i, j] = network.place(p).map(|index| index as f64);
         velocity[0] = (j - middle(network.columns)) * opening;
         velocity[1] = (middle(network.rows) - i) * opening;
         velocity[2] = network.sign(p) * rate;

@@ -26,7 +26,7 @@ impl State {
         let middle = |count: usize| 0.5 * (count - 1) as f64;
         let mut positions = Vec::with_capacity(3 * network.squares.len());
         for p in 0..network.squares.len() {
-            let (i, j) = ((p / network.columns) as f64, (p % network.columns) as f64);
+            let [i, j] = network.place(p).map(|index| index as f64);
             positions.push((j - middle(network.columns)) * distance);
             positions.push((middle(network.rows) - i) * distance);
             positions.push(network.sign(p) * angle);

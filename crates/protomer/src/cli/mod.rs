@@ -11,6 +11,7 @@ mod framework_builders;
 mod generate;
 mod ingest;
 mod inspect;
+mod lattice;
 mod medium;
 mod output;
 mod potential;
@@ -76,6 +77,7 @@ enum Verb {
     Inspect(inspect::InspectArgs),
     Simulate(simulate::SimulateArgs),
     Sweep(sweep::SweepArgs),
+    Lattice(lattice::LatticeArgs),
     Bench(bench::BenchArgs),
     Completions(generate::CompletionsArgs),
     Man(generate::ManArgs),
@@ -126,6 +128,7 @@ impl Verb {
             Verb::Inspect(args) => args.run(global),
             Verb::Simulate(args) => args.run(global),
             Verb::Sweep(args) => args.run(global),
+            Verb::Lattice(args) => args.run(global),
             Verb::Bench(args) => args.run(global),
             Verb::Completions(args) => args.run(),
             Verb::Man(args) => args.run(),

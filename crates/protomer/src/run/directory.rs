@@ -121,8 +121,11 @@ fn is_simulation(path: &Path) -> bool {
     name.starts_with("salt_") && name.ends_with('M') && path.join("replica_0").is_dir()
 }
 
-/// Locks the directory against other processes, where the file system can.
-fn lock(path: &Path) -> Result<File> {
+/// Locks the directory against other processes, where the file system can; for as long as the file is open.
+///
+/// # Errors
+/// If another process holds it, or the disk refuses.
+pub fn lock(path: &Path) -> Result<File> {
     let file = File::create(path.join(LOCK)).with_context(|| format!("cannot write into {}", path.display()))?;
     match file.try_lock() {
         Err(TryLockError::WouldBlock) => {

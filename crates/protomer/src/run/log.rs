@@ -53,6 +53,14 @@ impl Log {
     /// # Errors
     /// If the file cannot be written, or was changed since the checkpoint; then it stays as it is.
     pub fn open(path: &Path, mark: &LogMark) -> Result<Self> {
+        Self::open_with_columns(path, &COLUMNS, mark)
+    }
+
+    /// The same for a log of other columns.
+    ///
+    /// # Errors
+    /// As [`Log::open`].
+    pub fn open_with_columns(path: &Path, columns: &[&str], mark: &LogMark) -> Result<Self> {
         let hash = if mark.bytes == 0 { Sha256::new() } else { check_log(path, mark)? };
         let context = || format!("cannot write the log {}", path.display());
         let file = OpenOptions::new().create(true).truncate(false).write(true).open(path).with_context(context)?;
@@ -61,7 +69,7 @@ impl Log {
         file.seek(SeekFrom::End(0)).with_context(context)?;
         let mut log = Self { path: path.to_owned(), file, length: mark.bytes, hash };
         if mark.bytes == 0 {
-            log.write_line(&COLUMNS.join(","))?;
+            log.write_line(&columns.join(","))?;
         }
         Ok(log)
     }
@@ -90,7 +98,11 @@ impl Log {
         Ok(LogMark { bytes: self.length, sha256: hexadecimal(&self.hash) })
     }
 
-    fn write_line(&mut self, line: &str) -> Result<()> {
+    /// Appends a line as it is.
+    ///
+    /// # Errors
+    /// If the disk does not take it.
+    pub fn write_line(&mut self, line: &str) -> Result<()> {
         let line = format!("{line}\n");
         self.hash.update(&line);
         self.length += line.len() as u64;

@@ -12,8 +12,10 @@ mod settings;
 mod trajectory;
 
 pub use directory::SweepDirectory;
+pub(crate) use directory::lock;
 pub use engine::{Engine, require_room, yukawa};
 pub use execution::Execution;
+pub(crate) use log::{Log, LogMark, check_log};
 pub use log::{LogRow, read_log};
 pub use record::{RunRecord, read_record};
 pub use replica::{ReplicaCounts, ReplicaEnd, ReplicaTask, run_replica};

@@ -1,0 +1,164 @@
+//! The page that plays a run: one HTML file that needs nothing else, and its frames as SVG.
+//!
+//! Squares are coloured by their orientation, θ modulo 90°, on a wheel of colours: what turns together has one colour.
+
+use super::directory::read_settings;
+use super::start::network;
+use super::trajectory::{corner_position, read_states};
+use anyhow::{Context, Result, bail};
+use protomer_crystal::lattice::{Network, Rod};
+use std::f64::consts::{FRAC_PI_2, TAU};
+use std::fmt::Write;
+use std::path::Path;
+
+const PAGE: &str = include_str!("animation.html");
+/// Pixels of the longer edge of a frame.
+const FRAME_PIXELS: f64 = 800.0;
+
+/// A run as it is to be played.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Animation {
+    network: Network,
+    title: String,
+    /// Time, and x, y, θ of square after square.
+    frames: Vec<(f64, Vec<f64>)>,
+}
+
+impl Animation {
+    /// Reads the trajectory of a run directory, of which at most so many frames are kept, evenly spread.
+    ///
+    /// # Errors
+    /// If the directory holds no run of a lattice, or no frames.
+    pub fn read(directory: &Path, most_frames: usize) -> Result<Self> {
+        if most_frames == 0 {
+            bail!("--most-frames is 0; give at least 1");
+        }
+        let settings = read_settings(directory)
+            .with_context(|| format!("{} is no directory of 'protomer lattice run'", directory.display()))?;
+        let path = directory.join("trajectory.gsd");
+        let states = read_states(&path)?;
+        if states.is_empty() {
+            bail!("{} has no frames; run with --trajectory-every 50 or so", path.display());
+        }
+        let stride = states.len().div_ceil(most_frames);
+        let title = format!(
+            "{} × {} squares, r0 = {:.4}, κ = {}",
+            settings.rows, settings.columns, settings.r0, settings.kappa
+        );
+        Ok(Self { network: network(&settings)?, title, frames: states.into_iter().step_by(stride).collect() })
+    }
+
+    /// Number of frames.
+    pub fn len(&self) -> usize {
+        self.frames.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.frames.is_empty()
+    }
+
+    /// Left, lower, right and upper end of all frames.
+    fn bounds(&self) -> [f64; 4] {
+        let margin = 1.05 * self.network.squares.iter().map(|square| square.half_diagonal).fold(0.0, f64::max);
+        let centres = self.frames.iter().flat_map(|(_, positions)| positions.chunks_exact(3));
+        let [left, low, right, up] = centres
+            .fold([f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY], |b, s| {
+                [b[0].min(s[0]), b[1].min(s[1]), b[2].max(s[0]), b[3].max(s[1])]
+            });
+        [left - margin, low - margin, right + margin, up + margin]
+    }
+
+    /// The page.
+    pub fn to_html(&self) -> String {
+        let rods = self.network.rods.iter().map(|rod| {
+            let [x, y] = shift(&self.network, rod);
+            serde_json::json!([rod.from.square, rod.from.vertex, rod.to.square, rod.to.vertex, x, y])
+        });
+        let rods: Vec<serde_json::Value> = rods.collect();
+        let half_diagonals: Vec<f64> = self.network.squares.iter().map(|square| square.half_diagonal).collect();
+        let frames: Vec<Vec<f64>> = self.frames.iter().map(|(_, positions)| rounded(positions)).collect();
+        let times = rounded(&self.frames.iter().map(|(time, _)| *time).collect::<Vec<_>>());
+        let data = serde_json::json!({
+            "title": self.title, "bounds": self.bounds(), "size": half_diagonals, "rods": rods, "times": times,
+            "frames": frames,
+        });
+        // Inside a script element no text may look like its end.
+        let data = data.to_string().replace("</", "<\\/");
+        PAGE.replace("{{TITLE}}", &self.title).replace("{{DATA}}", &data)
+    }
+
+    /// One frame as an SVG file.
+    pub fn to_svg(&self, frame: usize) -> String {
+        let Some((time, positions)) = self.frames.get(frame) else { return String::new() };
+        let [left, low, right, up] = self.bounds();
+        let scale = FRAME_PIXELS / (right - left).max(up - low);
+        let (width, height) = (scale * (right - left), scale * (up - low));
+        let place = |[x, y]: [f64; 2]| [scale * (x - left), scale * (up - y)];
+        let mut svg = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{:.0}\" viewBox=\"0 0 {width:.1} \
+             {:.1}\" font-family=\"sans-serif\">\n<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n",
+            height + CAPTION_PIXELS,
+            height + CAPTION_PIXELS
+        );
+        for (square, s) in positions.chunks_exact(3).enumerate() {
+            let corner = |vertex| {
+                let [x, y] = place(corner_position(
+                    &self.network,
+                    positions,
+                    protomer_crystal::lattice::Corner { square, vertex },
+                ));
+                format!("{x:.1},{y:.1}")
+            };
+            // Writing into a string cannot fail.
+            let _ = writeln!(
+                svg,
+                "<polygon points=\"{} {} {} {}\" fill=\"{}\" stroke=\"#333333\" stroke-width=\"0.7\"/>",
+                corner(1),
+                corner(2),
+                corner(4),
+                corner(3),
+                colour(s[2])
+            );
+        }
+        for rod in &self.network.rods {
+            let [dx, dy] = shift(&self.network, rod);
+            let [x1, y1] = place(corner_position(&self.network, positions, rod.from));
+            let [x, y] = corner_position(&self.network, positions, rod.to);
+            let [x2, y2] = place([x + dx, y + dy]);
+            let _ = writeln!(
+                svg,
+                "<line x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\" stroke=\"#111111\" \
+                 stroke-width=\"1.6\" stroke-linecap=\"round\"/>"
+            );
+        }
+        let _ = writeln!(
+            svg,
+            "<text x=\"8\" y=\"{:.0}\" font-size=\"15\" fill=\"#222222\">{}, t = {time:.3}</text>\n</svg>",
+            height + 0.65 * CAPTION_PIXELS,
+            self.title
+        );
+        svg
+    }
+}
+
+/// Below the picture.
+const CAPTION_PIXELS: f64 = 30.0;
+
+/// Where the other end of a rod lies from where its corner is drawn: the periodic image.
+fn shift(network: &Network, rod: &Rod) -> [f64; 2] {
+    let cell = network.cell.unwrap_or([0.0; 2]);
+    [f64::from(rod.image[0]) * cell[0], f64::from(rod.image[1]) * cell[1]]
+}
+
+/// A tenth of a pixel is enough to draw.
+fn rounded(numbers: &[f64]) -> Vec<f64> {
+    numbers.iter().map(|x| (x * 1e4).round() / 1e4).collect()
+}
+
+/// A wheel of colours over a quarter turn, as light in every place; the page has the same.
+fn colour(angle: f64) -> String {
+    let turn = (angle / FRAC_PI_2).rem_euclid(1.0);
+    let part = |phase: f64| (165.0 + 75.0 * (TAU * (turn - phase)).cos()).round() as u8;
+    format!("#{:02x}{:02x}{:02x}", part(0.0), part(1.0 / 3.0), part(2.0 / 3.0))
+}

@@ -1,0 +1,102 @@
+//! How many steps per CPU-second a lattice allows, and how exact they are.
+//!
+//! The start is half open, θ = ± 0.4, with random angular velocities, ω drawn evenly from -1 to 1; the time step is the one
+//! that `time_step = "auto"` stands for. There rods of every length and lattices of every size are well resolved: the open
+//! state is the largest extension, and squares that leave it each their own way pull at their rods, the more the larger the
+//! lattice is.
+
+use super::mover::Mover;
+use super::settings::{LatticeSettings, Start, Velocities};
+use super::start::{begin, time_step};
+use crate::cpu_time::thread_seconds;
+use anyhow::{Result, bail};
+use serde::Serialize;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// What [`bench()`] measures.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LatticeBench {
+    /// Rows and columns.
+    pub ns: usize,
+    /// Squares.
+    pub squares: usize,
+    /// Rods.
+    pub rods: usize,
+    /// Length of the rods.
+    pub r0: f64,
+    /// θ = ± this at the start.
+    pub start_angle: f64,
+    /// Time step.
+    pub time_step: f64,
+    /// Steps.
+    pub steps: u64,
+    /// Whether squares were impenetrable.
+    pub collisions: bool,
+    /// Steps per second of processor time of the thread, start-up not counted.
+    pub steps_per_cpu_second: f64,
+    /// Processor time before the first step, s.
+    pub setup_seconds: f64,
+    /// Largest deviation of a rod from its length, looked at a hundred times and at the end.
+    pub max_rod_violation: f64,
+    /// Largest deviation of the energy, in parts of that of the start, looked at as often.
+    pub energy_error: f64,
+    /// Collisions.
+    pub events: u64,
+}
+
+/// Between closed (0) and open (π/4).
+const START_ANGLE_RAD: f64 = 0.4;
+
+/// How often a bench looks.
+const LOOKS: u64 = 100;
+
+/// Makes the steps and measures them.
+///
+/// # Errors
+/// For settings that make no sense, or a step that fails.
+pub fn bench(settings: &LatticeSettings, steps: u64) -> Result<LatticeBench> {
+    if steps == 0 {
+        bail!("--steps is 0; give at least 1");
+    }
+    let start = thread_seconds();
+    let start_angle = Start::Angle(START_ANGLE_RAD);
+    let settings = LatticeSettings { velocities: Velocities::Random, start: start_angle, ..settings.clone() };
+    let begun = begin(&settings)?;
+    let time_step = time_step(&settings, &begun)?;
+    let mut state = begun.state.clone();
+    let mut mover = Mover::new(&settings, Arc::new(begun.network), &state)?;
+    let first_energy = mover.energy(&state);
+    let setup_seconds = thread_seconds() - start;
+    let (mut max_rod_violation, mut energy_error, mut done) = (0.0_f64, 0.0_f64, 0);
+    let (begin, clock) = (thread_seconds(), Instant::now());
+    while done < steps {
+        let until = (done + steps.div_ceil(LOOKS)).min(steps);
+        for step in done..until {
+            mover.step(&mut state, time_step, step)?;
+        }
+        done = until;
+        max_rod_violation = max_rod_violation.max(mover.rod_violation(&state));
+        energy_error = energy_error.max((mover.energy(&state) / first_energy - 1.0).abs());
+    }
+    // Looking is included: it costs less than a step. Very short runs are below what the system's count resolves.
+    let seconds = match thread_seconds() - begin {
+        seconds if seconds > 0.0 => seconds,
+        _ => clock.elapsed().as_secs_f64(),
+    };
+    Ok(LatticeBench {
+        ns: settings.rows,
+        squares: mover.network().squares.len(),
+        rods: mover.network().rods.len(),
+        r0: settings.r0,
+        start_angle: START_ANGLE_RAD,
+        time_step,
+        steps,
+        collisions: settings.collisions,
+        steps_per_cpu_second: steps as f64 / seconds,
+        setup_seconds,
+        max_rod_violation,
+        energy_error,
+        events: mover.events(),
+    })
+}

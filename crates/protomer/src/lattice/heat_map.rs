@@ -1,0 +1,121 @@
+//! Square matrices of numbers from 0 to 1 as pictures in an SVG file.
+
+use anyhow::{Context, Result};
+use protomer_io::atomic::write_atomically;
+use std::fmt::Write;
+use std::path::Path;
+
+/// A matrix to be shown.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeatMap {
+    /// Written above it.
+    pub title: String,
+    /// Rows and columns.
+    pub size: usize,
+    /// Row after row, 0 to 1; what is outside is drawn as the end.
+    pub values: Vec<f64>,
+}
+
+/// Edge of a matrix, and what is left around it, in units of the SVG.
+const EDGE: usize = 360;
+const MARGIN: usize = 40;
+
+/// Writes matrices side by side, so many to a row, with a scale of colours.
+///
+/// # Errors
+/// If the disk does not take it.
+pub fn write_svg(path: &Path, title: &str, maps: &[HeatMap], columns: usize) -> Result<()> {
+    let svg = to_svg(title, maps, columns)?;
+    Ok(write_atomically(path, |file| file.write_all(svg.as_bytes()))?)
+}
+
+fn to_svg(title: &str, maps: &[HeatMap], columns: usize) -> Result<String> {
+    let (step, rows) = (EDGE + MARGIN, maps.len().div_ceil(columns));
+    let (width, height) = (MARGIN + columns * step, 2 * MARGIN + rows * step + MARGIN);
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" font-family=\"sans-serif\" \
+         font-size=\"15\">\n<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n\
+         <text x=\"{MARGIN}\" y=\"30\" font-size=\"20\">{title}</text>\n"
+    );
+    let mut picture = |x: usize, y: usize, w: usize, h: usize, png: &[u8]| {
+        // Writing into a string cannot fail.
+        let _ = writeln!(
+            svg,
+            "<image x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" preserveAspectRatio=\"none\" \
+             style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{}\"/>",
+            base64(png)
+        );
+    };
+    let mut words = String::new();
+    for (index, map) in maps.iter().enumerate() {
+        let (x, y) = (MARGIN + index % columns * step, 2 * MARGIN + index / columns * step);
+        picture(x, y, EDGE, EDGE, &png(map.size, map.size, &map.values)?);
+        let _ = writeln!(words, "<text x=\"{x}\" y=\"{}\">{}</text>", y - 8, map.title);
+    }
+    let scale: Vec<f64> = (0..100).map(|k| f64::from(k) / 99.0).collect();
+    let y = height - MARGIN;
+    picture(MARGIN + 20, y, EDGE - 40, 16, &png(100, 1, &scale)?);
+    let _ = writeln!(
+        words,
+        "<text x=\"{MARGIN}\" y=\"{}\">0</text><text x=\"{}\" y=\"{}\">1</text>",
+        y + 14,
+        MARGIN + EDGE - 14,
+        y + 14
+    );
+    Ok(format!("{svg}{words}</svg>\n"))
+}
+
+/// From dark blue over green to yellow, ever lighter.
+fn colour(value: f64) -> [u8; 3] {
+    const STOPS: [[f64; 3]; 5] =
+        [[48.0, 18.0, 85.0], [52.0, 84.0, 139.0], [31.0, 146.0, 140.0], [108.0, 204.0, 92.0], [252.0, 231.0, 55.0]];
+    let value = if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) } * (STOPS.len() - 1) as f64;
+    let below = (value.floor() as usize).min(STOPS.len() - 2);
+    let part = value - below as f64;
+    [0, 1, 2].map(|channel| (STOPS[below][channel] * (1.0 - part) + STOPS[below + 1][channel] * part).round() as u8)
+}
+
+fn png(width: usize, height: usize, values: &[f64]) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width as u32, height as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    let pixels: Vec<u8> = values.iter().flat_map(|value| colour(*value)).collect();
+    let mut writer = encoder.write_header().context("a picture of a matrix")?;
+    writer.write_image_data(&pixels).context("a picture of a matrix")?;
+    writer.finish().context("a picture of a matrix")?;
+    Ok(bytes)
+}
+
+/// RFC 4648.
+fn base64(bytes: &[u8]) -> String {
+    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for group in bytes.chunks(3) {
+        let number = group.iter().fold(0_u32, |number, byte| number << 8 | u32::from(*byte)) << (8 * (3 - group.len()));
+        for place in 0..4 {
+            let letter = LETTERS[(number >> (18 - 6 * place) & 63) as usize];
+            text.push(if place <= group.len() { char::from(letter) } else { '=' });
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn base64_is_that_of_the_standard() {
+        for (plain, coded) in [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")] {
+            assert_eq!(base64(plain.as_bytes()), coded);
+        }
+    }
+
+    #[test]
+    fn colours_get_lighter() {
+        let light = |value: f64| colour(value).iter().map(|part| u32::from(*part)).sum::<u32>();
+        assert!((0..99).all(|k| light(f64::from(k) / 100.0) <= light(f64::from(k + 1) / 100.0)));
+        assert_eq!(colour(f64::NAN), colour(-1.0));
+        assert_eq!(colour(2.0), colour(1.0));
+    }
+}

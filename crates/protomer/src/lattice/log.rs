@@ -1,0 +1,177 @@
+//! `log.csv`: what a run looks like from step to step.
+
+use super::mover::Mover;
+use anyhow::{Context, Result, bail};
+use protomer_crystal::analysis::modes::{ModeEnergies, Modes, OutOf, orientational_spread};
+use protomer_crystal::analysis::strain::{biot_strain, corners, deformation_gradient};
+use protomer_crystal::lattice::{Network, State};
+use std::path::Path;
+
+/// One row of the log. Reduced units.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct LogRow {
+    /// Steps done.
+    pub step: u64,
+    /// Time.
+    pub time: f64,
+    /// Kinetic energy.
+    pub kinetic_energy: f64,
+    /// Energy of the potentials.
+    pub potential_energy: f64,
+    /// Their sum.
+    pub energy: f64,
+    /// ⟨θ⟩₀, the mean orientation.
+    pub uniform: f64,
+    /// ⟨θ⟩₁, the amplitude of (-1)^(i+j).
+    pub checkerboard: f64,
+    /// Amplitude of (-1)^j.
+    pub vertical: f64,
+    /// Amplitude of (-1)^i.
+    pub horizontal: f64,
+    /// Share of the checkerboard mode in the rotational energy, without that of the uniform mode; NaN where nothing turns.
+    pub checkerboard_fraction: f64,
+    /// The same of the energy as a whole.
+    pub checkerboard_fraction_of_total: f64,
+    /// Standard deviation of the angles about the coherent state.
+    pub angle_spread: f64,
+    /// Strain along x since the start, from the corners of all squares.
+    pub strain_xx: f64,
+    /// Strain along y since the start.
+    pub strain_yy: f64,
+    /// Shear since the start.
+    pub strain_xy: f64,
+    /// Strain along x since the last row.
+    pub step_strain_xx: f64,
+    /// Strain along y since the last row.
+    pub step_strain_yy: f64,
+    /// Largest deviation of a rod from its length.
+    pub rod_violation: f64,
+    /// Collisions so far.
+    pub events: u64,
+}
+
+/// A column: its name and its number in a row.
+type Column = (&'static str, fn(&LogRow) -> f64, fn(&mut LogRow) -> &mut f64);
+
+macro_rules! columns {
+    ($($name:ident),*) => { [$((stringify!($name), |row| row.$name, |row| &mut row.$name)),*] };
+}
+
+/// The columns between `step` and `events`.
+const NUMBERS: [Column; 17] = columns![
+    time,
+    kinetic_energy,
+    potential_energy,
+    energy,
+    uniform,
+    checkerboard,
+    vertical,
+    horizontal,
+    checkerboard_fraction,
+    checkerboard_fraction_of_total,
+    angle_spread,
+    strain_xx,
+    strain_yy,
+    strain_xy,
+    step_strain_xx,
+    step_strain_yy,
+    rod_violation
+];
+
+/// The names of the columns, in order.
+pub fn columns() -> Vec<&'static str> {
+    let numbers = NUMBERS.iter().map(|(name, ..)| *name);
+    std::iter::once("step").chain(numbers).chain(std::iter::once("events")).collect()
+}
+
+impl LogRow {
+    /// What there is to say of a state; strains are against the positions of the start and of the last row.
+    pub fn new(step: u64, mover: &mut Mover, state: &State, start: &[f64], last: &[f64]) -> Self {
+        let network = mover.network().clone();
+        let potential_energy = mover.potential_energy();
+        let kinetic_energy = state.kinetic_energy(&network);
+        let modes = Modes::of(&network, &state.positions);
+        let energies = ModeEnergies::of(&network, state);
+        let fraction = |out_of| energies.checkerboard_fraction(out_of, potential_energy).unwrap_or(f64::NAN);
+        let [strain_xx, strain_yy, strain_xy] = strain(&network, start, &state.positions);
+        let [step_strain_xx, step_strain_yy, _] = strain(&network, last, &state.positions);
+        Self {
+            step,
+            time: state.time,
+            kinetic_energy,
+            potential_energy,
+            energy: kinetic_energy + potential_energy,
+            uniform: modes.uniform,
+            checkerboard: modes.checkerboard,
+            vertical: modes.vertical,
+            horizontal: modes.horizontal,
+            checkerboard_fraction: fraction(OutOf::Rotational),
+            checkerboard_fraction_of_total: fraction(OutOf::Total),
+            angle_spread: orientational_spread(&network, &state.positions),
+            strain_xx,
+            strain_yy,
+            strain_xy,
+            step_strain_xx,
+            step_strain_yy,
+            rod_violation: mover.rod_violation(state),
+            events: mover.events(),
+        }
+    }
+
+    /// The row as a line of the log. Rust prints the shortest decimal that reads back as the same number.
+    pub fn to_line(&self) -> String {
+        let numbers = NUMBERS.iter().map(|(_, number, _)| number(self).to_string());
+        let cells = std::iter::once(self.step.to_string()).chain(numbers).chain([self.events.to_string()]);
+        cells.collect::<Vec<_>>().join(",")
+    }
+
+    fn from_line(line: &str) -> Option<Self> {
+        let mut cells = line.split(',');
+        let mut row = Self { step: cells.next()?.parse().ok()?, ..Self::default() };
+        for (_, _, place) in NUMBERS {
+            *place(&mut row) = cells.next()?.parse().ok()?;
+        }
+        row.events = cells.next()?.parse().ok()?;
+        cells.next().is_none().then_some(row)
+    }
+}
+
+/// Reads a log.
+///
+/// # Errors
+/// Names the file and line that is not a row.
+pub fn read_log(path: &Path) -> Result<Vec<LogRow>> {
+    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read the log {}", path.display()))?;
+    let mut rows = Vec::new();
+    for (index, line) in text.lines().enumerate().skip(1) {
+        match LogRow::from_line(line) {
+            Some(row) => rows.push(row),
+            None => bail!("{}:{}: '{line}' is not a row of a log; run again with --force", path.display(), index + 1),
+        }
+    }
+    Ok(rows)
+}
+
+/// xx, yy and xy of the strain from one array of positions to another; NaN for squares that show none.
+fn strain(network: &Network, from: &[f64], to: &[f64]) -> [f64; 3] {
+    match deformation_gradient(&corners(network, from), &corners(network, to)) {
+        Ok(gradient) => {
+            let strain = biot_strain(&gradient);
+            [strain[(0, 0)], strain[(1, 1)], strain[(0, 1)]]
+        }
+        Err(_) => [f64::NAN; 3],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_survive_a_round_trip() {
+        let row = LogRow { step: 3, time: 0.1 + 0.2, checkerboard_fraction: 0.5, events: 7, ..LogRow::default() };
+        assert_eq!(LogRow::from_line(&row.to_line()), Some(row));
+        assert_eq!(row.to_line().split(',').count(), columns().len());
+        assert_eq!(LogRow::from_line("1,2,3"), None);
+    }
+}

@@ -1,0 +1,35 @@
+//! Lattices of rigid squares on the disk: settings, run directories, sweeps, pictures.
+//!
+//! ```text
+//! LatticeSettings --start--> network, state --run--> directory (log, trajectory, checkpoint) --animation--> page
+//! [sweep] of the settings --sweep--> one directory per run --> tables and figures
+//! ```
+//!
+//! | module | one idea |
+//! |---|---|
+//! | [`settings`] | what a run is asked to do |
+//! | [`start`] | from settings to a network, a state, a time step |
+//! | [`mover`] | one step of a run, whatever moves it |
+//! | [`log`], [`trajectory`], [`directory`] | what a run writes |
+//! | [`run`] | one run in its directory |
+//! | [`replay`] | a state from a file, followed to the first contact and through it |
+//! | [`mod@bench`] | steps per CPU-second |
+//! | [`sweep`], [`sweep_table`], [`sweep_figures`], [`heat_map`] | many runs, their tables and figures |
+//! | [`animation`] | the page that plays a run |
+//! | [`square_of_body`] | the square that stands for a body |
+
+pub mod animation;
+pub mod bench;
+pub mod directory;
+pub mod heat_map;
+pub mod log;
+pub mod mover;
+pub mod replay;
+pub mod run;
+pub mod settings;
+pub mod square_of_body;
+pub mod start;
+pub mod sweep;
+pub mod sweep_figures;
+pub mod sweep_table;
+pub mod trajectory;

@@ -1,0 +1,228 @@
+//! A state from a file, followed without collisions, to the first contact, and through it.
+//!
+//! The file is JSON with `ns` (squares along an edge), `r0`, `s0` and `v0` (x, y, θ and their rates, square after square),
+//! `times`; `kappa`, `l` and `I` are optional, and what else it holds is left alone.
+
+use crate::keys;
+use anyhow::{Context, Result, bail};
+use protomer_crystal::lattice::collision::detection::Detector;
+use protomer_crystal::lattice::collision::replay::{self, FirstContact};
+use protomer_crystal::lattice::contact::TOUCHING;
+use protomer_crystal::lattice::{Coherence, Dynamics, Edges, Network, Square, State};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::FRAC_PI_4;
+use std::path::Path;
+use std::sync::Arc;
+
+/// A lattice, a state of it, and times to see it at.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct LatticeFile {
+    /// Squares along an edge.
+    #[serde(rename = "ns")]
+    pub squares_along_edge: usize,
+    /// Length of the rods.
+    pub r0: f64,
+    /// κ of the coherence potential, an inverse time squared.
+    #[serde(default)]
+    pub kappa: f64,
+    /// Half-diagonal of the squares.
+    #[serde(default = "one")]
+    pub l: f64,
+    /// Their moment of inertia; l²/3 if left out. Their mass is 1.
+    #[serde(rename = "I")]
+    pub inertia: Option<f64>,
+    /// x, y, θ of square after square at time 0.
+    #[serde(default)]
+    pub s0: Vec<f64>,
+    /// Their rates.
+    #[serde(default)]
+    pub v0: Vec<f64>,
+    /// When to report.
+    #[serde(default)]
+    pub times: Vec<f64>,
+    /// A state in which squares touch.
+    pub first_collision: Option<ContactState>,
+}
+
+/// A state in which squares touch.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct ContactState {
+    /// When.
+    #[serde(default)]
+    pub t: f64,
+    /// x, y, θ.
+    pub s: Vec<f64>,
+    /// Rates just before.
+    pub v: Vec<f64>,
+    /// What touches; found from the state if left out.
+    #[serde(default)]
+    pub contacts: Vec<[usize; 3]>,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+/// What [`replay()`] finds.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Replay {
+    /// The largest time step taken.
+    pub time_step: f64,
+    /// The times of the file.
+    pub times: Vec<f64>,
+    /// x, y, θ at these times. Nothing collides here, after the first contact neither.
+    pub s: Vec<Vec<f64>>,
+    /// Rates.
+    pub v: Vec<Vec<f64>>,
+    /// Kinetic energy and that of the coherence potential.
+    pub energy: Vec<f64>,
+    /// Where squares first touch; `None` if they do not before the limit.
+    pub first_collision: Option<FirstCollision>,
+}
+
+/// The first contact and what becomes of it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FirstCollision {
+    /// When.
+    pub t: f64,
+    /// x, y, θ.
+    pub s: Vec<f64>,
+    /// Rates just before.
+    pub v: Vec<f64>,
+    /// Square whose corner strikes, which corner (1 to 4), square that is struck.
+    pub contacts: Vec<[usize; 3]>,
+    /// Rates just after an elastic collision.
+    pub v_after: Vec<f64>,
+}
+
+/// What [`respond`] finds.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Response {
+    /// Rates just after an elastic collision.
+    pub v_after: Vec<f64>,
+    /// Square whose corner strikes, which corner (1 to 4), square that is struck.
+    pub contacts: Vec<[usize; 3]>,
+    /// Impulses along the normals; corners that meet head on are listed from either side and share one.
+    pub impulses: Vec<f64>,
+    /// Change of the kinetic energy.
+    pub energy_change: f64,
+}
+
+impl LatticeFile {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// Names the file, the line and the key.
+    pub fn read(path: &Path) -> Result<Self> {
+        let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+        keys::from_json(path, &bytes)
+    }
+
+    fn network(&self) -> Result<Arc<Network>> {
+        let square =
+            Square { half_diagonal: self.l, mass: 1.0, inertia: self.inertia.unwrap_or(self.l * self.l / 3.0) };
+        let size = self.squares_along_edge;
+        Ok(Arc::new(Network::lattice(size, size, self.r0, square, Edges::Open, FRAC_PI_4)?))
+    }
+
+    fn first_state(&self) -> State {
+        State { time: 0.0, positions: self.s0.clone(), velocities: self.v0.clone() }
+    }
+
+    fn dynamics(&self, state: &State) -> Result<Dynamics> {
+        Ok(Dynamics::new(self.network()?, vec![Box::new(Coherence { kappa: self.kappa })], state)?)
+    }
+}
+
+/// Follows the state of a file with steps of at most `time_step`, and to its first contact unless that is later than
+/// `longest`.
+///
+/// # Errors
+/// For a state that does not fit the lattice, times that do not rise, or a step that is too large.
+pub fn replay(file: &LatticeFile, time_step: f64, longest: f64) -> Result<Replay> {
+    for (name, value) in [("dt", time_step), ("longest", longest)] {
+        if !(value.is_finite() && value > 0.0) {
+            bail!("--{name} is {value}; it must be positive");
+        }
+    }
+    let mut state = file.first_state();
+    let mut dynamics = file.dynamics(&state)?;
+    let mut replay = Replay {
+        time_step,
+        times: file.times.clone(),
+        s: Vec::new(),
+        v: Vec::new(),
+        energy: Vec::new(),
+        first_collision: first_collision(file, time_step, longest)?,
+    };
+    for time in &file.times {
+        advance(&mut dynamics, &mut state, *time, time_step)?;
+        replay.s.push(state.positions.clone());
+        replay.v.push(state.velocities.clone());
+        replay.energy.push(state.kinetic_energy(dynamics.network()) + dynamics.potential_energy());
+    }
+    Ok(replay)
+}
+
+/// Equal steps, as few as are no longer than `time_step`, that end at `time`.
+fn advance(dynamics: &mut Dynamics, state: &mut State, time: f64, time_step: f64) -> Result<()> {
+    let (start, duration) = (state.time, time - state.time);
+    if !(duration.is_finite() && duration >= 0.0) {
+        bail!("the time {time} comes after {start}; list the times in rising order, from 0 on");
+    }
+    // A ratio that is a whole number but for its rounding is meant to be whole.
+    let steps = (duration / time_step - 1e-9).ceil().max(0.0) as u64;
+    for _ in 0..steps {
+        dynamics.step(state, duration / steps as f64)?;
+    }
+    state.time = time;
+    Ok(())
+}
+
+fn first_collision(file: &LatticeFile, time_step: f64, longest: f64) -> Result<Option<FirstCollision>> {
+    let mut state = file.first_state();
+    let mut dynamics = file.dynamics(&state)?;
+    let Some(found) = replay::first_contact(&mut dynamics, &mut state, time_step, longest, false)? else {
+        return Ok(None);
+    };
+    let contacts = found.listed();
+    let State { positions: s, velocities: v, .. } = found.state;
+    let response = replay::respond(dynamics.network(), &s, &v, &contacts, 1.0)?;
+    Ok(Some(FirstCollision { t: found.time, s, v, contacts, v_after: response.velocities_after }))
+}
+
+/// The elastic impact at the state of contact of a file.
+///
+/// # Errors
+/// If the file has no such state, it does not fit the lattice, or nothing touches.
+pub fn respond(file: &LatticeFile) -> Result<Response> {
+    let Some(contact) = &file.first_collision else {
+        bail!("the file has no first_collision; add one with the state s and the rates v just before");
+    };
+    let network = file.network()?;
+    let state = State { time: contact.t, positions: contact.s.clone(), velocities: contact.v.clone() };
+    state.check(&network)?;
+    let found = touching(&network, &state);
+    let contacts = if found.is_empty() { contact.contacts.clone() } else { found };
+    if contacts.is_empty() {
+        bail!("no two squares of first_collision.s are within {TOUCHING} of each other; give a state of contact");
+    }
+    let response = replay::respond(&network, &state.positions, &state.velocities, &contacts, 1.0)?;
+    let after = State { velocities: response.velocities_after.clone(), ..state.clone() };
+    Ok(Response {
+        energy_change: after.kinetic_energy(&network) - state.kinetic_energy(&network),
+        v_after: response.velocities_after,
+        contacts,
+        impulses: response.impulses,
+    })
+}
+
+/// Square whose corner touches, which corner, square that is touched.
+fn touching(network: &Network, state: &State) -> Vec<[usize; 3]> {
+    let detector = Detector::new(network, &state.positions, false);
+    let mut contacts = Vec::new();
+    for watch in detector.watches().filter(|watch| watch.gap(network, &state.positions) <= TOUCHING) {
+        watch.contacts(network, &state.positions, &mut contacts);
+    }
+    FirstContact { time: state.time, state: state.clone(), contacts }.listed()
+}

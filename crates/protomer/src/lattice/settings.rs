@@ -1,0 +1,338 @@
+//! What a run is asked to do: the resolved configuration, as `run.toml` has it.
+
+use anyhow::{Result, bail};
+use protomer_crystal::lattice::pair::SquareCharge;
+use protomer_crystal::lattice::{Edges, Square};
+use serde::{Deserialize, Serialize};
+
+/// Settings of a run. Everything that can change a result is here and nothing else. Reduced units: the half-diagonal of a
+/// square is 1, its mass is 1.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LatticeSettings {
+    /// Rows of squares.
+    pub rows: usize,
+    /// Columns of squares.
+    pub columns: usize,
+    /// Length of the rods, r0.
+    pub r0: f64,
+    /// κ of the coherence potential, an inverse time squared.
+    pub kappa: f64,
+    /// What is at the edges.
+    pub edges: Edges,
+    /// The orientation of the squares at the start.
+    pub start: Start,
+    /// Standard deviation of random angles added to the start; the rods allow less where they are short.
+    pub angle_spread: f64,
+    /// The velocities at the start.
+    pub velocities: Velocities,
+    /// Angular velocity at the start: of every square (checkerboard), or the largest that is drawn (random).
+    pub speed: f64,
+    /// Run *to* this time.
+    pub time: f64,
+    /// Run to this many steps instead.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub steps: Option<u64>,
+    /// Time step.
+    pub time_step: TimeStep,
+    /// Whether squares are impenetrable.
+    pub collisions: bool,
+    /// Coefficient of restitution of the collisions: 1 is elastic.
+    pub restitution: f64,
+    /// The collisions of the paper (one mean collision time per step, equalities) instead of one event after the other.
+    pub paper: bool,
+    /// kT of a heat bath, in units of mass times (half-diagonal per time)²; needs a friction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub temperature: Option<f64>,
+    /// Friction, an inverse time. Without a temperature it only slows the squares down.
+    pub friction: f64,
+    /// Seed of the random numbers.
+    pub seed: u64,
+    /// Steps between two rows of the log.
+    pub log_every: u64,
+    /// Steps between two frames of the trajectory; zero for no trajectory.
+    pub trajectory_every: u64,
+    /// Length of one reduced unit in Å, where the lattice stands for real bodies; only screened charges need it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub half_diagonal_angstrom: Option<f64>,
+    /// Squares that are missing, with their rods: row and column, from 0 at the upper left.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub removed_squares: Vec<[usize; 2]>,
+    /// Rods that are missing: row, column and vertex of either end.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub removed_rods: Vec<[usize; 3]>,
+    /// The square.
+    pub square: Square,
+    /// Squares that differ.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub other_squares: Vec<OtherSquare>,
+    /// The rods, if they are not those of the lattice.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rods: Option<Vec<ListedRod>>,
+    /// Charges on every square, which act if there is a `screening`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub charges: Vec<SquareCharge>,
+    /// How the charges act on each other.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub screening: Option<Screening>,
+    /// What a sweep varies.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sweep: Option<SweepAxes>,
+}
+
+/// θ = ± this at the start, in radians.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "start is 'open', 'closed', or the angle of the squares in radians")]
+pub enum Start {
+    /// Open or closed.
+    Named(NamedStart),
+    /// An angle in radians.
+    Angle(f64),
+}
+
+/// The two ends of the coherent motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum NamedStart {
+    /// θ = ± π/4: the squares stand corner to corner.
+    Open,
+    /// θ = 0: the squares stand side to side, as far apart as the rods are long.
+    Closed,
+}
+
+impl Start {
+    /// The angle, radians.
+    pub fn angle_rad(self) -> f64 {
+        match self {
+            Start::Named(NamedStart::Open) => std::f64::consts::FRAC_PI_4,
+            Start::Named(NamedStart::Closed) => 0.0,
+            Start::Angle(angle) => angle,
+        }
+    }
+}
+
+/// `open`, `closed` or an angle in radians.
+impl std::str::FromStr for Start {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "open" => Ok(Start::Named(NamedStart::Open)),
+            "closed" => Ok(Start::Named(NamedStart::Closed)),
+            _ => match text.parse::<f64>() {
+                Ok(angle) if angle.is_finite() => Ok(Start::Angle(angle)),
+                _ => Err("give open, closed, or an angle in radians such as 0.3".into()),
+            },
+        }
+    }
+}
+
+/// How the squares move at the start. Whatever the rods forbid is taken out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+#[serde(rename_all = "lowercase")]
+pub enum Velocities {
+    /// Every square turns against its neighbours, ω = ±(-1)^(i+j) speed: from the open state it closes, from any other it
+    /// opens.
+    Checkerboard,
+    /// Every ω drawn evenly from -speed to speed.
+    Random,
+    /// Nothing moves.
+    Rest,
+    /// As at the temperature of the heat bath.
+    Thermal,
+}
+
+/// A time step.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "time_step is 'auto' or a number")]
+pub enum TimeStep {
+    /// Chosen.
+    Named(NamedTimeStep),
+    /// This long.
+    Fixed(f64),
+}
+
+/// A time step that is chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum NamedTimeStep {
+    /// Short enough for the rod that turns fastest.
+    Auto,
+}
+
+impl TimeStep {
+    /// The step that is chosen.
+    pub const AUTO: Self = TimeStep::Named(NamedTimeStep::Auto);
+}
+
+/// `auto` or a number.
+impl std::str::FromStr for TimeStep {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match (text, text.parse::<f64>()) {
+            ("auto", _) => Ok(Self::AUTO),
+            (_, Ok(step)) if step.is_finite() => Ok(TimeStep::Fixed(step)),
+            _ => Err("give auto, or a number such as 1e-3".into()),
+        }
+    }
+}
+
+/// A square that differs from the others. What is left out is as in them.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OtherSquare {
+    /// Row and column, from 0 at the upper left.
+    pub at: [usize; 2],
+    /// From the centre to a corner.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub half_diagonal: Option<f64>,
+    /// Mass.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mass: Option<f64>,
+    /// Moment of inertia about the centre; if left out, that of the same material, in proportion to m l².
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inertia: Option<f64>,
+}
+
+/// A rod of a list.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ListedRod {
+    /// Row, column, vertex (1 to 4).
+    pub from: [usize; 3],
+    /// Row, column, vertex (1 to 4).
+    pub to: [usize; 3],
+    /// Its length; r0 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub length: Option<f64>,
+}
+
+/// The medium between the charges.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Screening {
+    /// Bjerrum length, Å.
+    pub bjerrum_length_angstrom: f64,
+    /// Debye length, Å.
+    pub debye_length_angstrom: f64,
+    /// Where the interaction ends, Å.
+    pub cutoff_angstrom: f64,
+    /// kT in reduced units: how strong a pair of charges is against the motion.
+    pub kt: f64,
+}
+
+/// What a sweep varies: every r0 with every κ, as many times as there are seeds.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SweepAxes {
+    /// Lengths of the rods; that of the settings if empty.
+    pub r0: Vec<f64>,
+    /// κ; that of the settings if empty.
+    pub kappa: Vec<f64>,
+    /// Seeds; that of the settings if empty.
+    pub seeds: Vec<u64>,
+}
+
+impl Default for LatticeSettings {
+    fn default() -> Self {
+        Self {
+            rows: 10,
+            columns: 10,
+            r0: 3.0 / 22.0,
+            kappa: 0.0,
+            edges: Edges::Open,
+            start: Start::Named(NamedStart::Open),
+            angle_spread: 0.0,
+            velocities: Velocities::Checkerboard,
+            speed: 1.0,
+            time: 10.0,
+            steps: None,
+            time_step: TimeStep::AUTO,
+            collisions: true,
+            restitution: 1.0,
+            paper: false,
+            temperature: None,
+            friction: 0.0,
+            seed: 1,
+            log_every: 10,
+            trajectory_every: 50,
+            half_diagonal_angstrom: None,
+            removed_squares: Vec::new(),
+            removed_rods: Vec::new(),
+            square: Square::default(),
+            other_squares: Vec::new(),
+            rods: None,
+            charges: Vec::new(),
+            screening: None,
+            sweep: None,
+        }
+    }
+}
+
+/// More squares than anyone waits for.
+const MOST_SQUARES: usize = 1_000_000;
+
+impl LatticeSettings {
+    /// The same settings with no length: what runs have in common that differ only in how far they went.
+    pub fn without_length(&self) -> Self {
+        Self { time: 0.0, steps: None, ..self.clone() }
+    }
+
+    /// Checks what neither the types nor the engine do.
+    ///
+    /// # Errors
+    /// Names the setting and what it may be.
+    pub fn check(&self) -> Result<()> {
+        let finite_from_zero = [
+            ("angle_spread", self.angle_spread),
+            ("kappa", self.kappa),
+            ("speed", self.speed),
+            ("time", self.time),
+            ("friction", self.friction),
+            ("temperature", self.temperature.unwrap_or(0.0)),
+        ];
+        for (name, value) in finite_from_zero {
+            if !(value.is_finite() && value >= 0.0) {
+                bail!("{name} is {value}; it must be zero or more");
+            }
+        }
+        if self.r0 == 0.0 {
+            bail!(
+                "r0 is 0: a rod without length has no direction; give a small length such as 0.02, or see 'lattice' in \
+                 the guide for the limit"
+            );
+        }
+        if !(self.r0.is_finite() && self.r0 > 0.0) {
+            bail!("r0 is {}; the length of the rods must be positive", self.r0);
+        }
+        if self.rows.saturating_mul(self.columns) > MOST_SQUARES {
+            bail!("{} x {} squares are too many; ask for at most {MOST_SQUARES}", self.rows, self.columns);
+        }
+        if let TimeStep::Fixed(step) = self.time_step
+            && !(step.is_finite() && step > 0.0)
+        {
+            bail!("time_step is {step}; it must be positive, or 'auto'");
+        }
+        if !(0.0..=1.0).contains(&self.restitution) {
+            bail!("restitution is {}; it must lie between 0 (no rebound) and 1 (elastic)", self.restitution);
+        }
+        if self.log_every == 0 {
+            bail!("log_every is 0; it must be at least 1");
+        }
+        if self.temperature.is_some() && self.friction == 0.0 {
+            bail!("a heat bath needs a friction to act; add friction = 1, or leave out temperature");
+        }
+        if self.paper && (self.restitution != 1.0 || !self.collisions) {
+            bail!("the paper's collisions are elastic; leave out restitution and collisions, or leave out paper");
+        }
+        if self.screening.is_some() && self.half_diagonal_angstrom.is_none() {
+            bail!("screened charges need a scale; add half_diagonal_angstrom, the length of one unit in Å");
+        }
+        if self.velocities == Velocities::Thermal && self.temperature.is_none() {
+            bail!("thermal velocities need a temperature; add temperature = 0.1");
+        }
+        Ok(())
+    }
+}

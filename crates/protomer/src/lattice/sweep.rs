@@ -1,0 +1,239 @@
+//! A sweep of lattices: every r0 with every κ, once per seed, on all threads, resumable; tables and figures at the end.
+//!
+//! ```text
+//! DIR/run.toml  run.json  lattice.csv  runs.csv  lattice.json  *.svg  *.png
+//! DIR/r0_0.2_kappa_0/seed_1/   a run directory each
+//! ```
+
+use super::directory::{LatticeDirectory, identity, record};
+use super::log::read_log;
+use super::run::{LatticeEnd, LatticeResult, run_lattice};
+use super::settings::{LatticeSettings, SweepAxes};
+use super::start::network;
+use super::sweep_figures;
+use super::sweep_table::{ConditionRow, RunRow, conditions_to_csv, runs_to_csv};
+use super::trajectory::read_states;
+use crate::run::Execution;
+use anyhow::{Context, Result, bail};
+use protomer_crystal::analysis::synchronisation::{Synchronisation, staggered};
+use protomer_io::atomic::write_atomically;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// A run directory with more folders than this serves nobody.
+const MOST_RUNS: usize = 100_000;
+/// Files of a sweep beside its settings; the folders of its runs come on top.
+const RESULTS: [&str; 4] = ["run.json", "lattice.csv", "runs.csv", "lattice.json"];
+
+/// What a sweep leaves behind.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LatticeSweep {
+    /// Version of the program.
+    pub version: String,
+    /// The resolved settings.
+    pub settings: LatticeSettings,
+    /// One row per r0 and κ.
+    pub conditions: Vec<ConditionRow>,
+    /// One row per run.
+    pub runs: Vec<RunRow>,
+}
+
+/// How a sweep ended.
+#[derive(Debug, Clone, PartialEq)]
+pub enum LatticeSweepEnd {
+    /// Everything is done.
+    Finished(Box<LatticeSweep>),
+    /// It was asked to stop; the same command goes on.
+    Stopped,
+}
+
+/// One run of a sweep.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Task {
+    /// Index of the condition.
+    pub condition: usize,
+    /// The settings of the run.
+    pub settings: LatticeSettings,
+    /// Where it is.
+    pub directory: PathBuf,
+}
+
+/// What the figures need of one condition beside its row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// Time, root mean square difference of two angles, averaged over runs.
+    pub phase_differences: Vec<[f64; 2]>,
+    /// Strains along x and y since the last row of the log, of all runs.
+    pub strains: Vec<[f64; 2]>,
+    /// exp i(θ_a - θ_b) of all runs together.
+    pub synchronisation: Synchronisation,
+}
+
+/// The axes with what the settings say where they are empty.
+pub fn axes(settings: &LatticeSettings) -> SweepAxes {
+    let axes = settings.sweep.clone().unwrap_or_default();
+    let or = |values: Vec<f64>, value: f64| if values.is_empty() { vec![value] } else { values };
+    SweepAxes {
+        r0: or(axes.r0, settings.r0),
+        kappa: or(axes.kappa, settings.kappa),
+        seeds: if axes.seeds.is_empty() { vec![settings.seed] } else { axes.seeds },
+    }
+}
+
+/// Every run of the sweep, the first seed of every condition first: an interrupted sweep has something everywhere early.
+///
+/// # Errors
+/// For too many runs, or settings of a run that make no sense.
+pub fn tasks(settings: &LatticeSettings, directory: &Path) -> Result<Vec<Task>> {
+    let axes = axes(settings);
+    let conditions: Vec<(f64, f64)> =
+        axes.r0.iter().flat_map(|r0| axes.kappa.iter().map(move |kappa| (*r0, *kappa))).collect();
+    if conditions.len().saturating_mul(axes.seeds.len()) > MOST_RUNS {
+        bail!(
+            "{} conditions with {} seeds each are too many; ask for at most {MOST_RUNS} runs",
+            conditions.len(),
+            axes.seeds.len()
+        );
+    }
+    let mut tasks = Vec::new();
+    for seed in &axes.seeds {
+        for (condition, (r0, kappa)) in conditions.iter().enumerate() {
+            let settings = LatticeSettings { r0: *r0, kappa: *kappa, seed: *seed, sweep: None, ..settings.clone() };
+            settings.check()?;
+            let directory = directory.join(format!("r0_{r0}_kappa_{kappa}")).join(format!("seed_{seed}"));
+            if tasks.iter().any(|task: &Task| task.directory == directory) {
+                bail!("r0 = {r0}, κ = {kappa}, seed {seed} is listed twice; list each once");
+            }
+            tasks.push(Task { condition, settings, directory });
+        }
+    }
+    Ok(tasks)
+}
+
+/// Runs or continues a sweep in a directory. `advanced` hears of every run that ended.
+///
+/// # Errors
+/// For settings that make no sense, a directory that holds another sweep, and the first run that fails; the others stop at
+/// their next step then, and what they did is kept.
+pub fn run_sweep(
+    settings: &LatticeSettings,
+    path: &Path,
+    execution: &Execution,
+    advanced: &(dyn Fn() + Sync),
+) -> Result<LatticeSweepEnd> {
+    let tasks = tasks(settings, path)?;
+    let identity = identity(settings)?;
+    let folders: Vec<String> = folders(settings);
+    let results: Vec<&str> = RESULTS.iter().copied().chain(folders.iter().map(String::as_str)).collect();
+    let _mine = LatticeDirectory::enter(path, settings, &results, execution.start_anew)?;
+    // The folders are gone already where a new start was asked for.
+    let execution = Execution { start_anew: false, ..execution.clone() };
+    let ends: Vec<Result<LatticeEnd>> = tasks
+        .par_iter()
+        .map(|task| {
+            if execution.interrupt.is_requested() {
+                return Ok(LatticeEnd::Stopped);
+            }
+            std::fs::create_dir_all(&task.directory)
+                .with_context(|| format!("cannot make the directory {}", task.directory.display()))?;
+            let end = run_lattice(&task.settings, &task.directory, &execution, &|_| {});
+            if end.is_err() {
+                execution.interrupt.request();
+            }
+            advanced();
+            end.with_context(|| task.directory.display().to_string())
+        })
+        .collect();
+    let ends = ends.into_iter().collect::<Result<Vec<LatticeEnd>>>()?;
+    let finished = |end| match end {
+        LatticeEnd::Finished(result) => Some(result),
+        LatticeEnd::Stopped => None,
+    };
+    let results: Option<Vec<LatticeResult>> = ends.into_iter().map(finished).collect();
+    let Some(results) = results else {
+        record("lattice sweep", &identity, "stopped", serde_json::Value::Null).write(path)?;
+        return Ok(LatticeSweepEnd::Stopped);
+    };
+    let (sweep, series) = collect(settings, &tasks, &results)?;
+    write_results(&sweep, &series, path)?;
+    record("lattice sweep", &identity, "done", serde_json::Value::Null).write(path)?;
+    Ok(LatticeSweepEnd::Finished(Box::new(sweep)))
+}
+
+fn folders(settings: &LatticeSettings) -> Vec<String> {
+    let axes = axes(settings);
+    let of = |r0: f64| axes.kappa.iter().map(move |kappa| format!("r0_{r0}_kappa_{kappa}"));
+    axes.r0.iter().flat_map(|r0| of(*r0).collect::<Vec<_>>()).collect()
+}
+
+/// Reads what the runs wrote.
+fn collect(
+    settings: &LatticeSettings,
+    tasks: &[Task],
+    results: &[LatticeResult],
+) -> Result<(LatticeSweep, Vec<Series>)> {
+    let mut runs = Vec::with_capacity(tasks.len());
+    let conditions = tasks.iter().map(|task| task.condition + 1).max().unwrap_or(0);
+    let mut series: Vec<Option<Series>> = vec![None; conditions];
+    let mut of_condition: Vec<Vec<RunRow>> = vec![Vec::new(); conditions];
+    for (task, result) in tasks.iter().zip(results) {
+        let rows = read_log(&task.directory.join("log.csv"))?;
+        let network = network(&task.settings)?;
+        let mut synchronisation = Synchronisation::new(network.squares.len());
+        let mut differences = Vec::new();
+        if task.settings.trajectory_every > 0 {
+            for (time, positions) in read_states(&task.directory.join("trajectory.gsd"))? {
+                let angles = staggered(&network, &positions);
+                synchronisation.push(&angles)?;
+                differences.push([time, root_mean_square_difference(&angles)]);
+            }
+        }
+        let row = RunRow::new(task, result, &rows, &synchronisation)?;
+        let strains = rows.iter().skip(1).map(|row| [row.step_strain_xx, row.step_strain_yy]);
+        match &mut series[task.condition] {
+            None => {
+                series[task.condition] =
+                    Some(Series { phase_differences: differences, strains: strains.collect(), synchronisation });
+            }
+            Some(series) => {
+                series.strains.extend(strains);
+                series.synchronisation.merge(&synchronisation)?;
+                // A running mean over the runs; frames of equal number are compared, and time steps may differ a little.
+                let earlier = of_condition[task.condition].len() as f64;
+                for (mean, [_, new]) in series.phase_differences.iter_mut().zip(&differences) {
+                    mean[1] += (new - mean[1]) / (earlier + 1.0);
+                }
+            }
+        }
+        of_condition[task.condition].push(row.clone());
+        runs.push(row);
+    }
+    let series: Vec<Series> = series.into_iter().flatten().collect();
+    let conditions = of_condition.iter().zip(&series).map(|(runs, series)| ConditionRow::new(runs, series));
+    let sweep = LatticeSweep {
+        version: env!("CARGO_PKG_VERSION").into(),
+        settings: settings.clone(),
+        conditions: conditions.collect::<Result<_>>()?,
+        runs,
+    };
+    Ok((sweep, series))
+}
+
+/// √⟨(θ_a - θ_b)²⟩ over all pairs: √(2 n/(n-1)) times the standard deviation.
+fn root_mean_square_difference(angles: &[f64]) -> f64 {
+    let count = angles.len() as f64;
+    let mean = angles.iter().sum::<f64>() / count;
+    let squares: f64 = angles.iter().map(|angle| (angle - mean).powi(2)).sum();
+    if count > 1.0 { (2.0 * squares / (count - 1.0)).sqrt() } else { 0.0 }
+}
+
+fn write_results(sweep: &LatticeSweep, series: &[Series], directory: &Path) -> Result<()> {
+    let json = serde_json::to_string_pretty(sweep).context("the result cannot be written down")?;
+    let tables = [("lattice.csv", conditions_to_csv(&sweep.conditions)?), ("runs.csv", runs_to_csv(&sweep.runs)?)];
+    for (name, text) in tables {
+        write_atomically(&directory.join(name), |file| file.write_all(text.as_bytes()))?;
+    }
+    write_atomically(&directory.join("lattice.json"), |file| writeln!(file, "{json}"))?;
+    sweep_figures::write(sweep, series, directory)
+}

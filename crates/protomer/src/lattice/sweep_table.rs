@@ -1,0 +1,258 @@
+//! From the logs of a sweep to a row per run, and a row per r0 and κ.
+
+use super::log::LogRow;
+use super::run::LatticeResult;
+use super::sweep::{Series, Task};
+use anyhow::Result;
+use nalgebra::{Complex, DMatrix};
+use protomer_crystal::analysis::spread::FirstMaximum;
+use protomer_crystal::analysis::strain::{PoissonRatio, poisson_ratio};
+use protomer_crystal::analysis::synchronisation::Synchronisation;
+use protomer_io::csv::{Cell, Table};
+use protomer_kernel::statistics::RunningMoments;
+use serde::Serialize;
+
+/// Blocks per run of the jackknife behind the errors of Poisson's ratio.
+const BLOCKS: usize = 10;
+/// R is mixed with this much of the identity before it is inverted: squares that never part leave it singular.
+pub const RIDGE: f64 = 1e-6;
+
+/// What one run gave. What it could not tell is NaN.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RunRow {
+    /// Length of the rods.
+    pub r0: f64,
+    /// κ.
+    pub kappa: f64,
+    /// Seed.
+    pub seed: u64,
+    /// Collisions per unit of time.
+    pub collision_rate: f64,
+    /// Largest relative deviation of the energy.
+    pub energy_error: f64,
+    /// Standard deviation over time of the share of the checkerboard mode in the rotational energy.
+    pub checkerboard_deviation: f64,
+    /// Mean of that share.
+    pub checkerboard_fraction: f64,
+    /// The first maximum of the standard deviation of the angles about the coherent state.
+    pub largest_spread: f64,
+    /// When it was.
+    pub largest_spread_time: f64,
+    /// Poisson's ratio by total least squares, from the strains between rows of the log.
+    pub poisson_ratio: f64,
+    /// By ordinary least squares, as in the paper.
+    pub poisson_ratio_ordinary: f64,
+    /// Squared correlation of the two strains.
+    pub r_squared: f64,
+    /// Leading eigenvalue of the matrix of |R|, over the number of squares: 1 if all turn alike.
+    pub synchronisation: f64,
+    /// The same of the partial indices.
+    pub partial_synchronisation: f64,
+}
+
+impl RunRow {
+    /// From the log of a run and its angles.
+    ///
+    /// # Errors
+    /// If the angles make no matrix.
+    pub fn new(task: &Task, result: &LatticeResult, rows: &[LogRow], angles: &Synchronisation) -> Result<Self> {
+        let fractions: RunningMoments =
+            rows.iter().map(|row| row.checkerboard_fraction).filter(|fraction| fraction.is_finite()).collect();
+        let mut first = FirstMaximum::new(0.0);
+        rows.iter().for_each(|row| first.push(row.time, row.angle_spread));
+        let largest = first.found();
+        let strains: Vec<[f64; 2]> = rows.iter().skip(1).map(|row| [row.step_strain_xx, row.step_strain_yy]).collect();
+        let ratio = poisson_ratio(&strains, BLOCKS).ok();
+        let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
+        let [whole, partial] = leading(angles)?;
+        Ok(Self {
+            r0: task.settings.r0,
+            kappa: task.settings.kappa,
+            seed: task.settings.seed,
+            collision_rate: result.events as f64 / result.time,
+            energy_error: result.energy_error,
+            checkerboard_deviation: if fractions.count() > 1 { fractions.standard_deviation() } else { f64::NAN },
+            checkerboard_fraction: if fractions.count() > 0 { fractions.mean() } else { f64::NAN },
+            largest_spread: or_nan(largest.map(|maximum| maximum.value)),
+            largest_spread_time: or_nan(largest.map(|maximum| maximum.time)),
+            poisson_ratio: or_nan(ratio.map(|ratio| ratio.total)),
+            poisson_ratio_ordinary: or_nan(ratio.map(|ratio| ratio.ordinary)),
+            r_squared: or_nan(ratio.map(|ratio| ratio.r_squared)),
+            synchronisation: whole,
+            partial_synchronisation: partial,
+        })
+    }
+}
+
+/// Leading eigenvalues of |R| and |P|, over the number of squares; NaN without frames.
+///
+/// Of the magnitudes: P itself, with ones on its diagonal, is 2 less a normalised inverse, whose smallest eigenvalue is near 0
+/// wherever squares hold together, so that its own leading eigenvalue is 2 whatever they do.
+fn leading(angles: &Synchronisation) -> Result<[f64; 2]> {
+    if angles.samples() == 0 {
+        return Ok([f64::NAN; 2]);
+    }
+    let first = |matrix: &DMatrix<Complex<f64>>| {
+        let largest = matrix.map(|entry| entry.norm()).symmetric_eigenvalues().max();
+        largest / matrix.nrows() as f64
+    };
+    Ok([first(&angles.index()?), angles.partial(RIDGE).map_or(f64::NAN, |partial| first(&partial))])
+}
+
+/// A mean over runs with its standard error: NaN where there is one run only.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Estimate {
+    /// Mean over the runs that could tell.
+    pub mean: f64,
+    /// Standard error of it.
+    pub error: f64,
+}
+
+impl Estimate {
+    fn of(values: impl Iterator<Item = f64>) -> Self {
+        let values: RunningMoments = values.filter(|value| value.is_finite()).collect();
+        let mean = if values.count() > 0 { values.mean() } else { f64::NAN };
+        let error = if values.count() > 1 { values.independent_standard_error() } else { f64::NAN };
+        Self { mean, error }
+    }
+}
+
+/// One r0 and κ, averaged over its runs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ConditionRow {
+    /// Length of the rods.
+    pub r0: f64,
+    /// κ.
+    pub kappa: f64,
+    /// Number of runs.
+    pub runs: usize,
+    /// As in [`RunRow`].
+    pub collision_rate: Estimate,
+    /// As in [`RunRow`].
+    pub checkerboard_deviation: Estimate,
+    /// As in [`RunRow`].
+    pub checkerboard_fraction: Estimate,
+    /// As in [`RunRow`].
+    pub largest_spread: Estimate,
+    /// As in [`RunRow`].
+    pub largest_spread_time: Estimate,
+    /// By total least squares from the strains of all runs together; the error is that of a jackknife over blocks.
+    pub poisson_ratio: Estimate,
+    /// The same by ordinary least squares.
+    pub poisson_ratio_ordinary: Estimate,
+    /// Squared correlation of the strains of all runs together; without error.
+    pub r_squared: Estimate,
+    /// As in [`RunRow`].
+    pub synchronisation: Estimate,
+    /// As in [`RunRow`].
+    pub partial_synchronisation: Estimate,
+    /// Leading eigenvalue of the indices of all runs together, over the number of squares.
+    pub pooled_synchronisation: f64,
+    /// The same of the partial indices.
+    pub pooled_partial_synchronisation: f64,
+    /// Largest relative deviation of the energy in any run.
+    pub energy_error: f64,
+}
+
+impl ConditionRow {
+    /// Averages over runs.
+    ///
+    /// # Errors
+    /// If the angles make no matrix.
+    pub fn new(runs: &[RunRow], series: &Series) -> Result<Self> {
+        let of = |value: fn(&RunRow) -> f64| Estimate::of(runs.iter().map(value));
+        let ratio = poisson_ratio(&series.strains, BLOCKS * runs.len()).ok();
+        let pooled = |value: fn(&PoissonRatio) -> (f64, f64)| {
+            let (mean, error) = ratio.as_ref().map_or((f64::NAN, f64::NAN), value);
+            Estimate { mean, error }
+        };
+        let [pooled_synchronisation, pooled_partial_synchronisation] = leading(&series.synchronisation)?;
+        Ok(Self {
+            r0: runs.first().map_or(f64::NAN, |run| run.r0),
+            kappa: runs.first().map_or(f64::NAN, |run| run.kappa),
+            runs: runs.len(),
+            collision_rate: of(|run| run.collision_rate),
+            checkerboard_deviation: of(|run| run.checkerboard_deviation),
+            checkerboard_fraction: of(|run| run.checkerboard_fraction),
+            largest_spread: of(|run| run.largest_spread),
+            largest_spread_time: of(|run| run.largest_spread_time),
+            poisson_ratio: pooled(|ratio| (ratio.total, ratio.total_error)),
+            poisson_ratio_ordinary: pooled(|ratio| (ratio.ordinary, ratio.ordinary_error)),
+            r_squared: pooled(|ratio| (ratio.r_squared, f64::NAN)),
+            synchronisation: of(|run| run.synchronisation),
+            partial_synchronisation: of(|run| run.partial_synchronisation),
+            pooled_synchronisation,
+            pooled_partial_synchronisation,
+            energy_error: runs.iter().map(|run| run.energy_error).fold(0.0, f64::max),
+        })
+    }
+}
+
+/// Columns of the table of conditions that are estimates.
+type EstimateColumn = (&'static str, fn(&ConditionRow) -> Estimate);
+
+const ESTIMATES: [EstimateColumn; 10] = [
+    ("collision_rate", |row| row.collision_rate),
+    ("checkerboard_deviation", |row| row.checkerboard_deviation),
+    ("checkerboard_fraction", |row| row.checkerboard_fraction),
+    ("largest_spread", |row| row.largest_spread),
+    ("largest_spread_time", |row| row.largest_spread_time),
+    ("poisson_ratio", |row| row.poisson_ratio),
+    ("poisson_ratio_ordinary", |row| row.poisson_ratio_ordinary),
+    ("r_squared", |row| row.r_squared),
+    ("synchronisation", |row| row.synchronisation),
+    ("partial_synchronisation", |row| row.partial_synchronisation),
+];
+
+/// One row per r0 and κ; every estimate with its standard error, NaN where there is none.
+///
+/// # Errors
+/// Never for rows of this module; the table checks its own shape.
+pub fn conditions_to_csv(rows: &[ConditionRow]) -> Result<String> {
+    let head = ["r0", "kappa", "runs"].map(str::to_owned).into_iter();
+    let estimates = ESTIMATES.iter().flat_map(|(name, _)| [(*name).to_owned(), format!("{name}_error")]);
+    let tail = ["pooled_synchronisation", "pooled_partial_synchronisation", "energy_error"].map(str::to_owned);
+    let mut table = Table::new(head.chain(estimates).chain(tail));
+    for row in rows {
+        let mut cells: Vec<Cell> = vec![row.r0.into(), row.kappa.into(), row.runs.into()];
+        for (_, estimate) in ESTIMATES {
+            let Estimate { mean, error } = estimate(row);
+            cells.extend([Cell::from(mean), error.into()]);
+        }
+        let pooled = [row.pooled_synchronisation, row.pooled_partial_synchronisation, row.energy_error];
+        cells.extend(pooled.map(Cell::from));
+        table.push(cells)?;
+    }
+    Ok(table.to_csv())
+}
+
+/// Columns of the table of runs.
+type RunColumn = (&'static str, fn(&RunRow) -> f64);
+
+const OF_RUNS: [RunColumn; 11] = [
+    ("collision_rate", |row| row.collision_rate),
+    ("energy_error", |row| row.energy_error),
+    ("checkerboard_deviation", |row| row.checkerboard_deviation),
+    ("checkerboard_fraction", |row| row.checkerboard_fraction),
+    ("largest_spread", |row| row.largest_spread),
+    ("largest_spread_time", |row| row.largest_spread_time),
+    ("poisson_ratio", |row| row.poisson_ratio),
+    ("poisson_ratio_ordinary", |row| row.poisson_ratio_ordinary),
+    ("r_squared", |row| row.r_squared),
+    ("synchronisation", |row| row.synchronisation),
+    ("partial_synchronisation", |row| row.partial_synchronisation),
+];
+
+/// One row per run.
+///
+/// # Errors
+/// Never for rows of this module; the table checks its own shape.
+pub fn runs_to_csv(rows: &[RunRow]) -> Result<String> {
+    let mut table = Table::new(["r0", "kappa", "seed"].into_iter().chain(OF_RUNS.iter().map(|(name, _)| *name)));
+    for row in rows {
+        let mut cells: Vec<Cell> = vec![row.r0.into(), row.kappa.into(), Cell::Integer(row.seed as i64)];
+        cells.extend(OF_RUNS.iter().map(|(_, value)| Cell::from(value(row))));
+        table.push(cells)?;
+    }
+    Ok(table.to_csv())
+}

@@ -1,0 +1,206 @@
+//! `trajectory.gsd`: squares as polygons, the ends of the rods as dots on their corners, the rods as bonds between these.
+//!
+//! Particles 0 to n-1 are the squares; particles n + 2k and n + 2k + 1 are the two ends of rod k.
+
+use anyhow::{Result, bail};
+use protomer_crystal::lattice::{Corner, Network, State};
+use protomer_io::gsd::{Chunk, ChunkData, GsdFile, GsdWriter};
+use serde_json::json;
+use std::f64::consts::FRAC_PI_4;
+use std::path::Path;
+
+/// HOOMD's schema, which OVITO reads.
+const APPLICATION: &str = concat!("protomer ", env!("CARGO_PKG_VERSION"));
+const SCHEMA: &str = "hoomd";
+const SCHEMA_VERSION: (u16, u16) = (1, 4);
+/// Of the dots on the corners.
+const DOT_DIAMETER: f64 = 0.04;
+
+/// A trajectory that is being written.
+#[derive(Debug)]
+pub struct Trajectory {
+    writer: GsdWriter,
+    header: Vec<Chunk>,
+}
+
+impl Trajectory {
+    /// Opens the trajectory and cuts it to its first `frames` frames (zero starts a new one).
+    ///
+    /// # Errors
+    /// If the file cannot be written, or holds fewer frames than the checkpoint says.
+    pub fn open(path: &Path, network: &Network, frames: u64) -> Result<Self> {
+        let header = header(network);
+        if frames == 0 {
+            return Ok(Self { writer: GsdWriter::create(path, APPLICATION, SCHEMA, SCHEMA_VERSION)?, header });
+        }
+        let mut old = GsdFile::open(path)?;
+        if old.frames() < frames {
+            bail!(
+                "{} holds {} frames where the checkpoint has written {frames}; restore it, or start anew with --force",
+                path.display(),
+                old.frames()
+            );
+        }
+        let partial = path.with_extension("gsd.partial");
+        let mut writer = GsdWriter::create(&partial, APPLICATION, SCHEMA, SCHEMA_VERSION)?;
+        for frame in 0..frames {
+            writer.append_frame(&old.frame(frame)?)?;
+        }
+        writer.sync()?;
+        std::fs::rename(&partial, path)?;
+        Ok(Self { writer, header })
+    }
+
+    /// Appends a state.
+    ///
+    /// # Errors
+    /// If the disk does not take it.
+    pub fn append(&mut self, step: u64, network: &Network, state: &State, energy: f64) -> Result<()> {
+        let mut chunks = frame(step, network, state, energy);
+        if self.writer.frames() == 0 {
+            chunks.extend(self.header.iter().cloned());
+        }
+        Ok(self.writer.append_frame(&chunks)?)
+    }
+
+    /// Forces everything onto the disk and returns the number of frames.
+    ///
+    /// # Errors
+    /// If the disk does not take it.
+    pub fn sync(&mut self) -> Result<u64> {
+        self.writer.sync()?;
+        Ok(self.writer.frames())
+    }
+}
+
+/// Where a corner of a square is, from its x, y, θ.
+pub fn corner_position(network: &Network, positions: &[f64], corner: Corner) -> [f64; 2] {
+    let s = &positions[3 * corner.square..3 * corner.square + 3];
+    let (sine, cosine) = (s[2] + corner_angle(corner.vertex)).sin_cos();
+    let half_diagonal = network.squares[corner.square].half_diagonal;
+    [s[0] + half_diagonal * cosine, s[1] + half_diagonal * sine]
+}
+
+/// Of vertex 1 to 4 from θ, radians.
+fn corner_angle(vertex: u8) -> f64 {
+    match vertex {
+        1 => 3.0 * FRAC_PI_4,
+        2 => FRAC_PI_4,
+        3 => 5.0 * FRAC_PI_4,
+        _ => -FRAC_PI_4,
+    }
+}
+
+fn chunk(name: &str, columns: u32, data: ChunkData) -> Chunk {
+    Chunk { name: name.to_owned(), columns, data }
+}
+
+/// The sizes of squares, from the first to appear on, and for each square the index of its size.
+fn sizes(network: &Network) -> (Vec<f64>, Vec<u32>) {
+    let mut sizes: Vec<f64> = Vec::new();
+    let kinds = network.squares.iter().map(|square| {
+        let known = sizes.iter().position(|size| *size == square.half_diagonal);
+        known.unwrap_or_else(|| {
+            sizes.push(square.half_diagonal);
+            sizes.len() - 1
+        }) as u32
+    });
+    let kinds = kinds.collect();
+    (sizes, kinds)
+}
+
+/// What is the same in every frame.
+fn header(network: &Network) -> Vec<Chunk> {
+    let (sizes, mut kinds) = sizes(network);
+    let polygon = |size: &f64| {
+        // Counter-clockwise, as readers want it.
+        let vertices = [2, 1, 3, 4].map(|vertex: u8| {
+            let (sine, cosine) = corner_angle(vertex).sin_cos();
+            [(size * cosine) as f32, (size * sine) as f32]
+        });
+        json!({ "type": "Polygon", "rounding_radius": 0.0, "vertices": vertices }).to_string()
+    };
+    let names: Vec<String> = (0..sizes.len()).map(|kind| format!("square{}", kind + 1)).collect();
+    let shapes: Vec<String> = sizes.iter().map(polygon).collect();
+    let dot = json!({ "type": "Sphere", "diameter": DOT_DIAMETER }).to_string();
+    kinds.extend(vec![sizes.len() as u32; 2 * network.rods.len()]);
+    let squares = network.squares.len() as u32;
+    let ends = (0..2 * network.rods.len() as u32).map(|end| squares + end).collect();
+    let masses = network.squares.iter().map(|square| square.mass as f32);
+    vec![
+        chunk("configuration/dimensions", 1, ChunkData::U8(vec![2])),
+        text_chunk("particles/types", &[names, vec!["rod_end".into()]].concat()),
+        text_chunk("particles/type_shapes", &[shapes, vec![dot]].concat()),
+        chunk("particles/typeid", 1, ChunkData::U32(kinds)),
+        chunk(
+            "particles/mass",
+            1,
+            ChunkData::F32(masses.chain(std::iter::repeat_n(1e-6, 2 * network.rods.len())).collect()),
+        ),
+        text_chunk("bonds/types", &["rod".into()]),
+        chunk("bonds/N", 1, ChunkData::U32(vec![network.rods.len() as u32])),
+        chunk("bonds/typeid", 1, ChunkData::U32(vec![0; network.rods.len()])),
+        chunk("bonds/group", 2, ChunkData::U32(ends)),
+    ]
+}
+
+/// What changes from frame to frame.
+fn frame(step: u64, network: &Network, state: &State, energy: f64) -> Vec<Chunk> {
+    let mut places: Vec<[f64; 2]> = state.positions.chunks_exact(3).map(|s| [s[0], s[1]]).collect();
+    let mut angles: Vec<f64> = state.positions.chunks_exact(3).map(|s| s[2]).collect();
+    for corner in network.rods.iter().flat_map(|rod| [rod.from, rod.to]) {
+        places.push(corner_position(network, &state.positions, corner));
+        angles.push(0.0);
+    }
+    let largest = network.squares.iter().map(|square| square.half_diagonal).fold(0.0, f64::max);
+    let lengths = network.cell.unwrap_or_else(|| {
+        [0, 1].map(|axis| 2.0 * (places.iter().map(|place| place[axis].abs()).fold(0.0, f64::max) + largest))
+    });
+    // Readers want particles inside the box.
+    let inside = |x: f64, length: f64| if network.cell.is_some() { x - length * (x / length).round() } else { x };
+    let positions =
+        places.iter().flat_map(|[x, y]| [inside(*x, lengths[0]) as f32, inside(*y, lengths[1]) as f32, 0.0]);
+    let orientations = angles.iter().flat_map(|angle| {
+        let (sine, cosine) = (0.5 * angle).sin_cos();
+        [cosine as f32, 0.0, 0.0, sine as f32]
+    });
+    vec![
+        chunk("configuration/step", 1, ChunkData::U64(vec![step])),
+        chunk("configuration/box", 1, ChunkData::F32(vec![lengths[0] as f32, lengths[1] as f32, 0.0, 0.0, 0.0, 0.0])),
+        chunk("particles/N", 1, ChunkData::U32(vec![places.len() as u32])),
+        chunk("particles/position", 3, ChunkData::F32(positions.collect())),
+        chunk("particles/orientation", 4, ChunkData::F32(orientations.collect())),
+        chunk("log/time", 1, ChunkData::F64(vec![state.time])),
+        chunk("log/energy", 1, ChunkData::F64(vec![energy])),
+        chunk("log/positions", 3, ChunkData::F64(state.positions.clone())),
+    ]
+}
+
+/// Strings as rows of equal length, each ended by a zero.
+fn text_chunk(name: &str, rows: &[String]) -> Chunk {
+    let columns = rows.iter().map(String::len).max().unwrap_or(0) + 1;
+    let mut data = Vec::with_capacity(columns * rows.len());
+    for row in rows {
+        data.extend(row.bytes().map(|byte| byte as i8));
+        data.resize(data.len() + columns - row.len(), 0);
+    }
+    chunk(name, columns as u32, ChunkData::I8(data))
+}
+
+/// The states of a trajectory: time, and x, y, θ of square after square.
+///
+/// # Errors
+/// If the file cannot be read, or is no trajectory of a lattice.
+pub fn read_states(path: &Path) -> Result<Vec<(f64, Vec<f64>)>> {
+    let mut file = GsdFile::open(path)?;
+    (0..file.frames())
+        .map(|frame| {
+            let mut numbers = |name: &str| match file.chunk(frame, name)? {
+                Some(Chunk { data: ChunkData::F64(values), .. }) => Ok(values),
+                _ => bail!("{}: frame {frame} has no {name}; is it the trajectory of a lattice?", path.display()),
+            };
+            let time = numbers("log/time")?.first().copied().unwrap_or(f64::NAN);
+            Ok((time, numbers("log/positions")?))
+        })
+        .collect()
+}
