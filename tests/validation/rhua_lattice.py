@@ -14,7 +14,7 @@ import numpy as np
 
 FOLDER = Path(sys.argv[1])
 # The same tables give the same bytes.
-plt.rcParams.update({"svg.hashsalt": "rhua", "font.size": 9, "axes.spines.top": False, "axes.spines.right": False})
+plt.rcParams.update({"svg.hashsalt": "rhua", "svg.fonttype": "none", "font.size": 9, "axes.spines.top": False, "axes.spines.right": False})
 
 
 def table(name):
@@ -79,13 +79,13 @@ def synchronisation():
     figure, axes = plt.subplots(1, 4, figsize=(9, 2.7), sharey=True)
     for name, axis in zip(names, axes):
         matrix = np.loadtxt(FOLDER / f"synchronisation_{name}.csv", delimiter=",") / 1000
-        shown = axis.imshow(np.sqrt(matrix), vmin=0, vmax=1, cmap="magma", rasterized=True)
+        shown = axis.imshow(np.sqrt(matrix), vmin=0, vmax=1, cmap="magma", interpolation="none")
         axis.set_title("$r_0/l$ = " + (label(3 / 22) if name == "0.14" else f"{float(name):g}"), fontsize=8)
         axis.set_xticks([])
         axis.set_yticks([])
     bar = figure.colorbar(shown, ax=axes, fraction=0.02, ticks=np.sqrt([0, 0.1, 0.3, 0.6, 1]))
     bar.ax.set_yticklabels(["0", "0.1", "0.3", "0.6", "1"])
-    figure.savefig(FOLDER / "synchronisation-matrices.svg", metadata={"Date": None}, bbox_inches="tight", dpi=150)
+    figure.savefig(FOLDER / "synchronisation-matrices.svg", metadata={"Date": None}, bbox_inches="tight")
     plt.close(figure)
 
 
@@ -153,7 +153,8 @@ def energies():
             axes[1].plot(papers["time"], papers["relative_energy"], color=colour, lw=1)
     axes[0].set(xlabel="time", ylabel="$10^3\\,(E/E_0 - 1)$", title="steps of min($r_0$/50, 0.005)")
     axes[1].set(xlabel="time", ylabel="$E/E_0$", title="steps of 0.01")
-    axes[0].legend(title="$r_0/l$", fontsize=7, ncols=2)
+    axes[0].set_ylim(0, 7)
+    axes[0].legend(title="$r_0/l$", fontsize=7, ncols=4, loc="upper center")
     save(figure, "energies")
 
 

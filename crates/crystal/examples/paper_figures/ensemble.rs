@@ -91,14 +91,14 @@ pub fn record(network: &Arc<Network>, replica: usize, frames: usize, step: f64) 
 
 /// Leading eigenvalues of |R| and |P|, of staggered angles and of angles as they are, and the mean |R| and |P| of
 /// neighbours and of all others.
-pub fn coherence(network: &Network, records: &[&Record]) -> Result<[[f64; 6]; 2], Failure> {
+pub fn coherence(network: &Network, records: &[&Record], ridge: f64) -> Result<[[f64; 6]; 2], Failure> {
     let mut result = [[f64::NAN; 6]; 2];
     for (which, result) in result.iter_mut().enumerate() {
         let mut whole = Synchronisation::new(network.squares.len());
         for record in records {
             whole.merge(&record.synchronisation[which])?;
         }
-        for (at, matrix) in [whole.index()?, whole.partial(RIDGE)?].iter().enumerate() {
+        for (at, matrix) in [whole.index()?, whole.partial(ridge)?].iter().enumerate() {
             let magnitudes = matrix.map(|x| (x * x.conj()).re.sqrt().into());
             result[at] = eigenvalues(&magnitudes).first().copied().unwrap_or(f64::NAN);
             let (mut near, mut far) = ([0.0, 0.0], [0.0, 0.0]);
@@ -118,14 +118,15 @@ pub fn coherence(network: &Network, records: &[&Record]) -> Result<[[f64; 6]; 2]
     Ok(result)
 }
 
-/// As [`coherence`], with jackknife errors over trajectories.
+/// As [`coherence`], with jackknife errors over trajectories; then |R| and |P| from half of the trajectories, and with a
+/// larger ridge.
 pub fn coherence_with_errors(network: &Network, records: &[Record]) -> Result<Vec<f64>, Failure> {
     let all: Vec<&Record> = records.iter().collect();
-    let value = coherence(network, &all)?;
+    let value = coherence(network, &all, RIDGE)?;
     let without = (0..records.len())
         .map(|left| {
             let others: Vec<&Record> = records.iter().enumerate().filter(|(k, _)| *k != left).map(|(_, r)| r).collect();
-            coherence(network, &others)
+            coherence(network, &others, RIDGE)
         })
         .collect::<Result<Vec<_>, _>>()?;
     let count = records.len() as f64;
@@ -135,6 +136,12 @@ pub fn coherence_with_errors(network: &Network, records: &[Record]) -> Result<Ve
             let numbers: Vec<f64> = without.iter().map(|others| others[which][at]).collect();
             row.extend([*value, common::deviation(&numbers) * (count - 1.0).sqrt()]);
         }
+    }
+    // What less data, and another ridge, would say.
+    let half = coherence(network, &all[..all.len().div_ceil(2)], RIDGE)?;
+    let ridged = coherence(network, &all, 1e-6)?;
+    for other in [half, ridged] {
+        row.extend([other[0][0], other[0][1], other[0][4], other[0][5]]);
     }
     Ok(row)
 }
@@ -162,7 +169,8 @@ pub fn write_matrices(settings: &Settings, name: &str, network: &Network, record
 pub const COHERENCE_HEAD: &str = "R_eigenvalue,R_eigenvalue_error,P_eigenvalue,P_eigenvalue_error,R_near,R_near_error,\
     R_far,R_far_error,P_near,P_near_error,P_far,P_far_error,plain_R_eigenvalue,plain_R_eigenvalue_error,\
     plain_P_eigenvalue,plain_P_eigenvalue_error,plain_R_near,plain_R_near_error,plain_R_far,plain_R_far_error,\
-    plain_P_near,plain_P_near_error,plain_P_far,plain_P_far_error";
+    plain_P_near,plain_P_near_error,plain_P_far,plain_P_far_error,half_R_eigenvalue,half_P_eigenvalue,half_P_near,\
+    half_P_far,ridge_R_eigenvalue,ridge_P_eigenvalue,ridge_P_near,ridge_P_far";
 
 /// ν and r² of all trajectories of a set together, with errors over trajectories, and of single ones.
 pub fn strain_row(records: &[Record]) -> Result<Vec<f64>, Failure> {
