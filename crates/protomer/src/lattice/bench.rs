@@ -6,7 +6,7 @@
 //! lattice is.
 
 use super::mover::Mover;
-use super::settings::{LatticeSettings, Start, Velocities};
+use super::settings::{LatticeSettings, Start, TimeStep, Velocities};
 use super::start::{begin, time_step};
 use crate::cpu_time::thread_seconds;
 use anyhow::{Result, bail};
@@ -50,6 +50,8 @@ const START_ANGLE_RAD: f64 = 0.4;
 
 /// How often a bench looks.
 const LOOKS: u64 = 100;
+/// The longest automatic step: that of the replays, at which the energy keeps to some 1e-5.
+const LONGEST_AUTOMATIC_STEP: f64 = 1e-3;
 
 /// Makes the steps and measures them.
 ///
@@ -63,7 +65,10 @@ pub fn bench(settings: &LatticeSettings, steps: u64) -> Result<LatticeBench> {
     let start_angle = Start::Angle(START_ANGLE_RAD);
     let settings = LatticeSettings { velocities: Velocities::Random, start: start_angle, ..settings.clone() };
     let begun = begin(&settings)?;
-    let time_step = time_step(&settings, &begun)?;
+    let time_step = match (settings.time_step, time_step(&settings, &begun)?) {
+        (TimeStep::Fixed(step), _) => step,
+        (TimeStep::Named(_), step) => step.min(LONGEST_AUTOMATIC_STEP),
+    };
     let mut state = begun.state.clone();
     let mut mover = Mover::new(&settings, Arc::new(begun.network), &state)?;
     let first_energy = mover.energy(&state);
