@@ -85,7 +85,7 @@ pub fn record(network: &Arc<Network>, replica: usize, frames: usize, step: f64) 
     let statistics = run.engine.statistics();
     record.impacts = [statistics.impacts, statistics.rod_contacts];
     record.capped = statistics.capped_steps;
-    record.exactness = [statistics.largest_rod_violation, statistics.smallest_gap];
+    record.exactness = [statistics.largest_rod_violation, statistics.smallest_gap.unwrap_or(f64::NAN)];
     Ok(record)
 }
 
