@@ -94,10 +94,7 @@ pub trait EnergyModel: Send {
 }
 
 /// What `energy` says of every pair of a system.
-fn all_pairs<T: Copy>(
-    system: &System,
-    mut energy: impl FnMut(&Pair<'_>) -> Result<Option<T>>,
-) -> Result<PairTable<T>> {
+fn all_pairs<T: Copy>(system: &System, mut energy: impl FnMut(&Pair<'_>) -> Result<Option<T>>) -> Result<PairTable<T>> {
     let mut energies = PairTable::new(system.len());
     for first in 0..system.len() {
         for second in first + 1..system.len() {

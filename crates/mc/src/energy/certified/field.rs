@@ -56,7 +56,15 @@ impl SmoothField {
         let corner: [f64; 3] = std::array::from_fn(|axis| -0.5 * edge * counts[axis] as f64);
         let mut field = Self { edge, corner, counts, cubes: Vec::new(), coefficients: Vec::new(), errors: Vec::new() };
         let fit = Fit::new();
-        let samples = Samples::new(leaves, split, corner, edge, counts.map(|count| count * (SAMPLES - 1) + 1), reach + edge, false);
+        let samples = Samples::new(
+            leaves,
+            split,
+            corner,
+            edge,
+            counts.map(|count| count * (SAMPLES - 1) + 1),
+            reach + edge,
+            false,
+        );
         let mut places = Vec::new();
         for index in 0..counts.iter().product() {
             let place = [index % counts[0], index / counts[0] % counts[1], index / counts[0] / counts[1]];
@@ -76,18 +84,14 @@ impl SmoothField {
             let corners: Vec<[usize; 3]> = batch.iter().map(|(_, place)| place.map(|n| n * (SAMPLES - 1))).collect();
             fit.batch(&corners, &samples, &mut field);
         }
-        if std::env::var_os("COUNTS").is_some() {
-            let mut e: Vec<f32> = field.errors.clone();
-            e.sort_by(f32::total_cmp);
-            println!("{} cubes, quantiles {:?}, divide {}", e.len(), [1, 3, 5, 6, 7, 8, 9].map(|k| e[e.len() * k / 10]), e.iter().filter(|e| f64::from(**e) > SAFETY * DIVIDE_ABOVE).count());
-        }
         for (cube, (index, place)) in places.iter().enumerate() {
             if f64::from(field.errors[cube]) > SAFETY * DIVIDE_ABOVE {
                 field.cubes[*index] = field.errors.len() as u32 | DIVIDED;
                 let low: [f64; 3] = std::array::from_fn(|axis| corner[axis] + place[axis] as f64 * edge);
-                let samples = Samples::new(leaves, split, low, 0.5 * edge, [2 * SAMPLES - 1; 3], f64::INFINITY, true);
-                let corners: Vec<[usize; 3]> =
-                    (0..8).map(|octant| [octant & 1, octant >> 1 & 1, octant >> 2].map(|n| n * (SAMPLES - 1))).collect();
+                let samples = Samples::new(leaves, split, low, 0.5 * edge, [2 * SAMPLES - 1; 3], f64::INFINITY, false);
+                let corners: Vec<[usize; 3]> = (0..8)
+                    .map(|octant| [octant & 1, octant >> 1 & 1, octant >> 2].map(|n| n * (SAMPLES - 1)))
+                    .collect();
                 fit.batch(&corners, &samples, &mut field);
             }
         }
@@ -195,7 +199,15 @@ struct Samples {
 
 impl Samples {
     /// Samples from `corner` on, [`SAMPLES`] to an edge; those farther than `reach` from the charges' box are left zero.
-    fn new(leaves: &Leaves, split: &Split, corner: [f64; 3], edge: f64, counts: [usize; 3], reach: f64, fine: bool) -> Self {
+    fn new(
+        leaves: &Leaves,
+        split: &Split,
+        corner: [f64; 3],
+        edge: f64,
+        counts: [usize; 3],
+        reach: f64,
+        fine: bool,
+    ) -> Self {
         let spacing = edge / (SAMPLES - 1) as f64;
         let mut values = vec![0.0; counts.iter().product()];
         let at = |axis: usize, index: usize| corner[axis] + index as f64 * spacing;
@@ -372,7 +384,9 @@ impl Fit {
             // Rounding of each coefficient, of the monomial and of the sum.
             let size: f64 = coefficients.iter().map(|c| c[lane].abs()).sum();
             let rounding = 6.0 * 0.5 * f64::from(f32::EPSILON) * size;
-            field.coefficients.push(Coefficients(std::array::from_fn(|i| coefficients.get(i).map_or(0.0, |c| c[lane] as f32))));
+            field
+                .coefficients
+                .push(Coefficients(std::array::from_fn(|i| coefficients.get(i).map_or(0.0, |c| c[lane] as f32))));
             field.errors.push((SAFETY * residuals[lane] + rounding) as f32 * 1.0001);
         }
     }

@@ -35,8 +35,7 @@ impl Leaves {
         let Some((low, high)) = extents(&places) else { return Self::default() };
         let middle = 0.5 * (low + high);
         places.iter_mut().for_each(|place| place.0 -= middle);
-        let mut leaves =
-            Self { middle: middle.into(), half_extents: (0.5 * (high - low)).into(), ..Self::default() };
+        let mut leaves = Self { middle: middle.into(), half_extents: (0.5 * (high - low)).into(), ..Self::default() };
         leaves.split(&mut places, largest_radius);
         leaves
     }

@@ -77,8 +77,9 @@ impl CertifiedSum {
     }
 
     /// The same tables without the certainty: each pair's energy to within `tolerance_kt`.
-    pub fn with_tolerance(self, tolerance_kt: f64) -> Self {
-        Self { tolerance_kt: Some(tolerance_kt), ..self }
+    pub fn with_tolerance(mut self, tolerance_kt: f64) -> Self {
+        self.tolerance_kt = Some(tolerance_kt);
+        self
     }
 
     /// The tables, one per body type.
@@ -271,16 +272,5 @@ impl EnergyModel for CertifiedSum {
     fn pairs(&self) -> Vec<PairEnergy> {
         let pairs = self.energies.pairs();
         pairs.map(|(first, second, known)| PairEnergy { first, second, energy_kt: known.reported_kt }).collect()
-    }
-}
-
-impl Drop for CertifiedSum {
-    fn drop(&mut self) {
-        #[allow(clippy::print_stderr)]
-        if std::env::var_os("COUNTS").is_some() {
-            eprintln!("{:?}", self.counts);
-            let e: Vec<f64> = self.energies.pairs().map(|p| p.2.energy.error_kt).collect();
-            eprintln!("mean error {} max {}", e.iter().sum::<f64>() / e.len() as f64, e.iter().fold(0.0, |a: f64, b| a.max(*b)));
-        }
     }
 }

@@ -45,10 +45,8 @@ impl NearKernel {
                 let (dx, dy, dz) = (d[0] as f32, d[1] as f32, d[2] as f32);
                 let (base, charge) = (to_centre as f32, sources.charge[leaf][lane]);
                 for i in 0..LEAF {
-                    let t = minus_two[0][i].mul_add(
-                        dx,
-                        minus_two[1][i].mul_add(dy, minus_two[2][i].mul_add(dz, target.square[i] + base)),
-                    );
+                    let t = minus_two[0][i]
+                        .mul_add(dx, minus_two[1][i].mul_add(dy, minus_two[2][i].mul_add(dz, target.square[i] + base)));
                     let inverse = inverse_root(t);
                     let f = self.bjerrum * exp_of_minus(self.kappa * (t * inverse)) * inverse;
                     let mut g = self.near[NEAR_DEGREE];

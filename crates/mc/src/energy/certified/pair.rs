@@ -69,7 +69,8 @@ impl ChargeTable {
         let moments = (0..leaves.len())
             .map(|leaf| {
                 let [cx, cy, cz, _] = leaves.spheres[leaf];
-                let (x, y, z) = (leaves.x[leaf].map(|x| x - cx), leaves.y[leaf].map(|y| y - cy), leaves.z[leaf].map(|z| z - cz));
+                let (x, y, z) =
+                    (leaves.x[leaf].map(|x| x - cx), leaves.y[leaf].map(|y| y - cy), leaves.z[leaf].map(|z| z - cz));
                 moments([&x, &y, &z], &leaves.charge[leaf])
             })
             .collect();
@@ -82,7 +83,9 @@ impl ChargeTable {
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
         let leaf = 4 * 8 * LEAF + 4 * 8 + 8 + 14 * 8;
-        self.field.as_ref().map_or(0, SmoothField::memory_bytes) + self.sources.memory_bytes() + leaf * self.leaves.len()
+        self.field.as_ref().map_or(0, SmoothField::memory_bytes)
+            + self.sources.memory_bytes()
+            + leaf * self.leaves.len()
     }
 
     /// The energy of the body of this table and another whose pose in this one's frame is `relative`; `None` where the
@@ -221,7 +224,7 @@ fn turn_moments(m: &[f64; 14], r: &[[f64; 3]; 3]) -> [f64; 14] {
     let columns = [turn([m[4], m[7], m[8]]), turn([m[7], m[5], m[9]]), turn([m[8], m[9], m[6]])];
     let rows = [0, 1, 2].map(|i| turn([columns[0][i], columns[1][i], columns[2][i]]));
     [
-        m[0], d[0], d[1], d[2], rows[0][0], rows[1][1], rows[2][2], rows[0][1], rows[0][2], rows[1][2], o[0], o[1], o[2],
-        m[13],
+        m[0], d[0], d[1], d[2], rows[0][0], rows[1][1], rows[2][2], rows[0][1], rows[0][2], rows[1][2], o[0], o[1],
+        o[2], m[13],
     ]
 }

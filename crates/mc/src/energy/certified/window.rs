@@ -329,7 +329,9 @@ fn collect(
     let slope = f64::from(k1[0].abs()) + size(&k1[1..], 0) * reach;
     let polynomial = f64::from(k0[0].abs()) + size(&k0[1..4], 0) * reach + size(k0, 4) * reach * reach;
     let depth = square.max(1.0);
-    let polynomial = polynomial + slope * depth.min(far_inside(split, target)) + f64::from(k2.abs()) * far_inside(split, target).powi(2);
+    let polynomial = polynomial
+        + slope * depth.min(far_inside(split, target))
+        + f64::from(k2.abs()) * far_inside(split, target).powi(2);
     let error = target.magnitude * add(&magnitude) * term + add(&inside_magnitude) * polynomial * 30.0 * UNIT;
     Bounded { value: total, error }
 }
@@ -361,10 +363,8 @@ fn compare(sources: &Sources, target: &Target, split: &Split, lists: &Lists) -> 
             let (x, y, z, charge) =
                 (sources.x[leaf][lane], sources.y[leaf][lane], sources.z[leaf][lane], sources.charge[leaf][lane]);
             for i in 0..LEAF {
-                let t = minus_two[0][i].mul_add(
-                    x,
-                    minus_two[1][i].mul_add(y, minus_two[2][i].mul_add(z, target.shift[i] + t)),
-                );
+                let t = minus_two[0][i]
+                    .mul_add(x, minus_two[1][i].mul_add(y, minus_two[2][i].mul_add(z, target.shift[i] + t)));
                 let p = step[2].mul_add(t, step[1]).mul_add(t, step[0]);
                 sum[i] = if t < 0.0 { charge.mul_add(p, sum[i]) } else { sum[i] };
                 let magnitude = t.abs();
@@ -396,8 +396,7 @@ fn compare_exactly(sources: &Sources, target: &Target, split: &Split, indices: &
         let exact = &sources.exact[leaf];
         let charge = f64::from(sources.charge[leaf][lane]);
         for i in 0..LEAF {
-            let d: [f64; 3] =
-                std::array::from_fn(|a| target.centre[a] + target.exact_offset[a][i] - exact[a][lane]);
+            let d: [f64; 3] = std::array::from_fn(|a| target.centre[a] + target.exact_offset[a][i] - exact[a][lane]);
             let t = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - square;
             let term = target.charge[i] * charge * (c0 + t * (c1 + t * c2));
             if t.abs() < 1e-8 {
