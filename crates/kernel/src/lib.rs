@@ -10,6 +10,7 @@
 //! | [`potential`] | radial pair potentials |
 //! | [`cells`] | which bodies are near a point |
 //! | [`overlap`] | do two rigid bodies overlap, and if not, how far can they move before they might |
+//! | [`sparse`] | symmetric sparse systems of fixed pattern |
 //! | [`statistics`] | averages of correlated series and their errors |
 //!
 //! Lengths are in Å, energies in kT, charges in elementary charges, salt in mol/L.
@@ -22,6 +23,7 @@ pub mod overlap;
 pub mod pose;
 pub mod potential;
 pub mod random;
+pub mod sparse;
 pub mod statistics;
 pub mod units;
 

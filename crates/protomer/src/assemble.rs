@@ -6,9 +6,9 @@ use anyhow::{Context, Result, bail};
 use protomer_body::assembly::{self, Expansion, Recipe, expand_until_free};
 use protomer_body::{Body, BodySettings, Source, build_body_of_selection};
 use protomer_io::atomic::write_atomically;
-use protomer_kernel::Rotation;
 use protomer_kernel::overlap::{CollisionShape, overlaps};
 use protomer_kernel::pose::RelativePose;
+use protomer_kernel::{Boundary, Rotation};
 use serde::Serialize;
 use std::path::{Component, Path, PathBuf};
 
@@ -50,14 +50,28 @@ impl BodyFiles {
         self.pairs(placements).any(|pair| self.pair_overlaps(placements, pair))
     }
 
+    /// Whether a placed body overlaps the nearest image of any of the others.
+    pub fn overlaps_any(
+        &self,
+        placement: &assembly::Placement,
+        others: &[assembly::Placement],
+        boundary: &Boundary,
+    ) -> bool {
+        others.iter().any(|other| self.images_overlap(placement, other, boundary))
+    }
+
+    fn images_overlap(&self, first: &assembly::Placement, second: &assembly::Placement, boundary: &Boundary) -> bool {
+        let ((kind_a, pose_a), (kind_b, pose_b)) = (first, second);
+        let displacement = boundary.displacement(&pose_a.position, &pose_b.position);
+        overlaps(&self.shapes[*kind_a], &self.shapes[*kind_b], &RelativePose::new(pose_a, pose_b, &displacement))
+    }
+
     fn pairs(&self, placements: &[assembly::Placement]) -> impl Iterator<Item = (usize, usize)> {
         (0..placements.len()).flat_map(|second| (0..second).map(move |first| (first, second)))
     }
 
     fn pair_overlaps(&self, placements: &[assembly::Placement], (first, second): (usize, usize)) -> bool {
-        let ((kind_a, pose_a), (kind_b, pose_b)) = (placements[first], placements[second]);
-        let displacement = pose_b.position - pose_a.position;
-        overlaps(&self.shapes[kind_a], &self.shapes[kind_b], &RelativePose::new(&pose_a, &pose_b, &displacement))
+        self.images_overlap(&placements[first], &placements[second], &Boundary::Open)
     }
 
     /// Frames that turn each body's longest axis upright.

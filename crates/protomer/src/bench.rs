@@ -1,16 +1,32 @@
-//! How many trial moves per CPU-second an assembly allows, and what they decide.
+//! How many trial moves per CPU-second an assembly allows, and what they decide; and the same on states made here.
 //!
 //! Trial moves only: half translations, half rotations, of fixed small steps, from the assembly as it stands. Two energy
 //! modes that make the same decisions print the same hash.
+//!
+//! | module | one idea |
+//! |---|---|
+//! | `bodies` | barrels with bumps, and charges inside them |
+//! | `states` | sixteen bodies close to contact; many bodies spread through a box |
+//! | `measure` | moves from a state, timed, again and again |
+//! | `meter` | an energy model that watches another one: the parts of a move |
+//! | [`suite`] | the tables |
+
+pub(crate) mod bodies;
+mod measure;
+mod meter;
+mod states;
+pub mod suite;
 
 use crate::assembly_file::Assembly;
-use crate::cpu_time::thread_seconds;
+use crate::cpu_time::{Stopwatch, process_seconds};
+use crate::energy_tables::EnergyTables;
 use crate::interaction::Interaction;
 use crate::run::{EnergyMode, Engine, RunSettings};
 use anyhow::Result;
 use protomer_io::atomic::sha256_hex;
 use protomer_mc::{Settings, Simulation};
 use serde::Serialize;
+use std::sync::Arc;
 
 /// What is timed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,7 +66,7 @@ pub struct BenchResult {
     pub moves_per_cpu_second: f64,
     /// Accepted fraction.
     pub acceptance: f64,
-    /// Processor time before the first move, s.
+    /// Processor time before the first move, all threads together, s.
     pub setup_seconds: f64,
     /// Memory of the prepared bodies and of the energy model, bytes.
     pub memory_bytes: usize,
@@ -67,9 +83,14 @@ pub struct BenchResult {
 ///
 /// # Errors
 /// For a mesh that bounds no solid, an overlapping start, a box too small for the interaction, or an energy that is not finite.
-pub fn bench(assembly: Assembly, settings: &BenchSettings, interaction: Interaction) -> Result<BenchResult> {
-    let start = thread_seconds();
-    let engine = Engine::new(assembly)?;
+pub fn bench(
+    assembly: Assembly,
+    settings: &BenchSettings,
+    interaction: Interaction,
+    tables: Arc<EnergyTables>,
+) -> Result<BenchResult> {
+    let start = process_seconds();
+    let engine = Engine::new(assembly)?.with_tables(Arc::clone(&tables));
     let run = RunSettings { energy: settings.energy, ..RunSettings::default() };
     let system = engine.system()?;
     let bodies = system.len();
@@ -82,18 +103,18 @@ pub fn bench(assembly: Assembly, settings: &BenchSettings, interaction: Interact
         ..engine.settings(&run, &interaction)?
     };
     let mut simulation = Simulation::with_model(system, mc, model, settings.seed, 0)?;
-    let memory_bytes = shapes + simulation.energy_memory_bytes();
-    let begin = thread_seconds();
-    let mut decisions = Vec::with_capacity(settings.moves as usize);
-    simulation.trial_moves(settings.moves, &mut |accepted| decisions.push(u8::from(accepted)))?;
-    let seconds = thread_seconds() - begin;
+    let memory_bytes = shapes + simulation.energy_memory_bytes().max(tables.memory_bytes());
+    let setup_seconds = process_seconds() - start;
+    let mut watch = Stopwatch::default();
+    let mut decisions = Vec::new();
+    watch.time(|| simulation.trial_moves(settings.moves, &mut |accepted| decisions.push(u8::from(accepted))))?;
     let accepted = decisions.iter().filter(|decision| **decision == 1).count();
     Ok(BenchResult {
         energy: settings.energy,
         moves: settings.moves,
-        moves_per_cpu_second: settings.moves as f64 / seconds,
+        moves_per_cpu_second: settings.moves as f64 / watch.seconds(),
         acceptance: accepted as f64 / settings.moves as f64,
-        setup_seconds: begin - start,
+        setup_seconds,
         memory_bytes,
         decisions_sha256: sha256_hex(&decisions),
         bodies,

@@ -10,12 +10,15 @@
 //! | [`ingest`], [`own_body`], [`body_file`] | bodies from structures, bodies of one's own, bodies on the disk |
 //! | [`surface_of_file`] | the solvent-excluded surface alone |
 //! | [`assemble`], [`assembly_file`] | assemblies made and read |
+//! | [`fluid`] | bodies at random places in a box |
 //! | [`interaction`] | salt, temperature, permittivity to a Yukawa potential |
 //! | [`inspect`] | one state looked at |
 //! | [`run`] | one simulation in its directory |
 //! | [`sweep`], [`sweep_table`], [`sweep_figure`] | many simulations, one table, one figure |
 //! | [`compare`] | several sweeps in one figure |
 //! | [`mod@bench`], [`cpu_time`] | trial moves per CPU-second |
+//! | [`energy_tables`] | tables of certified energies, shared and bounded in memory |
+//! | [`disk_cache`] | what takes long to make, kept for the next run |
 //! | [`quantity`], [`keys`], [`interrupt`], [`plot`] | what several of them need |
 //! | `cli` | the command line, one file per verb (feature `cli`) |
 
@@ -27,7 +30,10 @@ pub mod body_file;
 pub mod cli;
 pub mod compare;
 pub mod cpu_time;
+pub mod disk_cache;
+pub mod energy_tables;
 pub mod fetch;
+pub mod fluid;
 pub mod ingest;
 pub mod input;
 pub mod inspect;

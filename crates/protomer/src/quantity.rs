@@ -29,6 +29,24 @@ pub fn length_angstrom(text: &str) -> Result<f64> {
     parse(text, "a length", &UNITS, "48A or 4.8nm")
 }
 
+/// A number of bytes from `500MB` or `2GB`, in powers of 1000, or a bare number.
+///
+/// # Errors
+/// Says what was typed and which forms are understood.
+///
+/// ```
+/// assert_eq!(protomer::quantity::memory_bytes("1.5GB")?, 1_500_000_000);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+pub fn memory_bytes(text: &str) -> Result<u64> {
+    const UNITS: [(&str, i32); 5] = [("TB", 12), ("GB", 9), ("MB", 6), ("kB", 3), ("", 0)];
+    let bytes = parse(text, "an amount of memory", &UNITS, "500MB or 2GB")?;
+    if !(0.0..1e18).contains(&bytes) {
+        bail!("the amount of memory '{text}' makes no sense; give zero or more, such as 2GB");
+    }
+    Ok(bytes.round() as u64)
+}
+
 /// Salt concentrations in mol/L from a comma-separated list of values and ranges. A range `10mM..300mM/8` is eight
 /// values spaced evenly on a logarithmic axis; `0..100mM/5` (from zero) is spaced evenly on a linear one.
 ///

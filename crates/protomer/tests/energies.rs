@@ -7,6 +7,20 @@ mod common;
 use common::{CHARGES, Workplace, is_ok};
 use std::path::Path;
 
+#[test]
+fn certified_energies_hold_the_sum() {
+    let place = Workplace::new();
+    let inspect = |energy: &str| -> f64 {
+        let output = place.run(&format!("inspect ring.json --debye 3A --cutoff 15A --json --energy {energy}"));
+        is_ok(&output);
+        let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        found["energy_kT"].as_f64().unwrap()
+    };
+    let (direct, certified) = (inspect("direct"), inspect("certified"));
+    assert!(direct.abs() > 1e-3 && (certified - direct).abs() < 0.05, "{direct} {certified}");
+    assert_eq!(inspect("none"), 0.0);
+}
+
 fn inspect(place: &Workplace, assembly: &str) -> serde_json::Value {
     let output = place.run(&format!("inspect {assembly} --bjerrum 7.0A --debye 9.6A --cutoff 48A --json"));
     is_ok(&output);

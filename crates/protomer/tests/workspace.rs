@@ -40,7 +40,8 @@ fn arrows_point_the_way_the_architecture_says() {
         ("protomer-io", &["protomer-kernel"]),
         ("protomer-body", &["protomer-io", "protomer-kernel"]),
         ("protomer-mc", &["protomer-body", "protomer-kernel"]),
-        ("protomer", &["protomer-body", "protomer-io", "protomer-kernel", "protomer-mc"]),
+        ("protomer-crystal", &["protomer-kernel"]),
+        ("protomer", &["protomer-body", "protomer-crystal", "protomer-io", "protomer-kernel", "protomer-mc"]),
     ]);
     for (name, needs) in dependencies(&metadata()) {
         let allowed = allowed.get(name.as_str()).unwrap_or_else(|| panic!("{name} has no place in the architecture"));

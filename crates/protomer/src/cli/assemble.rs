@@ -1,14 +1,15 @@
-//! `protomer assemble`: assemblies from a structure's own copies, or from a ring or stack recipe.
+//! `protomer assemble`: assemblies from a structure's own copies, from a ring or stack recipe, or as a fluid.
 
 use super::ingest::{ChargeArgs, SelectionArgs, SurfaceFlags, body_settings};
 use super::{Global, Outcome, output};
 use crate::assemble::{BodyFiles, StructureAssembly, StructureSettings, assemble_structure, write_assembly};
+use crate::fluid::fluid;
 use anyhow::{Result, bail};
 use clap::{Args, Subcommand};
 use protomer_body::assembly::{Recipe, RecipeSite};
 use std::path::PathBuf;
 
-/// Put bodies together: from a structure's own copies, or as a ring or a stack of two rings.
+/// Put bodies together: from a structure's own copies, as a ring or a stack of two rings, or at random.
 #[derive(Debug, Args)]
 pub struct AssembleArgs {
     #[command(subcommand)]
@@ -19,6 +20,7 @@ pub struct AssembleArgs {
 enum From {
     Structure(Box<StructureArgs>),
     Ring(RingArgs),
+    Fluid(FluidArgs),
 }
 
 /// Take a structure apart: identical chains become one body, each copy a pose.
@@ -73,6 +75,25 @@ pub struct RingArgs {
     output: PathBuf,
 }
 
+/// Bodies at random places and in random orientations in a periodic box, none overlapping another.
+#[derive(Debug, Args)]
+pub struct FluidArgs {
+    /// Body files.
+    #[arg(required = true)]
+    bodies: Vec<PathBuf>,
+    /// How many of each body, in the order of the files, such as 8,8.
+    #[arg(long, required = true, value_delimiter = ',')]
+    counts: Vec<usize>,
+    /// Seed of the random numbers.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    #[command(flatten)]
+    space: SpaceArgs,
+    /// Assembly file to write.
+    #[arg(short, long)]
+    output: PathBuf,
+}
+
 /// The space around the assembly.
 #[derive(Debug, Clone, Args)]
 pub struct SpaceArgs {
@@ -102,6 +123,7 @@ impl AssembleArgs {
         match &self.from {
             From::Structure(args) => args.run(global),
             From::Ring(args) => args.run(global),
+            From::Fluid(args) => args.run(global),
         }
     }
 }
@@ -206,6 +228,34 @@ impl RingArgs {
         }
         let site = |body: usize| RecipeSite { body, up: up[body], tilt_radian: tilt[body], spin_radian: spin[body] };
         Ok((0..count).map(site).collect())
+    }
+}
+
+impl FluidArgs {
+    fn run(&self, global: &Global) -> Result<Outcome> {
+        let Some(box_angstrom) = self.space.box_angstrom()? else {
+            bail!("a fluid needs a periodic box; state its edge with --box, such as --box 500");
+        };
+        let files = BodyFiles::read(&self.bodies)?;
+        let placements = fluid(&files, &self.counts, box_angstrom, self.seed)?;
+        let provenance = serde_json::json!({ "fluid": { "counts": self.counts, "seed": self.seed } });
+        let file = files.assembly_file(&self.output, &placements, Some(box_angstrom), provenance)?;
+        write_assembly(&self.output, &file)?;
+        let millimolar = 1e3 * placements.len() as f64
+            / box_angstrom.iter().product::<f64>()
+            / protomer_kernel::units::NUMBER_DENSITY_PER_MOLAR;
+        if global.json {
+            output::json(&serde_json::json!({
+                "assembly": self.output, "bodies": placements.len(), "concentration_millimolar": millimolar,
+            }))?;
+        } else {
+            global.say(&format!(
+                "{}: {} bodies at random places, {millimolar:.3} mM",
+                self.output.display(),
+                placements.len()
+            ));
+        }
+        Ok(Outcome::Done)
     }
 }
 

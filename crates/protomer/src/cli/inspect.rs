@@ -1,6 +1,7 @@
 //! `protomer inspect`: overlaps, energies and size of an assembly as it stands.
 
 use super::medium::ConditionArgs;
+use super::tables::TablesArgs;
 use super::{Global, Outcome, output};
 use crate::assembly_file::Assembly;
 use crate::inspect::{inspect, inspection_settings};
@@ -14,20 +15,22 @@ use std::path::PathBuf;
 pub struct InspectArgs {
     /// Assembly file.
     assembly: PathBuf,
-    #[command(flatten)]
-    conditions: ConditionArgs,
     /// How energies are computed.
     #[arg(long, value_enum, default_value_t = EnergyMode::Direct)]
     energy: EnergyMode,
     /// Surfaces closer than this are in contact, Å.
     #[arg(long, default_value_t = 5.0)]
     contact_gap: f64,
+    #[command(flatten)]
+    conditions: ConditionArgs,
+    #[command(flatten)]
+    tables: TablesArgs,
 }
 
 impl InspectArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
         let interaction = self.conditions.interaction()?;
-        let engine = Engine::new(Assembly::read(&self.assembly)?)?;
+        let engine = Engine::new(Assembly::read(&self.assembly)?)?.with_tables(self.tables.tables());
         let settings = inspection_settings(self.energy, self.contact_gap);
         let inspection = inspect(&engine, &settings, interaction)?;
         if global.json {

@@ -14,6 +14,7 @@ mod output;
 mod simulate;
 mod surface;
 mod sweep;
+mod tables;
 
 use crate::interrupt::Interrupt;
 use anyhow::{Context, Result, anyhow, bail};
@@ -165,6 +166,11 @@ impl Global {
 
 /// An interrupt that the first Ctrl-C or SIGTERM requests; the second one ends the process at once.
 fn interrupt_on_signals(limit_minutes: Option<f64>) -> Result<Interrupt> {
+    interrupt_saying("stopping at the next sweep; the same command goes on from there", limit_minutes)
+}
+
+/// As [`interrupt_on_signals`], saying this when the first signal comes.
+fn interrupt_saying(what: &'static str, limit_minutes: Option<f64>) -> Result<Interrupt> {
     let duration = |minutes: f64| {
         Duration::try_from_secs_f64(minutes * 60.0)
             .map_err(|_| anyhow!("--time-limit is {minutes} minutes; give zero or more"))
@@ -178,7 +184,7 @@ fn interrupt_on_signals(limit_minutes: Option<f64>) -> Result<Interrupt> {
         if signalled.swap(true, Ordering::Relaxed) {
             std::process::exit(130);
         }
-        output::note("stopping at the next sweep; the same command goes on from there (again: stop at once)");
+        output::note(&format!("{what} (again: stop at once)"));
         on_signal.request();
     })
     .context("cannot listen for Ctrl-C")?;

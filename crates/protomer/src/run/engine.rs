@@ -1,12 +1,14 @@
 //! From an assembly and an interaction to a system with an energy model: what all replicas of a sweep share.
 
 use crate::assembly_file::Assembly;
+use crate::energy_tables::EnergyTables;
 use crate::interaction::Interaction;
 use crate::run::{EnergyMode, RunSettings};
 use anyhow::{Context, Result};
 use protomer_kernel::cells::require_minimum_image;
 use protomer_kernel::potential::Yukawa;
 use protomer_mc::energy::EnergyModel;
+use protomer_mc::energy::certified::CertifiedSum;
 use protomer_mc::hard::overlapping_pairs;
 use protomer_mc::{BodyType, McError, Settings, System};
 use std::sync::Arc;
@@ -16,6 +18,7 @@ use std::sync::Arc;
 pub struct Engine {
     assembly: Assembly,
     types: Vec<Arc<BodyType>>,
+    tables: Arc<EnergyTables>,
 }
 
 impl Engine {
@@ -29,7 +32,12 @@ impl Engine {
             Ok(Arc::new(kind))
         };
         let types = assembly.bodies.iter().map(prepare).collect::<Result<_>>()?;
-        Ok(Self { assembly, types })
+        Ok(Self { assembly, types, tables: Arc::default() })
+    }
+
+    /// The same engine with energy tables from elsewhere.
+    pub fn with_tables(self, tables: Arc<EnergyTables>) -> Self {
+        Self { tables, ..self }
     }
 
     /// The assembly.
@@ -46,12 +54,17 @@ impl Engine {
         Ok(System::new(self.types.clone(), &placed, self.assembly.boundary)?)
     }
 
-    /// A model of the energies for one salt concentration.
+    /// A model of the energies for one salt concentration; models of one engine share their tables.
     ///
     /// # Errors
-    /// If the interaction makes no sense.
+    /// If the interaction makes no sense, or its tables take more memory than is allowed.
     pub fn energy_model(&self, run: &RunSettings, interaction: &Interaction) -> Result<Box<dyn EnergyModel>> {
-        Ok(self.settings(run, interaction)?.interaction.model())
+        match self.settings(run, interaction)?.interaction {
+            protomer_mc::Interaction::YukawaCertified(yukawa) => {
+                Ok(Box::new(CertifiedSum::with_tables(yukawa, self.tables.of(&self.types, &yukawa)?)))
+            }
+            other => Ok(other.model()),
+        }
     }
 
     /// Checks what would stop every simulation at its start: an overlap, or a box too small for an interaction.
@@ -65,7 +78,9 @@ impl Engine {
             return Err(McError::OverlappingStart { pairs }.into());
         }
         for interaction in interactions {
-            require_room(&system, self.energy_model(run, interaction)?.as_ref(), interaction)?;
+            // Without tables: the range is that of the charges.
+            let model = self.settings(run, interaction)?.interaction.model();
+            require_room(&system, model.as_ref(), interaction)?;
         }
         Ok(())
     }

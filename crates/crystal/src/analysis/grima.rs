@@ -1,0 +1,349 @@
+//! The coherent motion, which has one degree of freedom, exactly.
+//!
+//! In the coherent motion θ = (-1)^(i+j) θ_c and the centres lie on a square grid of the distance d = 2 l cos(θ_c - π/4) + r0,
+//! with all rods along x and y. The kinetic energy is that of one degree of freedom, with φ = π/4 - θ_c
+//!
+//! K = ½ N I (1 - μ sin²φ) ω_c², μ = -4 m l² Σ (x² + y²) / (N I), Σ (x² + y²) = N (rows² + columns² - 2) / 12
+//!
+//! over the grid of unit distance; for ns x ns squares of I = m l²/3 this is μ = 2 (1 - ns²). K is constant (eq. 29b), so
+//! √(1 - μ sin²φ) dφ = -e0 dt, and with the incomplete elliptic integral E(φ | μ) = ∫ √(1 - μ sin²) (eq. 29a)
+//!
+//! E(φ(t) | μ) = E(φ(0) | μ) - e0 t, e0 = √(1 - μ sin²φ(0)) ω_c(0).
+//!
+//! r0 appears nowhere but in where the squares meet. For r0 → 0 this is the model of Grima and Evans (J. Mat. Sci. Lett. 19,
+//! 1563 (2000)), where the rods leave no other motion. For r0 > 0 the rods do not *enforce* it, but the 2 x 2 lattice keeps
+//! it: reflections in the two midlines map the coherent states on themselves, a state with both symmetries is one square's
+//! x, y, θ, and its two kinds of rods, each perpendicular to a mirror, leave one degree of freedom. Larger lattices
+//! with r0 > 0 leave the coherent orbit, unless a potential holds them there.
+//!
+//! The squares meet at θ_min and π/2 - θ_min, where (not as in eq. 29c)
+//!
+//! θ_min = -asin(r0 / (2√2 l)) for r0 ≤ 2√2 l, π/4 - arccos(-r0 / 4l) for r0 ≤ 4l,
+//!
+//! and beyond 4l they turn freely. An elastic contact turns ω_c around.
+
+use crate::lattice::Square;
+use crate::{CrystalError, Result};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, SQRT_2};
+
+/// The smallest θ_c before squares meet; the largest is π/2 less this. `None` where they turn freely.
+pub fn smallest_angle(rod_length: f64, half_diagonal: f64) -> Option<f64> {
+    let ratio = rod_length / half_diagonal;
+    if ratio <= 2.0 * SQRT_2 {
+        Some(-(ratio / (2.0 * SQRT_2)).asin())
+    } else if ratio <= 4.0 {
+        Some(FRAC_PI_4 - (-ratio / 4.0).acos())
+    } else {
+        None
+    }
+}
+
+/// The coherent orbit through a given angle and angular velocity, with elastic contacts.
+///
+/// ```
+/// use protomer_crystal::analysis::grima::CoherentOrbit;
+/// use protomer_crystal::lattice::Square;
+/// use std::f64::consts::FRAC_PI_4;
+/// let orbit = CoherentOrbit::new(2, 2, Square::default(), 1.0, FRAC_PI_4, -1.0)?;
+/// assert!((orbit.first_contact().unwrap() - 1.9177621277529928).abs() < 1e-12);
+/// # Ok::<(), protomer_crystal::CrystalError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CoherentOrbit {
+    /// μ, zero or negative.
+    parameter: f64,
+    /// E(φ(0) | μ) and e0.
+    start: f64,
+    speed: f64,
+    /// E(φ | μ) at the contact, if there is one.
+    wall: Option<f64>,
+    /// N I.
+    inertia: f64,
+}
+
+impl CoherentOrbit {
+    /// The orbit of this many rows and columns from θ_c = `angle` at ω_c = `rate`.
+    ///
+    /// # Errors
+    /// [`CrystalError::BadSetting`] for numbers that make no lattice, or an angle at which squares overlap.
+    pub fn new(rows: usize, columns: usize, square: Square, rod_length: f64, angle: f64, rate: f64) -> Result<Self> {
+        let count = (rows * columns) as f64;
+        let bad = |setting, value, requirement| Err(CrystalError::BadSetting { setting, value, requirement });
+        if rows * columns == 0 {
+            return bad("number of squares", count, "positive");
+        }
+        for (setting, value) in
+            [("half_diagonal", square.half_diagonal), ("mass", square.mass), ("inertia", square.inertia)]
+        {
+            if !(value.is_finite() && value > 0.0) {
+                return bad(setting, value, "positive");
+            }
+        }
+        if !(rod_length.is_finite() && rod_length >= 0.0) {
+            return bad("rod_length", rod_length, "zero or positive");
+        }
+        if !rate.is_finite() {
+            return bad("rate", rate, "finite");
+        }
+        let least = smallest_angle(rod_length, square.half_diagonal);
+        if !angle.is_finite() || least.is_some_and(|least| angle < least - 1e-12 || angle > FRAC_PI_2 - least + 1e-12) {
+            return bad("angle", angle, "between those at which squares meet");
+        }
+        let around = (rows * rows + columns * columns - 2) as f64 / 12.0;
+        let parameter = -4.0 * square.mass * square.half_diagonal.powi(2) * around / square.inertia;
+        let from_open = FRAC_PI_4 - angle;
+        Ok(Self {
+            parameter,
+            start: elliptic_e(from_open, parameter),
+            speed: (1.0 - parameter * from_open.sin().powi(2)).sqrt() * rate,
+            wall: least.map(|least| elliptic_e(FRAC_PI_4 - least, parameter)),
+            inertia: count * square.inertia,
+        })
+    }
+
+    /// μ of the elliptic integrals.
+    pub fn parameter(&self) -> f64 {
+        self.parameter
+    }
+
+    /// The kinetic energy, a constant: ½ N I e0².
+    pub fn energy(&self) -> f64 {
+        0.5 * self.inertia * self.speed * self.speed
+    }
+
+    /// The angular velocity ±ω_c at an angle, eq. 29b; the absolute value.
+    pub fn rate_at(&self, angle: f64) -> f64 {
+        self.speed.abs() / (1.0 - self.parameter * (FRAC_PI_4 - angle).sin().powi(2)).sqrt()
+    }
+
+    /// When squares first meet; `None` for never.
+    pub fn first_contact(&self) -> Option<f64> {
+        let wall = self.wall?;
+        // A positive rate lowers E.
+        let way = if self.speed > 0.0 { self.start + wall } else { wall - self.start };
+        (self.speed != 0.0).then(|| way.max(0.0) / self.speed.abs())
+    }
+
+    /// θ_c and ω_c at this time.
+    pub fn at(&self, time: f64) -> [f64; 2] {
+        let mut travelled = self.start - self.speed * time;
+        let mut direction = self.speed;
+        if let Some(wall) = self.wall {
+            // A triangle wave between the walls.
+            let turns = ((travelled + wall) / (2.0 * wall)).floor();
+            if wall > 0.0 && turns.is_finite() {
+                travelled -= 2.0 * wall * turns;
+                if turns.rem_euclid(2.0) == 1.0 {
+                    travelled = -travelled;
+                    direction = -direction;
+                }
+            }
+        }
+        let angle = FRAC_PI_4 - inverse_elliptic_e(travelled, self.parameter);
+        [angle, self.rate_at(angle).copysign(direction)]
+    }
+}
+
+/// The incomplete elliptic integral of the second kind, E(φ | m) = ∫₀^φ √(1 - m sin²φ') dφ', for any φ and any m ≤ 1, however
+/// negative; NaN where the root is not real.
+///
+/// By Carlson's symmetric integrals (Numer. Math. 33, 1 (1979)), for |φ| ≤ π/2, with s = sin φ:
+/// E = s R_F(1 - s², 1 - m s², 1) - (m/3) s³ R_D(1 - s², 1 - m s², 1); other φ by E(φ + kπ) = E(φ) + 2k E(π/2).
+pub fn elliptic_e(phi: f64, m: f64) -> f64 {
+    let turns = (phi / PI).round();
+    let within = |phi: f64| {
+        let (sine, cosine) = phi.sin_cos();
+        let (x, y) = (cosine * cosine, 1.0 - m * sine * sine);
+        if y < 0.0 {
+            return f64::NAN;
+        }
+        sine * carlson_rf(x, y, 1.0) - m / 3.0 * sine.powi(3) * carlson_rd(x, y, 1.0)
+    };
+    let rest = within(phi - turns * PI);
+    if turns == 0.0 { rest } else { rest + 2.0 * turns * within(FRAC_PI_2) }
+}
+
+/// φ with E(φ | m) = e, for m ≤ 0 (or below 1): Newton's method between bounds.
+pub fn inverse_elliptic_e(e: f64, m: f64) -> f64 {
+    let half_turn = 2.0 * elliptic_e(FRAC_PI_2, m);
+    let turns = (e / half_turn).round();
+    let rest = e - turns * half_turn;
+    let (mut low, mut high) = (-FRAC_PI_2, FRAC_PI_2);
+    let mut phi = PI * rest / half_turn;
+    for _ in 0..100 {
+        let excess = elliptic_e(phi, m) - rest;
+        if excess > 0.0 {
+            high = phi;
+        } else {
+            low = phi;
+        }
+        let next = phi - excess / (1.0 - m * phi.sin().powi(2)).sqrt();
+        let next = if next > low && next < high { next } else { 0.5 * (low + high) };
+        if (next - phi).abs() <= 2.0 * f64::EPSILON * phi.abs().max(1.0) {
+            phi = next;
+            break;
+        }
+        phi = next;
+    }
+    phi + turns * PI
+}
+
+/// R_F(x, y, z) = ½ ∫₀^∞ dt / √((t + x)(t + y)(t + z)), for arguments ≥ 0 of which at most one is 0; by duplication.
+pub fn carlson_rf(mut x: f64, mut y: f64, mut z: f64) -> f64 {
+    for _ in 0..100 {
+        let mean = (x + y + z) / 3.0;
+        let [a, b, c] = [x, y, z].map(|number| 1.0 - number / mean);
+        if a.abs().max(b.abs()).max(c.abs()) < 2e-3 {
+            let (e2, e3) = (a * b - c * c, a * b * c);
+            let series = 1.0 - e2 / 10.0 + e3 / 14.0 + e2 * e2 / 24.0 - 3.0 * e2 * e3 / 44.0 - 5.0 * e2.powi(3) / 208.0
+                + 3.0 * e3 * e3 / 104.0;
+            return series / mean.sqrt();
+        }
+        let shift = (x * y).sqrt() + (y * z).sqrt() + (z * x).sqrt();
+        [x, y, z] = [x, y, z].map(|number| 0.25 * (number + shift));
+    }
+    f64::NAN
+}
+
+/// R_D(x, y, z) = 3/2 ∫₀^∞ dt / (√((t + x)(t + y)) (t + z)^(3/2)), for x, y ≥ 0 not both 0 and z > 0; by duplication.
+pub fn carlson_rd(mut x: f64, mut y: f64, mut z: f64) -> f64 {
+    let (mut sum, mut scale) = (0.0, 1.0);
+    for _ in 0..100 {
+        let mean = (x + y + 3.0 * z) / 5.0;
+        let [a, b, c] = [x, y, z].map(|number| 1.0 - number / mean);
+        if a.abs().max(b.abs()).max(c.abs()) < 1e-3 {
+            let (e2, e3) = (a * b - 6.0 * c * c, (3.0 * a * b - 8.0 * c * c) * c);
+            let (e4, e5) = (3.0 * (a * b - c * c) * c * c, a * b * c.powi(3));
+            let series =
+                1.0 - 3.0 * e2 / 14.0 + e3 / 6.0 + 9.0 * e2 * e2 / 88.0 - 3.0 * e4 / 22.0 - 9.0 * e2 * e3 / 52.0
+                    + 3.0 * e5 / 26.0;
+            return 3.0 * sum + scale * series / (mean * mean.sqrt());
+        }
+        let shift = (x * y).sqrt() + (y * z).sqrt() + (z * x).sqrt();
+        sum += scale / (z.sqrt() * (z + shift));
+        scale *= 0.25;
+        [x, y, z] = [x, y, z].map(|number| 0.25 * (number + shift));
+    }
+    f64::NAN
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    /// Composite Gauss-Legendre quadrature with three points an interval, summed in groups against rounding.
+    fn quadrature(phi: f64, m: f64) -> f64 {
+        const INTERVALS: usize = 20_000;
+        let width = phi / INTERVALS as f64;
+        let root = |x: f64| (1.0 - m * x.sin().powi(2)).sqrt();
+        let part = |index: usize| {
+            let middle = (index as f64 + 0.5) * width;
+            let aside = 0.5 * width * 0.6f64.sqrt();
+            width / 18.0 * (5.0 * root(middle - aside) + 8.0 * root(middle) + 5.0 * root(middle + aside))
+        };
+        (0..INTERVALS / 100).map(|group| (100 * group..100 * group + 100).map(part).sum::<f64>()).sum()
+    }
+
+    #[test]
+    fn the_elliptic_integral_agrees_with_quadrature() {
+        for m in [0.9, 0.5, 0.0, -0.1, -6.0, -30.0, -198.0, -2e4, -2e6] {
+            for phi in [1e-3, 0.3, FRAC_PI_4, 1.5, FRAC_PI_2, 1.8, 4.0, -0.7, -7.0] {
+                let (found, expected) = (elliptic_e(phi, m), quadrature(phi, m));
+                assert!((found - expected).abs() < 2e-13 * expected.abs(), "{phi} {m}: {found} {expected}");
+                assert!((inverse_elliptic_e(found, m) - phi).abs() < 2e-14 * phi.abs().max(1.0), "{phi} {m}");
+            }
+        }
+        assert!(elliptic_e(1.0, 4.0).is_nan());
+    }
+
+    #[test]
+    fn known_values() {
+        // E(φ | 0) = φ, E(φ | 1) = sin φ, E(π/2 | ½) from tables.
+        assert_eq!(elliptic_e(0.7, 0.0), 0.7f64.sin() * carlson_rf(0.7f64.cos().powi(2), 1.0, 1.0));
+        assert!((elliptic_e(0.7, 0.0) - 0.7).abs() < 1e-15);
+        assert!((elliptic_e(0.7, 1.0) - 0.7f64.sin()).abs() < 1e-15);
+        assert!((elliptic_e(FRAC_PI_2, 0.5) - 1.350_643_881_047_675_5).abs() < 1e-15);
+    }
+
+    #[test]
+    fn the_parameter_is_that_of_the_paper() {
+        for size in [1, 2, 3, 10] {
+            let orbit = CoherentOrbit::new(size, size, Square::default(), 0.1, 0.5, 1.0).unwrap();
+            assert!((orbit.parameter() - 2.0 * (1.0 - (size * size) as f64)).abs() < 1e-12);
+            // e0 of fig. 4, but for the factor that makes it 1 for one square.
+            let squares = (size * size) as f64;
+            let e0 = (squares + (1.0 - squares) * 1.0f64.sin()).sqrt();
+            assert!((orbit.speed - e0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn closing_angles_join_and_end() {
+        let kink = 2.0 * SQRT_2;
+        assert!((smallest_angle(kink, 1.0).unwrap() + FRAC_PI_2).abs() < 1e-7);
+        assert!((smallest_angle(kink + 1e-9, 1.0).unwrap() + FRAC_PI_2).abs() < 1e-4);
+        assert_eq!(smallest_angle(0.0, 1.0), Some(0.0));
+        assert!((smallest_angle(4.0, 1.0).unwrap() - (FRAC_PI_4 - PI)).abs() < 1e-7);
+        assert_eq!(smallest_angle(4.1, 1.0), None);
+        assert_eq!(smallest_angle(0.3, 1.0), smallest_angle(0.6, 2.0));
+    }
+
+    /// θ̈ from Lagrange's equation of the one degree of freedom, integrated by Runge and Kutta's fourth-order rule, with
+    /// contacts found by bisection.
+    #[test]
+    fn the_orbit_solves_its_equation_of_motion_and_bounces() {
+        let (rod_length, size) = (0.3, 4.0f64);
+        let orbit = CoherentOrbit::new(4, 4, Square::default(), rod_length, 0.9, 0.8).unwrap();
+        let least = smallest_angle(rod_length, 1.0).unwrap();
+        let mu = 2.0 * (1.0 - size * size);
+        // d/dt (f ω) = ½ f' ω², f = 1 - μ sin²(π/4 - θ).
+        let rhs = |y: [f64; 2]| {
+            let phi = FRAC_PI_4 - y[0];
+            let (f, slope) = (1.0 - mu * phi.sin().powi(2), mu * (2.0 * phi).sin());
+            [y[1], -0.5 * slope / f * y[1] * y[1]]
+        };
+        let advance = |y: [f64; 2], h: f64| {
+            let add = |k: [f64; 2], s: f64| [y[0] + s * k[0], y[1] + s * k[1]];
+            let k1 = rhs(y);
+            let k2 = rhs(add(k1, 0.5 * h));
+            let k3 = rhs(add(k2, 0.5 * h));
+            let k4 = rhs(add(k3, h));
+            [0, 1].map(|c| y[c] + h / 6.0 * (k1[c] + 2.0 * k2[c] + 2.0 * k3[c] + k4[c]))
+        };
+        let inside = |y: [f64; 2]| y[0] >= least && y[0] <= FRAC_PI_2 - least;
+        let (mut y, mut bounces, h) = ([0.9, 0.8], 0, 1e-3);
+        for step in 1..=40_000 {
+            let mut next = advance(y, h);
+            if !inside(next) {
+                let (mut low, mut high) = (0.0, h);
+                for _ in 0..60 {
+                    let middle = 0.5 * (low + high);
+                    if inside(advance(y, middle)) { low = middle } else { high = middle }
+                }
+                let mut there = advance(y, low);
+                there[1] = -there[1];
+                bounces += 1;
+                next = advance(there, h - low);
+            }
+            y = next;
+            let [angle, rate] = orbit.at(f64::from(step) * h);
+            assert!((angle - y[0]).abs() < 1e-8 && (rate - y[1]).abs() < 1e-8, "{step}: {angle} {rate} {y:?}");
+        }
+        assert!(bounces >= 3, "{bounces}");
+        // And backwards in time.
+        let [angle, rate] = orbit.at(-3.0);
+        let back = CoherentOrbit::new(4, 4, Square::default(), rod_length, angle, rate).unwrap().at(3.0);
+        assert!((back[0] - 0.9).abs() < 1e-12 && (back[1] - 0.8).abs() < 1e-12);
+    }
+
+    #[test]
+    fn nonsense_is_refused() {
+        let make =
+            |size, rod_length, angle, rate| CoherentOrbit::new(size, size, Square::default(), rod_length, angle, rate);
+        assert!(make(0, 1.0, 0.5, 1.0).is_err());
+        assert!(make(2, -1.0, 0.5, 1.0).is_err());
+        assert!(make(2, 0.1, -0.5, 1.0).is_err());
+        assert!(make(2, 0.1, 0.5, f64::NAN).is_err());
+    }
+}

@@ -1,0 +1,21 @@
+//! What the motion of a lattice shows.
+//!
+//! | module | one idea |
+//! |---|---|
+//! | [`modes`] | collective rotations and the share of the energy in them |
+//! | [`synchronisation`] | which squares turn together, directly or through others |
+//! | [`strain`] | deformation, strain, Poisson's ratio |
+//! | [`lyapunov`] | how fast neighbouring trajectories part |
+//! | [`spread`] | the first maximum of a quantity in time |
+//! | [`grima`] | the coherent motion, which has one degree of freedom, exactly |
+//!
+//! "The paper" is that of [`lattice`](crate::lattice); "the preprint" is its
+//! first version (Campos-Gonzalez-Angulo, Wiesehan, Ribeiro and Yuen-Zhou, "Computational method for highly-constrained
+//! molecular dynamics", with the sections on synchronisation and Poisson's ratio).
+
+pub mod grima;
+pub mod lyapunov;
+pub mod modes;
+pub mod spread;
+pub mod strain;
+pub mod synchronisation;

@@ -1,0 +1,315 @@
+//! Deformation, strain, Poisson's ratio.
+//!
+//! Points of a lattice at one time, A, and at another, B, are joined by the uniform deformation B = F A + c that fits best
+//! (least squares): with the sums over points about their means, F = (Σ b aᵀ)(Σ a aᵀ)⁻¹ (eq. 41 of the preprint). The strain
+//! is that of Biot, ε = (Fᵀ F)^(1/2) - 1 (eq. 42), blind to how the lattice turns as a whole. A is the step before for
+//! increments of strain, or a fixed state for the whole of it.
+//!
+//! Poisson's ratio ν = -dε_yy/dε_xx is a slope through many pairs (ε_xx, ε_yy). Ordinary least squares, ν = -s_xy/s_xx, holds
+//! x to be without scatter; where both strains scatter alike it is too small by a factor of r at least. Total least squares
+//! takes the long axis of the cloud, tan 2α = 2 s_xy / (s_xx - s_yy), ν = -tan α, and does not prefer an axis: exchanging x
+//! and y turns ν into 1/ν. r² = s_xy²/(s_xx s_yy) says how much of a line the cloud is; where it is small neither number
+//! means much. Errors are those of the jackknife over blocks of consecutive samples.
+
+use crate::lattice::{Corner, Network};
+use crate::{CrystalError, Result};
+use nalgebra::{Matrix2, Vector2};
+use serde::{Deserialize, Serialize};
+
+/// The centres of the squares.
+pub fn centres(positions: &[f64]) -> Vec<[f64; 2]> {
+    positions.chunks_exact(3).map(|s| [s[0], s[1]]).collect()
+}
+
+/// The corners of all squares, four per square.
+pub fn corners(network: &Network, positions: &[f64]) -> Vec<[f64; 2]> {
+    let squares = network.squares.iter().zip(positions.chunks_exact(3)).enumerate();
+    let corner = |(square, (body, s)): (usize, (&crate::lattice::Square, &[f64]))| {
+        let (sine, cosine) = s[2].sin_cos();
+        let (middle, half_diagonal) = ([s[0], s[1]], body.half_diagonal);
+        [1, 2, 3, 4].map(|vertex| {
+            let [x, y] = Corner { square, vertex }.direction().map(|x| x * half_diagonal);
+            [middle[0] + cosine * x - sine * y, middle[1] + sine * x + cosine * y]
+        })
+    };
+    squares.flat_map(corner).collect()
+}
+
+/// The uniform deformation F that takes `before` to `after` best, `after` = F `before` + c.
+///
+/// # Errors
+/// [`CrystalError::BadState`] for different numbers of points, or points on one line, as the centres of a single row.
+pub fn deformation_gradient(before: &[[f64; 2]], after: &[[f64; 2]]) -> Result<Matrix2<f64>> {
+    if before.len() != after.len() || before.is_empty() {
+        return Err(CrystalError::BadState(format!(
+            "{} points before and {} after the deformation; give the same number, three at least",
+            before.len(),
+            after.len()
+        )));
+    }
+    let mean = |points: &[[f64; 2]]| {
+        points.iter().map(|point| Vector2::from(*point)).sum::<Vector2<f64>>() / points.len() as f64
+    };
+    let (from, to) = (mean(before), mean(after));
+    let (mut moments, mut mixed) = (Matrix2::zeros(), Matrix2::zeros());
+    for (a, b) in before.iter().zip(after) {
+        let (a, b) = (Vector2::from(*a) - from, Vector2::from(*b) - to);
+        moments += a * a.transpose();
+        mixed += b * a.transpose();
+    }
+    let flat = moments.determinant() <= 1e-12 * moments.trace().powi(2);
+    let inverse = if flat { None } else { moments.try_inverse() };
+    inverse.map(|inverse| mixed * inverse).ok_or_else(|| {
+        CrystalError::BadState("the points lie on one line and show no strain across it; use the corners".into())
+    })
+}
+
+/// Strain (Fᵀ F)^(1/2) - 1, symmetric.
+///
+/// The root of a symmetric positive 2 x 2 matrix C is (C + √det C) / √(tr C + 2 √det C).
+pub fn biot_strain(gradient: &Matrix2<f64>) -> Matrix2<f64> {
+    let square = gradient.transpose() * gradient;
+    let root_determinant = gradient.determinant().abs();
+    let scale = (square.trace() + 2.0 * root_determinant).sqrt();
+    (square + Matrix2::identity() * root_determinant) / scale - Matrix2::identity()
+}
+
+/// Poisson's ratio of a cloud of strains.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PoissonRatio {
+    /// -s_xy/s_xx, from ordinary least squares of ε_yy on ε_xx.
+    pub ordinary: f64,
+    /// Its standard error.
+    pub ordinary_error: f64,
+    /// -tan α, from total least squares.
+    pub total: f64,
+    /// Its standard error.
+    pub total_error: f64,
+    /// Squared correlation of ε_xx and ε_yy.
+    pub r_squared: f64,
+    /// Number of strains.
+    pub samples: usize,
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    count: f64,
+    x: f64,
+    y: f64,
+    xx: f64,
+    xy: f64,
+    yy: f64,
+}
+
+impl Sums {
+    fn of(strains: &[[f64; 2]], origin: [f64; 2]) -> Self {
+        strains.iter().fold(Self::default(), |sums, strain| {
+            let (x, y) = (strain[0] - origin[0], strain[1] - origin[1]);
+            Self {
+                count: sums.count + 1.0,
+                x: sums.x + x,
+                y: sums.y + y,
+                xx: sums.xx + x * x,
+                xy: sums.xy + x * y,
+                yy: sums.yy + y * y,
+            }
+        })
+    }
+
+    fn less(&self, other: &Self) -> Self {
+        Self {
+            count: self.count - other.count,
+            x: self.x - other.x,
+            y: self.y - other.y,
+            xx: self.xx - other.xx,
+            xy: self.xy - other.xy,
+            yy: self.yy - other.yy,
+        }
+    }
+
+    /// s_xx, s_xy, s_yy.
+    fn moments(&self) -> [f64; 3] {
+        let about = |product: f64, a: f64, b: f64| (product - a * b / self.count) / self.count;
+        [about(self.xx, self.x, self.x), about(self.xy, self.x, self.y), about(self.yy, self.y, self.y)]
+    }
+
+    fn ratios(&self) -> [f64; 2] {
+        let [xx, xy, yy] = self.moments();
+        [-xy / xx, -(0.5 * (2.0 * xy).atan2(xx - yy)).tan()]
+    }
+}
+
+/// Poisson's ratio from pairs (ε_xx, ε_yy) in the order of time, with errors from this many blocks of them.
+///
+/// The error is meaningful if a block is much longer than the strains remember.
+///
+/// # Errors
+/// [`CrystalError::BadState`] for fewer than two samples a block, fewer than two blocks, or strains without any spread.
+pub fn poisson_ratio(strains: &[[f64; 2]], blocks: usize) -> Result<PoissonRatio> {
+    if blocks < 2 || strains.len() < 2 * blocks {
+        return Err(CrystalError::BadState(format!(
+            "{} strains cannot be split into {blocks} blocks; take two blocks or more, of two strains or more",
+            strains.len()
+        )));
+    }
+    let count = strains.len() as f64;
+    let origin = [0, 1].map(|axis| strains.iter().map(|strain| strain[axis]).sum::<f64>() / count);
+    let all = Sums::of(strains, origin);
+    let [xx, xy, yy] = all.moments();
+    let spread_is_real = xx > 0.0 && yy > 0.0 && (xx + yy).is_finite();
+    if !spread_is_real {
+        return Err(CrystalError::BadState("the strains do not vary along both axes, so there is no ratio".into()));
+    }
+    let bounds = |block: usize| block * strains.len() / blocks;
+    let without: Vec<[f64; 2]> = (0..blocks)
+        .map(|block| all.less(&Sums::of(&strains[bounds(block)..bounds(block + 1)], origin)).ratios())
+        .collect();
+    // The jackknife: variance (B - 1)/B Σ (estimate without a block - their mean)².
+    let error = |which: usize| {
+        let mean = without.iter().map(|ratios| ratios[which]).sum::<f64>() / blocks as f64;
+        let squares: f64 = without.iter().map(|ratios| (ratios[which] - mean).powi(2)).sum();
+        (squares * (blocks as f64 - 1.0) / blocks as f64).sqrt()
+    };
+    let [ordinary, total] = all.ratios();
+    Ok(PoissonRatio {
+        ordinary,
+        ordinary_error: error(0),
+        total,
+        total_error: error(1),
+        r_squared: xy * xy / (xx * yy),
+        samples: strains.len(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::lattice::start::normal_pair;
+    use crate::lattice::{Edges, Square, State};
+    use protomer_kernel::random::CounterRng;
+    use std::f64::consts::FRAC_PI_4;
+
+    #[test]
+    fn a_uniform_deformation_is_recovered_and_turning_is_no_strain() {
+        let stretch = Matrix2::new(1.2, 0.05, 0.05, 0.9);
+        let (sine, cosine) = 0.8f64.sin_cos();
+        let gradient = Matrix2::new(cosine, -sine, sine, cosine) * stretch;
+        let mut rng = CounterRng::new(1, 0, 0);
+        let before: Vec<[f64; 2]> = (0..20).map(|_| [rng.uniform(), rng.uniform()]).collect();
+        let after: Vec<[f64; 2]> =
+            before.iter().map(|a| (gradient * Vector2::from(*a) + Vector2::new(3.0, -1.0)).into()).collect();
+        let found = deformation_gradient(&before, &after).unwrap();
+        assert!((found - gradient).norm() < 1e-13);
+        let strain = biot_strain(&found);
+        assert!((strain - (stretch - Matrix2::identity())).norm() < 1e-13);
+        // The slow way: by eigenvalues.
+        let eigen = (found.transpose() * found).symmetric_eigen();
+        let root = eigen.eigenvectors
+            * Matrix2::from_diagonal(&eigen.eigenvalues.map(f64::sqrt))
+            * eigen.eigenvectors.transpose();
+        assert!((strain - (root - Matrix2::identity())).norm() < 1e-13);
+    }
+
+    #[test]
+    fn the_fit_is_the_least_of_squares() {
+        let mut rng = CounterRng::new(2, 0, 0);
+        let before: Vec<[f64; 2]> = (0..12).map(|_| [rng.uniform(), rng.uniform()]).collect();
+        let after: Vec<[f64; 2]> = (0..12).map(|_| [rng.uniform(), rng.uniform()]).collect();
+        let best = deformation_gradient(&before, &after).unwrap();
+        let squares = |gradient: Matrix2<f64>| {
+            let misses: Vec<Vector2<f64>> =
+                before.iter().zip(&after).map(|(a, b)| Vector2::from(*b) - gradient * Vector2::from(*a)).collect();
+            let mean = misses.iter().sum::<Vector2<f64>>() / 12.0;
+            misses.iter().map(|miss| (miss - mean).norm_squared()).sum::<f64>()
+        };
+        for entry in 0..4 {
+            for change in [1e-3, -1e-3] {
+                let mut other = best;
+                other[entry] += change;
+                assert!(squares(other) > squares(best));
+            }
+        }
+        assert!(deformation_gradient(&[[0.0, 1.0], [1.0, 1.0], [2.0, 1.0]], &[[0.0; 2]; 3]).is_err());
+        assert!(deformation_gradient(&before, &after[1..]).is_err());
+    }
+
+    #[test]
+    fn the_coherent_motion_has_the_ratio_minus_one() {
+        let network = Network::lattice(4, 6, 0.2, Square::default(), Edges::Open, FRAC_PI_4).unwrap();
+        let reference = State::coherent(&network, 0.5);
+        let strains: Vec<[f64; 2]> = (0..40)
+            .map(|step| {
+                let state = State::coherent(&network, 0.2 + 0.01 * f64::from(step));
+                let gradient =
+                    deformation_gradient(&centres(&reference.positions), &centres(&state.positions)).unwrap();
+                let strain = biot_strain(&gradient);
+                assert!(strain[(0, 1)].abs() < 1e-14);
+                [strain[(0, 0)], strain[(1, 1)]]
+            })
+            .collect();
+        let found = poisson_ratio(&strains, 4).unwrap();
+        assert!((found.ordinary + 1.0).abs() < 1e-10 && (found.total + 1.0).abs() < 1e-10);
+        assert!((found.r_squared - 1.0).abs() < 1e-10);
+    }
+
+    #[test]
+    fn corners_are_where_the_rods_end() {
+        let network = Network::lattice(3, 3, 0.2, Square::default(), Edges::Open, FRAC_PI_4).unwrap();
+        let state = State::coherent(&network, 0.3);
+        let corners = corners(&network, &state.positions);
+        for rod in &network.rods {
+            let at = |corner: Corner| corners[4 * corner.square + usize::from(corner.vertex) - 1];
+            let (a, b) = (at(rod.from), at(rod.to));
+            assert!(((a[0] - b[0]).hypot(a[1] - b[1]) - 0.2).abs() < 1e-14);
+        }
+    }
+
+    /// A cloud with a known long axis and equal scatter on both strains: total least squares finds the slope, ordinary least
+    /// squares is attenuated by s_t²/(s_t² + s²), and the errors are those seen over many clouds.
+    #[test]
+    fn total_least_squares_is_not_attenuated_and_errors_are_as_seen() {
+        let (clouds, samples, scatter) = (200, 400, 0.7f64);
+        let (mut ordinary, mut total, mut errors) = (Vec::new(), Vec::new(), [0.0; 2]);
+        for cloud in 0..clouds {
+            let mut rng = CounterRng::new(3, cloud, 0);
+            let strains: Vec<[f64; 2]> = (0..samples)
+                .map(|_| {
+                    let ([along, x], [y, _]) = (normal_pair(&mut rng), normal_pair(&mut rng));
+                    [along + scatter * x, 0.8 * along + scatter * y]
+                })
+                .collect();
+            let found = poisson_ratio(&strains, 20).unwrap();
+            ordinary.push(found.ordinary);
+            total.push(found.total);
+            errors[0] += found.ordinary_error / f64::from(clouds);
+            errors[1] += found.total_error / f64::from(clouds);
+        }
+        let moments = |values: &[f64]| {
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (values.len() as f64 - 1.0);
+            (mean, variance.sqrt())
+        };
+        let ((a, sa), (b, sb)) = (moments(&ordinary), moments(&total));
+        let root = f64::from(clouds).sqrt();
+        assert!((a + 0.8 / (1.0 + scatter * scatter)).abs() < 4.0 * sa / root, "{a} {sa}");
+        assert!((b + 0.8).abs() < 4.0 * sb / root + 0.005, "{b} {sb}");
+        assert!((errors[0] / sa - 1.0).abs() < 0.2 && (errors[1] / sb - 1.0).abs() < 0.2, "{errors:?} {sa} {sb}");
+    }
+
+    #[test]
+    fn exchanging_the_axes_inverts_the_total_ratio() {
+        let mut rng = CounterRng::new(4, 0, 0);
+        let strains: Vec<[f64; 2]> = (0..50)
+            .map(|_| {
+                let along = rng.uniform();
+                [along + 0.1 * rng.uniform(), -0.5 * along + 0.1 * rng.uniform()]
+            })
+            .collect();
+        let exchanged: Vec<[f64; 2]> = strains.iter().map(|[x, y]| [*y, *x]).collect();
+        let (found, other) = (poisson_ratio(&strains, 5).unwrap(), poisson_ratio(&exchanged, 5).unwrap());
+        assert!((found.total * other.total - 1.0).abs() < 1e-12);
+        assert!((found.ordinary * other.ordinary - found.r_squared).abs() < 1e-12);
+        assert!(poisson_ratio(&[[0.1, 0.2]; 8], 2).is_err() && poisson_ratio(&strains, 1).is_err());
+    }
+}

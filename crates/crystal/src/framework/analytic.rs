@@ -1,0 +1,93 @@
+//! The closed formulas for hexagonal honeycombs (eqs. 2 to 8, 16 and 20 of the paper).
+//!
+//! With X1 = 2 l sin θ and X2 = 2 (h - l cos θ), thickness b, and a rib hinged at both of its ends, K_h = 2 k_h:
+//!
+//! | | hinging | stretching |
+//! |---|---|---|
+//! | E1 | K_h X1 / (b l² cos²θ X2) | K_s X1 / (b sin²θ X2) |
+//! | E2 | K_h X2 / (b l² sin²θ X1) | K_s X2 / (b (2 + cos²θ) X1) |
+//! | ν12 | -tan θ X1/X2 | cot θ X1/X2 |
+//! | ν21 | -cot θ X2/X1 | sin θ cos θ X2 / ((2 + cos²θ) X1) |
+//!
+//! A rib's K_s does not depend on its length. The paper's second line of eq. 6 repeats the denominator of the first;
+//! loading along 1 stretches only the inclined ribs, so that ν12 = cot θ X1/X2. When both happen, compliances add (eqs. 16,
+//! 20), which is exact for this model.
+
+use serde::Serialize;
+
+/// What a honeycomb is made of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Honeycomb {
+    /// Length of the vertical ribs, Å.
+    pub h_angstrom: f64,
+    /// Length of the inclined ribs, Å.
+    pub l_angstrom: f64,
+    /// Angle between them, rad; below π/2 the honeycomb is re-entrant.
+    pub theta_rad: f64,
+    /// k_h, kcal/mol/rad².
+    pub hinge_stiffness_kcal_mol_rad2: f64,
+    /// k_s, kcal/mol/Å².
+    pub rod_stiffness_kcal_mol_angstrom2: f64,
+    /// b, Å.
+    pub thickness_angstrom: f64,
+}
+
+/// Moduli along the two axes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct AxialModuli {
+    /// E_1 = E_y, GPa.
+    pub e_y_gpa: f64,
+    /// E_2 = E_z, GPa.
+    pub e_z_gpa: f64,
+    /// ν_12 = ν_yz.
+    pub nu_yz: f64,
+    /// ν_21 = ν_zy.
+    pub nu_zy: f64,
+}
+
+impl Honeycomb {
+    /// X1 and X2, Å.
+    pub fn cell_angstrom(&self) -> [f64; 2] {
+        let (sine, cosine) = self.theta_rad.sin_cos();
+        [2.0 * self.l_angstrom * sine, 2.0 * (self.h_angstrom - self.l_angstrom * cosine)]
+    }
+
+    /// Only the angles change.
+    pub fn hinging(&self, gpa: f64) -> AxialModuli {
+        let ([x1, x2], (sine, cosine)) = (self.cell_angstrom(), self.theta_rad.sin_cos());
+        let k = 2.0 * self.hinge_stiffness_kcal_mol_rad2 * gpa / (self.thickness_angstrom * self.l_angstrom.powi(2));
+        let nu_yz = -sine / cosine * x1 / x2;
+        AxialModuli {
+            e_y_gpa: k / (cosine * cosine) * x1 / x2,
+            e_z_gpa: k / (sine * sine) * x2 / x1,
+            nu_yz,
+            nu_zy: 1.0 / nu_yz,
+        }
+    }
+
+    /// Only the lengths change.
+    pub fn stretching(&self, gpa: f64) -> AxialModuli {
+        let ([x1, x2], (sine, cosine)) = (self.cell_angstrom(), self.theta_rad.sin_cos());
+        let k = self.rod_stiffness_kcal_mol_angstrom2 * gpa / self.thickness_angstrom;
+        let along_z = 2.0 + cosine * cosine;
+        AxialModuli {
+            e_y_gpa: k / (sine * sine) * x1 / x2,
+            e_z_gpa: k / along_z * x2 / x1,
+            nu_yz: cosine / sine * x1 / x2,
+            nu_zy: sine * cosine / along_z * x2 / x1,
+        }
+    }
+
+    /// Both at once: compliances add.
+    pub fn both(&self, gpa: f64) -> AxialModuli {
+        let (h, s) = (self.hinging(gpa), self.stretching(gpa));
+        let modulus = |a: f64, b: f64| a * b / (a + b);
+        let ratio = |nu_h: f64, e_h: f64, nu_s: f64, e_s: f64| (nu_s * e_h + nu_h * e_s) / (e_s + e_h);
+        AxialModuli {
+            e_y_gpa: modulus(h.e_y_gpa, s.e_y_gpa),
+            e_z_gpa: modulus(h.e_z_gpa, s.e_z_gpa),
+            nu_yz: ratio(h.nu_yz, h.e_y_gpa, s.nu_yz, s.e_y_gpa),
+            nu_zy: ratio(h.nu_zy, h.e_z_gpa, s.nu_zy, s.e_z_gpa),
+        }
+    }
+}

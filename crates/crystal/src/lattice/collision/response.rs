@@ -1,0 +1,84 @@
+//! What an impact does to the velocities.
+//!
+//! With the rows N of the contacts and the inverse mass that respects the rods,
+//!
+//! S = M⁻¹ - M⁻¹ Jᵀ A⁻¹ J M⁻¹,   v⁺ = v⁻ + S Nᵀ p,   0 ≤ p ⟂ N v⁺ + e N v⁻ ≥ 0,
+//!
+//! impulses p only push, every contact moves apart at least e times as fast as it came together, and exactly so where there
+//! is an impulse. At e = 1 the energy changes by ½ pᵀ (N v⁺ + N v⁻) = 0, however many contacts there are.
+
+use super::lcp;
+use crate::lattice::contact::Row;
+use crate::lattice::network::Network;
+use crate::lattice::rods::RodSystem;
+
+/// The result of an impact.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Impact {
+    /// p of every contact, ≥ 0.
+    pub impulses: Vec<f64>,
+    /// N v⁻.
+    pub before: Vec<f64>,
+    /// Change of the kinetic energy by the impulses.
+    pub energy_change: f64,
+    /// False if the complementarity problem had to be relaxed.
+    pub exact: bool,
+}
+
+/// Lets the contacts with these rows act on the velocities; `rods` must be linearised at the positions. A contact parts at
+/// least as fast as `lift` says, if it says anything, whatever the restitution.
+pub fn impact(
+    network: &Network,
+    rods: &mut RodSystem,
+    velocities: &mut [f64],
+    rows: &[Row],
+    restitution: f64,
+    lift: Option<f64>,
+) -> Impact {
+    let (count, coordinates) = (rows.len(), velocities.len());
+    let before: Vec<f64> = rows.iter().map(|row| row.dot(velocities)).collect();
+    let columns: Vec<Vec<f64>> = rows.iter().map(|row| constrained_response(network, rods, row, coordinates)).collect();
+    let mut w = vec![0.0; count * count];
+    for (i, row) in rows.iter().enumerate() {
+        for (j, column) in columns.iter().enumerate() {
+            w[i * count + j] = row.dot(column);
+        }
+    }
+    for i in 0..count {
+        for j in 0..i {
+            let mean = 0.5 * (w[i * count + j] + w[j * count + i]);
+            w[i * count + j] = mean;
+            w[j * count + i] = mean;
+        }
+    }
+    let demand = |rate: &f64| {
+        let plain = (1.0 + restitution) * rate;
+        lift.map_or(plain, |lift| plain.min(rate - lift))
+    };
+    let q: Vec<f64> = before.iter().map(demand).collect();
+    let solution = lcp::solve(&w, &q);
+    for (impulse, column) in solution.impulses.iter().zip(&columns) {
+        for (v, x) in velocities.iter_mut().zip(column) {
+            *v += impulse * x;
+        }
+    }
+    let energy = |((impulse, row), before): ((&f64, &Row), &f64)| 0.5 * impulse * (row.dot(velocities) + before);
+    let energy_change = solution.impulses.iter().zip(rows).zip(&before).map(energy).sum();
+    Impact { impulses: solution.impulses, before, energy_change, exact: solution.exact }
+}
+
+/// S nᵀ.
+pub(crate) fn constrained_response(network: &Network, rods: &mut RodSystem, row: &Row, coordinates: usize) -> Vec<f64> {
+    let mut column = vec![0.0; coordinates];
+    for (p, n) in row.entries() {
+        let square = network.squares[p];
+        column[3 * p] = n[0] / square.mass;
+        column[3 * p + 1] = n[1] / square.mass;
+        column[3 * p + 2] = n[2] / square.inertia;
+    }
+    let mut along = vec![0.0; rods.len()];
+    rods.apply(&column, &mut along);
+    rods.solve(&mut along);
+    rods.add_response(&along, -1.0, &mut column);
+    column
+}

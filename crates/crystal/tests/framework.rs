@@ -1,0 +1,349 @@
+//! Elastic constants against printed tables, closed formulas and finite differences.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr)]
+
+use nalgebra::DMatrix;
+use protomer_crystal::framework::analytic::Honeycomb;
+use protomer_crystal::framework::build;
+use protomer_crystal::framework::energy::{Configuration, NetworkEnergy};
+use protomer_crystal::framework::load::{minimise, stretch_curve};
+use protomer_crystal::framework::{
+    Elasticity, Framework, Hinge, Load, Moduli, Neighbour, Rod, StressKind, Torsion, gpa_per_kcal_mol_angstrom3,
+};
+use protomer_kernel::random::CounterRng;
+use std::path::Path;
+
+fn gpa() -> f64 {
+    gpa_per_kcal_mol_angstrom3(6.022e23)
+}
+
+fn made_of(theta_deg: f64, kh: f64, ks: f64) -> Honeycomb {
+    Honeycomb {
+        h_angstrom: 2.0,
+        l_angstrom: 1.0,
+        theta_rad: theta_deg.to_radians(),
+        hinge_stiffness_kcal_mol_rad2: kh,
+        rod_stiffness_kcal_mol_angstrom2: ks,
+        thickness_angstrom: 1.0,
+    }
+}
+
+#[test]
+fn all_eighteen_honeycombs_are_those_of_the_reference() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/reference/emuda/emuda_tables.json");
+    let Ok(text) = std::fs::read(&file) else {
+        eprintln!("skipped: {} is absent", file.display());
+        return;
+    };
+    let tables: serde_json::Value = serde_json::from_slice(&text).unwrap();
+    let mut count = 0;
+    for (case, rows) in tables["cases"].as_object().unwrap() {
+        for (theta, row) in rows.as_object().unwrap() {
+            let number = |key: &str| row[key].as_f64().unwrap();
+            let honeycomb = made_of(theta.parse().unwrap(), number("kh"), number("ks"));
+            let elasticity = Elasticity::of(&build::honeycomb(&honeycomb).unwrap()).unwrap();
+            let moduli = Moduli::new(&elasticity, gpa());
+            let ours = [
+                moduli.youngs_gpa[0].unwrap(),
+                moduli.youngs_gpa[1].unwrap(),
+                moduli.poissons[0][1].unwrap(),
+                moduli.poissons[1][0].unwrap(),
+            ];
+            for (a, b) in ours.iter().zip(row["EMUDA_exact"].as_array().unwrap()) {
+                assert!((a / b.as_f64().unwrap() - 1.0).abs() < 1e-9, "{case} {theta}: {a} {b}");
+            }
+            assert!((moduli.shear_gpa[0].unwrap() / number("G_yz_GPa") - 1.0).abs() < 1e-9);
+            for (i, line) in row["C_clamped_GPa"].as_array().unwrap().iter().enumerate() {
+                for (j, expected) in line.as_array().unwrap().iter().enumerate() {
+                    let expected = expected.as_f64().unwrap();
+                    let ours = elasticity.clamped_stiffness[(i, j)] * gpa();
+                    assert!((ours - expected).abs() < 1e-9 * 3e5, "{case} {theta}: {ours} {expected}");
+                }
+            }
+            let analytic = match case.as_str() {
+                "hinging" => honeycomb.hinging(gpa()),
+                "stretching" => honeycomb.stretching(gpa()),
+                _ => honeycomb.both(gpa()),
+            };
+            let analytic = [analytic.e_y_gpa, analytic.e_z_gpa, analytic.nu_yz, analytic.nu_zy];
+            for (a, b) in analytic.iter().zip(row["AM_calc"].as_array().unwrap()) {
+                assert!((a / b.as_f64().unwrap() - 1.0).abs() < 1e-9, "{case} {theta}: {a} {b}");
+            }
+            count += 1;
+        }
+    }
+    assert_eq!(count, 18);
+}
+
+/// The superposition of hinging and stretching is exact for this model.
+#[test]
+fn compliances_add() {
+    for theta in [30.0, 45.0, 60.0, 120.0, 135.0, 150.0] {
+        let honeycomb = made_of(theta, 50.0, 50.0);
+        let elasticity = Elasticity::of(&build::honeycomb(&honeycomb).unwrap()).unwrap();
+        let s = elasticity.compliance().unwrap();
+        let both = honeycomb.both(1.0);
+        assert!((1.0 / s[(0, 0)] / both.e_y_gpa - 1.0).abs() < 1e-9);
+        assert!((1.0 / s[(1, 1)] / both.e_z_gpa - 1.0).abs() < 1e-9);
+        assert!((-s[(1, 0)] / s[(0, 0)] / both.nu_yz - 1.0).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn supercells_are_the_same_material() {
+    let one = build::honeycomb(&made_of(45.0, 50.0, 10_000.0)).unwrap();
+    let reference = Elasticity::of(&one).unwrap();
+    // The largest goes through the sparse solver.
+    for counts in [[2, 2], [1, 3], [4, 4], [9, 8]] {
+        let elasticity = Elasticity::of(&one.supercell(&counts).unwrap()).unwrap();
+        let error = (&elasticity.stiffness - &reference.stiffness).amax() / reference.stiffness.amax();
+        assert!(error < 1e-9, "{counts:?}: {error:e}");
+    }
+}
+
+#[test]
+fn rotating_polygons_shrink_alike_in_all_directions() {
+    for angle in [5.0_f64, 20.0, 40.0] {
+        let nets = [
+            build::rotating_squares(2.0, angle.to_radians(), 1e6, 1.0).unwrap(),
+            build::rotating_triangles(2.0, angle.to_radians(), 1e6, 1.0).unwrap(),
+        ];
+        for net in nets {
+            let moduli = Moduli::new(&Elasticity::of(&net).unwrap(), 1.0);
+            for ratio in [moduli.poissons[0][1].unwrap(), moduli.poissons[1][0].unwrap()] {
+                assert!((ratio + 1.0).abs() < 2e-3, "{angle}: {ratio}");
+            }
+        }
+        // Without hinges the network yields, and says how.
+        for net in [
+            build::rotating_squares(2.0, angle.to_radians(), 1.0, 0.0).unwrap(),
+            build::rotating_triangles(2.0, angle.to_radians(), 1.0, 0.0).unwrap(),
+        ] {
+            let elasticity = Elasticity::of(&net).unwrap();
+            assert_eq!(elasticity.mechanisms.len(), 1);
+            let strain = &elasticity.mechanisms[0].strain;
+            assert!((strain[0] - strain[1]).abs() < 1e-6 && strain[2].abs() < 1e-6, "{strain:?}");
+            let moduli = Moduli::new(&elasticity, 1.0);
+            assert!(moduli.youngs_gpa[0].is_none() && (moduli.poissons[0][1].unwrap() + 1.0).abs() < 1e-6);
+        }
+    }
+}
+
+#[test]
+fn cubic_nets_have_their_textbook_constants() {
+    let (edge, ks) = (3.0, 7.0);
+    let fcc = Elasticity::of(&build::face_centred_cubic(edge, ks).unwrap()).unwrap().stiffness;
+    let diamond = Elasticity::of(&build::diamond(edge, ks, 0.0).unwrap()).unwrap();
+    for (i, j, of_fcc, of_diamond) in
+        [(0, 0, 2.0, 1.0 / 3.0), (0, 1, 1.0, 1.0 / 3.0), (3, 3, 1.0, 0.0), (0, 3, 0.0, 0.0), (4, 4, 1.0, 0.0)]
+    {
+        assert!((fcc[(i, j)] - of_fcc * ks / edge).abs() < 1e-12 * ks, "fcc {i} {j}: {}", fcc[(i, j)]);
+        assert!((diamond.stiffness[(i, j)] - of_diamond * ks / edge).abs() < 1e-12 * ks, "diamond {i} {j}");
+    }
+    assert_eq!(diamond.mechanisms.len(), 5);
+    assert!((diamond.clamped_stiffness[(3, 3)] - ks / (3.0 * edge)).abs() < 1e-12 * ks);
+    assert!(Elasticity::of(&build::diamond(edge, ks, 1.0).unwrap()).unwrap().mechanisms.is_empty());
+}
+
+fn shaken(framework: &Framework, amount: f64, seed: u64) -> Configuration {
+    let mut rng = CounterRng::new(seed, 0, 0);
+    let mut at = Configuration::built(framework);
+    at.nodes_angstrom.iter_mut().for_each(|x| *x += rng.uniform_in(-amount, amount));
+    let strains: Vec<f64> = (0..framework.strains()).map(|_| rng.uniform_in(-0.05, 0.05)).collect();
+    at.strain(framework.dimension(), &strains);
+    at
+}
+
+fn tetrahedral_chain() -> Framework {
+    let mut net = build::diamond(4.0, 5.0, 2.0).unwrap();
+    let n = |node: usize, image: [i32; 3]| Neighbour::there(node, &image);
+    // Any four nodes in a row, and a straight hinge over a rod and its image.
+    net.torsions.push(Torsion {
+        along: [n(0, [0, 0, 0]), n(1, [0, 0, 0]), n(2, [0, 0, 0]), n(3, [0, 1, 0])],
+        stiffness_kcal_mol_rad2: 1.5,
+        rest_angle_rad: Some(0.4),
+    });
+    net.rods.push(Rod {
+        from: 0,
+        to: n(0, [1, 0, 0]),
+        stiffness_kcal_mol_angstrom2: 0.7,
+        rest_length_angstrom: Some(3.9),
+    });
+    net.hinges.push(Hinge {
+        vertex: 0,
+        between: [n(0, [1, 0, 0]), n(0, [-1, 0, 0])],
+        stiffness_kcal_mol_rad2: 3.0,
+        rest_angle_rad: None,
+    });
+    net.hinges.push(Hinge {
+        vertex: 1,
+        between: [n(2, [0, 0, 0]), n(0, [1, 1, 0])],
+        stiffness_kcal_mol_rad2: 1.0,
+        rest_angle_rad: Some(2.0),
+    });
+    net
+}
+
+#[test]
+fn gradients_and_hessians_are_those_of_finite_differences() {
+    let nets = [
+        build::honeycomb(&made_of(50.0, 3.0, 7.0)).unwrap(),
+        build::arrowhead(2.0, 0.5, 1.1, 3.0, 2.0).unwrap(),
+        build::rod_lattice(1.0, 0.3, 0.6, 9.0, 4.0, 1.0).unwrap(),
+        tetrahedral_chain(),
+    ];
+    for (index, net) in nets.iter().enumerate() {
+        let energy = NetworkEnergy::new(net).unwrap();
+        let at = shaken(net, 0.05, index as u64);
+        let d = energy.derivatives(&at);
+        assert!((d.energy - energy.energy(&at)).abs() < 1e-12 * d.energy);
+        let (n, s, h) = (energy.coordinates(), net.strains(), 1e-5);
+        let mut hessian = DMatrix::zeros(n + s, n + s);
+        for (&(i, j), value) in energy.entries().iter().zip(&d.hessian) {
+            hessian[(i, j)] = *value;
+            hessian[(j, i)] = *value;
+        }
+        for i in 0..s {
+            for j in 0..s {
+                hessian[(n + i, n + j)] = d.strain_hessian[(i, j)];
+            }
+            for j in 0..n {
+                hessian[(j, n + i)] = d.mixed[(j, i)];
+            }
+        }
+        // Displacements x come before the strain: r = (1 + ε) (x + δx).
+        let moved = |x: Option<(usize, f64)>, e: Option<(usize, f64)>| {
+            let mut at = at.clone();
+            if let Some((index, step)) = x {
+                at.nodes_angstrom[index] += step;
+            }
+            if let Some((index, step)) = e {
+                let mut strains = vec![0.0; s];
+                strains[index] = step;
+                at.strain(net.dimension(), &strains);
+            }
+            at
+        };
+        let scale = hessian.amax();
+        for i in 0..n {
+            let [low, high] = [-h, h].map(|step| energy.derivatives(&moved(Some((i, step)), None)));
+            let slope = (high.energy - low.energy) / (2.0 * h);
+            assert!((slope - d.gradient[i]).abs() < 1e-7 * scale, "{index} gradient {i}: {slope} {}", d.gradient[i]);
+            for j in 0..n {
+                let slope = (high.gradient[j] - low.gradient[j]) / (2.0 * h);
+                assert!((slope - hessian[(i, j)]).abs() < 1e-7 * scale, "{index} {i} {j}: {slope} {}", hessian[(i, j)]);
+            }
+            for j in 0..s {
+                let slope = (high.strain_gradient[j] - low.strain_gradient[j]) / (2.0 * h);
+                assert!((slope - hessian[(i, n + j)]).abs() < 1e-7 * scale, "{index} mixed {i} {j}");
+            }
+        }
+        for i in 0..s {
+            let [low, high] = [-h, h].map(|step| energy.energy(&moved(None, Some((i, step)))));
+            assert!(((high - low) / (2.0 * h) - d.strain_gradient[i]).abs() < 1e-7 * scale, "{index} strain {i}");
+            let second = (high - 2.0 * d.energy + low) / (h * h);
+            assert!((second - d.strain_hessian[(i, i)]).abs() < 1e-4 * scale, "{index} strain {i}: {second}");
+        }
+    }
+}
+
+#[test]
+fn small_loads_stretch_by_the_compliance() {
+    let honeycomb = made_of(60.0, 50.0, 200.0);
+    let net = build::honeycomb(&honeycomb).unwrap();
+    let s = Elasticity::of(&net).unwrap().compliance().unwrap();
+    for axis in 0..2 {
+        for kind in [StressKind::Nominal, StressKind::Cauchy] {
+            let load = Load { axis, stress_kcal_mol_angstrom3: 1e-4, kind };
+            let loaded = minimise(&net, true, Some(load)).unwrap();
+            for other in 0..2 {
+                let expected = s[(other, axis)] * load.stress_kcal_mol_angstrom3;
+                assert!(
+                    (loaded.stretch[other] / expected - 1.0).abs() < 1e-3,
+                    "{axis} {other} {kind:?}: {:?}",
+                    loaded.stretch
+                );
+            }
+        }
+    }
+    // Far out the two kinds of stress part: this one grows wider when pulled, so a nominal stress is the smaller.
+    let net = build::honeycomb(&made_of(60.0, 50.0, 10_000.0)).unwrap();
+    let loads = |kind| -> Vec<Load> {
+        (1..=5).map(|i| Load { axis: 0, stress_kcal_mol_angstrom3: 4.0 * f64::from(i), kind }).collect()
+    };
+    let nominal = stretch_curve(&net, &loads(StressKind::Nominal)).unwrap();
+    let cauchy = stretch_curve(&net, &loads(StressKind::Cauchy)).unwrap();
+    let parted = nominal[4].stretch[0] / cauchy[4].stretch[0] - 1.0;
+    assert!((-0.1..-0.02).contains(&parted), "{parted}");
+    assert!(nominal.windows(2).all(|pair| pair[0].stretch[0] < pair[1].stretch[0]));
+}
+
+#[test]
+fn minimisation_comes_back() {
+    for net in [build::honeycomb(&made_of(120.0, 50.0, 200.0)).unwrap(), build::diamond(3.0, 5.0, 1.0).unwrap()] {
+        let mut moved = net.clone();
+        // The rest lengths are those of the network as built, the nodes are elsewhere.
+        let energy = NetworkEnergy::new(&net).unwrap();
+        for (rod, length) in moved.rods.iter_mut().zip(&net.rods) {
+            let (a, b) = (Neighbour::here(length.from), &length.to);
+            let place = |n: &Neighbour| -> Vec<f64> {
+                (0..net.dimension())
+                    .map(|i| {
+                        let image =
+                            n.image.iter().zip(&net.cell_angstrom).map(|(c, v)| f64::from(*c) * v[i]).sum::<f64>();
+                        net.nodes_angstrom[n.node][i] + image
+                    })
+                    .collect()
+            };
+            let d: f64 = place(&a).iter().zip(place(b)).map(|(x, y)| (x - y).powi(2)).sum();
+            rod.rest_length_angstrom = Some(d.sqrt());
+        }
+        moved.hinges.clear();
+        let mut unhinged = moved.clone();
+        let mut rng = CounterRng::new(3, 0, 0);
+        unhinged.nodes_angstrom.iter_mut().flatten().for_each(|x| *x += rng.uniform_in(-0.05, 0.05));
+        let rest = minimise(&unhinged, false, None).unwrap();
+        assert!(rest.energy_kcal_mol < 1e-15, "{}", rest.energy_kcal_mol);
+        assert!(energy.energy(&Configuration::built(&net)) < 1e-25);
+    }
+}
+
+#[test]
+fn broken_networks_are_refused_with_the_reason() {
+    let good = build::honeycomb(&made_of(60.0, 50.0, 200.0)).unwrap();
+    let refuse = |change: &dyn Fn(&mut Framework), reason: &str| {
+        let mut bad = good.clone();
+        change(&mut bad);
+        let message = Elasticity::of(&bad).unwrap_err().to_string();
+        assert!(message.contains(reason), "{message}");
+    };
+    refuse(&|net| net.nodes_angstrom.push(vec![0.3, 0.3]), "node 4 has no rod");
+    refuse(&|net| net.nodes_angstrom[1] = net.nodes_angstrom[0].clone(), "rod 0 joins two places that coincide");
+    refuse(&|net| net.cell_angstrom[1] = net.cell_angstrom[0].clone(), "collapsed");
+    refuse(&|net| net.rods[2].to.node = 9, "names node 9");
+    refuse(&|net| net.rods[2].to.image = vec![1], "whole numbers");
+    refuse(&|net| net.rods[2].stiffness_kcal_mol_angstrom2 = -1.0, "zero or positive");
+    refuse(&|net| net.nodes_angstrom[0][0] = f64::NAN, "node 0");
+    refuse(&|net| net.cell_angstrom.clear(), "2 or 3 dimensions");
+    assert!(build::honeycomb(&made_of(180.0, 1.0, 1.0)).is_err());
+    assert!(build::honeycomb(&Honeycomb { h_angstrom: 0.2, ..made_of(30.0, 1.0, 1.0) }).is_err());
+}
+
+/// `cargo test --release -p protomer-crystal --test framework -- --ignored --nocapture` prints the times.
+#[test]
+#[ignore = "a network of 1e5 nodes; run by name"]
+fn a_hundred_thousand_nodes_are_solved_sparsely() {
+    let one = build::honeycomb(&made_of(45.0, 50.0, 10_000.0)).unwrap();
+    let start = std::time::Instant::now();
+    for _ in 0..18 {
+        Elasticity::of(&one).unwrap();
+    }
+    eprintln!("18 cells of 4 nodes: {:?}", start.elapsed());
+    let start = std::time::Instant::now();
+    let large = one.supercell(&[158, 159]).unwrap();
+    let elasticity = Elasticity::of(&large).unwrap();
+    eprintln!("{} nodes: {:?}", large.nodes_angstrom.len(), start.elapsed());
+    let reference = Elasticity::of(&one).unwrap();
+    let error = (&elasticity.stiffness - &reference.stiffness).amax() / reference.stiffness.amax();
+    assert!(error < 1e-8, "{error:e}");
+}

@@ -1,0 +1,379 @@
+//! Dense work on one front: the columns of a supernode with all rows they reach.
+//!
+//! A front has m rows, the first k of which are its own columns. L is kept by tiles of eight rows; a tile holds eight
+//! numbers for column 0, eight for column 1, and so on, up to column k or the last one that reaches below the diagonal. So
+//! every inner loop reads one tile from end to end, eight rows at a time:
+//!
+//! ```text
+//! tile 0:  columns 0..8     strictly lower triangle, zeros above it and on the diagonal
+//! tile 1:  columns 0..16    eight full columns, then a triangle
+//! tile t:  columns 0..k     full
+//! ```
+//!
+//! When a front is done, the triangle T at the end of a diagonal tile (with ones on the diagonal, and for rows below the
+//! front's own) gives way to T⁻¹ less its diagonal, so that solutions need no recurrence.
+//!
+//! What is left for the rows k to m, S = A' - L D Lᵀ, is kept by columns, its rows counted from the tile that holds row k.
+//! No fused operations: every processor gives the same bits.
+
+// Loops over lanes are written by index, alike on both sides; so they vectorise.
+#![allow(clippy::needless_range_loop)]
+
+/// Rows per tile.
+pub(super) const LANES: usize = 8;
+/// Columns finished at a time.
+pub(super) const BLOCK: usize = 4;
+
+/// A pivot below this part of its diagonal entry counts as zero.
+const SMALLEST_PIVOT: f64 = 1e-13;
+
+/// Size of a front: `columns` of its own, `height` rows in all.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Shape {
+    pub columns: usize,
+    pub height: usize,
+}
+
+impl Shape {
+    pub fn tiles(self) -> usize {
+        self.height.div_ceil(LANES)
+    }
+
+    /// Columns held by a tile.
+    #[inline(always)]
+    pub fn width(self, tile: usize) -> usize {
+        self.columns.min(LANES * (tile + 1))
+    }
+
+    /// Where a tile begins.
+    #[inline(always)]
+    pub fn tile_start(self, tile: usize) -> usize {
+        let triangular = (self.columns / LANES).min(tile);
+        LANES * (LANES * triangular * (triangular + 1) / 2 + (tile - triangular) * self.columns)
+    }
+
+    /// Numbers in all tiles.
+    pub fn panel_size(self) -> usize {
+        self.tile_start(self.tiles())
+    }
+
+    /// The tile that holds the first row below the front's own.
+    #[inline(always)]
+    pub fn first_left_tile(self) -> usize {
+        self.columns / LANES
+    }
+
+    /// Distance of columns of what is left.
+    #[inline(always)]
+    pub fn left_stride(self) -> usize {
+        LANES * (self.tiles() - self.first_left_tile())
+    }
+
+    /// Numbers of what is left.
+    pub fn left_size(self) -> usize {
+        (self.height - self.columns) * self.left_stride()
+    }
+}
+
+type Tile = [f64; LANES];
+type Packed = [f64; BLOCK];
+
+/// The numbers of one tile, column by column.
+#[inline(always)]
+fn columns_of(panel: &[f64], shape: Shape, tile: usize) -> &[Tile] {
+    let start = shape.tile_start(tile);
+    panel[start..start + LANES * shape.width(tile)].as_chunks().0
+}
+
+/// Σ over columns of tile · row, for T tiles of eight rows and four columns to come.
+#[inline(always)]
+fn accumulate<const T: usize>(tiles: [&[Tile]; T], packed: &[Packed]) -> [[Tile; BLOCK]; T] {
+    let mut sum = [[[0.0; LANES]; BLOCK]; T];
+    let tiles = tiles.map(|tile| &tile[..packed.len()]);
+    for (column, packed) in packed.iter().enumerate() {
+        for t in 0..T {
+            let tile = &tiles[t][column];
+            for c in 0..BLOCK {
+                for lane in 0..LANES {
+                    sum[t][c][lane] += tile[lane] * packed[c];
+                }
+            }
+        }
+    }
+    sum
+}
+
+/// Factors the columns of a front. `own` gives the diagonal entry of each column before any elimination; pivots and
+/// their reciprocals are returned in `pivots` and `inverse`.
+///
+/// # Errors
+/// The column whose pivot is not safely positive, and the pivot.
+#[inline(always)]
+pub(super) fn factor_panel(
+    panel: &mut [f64],
+    shape: Shape,
+    own: impl Fn(usize) -> f64,
+    pivots: &mut [f64],
+    inverse: &mut [f64],
+    packed: &mut Vec<Packed>,
+) -> Result<(), (usize, f64)> {
+    for first in (0..shape.columns).step_by(BLOCK) {
+        let count = BLOCK.min(shape.columns - first);
+        let (diagonal_tile, lane) = (first / LANES, first % LANES);
+        packed.clear();
+        let rows = columns_of(panel, shape, diagonal_tile);
+        packed.extend(rows[..first].iter().zip(&*pivots).map(|(row, pivot)| {
+            let mut out = [0.0; BLOCK];
+            for c in 0..BLOCK {
+                out[c] = row[lane + c] * pivot;
+            }
+            out
+        }));
+        // upper[c][e]: d_c L_ec for the columns e > c of this block.
+        let mut upper = [[0.0; BLOCK]; BLOCK];
+        let mut reciprocal = [0.0; BLOCK];
+        for tile in diagonal_tile..shape.tiles() {
+            let [sum] = accumulate([columns_of(panel, shape, tile)], packed);
+            let start = shape.tile_start(tile) + LANES * first;
+            let mut value = [[0.0; LANES]; BLOCK];
+            let targets = panel[start..start + LANES * count].as_chunks_mut::<LANES>().0;
+            for c in 0..count {
+                for l in 0..LANES {
+                    value[c][l] = targets[c][l] - sum[c][l];
+                }
+            }
+            if tile == diagonal_tile {
+                let mut block = value;
+                for c in 0..count {
+                    let pivot = block[c][lane + c];
+                    if !(pivot.is_finite() && pivot > SMALLEST_PIVOT * own(first + c)) {
+                        return Err((first + c, pivot));
+                    }
+                    pivots[first + c] = pivot;
+                    inverse[first + c] = 1.0 / pivot;
+                    reciprocal[c] = 1.0 / pivot;
+                    for e in c + 1..count {
+                        upper[c][e] = block[c][lane + e];
+                        let entry = upper[c][e] * reciprocal[c];
+                        for f in e..count {
+                            block[e][lane + f] -= entry * block[c][lane + f];
+                        }
+                    }
+                }
+            }
+            for c in 0..count {
+                for l in 0..LANES {
+                    value[c][l] *= reciprocal[c];
+                }
+                for e in c + 1..BLOCK {
+                    for l in 0..LANES {
+                        value[e][l] -= value[c][l] * upper[c][e];
+                    }
+                }
+            }
+            if tile == diagonal_tile {
+                for c in 0..count {
+                    value[c][..=lane + c].fill(0.0);
+                }
+            }
+            targets.copy_from_slice(&value[..count]);
+        }
+    }
+    Ok(())
+}
+
+/// Writes -L D Lᵀ of the rows below the front's own into `left`.
+#[inline(always)]
+pub(super) fn start_left(panel: &[f64], shape: Shape, pivots: &[f64], left: &mut [f64], packed: &mut Vec<Packed>) {
+    let (stride, tiles, base) = (shape.left_stride(), shape.tiles(), shape.first_left_tile());
+    for first in (shape.columns..shape.height).step_by(BLOCK) {
+        let count = BLOCK.min(shape.height - first);
+        packed.clear();
+        packed.resize(shape.columns, [0.0; BLOCK]);
+        for c in 0..count {
+            let row = first + c;
+            for ((out, tile), pivot) in packed.iter_mut().zip(columns_of(panel, shape, row / LANES)).zip(pivots) {
+                out[c] = tile[row % LANES] * pivot;
+            }
+        }
+        let block = &mut left[(first - shape.columns) * stride..][..count * stride];
+        let mut tile = first / LANES;
+        while tile + 2 <= tiles {
+            let sum = accumulate([columns_of(panel, shape, tile), columns_of(panel, shape, tile + 1)], packed);
+            for (t, sum) in sum.iter().enumerate() {
+                store(block, stride, tile + t - base, sum);
+            }
+            tile += 2;
+        }
+        if tile < tiles {
+            let [sum] = accumulate([columns_of(panel, shape, tile)], packed);
+            store(block, stride, tile - base, &sum);
+        }
+    }
+}
+
+#[inline(always)]
+fn store(block: &mut [f64], stride: usize, tile: usize, sum: &[Tile; BLOCK]) {
+    for (column, sum) in block.chunks_exact_mut(stride).zip(sum) {
+        for (target, sum) in column[LANES * tile..LANES * (tile + 1)].iter_mut().zip(sum) {
+            *target = -sum;
+        }
+    }
+}
+
+/// Inverts the triangle of every diagonal tile. With T = 1 + L, the columns of V = T⁻¹ are V_c = e_c - Σ_{j>c} V_j L_jc.
+#[inline(always)]
+pub(super) fn invert_triangles(panel: &mut [f64], shape: Shape) {
+    for tile in 0..shape.columns.div_ceil(LANES) {
+        let start = shape.tile_start(tile) + LANES * LANES * tile;
+        let count = LANES.min(shape.columns - LANES * tile);
+        let columns = panel[start..start + LANES * count].as_chunks_mut::<LANES>().0;
+        let mut inverse = [[0.0; LANES]; LANES];
+        for c in (0..LANES).rev() {
+            if let Some(column) = columns.get_mut(c) {
+                let mut sum = [0.0; LANES];
+                for j in c + 1..LANES {
+                    for l in 0..LANES {
+                        sum[l] -= inverse[j][l] * column[j];
+                    }
+                }
+                *column = sum;
+                inverse[c] = sum;
+            }
+            inverse[c][c] = 1.0;
+        }
+    }
+}
+
+/// L y = t for the front's own rows, t -= L y for those below; t has room for all tiles.
+#[inline(always)]
+pub(super) fn solve_forward(panel: &[f64], shape: Shape, t: &mut [Tile]) {
+    let k = shape.columns;
+    let mut tile = 0;
+    while tile < shape.tiles() && LANES * tile < k {
+        let columns = columns_of(panel, shape, tile);
+        let mut sum = [[0.0; LANES]; 2];
+        let (known, rest) = t.split_at_mut(tile);
+        for (columns, known) in columns.chunks_exact(LANES).zip(known.iter()) {
+            for c in 0..LANES {
+                for l in 0..LANES {
+                    sum[c % 2][l] += columns[c][l] * known[c];
+                }
+            }
+        }
+        let mut value = rest[0];
+        for l in 0..LANES {
+            value[l] -= sum[0][l] + sum[1][l];
+        }
+        let given = value;
+        for (column, given) in columns[LANES * tile..].iter().zip(&given) {
+            for l in 0..LANES {
+                value[l] += column[l] * given;
+            }
+        }
+        rest[0] = value;
+        tile += 1;
+    }
+    let (known, rest) = t.split_at_mut(tile);
+    let known = &known.as_flattened()[..k];
+    let mut rest = rest[..shape.tiles() - tile].iter_mut();
+    let below = &panel[shape.tile_start(tile)..shape.panel_size()];
+    let mut below = below.as_chunks::<LANES>().0.chunks_exact(k);
+    while rest.len() >= 4 {
+        if let (Some(a), Some(b), Some(c), Some(d)) = (below.next(), below.next(), below.next(), below.next()) {
+            let sum = combine([a, b, c, d], known);
+            for sum in sum {
+                subtract(rest.next(), &sum);
+            }
+        }
+    }
+    for columns in below {
+        let [sum] = combine([columns], known);
+        subtract(rest.next(), &sum);
+    }
+}
+
+#[inline(always)]
+fn subtract(target: Option<&mut Tile>, sum: &Tile) {
+    if let Some(target) = target {
+        for l in 0..LANES {
+            target[l] -= sum[l];
+        }
+    }
+}
+
+/// Σ over columns of tile · known.
+#[inline(always)]
+fn combine<const T: usize>(tiles: [&[Tile]; T], known: &[f64]) -> [Tile; T] {
+    let mut sum = [[0.0; LANES]; T];
+    let tiles = tiles.map(|tile| &tile[..known.len()]);
+    for (p, known) in known.iter().enumerate() {
+        for t in 0..T {
+            for l in 0..LANES {
+                sum[t][l] += tiles[t][p][l] * known;
+            }
+        }
+    }
+    sum
+}
+
+/// Lᵀ x = t for the front's own rows; those below are given, the padding is zero.
+#[inline(always)]
+pub(super) fn solve_backward(panel: &[f64], shape: Shape, t: &mut [Tile], sums: &mut Vec<Tile>) {
+    let k = shape.columns;
+    sums.clear();
+    sums.resize(k, [0.0; LANES]);
+    let diagonal_tiles = k.div_ceil(LANES);
+    let below = &panel[shape.tile_start(diagonal_tiles)..shape.panel_size()];
+    let mut below = below.as_chunks::<LANES>().0.chunks_exact(k);
+    let (own, rest) = t.split_at_mut(diagonal_tiles);
+    let mut rest = rest.iter();
+    while below.len() >= 4 {
+        let tiles = (below.next(), below.next(), below.next(), below.next());
+        if let (Some(a), Some(b), Some(c), Some(d)) = tiles
+            && let (Some(e), Some(f), Some(g), Some(h)) = (rest.next(), rest.next(), rest.next(), rest.next())
+        {
+            spread([a, b, c, d], [e, f, g, h], sums);
+        }
+    }
+    for (tile, known) in below.zip(rest) {
+        spread([tile], [known], sums);
+    }
+    for tile in (0..diagonal_tiles).rev() {
+        let columns = columns_of(panel, shape, tile);
+        let value = &mut own[tile];
+        let triangle = &columns[LANES * tile..];
+        for (value, sum) in value.iter_mut().zip(&sums[LANES * tile..]) {
+            *value -= total(sum);
+        }
+        let given = *value;
+        for (value, column) in value.iter_mut().zip(triangle) {
+            let mut product = [0.0; LANES];
+            for l in 0..LANES {
+                product[l] = column[l] * given[l];
+            }
+            *value += total(&product);
+        }
+        spread([&columns[..LANES * tile]], [value], sums);
+    }
+}
+
+/// sums += tile · known, lane by lane.
+#[inline(always)]
+fn spread<const T: usize>(tiles: [&[Tile]; T], known: [&Tile; T], sums: &mut [Tile]) {
+    let known = known.map(|known| *known);
+    let count = tiles[0].len();
+    let tiles = tiles.map(|tile| &tile[..count]);
+    for (p, sum) in sums[..count].iter_mut().enumerate() {
+        for t in 0..T {
+            for l in 0..LANES {
+                sum[l] += tiles[t][p][l] * known[t][l];
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn total(x: &Tile) -> f64 {
+    ((x[0] + x[4]) + (x[2] + x[6])) + ((x[1] + x[5]) + (x[3] + x[7]))
+}
