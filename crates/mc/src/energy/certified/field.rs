@@ -5,7 +5,7 @@
 //! is its largest residual at the samples times [`SAFETY`]: a measured bound, not a proven one.
 
 use super::leaves::{LEAF, Leaves};
-use super::near;
+use super::sampling::{LINE, SmoothKernel};
 use super::split::{NEAR_DEGREE, Split};
 use super::window::Bounded;
 use crate::charges::LANES;
@@ -56,6 +56,9 @@ impl SmoothField {
         let corner: [f64; 3] = std::array::from_fn(|axis| -0.5 * edge * counts[axis] as f64);
         let mut field = Self { edge, corner, counts, cubes: Vec::new(), coefficients: Vec::new(), errors: Vec::new() };
         let fit = Fit::new();
+        let farthest = 2.0 * (reach + leaves.half_extents.iter().sum::<f64>());
+        let kernel = SmoothKernel::new(split, farthest);
+        let kernel = kernel.as_ref();
         let samples = Samples::new(
             leaves,
             split,
@@ -63,7 +66,7 @@ impl SmoothField {
             edge,
             counts.map(|count| count * (SAMPLES - 1) + 1),
             reach + edge,
-            false,
+            kernel,
         );
         let mut places = Vec::new();
         for index in 0..counts.iter().product() {
@@ -88,7 +91,7 @@ impl SmoothField {
             if f64::from(field.errors[cube]) > SAFETY * DIVIDE_ABOVE {
                 field.cubes[*index] = field.errors.len() as u32 | DIVIDED;
                 let low: [f64; 3] = std::array::from_fn(|axis| corner[axis] + place[axis] as f64 * edge);
-                let samples = Samples::new(leaves, split, low, 0.5 * edge, [2 * SAMPLES - 1; 3], f64::INFINITY, false);
+                let samples = Samples::new(leaves, split, low, 0.5 * edge, [2 * SAMPLES - 1; 3], f64::INFINITY, kernel);
                 let corners: Vec<[usize; 3]> = (0..8)
                     .map(|octant| [octant & 1, octant >> 1 & 1, octant >> 2].map(|n| n * (SAMPLES - 1)))
                     .collect();
@@ -206,7 +209,7 @@ impl Samples {
         edge: f64,
         counts: [usize; 3],
         reach: f64,
-        fine: bool,
+        kernel: Option<&SmoothKernel>,
     ) -> Self {
         let spacing = edge / (SAMPLES - 1) as f64;
         let mut values = vec![0.0; counts.iter().product()];
@@ -215,7 +218,7 @@ impl Samples {
             let half = leaves.half_extents[axis];
             (low - half).max(-half - high).max(0.0)
         };
-        let run = if fine { LANES } else { 2 * LANES };
+        let run = if kernel.is_some() { LINE } else { LANES };
         for k in 0..counts[2] {
             for j in 0..counts[1] {
                 let (y, z) = (at(1, j), at(2, k));
@@ -228,12 +231,12 @@ impl Samples {
                     }
                     let first = (k * counts[1] + j) * counts[0] + start;
                     let values = values[first..first + length].iter_mut();
-                    if fine {
-                        let sum = line_f64(leaves, split, &std::array::from_fn(|lane| at(0, start + lane)), y, z);
+                    if let Some(kernel) = kernel {
+                        let sum = kernel.line(leaves, &std::array::from_fn(|lane| at(0, start + lane)), y, z);
                         values.zip(sum).for_each(|(value, sum)| *value = sum);
                     } else {
-                        let sum = line_f32(leaves, split, &std::array::from_fn(|lane| at(0, start + lane)), y, z);
-                        values.zip(sum).for_each(|(value, sum)| *value = f64::from(sum));
+                        let sum = line_f64(leaves, split, &std::array::from_fn(|lane| at(0, start + lane)), y, z);
+                        values.zip(sum).for_each(|(value, sum)| *value = sum);
                     }
                 }
             }
@@ -333,7 +336,6 @@ macro_rules! line_sum {
     };
 }
 
-line_sum!(line_f32, line_f32_any, line_f32_avx512, line_f32_avx2, f32, 16, near::inverse_root, near::exp_of_minus);
 line_sum!(line_f64, line_f64_any, line_f64_avx512, line_f64_avx2, f64, 8, inverse_root, exp_of_minus);
 
 /// 1/√t in double precision.

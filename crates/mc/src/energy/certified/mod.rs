@@ -4,6 +4,7 @@ mod leaves;
 mod model;
 mod near;
 mod pair;
+mod sampling;
 mod split;
 mod window;
 

@@ -202,6 +202,10 @@ impl ChargeTable {
     #[cold]
     fn smooth_exactly(&self, x: [f64; 3]) -> f64 {
         let leaves = &self.leaves;
+        let outside = |axis: usize| (x[axis].abs() - leaves.half_extents[axis]).max(0.0);
+        if outside(0).powi(2) + outside(1).powi(2) + outside(2).powi(2) > self.split.cutoff.powi(2) {
+            return 0.0;
+        }
         let mut sum = 0.0;
         for leaf in 0..leaves.len() {
             for i in 0..LEAF {

@@ -45,6 +45,13 @@ impl Split {
         Self { bjerrum, kappa, cutoff, near_radius, near, step }
     }
 
+    /// The smooth part at a squared distance beyond R, continued beyond the cut-off.
+    pub fn beyond_near(&self, t: f64) -> f64 {
+        let cut_square = self.cutoff * self.cutoff;
+        let value = self.bjerrum * (-self.kappa * t.sqrt()).exp() / t.sqrt();
+        value - if cut_square.is_finite() { horner(&self.step, t - cut_square) } else { 0.0 }
+    }
+
     /// The smooth part at a squared distance.
     pub fn smooth(&self, t: f64) -> f64 {
         let (near_square, cut_square) = (self.near_radius * self.near_radius, self.cutoff * self.cutoff);
