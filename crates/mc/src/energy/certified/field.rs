@@ -45,6 +45,12 @@ pub(super) struct SmoothField {
     errors: Vec<f32>,
 }
 
+/// The cubes of a target leaf's members, and where in them: -1 to 1 along each axis.
+pub(super) struct Spots {
+    cubes: [u32; LEAF],
+    u: [[f32; LEAF]; 3],
+}
+
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C, align(64))]
 struct Coefficients([f32; PADDED]);
@@ -101,48 +107,139 @@ impl SmoothField {
         field
     }
 
-    /// The potential at the members of a target leaf, times their charges.
+    /// Where the members of a target leaf are among the cubes; asks the memory for these.
     #[inline(always)]
-    pub fn sum(&self, places: [&[f64; LEAF]; 3], charge: &[f64; LEAF], outside: impl Fn(usize) -> f64) -> Bounded {
-        let mut sum = Bounded::default();
+    pub fn locate(&self, places: [&[f64; LEAF]; 3], charge: &[f64; LEAF]) -> Spots {
         let inverse = 1.0 / self.edge;
-        let mut lanes = [0.0f32; 16];
+        let mut spots = Spots { cubes: [NO_CUBE; LEAF], u: [[0.0; LEAF]; 3] };
         for i in 0..LEAF {
-            if charge[i] == 0.0 {
-                continue;
-            }
             let mut place = [0usize; 3];
             let mut u = [0.0; 3];
-            let mut within = true;
+            let mut within = charge[i] != 0.0;
             for axis in 0..3 {
                 let coordinate = (places[axis][i] - self.corner[axis]) * inverse;
                 within &= coordinate >= 0.0 && coordinate < self.counts[axis] as f64;
                 place[axis] = coordinate as usize;
                 u[axis] = 2.0 * (coordinate - place[axis] as f64) - 1.0;
             }
-            let cube = if within {
-                self.cubes[(place[2] * self.counts[1] + place[1]) * self.counts[0] + place[0]]
-            } else {
-                NO_CUBE
-            };
-            if cube == NO_CUBE {
-                sum.value += charge[i] * outside(i);
+            if !within {
                 continue;
             }
-            let mut cube = cube as usize;
-            if cube & DIVIDED as usize != 0 {
-                cube &= !(DIVIDED as usize);
+            let mut cube = self.cubes[(place[2] * self.counts[1] + place[1]) * self.counts[0] + place[0]];
+            if cube == NO_CUBE {
+                continue;
+            }
+            if cube & DIVIDED != 0 {
+                cube &= !DIVIDED;
                 for (axis, u) in u.iter_mut().enumerate() {
                     let upper = *u >= 0.0;
-                    cube += usize::from(upper) << axis;
+                    cube += u32::from(upper) << axis;
                     *u = 2.0 * *u + if upper { -1.0 } else { 1.0 };
                 }
             }
-            sum.error += charge[i].abs() * f64::from(self.errors[cube]);
-            add_polynomial(&self.coefficients[cube].0, u.map(|u| u as f32), charge[i] as f32, &mut lanes);
+            self.prefetch(cube as usize);
+            spots.cubes[i] = cube;
+            for axis in 0..3 {
+                spots.u[axis][i] = u[axis] as f32;
+            }
         }
+        spots
+    }
+
+    #[inline(always)]
+    fn prefetch(&self, cube: usize) {
+        #[cfg(target_arch = "x86_64")]
+        {
+            use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+            for line in self.coefficients[cube].0.chunks_exact(16) {
+                // SAFETY: a prefetch reads nothing; the instruction is part of every x86-64 processor.
+                unsafe { _mm_prefetch::<_MM_HINT_T0>(line.as_ptr().cast()) };
+            }
+        }
+    }
+
+    /// The potential at the members of a target leaf, times their charges.
+    #[inline(always)]
+    pub fn sum<const WIDE: bool>(
+        &self,
+        spots: &Spots,
+        charge: &[f64; LEAF],
+        outside: impl Fn(usize) -> f64,
+    ) -> Bounded {
+        let mut sum = Bounded::default();
+        for i in 0..LEAF {
+            if charge[i] == 0.0 {
+                continue;
+            }
+            match self.errors.get(spots.cubes[i] as usize) {
+                Some(error) => sum.error += charge[i].abs() * f64::from(*error),
+                None => sum.value += charge[i] * outside(i),
+            }
+        }
+        #[cfg(target_arch = "x86_64")]
+        let lanes = if WIDE {
+            // SAFETY: WIDE says that the processor has the features.
+            unsafe { self.polynomials_avx512(spots, charge) }
+        } else {
+            self.polynomials(spots, charge)
+        };
+        #[cfg(not(target_arch = "x86_64"))]
+        let lanes = self.polynomials(spots, charge);
         sum.value += lanes.iter().map(|lane| f64::from(*lane)).sum::<f64>();
         sum
+    }
+
+    /// The charges times their cubes' polynomials, in sixteen partial sums.
+    #[inline(always)]
+    fn polynomials(&self, spots: &Spots, charge: &[f64; LEAF]) -> [f32; 16] {
+        let mut lanes = [0.0f32; 16];
+        for i in 0..LEAF {
+            if let Some(coefficients) = self.coefficients.get(spots.cubes[i] as usize) {
+                let u = [spots.u[0][i], spots.u[1][i], spots.u[2][i]];
+                add_polynomial(&coefficients.0, u, charge[i] as f32, &mut lanes);
+            }
+        }
+        lanes
+    }
+
+    /// The same operations in the same order.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,fma")]
+    #[inline]
+    fn polynomials_avx512(&self, spots: &Spots, charge: &[f64; LEAF]) -> [f32; 16] {
+        use std::arch::x86_64::*;
+        const INDICES: [[[i32; 16]; PADDED / 16]; 3] = indices();
+        // SAFETY: arrays of sixteen integers.
+        let at = INDICES.map(|axis| axis.map(|row| unsafe { _mm512_loadu_si512(row.as_ptr().cast()) }));
+        let one = _mm512_set1_ps(1.0);
+        // 1, u, u², u²u, u²u², u²u²u, and zeros for the padding.
+        let powers = |u: f32| {
+            let u = _mm512_set1_ps(u);
+            let square = _mm512_mul_ps(u, u);
+            let even = _mm512_mask_mov_ps(one, 0b1100, square);
+            let even = _mm512_mask_mul_ps(even, 0b11_0000, square, square);
+            let powers = _mm512_mask_mul_ps(even, 0b10_1010, even, u);
+            _mm512_maskz_mov_ps(0b11_1111, powers)
+        };
+        let mut lanes = _mm512_setzero_ps();
+        for i in 0..LEAF {
+            let Some(coefficients) = self.coefficients.get(spots.cubes[i] as usize) else { continue };
+            let [x, y, z] = [powers(spots.u[0][i]), powers(spots.u[1][i]), powers(spots.u[2][i])];
+            let mut values = _mm512_setzero_ps();
+            for (row, c) in coefficients.0.as_chunks::<16>().0.iter().enumerate() {
+                let monomials = _mm512_mul_ps(
+                    _mm512_mul_ps(_mm512_permutexvar_ps(at[0][row], x), _mm512_permutexvar_ps(at[1][row], y)),
+                    _mm512_permutexvar_ps(at[2][row], z),
+                );
+                // SAFETY: an array of sixteen floats.
+                values = _mm512_fmadd_ps(monomials, unsafe { _mm512_loadu_ps(c.as_ptr()) }, values);
+            }
+            lanes = _mm512_fmadd_ps(_mm512_set1_ps(charge[i] as f32), values, lanes);
+        }
+        let mut sums = [0.0; 16];
+        // SAFETY: an array of sixteen floats.
+        unsafe { _mm512_storeu_ps(sums.as_mut_ptr(), lanes) };
+        sums
     }
 
     pub fn memory_bytes(&self) -> usize {
@@ -172,6 +269,17 @@ const fn exponents() -> [[u8; PADDED]; 3] {
         total += 1;
     }
     exponents
+}
+
+/// The same by rows of sixteen.
+const fn indices() -> [[[i32; 16]; PADDED / 16]; 3] {
+    let mut indices = [[[0; 16]; PADDED / 16]; 3];
+    let mut at = 0;
+    while at < 3 * PADDED {
+        indices[at / PADDED][at % PADDED / 16][at % 16] = EXPONENTS[at / PADDED][at % PADDED] as i32;
+        at += 1;
+    }
+    indices
 }
 
 /// Adds `charge` times the polynomial's terms to sixteen partial sums.

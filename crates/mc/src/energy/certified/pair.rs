@@ -107,23 +107,23 @@ impl ChargeTable {
                 return unsafe { self.interval_avx2(other, relative) };
             }
         }
-        self.interval(other, relative)
+        self.interval::<false>(other, relative)
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,fma")]
     fn interval_avx512(&self, other: &ChargeTable, relative: &RelativePose) -> Option<EnergyInterval> {
-        self.interval(other, relative)
+        self.interval::<true>(other, relative)
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,fma")]
     fn interval_avx2(&self, other: &ChargeTable, relative: &RelativePose) -> Option<EnergyInterval> {
-        self.interval(other, relative)
+        self.interval::<false>(other, relative)
     }
 
     #[inline(always)]
-    fn interval(&self, other: &ChargeTable, relative: &RelativePose) -> Option<EnergyInterval> {
+    fn interval<const WIDE: bool>(&self, other: &ChargeTable, relative: &RelativePose) -> Option<EnergyInterval> {
         if self.leaves.len() == 0 || other.leaves.len() == 0 {
             return Some(EnergyInterval::default());
         }
@@ -141,8 +141,10 @@ impl ChargeTable {
                 continue;
             }
             let outside = |i: usize| self.smooth_exactly([places[0][i], places[1][i], places[2][i]]);
-            let smooth = field.sum([&places[0], &places[1], &places[2]], &target.charge, outside);
-            let rest = sum_target(&self.sources, &target, &self.split, &self.near, &mut lists);
+            // The cubes come from memory while the rest is summed.
+            let spots = field.locate([&places[0], &places[1], &places[2]], &target.charge);
+            let rest = sum_target::<WIDE>(&self.sources, &target, &self.split, &self.near, &mut lists);
+            let smooth = field.sum::<WIDE>(&spots, &target.charge, outside);
             sum.value += smooth.value + rest.value;
             sum.error += smooth.error + rest.error;
         }

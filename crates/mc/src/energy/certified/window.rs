@@ -63,8 +63,10 @@ pub(super) struct Target {
 pub(super) struct Lists {
     leaves: Vec<u32>,
     near_leaves: Vec<u32>,
+    /// Charges to compare: where they are among the sources, and x, y, z, charge and t.
     index: Vec<u32>,
-    t: Vec<f32>,
+    listed: [Vec<f32>; 5],
+    count: usize,
 }
 
 /// A sum with its bound, kT.
@@ -182,7 +184,7 @@ impl Contraction {
 
 /// The step's and the near pairs' contributions of one target leaf, kT.
 #[inline(always)]
-pub(super) fn sum_target(
+pub(super) fn sum_target<const WIDE: bool>(
     sources: &Sources,
     target: &Target,
     split: &Split,
@@ -194,8 +196,13 @@ pub(super) fn sum_target(
     let contraction = Contraction::new(target, split, square);
     let mut sum = classify(sources, target, split, &contraction.global, finite, lists);
     if !lists.leaves.is_empty() {
-        let straddling = collect(sources, target, split, square, &contraction, lists);
-        let window = compare(sources, target, split, lists);
+        let room = lists.leaves.len() * LEAF + LEAF;
+        if lists.index.len() < room {
+            lists.index.resize(room, 0);
+            lists.listed.iter_mut().for_each(|list| list.resize(room, 0.0));
+        }
+        let straddling = collect::<WIDE>(sources, target, split, square, &contraction, lists);
+        let window = compare::<WIDE>(sources, target, split, lists);
         sum.value += straddling.value + window.value;
         sum.error += straddling.error + window.error;
     }
@@ -261,9 +268,25 @@ fn classify(
     Bounded { value: inside.iter().sum(), error: 0.0 }
 }
 
+/// The sums over the charges of straddling leaves.
+struct Collected {
+    inside: [f32; LEAF],
+    inside_magnitude: [f32; LEAF],
+    magnitude: [f32; LEAF],
+}
+
+/// Where a charge is inside for the whole target leaf (t below the first) or outside (t not below the second), Å².
+#[derive(Clone, Copy)]
+struct Shell {
+    /// |c|² - r_cut².
+    constant: f64,
+    low: f32,
+    high: f32,
+}
+
 /// Sums the charges of straddling leaves that are inside for every member of the target, and lists those in doubt.
 #[inline(always)]
-fn collect(
+fn collect<const WIDE: bool>(
     sources: &Sources,
     target: &Target,
     split: &Split,
@@ -271,51 +294,25 @@ fn collect(
     contraction: &Contraction,
     lists: &mut Lists,
 ) -> Bounded {
-    let room = lists.leaves.len() * LEAF + LEAF;
-    if lists.index.len() < room {
-        lists.index.resize(room, 0);
-        lists.t.resize(room, 0.0);
-    }
     let c = target.centre;
-    let constant = c[0] * c[0] + c[1] * c[1] + c[2] * c[2] - square;
     let (low, high) = (split.cutoff - target.radius - MARGIN, split.cutoff + target.radius + MARGIN);
-    let low = if low > 0.0 { (low * low - square) as f32 } else { f32::NEG_INFINITY };
-    let high = (high * high - square) as f32;
+    let shell = Shell {
+        constant: c[0] * c[0] + c[1] * c[1] + c[2] * c[2] - square,
+        low: if low > 0.0 { (low * low - square) as f32 } else { f32::NEG_INFINITY },
+        high: (high * high - square) as f32,
+    };
+    #[cfg(target_arch = "x86_64")]
+    let collected = if WIDE {
+        // SAFETY: WIDE says that the processor has the features.
+        unsafe { collect_avx512(sources, &c, shell, contraction, lists) }
+    } else {
+        collect_any(sources, &c, shell, contraction, lists)
+    };
+    #[cfg(not(target_arch = "x86_64"))]
+    let collected = collect_any(sources, &c, shell, contraction, lists);
+    let Collected { inside, inside_magnitude, magnitude } = collected;
     let (k0, k1, k2) = (&contraction.k0, &contraction.k1, contraction.k2);
-    let mut inside = [0.0f32; LEAF];
-    let (mut magnitude, mut inside_magnitude) = ([0.0f32; LEAF], [0.0f32; LEAF]);
-    let mut total = 0.0;
-    let mut count = 0;
-    for leaf in &lists.leaves {
-        let leaf = *leaf as usize;
-        let exact = &sources.exact[leaf];
-        let (x, y, z, charge) = (&sources.x[leaf], &sources.y[leaf], &sources.z[leaf], &sources.charge[leaf]);
-        let mut t = [0.0f32; LEAF];
-        for lane in 0..LEAF {
-            let product = c[0].mul_add(exact[0][lane], c[1].mul_add(exact[1][lane], c[2] * exact[2][lane]));
-            t[lane] = (-2.0f64).mul_add(product, exact[3][lane] + constant) as f32;
-        }
-        for lane in 0..LEAF {
-            let (x, y, z, t) = (x[lane], y[lane], z[lane], t[lane]);
-            let linear = k0[1].mul_add(x, k0[2].mul_add(y, k0[3].mul_add(z, k0[0])));
-            let row_x = k0[4].mul_add(x, k0[7].mul_add(y, k0[8] * z));
-            let row_y = k0[5].mul_add(y, k0[9] * z);
-            let constant = row_x.mul_add(x, row_y.mul_add(y, (k0[6] * z).mul_add(z, linear)));
-            let slope = k1[1].mul_add(x, k1[2].mul_add(y, k1[3].mul_add(z, k1[0])));
-            let value = k2.mul_add(t, slope).mul_add(t, constant);
-            let weight = if t < low { charge[lane] } else { 0.0 };
-            inside[lane] = weight.mul_add(value, inside[lane]);
-            inside_magnitude[lane] += weight.abs();
-            magnitude[lane] += if (t < high) & (t >= low) { charge[lane].abs() } else { 0.0 };
-        }
-        for lane in 0..LEAF {
-            lists.index[count] = (leaf * LEAF + lane) as u32;
-            lists.t[count] = t[lane];
-            count += usize::from((t[lane] < high) & (t[lane] >= low));
-        }
-    }
-    total += inside.iter().map(|v| f64::from(*v)).sum::<f64>();
-    lists.index.truncate(count.max(0));
+    let total = inside.iter().map(|v| f64::from(*v)).sum::<f64>();
     let add = |lanes: &[f32; LEAF]| lanes.iter().map(|lane| f64::from(*lane)).sum::<f64>();
     // p falls with t; a listed charge is at most the target's diameter inside.
     let deepest = (split.cutoff - 2.0 * target.radius - MARGIN).max(0.0).powi(2) - square;
@@ -336,6 +333,133 @@ fn collect(
     Bounded { value: total, error }
 }
 
+/// The loop over the straddling leaves.
+#[inline(always)]
+fn collect_any(
+    sources: &Sources,
+    c: &[f64; 3],
+    shell: Shell,
+    contraction: &Contraction,
+    lists: &mut Lists,
+) -> Collected {
+    let (k0, k1, k2) = (&contraction.k0, &contraction.k1, contraction.k2);
+    let mut sums = Collected { inside: [0.0; LEAF], inside_magnitude: [0.0; LEAF], magnitude: [0.0; LEAF] };
+    let mut count = 0;
+    for leaf in &lists.leaves {
+        let leaf = *leaf as usize;
+        let exact = &sources.exact[leaf];
+        let (x, y, z, charge) = (&sources.x[leaf], &sources.y[leaf], &sources.z[leaf], &sources.charge[leaf]);
+        for lane in 0..LEAF {
+            let product = c[0].mul_add(exact[0][lane], c[1].mul_add(exact[1][lane], c[2] * exact[2][lane]));
+            let t = (-2.0f64).mul_add(product, exact[3][lane] + shell.constant) as f32;
+            let (x, y, z, charge) = (x[lane], y[lane], z[lane], charge[lane]);
+            if t < shell.low {
+                let linear = k0[1].mul_add(x, k0[2].mul_add(y, k0[3].mul_add(z, k0[0])));
+                let row_x = k0[4].mul_add(x, k0[7].mul_add(y, k0[8] * z));
+                let row_y = k0[5].mul_add(y, k0[9] * z);
+                let constant = row_x.mul_add(x, row_y.mul_add(y, (k0[6] * z).mul_add(z, linear)));
+                let slope = k1[1].mul_add(x, k1[2].mul_add(y, k1[3].mul_add(z, k1[0])));
+                let value = k2.mul_add(t, slope).mul_add(t, constant);
+                sums.inside[lane] = charge.mul_add(value, sums.inside[lane]);
+                sums.inside_magnitude[lane] += charge.abs();
+            } else if t < shell.high {
+                sums.magnitude[lane] += charge.abs();
+                lists.index[count] = (leaf * LEAF + lane) as u32;
+                for (list, value) in lists.listed.iter_mut().zip([x, y, z, charge, t]) {
+                    list[count] = value;
+                }
+                count += 1;
+            }
+        }
+    }
+    lists.count = count;
+    sums
+}
+
+/// The same operations in the same order, sixteen charges at once.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,fma")]
+#[inline]
+fn collect_avx512(
+    sources: &Sources,
+    c: &[f64; 3],
+    shell: Shell,
+    contraction: &Contraction,
+    lists: &mut Lists,
+) -> Collected {
+    use std::arch::x86_64::*;
+    let Lists { leaves, index, listed: [list_x, list_y, list_z, list_charge, list_t], .. } = lists;
+    let centre = c.map(|c| _mm512_set1_pd(c));
+    let (constant, minus_two) = (_mm512_set1_pd(shell.constant), _mm512_set1_pd(-2.0));
+    let (low, high) = (_mm512_set1_ps(shell.low), _mm512_set1_ps(shell.high));
+    let k0 = contraction.k0.map(|k| _mm512_set1_ps(k));
+    let k1 = contraction.k1.map(|k| _mm512_set1_ps(k));
+    let k2 = _mm512_set1_ps(contraction.k2);
+    let lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    let (mut inside, mut inside_magnitude, mut magnitude) =
+        (_mm512_setzero_ps(), _mm512_setzero_ps(), _mm512_setzero_ps());
+    let mut count = 0;
+    for leaf in leaves.iter() {
+        let leaf = *leaf as usize;
+        let exact = &sources.exact[leaf];
+        let half = |from: usize| {
+            // SAFETY: eight doubles from 0 or 8 of an array of sixteen.
+            let at = |axis: usize| unsafe { _mm512_loadu_pd(exact[axis].as_ptr().add(from)) };
+            let product =
+                _mm512_fmadd_pd(centre[0], at(0), _mm512_fmadd_pd(centre[1], at(1), _mm512_mul_pd(centre[2], at(2))));
+            _mm512_cvtpd_ps(_mm512_fmadd_pd(minus_two, product, _mm512_add_pd(at(3), constant)))
+        };
+        let t = _mm512_insertf32x8::<1>(_mm512_castps256_ps512(half(0)), half(8));
+        let within = _mm512_cmp_ps_mask::<_CMP_LT_OQ>(t, low);
+        let doubtful = _mm512_cmp_ps_mask::<_CMP_LT_OQ>(t, high) & !within;
+        if within | doubtful == 0 {
+            continue;
+        }
+        // SAFETY: arrays of sixteen floats.
+        let [x, y, z, charge] = unsafe {
+            [&sources.x[leaf], &sources.y[leaf], &sources.z[leaf], &sources.charge[leaf]]
+                .map(|lanes| _mm512_loadu_ps(lanes.as_ptr()))
+        };
+        let size = _mm512_abs_ps(charge);
+        if within != 0 {
+            let fma = |a, b, c| _mm512_fmadd_ps(a, b, c);
+            let linear = fma(k0[1], x, fma(k0[2], y, fma(k0[3], z, k0[0])));
+            let row_x = fma(k0[4], x, fma(k0[7], y, _mm512_mul_ps(k0[8], z)));
+            let row_y = fma(k0[5], y, _mm512_mul_ps(k0[9], z));
+            let constant = fma(row_x, x, fma(row_y, y, fma(_mm512_mul_ps(k0[6], z), z, linear)));
+            let slope = fma(k1[1], x, fma(k1[2], y, fma(k1[3], z, k1[0])));
+            let value = fma(fma(k2, t, slope), t, constant);
+            inside = _mm512_mask3_fmadd_ps(charge, value, inside, within);
+            inside_magnitude = _mm512_mask_add_ps(inside_magnitude, within, inside_magnitude, size);
+        }
+        if doubtful != 0 {
+            magnitude = _mm512_mask_add_ps(magnitude, doubtful, magnitude, size);
+            let lists = [&mut *list_x, &mut *list_y, &mut *list_z, &mut *list_charge, &mut *list_t];
+            for (list, values) in lists.into_iter().zip([x, y, z, charge, t]) {
+                let room = &mut list[count..count + LEAF];
+                // SAFETY: `room` is sixteen floats long.
+                unsafe { _mm512_storeu_ps(room.as_mut_ptr(), _mm512_maskz_compress_ps(doubtful, values)) };
+            }
+            let places = _mm512_add_epi32(lanes, _mm512_set1_epi32((leaf * LEAF) as i32));
+            let room = &mut index[count..count + LEAF];
+            // SAFETY: `room` is sixteen integers long.
+            unsafe {
+                _mm512_storeu_si512(room.as_mut_ptr().cast(), _mm512_maskz_compress_epi32(doubtful, places));
+            }
+            count += doubtful.count_ones() as usize;
+        }
+    }
+    lists.count = count;
+    let mut sums = Collected { inside: [0.0; LEAF], inside_magnitude: [0.0; LEAF], magnitude: [0.0; LEAF] };
+    // SAFETY: arrays of sixteen floats.
+    unsafe {
+        _mm512_storeu_ps(sums.inside.as_mut_ptr(), inside);
+        _mm512_storeu_ps(sums.inside_magnitude.as_mut_ptr(), inside_magnitude);
+        _mm512_storeu_ps(sums.magnitude.as_mut_ptr(), magnitude);
+    }
+    sums
+}
+
 /// The largest |t| of a charge in a straddling leaf, Å².
 fn far_inside(split: &Split, target: &Target) -> f64 {
     let square = split.cutoff * split.cutoff;
@@ -350,39 +474,120 @@ pub(super) const LARGEST_RADIUS: f64 = 5.0;
 
 /// Compares the listed charges with every member of the target.
 #[inline(always)]
-fn compare(sources: &Sources, target: &Target, split: &Split, lists: &Lists) -> Bounded {
+fn compare<const WIDE: bool>(sources: &Sources, target: &Target, split: &Split, lists: &Lists) -> Bounded {
     let step = split.step.map(|c| c as f32);
     let mut sums = [0.0f64; LEAF];
     let mut doubt = Bounded::default();
     let minus_two = target.offset.map(|axis| axis.map(|d| -2.0 * d));
-    for (indices, ts) in lists.index.chunks(CHUNK).zip(lists.t.chunks(CHUNK)) {
+    #[cfg(target_arch = "x86_64")]
+    if WIDE {
+        let mut exactly = |indices: &[u32]| doubt.add(compare_exactly(sources, target, split, indices));
+        // SAFETY: WIDE says that the processor has the features.
+        unsafe { compare_avx512(&minus_two, &target.shift, &step, lists, &mut sums, &mut exactly) };
+    } else {
+        let mut exactly = |indices: &[u32]| doubt.add(compare_exactly(sources, target, split, indices));
+        compare_any(&minus_two, &target.shift, &step, lists, &mut sums, &mut exactly);
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    {
+        let mut exactly = |indices: &[u32]| doubt.add(compare_exactly(sources, target, split, indices));
+        compare_any(&minus_two, &target.shift, &step, lists, &mut sums, &mut exactly);
+    }
+    let value: f64 = sums.iter().zip(&target.charge).map(|(sum, charge)| sum * charge).sum();
+    Bounded { value: value + doubt.value, error: doubt.error }
+}
+
+impl Bounded {
+    fn add(&mut self, other: Self) {
+        self.value += other.value;
+        self.error += other.error;
+    }
+}
+
+/// The loop over the listed charges; chunks with a t too close to zero go to `exactly`.
+#[inline(always)]
+fn compare_any(
+    minus_two: &[[f32; LEAF]; 3],
+    shift: &[f32; LEAF],
+    step: &[f32; 3],
+    lists: &Lists,
+    sums: &mut [f64; LEAF],
+    exactly: &mut impl FnMut(&[u32]),
+) {
+    let [xs, ys, zs, charges, ts] = &lists.listed;
+    for start in (0..lists.count).step_by(CHUNK) {
+        let chunk = start..(start + CHUNK).min(lists.count);
         let mut sum = [0.0f32; LEAF];
         let mut nearest = [f32::MAX; LEAF];
-        for (index, t) in indices.iter().zip(ts) {
-            let (leaf, lane) = (*index as usize / LEAF, *index as usize % LEAF);
-            let (x, y, z, charge) =
-                (sources.x[leaf][lane], sources.y[leaf][lane], sources.z[leaf][lane], sources.charge[leaf][lane]);
+        for at in chunk.clone() {
+            let (x, y, z, charge, t) = (xs[at], ys[at], zs[at], charges[at], ts[at]);
             for i in 0..LEAF {
-                let t = minus_two[0][i]
-                    .mul_add(x, minus_two[1][i].mul_add(y, minus_two[2][i].mul_add(z, target.shift[i] + t)));
+                let t =
+                    minus_two[0][i].mul_add(x, minus_two[1][i].mul_add(y, minus_two[2][i].mul_add(z, shift[i] + t)));
                 let p = step[2].mul_add(t, step[1]).mul_add(t, step[0]);
                 sum[i] = if t < 0.0 { charge.mul_add(p, sum[i]) } else { sum[i] };
                 let magnitude = t.abs();
                 nearest[i] = if magnitude < nearest[i] { magnitude } else { nearest[i] };
             }
         }
-        if nearest.iter().any(|t| f64::from(*t) < T_ERROR) {
-            let exact = compare_exactly(sources, target, split, indices);
-            doubt.value += exact.value;
-            doubt.error += exact.error;
+        if nearest.iter().any(|t| *t < T_ERROR as f32) {
+            exactly(&lists.index[chunk]);
         } else {
             for i in 0..LEAF {
                 sums[i] += f64::from(sum[i]);
             }
         }
     }
-    let value: f64 = sums.iter().zip(&target.charge).map(|(sum, charge)| sum * charge).sum();
-    Bounded { value: value + doubt.value, error: doubt.error }
+}
+
+/// The same operations in the same order, for sixteen members at once.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,fma")]
+#[inline]
+fn compare_avx512(
+    minus_two: &[[f32; LEAF]; 3],
+    shift: &[f32; LEAF],
+    step: &[f32; 3],
+    lists: &Lists,
+    sums: &mut [f64; LEAF],
+    exactly: &mut impl FnMut(&[u32]),
+) {
+    use std::arch::x86_64::*;
+    let [xs, ys, zs, charges, ts] = &lists.listed;
+    // SAFETY: arrays of sixteen floats.
+    let (d, shift) = unsafe {
+        ([0, 1, 2].map(|axis: usize| _mm512_loadu_ps(minus_two[axis].as_ptr())), _mm512_loadu_ps(shift.as_ptr()))
+    };
+    let step = step.map(|c| _mm512_set1_ps(c));
+    let (zero, doubt) = (_mm512_setzero_ps(), _mm512_set1_ps(T_ERROR as f32));
+    let (mut low, mut high) = (_mm512_setzero_pd(), _mm512_setzero_pd());
+    for start in (0..lists.count).step_by(CHUNK) {
+        let chunk = start..(start + CHUNK).min(lists.count);
+        let places = xs[chunk.clone()].iter().zip(&ys[chunk.clone()]).zip(&zs[chunk.clone()]);
+        let rest = charges[chunk.clone()].iter().zip(&ts[chunk.clone()]);
+        let (mut sum, mut nearest) = (zero, _mm512_set1_ps(f32::MAX));
+        for (((x, y), z), (charge, t)) in places.zip(rest) {
+            let t = _mm512_add_ps(shift, _mm512_set1_ps(*t));
+            let t = _mm512_fmadd_ps(d[2], _mm512_set1_ps(*z), t);
+            let t = _mm512_fmadd_ps(d[1], _mm512_set1_ps(*y), t);
+            let t = _mm512_fmadd_ps(d[0], _mm512_set1_ps(*x), t);
+            let p = _mm512_fmadd_ps(_mm512_fmadd_ps(step[2], t, step[1]), t, step[0]);
+            let inside = _mm512_cmp_ps_mask::<_CMP_LT_OQ>(t, zero);
+            sum = _mm512_mask3_fmadd_ps(_mm512_set1_ps(*charge), p, sum, inside);
+            nearest = _mm512_min_ps(_mm512_abs_ps(t), nearest);
+        }
+        if _mm512_cmp_ps_mask::<_CMP_LT_OQ>(nearest, doubt) != 0 {
+            exactly(&lists.index[chunk]);
+        } else {
+            low = _mm512_add_pd(low, _mm512_cvtps_pd(_mm512_castps512_ps256(sum)));
+            high = _mm512_add_pd(high, _mm512_cvtps_pd(_mm512_extractf32x8_ps::<1>(sum)));
+        }
+    }
+    // SAFETY: two halves of eight doubles of an array of sixteen.
+    unsafe {
+        _mm512_storeu_pd(sums.as_mut_ptr(), low);
+        _mm512_storeu_pd(sums.as_mut_ptr().add(8), high);
+    }
 }
 
 /// The same for a few charges, in double precision; a pair within rounding of the cut-off counts as error.
