@@ -17,6 +17,13 @@ pub enum Interaction {
     YukawaDirect(Yukawa),
     /// The same, with the same decisions, by intervals; the direct sum only where they leave a decision open.
     YukawaCertified(Yukawa),
+    /// The same to within a tolerance for each pair of bodies: decisions go by the intervals' middles.
+    YukawaApproximate {
+        /// The potential.
+        yukawa: Yukawa,
+        /// Largest error of the energy of two bodies, kT.
+        tolerance_kt: f64,
+    },
 }
 
 impl Interaction {
@@ -26,6 +33,9 @@ impl Interaction {
             Interaction::HardOnly => Box::new(NoCharges),
             Interaction::YukawaDirect(yukawa) => Box::new(DirectSum::new(*yukawa)),
             Interaction::YukawaCertified(yukawa) => Box::new(CertifiedSum::new(*yukawa)),
+            Interaction::YukawaApproximate { yukawa, tolerance_kt } => {
+                Box::new(CertifiedSum::new(*yukawa).with_tolerance(*tolerance_kt))
+            }
         }
     }
 }

@@ -10,7 +10,7 @@ use protomer_kernel::potential::Yukawa;
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Boundary, Pose, Vec3};
 use protomer_mc::charges::ChargeCloud;
-use protomer_mc::energy::certified::{Accuracy, CertifiedSum, ChargeTable};
+use protomer_mc::energy::certified::{CertifiedSum, ChargeTable};
 use protomer_mc::energy::{DirectSum, EnergyModel, yukawa_energy_kt};
 use protomer_mc::{BodyType, Interaction, Settings, Simulation, System};
 use std::ops::ControlFlow;
@@ -35,7 +35,7 @@ fn intervals_contain_the_direct_sum_from_contact_to_beyond_the_cutoff() {
         bodies[3].push(again);
         bodies[3].push((again.0, -0.2));
         let clouds: Vec<ChargeCloud> = bodies.iter().map(|charges| ChargeCloud::new(charges)).collect();
-        let tables: Vec<ChargeTable> = clouds.iter().map(|cloud| ChargeTable::new(cloud, &yukawa, 5)).collect();
+        let tables: Vec<ChargeTable> = clouds.iter().map(|cloud| ChargeTable::new(cloud, &yukawa)).collect();
         let farthest = cutoff.min(60.0) + 2.0 * RADIUS + 3.0;
         for case in 0..400 {
             let (a, b) = (case % 5, case / 5 % 5);
@@ -43,20 +43,21 @@ fn intervals_contain_the_direct_sum_from_contact_to_beyond_the_cutoff() {
             let pose = Pose { position, rotation: rng.rotation() };
             let relative = RelativePose::new(&Pose::identity(), &pose, &pose.position);
             let direct = yukawa_energy_kt(&yukawa, &clouds[a], &clouds[b], &relative);
-            for accuracy in [Accuracy::Fast, Accuracy::Fine] {
-                let Some(interval) = tables[a].energy_interval(&tables[b], &relative, accuracy) else {
+            {
+                let Some(interval) = tables[a].energy_interval(&tables[b], &relative) else {
                     assert!(cutoff < 30.0, "only cut-offs of the body's size are refused");
                     continue;
                 };
                 assert!(
                     interval.low_kt() <= direct && direct <= interval.high_kt(),
-                    "{debye} {cutoff} {a} {b} {accuracy:?}: {direct} {interval:?}"
+                    "{debye} {cutoff} {a} {b}: {direct} {interval:?}"
                 );
                 narrow += usize::from(interval.error_kt < 0.02);
             }
         }
     }
-    assert!(narrow > 2500, "bounds are narrow enough to be of use: {narrow}");
+    // One interval per case; those of charged bodies with the shortest cut-off are refused.
+    assert!(narrow > 1700, "bounds are narrow enough to be of use: {narrow}");
 }
 
 /// Poses that put one pair of charges within rounding of the cut-off, on either side.
@@ -66,7 +67,7 @@ fn a_pair_at_the_very_cutoff_is_inside_the_interval() {
     let yukawa = Yukawa::new(7.0, 1.0 / 9.6, 48.0).unwrap();
     let charges = random_charges(60, &mut rng);
     let cloud = ChargeCloud::new(&charges);
-    let table = ChargeTable::new(&cloud, &yukawa, 5);
+    let table = ChargeTable::new(&cloud, &yukawa);
     for case in 0..300 {
         let offset = [0.0, 1e-14, 1e-12, 1e-9, 1e-7, 1e-5, 1e-4][case % 7] * if case % 2 == 0 { 1.0 } else { -1.0 };
         let pose = Pose { position: Vec3::zeros(), rotation: rng.rotation() };
@@ -77,8 +78,8 @@ fn a_pair_at_the_very_cutoff_is_inside_the_interval() {
             continue;
         }
         let direct = yukawa_energy_kt(&yukawa, &cloud, &cloud, &relative);
-        for accuracy in [Accuracy::Fast, Accuracy::Fine] {
-            let interval = table.energy_interval(&table, &relative, accuracy).unwrap();
+        {
+            let interval = table.energy_interval(&table, &relative).unwrap();
             assert!(interval.low_kt() <= direct && direct <= interval.high_kt(), "{offset} {direct} {interval:?}");
         }
     }

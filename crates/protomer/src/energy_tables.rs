@@ -5,7 +5,7 @@ use anyhow::{Result, bail};
 use protomer_io::atomic::sha256_hex;
 use protomer_kernel::potential::Yukawa;
 use protomer_mc::BodyType;
-use protomer_mc::energy::certified::{ChargeTable, RAYS_PER_EDGE};
+use protomer_mc::energy::certified::ChargeTable;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -13,7 +13,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 pub const DEFAULT_MEMORY_LIMIT_BYTES: u64 = 4_000_000_000;
 
 /// Raised when the tables of equal charges become other tables.
-const FORMAT: &str = "charge table 1";
+const FORMAT: &str = "charge table 2";
 
 /// Where tables come from.
 #[derive(Debug)]
@@ -69,7 +69,7 @@ impl EnergyTables {
         if let Some(table) = locked(&self.made).tables.get(&key) {
             return Ok(Arc::clone(table));
         }
-        let table = Arc::new(ChargeTable::new(&kind.charges, yukawa, RAYS_PER_EDGE));
+        let table = Arc::new(ChargeTable::new(&kind.charges, yukawa));
         locked(&self.made).keep(key, &table, &kind.name, self.memory_limit_bytes)?;
         Ok(table)
     }

@@ -1,6 +1,6 @@
 //! The plain sum over all pairs of charges.
 
-use super::{EnergyModel, PairEnergy, finite, yukawa_energy_kt};
+use super::{EnergyModel, PairEnergy, all_pairs, finite, yukawa_energy_kt};
 use crate::Result;
 use crate::sparse_rows::PairTable;
 use crate::system::{Pair, System, Trial};
@@ -46,14 +46,7 @@ impl EnergyModel for DirectSum {
 
     fn reset(&mut self, system: &System) -> Result<()> {
         self.proposed.clear();
-        self.energies = PairTable::new(system.len());
-        for first in 0..system.len() {
-            for second in first + 1..system.len() {
-                if let Some(energy) = self.pair_energy(&system.pair(first, second))? {
-                    self.energies.set(first, second, energy);
-                }
-            }
-        }
+        self.energies = all_pairs(system, |pair| self.pair_energy(pair))?;
         Ok(())
     }
 

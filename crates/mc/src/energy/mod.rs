@@ -13,7 +13,8 @@ pub use direct::DirectSum;
 pub use none::NoCharges;
 pub use yukawa_sum::yukawa_energy_kt;
 
-use crate::system::{System, Trial};
+use crate::sparse_rows::PairTable;
+use crate::system::{Pair, System, Trial};
 use crate::{McError, Result};
 use serde::{Deserialize, Serialize};
 
@@ -73,6 +74,11 @@ pub trait EnergyModel: Send {
     /// Nothing moved.
     fn reject(&mut self);
 
+    /// The largest bound of a pair energy's error that was used so far, kT; zero for sums.
+    fn error_bound_kt(&self) -> f64 {
+        0.0
+    }
+
     /// Memory of what was prepared for this model, bytes; shared tables count once per model.
     fn memory_bytes(&self) -> usize {
         0
@@ -85,6 +91,19 @@ pub trait EnergyModel: Send {
     fn total_kt(&self) -> f64 {
         self.pairs().iter().map(|pair| pair.energy_kt).sum()
     }
+}
+
+/// What `energy` says of every pair of a system.
+fn all_pairs<T: Copy>(system: &System, mut energy: impl FnMut(&Pair<'_>) -> Result<Option<T>>) -> Result<PairTable<T>> {
+    let mut energies = PairTable::new(system.len());
+    for first in 0..system.len() {
+        for second in first + 1..system.len() {
+            if let Some(value) = energy(&system.pair(first, second))? {
+                energies.set(first, second, value);
+            }
+        }
+    }
+    Ok(energies)
 }
 
 /// The energy if it is finite, otherwise the error that names the pair; the engine adds the step.

@@ -86,7 +86,7 @@ fn add_group_pair(yukawa: &Yukawa, a: &ChargeGroup, b: &ChargeGroup, total: &mut
 /// With n the integer nearest to -y/ln 2 and f = -y - n ln 2, |f| <= ln(2)/2: exp(-y) = 2ⁿ exp(f), and the Taylor
 /// polynomial of degree 12 of exp(f) is in error by less than 2e-16.
 #[inline(always)]
-fn exp_of_minus(y: f64) -> f64 {
+pub(super) fn exp_of_minus(y: f64) -> f64 {
     /// Adding it rounds to an integer, which is then found in the low bits.
     const ROUNDER: f64 = 6_755_399_441_055_744.0; // 1.5 · 2⁵²
     /// ln 2 in two parts; the first has so few bits that n times it is exact.

@@ -1,25 +1,28 @@
 //! The energy model that makes the direct sum's decisions without summing.
 
-use super::pair::{Accuracy, ChargeTable, EnergyInterval};
+use super::pair::{ChargeTable, EnergyInterval};
 use crate::Result;
-use crate::energy::{EnergyModel, PairEnergy, finite, yukawa_energy_kt};
+use crate::energy::{EnergyModel, PairEnergy, all_pairs, finite, yukawa_energy_kt};
 use crate::sparse_rows::PairTable;
 use crate::system::{Pair, System, Trial};
 use protomer_kernel::pose::RelativePose;
 use protomer_kernel::potential::Yukawa;
 use std::sync::Arc;
 
-/// Energies as intervals that certainly contain the direct sum's value. A decision whose interval is on one side of its
-/// threshold is the direct sum's; while it is open the widest interval is replaced by the direct sum itself, computed
-/// by the same function for the same relative pose. So every decision equals that of [`DirectSum`](crate::energy::DirectSum).
+/// Energies as intervals that contain the direct sum's value. A decision whose interval is on one side of its threshold is
+/// the direct sum's; while it is open the widest interval is replaced by the direct sum itself, computed by the same
+/// function for the same relative pose. So every decision equals that of [`DirectSum`](crate::energy::DirectSum).
+///
+/// With a tolerance, decisions go by the intervals' middles; a pair whose interval is wider gets the direct sum.
 #[derive(Debug, Clone)]
 pub struct CertifiedSum {
     yukawa: Yukawa,
-    rays_per_edge: usize,
+    tolerance_kt: Option<f64>,
     tables: Vec<Arc<ChargeTable>>,
     energies: PairTable<Known>,
     proposed: Vec<(usize, usize, Known)>,
     counts: Counts,
+    largest_error_kt: f64,
 }
 
 /// How often each path was taken.
@@ -29,6 +32,8 @@ pub struct Counts {
     pub decisions: u64,
     /// Pair intervals computed.
     pub intervals: u64,
+    /// Decisions that the intervals left open.
+    pub open: u64,
     /// Direct sums that open decisions asked for.
     pub direct_sums: u64,
 }
@@ -39,6 +44,8 @@ struct Known {
     /// Where the energy was asked for, so that a later refinement gives the bits that the direct sum had then.
     relative: RelativePose,
     energy: EnergyInterval,
+    /// The middle found first: what is reported, whatever decisions asked for since.
+    reported_kt: f64,
     exact: bool,
 }
 
@@ -58,8 +65,21 @@ impl CertifiedSum {
 
     /// The model with tables from elsewhere, one per body type of the system, shared.
     pub fn with_tables(yukawa: Yukawa, tables: Vec<Arc<ChargeTable>>) -> Self {
-        let (energies, proposed) = (PairTable::new(0), Vec::new());
-        Self { yukawa, rays_per_edge: super::RAYS_PER_EDGE, tables, energies, proposed, counts: Counts::default() }
+        Self {
+            yukawa,
+            tolerance_kt: None,
+            tables,
+            energies: PairTable::new(0),
+            proposed: Vec::new(),
+            counts: Counts::default(),
+            largest_error_kt: 0.0,
+        }
+    }
+
+    /// The same tables without the certainty: each pair's energy to within `tolerance_kt`.
+    pub fn with_tolerance(mut self, tolerance_kt: f64) -> Self {
+        self.tolerance_kt = Some(tolerance_kt);
+        self
     }
 
     /// The tables, one per body type.
@@ -82,21 +102,26 @@ impl CertifiedSum {
         let relative = pair.relative();
         let (a, b) = pair.type_indices();
         self.counts.intervals += 1;
-        let interval = self.tables[a].energy_interval(&self.tables[b], &relative, Accuracy::Fast);
-        let known = match interval.filter(|interval| interval.low_kt().is_finite() && interval.high_kt().is_finite()) {
-            Some(energy) => Known { relative, energy, exact: false },
-            None => self.exactly(pair, &relative)?,
+        let interval = self.tables[a].energy_interval(&self.tables[b], &relative);
+        let tolerance = self.tolerance_kt.unwrap_or(f64::INFINITY);
+        let known = match interval.filter(|interval| interval.error_kt <= tolerance) {
+            Some(energy) => Known { relative, energy, reported_kt: energy.middle_kt, exact: false },
+            None => {
+                let energy = self.exactly(pair, &relative)?;
+                Known { relative, energy, reported_kt: energy.middle_kt, exact: true }
+            }
         };
+        self.largest_error_kt = self.largest_error_kt.max(known.energy.error_kt);
         Ok(Some(known))
     }
 
     /// The direct sum for this relative pose of the pair's bodies.
-    fn exactly(&mut self, pair: &Pair<'_>, relative: &RelativePose) -> Result<Known> {
+    fn exactly(&mut self, pair: &Pair<'_>, relative: &RelativePose) -> Result<EnergyInterval> {
         self.counts.direct_sums += 1;
         let (first, second) = pair.types();
         let energy = yukawa_energy_kt(&self.yukawa, &first.charges, &second.charges, relative);
         let middle_kt = finite(pair.first, pair.second, energy)?;
-        Ok(Known { relative: *relative, energy: EnergyInterval { middle_kt, error_kt: 0.0 }, exact: true })
+        Ok(EnergyInterval { middle_kt, error_kt: 0.0 })
     }
 
     fn old_terms(&self, body: usize) -> Vec<Term> {
@@ -107,6 +132,10 @@ impl CertifiedSum {
     /// find. `above` answers the mirrored question, "above or not above".
     fn decide(&mut self, trial: &Trial<'_>, terms: &mut [Term], threshold_kt: f64, above: bool) -> Result<bool> {
         self.counts.decisions += 1;
+        if self.tolerance_kt.is_some() {
+            return Ok(compare_middles(terms, threshold_kt, above));
+        }
+        let mut first = true;
         loop {
             let (mut middle, mut error, mut size) = (0.0, 0.0, 0.0);
             for term in terms.iter() {
@@ -123,16 +152,15 @@ impl CertifiedSum {
             if middle - error > threshold_kt {
                 return Ok(above);
             }
+            self.counts.open += u64::from(first);
+            first = false;
             let widest = terms.iter_mut().filter(|term| !term.known.exact);
             let Some(term) = widest.max_by(|a, b| a.known.energy.error_kt.total_cmp(&b.known.energy.error_kt)) else {
-                let sum = |new: bool| -> f64 {
-                    terms.iter().filter(|term| term.new == new).fold(0.0, |sum, term| sum + term.known.energy.middle_kt)
-                };
-                let change = sum(true) - sum(false);
-                return Ok(if above { change > threshold_kt } else { change < threshold_kt });
+                return Ok(compare_middles(terms, threshold_kt, above));
             };
             let pair = trial.pair(term.partner);
-            term.known = self.exactly(&pair, &term.known.relative)?;
+            term.known.energy = self.exactly(&pair, &term.known.relative)?;
+            term.known.exact = true;
             if !term.new {
                 self.energies.set(trial.body, term.partner, term.known);
             }
@@ -148,6 +176,15 @@ impl CertifiedSum {
     }
 }
 
+/// The direct sum's comparison: new energies less old ones, each added up in the order of the partners.
+fn compare_middles(terms: &[Term], threshold_kt: f64, above: bool) -> bool {
+    let sum = |new: bool| -> f64 {
+        terms.iter().filter(|term| term.new == new).fold(0.0, |sum, term| sum + term.known.energy.middle_kt)
+    };
+    let change = sum(true) - sum(false);
+    if above { change > threshold_kt } else { change < threshold_kt }
+}
+
 impl EnergyModel for CertifiedSum {
     fn range_angstrom(&self, system: &System) -> f64 {
         let charged = system.types().iter().filter(|kind| !kind.charges.is_empty());
@@ -156,9 +193,9 @@ impl EnergyModel for CertifiedSum {
 
     fn reset(&mut self, system: &System) -> Result<()> {
         if self.tables.len() != system.types().len() {
-            let (yukawa, rays) = (&self.yukawa, self.rays_per_edge);
+            let yukawa = &self.yukawa;
             self.tables = std::thread::scope(|scope| {
-                let table = |kind: &Arc<crate::BodyType>| Arc::new(ChargeTable::new(&kind.charges, yukawa, rays));
+                let table = |kind: &Arc<crate::BodyType>| Arc::new(ChargeTable::new(&kind.charges, yukawa));
                 let jobs: Vec<_> = system.types().iter().map(|kind| scope.spawn(move || table(kind))).collect();
                 let done = jobs.into_iter().zip(system.types());
                 // A thread that could not finish is replaced by doing its work here.
@@ -166,19 +203,20 @@ impl EnergyModel for CertifiedSum {
             });
         }
         self.proposed.clear();
-        self.energies = PairTable::new(system.len());
-        for first in 0..system.len() {
-            for second in first + 1..system.len() {
-                if let Some(known) = self.known(&system.pair(first, second))? {
-                    self.energies.set(first, second, known);
-                }
-            }
-        }
+        self.energies = all_pairs(system, |pair| self.known(pair))?;
         Ok(())
     }
 
-    fn restore(&mut self, system: &System, _: &[PairEnergy]) -> Result<()> {
-        self.reset(system)
+    /// The intervals are found anew; what is reported goes on from what was.
+    fn restore(&mut self, system: &System, pairs: &[PairEnergy]) -> Result<()> {
+        self.reset(system)?;
+        for pair in pairs {
+            if let Some(mut known) = self.energies.get(pair.first, pair.second) {
+                known.reported_kt = finite(pair.first, pair.second, pair.energy_kt)?;
+                self.energies.set(pair.first, pair.second, known);
+            }
+        }
+        Ok(())
     }
 
     fn accept(&mut self, trial: &Trial<'_>, partners: &[usize], budget_kt: f64) -> Result<bool> {
@@ -223,8 +261,16 @@ impl EnergyModel for CertifiedSum {
         self.proposed.clear();
     }
 
+    fn error_bound_kt(&self) -> f64 {
+        self.largest_error_kt
+    }
+
+    fn memory_bytes(&self) -> usize {
+        self.tables.iter().map(|table| table.memory_bytes()).sum()
+    }
+
     fn pairs(&self) -> Vec<PairEnergy> {
         let pairs = self.energies.pairs();
-        pairs.map(|(first, second, known)| PairEnergy { first, second, energy_kt: known.energy.middle_kt }).collect()
+        pairs.map(|(first, second, known)| PairEnergy { first, second, energy_kt: known.reported_kt }).collect()
     }
 }

@@ -1,25 +1,21 @@
 //! The energy of two bodies as an interval.
 
-use super::Charges;
-use super::field::ScreenedField;
-use super::tail::CutTail;
+use super::field::SmoothField;
+use super::leaves::{LEAF, Leaves};
+use super::near::NearKernel;
+use super::split::Split;
+use super::window::{Bounded, LARGEST_RADIUS, Lists, Sources, Target, moments, sum_target};
 use crate::charges::ChargeCloud;
-use crate::energy::yukawa_energy_kt;
-use protomer_kernel::Vec3;
 use protomer_kernel::pose::RelativePose;
 use protomer_kernel::potential::Yukawa;
 
-/// Error of the potentials of two bodies without cut-off that the cells' polynomials aim at, kT.
-const FIELD_ERROR_KT: f64 = 1e-2;
-
-/// How closely an interval is drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Accuracy {
-    /// Charges near the cut-off in single precision.
-    Fast,
-    /// Charges near the cut-off in double precision.
-    Fine,
-}
+/// Edge of the field's cubes, Å, while the cut-off is at most [`REACH_OF_EDGE`]; beyond, in proportion.
+const EDGE: f64 = 3.0;
+const REACH_OF_EDGE: f64 = 60.0;
+/// The short distance R of the split over the edge of a cube.
+const NEAR_PER_EDGE: f64 = 10.0 / 3.0;
+/// A cut-off below this many R is left to the direct sum, which is short then.
+const LEAST_CUTOFF: f64 = 2.4;
 
 /// An energy between two bounds, kT.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -42,153 +38,199 @@ impl EnergyInterval {
     }
 }
 
-/// The energy of two bodies to a tolerance: the cheapest interval whose half-width is at most `tolerance_kt`, the direct sum
-/// (as an interval of no width) if none is. `clouds` are the charges of the tables; `relative` is the pose of the second
-/// body in the frame of the first.
-pub fn pair_energy_interval(
-    tables: [&ChargeTable; 2],
-    clouds: [&ChargeCloud; 2],
-    relative: &RelativePose,
-    tolerance_kt: f64,
-) -> EnergyInterval {
-    for accuracy in [Accuracy::Fast, Accuracy::Fine] {
-        match tables[0].energy_interval(tables[1], relative, accuracy) {
-            Some(interval) if interval.error_kt <= tolerance_kt => return interval,
-            _ => {}
-        }
-    }
-    let middle_kt = yukawa_energy_kt(&tables[0].yukawa, clouds[0], clouds[1], relative);
-    EnergyInterval { middle_kt, error_kt: 0.0 }
-}
-
 /// What is precomputed about the charges of one body under one potential; immutable, to be shared.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ChargeTable {
-    yukawa: Yukawa,
-    /// Middle of the charges' box in the body's frame, Å; everything below is relative to it.
-    centre: Vec3,
-    points: Charges,
-    radius: f64,
+    leaves: Leaves,
+    sources: Sources,
+    /// The moments of each leaf about its centre.
+    moments: Vec<[f64; 14]>,
     magnitude: f64,
-    field: ScreenedField,
-    tail: Option<CutTail>,
+    radius: f64,
+    split: Split,
+    near: NearKernel,
+    field: Option<SmoothField>,
 }
 
 impl ChargeTable {
     /// The tables of these charges.
-    pub fn new(charges: &ChargeCloud, yukawa: &Yukawa, rays_per_edge: usize) -> Self {
-        let mut low = Vec3::repeat(f64::INFINITY);
-        let mut high = -low;
-        for (place, _) in charges.iter() {
-            low = low.inf(&place);
-            high = high.sup(&place);
-        }
-        let centre = if charges.is_empty() { Vec3::zeros() } else { 0.5 * (low + high) };
-        let points = Charges::new(charges.iter().map(|(place, charge)| (place - centre, charge)));
-        let radius = points.radius();
-        let (bjerrum, kappa) = (yukawa.bjerrum_length_angstrom, yukawa.inverse_debye_length_per_angstrom);
-        let cutoff = yukawa.cutoff_angstrom;
-        let reach = radius + cutoff.min(60.0);
-        let magnitude: f64 = points.charge.iter().map(|charge| charge.abs()).sum();
-        let field = ScreenedField::new(&points, bjerrum, kappa, reach, 1.0, FIELD_ERROR_KT / magnitude.max(1.0));
-        let tail = CutTail::new(&points, bjerrum, kappa, cutoff, rays_per_edge);
-        Self { yukawa: *yukawa, centre, points, radius, magnitude, field, tail }
+    pub fn new(charges: &ChargeCloud, yukawa: &Yukawa) -> Self {
+        let leaves = Leaves::new(charges, LARGEST_RADIUS);
+        let reach = if yukawa.cutoff_angstrom.is_finite() { yukawa.cutoff_angstrom } else { REACH_OF_EDGE };
+        let edge = EDGE * (reach / REACH_OF_EDGE).max(1.0);
+        let split = Split::new(yukawa, NEAR_PER_EDGE * edge);
+        let field = (yukawa.cutoff_angstrom >= LEAST_CUTOFF * split.near_radius && leaves.len() > 0)
+            .then(|| SmoothField::new(&leaves, &split, edge, reach));
+        Self::assemble(leaves, split, field)
+    }
+
+    fn assemble(leaves: Leaves, split: Split, field: Option<SmoothField>) -> Self {
+        let sources = Sources::new(&leaves);
+        let moments = (0..leaves.len())
+            .map(|leaf| {
+                let [cx, cy, cz, _] = leaves.spheres[leaf];
+                let (x, y, z) =
+                    (leaves.x[leaf].map(|x| x - cx), leaves.y[leaf].map(|y| y - cy), leaves.z[leaf].map(|z| z - cz));
+                moments([&x, &y, &z], &leaves.charge[leaf])
+            })
+            .collect();
+        let magnitude = leaves.magnitude.iter().sum();
+        let radius = leaves.half_extents.iter().map(|half| half * half).sum::<f64>().sqrt();
+        let near = NearKernel::new(&split);
+        Self { leaves, sources, moments, magnitude, radius, split, near, field }
     }
 
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
-        self.field.memory_bytes() + self.tail.as_ref().map_or(0, CutTail::memory_bytes)
+        let leaf = 4 * 8 * LEAF + 4 * 8 + 8 + 14 * 8;
+        self.field.as_ref().map_or(0, SmoothField::memory_bytes)
+            + self.sources.memory_bytes()
+            + leaf * self.leaves.len()
     }
 
     /// The energy of the body of this table and another whose pose in this one's frame is `relative`; `None` where the
-    /// tables do not serve (a cut-off not much larger than the body).
-    pub fn energy_interval(
-        &self,
-        other: &ChargeTable,
-        relative: &RelativePose,
-        accuracy: Accuracy,
-    ) -> Option<EnergyInterval> {
+    /// tables do not serve: a cut-off so short that the direct sum is, or charges that all but coincide.
+    pub fn energy_interval(&self, other: &ChargeTable, relative: &RelativePose) -> Option<EnergyInterval> {
         #[cfg(target_arch = "x86_64")]
         {
             if is_x86_feature_detected!("avx512f")
                 && is_x86_feature_detected!("avx512dq")
+                && is_x86_feature_detected!("avx512vl")
+                && is_x86_feature_detected!("avx512bw")
                 && is_x86_feature_detected!("fma")
             {
                 // SAFETY: the processor has the features the function is compiled for.
-                return unsafe { self.interval_avx512(other, relative, accuracy) };
+                return unsafe { self.interval_avx512(other, relative) };
             }
             if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
                 // SAFETY: the processor has the features the function is compiled for.
-                return unsafe { self.interval_avx2(other, relative, accuracy) };
+                return unsafe { self.interval_avx2(other, relative) };
             }
         }
-        self.interval::<false>(other, relative, accuracy)
+        self.interval::<false>(other, relative)
     }
 
     #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f,avx512dq,fma")]
-    fn interval_avx512(
-        &self,
-        other: &ChargeTable,
-        relative: &RelativePose,
-        accuracy: Accuracy,
-    ) -> Option<EnergyInterval> {
-        self.interval::<true>(other, relative, accuracy)
+    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,fma")]
+    fn interval_avx512(&self, other: &ChargeTable, relative: &RelativePose) -> Option<EnergyInterval> {
+        self.interval::<true>(other, relative)
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,fma")]
-    fn interval_avx2(
-        &self,
-        other: &ChargeTable,
-        relative: &RelativePose,
-        accuracy: Accuracy,
-    ) -> Option<EnergyInterval> {
-        self.interval::<true>(other, relative, accuracy)
+    fn interval_avx2(&self, other: &ChargeTable, relative: &RelativePose) -> Option<EnergyInterval> {
+        self.interval::<false>(other, relative)
     }
 
     #[inline(always)]
-    fn interval<const FMA: bool>(
-        &self,
-        other: &ChargeTable,
-        relative: &RelativePose,
-        accuracy: Accuracy,
-    ) -> Option<EnergyInterval> {
-        let cutoff = self.yukawa.cutoff_angstrom;
-        if cutoff.is_finite() && self.tail.is_none() {
-            return None;
+    fn interval<const WIDE: bool>(&self, other: &ChargeTable, relative: &RelativePose) -> Option<EnergyInterval> {
+        if self.leaves.len() == 0 || other.leaves.len() == 0 {
+            return Some(EnergyInterval::default());
         }
-        let (r, points) = (&relative.rotation, &other.points);
-        // From this table's centre to the other's, in this body's frame.
-        let t = relative.transform_point(&other.centre) - self.centre;
-        let beyond = self.radius + cutoff + 1e-6;
-        let (mut value, mut error, mut absolute) = (0.0, 0.0, 0.0);
-        for i in 0..points.len() {
-            let (px, py, pz, charge) = (points.x[i], points.y[i], points.z[i], points.charge[i]);
-            let x = r.m11 * px + r.m12 * py + r.m13 * pz + t.x;
-            let y = r.m21 * px + r.m22 * py + r.m23 * pz + t.y;
-            let z = r.m31 * px + r.m32 * py + r.m33 * pz + t.z;
-            let distance = (x * x + y * y + z * z).sqrt();
-            if distance >= beyond {
+        let field = self.field.as_ref()?;
+        let mut lists = Lists::default();
+        let mut sum = Bounded::default();
+        let r = [0, 1, 2].map(|i| [0, 1, 2].map(|j| relative.rotation[(i, j)]));
+        let middle: [f64; 3] = std::array::from_fn(|i| {
+            let at = |j: usize| r[i][j] * other.leaves.middle[j];
+            at(0) + at(1) + at(2) + relative.translation[i] - self.leaves.middle[i]
+        });
+        for leaf in 0..other.leaves.len() {
+            let (places, target) = other.place(leaf, &r, &middle, self.radius);
+            if self.beyond(&target) {
                 continue;
             }
-            let field = self.field.potential(x, y, z);
-            let (mut inside, mut bound) = (field.value, field.error);
-            if let Some(tail) = &self.tail {
-                let tail = tail.at::<FMA>([x, y, z], distance, accuracy == Accuracy::Fine);
-                inside -= tail.value;
-                bound += tail.error;
-            }
-            value += charge * inside;
-            error += charge.abs() * bound;
-            absolute += charge.abs() * field.absolute;
+            let outside = |i: usize| self.smooth_exactly([places[0][i], places[1][i], places[2][i]]);
+            // The cubes come from memory while the rest is summed.
+            let spots = field.locate([&places[0], &places[1], &places[2]], &target.charge);
+            let rest = sum_target::<WIDE>(&self.sources, &target, &self.split, &self.near, &mut lists);
+            let smooth = field.sum::<WIDE>(&spots, &target.charge, outside);
+            sum.value += smooth.value + rest.value;
+            sum.error += smooth.error + rest.error;
         }
-        // The direct sum adds its terms in a few partial sums, in double precision.
-        let terms = points.len() as f64 * self.points.len() as f64;
-        let rounding = (terms / crate::charges::LANES as f64 + 100.0) * f64::EPSILON * absolute;
-        Some(EnergyInterval {
-            middle_kt: value,
-            error_kt: error + rounding + 1e-12 * self.magnitude * other.magnitude * 1e-3,
-        })
+        // What double precision rounds, here and in the direct sum: its terms are at most a few kT/e².
+        let rounding = 1e-12 * self.magnitude * other.magnitude;
+        let interval = EnergyInterval { middle_kt: sum.value, error_kt: sum.error + rounding };
+        (interval.low_kt().is_finite() && interval.high_kt().is_finite()).then_some(interval)
     }
+
+    /// Whether no charge of this body comes within the cut-off of the target leaf.
+    #[inline(always)]
+    fn beyond(&self, target: &Target) -> bool {
+        let outside = |axis: usize| (target.centre[axis].abs() - self.leaves.half_extents[axis]).max(0.0);
+        let reach = self.split.cutoff + target.radius + 1e-6;
+        outside(0).powi(2) + outside(1).powi(2) + outside(2).powi(2) > reach * reach
+    }
+
+    /// A leaf of this body turned and moved.
+    #[inline(always)]
+    fn place(&self, leaf: usize, r: &[[f64; 3]; 3], middle: &[f64; 3], reach: f64) -> ([[f64; LEAF]; 3], Target) {
+        let leaves = &self.leaves;
+        let [cx, cy, cz, radius] = leaves.spheres[leaf];
+        let turn = |v: [f64; 3], i: usize| r[i][0] * v[0] + r[i][1] * v[1] + r[i][2] * v[2];
+        let centre: [f64; 3] = std::array::from_fn(|i| turn([cx, cy, cz], i) + middle[i]);
+        let mut places = [[0.0; LEAF]; 3];
+        let mut exact_offset = [[0.0; LEAF]; 3];
+        for axis in 0..3 {
+            for lane in 0..LEAF {
+                let local = [leaves.x[leaf][lane] - cx, leaves.y[leaf][lane] - cy, leaves.z[leaf][lane] - cz];
+                exact_offset[axis][lane] = turn(local, axis);
+                places[axis][lane] = exact_offset[axis][lane] + centre[axis];
+            }
+        }
+        let (mut square, mut shift) = ([0.0f32; LEAF], [0.0f32; LEAF]);
+        for lane in 0..LEAF {
+            let d = [exact_offset[0][lane], exact_offset[1][lane], exact_offset[2][lane]];
+            let own = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+            square[lane] = own as f32;
+            shift[lane] = (own + 2.0 * (d[0] * centre[0] + d[1] * centre[1] + d[2] * centre[2])) as f32;
+        }
+        let target = Target {
+            centre,
+            radius,
+            offset: exact_offset.map(|axis| axis.map(|d| d as f32)),
+            exact_offset,
+            shift,
+            square,
+            charge: leaves.charge[leaf],
+            magnitude: leaves.magnitude[leaf],
+            largest_coordinate: reach,
+            moments: turn_moments(&self.moments[leaf], r),
+        };
+        (places, target)
+    }
+
+    /// The smooth part at a point without a cube: none is needed beyond a finite cut-off.
+    #[cold]
+    fn smooth_exactly(&self, x: [f64; 3]) -> f64 {
+        let leaves = &self.leaves;
+        let outside = |axis: usize| (x[axis].abs() - leaves.half_extents[axis]).max(0.0);
+        if outside(0).powi(2) + outside(1).powi(2) + outside(2).powi(2) > self.split.cutoff.powi(2) {
+            return 0.0;
+        }
+        let mut sum = 0.0;
+        for leaf in 0..leaves.len() {
+            for i in 0..LEAF {
+                let d = [x[0] - leaves.x[leaf][i], x[1] - leaves.y[leaf][i], x[2] - leaves.z[leaf][i]];
+                let t = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+                sum += leaves.charge[leaf][i] * self.split.smooth(t);
+            }
+        }
+        sum
+    }
+}
+
+/// The moments of a leaf after a rotation about its centre.
+#[inline(always)]
+fn turn_moments(m: &[f64; 14], r: &[[f64; 3]; 3]) -> [f64; 14] {
+    let turn = |v: [f64; 3]| -> [f64; 3] { std::array::from_fn(|i| r[i][0] * v[0] + r[i][1] * v[1] + r[i][2] * v[2]) };
+    let d = turn([m[1], m[2], m[3]]);
+    let o = turn([m[10], m[11], m[12]]);
+    // R Q Rᵀ: the columns of R Q, turned again.
+    let columns = [turn([m[4], m[7], m[8]]), turn([m[7], m[5], m[9]]), turn([m[8], m[9], m[6]])];
+    let rows = [0, 1, 2].map(|i| turn([columns[0][i], columns[1][i], columns[2][i]]));
+    [
+        m[0], d[0], d[1], d[2], rows[0][0], rows[1][1], rows[2][2], rows[0][1], rows[0][2], rows[1][2], o[0], o[1],
+        o[2], m[13],
+    ]
 }
