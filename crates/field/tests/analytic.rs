@@ -59,10 +59,10 @@ fn spheres_with_charges_off_centre_have_the_energies_of_the_series() {
             solve(&sphere_with(radius, &charges), &medium, &settings).unwrap().solvation_energy_kt
         };
         let (coarse, fine) = (energy(0.7), energy(0.5));
-        let extrapolated = fine + (fine - coarse) / ((0.7_f64 / 0.5).powi(2) - 1.0);
-        let errors = [coarse, fine, extrapolated].map(|e| 100.0 * (e / exact - 1.0));
+        // What is left depends on where the grid cuts the sphere, not smoothly on the spacing: extrapolation does not help.
+        let errors = [coarse, fine].map(|e| 100.0 * (e / exact - 1.0));
         eprintln!("a = {radius} {charges:?}: {errors:.3?} %");
-        assert!(errors[1].abs() < 0.5 && errors[2].abs() < 0.6, "{errors:?}");
+        assert!(errors.iter().all(|error| error.abs() < 0.5), "{errors:?}");
     }
 }
 
