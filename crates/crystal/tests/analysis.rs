@@ -2,6 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stderr)]
 
+mod common;
+
+use common::two_squares;
 use protomer_crystal::Result;
 use protomer_crystal::analysis::lyapunov::{CollisionFlow, LyapunovSettings, RodFlow, maximal_exponent};
 use protomer_crystal::analysis::modes::{ModeEnergies, Modes, OutOf, orientational_spread};
@@ -9,8 +12,7 @@ use protomer_crystal::analysis::spread::FirstMaximum;
 use protomer_crystal::analysis::strain::{biot_strain, centres, corners, deformation_gradient, poisson_ratio};
 use protomer_crystal::analysis::synchronisation::{Synchronisation, angles, staggered};
 use protomer_crystal::lattice::{
-    AngularVelocities, Coherence, CollisionSettings, Corner, Dynamics, Edges, Engine, Force, Network, Rod, Square,
-    Start, State,
+    AngularVelocities, Coherence, CollisionSettings, Dynamics, Edges, Engine, Force, Network, Square, Start, State,
 };
 use std::f64::consts::{FRAC_PI_4, PI};
 use std::sync::Arc;
@@ -72,16 +74,7 @@ fn hill_and_valley_have_their_exponents() {
 /// neighbours part at rates between √(7/6) and √(3/2).
 #[test]
 fn a_turning_line_of_squares_is_regular_and_a_folded_one_is_not() {
-    let rod =
-        Rod { from: Corner { square: 0, vertex: 2 }, to: Corner { square: 1, vertex: 2 }, length: 3.0, image: [0, 0] };
-    let network = Arc::new(Network {
-        rows: 1,
-        columns: 2,
-        squares: vec![Square::default(); 2],
-        rods: vec![rod],
-        cell: None,
-        places: None,
-    });
+    let network = two_squares([2, 2], 3.0);
     let run = |outwards: f64, step: f64| {
         // The corners at ±1.5, the centres beyond them or before.
         let turned = if outwards > 0.0 { PI } else { 0.0 };

@@ -2,6 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr)]
 
+mod common;
+
+use common::{lattice, random_start};
 use protomer_crystal::CrystalError;
 use protomer_crystal::lattice::collision::detection::Detector;
 use protomer_crystal::lattice::collision::lcp;
@@ -16,21 +19,6 @@ use std::sync::Arc;
 /// Squares without rods.
 fn loose(count: usize, cell: Option<[f64; 2]>) -> Network {
     Network { rows: 1, columns: count, squares: vec![Square::default(); count], rods: Vec::new(), cell, places: None }
-}
-
-fn lattice(size: usize, r0: f64) -> Arc<Network> {
-    Arc::new(Network::lattice(size, size, r0, Square::default(), Edges::Open, FRAC_PI_4).unwrap())
-}
-
-/// The open lattice with random angular velocities, made to agree with the rods.
-fn random_start(network: &Arc<Network>, seed: u64) -> State {
-    let mut state = State::coherent(network, FRAC_PI_4);
-    let mut rng = CounterRng::new(seed, 0, 0);
-    for omega in state.velocities.iter_mut().skip(2).step_by(3) {
-        *omega = rng.uniform_in(-1.0, 1.0);
-    }
-    Dynamics::new(network.clone(), Vec::new(), &state).unwrap().project_velocities(&mut state.velocities);
-    state
 }
 
 fn corners(positions: &[f64], square: usize) -> [[f64; 2]; 4] {

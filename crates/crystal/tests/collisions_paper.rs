@@ -2,26 +2,12 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr)]
 
+mod common;
+
+use common::{lattice, random_start};
 use protomer_crystal::lattice::paper::ansatz::Ansatz;
 use protomer_crystal::lattice::paper::{PaperEngine, PaperSettings, printed_normal};
-use protomer_crystal::lattice::{CollisionSettings, Corner, Dynamics, Edges, Engine, Network, Square, State};
-use protomer_kernel::random::CounterRng;
-use std::f64::consts::FRAC_PI_4;
-use std::sync::Arc;
-
-fn lattice(size: usize, r0: f64) -> Arc<Network> {
-    Arc::new(Network::lattice(size, size, r0, Square::default(), Edges::Open, FRAC_PI_4).unwrap())
-}
-
-fn random_start(network: &Arc<Network>, seed: u64) -> State {
-    let mut state = State::coherent(network, FRAC_PI_4);
-    let mut rng = CounterRng::new(seed, 0, 0);
-    for omega in state.velocities.iter_mut().skip(2).step_by(3) {
-        *omega = rng.uniform_in(-1.0, 1.0);
-    }
-    Dynamics::new(network.clone(), Vec::new(), &state).unwrap().project_velocities(&mut state.velocities);
-    state
-}
+use protomer_crystal::lattice::{CollisionSettings, Corner, Dynamics, Engine};
 
 #[test]
 fn the_ansatz_is_singular_from_four_on_and_misses_rods_at_third_order() {

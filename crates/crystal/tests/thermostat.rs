@@ -3,6 +3,9 @@
 #![allow(clippy::unwrap_used, clippy::print_stderr)]
 
 use nalgebra::{DMatrix, DVector};
+mod common;
+
+use common::two_squares;
 use protomer_crystal::lattice::pair::{ScreenedCharges, SquareCharge, neighbours};
 use protomer_crystal::lattice::{
     AngularVelocities, CollisionSettings, Corner, Drag, Dynamics, Edges, Engine, Force, Langevin, Network, Rod, Square,
@@ -189,16 +192,7 @@ fn kinetic_energy_is_the_same_with_collisions() {
 /// √A exp(-V/kT) of α and α', stiff springs would give exp(-V/kT); V = ε (1 - cos(θ - θ')).
 #[test]
 fn two_squares_on_a_rod_are_distributed_as_rigid_rods_must_be() {
-    let rod =
-        Rod { from: Corner { square: 0, vertex: 4 }, to: Corner { square: 1, vertex: 3 }, length: 1.0, image: [0, 0] };
-    let network = Arc::new(Network {
-        rows: 1,
-        columns: 2,
-        squares: vec![Square::default(); 2],
-        rods: vec![rod],
-        cell: None,
-        places: None,
-    });
+    let network = two_squares([4, 3], 1.0);
     let angle = |vertex: u8| [135.0f64, 45.0, 225.0, -45.0][usize::from(vertex) - 1].to_radians();
     let (kt, strength) = (0.5, 0.6);
     // Quadrature over the two arms' directions from the rod; θ - θ' differs from their difference by the corners' angles.

@@ -5,6 +5,7 @@
 //! to. A is symmetric and positive definite.
 
 use rayon::prelude::*;
+use std::ops::{Mul, Sub};
 
 /// A in single precision.
 #[derive(Debug, Clone)]
@@ -19,45 +20,10 @@ pub struct Operator {
 }
 
 /// A number that operators are applied in.
-pub trait Number: Copy + Send + Sync {
-    fn from_f32(x: f32) -> Self;
-    fn multiply_subtract(self, a: Self, b: Self) -> Self;
-    fn multiply(self, other: Self) -> Self;
-}
+pub trait Number: Copy + Send + Sync + From<f32> + Mul<Output = Self> + Sub<Output = Self> {}
 
-impl Number for f32 {
-    #[inline(always)]
-    fn from_f32(x: f32) -> Self {
-        x
-    }
-
-    #[inline(always)]
-    fn multiply_subtract(self, a: Self, b: Self) -> Self {
-        self - a * b
-    }
-
-    #[inline(always)]
-    fn multiply(self, other: Self) -> Self {
-        self * other
-    }
-}
-
-impl Number for f64 {
-    #[inline(always)]
-    fn from_f32(x: f32) -> Self {
-        f64::from(x)
-    }
-
-    #[inline(always)]
-    fn multiply_subtract(self, a: Self, b: Self) -> Self {
-        self - a * b
-    }
-
-    #[inline(always)]
-    fn multiply(self, other: Self) -> Self {
-        self * other
-    }
-}
+impl Number for f32 {}
+impl Number for f64 {}
 
 impl Operator {
     pub fn new(shape: [usize; 3], edges: [Vec<f32>; 3], mass: Vec<f32>) -> Self {
@@ -121,14 +87,13 @@ impl Operator {
         let (xn, xs) = (&x[start + y..start + y + n], &x[start - y..start - y + n]);
         let (xu, xd) = (&x[start + z..start + z + n], &x[start - z..start - z + n]);
         for i in 0..n {
-            out[i] = T::from_f32(diagonal[i])
-                .multiply(here[i])
-                .multiply_subtract(T::from_f32(east[i]), xe[i])
-                .multiply_subtract(T::from_f32(west[i]), xw[i])
-                .multiply_subtract(T::from_f32(north[i]), xn[i])
-                .multiply_subtract(T::from_f32(south[i]), xs[i])
-                .multiply_subtract(T::from_f32(up[i]), xu[i])
-                .multiply_subtract(T::from_f32(down[i]), xd[i]);
+            out[i] = T::from(diagonal[i]) * here[i]
+                - T::from(east[i]) * xe[i]
+                - T::from(west[i]) * xw[i]
+                - T::from(north[i]) * xn[i]
+                - T::from(south[i]) * xs[i]
+                - T::from(up[i]) * xu[i]
+                - T::from(down[i]) * xd[i];
         }
     }
 }

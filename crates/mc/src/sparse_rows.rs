@@ -59,6 +59,23 @@ impl<T: Copy> PairTable<T> {
         self.0.remove(second, first);
     }
 
+    /// Bodies `moved` (ascending) moved as one: pairs between them and the rest take the proposed values, and none where
+    /// none is proposed; all other pairs stay.
+    pub(crate) fn take_over(&mut self, moved: &[usize], proposed: impl Iterator<Item = (usize, usize, T)>) {
+        let has_moved = |body: usize| moved.binary_search(&body).is_ok();
+        for &body in moved {
+            let left: Vec<usize> = self.row(body).map(|entry| entry.0).filter(|partner| !has_moved(*partner)).collect();
+            for partner in left {
+                self.remove(body, partner);
+            }
+        }
+        for (first, second, value) in proposed {
+            if has_moved(first) != has_moved(second) {
+                self.set(first, second, value);
+            }
+        }
+    }
+
     /// The partners of a body, ascending, with their values.
     pub(crate) fn row(&self, body: usize) -> impl Iterator<Item = (usize, T)> + '_ {
         self.0.row(body)
@@ -89,5 +106,15 @@ mod tests {
         assert_eq!(table.pairs().collect::<Vec<_>>(), [(0, 1, 7), (0, 2, 2), (1, 3, 13)]);
         assert_eq!(table.row(1).map(|(j, _)| j).collect::<Vec<_>>(), [0, 3]);
         assert_eq!((table.get(2, 0), table.get(1, 2)), (Some(2), None));
+    }
+
+    #[test]
+    fn pairs_of_bodies_that_moved_together_stay() {
+        let mut table = PairTable::new(4);
+        for (i, j) in [(0, 1), (0, 2), (1, 3), (2, 3)] {
+            table.set(i, j, 0);
+        }
+        table.take_over(&[0, 1], [(0, 1, 9), (1, 2, 5), (2, 3, 9)].into_iter());
+        assert_eq!(table.pairs().collect::<Vec<_>>(), [(0, 1, 0), (1, 2, 5), (2, 3, 0)]);
     }
 }

@@ -21,7 +21,6 @@
 //! | [`lattice`] | lattices of rigid squares: runs, sweeps, pictures |
 //! | [`mod@bench`], [`cpu_time`] | trial moves per CPU-second |
 //! | [`energy_tables`] | tables of certified energies, shared and bounded in memory |
-//! | [`disk_cache`] | what takes long to make, kept for the next run |
 //! | [`quantity`], [`keys`], [`interrupt`], [`plot`] | what several of them need |
 //! | `cli` | the command line, one file per verb (feature `cli`) |
 
@@ -33,7 +32,6 @@ pub mod body_file;
 pub mod cli;
 pub mod compare;
 pub mod cpu_time;
-pub mod disk_cache;
 pub mod energy_tables;
 pub mod fetch;
 pub mod fluid;

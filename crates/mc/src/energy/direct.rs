@@ -75,18 +75,8 @@ impl EnergyModel for DirectSum {
     }
 
     fn commit(&mut self, moved: &[usize]) {
-        let has_moved = |body: usize| moved.binary_search(&body).is_ok();
-        for &body in moved {
-            let left: Vec<usize> = self.energies.row(body).map(|entry| entry.0).filter(|j| !has_moved(*j)).collect();
-            for partner in left {
-                self.energies.remove(body, partner);
-            }
-        }
-        for pair in self.proposed.drain(..) {
-            if has_moved(pair.first) != has_moved(pair.second) {
-                self.energies.set(pair.first, pair.second, pair.energy_kt);
-            }
-        }
+        let proposed = self.proposed.drain(..).map(|pair| (pair.first, pair.second, pair.energy_kt));
+        self.energies.take_over(moved, proposed);
     }
 
     fn reject(&mut self) {

@@ -5,6 +5,7 @@ mod bench;
 mod body;
 mod candidates;
 mod compare;
+mod execution;
 mod fetch;
 mod framework;
 mod framework_builders;

@@ -1,15 +1,15 @@
 //! `protomer simulate`: one simulation in its directory, and the flags that `sweep` shares with it.
 
+use super::execution::{ExecutionArgs, override_with};
 use super::medium::{ConditionArgs, MediumArgs};
-use super::{Global, Outcome, interrupt_on_signals, output};
+use super::{Global, Outcome, output};
 use crate::assembly_file::Assembly;
 use crate::keys;
-use crate::run::{EnergyMode, Execution, RunSettings};
+use crate::run::{EnergyMode, RunSettings};
 use crate::sweep::{SweepEnd, run_sweep};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use std::path::PathBuf;
-use std::time::Duration;
 
 /// Flags of every run. What is left out comes from the configuration file, or else from the defaults.
 #[derive(Debug, Clone, Args)]
@@ -45,12 +45,8 @@ pub struct RunArgs {
     /// How energies are computed [default: direct].
     #[arg(long, value_enum)]
     pub energy: Option<EnergyMode>,
-    /// Stop (resumably, exit code 3) after this many minutes.
-    #[arg(long, env = "ACTION_WALLTIME_IN_MINUTES", allow_negative_numbers = true)]
-    pub time_limit: Option<f64>,
-    /// Seconds between checkpoints: what a killed run loses at most.
-    #[arg(long, default_value_t = 20.0, allow_negative_numbers = true)]
-    pub checkpoint_every: f64,
+    #[command(flatten)]
+    pub execution: ExecutionArgs,
 }
 
 impl RunArgs {
@@ -73,21 +69,6 @@ impl RunArgs {
         override_with(&mut settings.energy, self.energy);
         medium.override_in(&mut settings.medium);
         Ok(settings)
-    }
-
-    /// How the run is to be carried out. From here on, Ctrl-C stops it resumably.
-    pub(super) fn execution(&self, global: &Global) -> Result<Execution> {
-        let Ok(checkpoint_interval) = Duration::try_from_secs_f64(self.checkpoint_every) else {
-            bail!("--checkpoint-every is {} seconds; give zero or more", self.checkpoint_every);
-        };
-        let interrupt = interrupt_on_signals(self.time_limit)?;
-        Ok(Execution { interrupt, checkpoint_interval, start_anew: global.force })
-    }
-}
-
-fn override_with<T: Copy>(setting: &mut T, flag: Option<T>) {
-    if let Some(value) = flag {
-        *setting = value;
     }
 }
 
@@ -118,7 +99,7 @@ impl SimulateArgs {
         }
         let assembly = Assembly::read(&self.assembly)?;
         let bar = global.progress(settings.total_sweeps(), "sweeps");
-        let execution = self.run.execution(global)?;
+        let execution = self.run.execution.execution(global)?;
         let end = run_sweep(assembly, &settings, &self.run.output, &execution, &|sweeps| bar.inc(sweeps))?;
         bar.finish_and_clear();
         let SweepEnd::Finished(result) = end else {

@@ -44,7 +44,7 @@ impl SweepArgs {
             global.explain(&settings.medium.interaction(Some(*salt))?.describe());
         }
         let bar = global.progress(settings.simulations().saturating_mul(settings.total_sweeps()), "sweeps");
-        let execution = self.run.execution(global)?;
+        let execution = self.run.execution.execution(global)?;
         let end = run_sweep(assembly, &settings, &self.run.output, &execution, &|sweeps| bar.inc(sweeps))?;
         bar.finish_and_clear();
         match end {

@@ -10,11 +10,9 @@ use super::mover::Mover;
 use super::settings::LatticeSettings;
 use super::start::{Begun, begin, time_step};
 use super::trajectory::Trajectory;
-use crate::run::{Execution, Log, LogMark, check_log, read_record};
+use crate::run::{Execution, Log, LogMark, check_log, read_checkpoint, read_record, write_checkpoint};
 use anyhow::{Context, Result, bail};
 use protomer_crystal::lattice::State;
-use protomer_io::atomic::write_atomically;
-use protomer_io::container::Container;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -156,7 +154,7 @@ fn finished(path: &Path, identity: &str, total: u64) -> Result<Option<LatticeRes
             result.steps
         );
     }
-    if let Some(saved) = read_checkpoint(&path.join(CHECKPOINT))? {
+    if let Some(saved) = read_checkpoint::<Checkpoint>(&path.join(CHECKPOINT), KIND)? {
         check_log(&path.join(LOG), &saved.log)?;
     }
     Ok((result.steps == total).then_some(result))
@@ -197,7 +195,7 @@ impl<'a> Run<'a> {
         let mut state = begun.state.clone();
         let mut logged = state.positions.clone();
         let (mut mark, mut frames, mut progress) = (LogMark::default(), 0, new);
-        let saved = read_checkpoint(&path.join(CHECKPOINT))?;
+        let saved = read_checkpoint::<Checkpoint>(&path.join(CHECKPOINT), KIND)?;
         let is_new = saved.is_none();
         if let Some(saved) = saved {
             if saved.identity != identity {
@@ -289,9 +287,7 @@ impl<'a> Run<'a> {
             state: self.state.clone(),
             logged: self.logged.clone(),
         };
-        let header = serde_json::to_value(&checkpoint).context("the state cannot be written down")?;
-        let bytes = Container::new(KIND, header).to_bytes()?;
-        write_atomically(&self.path.join(CHECKPOINT), |file| file.write_all(&bytes))?;
+        write_checkpoint(&self.path.join(CHECKPOINT), KIND, &checkpoint)?;
         self.saved = Instant::now();
         Ok(())
     }
@@ -313,18 +309,4 @@ impl<'a> Run<'a> {
             max_rod_violation: self.progress.largest_rod_violation,
         }
     }
-}
-
-fn read_checkpoint(path: &Path) -> Result<Option<Checkpoint>> {
-    let bytes = match std::fs::read(path) {
-        Ok(bytes) => bytes,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-        Err(error) => return Err(error).with_context(|| format!("cannot read {}", path.display())),
-    };
-    let name = path.display().to_string();
-    let container = Container::from_bytes(&name, KIND, &bytes)
-        .with_context(|| format!("cannot continue {name}; restore it, or start anew with --force"))?;
-    let checkpoint = serde_json::from_value(container.header)
-        .with_context(|| format!("{name} was written by another version of protomer; start anew with --force"))?;
-    Ok(Some(checkpoint))
 }

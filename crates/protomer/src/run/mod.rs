@@ -11,6 +11,7 @@ mod replica;
 mod settings;
 mod trajectory;
 
+pub(crate) use checkpoint_file::{read_checkpoint, write_checkpoint};
 pub use directory::SweepDirectory;
 pub(crate) use directory::lock;
 pub use engine::{Engine, require_room, yukawa};

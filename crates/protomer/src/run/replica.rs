@@ -1,6 +1,6 @@
 //! One simulation in its directory: start or continue, log, keep the trajectory, stop when asked.
 
-use super::checkpoint_file::{RunCheckpoint, read_checkpoint, write_checkpoint};
+use super::checkpoint_file::{KIND, RunCheckpoint, read_checkpoint, write_checkpoint};
 use super::execution::Execution;
 use super::log::{Log, LogMark, LogRow, check_log};
 use super::record::{RunRecord, read_record};
@@ -99,7 +99,7 @@ fn finished(task: &ReplicaTask<'_>) -> Result<Option<ReplicaCounts>> {
     if record.exit_reason != "done" || sweeps_done != Some(task.settings.total_sweeps()) {
         return Ok(None);
     }
-    if let Some(saved) = read_checkpoint(&task.path(CHECKPOINT))? {
+    if let Some(saved) = read_checkpoint::<RunCheckpoint>(&task.path(CHECKPOINT), KIND)? {
         check_log(&task.path(LOG), &saved.log)?;
     }
     let counts = record.details.get("acceptance").cloned().unwrap_or_default();
@@ -162,17 +162,19 @@ impl<'a> Run<'a> {
         let system = task.engine.system()?;
         let settings = task.engine.settings(task.settings, &task.interaction)?;
         let model = task.engine.energy_model(task.settings, &task.interaction)?;
-        let (simulation, log, frames, cluster_moves_logged) = match read_checkpoint(&task.path(CHECKPOINT))? {
-            Some(saved) => {
-                check_identity(&task.directory, &saved.identity, task.identity)?;
-                let simulation = Simulation::resume_with_model(system, saved.simulation, model)?;
-                (simulation, saved.log, saved.trajectory_frames, saved.cluster_moves_logged)
-            }
-            None => {
-                let simulation = Simulation::with_model(system, settings, model, task.settings.seed, task.stream())?;
-                (simulation, LogMark::default(), 0, (0, 0))
-            }
-        };
+        let (simulation, log, frames, cluster_moves_logged) =
+            match read_checkpoint::<RunCheckpoint>(&task.path(CHECKPOINT), KIND)? {
+                Some(saved) => {
+                    check_identity(&task.directory, &saved.identity, task.identity)?;
+                    let simulation = Simulation::resume_with_model(system, saved.simulation, model)?;
+                    (simulation, saved.log, saved.trajectory_frames, saved.cluster_moves_logged)
+                }
+                None => {
+                    let simulation =
+                        Simulation::with_model(system, settings, model, task.settings.seed, task.stream())?;
+                    (simulation, LogMark::default(), 0, (0, 0))
+                }
+            };
         let log = Log::open(&task.path(LOG), &log)?;
         let trajectory = match task.settings.trajectory_every {
             0 => None,
@@ -254,7 +256,7 @@ impl<'a> Run<'a> {
             cluster_moves_logged: self.cluster_moves_logged,
             simulation: self.simulation.checkpoint(),
         };
-        write_checkpoint(&self.task.path(CHECKPOINT), &checkpoint)?;
+        write_checkpoint(&self.task.path(CHECKPOINT), KIND, &checkpoint)?;
         self.saved = Instant::now();
         Ok(())
     }

@@ -243,18 +243,7 @@ impl EnergyModel for CertifiedSum {
     }
 
     fn commit(&mut self, moved: &[usize]) {
-        let has_moved = |body: usize| moved.binary_search(&body).is_ok();
-        for &body in moved {
-            let left: Vec<usize> = self.energies.row(body).map(|entry| entry.0).filter(|j| !has_moved(*j)).collect();
-            for partner in left {
-                self.energies.remove(body, partner);
-            }
-        }
-        for (first, second, known) in self.proposed.drain(..) {
-            if has_moved(first) != has_moved(second) {
-                self.energies.set(first, second, known);
-            }
-        }
+        self.energies.take_over(moved, self.proposed.drain(..));
     }
 
     fn reject(&mut self) {

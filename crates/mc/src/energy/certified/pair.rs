@@ -234,3 +234,38 @@ fn turn_moments(m: &[f64; 14], r: &[[f64; 3]; 3]) -> [f64; 14] {
         o[2], m[13],
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use protomer_kernel::random::CounterRng;
+    use protomer_kernel::{Pose, Vec3};
+
+    /// The portable path is the twin of the one that the processor's vectors make fast.
+    #[test]
+    fn the_vector_path_gives_the_intervals_of_the_portable_one() {
+        let mut rng = CounterRng::new(41, 0, 0);
+        for cutoff in [48.0, f64::INFINITY] {
+            let Ok(yukawa) = Yukawa::new(7.0, 1.0 / 9.6, cutoff) else { continue };
+            let table = |rng: &mut CounterRng| {
+                let charges: Vec<(Vec3, f64)> =
+                    (0..150).map(|_| (rng.vector_in_ball(12.0), rng.uniform_in(-0.6, 0.6))).collect();
+                ChargeTable::new(&ChargeCloud::new(&charges), &yukawa)
+            };
+            let (a, b) = (table(&mut rng), table(&mut rng));
+            for _ in 0..200 {
+                let position = rng.unit_vector() * rng.uniform_in(25.0, 75.0);
+                let relative =
+                    RelativePose::new(&Pose::identity(), &Pose { position, rotation: rng.rotation() }, &position);
+                let (fast, slow) = (a.energy_interval(&b, &relative), a.interval::<false>(&b, &relative));
+                let (Some(fast), Some(slow)) = (fast, slow) else {
+                    assert_eq!(fast, slow);
+                    continue;
+                };
+                let apart = (fast.middle_kt - slow.middle_kt).abs();
+                assert!(apart <= 1e-3 * slow.error_kt, "{fast:?} {slow:?}");
+                assert!((fast.error_kt / slow.error_kt - 1.0).abs() < 1e-5, "{fast:?} {slow:?}");
+            }
+        }
+    }
+}

@@ -1,16 +1,16 @@
 //! `protomer lattice run`: one run in its directory, and the flags that `sweep` shares with it.
 
-use super::super::{Global, Outcome, interrupt_on_signals, output};
+use super::super::execution::{ExecutionArgs, override_with};
+use super::super::{Global, Outcome, output};
 use crate::lattice::directory::read_settings;
 use crate::lattice::run::{LatticeEnd, run_lattice};
 use crate::lattice::settings::{LatticeSettings, Start, TimeStep, Velocities};
 use crate::lattice::start::{begin, time_step};
 use crate::run::Execution;
-use anyhow::{Result, bail};
+use anyhow::Result;
 use clap::{Args, ValueEnum};
 use protomer_crystal::lattice;
 use std::path::PathBuf;
-use std::time::Duration;
 
 /// What is at the edges of the lattice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -99,12 +99,8 @@ pub struct DirectoryArgs {
     /// Directory of the results.
     #[arg(short, long)]
     pub output: PathBuf,
-    /// Stop (resumably, exit code 3) after this many minutes.
-    #[arg(long, env = "ACTION_WALLTIME_IN_MINUTES", allow_negative_numbers = true)]
-    time_limit: Option<f64>,
-    /// Seconds between checkpoints: what a killed run loses at most.
-    #[arg(long, default_value_t = 20.0, allow_negative_numbers = true)]
-    checkpoint_every: f64,
+    #[command(flatten)]
+    execution: ExecutionArgs,
 }
 
 impl SettingsArgs {
@@ -147,19 +143,9 @@ impl SettingsArgs {
 }
 
 impl DirectoryArgs {
-    /// How the run is to be carried out. From here on, Ctrl-C stops it resumably.
+    /// How the run is to be carried out.
     pub(super) fn execution(&self, global: &Global) -> Result<Execution> {
-        let Ok(checkpoint_interval) = Duration::try_from_secs_f64(self.checkpoint_every) else {
-            bail!("--checkpoint-every is {} seconds; give zero or more", self.checkpoint_every);
-        };
-        let interrupt = interrupt_on_signals(self.time_limit)?;
-        Ok(Execution { interrupt, checkpoint_interval, start_anew: global.force })
-    }
-}
-
-fn override_with<T: Copy>(setting: &mut T, flag: Option<T>) {
-    if let Some(value) = flag {
-        *setting = value;
+        self.execution.execution(global)
     }
 }
 

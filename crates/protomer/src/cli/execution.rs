@@ -1,0 +1,37 @@
+//! Flags of how a run is carried out, shared by every verb that runs in a directory.
+
+use super::{Global, interrupt_on_signals};
+use crate::run::Execution;
+use anyhow::{Result, bail};
+use clap::Args;
+use std::time::Duration;
+
+/// When to stop and what to keep.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Run")]
+pub struct ExecutionArgs {
+    /// Stop (resumably, exit code 3) after this many minutes.
+    #[arg(long, env = "ACTION_WALLTIME_IN_MINUTES", allow_negative_numbers = true)]
+    time_limit: Option<f64>,
+    /// Seconds between checkpoints: what a killed run loses at most.
+    #[arg(long, default_value_t = 20.0, allow_negative_numbers = true)]
+    checkpoint_every: f64,
+}
+
+impl ExecutionArgs {
+    /// How the run is to be carried out. From here on, Ctrl-C stops it resumably.
+    pub(super) fn execution(&self, global: &Global) -> Result<Execution> {
+        let Ok(checkpoint_interval) = Duration::try_from_secs_f64(self.checkpoint_every) else {
+            bail!("--checkpoint-every is {} seconds; give zero or more", self.checkpoint_every);
+        };
+        let interrupt = interrupt_on_signals(self.time_limit)?;
+        Ok(Execution { interrupt, checkpoint_interval, start_anew: global.force })
+    }
+}
+
+/// A flag, if given, takes the place of what a configuration says.
+pub(super) fn override_with<T: Copy>(setting: &mut T, flag: Option<T>) {
+    if let Some(value) = flag {
+        *setting = value;
+    }
+}
