@@ -19,7 +19,7 @@ fn small() -> SuiteSettings {
         bodies: vec![16, 100],
         few_charges: 10,
         moves: Some(100),
-        replica_moves: [200, 50],
+        replica_moves: [200, 50, 50],
         seconds_per_rate: 0.0,
         edge_divisions: 6,
         ..SuiteSettings::default()
