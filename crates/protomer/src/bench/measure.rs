@@ -12,8 +12,10 @@ use protomer_mc::energy::{DirectSum, EnergyModel, NoCharges};
 use protomer_mc::{Interaction, Settings, Simulation, System};
 use std::sync::Arc;
 
-/// Rates are measured over at least this many moves where moves are cheap: what overlap tests remember fills up at first.
+/// Rates are measured over at least this many moves where moves are cheap (what overlap tests remember fills up at first),
+/// and over so many times the direct sum's where they are not.
 const FEWEST_CHEAP_MOVES: u64 = 320;
+const MOST_TIMES_THE_DIRECT_SUM: u64 = 8;
 
 /// A state with what an energy mode needs for it.
 #[derive(Debug, Clone)]
@@ -126,7 +128,14 @@ impl Prepared {
         seed: u64,
         interrupt: &Interrupt,
     ) -> Result<Timing> {
-        let per_run = if self.energy == EnergyMode::Direct { moves } else { moves.max(FEWEST_CHEAP_MOVES) };
+        let fewest = match self.energy {
+            EnergyMode::Direct => 0,
+            EnergyMode::None => FEWEST_CHEAP_MOVES,
+            EnergyMode::Certified | EnergyMode::Approximate => {
+                FEWEST_CHEAP_MOVES.min(MOST_TIMES_THE_DIRECT_SUM.saturating_mul(moves))
+            }
+        };
+        let per_run = moves.max(fewest);
         let watch = Stopwatch::default();
         let mut timing =
             Timing { moves: 0, accepted: 0, watch, decisions: Vec::new(), memory_bytes: 0, error_bound_kt: 0.0 };

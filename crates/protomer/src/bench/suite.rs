@@ -72,7 +72,7 @@ impl Default for SuiteSettings {
     fn default() -> Self {
         Self {
             parts: Part::ALL.to_vec(),
-            charges: vec![500, 3000],
+            charges: vec![500, 3000, 10_000],
             bodies: vec![16, 128, 1000],
             few_charges: 500,
             threads: vec![1, 2],
@@ -366,7 +366,8 @@ impl Suite<'_> {
             let readings = Arc::new(Mutex::new(Readings::default()));
             let mut model =
                 || -> Box<dyn EnergyModel> { Box::new(Metered::new(prepared.certified(), Arc::clone(&readings))) };
-            let (moves, seconds) = (self.settings.moves.unwrap_or(0), self.settings.seconds_per_rate);
+            let moves = self.settings.moves.unwrap_or(affordable_moves(charges));
+            let seconds = self.settings.seconds_per_rate;
             let timing = prepared.time_with(&mut model, moves, seconds, self.settings.seed, self.interrupt)?;
             let readings = *readings.lock().unwrap_or_else(PoisonError::into_inner);
             rows.push(parts_row(charges, &timing, &readings));

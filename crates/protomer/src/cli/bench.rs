@@ -20,7 +20,7 @@ const MOST_CHARGES: usize = 50_000;
 ///
 /// Without an assembly: measure on states that the program makes itself, and print a table of each energy mode's rate
 /// against the number of charges, of the parts of a move, of the cost against the number of bodies, and of replicas on
-/// several threads. That takes a minute or two.
+/// several threads. That takes a few minutes.
 #[derive(Debug, Args)]
 pub struct BenchArgs {
     /// Assembly file; left out, the program makes its own states.
@@ -36,7 +36,7 @@ pub struct BenchArgs {
     /// Only this table (repeat for several).
     #[arg(long, value_enum, conflicts_with = "assembly")]
     part: Vec<Part>,
-    /// Numbers of charges per body in the tables [default: 500,3000].
+    /// Numbers of charges per body in the tables [default: 500,3000,10000].
     #[arg(long, value_delimiter = ',', conflicts_with = "assembly")]
     charges: Vec<usize>,
     /// Seed of the random numbers, and of the program's own states.

@@ -6,6 +6,6 @@ use clap::Args;
 #[derive(Debug, Clone, Args)]
 pub struct ToleranceArgs {
     /// Largest error of the energy of two bodies, kT, with --energy approximate [default: 0.001].
-    #[arg(long, value_name = "KT", allow_negative_numbers = true)]
+    #[arg(long, value_name = "KT", allow_hyphen_values = true)]
     pub tolerance: Option<f64>,
 }
