@@ -72,7 +72,7 @@ impl Default for SuiteSettings {
     fn default() -> Self {
         Self {
             parts: Part::ALL.to_vec(),
-            charges: vec![500, 3000, 10_000],
+            charges: vec![500, 3000],
             bodies: vec![16, 128, 1000],
             few_charges: 500,
             threads: vec![1, 2],

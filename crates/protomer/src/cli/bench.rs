@@ -36,7 +36,7 @@ pub struct BenchArgs {
     /// Only this table (repeat for several).
     #[arg(long, value_enum, conflicts_with = "assembly")]
     part: Vec<Part>,
-    /// Numbers of charges per body in the tables [default: 500,3000,10000].
+    /// Numbers of charges per body in the tables [default: 500,3000].
     #[arg(long, value_delimiter = ',', conflicts_with = "assembly")]
     charges: Vec<usize>,
     /// Seed of the random numbers, and of the program's own states.

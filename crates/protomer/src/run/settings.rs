@@ -50,8 +50,7 @@ pub enum EnergyMode {
     Direct,
     /// Bounds first, the plain sum where they leave the decision open: the decisions of the plain sum.
     Certified,
-    /// Bounds only, no wider than a tolerance for each pair of bodies: faster, and each decision is the plain sum's but
-    /// where an energy within the tolerance makes another.
+    /// The middle of the bounds, the plain sum for a pair of bodies whose bounds are wider than a tolerance.
     Approximate,
     /// Hard bodies without charges.
     None,
