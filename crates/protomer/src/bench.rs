@@ -68,6 +68,8 @@ pub struct BenchResult {
     pub acceptance: f64,
     /// Processor time before the first move, all threads together, s.
     pub setup_seconds: f64,
+    /// Whether there are energy tables and all came from the cache folder.
+    pub tables_from_cache: bool,
     /// Memory of the prepared bodies and of the energy model, bytes.
     pub memory_bytes: usize,
     /// SHA-256 of the decisions, a byte 1 or 0 each.
@@ -115,6 +117,7 @@ pub fn bench(
         moves_per_cpu_second: settings.moves as f64 / watch.seconds(),
         acceptance: accepted as f64 / settings.moves as f64,
         setup_seconds,
+        tables_from_cache: tables.all_from_cache(),
         memory_bytes,
         decisions_sha256: sha256_hex(&decisions),
         bodies,
