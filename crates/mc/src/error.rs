@@ -46,6 +46,9 @@ pub enum McError {
     /// A checkpoint of another system.
     #[error("the checkpoint does not belong to this system: {0}; start anew or use the system it was written from")]
     ForeignCheckpoint(String),
+    /// Stored energy tables that are not those asked for, or not what was stored.
+    #[error("the stored energy tables cannot be used: {0}; make them anew")]
+    UnusableTable(String),
     /// A kernel refused its input.
     #[error(transparent)]
     Kernel(#[from] KernelError),

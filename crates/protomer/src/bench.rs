@@ -71,6 +71,8 @@ pub struct BenchResult {
     pub acceptance: f64,
     /// Processor time before the first move, all threads together, s.
     pub setup_seconds: f64,
+    /// Whether there are energy tables and all came from the cache folder.
+    pub tables_from_cache: bool,
     /// Memory of the prepared bodies and of the energy model, bytes.
     pub memory_bytes: usize,
     /// The largest bound of a pair energy's error that was used, kT; zero for sums.
@@ -121,6 +123,7 @@ pub fn bench(
         moves_per_cpu_second: settings.moves as f64 / watch.seconds(),
         acceptance: accepted as f64 / settings.moves as f64,
         setup_seconds,
+        tables_from_cache: tables.all_from_cache(),
         memory_bytes,
         error_bound_kt_per_pair: simulation.energy_error_bound_kt(),
         decisions_sha256: sha256_hex(&decisions),

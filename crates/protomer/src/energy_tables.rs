@@ -1,25 +1,35 @@
-//! The tables of certified energies: made once per kind of body and potential, shared by all threads of a run, and bounded
-//! in memory.
+//! The tables of certified energies: made once per kind of body and potential, kept on the disk for the next run, shared by
+//! all threads of a run, and bounded in memory.
 
+use crate::disk_cache::DiskCache;
 use anyhow::{Result, bail};
-use protomer_io::atomic::sha256_hex;
 use protomer_kernel::potential::Yukawa;
 use protomer_mc::BodyType;
 use protomer_mc::energy::certified::ChargeTable;
 use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Memory that tables may take where no limit is stated, bytes.
 pub const DEFAULT_MEMORY_LIMIT_BYTES: u64 = 4_000_000_000;
-
-/// Raised when the tables of equal charges become other tables.
-const FORMAT: &str = "charge table 2";
 
 /// Where tables come from.
 #[derive(Debug)]
 pub struct EnergyTables {
     memory_limit_bytes: u64,
     made: Mutex<Made>,
+    disk: Option<Disk>,
+    computed: AtomicUsize,
+    loaded: AtomicUsize,
+}
+
+/// Tables on the disk.
+#[derive(Debug)]
+struct Disk {
+    cache: DiskCache,
+    warn: fn(&str),
+    /// A folder that took no table takes none of the others: said once.
+    refused: AtomicBool,
 }
 
 #[derive(Debug, Default)]
@@ -39,7 +49,19 @@ impl Default for EnergyTables {
 impl EnergyTables {
     /// Tables that may take this much memory together, bytes.
     pub fn new(memory_limit_bytes: u64) -> Self {
-        Self { memory_limit_bytes, made: Mutex::default() }
+        let (made, computed, loaded) = Default::default();
+        Self { memory_limit_bytes, made, disk: None, computed, loaded }
+    }
+
+    /// The same tables, looked for on the disk first and kept there. That an entry cannot be used or written stops nothing:
+    /// `warn` is told, and the table is made.
+    pub fn with_cache(self, cache: DiskCache, warn: fn(&str)) -> Self {
+        Self { disk: Some(Disk { cache, warn, refused: AtomicBool::new(false) }), ..self }
+    }
+
+    /// Whether there are tables and all of them came from the disk.
+    pub fn all_from_cache(&self) -> bool {
+        self.computed.load(Ordering::Relaxed) == 0 && self.loaded.load(Ordering::Relaxed) > 0
     }
 
     /// The tables of these kinds of bodies under this potential. Whoever asks for the same ones shares them; who asks while
@@ -63,15 +85,46 @@ impl EnergyTables {
     }
 
     fn table(&self, kind: &BodyType, yukawa: &Yukawa) -> Result<Arc<ChargeTable>> {
-        let key = key(kind, yukawa);
+        let key = ChargeTable::fingerprint(&kind.charges, yukawa);
         let making = Arc::clone(locked(&self.made).making.entry(key.clone()).or_default());
         let _mine = locked(&making);
         if let Some(table) = locked(&self.made).tables.get(&key) {
             return Ok(Arc::clone(table));
         }
-        let table = Arc::new(ChargeTable::new(&kind.charges, yukawa));
+        let table = Arc::new(self.load_or_make(&key, kind, yukawa));
         locked(&self.made).keep(key, &table, &kind.name, self.memory_limit_bytes)?;
         Ok(table)
+    }
+
+    fn load_or_make(&self, key: &str, kind: &BodyType, yukawa: &Yukawa) -> ChargeTable {
+        if let Some(table) = self.disk.as_ref().and_then(|disk| disk.load(key, kind, yukawa)) {
+            self.loaded.fetch_add(1, Ordering::Relaxed);
+            return table;
+        }
+        let table = ChargeTable::new(&kind.charges, yukawa);
+        self.computed.fetch_add(1, Ordering::Relaxed);
+        if let Some(disk) = &self.disk {
+            disk.store(key, &table);
+        }
+        table
+    }
+}
+
+impl Disk {
+    fn load(&self, key: &str, kind: &BodyType, yukawa: &Yukawa) -> Option<ChargeTable> {
+        let read = |file: &mut dyn std::io::Read| ChargeTable::read_from(file, &kind.charges, yukawa);
+        self.cache.load(key, read).unwrap_or_else(|error| {
+            (self.warn)(&format!("warning: {error:#}; they are computed"));
+            None
+        })
+    }
+
+    fn store(&self, key: &str, table: &ChargeTable) {
+        if let Err(error) = self.cache.store(key, |file| table.write_to(file, key))
+            && !self.refused.swap(true, Ordering::Relaxed)
+        {
+            (self.warn)(&format!("warning: energy tables are not kept for the next run: {error:#}"));
+        }
     }
 }
 
@@ -100,17 +153,6 @@ impl Made {
 
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// SHA-256 of everything a table depends on: the charges in their order, the potential, and the version of the tables.
-fn key(kind: &BodyType, yukawa: &Yukawa) -> String {
-    let mut bytes = FORMAT.as_bytes().to_vec();
-    let lengths = [yukawa.bjerrum_length_angstrom, yukawa.inverse_debye_length_per_angstrom, yukawa.cutoff_angstrom];
-    let charges = kind.charges.iter().flat_map(|(place, charge)| [place.x, place.y, place.z, charge]);
-    for number in lengths.into_iter().chain(charges) {
-        bytes.extend_from_slice(&number.to_le_bytes());
-    }
-    sha256_hex(&bytes)
 }
 
 /// Bytes as people write them: `1.25 GB`, `37 MB`, `640 kB`.
@@ -142,6 +184,34 @@ mod tests {
         assert!(!Arc::ptr_eq(&first[0], &first[1]));
         let other = tables.of(&types, &yukawa(3.0)).unwrap();
         assert!(!Arc::ptr_eq(&first[0], &other[0]));
+    }
+
+    #[test]
+    fn tables_come_back_from_the_disk() {
+        let folder = tempfile::tempdir().unwrap();
+        let types = two_kinds(3, 4, 1).unwrap();
+        let tables = || EnergyTables::default().with_cache(DiskCache::new(folder.path()), |line| panic!("{line}"));
+        let (cold, warm) = (tables(), tables());
+        let made = cold.of(&types, &yukawa(9.6)).unwrap();
+        assert!(!cold.all_from_cache());
+        assert_eq!(warm.of(&types, &yukawa(9.6)).unwrap(), made);
+        assert!(warm.all_from_cache());
+        warm.of(&types, &yukawa(9.5)).unwrap();
+        assert!(!warm.all_from_cache());
+    }
+
+    #[test]
+    fn a_folder_that_takes_nothing_stops_nothing() {
+        static WARNINGS: Mutex<Vec<String>> = Mutex::new(Vec::new());
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("file");
+        std::fs::write(&file, "no folder").unwrap();
+        let cache = DiskCache::new(file.join("cache"));
+        let tables = EnergyTables::default().with_cache(cache, |line| locked(&WARNINGS).push(line.to_owned()));
+        tables.of(&two_kinds(3, 4, 1).unwrap(), &yukawa(9.6)).unwrap();
+        let warnings = locked(&WARNINGS).clone();
+        assert!(warnings.iter().any(|line| line.contains("are not kept")), "{warnings:?}");
+        assert!(warnings.iter().all(|line| line.contains("file")), "{warnings:?}");
     }
 
     #[test]

@@ -20,7 +20,7 @@
 //! | [`compare`] | several sweeps in one figure |
 //! | [`lattice`] | lattices of rigid squares: runs, sweeps, pictures |
 //! | [`mod@bench`], [`cpu_time`] | trial moves per CPU-second |
-//! | [`energy_tables`] | tables of certified energies, shared and bounded in memory |
+//! | [`energy_tables`], [`disk_cache`] | tables of certified energies, shared, bounded in memory, kept on the disk |
 //! | [`quantity`], [`keys`], [`interrupt`], [`plot`] | what several of them need |
 //! | `cli` | the command line, one file per verb (feature `cli`) |
 
@@ -32,6 +32,7 @@ pub mod body_file;
 pub mod cli;
 pub mod compare;
 pub mod cpu_time;
+pub mod disk_cache;
 pub mod energy_tables;
 pub mod fetch;
 pub mod fluid;

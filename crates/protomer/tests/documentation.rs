@@ -158,7 +158,13 @@ fn run(line: &str, folder: &Path) -> String {
     for variable in VARIABLES {
         command.env_remove(variable);
     }
-    let output = command.arg("-c").arg(format!("{{ {line}; }} 2>&1")).current_dir(folder).env("PATH", path).output();
+    let output = command
+        .arg("-c")
+        .arg(format!("{{ {line}; }} 2>&1"))
+        .current_dir(folder)
+        .env("PATH", path)
+        .env("PROTOMER_CACHE_DIR", "")
+        .output();
     String::from_utf8_lossy(&output.unwrap().stdout).lines().map(|line| line.trim_end().to_owned() + "\n").collect()
 }
 

@@ -70,7 +70,7 @@ impl BenchArgs {
             seed: self.seed,
             ..usual
         };
-        let result = bench(assembly, &settings, interaction, self.tables.tables())?;
+        let result = bench(assembly, &settings, interaction, self.tables.tables(global))?;
         if global.json {
             output::json(&result)?;
         } else {
@@ -106,7 +106,7 @@ impl BenchArgs {
         let bar = global.progress(rows(&settings) as u64, "bench");
         // A row counts when the next one begins.
         let begun = std::cell::Cell::new(0);
-        let result = run_suite(&settings, interaction, &self.tables.tables(), &interrupt, &|what| {
+        let result = run_suite(&settings, interaction, &self.tables.tables(global), &interrupt, &|what| {
             bar.set_position(begun.replace(begun.get() + 1));
             bar.set_message(what.to_owned());
             global.explain(what);

@@ -112,7 +112,7 @@ impl SimulateArgs {
         let assembly = Assembly::read(&self.assembly)?;
         let bar = global.progress(settings.total_sweeps(), "sweeps");
         let execution = self.run.execution.execution(global)?;
-        let engine = Engine::new(assembly)?.with_tables(self.run.tables.tables());
+        let engine = Engine::new(assembly)?.with_tables(self.run.tables.tables(global));
         let end = run_sweep(&engine, &settings, &self.run.output, &execution, &|sweeps| bar.inc(sweeps))?;
         bar.finish_and_clear();
         let SweepEnd::Finished(result) = end else {

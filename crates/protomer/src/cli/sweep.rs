@@ -45,7 +45,7 @@ impl SweepArgs {
         }
         let bar = global.progress(settings.simulations().saturating_mul(settings.total_sweeps()), "sweeps");
         let execution = self.run.execution.execution(global)?;
-        let engine = Engine::new(assembly)?.with_tables(self.run.tables.tables());
+        let engine = Engine::new(assembly)?.with_tables(self.run.tables.tables(global));
         let end = run_sweep(&engine, &settings, &self.run.output, &execution, &|sweeps| bar.inc(sweeps))?;
         bar.finish_and_clear();
         match end {

@@ -1,5 +1,7 @@
 //! The flags of the energy tables, shared by the verbs that make them.
 
+use super::{Global, output};
+use crate::disk_cache::DiskCache;
 use crate::energy_tables::EnergyTables;
 use crate::quantity;
 use clap::Args;
@@ -12,11 +14,20 @@ pub struct TablesArgs {
     /// Memory that tables of certified energies may take together, such as 500MB.
     #[arg(long, value_parser = quantity::memory_bytes, default_value = "4GB", allow_hyphen_values = true)]
     pub memory_limit: u64,
+    /// Neither look for tables of certified energies in the cache folder nor keep them there. The folder is
+    /// PROTOMER_CACHE_DIR (empty: none), else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB.
+    #[arg(long)]
+    pub no_cache: bool,
 }
 
 impl TablesArgs {
     /// The tables of a run.
-    pub fn tables(&self) -> Arc<EnergyTables> {
-        Arc::new(EnergyTables::new(self.memory_limit))
+    pub(super) fn tables(&self, global: &Global) -> Arc<EnergyTables> {
+        let tables = EnergyTables::new(self.memory_limit);
+        let warn = if global.quiet { |_: &str| () } else { output::note };
+        Arc::new(match DiskCache::of_user().filter(|_| !self.no_cache) {
+            Some(cache) => tables.with_cache(cache, warn),
+            None => tables,
+        })
     }
 }

@@ -66,7 +66,8 @@ pub fn cleaned(command: &mut Command) {
     for name in ["PROTOMER_THREADS", "PROTOMER_FETCH_BASE", "ACTION_WALLTIME_IN_MINUTES", "COLUMNS", "LINES"] {
         command.env_remove(name);
     }
-    command.env("NO_COLOR", "1");
+    // Nor may the tests use the tester's cache.
+    command.env("NO_COLOR", "1").env("PROTOMER_CACHE_DIR", "");
 }
 
 /// What the program said on stderr.

@@ -4,6 +4,8 @@
 //! the samples in it and on its faces. A cube whose residual is large is divided once into eight. The error of a polynomial
 //! is its largest residual at the samples times [`SAFETY`]: a measured bound, not a proven one.
 
+mod storage;
+
 use super::leaves::{LEAF, Leaves};
 use super::sampling::{LINE, SmoothKernel};
 use super::split::{NEAR_DEGREE, Split};

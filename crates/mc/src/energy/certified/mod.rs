@@ -21,6 +21,7 @@ mod near;
 mod pair;
 mod sampling;
 mod split;
+mod storage;
 mod window;
 
 pub use model::{CertifiedSum, Counts};

@@ -49,19 +49,33 @@ pub struct ChargeTable {
     radius: f64,
     split: Split,
     near: NearKernel,
-    field: Option<SmoothField>,
+    pub(super) field: Option<SmoothField>,
 }
 
 impl ChargeTable {
     /// The tables of these charges.
     pub fn new(charges: &ChargeCloud, yukawa: &Yukawa) -> Self {
+        Self::with_field(charges, yukawa, SmoothField::new)
+    }
+
+    /// The same with the field, which takes long to make, from elsewhere.
+    pub(super) fn with_field(
+        charges: &ChargeCloud,
+        yukawa: &Yukawa,
+        field: impl FnOnce(&Leaves, &Split, f64, f64) -> SmoothField,
+    ) -> Self {
         let leaves = Leaves::new(charges, LARGEST_RADIUS);
+        let (split, edge, reach) = Self::scales(yukawa);
+        let field = (yukawa.cutoff_angstrom >= LEAST_CUTOFF * split.near_radius && leaves.len() > 0)
+            .then(|| field(&leaves, &split, edge, reach));
+        Self::assemble(leaves, split, field)
+    }
+
+    /// The kernel's parts, the edge of the field's cubes and the field's reach, Å.
+    pub(super) fn scales(yukawa: &Yukawa) -> (Split, f64, f64) {
         let reach = if yukawa.cutoff_angstrom.is_finite() { yukawa.cutoff_angstrom } else { REACH_OF_EDGE };
         let edge = EDGE * (reach / REACH_OF_EDGE).max(1.0);
-        let split = Split::new(yukawa, NEAR_PER_EDGE * edge);
-        let field = (yukawa.cutoff_angstrom >= LEAST_CUTOFF * split.near_radius && leaves.len() > 0)
-            .then(|| SmoothField::new(&leaves, &split, edge, reach));
-        Self::assemble(leaves, split, field)
+        (Split::new(yukawa, NEAR_PER_EDGE * edge), edge, reach)
     }
 
     fn assemble(leaves: Leaves, split: Split, field: Option<SmoothField>) -> Self {

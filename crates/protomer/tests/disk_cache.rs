@@ -1,0 +1,94 @@
+//! Energy tables kept from one process to the next.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
+
+mod common;
+
+use common::{Workplace, contents, is_ok, message};
+use std::process::{Command, Output, Stdio};
+
+const BENCH: &str = "bench ring.json --debye 9.6A --cutoff 30A --moves 100 --json --energy certified";
+
+fn command(place: &Workplace, arguments: &str) -> Command {
+    let mut command = place.command(arguments);
+    command.env("PROTOMER_CACHE_DIR", place.path("cache"));
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+/// Whether all tables came from the cache, and the decisions.
+fn result(output: &Output) -> (bool, String) {
+    is_ok(output);
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    (found["tables_from_cache"].as_bool().unwrap(), found["decisions_sha256"].as_str().unwrap().to_owned())
+}
+
+#[test]
+fn the_second_process_computes_no_tables_and_decides_alike() {
+    let place = Workplace::new();
+    let run = || command(&place, BENCH).output().unwrap();
+    let cold = run();
+    let kept = contents(&place.path("cache"));
+    // One for each kind of body.
+    assert_eq!(kept.len(), 2);
+    let warm = run();
+    assert_eq!((result(&cold).0, result(&warm).0), (false, true));
+    assert_eq!(result(&cold).1, result(&warm).1);
+    assert_eq!(message(&warm), "");
+    assert!(contents(&place.path("cache")) == kept);
+}
+
+#[test]
+fn a_changed_byte_is_said_and_mended() {
+    let place = Workplace::new();
+    let run = |more: &str| command(&place, &format!("{BENCH}{more}")).output().unwrap();
+    let cold = run("");
+    let kept = contents(&place.path("cache"));
+    let name = kept.keys().next().unwrap();
+    let mut changed = kept[name].clone();
+    let middle = changed.len() / 2;
+    changed[middle] ^= 1;
+    std::fs::write(place.path("cache").join(name), &changed).unwrap();
+    let mended = run("");
+    assert!(message(&mended).contains(name) && message(&mended).contains("checksum"), "{}", message(&mended));
+    assert_eq!(result(&mended), result(&cold));
+    assert!(contents(&place.path("cache")) == kept);
+    // Another body's file under this name.
+    let other = kept.keys().nth(1).unwrap();
+    std::fs::copy(place.path("cache").join(other), place.path("cache").join(name)).unwrap();
+    let quiet = run(" --quiet");
+    assert_eq!(message(&quiet), "");
+    assert_eq!(result(&quiet), result(&cold));
+    assert!(contents(&place.path("cache")) == kept);
+}
+
+#[test]
+fn without_the_cache_nothing_is_read_or_written() {
+    let place = Workplace::new();
+    let output = command(&place, &format!("{BENCH} --no-cache")).output().unwrap();
+    assert!(!result(&output).0);
+    assert!(!place.path("cache").exists());
+}
+
+#[test]
+fn a_folder_that_is_none_is_a_warning() {
+    let place = Workplace::new();
+    std::fs::write(place.path("cache"), "a file").unwrap();
+    let output = command(&place, BENCH).output().unwrap();
+    assert!(!result(&output).0);
+    assert!(message(&output).contains("warning") && message(&output).contains("cache"), "{}", message(&output));
+}
+
+#[test]
+fn processes_at_once_do_each_other_no_harm() {
+    let place = Workplace::new();
+    let running: Vec<_> = (0..4).map(|_| command(&place, BENCH).spawn().unwrap()).collect();
+    let outputs: Vec<Output> = running.into_iter().map(|child| child.wait_with_output().unwrap()).collect();
+    for output in &outputs {
+        assert_eq!(message(output), "");
+        assert_eq!(result(output).1, result(&outputs[0]).1);
+    }
+    let last = command(&place, BENCH).output().unwrap();
+    assert_eq!(result(&last), (true, result(&outputs[0]).1));
+    assert_eq!(contents(&place.path("cache")).len(), 2, "no partial files stay");
+}
