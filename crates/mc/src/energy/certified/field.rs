@@ -13,13 +13,13 @@ use crate::energy::yukawa_sum::exp_of_minus;
 use nalgebra::DMatrix;
 
 /// Degree of the polynomials.
-const DEGREE: usize = 5;
+const DEGREE: usize = 7;
 /// Coefficients of a polynomial ...
 const COEFFICIENTS: usize = (DEGREE + 1) * (DEGREE + 2) * (DEGREE + 3) / 6;
 /// ... and with those that fill whole vectors, zero.
-const PADDED: usize = 64;
+const PADDED: usize = 128;
 /// Samples along an edge of a cube, both ends included.
-const SAMPLES: usize = 6;
+const SAMPLES: usize = 8;
 /// Largest residual to bound.
 const SAFETY: f64 = 2.0;
 /// Residual above which a cube is divided, kT/e.
@@ -204,7 +204,7 @@ impl SmoothField {
 
     /// The same operations in the same order.
     #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,fma")]
+    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,fma,popcnt,bmi1")]
     #[inline]
     fn polynomials_avx512(&self, spots: &Spots, charge: &[f64; LEAF]) -> [f32; 16] {
         use std::arch::x86_64::*;
@@ -217,9 +217,9 @@ impl SmoothField {
             let u = _mm512_set1_ps(u);
             let square = _mm512_mul_ps(u, u);
             let even = _mm512_mask_mov_ps(one, 0b1100, square);
-            let even = _mm512_mask_mul_ps(even, 0b11_0000, square, square);
-            let powers = _mm512_mask_mul_ps(even, 0b10_1010, even, u);
-            _mm512_maskz_mov_ps(0b11_1111, powers)
+            let even = _mm512_mask_mul_ps(even, 0b1111_0000, square, square);
+            let even = _mm512_mask_mul_ps(even, 0b1100_0000, even, square);
+            _mm512_mask_mul_ps(even, 0b1010_1010, even, u)
         };
         let mut lanes = _mm512_setzero_ps();
         for i in 0..LEAF {
@@ -287,7 +287,16 @@ const fn indices() -> [[[i32; 16]; PADDED / 16]; 3] {
 fn add_polynomial(c: &[f32; PADDED], u: [f32; 3], charge: f32, lanes: &mut [f32; 16]) {
     let powers = u.map(|u| {
         let square = u * u;
-        [1.0, u, square, square * u, square * square, square * square * u, 0.0, 0.0]
+        [
+            1.0,
+            u,
+            square,
+            square * u,
+            square * square,
+            square * square * u,
+            square * square * square,
+            square * square * square * u,
+        ]
     });
     let mut values = [0.0f32; 16];
     for row in 0..PADDED / 16 {
