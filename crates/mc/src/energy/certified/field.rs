@@ -2,7 +2,8 @@
 //!
 //! The potential is sampled on a lattice that neighbouring cubes share, and a cube's polynomial is the least-squares fit to
 //! the samples in it and on its faces. A cube whose residual is large is divided once into eight. The error of a polynomial
-//! is its largest residual at the samples times [`SAFETY`]: a measured bound, not a proven one.
+//! is its largest residual at the samples times [`SAFETY`], and what one charge may hide between them near the two distances
+//! at which its kernel is less smooth: a measured bound, not a proven one.
 
 use super::leaves::{LEAF, Leaves};
 use super::sampling::{LINE, SmoothKernel};
@@ -62,6 +63,9 @@ impl SmoothField {
         let corner: [f64; 3] = std::array::from_fn(|axis| -0.5 * edge * counts[axis] as f64);
         let mut field = Self { edge, corner, counts, cubes: Vec::new(), coefficients: Vec::new(), errors: Vec::new() };
         let fit = Fit::new();
+        let largest = leaves.charge.iter().flatten().fold(0.0f64, |largest, charge| largest.max(charge.abs()));
+        // Half the diagonal of a cell of samples.
+        let hidden = |edge: f64| largest * split.hidden(0.87 * edge / (SAMPLES - 1) as f64);
         let farthest = 2.0 * (reach + leaves.half_extents.iter().sum::<f64>());
         let kernel = SmoothKernel::new(split, farthest);
         let kernel = kernel.as_ref();
@@ -91,7 +95,7 @@ impl SmoothField {
         }
         for batch in places.chunks(LANES) {
             let corners: Vec<[usize; 3]> = batch.iter().map(|(_, place)| place.map(|n| n * (SAMPLES - 1))).collect();
-            fit.batch(&corners, &samples, &mut field);
+            fit.batch(&corners, &samples, hidden(edge), &mut field);
         }
         for (cube, (index, place)) in places.iter().enumerate() {
             if f64::from(field.errors[cube]) > SAFETY * DIVIDE_ABOVE {
@@ -101,7 +105,7 @@ impl SmoothField {
                 let corners: Vec<[usize; 3]> = (0..8)
                     .map(|octant| [octant & 1, octant >> 1 & 1, octant >> 2].map(|n| n * (SAMPLES - 1)))
                     .collect();
-                fit.batch(&corners, &samples, &mut field);
+                fit.batch(&corners, &samples, hidden(0.5 * edge), &mut field);
             }
         }
         field
@@ -487,8 +491,9 @@ impl Fit {
         Self { map, design }
     }
 
-    /// Fits up to [`LANES`] cubes with their lower corners at these samples, and appends them to the field.
-    fn batch(&self, corners: &[[usize; 3]], samples: &Samples, field: &mut SmoothField) {
+    /// Fits up to [`LANES`] cubes with their lower corners at these samples, and appends them to the field with `hidden`
+    /// added to their errors.
+    fn batch(&self, corners: &[[usize; 3]], samples: &Samples, hidden: f64, field: &mut SmoothField) {
         let index = |corner: &[usize; 3], n: usize| {
             let [i, j, k] = offset(n);
             ((corner[2] + k) * samples.counts[1] + corner[1] + j) * samples.counts[0] + corner[0] + i
@@ -506,7 +511,7 @@ impl Fit {
             field
                 .coefficients
                 .push(Coefficients(std::array::from_fn(|i| coefficients.get(i).map_or(0.0, |c| c[lane] as f32))));
-            field.errors.push((SAFETY * residuals[lane] + rounding) as f32 * 1.0001);
+            field.errors.push((SAFETY * residuals[lane] + hidden + rounding) as f32 * 1.0001);
         }
     }
 }

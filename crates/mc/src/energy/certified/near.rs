@@ -15,8 +15,8 @@ pub(super) struct NearKernel {
     near: [f64; NEAR_DEGREE + 1],
 }
 
-/// Bound of the error of one term, relative to (f + |g|) (2 + 40 Å²/t): tests hold the vector loop against double
-/// precision. The second part is that of t, found from parts of up to some 400 Å², in f.
+/// Bound of the error of one term, relative to (f + |g|) (2 + 40 Å²/t): tests hold the vector loop against the
+/// portable one. The second part is that of t, found from parts of up to some 400 Å², in f.
 const RELATIVE_ERROR: f64 = 1e-11;
 
 impl NearKernel {
@@ -164,5 +164,78 @@ impl NearKernel {
             values
         };
         self.total(target, &store(sums), &store(bounds))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::leaves::Leaves;
+    use super::*;
+    use crate::charges::ChargeCloud;
+    use protomer_kernel::Vec3;
+    use protomer_kernel::potential::Yukawa;
+    use protomer_kernel::random::CounterRng;
+
+    /// Against the double loop over places, with a bound that is far below the sum of the terms' magnitudes.
+    #[test]
+    fn every_instruction_set_gives_the_double_loop_within_the_bound() {
+        let mut rng = CounterRng::new(43, 0, 0);
+        for kappa in [0.0, 1.0 / 9.6, 1.0] {
+            let Ok(yukawa) = Yukawa::new(7.0, kappa, 48.0) else { continue };
+            let split = Split::new(&yukawa, 10.0);
+            let kernel = NearKernel::new(&split);
+            let charges: Vec<(Vec3, f64)> =
+                (0..200).map(|_| (rng.vector_in_ball(12.0), rng.uniform_in(-0.6, 0.6))).collect();
+            let leaves = Leaves::new(&ChargeCloud::new(&charges), 5.0);
+            let sources = Sources::new(&leaves);
+            let every: Vec<u32> = (0..leaves.len() as u32).collect();
+            for _ in 0..50 {
+                let centre: [f64; 3] = rng.vector_in_ball(20.0).into();
+                let mut target = Target { centre, radius: 4.0, ..Target::default() };
+                for lane in 0..LEAF {
+                    let offset: [f64; 3] = rng.vector_in_ball(4.0).into();
+                    target.charge[lane] = rng.uniform_in(-0.6, 0.6);
+                    target.square[lane] = offset.iter().map(|d| d * d).sum();
+                    for axis in 0..3 {
+                        target.exact_offset[axis][lane] = offset[axis];
+                    }
+                }
+                let (mut sum, mut size) = (0.0, 0.0);
+                for (leaf, lane, i) in every_pair(leaves.len()) {
+                    let place = [leaves.x[leaf][lane], leaves.y[leaf][lane], leaves.z[leaf][lane]];
+                    let t: f64 =
+                        (0..3).map(|axis| (centre[axis] + target.exact_offset[axis][i] - place[axis]).powi(2)).sum();
+                    if t < 100.0 {
+                        let g = (0..=NEAR_DEGREE).rev().fold(0.0, |g, k| g * (t - 100.0) + split.near[k]);
+                        let term = target.charge[i]
+                            * leaves.charge[leaf][lane]
+                            * (split.bjerrum * (-kappa * t.sqrt()).exp() / t.sqrt() - g);
+                        sum += term;
+                        size += term.abs();
+                    }
+                }
+                let check = |found: Bounded| {
+                    assert!((found.value - sum).abs() <= found.error + 1e-14 * size, "{found:?} {sum}");
+                    assert!(found.error <= 1e-6 * size + 1e-9, "{found:?} {size}");
+                };
+                check(kernel.sum(&sources, &target, &every));
+                #[cfg(target_arch = "x86_64")]
+                if is_x86_feature_detected!("avx512f")
+                    && is_x86_feature_detected!("avx512dq")
+                    && is_x86_feature_detected!("avx512vl")
+                    && is_x86_feature_detected!("avx512bw")
+                    && is_x86_feature_detected!("popcnt")
+                    && is_x86_feature_detected!("bmi1")
+                {
+                    // SAFETY: the processor has the features the function is compiled for.
+                    check(unsafe { kernel.sum_avx512(&sources, &target, &every) });
+                }
+            }
+        }
+    }
+
+    /// Every leaf, lane and member.
+    fn every_pair(leaves: usize) -> impl Iterator<Item = (usize, usize, usize)> {
+        (0..leaves * LEAF * LEAF).map(|n| (n / LEAF / LEAF, n / LEAF % LEAF, n % LEAF))
     }
 }

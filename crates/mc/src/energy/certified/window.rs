@@ -48,6 +48,7 @@ pub(super) struct Sources {
 struct Members([[f32; LEAF]; 5]);
 
 /// A leaf of the other body where it stands.
+#[derive(Default)]
 pub(super) struct Target {
     /// Centre and radius of the bounding sphere, Å.
     pub centre: [f64; 3],
