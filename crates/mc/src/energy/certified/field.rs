@@ -2,7 +2,8 @@
 //!
 //! The potential is sampled on a lattice that neighbouring cubes share, and a cube's polynomial is the least-squares fit to
 //! the samples in it and on its faces. A cube whose residual is large is divided once into eight. The error of a polynomial
-//! is its largest residual at the samples times [`SAFETY`]: a measured bound, not a proven one.
+//! is its largest residual at the samples times [`SAFETY`], and what one charge may hide between them near the two distances
+//! at which its kernel is less smooth: a measured bound, not a proven one.
 
 mod storage;
 
@@ -15,13 +16,13 @@ use crate::energy::yukawa_sum::exp_of_minus;
 use nalgebra::DMatrix;
 
 /// Degree of the polynomials.
-const DEGREE: usize = 5;
+const DEGREE: usize = 7;
 /// Coefficients of a polynomial ...
 const COEFFICIENTS: usize = (DEGREE + 1) * (DEGREE + 2) * (DEGREE + 3) / 6;
 /// ... and with those that fill whole vectors, zero.
-const PADDED: usize = 64;
+const PADDED: usize = 128;
 /// Samples along an edge of a cube, both ends included.
-const SAMPLES: usize = 6;
+const SAMPLES: usize = 8;
 /// Largest residual to bound.
 const SAFETY: f64 = 2.0;
 /// Residual above which a cube is divided, kT/e.
@@ -64,6 +65,9 @@ impl SmoothField {
         let corner: [f64; 3] = std::array::from_fn(|axis| -0.5 * edge * counts[axis] as f64);
         let mut field = Self { edge, corner, counts, cubes: Vec::new(), coefficients: Vec::new(), errors: Vec::new() };
         let fit = Fit::new();
+        let largest = leaves.charge.iter().flatten().fold(0.0f64, |largest, charge| largest.max(charge.abs()));
+        // Half the diagonal of a cell of samples.
+        let hidden = |edge: f64| largest * split.hidden(0.87 * edge / (SAMPLES - 1) as f64);
         let farthest = 2.0 * (reach + leaves.half_extents.iter().sum::<f64>());
         let kernel = SmoothKernel::new(split, farthest);
         let kernel = kernel.as_ref();
@@ -93,7 +97,7 @@ impl SmoothField {
         }
         for batch in places.chunks(LANES) {
             let corners: Vec<[usize; 3]> = batch.iter().map(|(_, place)| place.map(|n| n * (SAMPLES - 1))).collect();
-            fit.batch(&corners, &samples, &mut field);
+            fit.batch(&corners, &samples, hidden(edge), &mut field);
         }
         for (cube, (index, place)) in places.iter().enumerate() {
             if f64::from(field.errors[cube]) > SAFETY * DIVIDE_ABOVE {
@@ -103,7 +107,7 @@ impl SmoothField {
                 let corners: Vec<[usize; 3]> = (0..8)
                     .map(|octant| [octant & 1, octant >> 1 & 1, octant >> 2].map(|n| n * (SAMPLES - 1)))
                     .collect();
-                fit.batch(&corners, &samples, &mut field);
+                fit.batch(&corners, &samples, hidden(0.5 * edge), &mut field);
             }
         }
         field
@@ -206,7 +210,7 @@ impl SmoothField {
 
     /// The same operations in the same order.
     #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,fma")]
+    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,fma,popcnt,bmi1")]
     #[inline]
     fn polynomials_avx512(&self, spots: &Spots, charge: &[f64; LEAF]) -> [f32; 16] {
         use std::arch::x86_64::*;
@@ -219,9 +223,9 @@ impl SmoothField {
             let u = _mm512_set1_ps(u);
             let square = _mm512_mul_ps(u, u);
             let even = _mm512_mask_mov_ps(one, 0b1100, square);
-            let even = _mm512_mask_mul_ps(even, 0b11_0000, square, square);
-            let powers = _mm512_mask_mul_ps(even, 0b10_1010, even, u);
-            _mm512_maskz_mov_ps(0b11_1111, powers)
+            let even = _mm512_mask_mul_ps(even, 0b1111_0000, square, square);
+            let even = _mm512_mask_mul_ps(even, 0b1100_0000, even, square);
+            _mm512_mask_mul_ps(even, 0b1010_1010, even, u)
         };
         let mut lanes = _mm512_setzero_ps();
         for i in 0..LEAF {
@@ -289,7 +293,16 @@ const fn indices() -> [[[i32; 16]; PADDED / 16]; 3] {
 fn add_polynomial(c: &[f32; PADDED], u: [f32; 3], charge: f32, lanes: &mut [f32; 16]) {
     let powers = u.map(|u| {
         let square = u * u;
-        [1.0, u, square, square * u, square * square, square * square * u, 0.0, 0.0]
+        [
+            1.0,
+            u,
+            square,
+            square * u,
+            square * square,
+            square * square * u,
+            square * square * square,
+            square * square * square * u,
+        ]
     });
     let mut values = [0.0f32; 16];
     for row in 0..PADDED / 16 {
@@ -480,8 +493,9 @@ impl Fit {
         Self { map, design }
     }
 
-    /// Fits up to [`LANES`] cubes with their lower corners at these samples, and appends them to the field.
-    fn batch(&self, corners: &[[usize; 3]], samples: &Samples, field: &mut SmoothField) {
+    /// Fits up to [`LANES`] cubes with their lower corners at these samples, and appends them to the field with `hidden`
+    /// added to their errors.
+    fn batch(&self, corners: &[[usize; 3]], samples: &Samples, hidden: f64, field: &mut SmoothField) {
         let index = |corner: &[usize; 3], n: usize| {
             let [i, j, k] = offset(n);
             ((corner[2] + k) * samples.counts[1] + corner[1] + j) * samples.counts[0] + corner[0] + i
@@ -499,7 +513,7 @@ impl Fit {
             field
                 .coefficients
                 .push(Coefficients(std::array::from_fn(|i| coefficients.get(i).map_or(0.0, |c| c[lane] as f32))));
-            field.errors.push((SAFETY * residuals[lane] + rounding) as f32 * 1.0001);
+            field.errors.push((SAFETY * residuals[lane] + hidden + rounding) as f32 * 1.0001);
         }
     }
 }

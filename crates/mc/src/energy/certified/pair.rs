@@ -10,10 +10,10 @@ use protomer_kernel::pose::RelativePose;
 use protomer_kernel::potential::Yukawa;
 
 /// Edge of the field's cubes, Å, while the cut-off is at most [`REACH_OF_EDGE`]; beyond, in proportion.
-const EDGE: f64 = 3.0;
+const EDGE: f64 = 4.0;
 const REACH_OF_EDGE: f64 = 60.0;
 /// The short distance R of the split over the edge of a cube.
-const NEAR_PER_EDGE: f64 = 10.0 / 3.0;
+const NEAR_PER_EDGE: f64 = 2.5;
 /// A cut-off below this many R is left to the direct sum, which is short then.
 const LEAST_CUTOFF: f64 = 2.4;
 
@@ -46,7 +46,6 @@ pub struct ChargeTable {
     /// The moments of each leaf about its centre.
     moments: Vec<[f64; 14]>,
     magnitude: f64,
-    radius: f64,
     split: Split,
     near: NearKernel,
     pub(super) field: Option<SmoothField>,
@@ -89,9 +88,8 @@ impl ChargeTable {
             })
             .collect();
         let magnitude = leaves.magnitude.iter().sum();
-        let radius = leaves.half_extents.iter().map(|half| half * half).sum::<f64>().sqrt();
         let near = NearKernel::new(&split);
-        Self { leaves, sources, moments, magnitude, radius, split, near, field }
+        Self { leaves, sources, moments, magnitude, split, near, field }
     }
 
     /// Bytes held.
@@ -112,6 +110,8 @@ impl ChargeTable {
                 && is_x86_feature_detected!("avx512vl")
                 && is_x86_feature_detected!("avx512bw")
                 && is_x86_feature_detected!("fma")
+                && is_x86_feature_detected!("popcnt")
+                && is_x86_feature_detected!("bmi1")
             {
                 // SAFETY: the processor has the features the function is compiled for.
                 return unsafe { self.interval_avx512(other, relative) };
@@ -125,7 +125,7 @@ impl ChargeTable {
     }
 
     #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,fma")]
+    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,fma,popcnt,bmi1")]
     fn interval_avx512(&self, other: &ChargeTable, relative: &RelativePose) -> Option<EnergyInterval> {
         self.interval::<true>(other, relative)
     }
@@ -142,7 +142,7 @@ impl ChargeTable {
             return Some(EnergyInterval::default());
         }
         let field = self.field.as_ref()?;
-        let mut lists = Lists::default();
+        let mut lists = Lists::new(&self.sources);
         let mut sum = Bounded::default();
         let r = [0, 1, 2].map(|i| [0, 1, 2].map(|j| relative.rotation[(i, j)]));
         let middle: [f64; 3] = std::array::from_fn(|i| {
@@ -150,7 +150,7 @@ impl ChargeTable {
             at(0) + at(1) + at(2) + relative.translation[i] - self.leaves.middle[i]
         });
         for leaf in 0..other.leaves.len() {
-            let (places, target) = other.place(leaf, &r, &middle, self.radius);
+            let (places, target) = other.place(leaf, &r, &middle);
             if self.beyond(&target) {
                 continue;
             }
@@ -178,7 +178,7 @@ impl ChargeTable {
 
     /// A leaf of this body turned and moved.
     #[inline(always)]
-    fn place(&self, leaf: usize, r: &[[f64; 3]; 3], middle: &[f64; 3], reach: f64) -> ([[f64; LEAF]; 3], Target) {
+    fn place(&self, leaf: usize, r: &[[f64; 3]; 3], middle: &[f64; 3]) -> ([[f64; LEAF]; 3], Target) {
         let leaves = &self.leaves;
         let [cx, cy, cz, radius] = leaves.spheres[leaf];
         let turn = |v: [f64; 3], i: usize| r[i][0] * v[0] + r[i][1] * v[1] + r[i][2] * v[2];
@@ -192,23 +192,19 @@ impl ChargeTable {
                 places[axis][lane] = exact_offset[axis][lane] + centre[axis];
             }
         }
-        let (mut square, mut shift) = ([0.0f32; LEAF], [0.0f32; LEAF]);
+        let mut square = [0.0; LEAF];
         for lane in 0..LEAF {
             let d = [exact_offset[0][lane], exact_offset[1][lane], exact_offset[2][lane]];
-            let own = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-            square[lane] = own as f32;
-            shift[lane] = (own + 2.0 * (d[0] * centre[0] + d[1] * centre[1] + d[2] * centre[2])) as f32;
+            square[lane] = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
         }
         let target = Target {
             centre,
             radius,
             offset: exact_offset.map(|axis| axis.map(|d| d as f32)),
             exact_offset,
-            shift,
             square,
             charge: leaves.charge[leaf],
             magnitude: leaves.magnitude[leaf],
-            largest_coordinate: reach,
             moments: turn_moments(&self.moments[leaf], r),
         };
         (places, target)

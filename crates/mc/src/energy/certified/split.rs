@@ -52,6 +52,21 @@ impl Split {
         value - if cut_square.is_finite() { horner(&self.step, t - cut_square) } else { 0.0 }
     }
 
+    /// The smooth part's departure from smoothness within `depth` (Å) of R or of the cut-off: the first term in which the
+    /// two sides differ there, kT/e². So much of one charge's potential may hide between samples of that distance.
+    pub fn hidden(&self, depth: f64) -> f64 {
+        let term = |coefficient: f64, radius: f64, degree: usize| {
+            (coefficient * ((2.0 * radius + depth) * depth).powi(degree as i32)).abs()
+        };
+        let near = taylor::<{ NEAR_DEGREE + 2 }>(self.kappa, self.near_radius)[NEAR_DEGREE + 1];
+        let mut sum = term(near, self.near_radius, NEAR_DEGREE + 1);
+        if self.cutoff.is_finite() {
+            let step = taylor::<{ STEP_DEGREE + 2 }>(self.kappa, self.cutoff)[STEP_DEGREE + 1];
+            sum += term(step, self.cutoff, STEP_DEGREE + 1);
+        }
+        self.bjerrum * sum
+    }
+
     /// The smooth part at a squared distance.
     pub fn smooth(&self, t: f64) -> f64 {
         let (near_square, cut_square) = (self.near_radius * self.near_radius, self.cutoff * self.cutoff);

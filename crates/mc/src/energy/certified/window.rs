@@ -2,42 +2,53 @@
 //!
 //! Source leaves wholly inside enter by their moments, in double precision; of the straddling ones, charges that are
 //! inside for the whole target leaf enter by the leaf's moments; what is left is compared pair by pair. With c the centre
-//! of the target leaf and δ_i its members' offsets,
+//! of the target leaf and δ_i its members' offsets, s the centre of a source leaf and ε_j its members' offsets,
+//! D = s - c and d_j = ε_j + D,
 //!
 //! ```text
-//! t_ij = t_j + η_ij,   t_j = |y_j - c|² - r_cut² (double precision),   η_ij = |δ_i|² + 2 δ_i·c - 2 δ_i·y_j (single)
+//! t_ij = t_j + η_ij,   t_j = (|D|² - r_cut²) + |ε_j|² + 2 ε_j·D,   η_ij = |δ_i|² - 2 δ_i·d_j
 //! ```
+//!
+//! D and the bracket are found in double precision, the rest in single: all its parts are at most as large as a leaf's
+//! diameter times the cut-off, however large the bodies are.
 
 use super::leaves::{LEAF, Leaves};
 use super::near::NearKernel;
 use super::split::Split;
 
-/// |t| below which the sign of a single-precision t is not trusted, Å²; also the bound of its error.
-pub(super) const T_ERROR: f64 = 3e-4;
-/// Entries of a list between two transfers of the sum to double precision.
-const CHUNK: usize = 8;
+/// Entries of a list, and straddling leaves, between two transfers of a sum to double precision.
+const CHUNK: usize = 16;
 /// Margin of distances in the classification of leaves, Å.
 const MARGIN: f64 = 1e-3;
 /// Moments of a leaf.
 pub(super) const MOMENTS: usize = 14;
+/// The t of entries that fill a list up: beyond any cut-off.
+const FILLER: f32 = 1e9;
 
 /// Source leaves as the loops want them.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Sources {
-    /// Places, charges in single precision.
-    pub x: Vec<[f32; LEAF]>,
-    pub y: Vec<[f32; LEAF]>,
-    pub z: Vec<[f32; LEAF]>,
-    pub charge: Vec<[f32; LEAF]>,
-    /// The places again, and |y|², in double precision.
-    pub exact: Vec<[[f64; LEAF]; 4]>,
+    /// Members by leaf.
+    members: Vec<Members>,
+    /// The largest radius of a leaf, Å.
+    radius: f64,
+    /// The members' places in double precision.
+    pub exact: Vec<[[f64; LEAF]; 3]>,
+    /// The members' charges, e.
+    pub charge: Vec<[f64; LEAF]>,
     /// Bounding spheres, sixteen leaves at a time; missing ones are infinitely far.
-    spheres: Vec<[[f32; LEAF]; 4]>,
+    spheres: Vec<[[f64; LEAF]; 4]>,
     /// Moments about the middle of the charges' box, sixteen leaves at a time.
     moments: Vec<[[f64; LEAF]; MOMENTS]>,
 }
 
+/// Offsets of a leaf's members from its centre, their squares, and charges: x, y, z, |ε|², q.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C, align(64))]
+struct Members([[f32; LEAF]; 5]);
+
 /// A leaf of the other body where it stands.
+#[derive(Default)]
 pub(super) struct Target {
     /// Centre and radius of the bounding sphere, Å.
     pub centre: [f64; 3],
@@ -45,28 +56,73 @@ pub(super) struct Target {
     /// Offsets of the members from the centre, Å.
     pub offset: [[f32; LEAF]; 3],
     pub exact_offset: [[f64; LEAF]; 3],
-    /// |δ|² + 2 δ·c, Å².
-    pub shift: [f32; LEAF],
     /// |δ|², Å².
-    pub square: [f32; LEAF],
+    pub square: [f64; LEAF],
     /// Charges, e, and the sum of their magnitudes.
     pub charge: [f64; LEAF],
     pub magnitude: f64,
-    /// Bound of the sources' coordinates, Å.
-    pub largest_coordinate: f64,
     /// The moments of the leaf about its centre.
     pub moments: [f64; MOMENTS],
+}
+
+/// Calls the first function where the processor's vectors are WIDE, the second otherwise.
+macro_rules! select {
+    ($wide:ident, $vector:path, $any:path, ($($argument:expr),*)) => {{
+        #[cfg(target_arch = "x86_64")]
+        let result = if $wide {
+            // SAFETY: WIDE says that the processor has the features.
+            unsafe { $vector($($argument),*) }
+        } else {
+            $any($($argument),*)
+        };
+        #[cfg(not(target_arch = "x86_64"))]
+        let result = $any($($argument),*);
+        result
+    }};
 }
 
 /// Reusable lists.
 #[derive(Debug, Default)]
 pub(super) struct Lists {
+    /// Leaves that straddle the cut-off, with D and |D|² - r_cut².
     leaves: Vec<u32>,
+    shifts: [Vec<f32>; 4],
+    straddling: usize,
+    /// Leaves that may have near pairs.
     near_leaves: Vec<u32>,
-    /// Charges to compare: where they are among the sources, and x, y, z, charge and t.
-    index: Vec<u32>,
-    listed: [Vec<f32>; 5],
+    near: usize,
+    /// The charges of straddling leaves by their place in `leaves`; one more place is filled with what has no effect.
+    placed: Vec<Placed>,
+    /// Charges to compare: [`LEAF`] times the place in `leaves`, and the place in the leaf.
+    listed: Vec<u32>,
     count: usize,
+}
+
+/// Charges where they stand: d, charge and t.
+#[derive(Debug, Clone, Copy, Default)]
+#[repr(C, align(64))]
+struct Placed([[f32; LEAF]; 5]);
+
+impl Lists {
+    /// Room for everything that these sources can put in; vectors may be stored past the last entry.
+    pub fn new(sources: &Sources) -> Self {
+        let leaves = sources.spheres.len() * LEAF + LEAF;
+        Self {
+            leaves: vec![0; leaves],
+            shifts: std::array::from_fn(|_| vec![0.0; leaves]),
+            near_leaves: vec![0; leaves],
+            placed: vec![Placed::default(); leaves],
+            listed: vec![0; leaves * LEAF + CHUNK],
+            ..Self::default()
+        }
+    }
+
+    /// Fills the last chunk up with charges of no effect.
+    #[inline(always)]
+    fn fill(&mut self) {
+        self.placed[self.straddling] = Placed([[0.0; LEAF], [0.0; LEAF], [0.0; LEAF], [0.0; LEAF], [FILLER; LEAF]]);
+        self.listed[self.count..self.count + CHUNK].fill((self.straddling * LEAF) as u32);
+    }
 }
 
 /// A sum with its bound, kT.
@@ -92,35 +148,35 @@ pub(super) fn moments(places: [&[f64; LEAF]; 3], charge: &[f64; LEAF]) -> [f64; 
 
 impl Sources {
     pub fn new(leaves: &Leaves) -> Self {
-        let single = |values: &Vec<[f64; LEAF]>| values.iter().map(|leaf| leaf.map(|v| v as f32)).collect();
         let blocks = leaves.len().div_ceil(LEAF);
         let (mut spheres, mut all_moments) =
             (vec![[[1e9; LEAF], [1e9; LEAF], [1e9; LEAF], [0.0; LEAF]]; blocks], vec![[[0.0; LEAF]; MOMENTS]; blocks]);
-        let mut exact = Vec::new();
+        let (mut exact, mut members) = (Vec::new(), Vec::new());
         for leaf in 0..leaves.len() {
-            let (x, y, z) = (leaves.x[leaf], leaves.y[leaf], leaves.z[leaf]);
-            exact.push([x, y, z, std::array::from_fn(|i| x[i] * x[i] + y[i] * y[i] + z[i] * z[i])]);
+            let places = [leaves.x[leaf], leaves.y[leaf], leaves.z[leaf]];
+            let centre = leaves.spheres[leaf];
+            let offset: [[f64; LEAF]; 3] =
+                std::array::from_fn(|axis| std::array::from_fn(|i| places[axis][i] - centre[axis]));
+            let square: [f64; LEAF] = std::array::from_fn(|i| offset.iter().map(|axis| axis[i] * axis[i]).sum());
+            let [x, y, z] = offset;
+            members.push(Members([x, y, z, square, leaves.charge[leaf]].map(|values| values.map(|v| v as f32))));
             for axis in 0..4 {
-                spheres[leaf / LEAF][axis][leaf % LEAF] = leaves.spheres[leaf][axis] as f32;
+                spheres[leaf / LEAF][axis][leaf % LEAF] = centre[axis];
             }
-            for (k, moment) in moments([&x, &y, &z], &leaves.charge[leaf]).into_iter().enumerate() {
+            let [x, y, z] = &places;
+            for (k, moment) in moments([x, y, z], &leaves.charge[leaf]).into_iter().enumerate() {
                 all_moments[leaf / LEAF][k][leaf % LEAF] = moment;
             }
+            exact.push(places);
         }
-        Self {
-            x: single(&leaves.x),
-            y: single(&leaves.y),
-            z: single(&leaves.z),
-            charge: single(&leaves.charge),
-            exact,
-            spheres,
-            moments: all_moments,
-        }
+        let radius = leaves.spheres.iter().map(|sphere| sphere[3]).fold(0.0, f64::max);
+        Self { members, radius, exact, charge: leaves.charge.clone(), spheres, moments: all_moments }
     }
 
     pub fn memory_bytes(&self) -> usize {
-        4 * size_of_val(&self.x[..])
+        size_of_val(&self.members[..])
             + size_of_val(&self.exact[..])
+            + size_of_val(&self.charge[..])
             + size_of_val(&self.spheres[..])
             + size_of_val(&self.moments[..])
     }
@@ -129,7 +185,7 @@ impl Sources {
 /// Coefficients of Σ_i Z_i p(t_ij): as a polynomial of y in the order of [`moments`], and for charges one by one.
 struct Contraction {
     global: [f64; MOMENTS],
-    /// p summed = k0 + t (k1 + t k2), k0 and k1 polynomials of y.
+    /// p summed = k0 + t (k1 + t k2), k0 and k1 polynomials of d, t that of the centre.
     k0: [f32; 10],
     k1: [f32; 4],
     k2: f32,
@@ -171,13 +227,15 @@ impl Contraction {
             }
         }
         global[13] = k2;
-        let mut k0 = [constant as f32; 10];
+        let trace = m[4] + m[5] + m[6];
+        let mut k0 = [(c0 * q + c1 * trace + c2 * h) as f32; 10];
         for i in 0..3 {
-            k0[1 + i] = linear[i] as f32;
+            k0[1 + i] = (-2.0 * c1 * d[i] - 4.0 * c2 * o[i]) as f32;
         }
         for n in 0..6 {
             k0[4 + n] = own[n] as f32;
         }
+        let k = c1 * q + 2.0 * c2 * trace;
         Self { global, k0, k1: [k as f32, l[0] as f32, l[1] as f32, l[2] as f32], k2: k2 as f32 }
     }
 }
@@ -194,94 +252,216 @@ pub(super) fn sum_target<const WIDE: bool>(
     let finite = split.cutoff.is_finite();
     let square = if finite { split.cutoff * split.cutoff } else { 0.0 };
     let contraction = Contraction::new(target, split, square);
-    let mut sum = classify(sources, target, split, &contraction.global, finite, lists);
-    if !lists.leaves.is_empty() {
-        let room = lists.leaves.len() * LEAF + LEAF;
-        if lists.index.len() < room {
-            lists.index.resize(room, 0);
-            lists.listed.iter_mut().for_each(|list| list.resize(room, 0.0));
-        }
-        let straddling = collect::<WIDE>(sources, target, split, square, &contraction, lists);
-        let window = compare::<WIDE>(sources, target, split, lists);
-        sum.value += straddling.value + window.value;
-        sum.error += straddling.error + window.error;
+    let inside = select!(WIDE, classify_avx512, classify_any, (sources, target, split, &contraction.global, lists));
+    let mut sum = Bounded { value: inside, error: 0.0 };
+    if lists.straddling > 0 {
+        let t_error = t_error(split, target.radius.max(sources.radius));
+        sum.add(collect::<WIDE>(sources, target, split, square, t_error, &contraction, lists));
+        sum.add(compare::<WIDE>(sources, target, split, t_error, lists));
     }
-    if !lists.near_leaves.is_empty() {
-        let close = near.sum(sources, target, &lists.near_leaves);
-        sum.value += close.value;
-        sum.error += close.error;
+    if lists.near > 0 {
+        let leaves = &lists.near_leaves[..lists.near];
+        sum.add(select!(WIDE, NearKernel::sum_avx512, NearKernel::sum, (near, sources, target, leaves)));
     }
     sum
 }
 
+/// Bound of the error of a single-precision t, Å²; below it its sign is not trusted. With the largest part
+/// W = 2 radius (r_cut + 2 radius), which bounds |t_j| of listed charges, 2 |ε·D|, and 2 |δ·d|, the roundings are those of
+/// D, ε, |ε|² (3 W), of the terms of t_j (3 W) and its last sum (4 W: |D|² - r_cut² is at most 2 W), of d and δ (3 W), of
+/// the sum with |δ|² (1 W) and of the three products (6 W).
+fn t_error(split: &Split, radius: f64) -> f64 {
+    20.0 * UNIT * 2.0 * radius * (split.cutoff + 2.0 * radius)
+}
+
+/// How leaves lie to a target leaf.
+#[derive(Clone, Copy)]
+struct Reach {
+    cutoff: f64,
+    near: f64,
+    /// Of the target, and a margin.
+    radius: f64,
+    square: f64,
+}
+
+impl Reach {
+    /// Without a cut-off every leaf is inside.
+    fn new(target: &Target, split: &Split) -> Self {
+        let cutoff = if split.cutoff.is_finite() { split.cutoff } else { 1e8 };
+        Self { cutoff, near: split.near_radius, radius: target.radius + MARGIN, square: cutoff * cutoff }
+    }
+}
+
 /// Sums the leaves wholly inside; lists those that straddle the cut-off and those with near pairs.
 #[inline(always)]
-fn classify(
-    sources: &Sources,
-    target: &Target,
-    split: &Split,
-    global: &[f64; MOMENTS],
-    finite: bool,
-    lists: &mut Lists,
-) -> Bounded {
-    lists.leaves.clear();
-    lists.near_leaves.clear();
-    let c = target.centre.map(|c| c as f32);
-    let cutoff = if finite { split.cutoff as f32 } else { 0.0 };
-    let (radius, margin, near) = (target.radius as f32, MARGIN as f32, split.near_radius as f32);
+fn classify_any(sources: &Sources, target: &Target, split: &Split, global: &[f64; MOMENTS], lists: &mut Lists) -> f64 {
+    let (c, of) = (target.centre, Reach::new(target, split));
     let mut inside = [0.0f64; LEAF];
+    (lists.straddling, lists.near) = (0, 0);
     for (block, (sphere, moments)) in sources.spheres.iter().zip(&sources.moments).enumerate() {
-        let mut kind = [0u8; LEAF];
         let mut weight = [0.0f64; LEAF];
         for lane in 0..LEAF {
-            let (dx, dy, dz) = (sphere[0][lane] - c[0], sphere[1][lane] - c[1], sphere[2][lane] - c[2]);
-            let square = dx * dx + dy * dy + dz * dz;
-            let reach = radius + sphere[3][lane] + margin;
-            let (high, low, close) = (cutoff + reach, (cutoff - reach).max(0.0), near + reach);
+            let d: [f64; 3] = std::array::from_fn(|axis| sphere[axis][lane] - c[axis]);
+            let square = d[0].mul_add(d[0], d[1].mul_add(d[1], d[2] * d[2]));
+            let reach = of.radius + sphere[3][lane];
+            let (high, low, close) = (of.cutoff + reach, (of.cutoff - reach).max(0.0), of.near + reach);
             let within = square < low * low;
-            let touched = finite & (square < high * high);
             weight[lane] = if within { 1.0 } else { 0.0 };
-            kind[lane] = u8::from(touched & !within) + 2 * u8::from(square < close * close);
+            let leaf = (block * LEAF + lane) as u32;
+            if square < high * high && !within {
+                lists.leaves[lists.straddling] = leaf;
+                for (list, value) in lists.shifts.iter_mut().zip([d[0], d[1], d[2], square - of.square]) {
+                    list[lists.straddling] = value as f32;
+                }
+                lists.straddling += 1;
+            }
+            if square < close * close {
+                lists.near_leaves[lists.near] = leaf;
+                lists.near += 1;
+            }
         }
         if weight.iter().any(|w| *w > 0.0) {
             let mut value = [0.0f64; LEAF];
             for (coefficient, moment) in global.iter().zip(moments) {
                 for lane in 0..LEAF {
-                    value[lane] += coefficient * moment[lane];
+                    value[lane] = coefficient.mul_add(moment[lane], value[lane]);
                 }
             }
             for lane in 0..LEAF {
                 inside[lane] += weight[lane] * value[lane];
             }
         }
-        if kind != [0; LEAF] {
-            for (lane, kind) in kind.into_iter().enumerate() {
-                if kind & 1 == 1 {
-                    lists.leaves.push((block * LEAF + lane) as u32);
-                }
-                if kind & 2 == 2 {
-                    lists.near_leaves.push((block * LEAF + lane) as u32);
-                }
+    }
+    (0..LEAF / 2).map(|lane| inside[lane] + inside[lane + LEAF / 2]).sum()
+}
+
+/// The same, sixteen leaves at once.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,fma,popcnt,bmi1")]
+fn classify_avx512(
+    sources: &Sources,
+    target: &Target,
+    split: &Split,
+    global: &[f64; MOMENTS],
+    lists: &mut Lists,
+) -> f64 {
+    use std::arch::x86_64::*;
+    let of = Reach::new(target, split);
+    let c = target.centre.map(|c| _mm512_set1_pd(c));
+    let [cutoff, near, radius, cut_square] =
+        [of.cutoff, of.near, of.radius, of.square].map(|value| _mm512_set1_pd(value));
+    let zero = _mm512_setzero_pd();
+    let lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    let mut inside = [zero; 2];
+    (lists.straddling, lists.near) = (0, 0);
+    for (block, (sphere, moments)) in sources.spheres.iter().zip(&sources.moments).enumerate() {
+        let mut shifts = [[_mm256_setzero_ps(); 2]; 4];
+        let (mut within, mut touched, mut close) = ([0u8; 2], [0u8; 2], [0u8; 2]);
+        for half in 0..2 {
+            // SAFETY: eight doubles from 0 or 8 of an array of sixteen.
+            let [x, y, z, size] =
+                [0, 1, 2, 3].map(|axis: usize| unsafe { _mm512_loadu_pd(sphere[axis].as_ptr().add(8 * half)) });
+            let d = [_mm512_sub_pd(x, c[0]), _mm512_sub_pd(y, c[1]), _mm512_sub_pd(z, c[2])];
+            let square = _mm512_fmadd_pd(d[0], d[0], _mm512_fmadd_pd(d[1], d[1], _mm512_mul_pd(d[2], d[2])));
+            let reach = _mm512_add_pd(radius, size);
+            let (high, close_to) = (_mm512_add_pd(cutoff, reach), _mm512_add_pd(near, reach));
+            let low = _mm512_max_pd(_mm512_sub_pd(cutoff, reach), zero);
+            within[half] = _mm512_cmp_pd_mask::<_CMP_LT_OQ>(square, _mm512_mul_pd(low, low));
+            touched[half] = _mm512_cmp_pd_mask::<_CMP_LT_OQ>(square, _mm512_mul_pd(high, high)) & !within[half];
+            close[half] = _mm512_cmp_pd_mask::<_CMP_LT_OQ>(square, _mm512_mul_pd(close_to, close_to));
+            let values = [d[0], d[1], d[2], _mm512_sub_pd(square, cut_square)];
+            for (shift, value) in shifts.iter_mut().zip(values) {
+                shift[half] = _mm512_cvtpd_ps(value);
             }
         }
+        let places = _mm512_add_epi32(lanes, _mm512_set1_epi32((block * LEAF) as i32));
+        let touched = u16::from_le_bytes(touched);
+        if touched != 0 {
+            let room = &mut lists.leaves[lists.straddling..lists.straddling + LEAF];
+            // SAFETY: `room` is sixteen integers long.
+            unsafe { _mm512_storeu_si512(room.as_mut_ptr().cast(), _mm512_maskz_compress_epi32(touched, places)) };
+            for (list, [low, high]) in lists.shifts.iter_mut().zip(shifts) {
+                let values = _mm512_insertf32x8::<1>(_mm512_castps256_ps512(low), high);
+                let room = &mut list[lists.straddling..lists.straddling + LEAF];
+                // SAFETY: `room` is sixteen floats long.
+                unsafe { _mm512_storeu_ps(room.as_mut_ptr(), _mm512_maskz_compress_ps(touched, values)) };
+            }
+            lists.straddling += touched.count_ones() as usize;
+        }
+        let close = u16::from_le_bytes(close);
+        if close != 0 {
+            let room = &mut lists.near_leaves[lists.near..lists.near + LEAF];
+            // SAFETY: `room` is sixteen integers long.
+            unsafe { _mm512_storeu_si512(room.as_mut_ptr().cast(), _mm512_maskz_compress_epi32(close, places)) };
+            lists.near += close.count_ones() as usize;
+        }
+        for half in 0..2 {
+            if within[half] == 0 {
+                continue;
+            }
+            let mut value = zero;
+            for (coefficient, moment) in global.iter().zip(moments) {
+                // SAFETY: eight doubles from 0 or 8 of an array of sixteen.
+                let moment = unsafe { _mm512_loadu_pd(moment.as_ptr().add(8 * half)) };
+                value = _mm512_fmadd_pd(_mm512_set1_pd(*coefficient), moment, value);
+            }
+            inside[half] = _mm512_mask_add_pd(inside[half], within[half], inside[half], value);
+        }
     }
-    Bounded { value: inside.iter().sum(), error: 0.0 }
+    let mut sums = [0.0; LEAF / 2];
+    // SAFETY: an array of eight doubles.
+    unsafe { _mm512_storeu_pd(sums.as_mut_ptr(), _mm512_add_pd(inside[0], inside[1])) };
+    sums.iter().sum()
 }
 
 /// The sums over the charges of straddling leaves.
 struct Collected {
-    inside: [f32; LEAF],
+    inside: [f64; LEAF],
     inside_magnitude: [f32; LEAF],
     magnitude: [f32; LEAF],
 }
 
-/// Where a charge is inside for the whole target leaf (t below the first) or outside (t not below the second), Å².
+/// Where charges of sixteen leaves are inside for the whole target leaf (t below the first) or outside (t not below the
+/// second), Å².
 #[derive(Clone, Copy)]
-struct Shell {
-    /// |c|² - r_cut².
-    constant: f64,
+#[repr(C, align(64))]
+struct Shells {
+    low: [f32; LEAF],
+    high: [f32; LEAF],
+}
+
+/// What shells are made of: those of the target's bounding sphere, and its members.
+struct Extent {
     low: f32,
     high: f32,
+    minus_two: [[f32; LEAF]; 3],
+    square: [f32; LEAF],
+    /// Bound of 2 |δ·ε| and of rounding, Å².
+    slack: f32,
+}
+
+impl Extent {
+    /// The members' η, taken at the centre of a source leaf, and the slack bound t for all of its charges.
+    #[inline(always)]
+    fn shells(&self, shifts: [&[f32; LEAF]; 3]) -> Shells {
+        let (mut least, mut largest) = ([f32::MAX; LEAF], [f32::MIN; LEAF]);
+        for i in 0..LEAF {
+            let (x, y, z) = (self.minus_two[0][i], self.minus_two[1][i], self.minus_two[2][i]);
+            for lane in 0..LEAF {
+                let eta =
+                    x.mul_add(shifts[0][lane], y.mul_add(shifts[1][lane], z.mul_add(shifts[2][lane], self.square[i])));
+                least[lane] = if eta < least[lane] { eta } else { least[lane] };
+                largest[lane] = if eta > largest[lane] { eta } else { largest[lane] };
+            }
+        }
+        let mut shells = Shells { low: [self.low; LEAF], high: [self.high; LEAF] };
+        for lane in 0..LEAF {
+            let (low, high) = (-largest[lane] - self.slack, self.slack - least[lane]);
+            shells.low[lane] = if low > self.low { low } else { self.low };
+            shells.high[lane] = if high < self.high { high } else { self.high };
+        }
+        shells
+    }
 }
 
 /// Sums the charges of straddling leaves that are inside for every member of the target, and lists those in doubt.
@@ -291,85 +471,82 @@ fn collect<const WIDE: bool>(
     target: &Target,
     split: &Split,
     square: f64,
+    t_error: f64,
     contraction: &Contraction,
     lists: &mut Lists,
 ) -> Bounded {
-    let c = target.centre;
     let (low, high) = (split.cutoff - target.radius - MARGIN, split.cutoff + target.radius + MARGIN);
-    let shell = Shell {
-        constant: c[0] * c[0] + c[1] * c[1] + c[2] * c[2] - square,
+    let extent = Extent {
         low: if low > 0.0 { (low * low - square) as f32 } else { f32::NEG_INFINITY },
         high: (high * high - square) as f32,
+        minus_two: target.offset.map(|axis| axis.map(|d| -2.0 * d)),
+        square: target.square.map(|v| v as f32),
+        slack: (2.0 * target.radius * sources.radius + 4.0 * t_error) as f32,
     };
-    #[cfg(target_arch = "x86_64")]
-    let collected = if WIDE {
-        // SAFETY: WIDE says that the processor has the features.
-        unsafe { collect_avx512(sources, &c, shell, contraction, lists) }
-    } else {
-        collect_any(sources, &c, shell, contraction, lists)
-    };
-    #[cfg(not(target_arch = "x86_64"))]
-    let collected = collect_any(sources, &c, shell, contraction, lists);
+    let collected = select!(WIDE, collect_avx512, collect_any, (sources, &extent, contraction, lists));
+    lists.fill();
     let Collected { inside, inside_magnitude, magnitude } = collected;
     let (k0, k1, k2) = (&contraction.k0, &contraction.k1, contraction.k2);
-    let total = inside.iter().map(|v| f64::from(*v)).sum::<f64>();
-    let add = |lanes: &[f32; LEAF]| lanes.iter().map(|lane| f64::from(*lane)).sum::<f64>();
+    let total = inside.iter().sum::<f64>();
+    let add = |lanes: &[f32; LEAF]| lanes.iter().map(|lane| f64::from(*lane)).sum::<f64>() * 1.0001;
     // p falls with t; a listed charge is at most the target's diameter inside.
     let deepest = (split.cutoff - 2.0 * target.radius - MARGIN).max(0.0).powi(2) - square;
     let [c0, c1, c2] = split.step;
     let (largest, steepest) = (c0 + deepest * (c1 + deepest * c2), (c1 + 2.0 * c2 * deepest).abs());
-    // Roundings of a listed pair's term: of a sum of CHUNK terms on average half of them, of p, the charge and t.
-    let term = (0.5 * CHUNK as f64 + 5.0) * UNIT * largest + steepest * T_ERROR * 0.5;
-    // Of an inside charge's term: those of the largest parts of the polynomial.
-    let reach = target.largest_coordinate;
-    let size = |k: &[f32], from: usize| k[from..].iter().map(|k| f64::from(k.abs())).sum::<f64>();
-    let slope = f64::from(k1[0].abs()) + size(&k1[1..], 0) * reach;
-    let polynomial = f64::from(k0[0].abs()) + size(&k0[1..4], 0) * reach + size(k0, 4) * reach * reach;
-    let depth = square.max(1.0);
-    let polynomial = polynomial
-        + slope * depth.min(far_inside(split, target))
-        + f64::from(k2.abs()) * far_inside(split, target).powi(2);
-    let error = target.magnitude * add(&magnitude) * term + add(&inside_magnitude) * polynomial * 30.0 * UNIT;
-    Bounded { value: total, error }
+    // Roundings of a listed pair's term: of a sum of CHUNK terms on average half of them, of p and the charge, and of t.
+    let term = (0.5 * CHUNK as f64 + 5.0) * UNIT * largest + steepest * t_error;
+    // Of an inside charge's term: those of the parts of the polynomial, d among them, of the sum and of t.
+    let reach = split.cutoff + target.radius;
+    let size = |k: &[f32]| k.iter().map(|k| f64::from(k.abs())).sum::<f64>();
+    let depth = far_inside(split, target);
+    let (slope, curvature) = (f64::from(k1[0].abs()) + size(&k1[1..]) * reach, f64::from(k2.abs()));
+    let constant = f64::from(k0[0].abs()) + size(&k0[1..4]) * reach + size(&k0[4..]) * reach * reach;
+    let polynomial = constant + depth * (slope + depth * curvature);
+    let inner = (0.5 * CHUNK as f64 + 15.0) * UNIT * polynomial + (slope + 2.0 * depth * curvature) * t_error;
+    Bounded { value: total, error: target.magnitude * add(&magnitude) * term + add(&inside_magnitude) * inner }
 }
 
 /// The loop over the straddling leaves.
 #[inline(always)]
-fn collect_any(
-    sources: &Sources,
-    c: &[f64; 3],
-    shell: Shell,
-    contraction: &Contraction,
-    lists: &mut Lists,
-) -> Collected {
+fn collect_any(sources: &Sources, extent: &Extent, contraction: &Contraction, lists: &mut Lists) -> Collected {
     let (k0, k1, k2) = (&contraction.k0, &contraction.k1, contraction.k2);
     let mut sums = Collected { inside: [0.0; LEAF], inside_magnitude: [0.0; LEAF], magnitude: [0.0; LEAF] };
     let mut count = 0;
-    for leaf in &lists.leaves {
-        let leaf = *leaf as usize;
-        let exact = &sources.exact[leaf];
-        let (x, y, z, charge) = (&sources.x[leaf], &sources.y[leaf], &sources.z[leaf], &sources.charge[leaf]);
-        for lane in 0..LEAF {
-            let product = c[0].mul_add(exact[0][lane], c[1].mul_add(exact[1][lane], c[2] * exact[2][lane]));
-            let t = (-2.0f64).mul_add(product, exact[3][lane] + shell.constant) as f32;
-            let (x, y, z, charge) = (x[lane], y[lane], z[lane], charge[lane]);
-            if t < shell.low {
-                let linear = k0[1].mul_add(x, k0[2].mul_add(y, k0[3].mul_add(z, k0[0])));
-                let row_x = k0[4].mul_add(x, k0[7].mul_add(y, k0[8] * z));
-                let row_y = k0[5].mul_add(y, k0[9] * z);
-                let constant = row_x.mul_add(x, row_y.mul_add(y, (k0[6] * z).mul_add(z, linear)));
-                let slope = k1[1].mul_add(x, k1[2].mul_add(y, k1[3].mul_add(z, k1[0])));
-                let value = k2.mul_add(t, slope).mul_add(t, constant);
-                sums.inside[lane] = charge.mul_add(value, sums.inside[lane]);
-                sums.inside_magnitude[lane] += charge.abs();
-            } else if t < shell.high {
-                sums.magnitude[lane] += charge.abs();
-                lists.index[count] = (leaf * LEAF + lane) as u32;
-                for (list, value) in lists.listed.iter_mut().zip([x, y, z, charge, t]) {
-                    list[count] = value;
+    for start in (0..lists.straddling).step_by(LEAF) {
+        let axis = |axis: usize| lists.shifts[axis][start..].first_chunk::<LEAF>();
+        let (Some(x), Some(y), Some(z)) = (axis(0), axis(1), axis(2)) else { continue };
+        let shells = extent.shells([x, y, z]);
+        let mut inside = [0.0f32; LEAF];
+        for at in start..(start + LEAF).min(lists.straddling) {
+            let leaf = lists.leaves[at] as usize;
+            let [shift_x, shift_y, shift_z, depth] = [0, 1, 2, 3].map(|axis: usize| lists.shifts[axis][at]);
+            let Members([xs, ys, zs, squares, charges]) = &sources.members[leaf];
+            for lane in 0..LEAF {
+                let (x, y, z, charge) = (xs[lane], ys[lane], zs[lane], charges[lane]);
+                let product = x.mul_add(shift_x, y.mul_add(shift_y, z * shift_z));
+                let t = product.mul_add(2.0, squares[lane] + depth);
+                let (x, y, z) = (x + shift_x, y + shift_y, z + shift_z);
+                if t < shells.low[at - start] {
+                    let linear = k0[1].mul_add(x, k0[2].mul_add(y, k0[3].mul_add(z, k0[0])));
+                    let row_x = k0[4].mul_add(x, k0[7].mul_add(y, k0[8] * z));
+                    let row_y = k0[5].mul_add(y, k0[9] * z);
+                    let constant = row_x.mul_add(x, row_y.mul_add(y, (k0[6] * z).mul_add(z, linear)));
+                    let slope = k1[1].mul_add(x, k1[2].mul_add(y, k1[3].mul_add(z, k1[0])));
+                    let value = k2.mul_add(t, slope).mul_add(t, constant);
+                    inside[lane] = charge.mul_add(value, inside[lane]);
+                    sums.inside_magnitude[lane] += charge.abs();
+                } else if t < shells.high[at - start] {
+                    sums.magnitude[lane] += charge.abs();
+                    for (place, value) in lists.placed[at].0.iter_mut().zip([x, y, z, charge, t]) {
+                        place[lane] = value;
+                    }
+                    lists.listed[count] = (at * LEAF + lane) as u32;
+                    count += 1;
                 }
-                count += 1;
             }
+        }
+        for lane in 0..LEAF {
+            sums.inside[lane] += f64::from(inside[lane]);
         }
     }
     lists.count = count;
@@ -378,82 +555,79 @@ fn collect_any(
 
 /// The same operations in the same order, sixteen charges at once.
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,fma")]
-#[inline]
-fn collect_avx512(
-    sources: &Sources,
-    c: &[f64; 3],
-    shell: Shell,
-    contraction: &Contraction,
-    lists: &mut Lists,
-) -> Collected {
+#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,fma,popcnt,bmi1")]
+fn collect_avx512(sources: &Sources, extent: &Extent, contraction: &Contraction, lists: &mut Lists) -> Collected {
     use std::arch::x86_64::*;
-    let Lists { leaves, index, listed: [list_x, list_y, list_z, list_charge, list_t], .. } = lists;
-    let centre = c.map(|c| _mm512_set1_pd(c));
-    let (constant, minus_two) = (_mm512_set1_pd(shell.constant), _mm512_set1_pd(-2.0));
-    let (low, high) = (_mm512_set1_ps(shell.low), _mm512_set1_ps(shell.high));
+    let Lists { leaves, shifts: [xs, ys, zs, depths], straddling, placed, listed, .. } = lists;
+    let two = _mm512_set1_ps(2.0);
     let k0 = contraction.k0.map(|k| _mm512_set1_ps(k));
     let k1 = contraction.k1.map(|k| _mm512_set1_ps(k));
     let k2 = _mm512_set1_ps(contraction.k2);
     let lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-    let (mut inside, mut inside_magnitude, mut magnitude) =
-        (_mm512_setzero_ps(), _mm512_setzero_ps(), _mm512_setzero_ps());
+    let (mut inside_magnitude, mut magnitude) = (_mm512_setzero_ps(), _mm512_setzero_ps());
+    let (mut inside_low, mut inside_high) = (_mm512_setzero_pd(), _mm512_setzero_pd());
     let mut count = 0;
-    for leaf in leaves.iter() {
-        let leaf = *leaf as usize;
-        let exact = &sources.exact[leaf];
-        let half = |from: usize| {
-            // SAFETY: eight doubles from 0 or 8 of an array of sixteen.
-            let at = |axis: usize| unsafe { _mm512_loadu_pd(exact[axis].as_ptr().add(from)) };
-            let product =
-                _mm512_fmadd_pd(centre[0], at(0), _mm512_fmadd_pd(centre[1], at(1), _mm512_mul_pd(centre[2], at(2))));
-            _mm512_cvtpd_ps(_mm512_fmadd_pd(minus_two, product, _mm512_add_pd(at(3), constant)))
-        };
-        let t = _mm512_insertf32x8::<1>(_mm512_castps256_ps512(half(0)), half(8));
-        let within = _mm512_cmp_ps_mask::<_CMP_LT_OQ>(t, low);
-        let doubtful = _mm512_cmp_ps_mask::<_CMP_LT_OQ>(t, high) & !within;
-        if within | doubtful == 0 {
-            continue;
+    let blocks = leaves.as_chunks::<LEAF>().0.iter().zip(placed.as_chunks_mut::<LEAF>().0);
+    let shifts = [xs, ys, zs, depths].map(|values| values.as_chunks::<LEAF>().0);
+    let shifts = shifts[0].iter().zip(shifts[1]).zip(shifts[2]).zip(shifts[3]);
+    for (block, ((leaves, placed), (((xs, ys), zs), depths))) in blocks.zip(shifts).enumerate() {
+        let start = block * LEAF;
+        if start >= *straddling {
+            break;
         }
-        // SAFETY: arrays of sixteen floats.
-        let [x, y, z, charge] = unsafe {
-            [&sources.x[leaf], &sources.y[leaf], &sources.z[leaf], &sources.charge[leaf]]
-                .map(|lanes| _mm512_loadu_ps(lanes.as_ptr()))
-        };
-        let size = _mm512_abs_ps(charge);
-        if within != 0 {
-            let fma = |a, b, c| _mm512_fmadd_ps(a, b, c);
-            let linear = fma(k0[1], x, fma(k0[2], y, fma(k0[3], z, k0[0])));
-            let row_x = fma(k0[4], x, fma(k0[7], y, _mm512_mul_ps(k0[8], z)));
-            let row_y = fma(k0[5], y, _mm512_mul_ps(k0[9], z));
-            let constant = fma(row_x, x, fma(row_y, y, fma(_mm512_mul_ps(k0[6], z), z, linear)));
-            let slope = fma(k1[1], x, fma(k1[2], y, fma(k1[3], z, k1[0])));
-            let value = fma(fma(k2, t, slope), t, constant);
-            inside = _mm512_mask3_fmadd_ps(charge, value, inside, within);
-            inside_magnitude = _mm512_mask_add_ps(inside_magnitude, within, inside_magnitude, size);
-        }
-        if doubtful != 0 {
-            magnitude = _mm512_mask_add_ps(magnitude, doubtful, magnitude, size);
-            let lists = [&mut *list_x, &mut *list_y, &mut *list_z, &mut *list_charge, &mut *list_t];
-            for (list, values) in lists.into_iter().zip([x, y, z, charge, t]) {
-                let room = &mut list[count..count + LEAF];
-                // SAFETY: `room` is sixteen floats long.
-                unsafe { _mm512_storeu_ps(room.as_mut_ptr(), _mm512_maskz_compress_ps(doubtful, values)) };
+        let shells = extent.shells([xs, ys, zs]);
+        let mut inside = _mm512_setzero_ps();
+        for at in 0..(*straddling - start).min(LEAF) {
+            let Some(members) = sources.members.get(leaves[at] as usize) else { continue };
+            let [shift_x, shift_y, shift_z, depth] = [xs[at], ys[at], zs[at], depths[at]].map(|v| _mm512_set1_ps(v));
+            let (low, high) = (_mm512_set1_ps(shells.low[at]), _mm512_set1_ps(shells.high[at]));
+            // SAFETY: arrays of sixteen floats.
+            let [x, y, z, square, charge] =
+                unsafe { [0, 1, 2, 3, 4].map(|k: usize| _mm512_loadu_ps(members.0[k].as_ptr())) };
+            let product = _mm512_fmadd_ps(x, shift_x, _mm512_fmadd_ps(y, shift_y, _mm512_mul_ps(z, shift_z)));
+            let t = _mm512_fmadd_ps(product, two, _mm512_add_ps(square, depth));
+            let within = _mm512_cmp_ps_mask::<_CMP_LT_OQ>(t, low);
+            let doubtful = _mm512_cmp_ps_mask::<_CMP_LT_OQ>(t, high) & !within;
+            if within | doubtful == 0 {
+                continue;
             }
-            let places = _mm512_add_epi32(lanes, _mm512_set1_epi32((leaf * LEAF) as i32));
-            let room = &mut index[count..count + LEAF];
-            // SAFETY: `room` is sixteen integers long.
-            unsafe {
-                _mm512_storeu_si512(room.as_mut_ptr().cast(), _mm512_maskz_compress_epi32(doubtful, places));
+            let (x, y, z) = (_mm512_add_ps(x, shift_x), _mm512_add_ps(y, shift_y), _mm512_add_ps(z, shift_z));
+            let size = _mm512_abs_ps(charge);
+            if within != 0 {
+                let fma = |a, b, c| _mm512_fmadd_ps(a, b, c);
+                let linear = fma(k0[1], x, fma(k0[2], y, fma(k0[3], z, k0[0])));
+                let row_x = fma(k0[4], x, fma(k0[7], y, _mm512_mul_ps(k0[8], z)));
+                let row_y = fma(k0[5], y, _mm512_mul_ps(k0[9], z));
+                let constant = fma(row_x, x, fma(row_y, y, fma(_mm512_mul_ps(k0[6], z), z, linear)));
+                let slope = fma(k1[1], x, fma(k1[2], y, fma(k1[3], z, k1[0])));
+                let value = fma(fma(k2, t, slope), t, constant);
+                inside = _mm512_mask3_fmadd_ps(charge, value, inside, within);
+                inside_magnitude = _mm512_mask_add_ps(inside_magnitude, within, inside_magnitude, size);
             }
-            count += doubtful.count_ones() as usize;
+            if doubtful != 0 {
+                magnitude = _mm512_mask_add_ps(magnitude, doubtful, magnitude, size);
+                for (place, values) in placed[at].0.iter_mut().zip([x, y, z, charge, t]) {
+                    // SAFETY: an array of sixteen floats.
+                    unsafe { _mm512_storeu_ps(place.as_mut_ptr(), values) };
+                }
+                let places = _mm512_add_epi32(lanes, _mm512_set1_epi32(((start + at) * LEAF) as i32));
+                let room = &mut listed[count..count + LEAF];
+                // SAFETY: `room` is sixteen integers long.
+                unsafe {
+                    _mm512_storeu_si512(room.as_mut_ptr().cast(), _mm512_maskz_compress_epi32(doubtful, places));
+                }
+                count += doubtful.count_ones() as usize;
+            }
         }
+        inside_low = _mm512_add_pd(inside_low, _mm512_cvtps_pd(_mm512_castps512_ps256(inside)));
+        inside_high = _mm512_add_pd(inside_high, _mm512_cvtps_pd(_mm512_extractf32x8_ps::<1>(inside)));
     }
     lists.count = count;
     let mut sums = Collected { inside: [0.0; LEAF], inside_magnitude: [0.0; LEAF], magnitude: [0.0; LEAF] };
-    // SAFETY: arrays of sixteen floats.
+    // SAFETY: arrays of sixteen floats, and two halves of eight doubles of an array of sixteen.
     unsafe {
-        _mm512_storeu_ps(sums.inside.as_mut_ptr(), inside);
+        _mm512_storeu_pd(sums.inside.as_mut_ptr(), inside_low);
+        _mm512_storeu_pd(sums.inside.as_mut_ptr().add(8), inside_high);
         _mm512_storeu_ps(sums.inside_magnitude.as_mut_ptr(), inside_magnitude);
         _mm512_storeu_ps(sums.magnitude.as_mut_ptr(), magnitude);
     }
@@ -474,132 +648,130 @@ pub(super) const LARGEST_RADIUS: f64 = 5.0;
 
 /// Compares the listed charges with every member of the target.
 #[inline(always)]
-fn compare<const WIDE: bool>(sources: &Sources, target: &Target, split: &Split, lists: &Lists) -> Bounded {
-    let step = split.step.map(|c| c as f32);
-    let mut sums = [0.0f64; LEAF];
-    let mut doubt = Bounded::default();
+fn compare<const WIDE: bool>(
+    sources: &Sources,
+    target: &Target,
+    split: &Split,
+    t_error: f64,
+    lists: &Lists,
+) -> Bounded {
     let minus_two = target.offset.map(|axis| axis.map(|d| -2.0 * d));
-    #[cfg(target_arch = "x86_64")]
-    if WIDE {
-        let mut exactly = |indices: &[u32]| doubt.add(compare_exactly(sources, target, split, indices));
-        // SAFETY: WIDE says that the processor has the features.
-        unsafe { compare_avx512(&minus_two, &target.shift, &step, lists, &mut sums, &mut exactly) };
-    } else {
-        let mut exactly = |indices: &[u32]| doubt.add(compare_exactly(sources, target, split, indices));
-        compare_any(&minus_two, &target.shift, &step, lists, &mut sums, &mut exactly);
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    {
-        let mut exactly = |indices: &[u32]| doubt.add(compare_exactly(sources, target, split, indices));
-        compare_any(&minus_two, &target.shift, &step, lists, &mut sums, &mut exactly);
-    }
+    let members = Offsets { minus_two, square: target.square.map(|v| v as f32), doubt: t_error as f32 * 1.0001 };
+    let step = split.step.map(|c| c as f32);
+    let mut doubt = Bounded::default();
+    let mut exactly = |listed: &[u32]| doubt.add(compare_exactly(sources, target, split, &lists.leaves, listed));
+    let sums = select!(WIDE, compare_avx512, compare_any, (&members, &step, lists, &mut exactly));
     let value: f64 = sums.iter().zip(&target.charge).map(|(sum, charge)| sum * charge).sum();
     Bounded { value: value + doubt.value, error: doubt.error }
 }
 
 impl Bounded {
+    #[inline(always)]
     fn add(&mut self, other: Self) {
         self.value += other.value;
         self.error += other.error;
     }
 }
 
+/// The members of a target leaf for comparison: -2 δ, |δ|², and the |t| below which a sign is in doubt.
+struct Offsets {
+    minus_two: [[f32; LEAF]; 3],
+    square: [f32; LEAF],
+    doubt: f32,
+}
+
 /// The loop over the listed charges; chunks with a t too close to zero go to `exactly`.
 #[inline(always)]
 fn compare_any(
-    minus_two: &[[f32; LEAF]; 3],
-    shift: &[f32; LEAF],
+    Offsets { minus_two, square, doubt }: &Offsets,
     step: &[f32; 3],
     lists: &Lists,
-    sums: &mut [f64; LEAF],
     exactly: &mut impl FnMut(&[u32]),
-) {
-    let [xs, ys, zs, charges, ts] = &lists.listed;
+) -> [f64; LEAF] {
+    let mut sums = [0.0; LEAF];
     for start in (0..lists.count).step_by(CHUNK) {
-        let chunk = start..(start + CHUNK).min(lists.count);
         let mut sum = [0.0f32; LEAF];
         let mut nearest = [f32::MAX; LEAF];
-        for at in chunk.clone() {
-            let (x, y, z, charge, t) = (xs[at], ys[at], zs[at], charges[at], ts[at]);
+        for place in &lists.listed[start..start + CHUNK] {
+            let (leaf, lane) = (*place as usize / LEAF, *place as usize % LEAF);
+            let [x, y, z, charge, t] = lists.placed[leaf].0.map(|values| values[lane]);
             for i in 0..LEAF {
                 let t =
-                    minus_two[0][i].mul_add(x, minus_two[1][i].mul_add(y, minus_two[2][i].mul_add(z, shift[i] + t)));
+                    minus_two[0][i].mul_add(x, minus_two[1][i].mul_add(y, minus_two[2][i].mul_add(z, square[i] + t)));
                 let p = step[2].mul_add(t, step[1]).mul_add(t, step[0]);
                 sum[i] = if t < 0.0 { charge.mul_add(p, sum[i]) } else { sum[i] };
                 let magnitude = t.abs();
                 nearest[i] = if magnitude < nearest[i] { magnitude } else { nearest[i] };
             }
         }
-        if nearest.iter().any(|t| *t < T_ERROR as f32) {
-            exactly(&lists.index[chunk]);
+        if nearest.iter().any(|t| t < doubt) {
+            exactly(&lists.listed[start..(start + CHUNK).min(lists.count)]);
         } else {
             for i in 0..LEAF {
                 sums[i] += f64::from(sum[i]);
             }
         }
     }
+    sums
 }
 
 /// The same operations in the same order, for sixteen members at once.
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,fma")]
-#[inline]
-fn compare_avx512(
-    minus_two: &[[f32; LEAF]; 3],
-    shift: &[f32; LEAF],
-    step: &[f32; 3],
-    lists: &Lists,
-    sums: &mut [f64; LEAF],
-    exactly: &mut impl FnMut(&[u32]),
-) {
+#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,fma,popcnt,bmi1")]
+fn compare_avx512(members: &Offsets, step: &[f32; 3], lists: &Lists, exactly: &mut impl FnMut(&[u32])) -> [f64; LEAF] {
     use std::arch::x86_64::*;
-    let [xs, ys, zs, charges, ts] = &lists.listed;
     // SAFETY: arrays of sixteen floats.
-    let (d, shift) = unsafe {
-        ([0, 1, 2].map(|axis: usize| _mm512_loadu_ps(minus_two[axis].as_ptr())), _mm512_loadu_ps(shift.as_ptr()))
+    let (d, square) = unsafe {
+        (
+            [0, 1, 2].map(|axis: usize| _mm512_loadu_ps(members.minus_two[axis].as_ptr())),
+            _mm512_loadu_ps(members.square.as_ptr()),
+        )
     };
     let step = step.map(|c| _mm512_set1_ps(c));
-    let (zero, doubt) = (_mm512_setzero_ps(), _mm512_set1_ps(T_ERROR as f32));
+    let (zero, doubt) = (_mm512_setzero_ps(), _mm512_set1_ps(members.doubt));
     let (mut low, mut high) = (_mm512_setzero_pd(), _mm512_setzero_pd());
-    for start in (0..lists.count).step_by(CHUNK) {
-        let chunk = start..(start + CHUNK).min(lists.count);
-        let places = xs[chunk.clone()].iter().zip(&ys[chunk.clone()]).zip(&zs[chunk.clone()]);
-        let rest = charges[chunk.clone()].iter().zip(&ts[chunk.clone()]);
+    let chunks = lists.listed.as_chunks::<CHUNK>().0.iter().take(lists.count.div_ceil(CHUNK));
+    for (chunk, places) in chunks.enumerate() {
         let (mut sum, mut nearest) = (zero, _mm512_set1_ps(f32::MAX));
-        for (((x, y), z), (charge, t)) in places.zip(rest) {
-            let t = _mm512_add_ps(shift, _mm512_set1_ps(*t));
-            let t = _mm512_fmadd_ps(d[2], _mm512_set1_ps(*z), t);
-            let t = _mm512_fmadd_ps(d[1], _mm512_set1_ps(*y), t);
-            let t = _mm512_fmadd_ps(d[0], _mm512_set1_ps(*x), t);
+        for place in places {
+            let (leaf, lane) = (*place as usize / LEAF, *place as usize % LEAF);
+            let Some(Placed([x, y, z, charge, t])) = lists.placed.get(leaf) else { continue };
+            let t = _mm512_add_ps(square, _mm512_set1_ps(t[lane]));
+            let t = _mm512_fmadd_ps(d[2], _mm512_set1_ps(z[lane]), t);
+            let t = _mm512_fmadd_ps(d[1], _mm512_set1_ps(y[lane]), t);
+            let t = _mm512_fmadd_ps(d[0], _mm512_set1_ps(x[lane]), t);
             let p = _mm512_fmadd_ps(_mm512_fmadd_ps(step[2], t, step[1]), t, step[0]);
             let inside = _mm512_cmp_ps_mask::<_CMP_LT_OQ>(t, zero);
-            sum = _mm512_mask3_fmadd_ps(_mm512_set1_ps(*charge), p, sum, inside);
-            nearest = _mm512_min_ps(_mm512_abs_ps(t), nearest);
+            sum = _mm512_mask3_fmadd_ps(_mm512_set1_ps(charge[lane]), p, sum, inside);
+            // The smaller magnitude, without its sign.
+            nearest = _mm512_range_ps::<0b1010>(t, nearest);
         }
         if _mm512_cmp_ps_mask::<_CMP_LT_OQ>(nearest, doubt) != 0 {
-            exactly(&lists.index[chunk]);
+            exactly(&lists.listed[chunk * CHUNK..((chunk + 1) * CHUNK).min(lists.count)]);
         } else {
             low = _mm512_add_pd(low, _mm512_cvtps_pd(_mm512_castps512_ps256(sum)));
             high = _mm512_add_pd(high, _mm512_cvtps_pd(_mm512_extractf32x8_ps::<1>(sum)));
         }
     }
+    let mut sums = [0.0; LEAF];
     // SAFETY: two halves of eight doubles of an array of sixteen.
     unsafe {
         _mm512_storeu_pd(sums.as_mut_ptr(), low);
         _mm512_storeu_pd(sums.as_mut_ptr().add(8), high);
     }
+    sums
 }
 
 /// The same for a few charges, in double precision; a pair within rounding of the cut-off counts as error.
 #[cold]
-fn compare_exactly(sources: &Sources, target: &Target, split: &Split, indices: &[u32]) -> Bounded {
+fn compare_exactly(sources: &Sources, target: &Target, split: &Split, leaves: &[u32], listed: &[u32]) -> Bounded {
     let square = split.cutoff * split.cutoff;
     let [c0, c1, c2] = split.step;
     let mut sum = Bounded::default();
-    for index in indices {
-        let (leaf, lane) = (*index as usize / LEAF, *index as usize % LEAF);
+    for place in listed {
+        let (leaf, lane) = (leaves[*place as usize / LEAF] as usize, *place as usize % LEAF);
         let exact = &sources.exact[leaf];
-        let charge = f64::from(sources.charge[leaf][lane]);
+        let charge = sources.charge[leaf][lane];
         for i in 0..LEAF {
             let d: [f64; 3] = std::array::from_fn(|a| target.centre[a] + target.exact_offset[a][i] - exact[a][lane]);
             let t = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - square;
