@@ -17,7 +17,7 @@ pub enum Interaction {
     YukawaDirect(Yukawa),
     /// The same, with the same decisions, by intervals; the direct sum only where they leave a decision open.
     YukawaCertified(Yukawa),
-    /// The same to within a tolerance for each pair of bodies: decisions go by the intervals' middles.
+    /// The same to within a likely error for each pair of bodies: decisions go by the intervals' middles.
     YukawaApproximate {
         /// The potential.
         yukawa: Yukawa,

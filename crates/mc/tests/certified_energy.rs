@@ -165,7 +165,9 @@ fn intervals_of_large_bodies_contain_the_direct_sum() {
         let direct = yukawa_energy_kt(&yukawa, &clouds[0], &clouds[1], &relative);
         let interval = tables[0].energy_interval(&tables[1], &relative).unwrap();
         assert!(interval.low_kt() <= direct && direct <= interval.high_kt(), "{direct} {interval:?}");
-        largest = largest.max((interval.middle_kt - direct).abs() / interval.error_kt);
+        let error = (interval.middle_kt - direct).abs();
+        assert!(error <= 0.25 * interval.likely_error_kt && interval.likely_error_kt < 1e-3, "{error} {interval:?}");
+        largest = largest.max(error / interval.error_kt);
     }
     // Far above what is found, far below what would be needed to break a bound.
     assert!(largest < 0.1, "an error of {largest} of its bound");

@@ -178,7 +178,11 @@ impl SmoothField {
                 continue;
             }
             match self.errors.get(spots.cubes[i] as usize) {
-                Some(error) => sum.error += charge[i].abs() * f64::from(*error),
+                Some(error) => {
+                    let error = charge[i].abs() * f64::from(*error);
+                    sum.error += error;
+                    sum.square += error * error;
+                }
                 None => sum.value += charge[i] * outside(i),
             }
         }

@@ -13,7 +13,7 @@ use std::sync::Arc;
 /// the direct sum's; while it is open the widest interval is replaced by the direct sum itself, computed by the same
 /// function for the same relative pose. So every decision equals that of [`DirectSum`](crate::energy::DirectSum).
 ///
-/// With a tolerance, decisions go by the intervals' middles; a pair whose interval is wider gets the direct sum.
+/// With a tolerance, decisions go by the intervals' middles; a pair whose likely error is larger gets the direct sum.
 #[derive(Debug, Clone)]
 pub struct CertifiedSum {
     yukawa: Yukawa,
@@ -76,7 +76,8 @@ impl CertifiedSum {
         }
     }
 
-    /// The same tables without the certainty: each pair's energy to within `tolerance_kt`.
+    /// The same tables without the certainty: each pair's energy with a
+    /// [likely error](EnergyInterval::likely_error_kt) of at most `tolerance_kt`.
     pub fn with_tolerance(mut self, tolerance_kt: f64) -> Self {
         self.tolerance_kt = Some(tolerance_kt);
         self
@@ -108,14 +109,16 @@ impl CertifiedSum {
         self.counts.intervals += 1;
         let interval = self.tables[a].energy_interval(&self.tables[b], &relative);
         let tolerance = self.tolerance_kt.unwrap_or(f64::INFINITY);
-        let known = match interval.filter(|interval| interval.error_kt <= tolerance) {
+        let known = match interval.filter(|interval| interval.likely_error_kt <= tolerance) {
             Some(energy) => Known { relative, energy, reported_kt: energy.middle_kt, exact: false },
             None => {
                 let energy = self.exactly(pair, &relative)?;
                 Known { relative, energy, reported_kt: energy.middle_kt, exact: true }
             }
         };
-        self.largest_error_kt = self.largest_error_kt.max(known.energy.error_kt);
+        let energy = &known.energy;
+        let error_kt = if self.tolerance_kt.is_some() { energy.likely_error_kt } else { energy.error_kt };
+        self.largest_error_kt = self.largest_error_kt.max(error_kt);
         Ok(known)
     }
 
@@ -125,7 +128,7 @@ impl CertifiedSum {
         let (first, second) = pair.types();
         let energy = yukawa_energy_kt(&self.yukawa, &first.charges, &second.charges, relative);
         let middle_kt = finite(pair.first, pair.second, energy)?;
-        Ok(EnergyInterval { middle_kt, error_kt: 0.0 })
+        Ok(EnergyInterval { middle_kt, ..EnergyInterval::default() })
     }
 
     /// Makes the tables that are missing and forgets what was proposed.

@@ -68,7 +68,7 @@ impl NearKernel {
     fn total(&self, target: &Target, sums: &[f64; LEAF], bounds: &[f64; LEAF]) -> Bounded {
         let value = sums.iter().zip(&target.charge).map(|(sum, charge)| sum * charge).sum();
         let error = bounds.iter().zip(&target.charge).map(|(bound, charge)| bound * charge.abs()).sum::<f64>();
-        Bounded { value, error: RELATIVE_ERROR * error }
+        Bounded::of_one_part(value, RELATIVE_ERROR * error)
     }
 
     /// The same with approximate roots, improved once, and a shorter series; rounds differently in the last places.

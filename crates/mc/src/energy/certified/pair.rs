@@ -14,6 +14,8 @@ const EDGE: f64 = 4.0;
 const REACH_OF_EDGE: f64 = 60.0;
 /// The short distance R of the split over the edge of a cube.
 const NEAR_PER_EDGE: f64 = 2.5;
+/// Likely errors are this many times the root of the sum of squared bounds.
+const DEVIATIONS: f64 = 6.0;
 /// A cut-off below this many R is left to the direct sum, which is short then.
 const LEAST_CUTOFF: f64 = 2.4;
 
@@ -24,6 +26,9 @@ pub struct EnergyInterval {
     pub middle_kt: f64,
     /// Half the width of the interval, kT.
     pub error_kt: f64,
+    /// Six times the square root of the sum of the parts' squared bounds, kT: what the error is within if the errors of
+    /// charges in different places are independent, as those of polynomials and roundings are in practice.
+    pub likely_error_kt: f64,
 }
 
 impl EnergyInterval {
@@ -159,12 +164,14 @@ impl ChargeTable {
             let spots = field.locate([&places[0], &places[1], &places[2]], &target.charge);
             let rest = sum_target::<WIDE>(&self.sources, &target, &self.split, &self.near, &mut lists);
             let smooth = field.sum::<WIDE>(&spots, &target.charge, outside);
-            sum.value += smooth.value + rest.value;
-            sum.error += smooth.error + rest.error;
+            sum.add(smooth);
+            sum.add(rest);
         }
         // What double precision rounds, here and in the direct sum: its terms are at most a few kT/e².
         let rounding = 1e-12 * self.magnitude * other.magnitude;
-        let interval = EnergyInterval { middle_kt: sum.value, error_kt: sum.error + rounding };
+        let error_kt = sum.error + rounding;
+        let likely_error_kt = (DEVIATIONS * sum.square.sqrt() + rounding).min(error_kt);
+        let interval = EnergyInterval { middle_kt: sum.value, error_kt, likely_error_kt };
         (interval.low_kt().is_finite() && interval.high_kt().is_finite()).then_some(interval)
     }
 

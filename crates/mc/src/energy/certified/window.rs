@@ -125,11 +125,12 @@ impl Lists {
     }
 }
 
-/// A sum with its bound, kT.
+/// A sum with its bound, kT, and the sum of the squares of the bounds of its independent parts, kT².
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Bounded {
     pub value: f64,
     pub error: f64,
+    pub square: f64,
 }
 
 /// Σ q (1, y, y², y y, |y|² y, |y|⁴) in the order 1, x, y, z, xx, yy, zz, xy, xz, yz, bx, by, bz, bb with b = |y|².
@@ -253,7 +254,7 @@ pub(super) fn sum_target<const WIDE: bool>(
     let square = if finite { split.cutoff * split.cutoff } else { 0.0 };
     let contraction = Contraction::new(target, split, square);
     let inside = select!(WIDE, classify_avx512, classify_any, (sources, target, split, &contraction.global, lists));
-    let mut sum = Bounded { value: inside, error: 0.0 };
+    let mut sum = Bounded { value: inside, ..Bounded::default() };
     if lists.straddling > 0 {
         let t_error = t_error(split, target.radius.max(sources.radius));
         sum.add(collect::<WIDE>(sources, target, split, square, t_error, &contraction, lists));
@@ -503,7 +504,7 @@ fn collect<const WIDE: bool>(
     let constant = f64::from(k0[0].abs()) + size(&k0[1..4]) * reach + size(&k0[4..]) * reach * reach;
     let polynomial = constant + depth * (slope + depth * curvature);
     let inner = (0.5 * CHUNK as f64 + 15.0) * UNIT * polynomial + (slope + 2.0 * depth * curvature) * t_error;
-    Bounded { value: total, error: target.magnitude * add(&magnitude) * term + add(&inside_magnitude) * inner }
+    Bounded::of_one_part(total, target.magnitude * add(&magnitude) * term + add(&inside_magnitude) * inner)
 }
 
 /// The loop over the straddling leaves.
@@ -662,14 +663,21 @@ fn compare<const WIDE: bool>(
     let mut exactly = |listed: &[u32]| doubt.add(compare_exactly(sources, target, split, &lists.leaves, listed));
     let sums = select!(WIDE, compare_avx512, compare_any, (&members, &step, lists, &mut exactly));
     let value: f64 = sums.iter().zip(&target.charge).map(|(sum, charge)| sum * charge).sum();
-    Bounded { value: value + doubt.value, error: doubt.error }
+    Bounded { value: value + doubt.value, ..doubt }
 }
 
 impl Bounded {
+    /// A sum whose errors may all point the same way.
     #[inline(always)]
-    fn add(&mut self, other: Self) {
+    pub fn of_one_part(value: f64, error: f64) -> Self {
+        Self { value, error, square: error * error }
+    }
+
+    #[inline(always)]
+    pub fn add(&mut self, other: Self) {
         self.value += other.value;
         self.error += other.error;
+        self.square += other.square;
     }
 }
 
@@ -778,6 +786,7 @@ fn compare_exactly(sources: &Sources, target: &Target, split: &Split, leaves: &[
             let term = target.charge[i] * charge * (c0 + t * (c1 + t * c2));
             if t.abs() < 1e-8 {
                 sum.error += term.abs();
+                sum.square += term * term;
             }
             if t < 0.0 {
                 sum.value += term;
