@@ -9,6 +9,7 @@
 //! what they displace: good far away, where it serves as boundary value, and the cheap alternative near by.
 
 use crate::grid::{Grid, ScalarField};
+use crate::point_charges::{PointCharges, Source};
 use crate::poisson_boltzmann::{ChargedSphere, Medium};
 use protomer_kernel::Vec3;
 use rayon::prelude::*;
@@ -16,51 +17,39 @@ use rayon::prelude::*;
 /// Screened potentials of charged spheres, added up.
 #[derive(Debug, Clone)]
 pub struct Superposition {
-    sources: Vec<Source>,
+    sources: PointCharges,
     kappa: f64,
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Source {
-    place: Vec3,
-    /// λ_B q exp(κ b) / (1 + κ b).
-    strength: f64,
-    radius: f64,
 }
 
 impl Superposition {
     /// The potentials of these spheres in this medium.
     pub fn new(spheres: &[ChargedSphere], medium: &Medium) -> Self {
-        let (kappa, bjerrum) = (medium.kappa_per_angstrom(), medium.solvent_bjerrum_angstrom());
-        let sources = spheres.iter().filter(|sphere| sphere.charge_e != 0.0).map(|sphere| {
-            let b = sphere.radius_angstrom + medium.ion_radius_angstrom;
-            let strength = bjerrum * sphere.charge_e * (kappa * b).exp() / (1.0 + kappa * b);
-            Source { place: sphere.centre, strength, radius: sphere.radius_angstrom }
-        });
-        Self { sources: sources.collect(), kappa }
+        Self::with_reach(spheres, medium, |sphere| sphere.radius_angstrom)
     }
 
     /// Like [`new`](Superposition::new), with all charges on one sphere around the whole: for boundary values, where a solute
     /// is seen as one ion. `reach_angstrom` is the distance from a charge to the ions around the solute.
     pub(crate) fn of_solute(spheres: &[ChargedSphere], medium: &Medium, reach_angstrom: f64) -> Self {
-        let mut superposition = Self::new(spheres, medium);
-        let kappa = superposition.kappa;
-        let charged = spheres.iter().filter(|sphere| sphere.charge_e != 0.0);
-        for (source, sphere) in superposition.sources.iter_mut().zip(charged) {
-            let b = reach_angstrom + medium.ion_radius_angstrom;
-            source.strength =
-                medium.solvent_bjerrum_angstrom() * sphere.charge_e * (kappa * b).exp() / (1.0 + kappa * b);
-        }
-        superposition
+        Self::with_reach(spheres, medium, |_| reach_angstrom)
+    }
+
+    /// Strengths are λ_B q exp(κ b) / (1 + κ b), with b from `reach` (Å) and the radius of ions.
+    fn with_reach(spheres: &[ChargedSphere], medium: &Medium, reach: impl Fn(&ChargedSphere) -> f64) -> Self {
+        let (kappa, bjerrum) = (medium.kappa_per_angstrom(), medium.solvent_bjerrum_angstrom());
+        let sources = spheres.iter().filter(|sphere| sphere.charge_e != 0.0).map(|sphere| {
+            let b = reach(sphere) + medium.ion_radius_angstrom;
+            Source {
+                place: sphere.centre,
+                strength: bjerrum * sphere.charge_e * (kappa * b).exp() / (1.0 + kappa * b),
+                least_distance_angstrom: sphere.radius_angstrom.max(1e-6),
+            }
+        });
+        Self { sources: sources.collect(), kappa }
     }
 
     /// The potential at a place, kT/e; inside a sphere that at its surface.
     pub fn at(&self, place: &Vec3) -> f64 {
-        let one = |source: &Source| {
-            let r = (place - source.place).norm().max(source.radius).max(1e-6);
-            source.strength * (-self.kappa * r).exp() / r
-        };
-        self.sources.iter().map(one).sum()
+        self.sources.screened(place, self.kappa)
     }
 
     /// The potential on a grid, kT/e.

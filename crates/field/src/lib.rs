@@ -9,6 +9,7 @@
 //! | [`grid`] | points in space, and values between them |
 //! | [`dielectric`] | what the medium is at every edge and point of a grid |
 //! | [`debye_huckel`] | screened charges in a uniform medium: boundary values, and the cheap alternative |
+//! | `point_charges` | sums over charges, in vectors |
 //! | `operator` | -∇·ε∇φ + k φ on a grid |
 //! | `multigrid` | an approximate inverse of it |
 //! | `conjugate_gradient` | the exact one |
@@ -23,6 +24,7 @@ mod error;
 pub mod grid;
 mod multigrid;
 mod operator;
+mod point_charges;
 pub mod poisson_boltzmann;
 
 pub use error::{FieldError, Result};

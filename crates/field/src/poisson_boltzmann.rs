@@ -16,6 +16,7 @@ use crate::debye_huckel::Superposition;
 use crate::dielectric::{DielectricMap, LARGEST_SPACING_ANGSTROM};
 use crate::grid::{Grid, ScalarField, interpolate, interpolate_cubically};
 use crate::operator::Operator;
+use crate::point_charges::{PointCharges, Source};
 use crate::{FieldError, Result};
 use protomer_body::surface::{Arrangement, ImplicitSolid, SesSolid};
 use protomer_kernel::units::NUMBER_DENSITY_PER_MOLAR;
@@ -95,6 +96,8 @@ const COARSE_EXTENT: f64 = 2.0;
 /// and this many times coarser, up to a limit in Å.
 const COARSE_SPACING: f64 = 4.0;
 const COARSEST_SPACING_ANGSTROM: f64 = 2.0;
+/// Coulomb potentials are those at this distance of a charge, if nearer, Å.
+const NEAREST_ANGSTROM: f64 = 1e-3;
 /// Grids have a multiple of this many cells along each axis, so that they can be halved four times.
 const CELLS_MULTIPLE: usize = 16;
 
@@ -104,8 +107,8 @@ pub struct Potential {
     /// u inside, φ outside, kT/e.
     reduced: ScalarField,
     inside: Vec<bool>,
-    charges: Vec<ChargedSphere>,
-    coulomb: f64,
+    /// λ_B q / ε_in at each charge.
+    coulomb: PointCharges,
     /// Half the sum of charges times reaction field, kT.
     pub solvation_energy_kt: f64,
     /// Iterations of the solver.
@@ -228,21 +231,26 @@ fn solve_on(
     drop(accessible);
     let operator = Operator::new(grid.shape, edges, mass);
     let charges: Vec<ChargedSphere> = spheres.iter().copied().filter(|sphere| sphere.charge_e != 0.0).collect();
-    let coulomb = medium.vacuum_bjerrum_angstrom() / inner;
-    let right = sources(&grid, &operator, &inside, &charges, coulomb, medium);
+    let coulomb: PointCharges = charges
+        .iter()
+        .map(|charge| Source {
+            place: charge.centre,
+            strength: medium.vacuum_bjerrum_angstrom() / inner * charge.charge_e,
+            least_distance_angstrom: NEAREST_ANGSTROM,
+        })
+        .collect();
+    let right = sources(&grid, &operator, &inside, &coulomb, medium);
     let mut reduced = faces(&grid, boundary);
     let iterations = solve_with_faces(&operator, right, &mut reduced, settings.relative_tolerance)?;
     let mut potential = Potential {
         reduced: ScalarField { grid, values: reduced },
         inside,
-        charges,
         coulomb,
         solvation_energy_kt: 0.0,
         iterations,
     };
     potential.solvation_energy_kt = 0.5
-        * potential
-            .charges
+        * charges
             .par_iter()
             .map(|c| c.charge_e * potential.reaction_at(&c.centre))
             .collect::<Vec<_>>()
@@ -302,20 +310,13 @@ struct Crossing {
 /// b_i = -ε φ_C + h φ_C' (t ε - ε_in),   b_j = ε (φ_C - t h φ_C').
 ///
 /// Where ions reach into the box of a point inside, they see u + φ_C there: b_i -= k φ_C.
-fn sources(
-    grid: &Grid,
-    operator: &Operator,
-    inside: &[bool],
-    charges: &[ChargedSphere],
-    coulomb: f64,
-    medium: &Medium,
-) -> Vec<f64> {
+fn sources(grid: &Grid, operator: &Operator, inside: &[bool], coulomb: &PointCharges, medium: &Medium) -> Vec<f64> {
     let (inner, outer) = (medium.inner_permittivity, medium.conditions.relative_permittivity);
     let h = grid.spacing_angstrom;
     let contributions: Vec<(Crossing, f64, f64)> = crossings(grid, operator, inside, inner, outer)
         .into_par_iter()
         .map(|crossing| {
-            let (value, gradient) = coulomb_with_gradient(charges, coulomb, &crossing.place);
+            let (value, gradient) = coulomb.coulomb_with_gradient(&crossing.place);
             let slope = h * gradient.dot(&crossing.direction);
             let (permittivity, part) = (crossing.permittivity, crossing.part);
             let to_inside = -permittivity * value + slope * (part * permittivity - inner);
@@ -334,7 +335,7 @@ fn sources(
             let at = start + offset;
             if inside[at] && operator.mass[at] > 0.0 {
                 let place = grid.point(at % nx, at / nx % ny, at / (nx * ny));
-                *b -= f64::from(operator.mass[at]) * coulomb_at(charges, coulomb, &place);
+                *b -= f64::from(operator.mass[at]) * coulomb.coulomb(&place);
             }
         }
     });
@@ -375,24 +376,6 @@ fn crossings(grid: &Grid, operator: &Operator, inside: &[bool], inner: f64, oute
         })
         .collect();
     planes.into_iter().flatten().collect()
-}
-
-/// φ_C, kT/e, and its gradient, kT/e/Å.
-fn coulomb_with_gradient(charges: &[ChargedSphere], coulomb: f64, place: &Vec3) -> (f64, Vec3) {
-    let (mut value, mut gradient) = (0.0, Vec3::zeros());
-    for charge in charges {
-        let offset = place - charge.centre;
-        let inverse = 1.0 / offset.norm().max(1e-3);
-        let one = coulomb * charge.charge_e * inverse;
-        value += one;
-        gradient -= offset * (one * inverse * inverse);
-    }
-    (value, gradient)
-}
-
-/// φ_C, kT/e.
-fn coulomb_at(charges: &[ChargedSphere], coulomb: f64, place: &Vec3) -> f64 {
-    coulomb * charges.iter().map(|charge| charge.charge_e / (place - charge.centre).norm().max(1e-3)).sum::<f64>()
 }
 
 /// How far outside the spheres grown by the radius of ions a place is, Å, to within a spacing or so.
@@ -451,8 +434,7 @@ impl Potential {
         interpolate(&part, |di, dj, dk| {
             let [i, j, k] = [cell[0] + di, cell[1] + dj, cell[2] + dk];
             let at = grid.index(i, j, k);
-            let taken =
-                if self.inside[at] { 0.0 } else { coulomb_at(&self.charges, self.coulomb, &grid.point(i, j, k)) };
+            let taken = if self.inside[at] { 0.0 } else { self.coulomb.coulomb(&grid.point(i, j, k)) };
             self.reduced.values[at] - taken
         })
     }
@@ -468,7 +450,7 @@ impl Potential {
                 self.reduced.values[grid.index(cell[0] + di, cell[1] + dj, cell[2] + dk)]
             }));
         }
-        Some(self.reaction_at(place) + coulomb_at(&self.charges, self.coulomb, place))
+        Some(self.reaction_at(place) + self.coulomb.coulomb(place))
     }
 
     /// The potential at all points, kT/e.
@@ -479,7 +461,7 @@ impl Potential {
         values.par_chunks_mut(nx * ny).enumerate().for_each(|(k, plane)| {
             for (n, value) in plane.iter_mut().enumerate() {
                 if self.inside[k * nx * ny + n] {
-                    *value += coulomb_at(&self.charges, self.coulomb, &grid.point(n % nx, n / nx, k));
+                    *value += self.coulomb.coulomb(&grid.point(n % nx, n / nx, k));
                 }
             }
         });

@@ -12,8 +12,8 @@ use super::sampling::{LINE, SmoothKernel};
 use super::split::{NEAR_DEGREE, Split};
 use super::window::Bounded;
 use crate::charges::LANES;
-use crate::energy::yukawa_sum::exp_of_minus;
 use nalgebra::DMatrix;
+use protomer_kernel::potential::exp_of_minus;
 
 /// Degree of the polynomials.
 const DEGREE: usize = 7;

@@ -4,7 +4,7 @@
 use super::leaves::LEAF;
 use super::split::{NEAR_DEGREE, Split};
 use super::window::{Bounded, Sources, Target};
-use crate::energy::yukawa_sum::exp_of_minus;
+use protomer_kernel::potential::exp_of_minus;
 
 /// What the loop needs of the kernel.
 #[derive(Debug, Clone, PartialEq)]
