@@ -6,8 +6,7 @@
 //!
 //! which keeps the flux of a potential whose gradient jumps at the surface exact along the edge (Liu, Fedkiw and Kang, J.
 //! Comput. Phys. 160, 151 (2000)); t follows from the signed distances of its ends. Averages over the boxes about edges by
-//! the plane's normal were tried too: with the tensor's off-diagonal part left out they shrink a Born ion by 0.29 spacings
-//! (7 % of the energy at a = 2 Å and 0.5 Å), where this has 0.8 %.
+//! the plane's normal were tried too: with the tensor's off-diagonal part left out they shrink a Born ion.
 //!
 //! A point's salt is that of the part of its box of edge h that ions reach.
 

@@ -60,7 +60,7 @@ impl Pose {
 
 /// The pose of one body in the frame of another, with the rotation as a matrix: computed once per pair, used for many
 /// points.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct RelativePose {
     /// Rotation matrix R: a point q of the second body stands at `R q + translation` in the first body's frame.
     pub rotation: Matrix3<f64>,

@@ -87,8 +87,13 @@ impl Settings {
         let reach = self.cluster_axis_reach_angstrom.unwrap_or(1.0);
         let positive = |value: f64| value.is_finite() && value > 0.0;
         let fraction = (0.0..=1.0).contains(&self.rotation_fraction);
+        let tolerance = match self.interaction {
+            Interaction::YukawaApproximate { tolerance_kt, .. } => tolerance_kt,
+            _ => 1.0,
+        };
         let (step, angle) = (self.translation_step_angstrom, self.rotation_step_rad);
         let checks = [
+            ("tolerance_kt", tolerance, positive(tolerance), "positive"),
             ("translation_step_angstrom", step, positive(step), "positive"),
             ("rotation_step_rad", angle, positive(angle) && angle <= PI, "positive and at most π"),
             (

@@ -282,6 +282,12 @@ impl Simulation {
         self.energy.memory_bytes()
     }
 
+    /// The largest bound of a pair energy's error that was used so far, kT; zero for sums. A continued simulation counts
+    /// from where it was continued.
+    pub fn energy_error_bound_kt(&self) -> f64 {
+        self.energy.error_bound_kt()
+    }
+
     /// The bodies and where they are.
     pub fn system(&self) -> &System {
         &self.system

@@ -37,8 +37,11 @@ fn system(bodies_per_edge: usize) -> System {
 }
 
 fn start(system: System, replica: u32) -> Simulation {
-    let yukawa = Yukawa::new(7.0, 0.1, 15.0).unwrap();
-    let settings = protomer_mc::Settings { equilibration_sweeps: 60, ..settings(Interaction::YukawaDirect(yukawa), 2) };
+    start_with(system, Interaction::YukawaDirect(Yukawa::new(7.0, 0.1, 15.0).unwrap()), replica)
+}
+
+fn start_with(system: System, interaction: Interaction, replica: u32) -> Simulation {
+    let settings = protomer_mc::Settings { equilibration_sweeps: 60, ..settings(interaction, 2) };
     Simulation::new(system, settings, 99, replica).unwrap()
 }
 
@@ -71,6 +74,43 @@ fn a_continued_run_equals_the_uninterrupted_one() {
         assert_energies_are_those_of_all_pairs(&whole);
         let moved = whole.statistics().translation[0].accepted;
         assert!(moved > 0 && whole.statistics().cluster_moves > 0);
+    }
+}
+
+/// Energies that are intervals: a continued run finds the same ones, although groups that moved rigidly have kept energies
+/// of relative poses that are no more theirs to the last bit.
+#[test]
+fn continued_runs_with_interval_energies_equal_the_uninterrupted_ones() {
+    // Long enough a range for tables, and room for it.
+    let yukawa = Yukawa::new(7.0, 0.1, 25.0).unwrap();
+    let (system, sweeps) = (system(4), 80);
+    let approximate = |tolerance_kt| Interaction::YukawaApproximate { yukawa, tolerance_kt };
+    let mut direct = start_with(system.clone(), Interaction::YukawaDirect(yukawa), 0);
+    run(&mut direct, sweeps);
+    for interaction in [Interaction::YukawaCertified(yukawa), approximate(1e-3), approximate(1e-9)] {
+        let mut whole = start_with(system.clone(), interaction, 0);
+        run(&mut whole, sweeps);
+        let mut parts = start_with(system.clone(), interaction, 0);
+        for cut in [1, sweeps / 4, sweeps / 2, sweeps - 1, sweeps] {
+            run(&mut parts, cut);
+            let text = serde_json::to_string(&parts.checkpoint()).unwrap();
+            parts = Simulation::resume(system.clone(), serde_json::from_str(&text).unwrap()).unwrap();
+        }
+        assert_eq!(trace(&parts), trace(&whole));
+        assert!(whole.statistics().cluster_bodies > whole.statistics().cluster_moves, "groups moved rigidly");
+        let bound = whole.energy_error_bound_kt();
+        match interaction {
+            Interaction::YukawaApproximate { tolerance_kt, .. } => assert!(bound <= tolerance_kt, "{bound}"),
+            _ => {
+                assert!(bound > 0.0, "intervals were used");
+                assert_eq!(parts.system().poses(), direct.system().poses(), "the decisions of the direct sum");
+            }
+        }
+        for (sum, kept) in direct.pair_energies().iter().zip(whole.pair_energies()) {
+            if matches!(interaction, Interaction::YukawaCertified(_)) {
+                assert!((sum.energy_kt - kept.energy_kt).abs() <= bound, "{sum:?} {kept:?}");
+            }
+        }
     }
 }
 

@@ -35,6 +35,8 @@ pub struct BenchSettings {
     pub moves: u64,
     /// How energies are computed.
     pub energy: EnergyMode,
+    /// Largest error of the energy of two bodies, kT, of approximate energies; the usual one where `None`.
+    pub tolerance_kt: Option<f64>,
     /// Seed of the random numbers.
     pub seed: u64,
     /// Largest displacement of a trial move, Å.
@@ -48,6 +50,7 @@ impl Default for BenchSettings {
         Self {
             moves: 10_000,
             energy: EnergyMode::Direct,
+            tolerance_kt: None,
             seed: 1,
             translation_step_angstrom: 0.3,
             rotation_step_rad: 0.04,
@@ -70,6 +73,8 @@ pub struct BenchResult {
     pub setup_seconds: f64,
     /// Memory of the prepared bodies and of the energy model, bytes.
     pub memory_bytes: usize,
+    /// The largest bound of a pair energy's error that was used, kT; zero for sums.
+    pub error_bound_kt_per_pair: f64,
     /// SHA-256 of the decisions, a byte 1 or 0 each.
     pub decisions_sha256: String,
     /// Number of bodies.
@@ -91,7 +96,8 @@ pub fn bench(
 ) -> Result<BenchResult> {
     let start = process_seconds();
     let engine = Engine::new(assembly)?.with_tables(Arc::clone(&tables));
-    let run = RunSettings { energy: settings.energy, ..RunSettings::default() };
+    let run = RunSettings { energy: settings.energy, tolerance_kt: settings.tolerance_kt, ..RunSettings::default() };
+    run.check()?;
     let system = engine.system()?;
     let bodies = system.len();
     let shapes: usize = system.types().iter().map(|kind| kind.shape.memory_bytes()).sum();
@@ -116,6 +122,7 @@ pub fn bench(
         acceptance: accepted as f64 / settings.moves as f64,
         setup_seconds,
         memory_bytes,
+        error_bound_kt_per_pair: simulation.energy_error_bound_kt(),
         decisions_sha256: sha256_hex(&decisions),
         bodies,
         interaction,

@@ -22,6 +22,8 @@ pub struct Inspection {
     pub energy_kilojoule_per_mol: f64,
     /// Energies of the pairs in range: first body, second body, kT.
     pub pair_energies: Vec<(usize, usize, f64)>,
+    /// The largest bound of the error of one of these energies, kT; zero for sums.
+    pub error_bound_kt_per_pair: f64,
     /// Pairs whose surfaces are closer than the contact gap.
     pub contacts: Vec<(usize, usize)>,
     /// Radius of gyration of the body positions, Å.
@@ -39,8 +41,7 @@ pub struct Inspection {
 /// # Errors
 /// If a setting makes no sense, the interaction reaches further than the box allows, or an energy is not finite.
 pub fn inspect(engine: &Engine, settings: &RunSettings, interaction: Interaction) -> Result<Inspection> {
-    // Which energies a run may use does not matter to one state.
-    RunSettings { energy: EnergyMode::Direct, ..settings.clone() }.check()?;
+    settings.check()?;
     let system = engine.system()?;
     let mut model = engine.energy_model(settings, &interaction)?;
     require_room(&system, model.as_ref(), &interaction)?;
@@ -54,6 +55,7 @@ pub fn inspect(engine: &Engine, settings: &RunSettings, interaction: Interaction
         energy_kt,
         energy_kilojoule_per_mol: energy_kt * gas_constant * interaction.temperature_kelvin * 1e-3,
         pair_energies: pairs.iter().map(|pair| (pair.first, pair.second, pair.energy_kt)).collect(),
+        error_bound_kt_per_pair: model.error_bound_kt(),
         contacts: contacts(&system, settings.contact_gap_angstrom),
         r_g_angstrom: r_g_angstrom(&system, |_| 1.0),
         concentration_molar: engine.assembly().concentration_molar(),
@@ -71,7 +73,7 @@ impl Inspection {
         format!(
             "{} bodies, {} contacts, overlaps: {overlaps}\n\
              medium: {}\n\
-             energy: {:.6} kT ({:.4} kJ/mol) over {} pairs in range\n\
+             energy: {:.6} kT ({:.4} kJ/mol) over {} pairs in range{}\n\
              radius of gyration: {:.3} Å",
             self.bodies,
             self.contacts.len(),
@@ -79,12 +81,21 @@ impl Inspection {
             self.energy_kt,
             self.energy_kilojoule_per_mol,
             self.pair_energies.len(),
+            error_bound(self.error_bound_kt_per_pair),
             self.r_g_angstrom
         )
     }
 }
 
-/// Settings that matter to [`inspect`]: the energy mode and the contact gap.
-pub fn inspection_settings(energy: EnergyMode, contact_gap_angstrom: f64) -> RunSettings {
-    RunSettings { energy, contact_gap_angstrom, ..RunSettings::default() }
+/// What is said of an error bound (kT for each pair of bodies) after an energy; nothing of a sum's.
+pub(crate) fn error_bound(error_bound_kt_per_pair: f64) -> String {
+    match error_bound_kt_per_pair > 0.0 {
+        true => format!(", each to within {error_bound_kt_per_pair:.2e} kT"),
+        false => String::new(),
+    }
+}
+
+/// Settings that matter to [`inspect`]: how energies are computed, and the contact gap.
+pub fn inspection_settings(energy: EnergyMode, tolerance_kt: Option<f64>, contact_gap_angstrom: f64) -> RunSettings {
+    RunSettings { energy, tolerance_kt, contact_gap_angstrom, ..RunSettings::default() }
 }

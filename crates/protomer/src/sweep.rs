@@ -5,7 +5,6 @@
 //! DIR/salt_0.100000M/replica_0/ log.csv trajectory.gsd checkpoint.bin run.json
 //! ```
 
-use crate::assembly_file::Assembly;
 use crate::interaction::Interaction;
 use crate::run::{
     Engine, Execution, ReplicaCounts, ReplicaEnd, ReplicaTask, RunRecord, RunSettings, SweepDirectory, read_log,
@@ -57,7 +56,7 @@ pub enum SweepEnd {
 /// and a disk that takes no more. The first simulation that fails stops the others at their next sweep; what they did
 /// is kept.
 pub fn run_sweep(
-    assembly: Assembly,
+    engine: &Engine,
     settings: &RunSettings,
     directory: &Path,
     execution: &Execution,
@@ -69,16 +68,15 @@ pub fn run_sweep(
         .iter()
         .map(|salt| settings.medium.interaction(Some(*salt)))
         .collect::<Result<Vec<Interaction>>>()?;
-    let engine = Engine::new(assembly)?;
     engine.check(settings, &interactions)?;
-    let identity = identity(&engine, settings)?;
-    let record = |exit_reason| record(&engine, &identity, exit_reason);
+    let identity = identity(engine, settings)?;
+    let record = |exit_reason| record(engine, &identity, exit_reason);
     let _mine = SweepDirectory::enter(directory, settings, &record("running"), execution.start_anew)?;
     let ends: Vec<Result<ReplicaEnd>> = tasks(settings)
         .into_par_iter()
         .map(|(salt_index, replica)| {
             let task = ReplicaTask {
-                engine: &engine,
+                engine,
                 settings,
                 interaction: interactions[salt_index],
                 salt_index: salt_index as u32,
@@ -100,7 +98,7 @@ pub fn run_sweep(
         record("stopped").write(directory)?;
         return Ok(SweepEnd::Stopped);
     };
-    let result = collect(&engine, settings, &interactions, directory, &counts)?;
+    let result = collect(engine, settings, &interactions, directory, &counts)?;
     write_results(&result, directory)?;
     record("done").write(directory)?;
     Ok(SweepEnd::Finished(Box::new(result)))

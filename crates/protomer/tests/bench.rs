@@ -19,7 +19,7 @@ fn small() -> SuiteSettings {
         bodies: vec![16, 100],
         few_charges: 10,
         moves: Some(100),
-        replica_moves: [200, 50],
+        replica_moves: [200, 50, 50],
         seconds_per_rate: 0.0,
         edge_divisions: 6,
         ..SuiteSettings::default()
@@ -59,6 +59,10 @@ fn a_seed_makes_the_same_decisions_and_certified_energies_decide_as_the_direct_s
         let (direct, certified) = (of(EnergyMode::Direct), of(EnergyMode::Certified));
         assert_eq!(direct.decisions_sha256, certified.decisions_sha256);
         assert_eq!(certified.decides_as_direct, Some(true));
+        assert_eq!(direct.error_bound_kt_per_pair, 0.0);
+        let approximate = of(EnergyMode::Approximate);
+        let bounds = (certified.error_bound_kt_per_pair, approximate.error_bound_kt_per_pair);
+        assert!(bounds.0 > 0.0 && bounds.1 > 0.0 && bounds.1 <= settings.tolerance_kt, "{bounds:?}");
         assert!(direct.acceptance > 0.1 && direct.acceptance < 0.9, "both answers occur: {}", direct.acceptance);
     }
 }
@@ -110,14 +114,21 @@ fn the_command_prints_one_table_or_one_json_object() {
     is_ok(&output);
     let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     let rates = found["charges"].as_array().unwrap();
-    assert_eq!(rates.len(), 3);
+    assert_eq!(rates.len(), 4);
     assert_eq!(rates[1]["decisions_sha256"], rates[2]["decisions_sha256"]);
     assert_eq!(found["debye_length_angstrom"], 9.6);
     assert!(found["bodies"].as_array().unwrap().is_empty());
     let output = place.run("bench --part charges --charges 15 --moves 20");
     is_ok(&output);
     let text = String::from_utf8(output.stdout).unwrap();
-    assert!(text.contains("moves/s") && text.contains("certified") && !text.contains("neighbours"), "{text}");
+    assert!(
+        text.contains("moves/s")
+            && text.contains("certified")
+            && text.contains("approximate")
+            && text.contains("error bound (kT)")
+            && !text.contains("neighbours"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -125,7 +136,7 @@ fn an_assembly_gives_its_keys_and_equal_hashes() {
     let place = Workplace::new();
     let bench = |energy: &str| -> serde_json::Value {
         let output =
-            place.run(&format!("bench ring.json --debye 3A --cutoff 15A --moves 500 --json --energy {energy}"));
+            place.run(&format!("bench ring.json --debye 3A --cutoff 30A --moves 500 --json --energy {energy}"));
         is_ok(&output);
         serde_json::from_slice(&output.stdout).unwrap()
     };
@@ -135,6 +146,9 @@ fn an_assembly_gives_its_keys_and_equal_hashes() {
     }
     assert_eq!(direct["decisions_sha256"], certified["decisions_sha256"]);
     assert_ne!(direct["decisions_sha256"], none["decisions_sha256"]);
+    let approximate = bench("approximate --tolerance 1e-5");
+    let bound = |result: &serde_json::Value| result["error_bound_kt_per_pair"].as_f64().unwrap();
+    assert!(bound(&direct) == 0.0 && bound(&certified) > 0.0 && bound(&approximate) <= 1e-5);
     assert!(certified["memory_bytes"].as_u64() > direct["memory_bytes"].as_u64(), "the tables count");
 }
 

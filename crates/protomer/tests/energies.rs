@@ -4,21 +4,40 @@
 
 mod common;
 
-use common::{CHARGES, Workplace, is_ok};
+use common::{CHARGES, Workplace, is_ok, message};
 use std::path::Path;
 
 #[test]
 fn certified_energies_hold_the_sum() {
     let place = Workplace::new();
-    let inspect = |energy: &str| -> f64 {
-        let output = place.run(&format!("inspect ring.json --debye 3A --cutoff 15A --json --energy {energy}"));
+    let inspect = |energy: &str| -> (f64, f64) {
+        let output = place.run(&format!("inspect ring.json --debye 9.6A --cutoff 30A --json --energy {energy}"));
         is_ok(&output);
         let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-        found["energy_kT"].as_f64().unwrap()
+        (found["energy_kT"].as_f64().unwrap(), found["error_bound_kt_per_pair"].as_f64().unwrap())
     };
-    let (direct, certified) = (inspect("direct"), inspect("certified"));
-    assert!(direct.abs() > 1e-3 && (certified - direct).abs() < 0.05, "{direct} {certified}");
-    assert_eq!(inspect("none"), 0.0);
+    let (direct, none) = (inspect("direct"), inspect("none"));
+    assert!(direct.0.abs() > 1e-3 && direct.1 == 0.0 && none == (0.0, 0.0), "{direct:?} {none:?}");
+    for (energy, tolerance) in [("certified", 0.05), ("approximate", 1e-3), ("approximate --tolerance 1e-7", 1e-7)] {
+        let (found, bound) = inspect(energy);
+        // Six pairs.
+        assert!((found - direct.0).abs() <= 6.0 * bound + 1e-12 && bound <= tolerance, "{energy}: {found} {bound}");
+        assert!(bound > 0.0 || tolerance < 1e-6, "{energy}: intervals were used");
+    }
+}
+
+#[test]
+fn a_tolerance_without_approximate_energies_is_refused() {
+    let place = Workplace::new();
+    for verb in ["inspect", "bench"] {
+        for energy in ["direct", "certified", "none"] {
+            let output = place.run(&format!("{verb} ring.json --debye 3A --tolerance 1e-3 --energy {energy}"));
+            assert_eq!(output.status.code(), Some(1));
+            assert!(message(&output).contains("--energy approximate"), "{}", message(&output));
+        }
+        let output = place.run(&format!("{verb} ring.json --debye 3A --tolerance -1e-3 --energy approximate"));
+        assert!(message(&output).contains("positive"), "{}", message(&output));
+    }
 }
 
 fn inspect(place: &Workplace, assembly: &str) -> serde_json::Value {

@@ -58,13 +58,29 @@ fn stop(place: &Workplace, command: &str, directory: &str) {
 
 #[test]
 fn a_killed_sweep_goes_on_as_if_nothing_had_happened_on_any_number_of_threads() {
+    is_killed_and_goes_on("direct", &[0, 1, 2, 4, 8, 16]);
+}
+
+#[test]
+fn a_killed_sweep_with_certified_energies_goes_on_too() {
+    is_killed_and_goes_on("certified", &[0, 4, 64, 256]);
+}
+
+#[test]
+fn a_killed_sweep_with_approximate_energies_goes_on_too() {
+    is_killed_and_goes_on("approximate --tolerance 1e-5", &[0, 4, 64, 256]);
+}
+
+/// Kills a sweep again and again, each time so long after its next checkpoint, then lets it end.
+fn is_killed_and_goes_on(energy: &str, milliseconds: &[u64]) {
     let place = Workplace::new();
-    is_ok(&place.run(&format!("{SWEEP} --threads 1 -o whole")));
+    is_ok(&place.run(&format!("{SWEEP} --energy {energy} --threads 1 -o whole")));
     let whole = results(&place.path("whole"));
     let mut caught_at_work = 0;
     for threads in [1, 2] {
-        let command = format!("{SWEEP} --threads {threads} --checkpoint-every 0.005 -o killed{threads}");
-        for extra_milliseconds in [0, 1, 2, 4, 8, 16] {
+        let command =
+            format!("{SWEEP} --energy {energy} --threads {threads} --checkpoint-every 0.005 -o killed{threads}");
+        for &extra_milliseconds in milliseconds {
             let mut child = spawn_until_saved(&place, &command, &format!("killed{threads}"));
             std::thread::sleep(Duration::from_millis(extra_milliseconds));
             child.kill().unwrap();
@@ -80,6 +96,54 @@ fn a_killed_sweep_goes_on_as_if_nothing_had_happened_on_any_number_of_threads() 
         assert_same(&whole, &killed);
     }
     assert!(caught_at_work > 0, "every kill came too early or too late to test anything");
+}
+
+#[test]
+fn certified_energies_make_the_trajectories_of_the_direct_sum() {
+    let place = Workplace::new();
+    for energy in ["direct", "certified"] {
+        is_ok(&place.run(&format!("{SWEEP} --energy {energy} -o {energy}")));
+    }
+    for replica in ["salt_0.050000M/replica_0", "salt_0.300000M/replica_1"] {
+        let log = |energy: &str| columns(&place.path(&format!("{energy}/{replica}/log.csv")));
+        let (direct, certified) = (log("direct"), log("certified"));
+        for column in ["sweep", "r_g_angstrom", "native_contacts", "largest_cluster", "cluster_moved"] {
+            assert_eq!(direct[column], certified[column], "{replica} {column}");
+        }
+        let energies = direct["energy_kT"].iter().zip(&certified["energy_kT"]);
+        assert!(energies.clone().all(|(sum, middle)| (sum - middle).abs() < 1e-3), "{replica}");
+        assert!(energies.clone().any(|(sum, middle)| sum != middle), "{replica}: intervals were used");
+    }
+}
+
+#[test]
+fn a_tolerance_belongs_to_approximate_energies_and_to_the_run() {
+    let place = Workplace::new();
+    let short = SWEEP.replace("--sweeps 1500", "--sweeps 50");
+    let refused = |command: &str, words: &[&str]| {
+        let output = place.run(command);
+        assert_eq!(output.status.code(), Some(1), "{command}");
+        assert!(words.iter().all(|word| message(&output).contains(word)), "{command}: {}", message(&output));
+    };
+    refused(&format!("{short} --tolerance 1e-3 -o run"), &["--energy approximate", "direct"]);
+    for senseless in ["0", "-1e-3", "inf", "NaN"] {
+        refused(&format!("{short} --energy approximate --tolerance {senseless} -o run"), &["positive"]);
+    }
+    // The usual tolerance is written down; it can be stated, another one is another run.
+    is_ok(&place.run(&format!("{short} --energy approximate -o run")));
+    let settings = std::fs::read_to_string(place.path("run/run.toml")).unwrap();
+    assert!(settings.contains("energy = \"approximate\"\ntolerance_kt = 0.001\n"), "{settings}");
+    is_ok(&place.run(&format!("{short} --energy approximate --tolerance 1e-3 -o run")));
+    refused(&format!("{short} --energy approximate --tolerance 1e-4 -o run"), &["other settings"]);
+    is_ok(&place.run("sweep ring.json --config run/run.toml -o again --quiet"));
+    assert_same(&results(&place.path("run")), &results(&place.path("again")));
+    // The tolerance of a configuration goes with its energies.
+    is_ok(&place.run("sweep ring.json --config run/run.toml --energy direct -o direct --quiet"));
+    assert!(!std::fs::read_to_string(place.path("direct/run.toml")).unwrap().contains("tolerance"));
+    let text = settings.replace("tolerance_kt", "tolerance");
+    std::fs::write(place.path("misspelt.toml"), text).unwrap();
+    refused("sweep ring.json --config misspelt.toml -o misspelt --quiet", &["tolerance"]);
+    refused(&format!("{short} --energy certified --memory-limit 1kB -o small"), &["--memory-limit", "salt 0.05 M"]);
 }
 
 #[test]

@@ -33,7 +33,7 @@ impl DirectSum {
 
     fn propose(&mut self, pair: &Pair<'_>) -> Result<f64> {
         let Some(energy_kt) = self.pair_energy(pair)? else { return Ok(0.0) };
-        self.proposed.push(PairEnergy { first: pair.first, second: pair.second, energy_kt });
+        self.proposed.push(PairEnergy::new(pair.first, pair.second, energy_kt));
         Ok(energy_kt)
     }
 }
@@ -84,6 +84,6 @@ impl EnergyModel for DirectSum {
     }
 
     fn pairs(&self) -> Vec<PairEnergy> {
-        self.energies.pairs().map(|(first, second, energy_kt)| PairEnergy { first, second, energy_kt }).collect()
+        self.energies.pairs().map(|(first, second, energy_kt)| PairEnergy::new(first, second, energy_kt)).collect()
     }
 }

@@ -16,6 +16,7 @@ pub use yukawa_sum::yukawa_energy_kt;
 use crate::sparse_rows::PairTable;
 use crate::system::{Pair, System, Trial};
 use crate::{McError, Result};
+use protomer_kernel::pose::RelativePose;
 use serde::{Deserialize, Serialize};
 
 /// The energy of one pair of bodies.
@@ -27,6 +28,17 @@ pub struct PairEnergy {
     pub second: usize,
     /// Energy, kT.
     pub energy_kt: f64,
+    /// The second body in the frame of the first where the energy was computed, from models that may compute it again:
+    /// a group that moves rigidly keeps its energies, while its relative poses drift by rounding.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub computed_at: Option<RelativePose>,
+}
+
+impl PairEnergy {
+    /// An energy that nobody will compute again.
+    pub(crate) fn new(first: usize, second: usize, energy_kt: f64) -> Self {
+        Self { first, second, energy_kt, computed_at: None }
+    }
 }
 
 /// Keeps the pair energies of a system and decides on moves.

@@ -12,8 +12,10 @@ use protomer_mc::energy::{DirectSum, EnergyModel, NoCharges};
 use protomer_mc::{Interaction, Settings, Simulation, System};
 use std::sync::Arc;
 
-/// Rates are measured over at least this many moves where moves are cheap: what overlap tests remember fills up at first.
+/// Rates are measured over at least this many moves where moves are cheap (what overlap tests remember fills up at first),
+/// and over so many times the direct sum's where they are not.
 const FEWEST_CHEAP_MOVES: u64 = 320;
+const MOST_TIMES_THE_DIRECT_SUM: u64 = 8;
 
 /// A state with what an energy mode needs for it.
 #[derive(Debug, Clone)]
@@ -21,6 +23,7 @@ pub(super) struct Prepared {
     system: System,
     yukawa: Yukawa,
     energy: EnergyMode,
+    tolerance_kt: f64,
     tables: Vec<Arc<ChargeTable>>,
     /// Processor time of the tables, all threads together, s.
     pub(super) setup_seconds: f64,
@@ -36,6 +39,8 @@ pub(super) struct Timing {
     pub(super) decisions: Vec<u8>,
     /// Bytes the energy model holds.
     pub(super) memory_bytes: usize,
+    /// Largest bound of a pair energy's error, kT.
+    pub(super) error_bound_kt: f64,
 }
 
 impl Timing {
@@ -53,18 +58,24 @@ impl Timing {
 }
 
 impl Prepared {
-    /// Gets the tables, if this mode has any.
+    /// Gets the tables, if this mode has any. The tolerance (kT) is that of approximate energies.
     ///
     /// # Errors
     /// If they take more memory than is allowed.
-    pub(super) fn new(system: &System, yukawa: Yukawa, energy: EnergyMode, tables: &EnergyTables) -> Result<Self> {
+    pub(super) fn new(
+        system: &System,
+        yukawa: Yukawa,
+        energy: EnergyMode,
+        tolerance_kt: f64,
+        tables: &EnergyTables,
+    ) -> Result<Self> {
         let start = process_seconds();
         let tables = match energy {
-            EnergyMode::Certified => tables.of(system.types(), &yukawa)?,
+            EnergyMode::Certified | EnergyMode::Approximate => tables.of(system.types(), &yukawa)?,
             EnergyMode::None | EnergyMode::Direct => Vec::new(),
         };
         let setup_seconds = process_seconds() - start;
-        Ok(Self { system: system.clone(), yukawa, energy, tables, setup_seconds })
+        Ok(Self { system: system.clone(), yukawa, energy, tolerance_kt, tables, setup_seconds })
     }
 
     /// A model of certified energies with the prepared tables.
@@ -78,6 +89,7 @@ impl Prepared {
             EnergyMode::None => Box::new(NoCharges),
             EnergyMode::Direct => Box::new(DirectSum::new(self.yukawa)),
             EnergyMode::Certified => Box::new(self.certified()),
+            EnergyMode::Approximate => Box::new(self.certified().with_tolerance(self.tolerance_kt)),
         }
     }
 
@@ -116,15 +128,24 @@ impl Prepared {
         seed: u64,
         interrupt: &Interrupt,
     ) -> Result<Timing> {
-        let per_run = if self.energy == EnergyMode::Direct { moves } else { moves.max(FEWEST_CHEAP_MOVES) };
+        let fewest = match self.energy {
+            EnergyMode::Direct => 0,
+            EnergyMode::None => FEWEST_CHEAP_MOVES,
+            EnergyMode::Certified | EnergyMode::Approximate => {
+                FEWEST_CHEAP_MOVES.min(MOST_TIMES_THE_DIRECT_SUM.saturating_mul(moves))
+            }
+        };
+        let per_run = moves.max(fewest);
         let watch = Stopwatch::default();
-        let mut timing = Timing { moves: 0, accepted: 0, watch, decisions: Vec::new(), memory_bytes: 0 };
+        let mut timing =
+            Timing { moves: 0, accepted: 0, watch, decisions: Vec::new(), memory_bytes: 0, error_bound_kt: 0.0 };
         for run in 0.. {
             let mut simulation = self.simulation(model(), seed, run)?;
             let mut decisions = Vec::with_capacity(per_run as usize);
             let mut note = |accepted| decisions.push(u8::from(accepted));
             timing.watch.time(|| simulation.trial_moves(per_run, &mut note))?;
             timing.moves += per_run;
+            timing.error_bound_kt = timing.error_bound_kt.max(simulation.energy_error_bound_kt());
             timing.accepted += decisions.iter().map(|decision| u64::from(*decision)).sum::<u64>();
             if run == 0 {
                 decisions.truncate(moves as usize);

@@ -117,6 +117,10 @@ impl EnergyModel for Metered {
         self.inner.pairs()
     }
 
+    fn error_bound_kt(&self) -> f64 {
+        self.inner.error_bound_kt()
+    }
+
     fn memory_bytes(&self) -> usize {
         self.inner.memory_bytes()
     }

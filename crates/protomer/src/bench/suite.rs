@@ -9,7 +9,7 @@ use crate::cpu_time::Stopwatch;
 use crate::energy_tables::EnergyTables;
 use crate::interaction::Interaction;
 use crate::interrupt::Interrupt;
-use crate::run::{EnergyMode, yukawa};
+use crate::run::{DEFAULT_TOLERANCE_KT, EnergyMode, yukawa};
 use anyhow::{Context, Result};
 use protomer_io::atomic::sha256_hex;
 use protomer_kernel::cells::require_minimum_image;
@@ -56,8 +56,10 @@ pub struct SuiteSettings {
     pub threads: Vec<usize>,
     /// Trial moves that the direct sum makes and that are hashed; by the number of charges where `None`.
     pub moves: Option<u64>,
-    /// Moves of a replica in the part on threads: hard bodies, charged bodies.
-    pub replica_moves: [u64; 2],
+    /// Moves of a replica in the part on threads: hard bodies, certified energies, approximate energies.
+    pub replica_moves: [u64; 3],
+    /// Largest error of the energy of two bodies in the rows of approximate energies, kT.
+    pub tolerance_kt: f64,
     /// Processor time to spend on each rate at least, s.
     pub seconds_per_rate: f64,
     /// Divisions of the edges of the octahedron that the bodies' meshes are made of.
@@ -75,7 +77,8 @@ impl Default for SuiteSettings {
             few_charges: 500,
             threads: vec![1, 2],
             moves: None,
-            replica_moves: [40_000, 500],
+            replica_moves: [40_000, 500, 2_000],
+            tolerance_kt: DEFAULT_TOLERANCE_KT,
             seconds_per_rate: 1.0,
             edge_divisions: 14,
             seed: 1,
@@ -110,6 +113,8 @@ pub struct RateRow {
     pub setup_seconds: f64,
     /// Memory of the energy model, bytes.
     pub memory_bytes: usize,
+    /// The largest bound of a pair energy's error that was used, kT; zero for sums.
+    pub error_bound_kt_per_pair: f64,
     /// How many decisions the hash is over.
     pub decisions: u64,
     /// SHA-256 of the first decisions, a byte 1 or 0 each.
@@ -212,10 +217,10 @@ pub struct SuiteResult {
 }
 
 /// Energy modes of the part on charges: the direct sum before those that are compared with it.
-const MODES: [EnergyMode; 3] = [EnergyMode::None, EnergyMode::Direct, EnergyMode::Certified];
+const MODES: [EnergyMode; 4] = [EnergyMode::None, EnergyMode::Direct, EnergyMode::Certified, EnergyMode::Approximate];
 
 /// Energy modes where moves must be cheap.
-const CHEAP_MODES: [EnergyMode; 2] = [EnergyMode::None, EnergyMode::Certified];
+const CHEAP_MODES: [EnergyMode; 3] = [EnergyMode::None, EnergyMode::Certified, EnergyMode::Approximate];
 
 /// Volume of the bodies in that of the cube at most, in the part on bodies.
 const VOLUME_FRACTION: f64 = 0.15;
@@ -300,7 +305,11 @@ impl Suite<'_> {
 
     /// The cluster with what this mode needs.
     fn prepared(&self, charges: usize, energy: EnergyMode) -> Result<Prepared> {
-        Prepared::new(&self.cluster(charges)?, self.yukawa, energy, self.tables)
+        self.prepared_from(&self.cluster(charges)?, energy)
+    }
+
+    fn prepared_from(&self, system: &System, energy: EnergyMode) -> Result<Prepared> {
+        Prepared::new(system, self.yukawa, energy, self.settings.tolerance_kt, self.tables)
     }
 
     /// Before anything is measured.
@@ -317,7 +326,7 @@ impl Suite<'_> {
             let moves = self.settings.moves.unwrap_or(affordable_moves(charges));
             let mut direct: Option<Timing> = None;
             for energy in MODES {
-                if !self.goes_on(&format!("{charges} charges, energy {}", name(energy))) {
+                if !self.goes_on(&format!("{charges} charges, energy {}", energy.name())) {
                     return Ok(rows);
                 }
                 let prepared = self.prepared(charges, energy)?;
@@ -337,6 +346,7 @@ impl Suite<'_> {
                     acceptance: timing.acceptance(),
                     setup_seconds: prepared.setup_seconds,
                     memory_bytes: timing.memory_bytes,
+                    error_bound_kt_per_pair: timing.error_bound_kt,
                     decisions: moves,
                     decisions_sha256: timing.decisions_sha256(),
                     decides_as_direct: charged.map(|direct| timing.decisions == direct.decisions),
@@ -356,7 +366,8 @@ impl Suite<'_> {
             let readings = Arc::new(Mutex::new(Readings::default()));
             let mut model =
                 || -> Box<dyn EnergyModel> { Box::new(Metered::new(prepared.certified(), Arc::clone(&readings))) };
-            let (moves, seconds) = (self.settings.moves.unwrap_or(0), self.settings.seconds_per_rate);
+            let moves = self.settings.moves.unwrap_or(affordable_moves(charges));
+            let seconds = self.settings.seconds_per_rate;
             let timing = prepared.time_with(&mut model, moves, seconds, self.settings.seed, self.interrupt)?;
             let readings = *readings.lock().unwrap_or_else(PoisonError::into_inner);
             rows.push(parts_row(charges, &timing, &readings));
@@ -369,12 +380,12 @@ impl Suite<'_> {
         let kinds = self.kinds(self.settings.few_charges)?;
         for energy in CHEAP_MODES {
             for &bodies in &self.settings.bodies {
-                if !self.goes_on(&format!("{bodies} bodies, energy {}", name(energy))) {
+                if !self.goes_on(&format!("{bodies} bodies, energy {}", energy.name())) {
                     return Ok(rows);
                 }
                 let box_angstrom = self.box_angstrom(&kinds, energy, bodies);
                 let system = spread(&kinds, bodies, box_angstrom, self.settings.seed)?;
-                let prepared = Prepared::new(&system, self.yukawa, energy, self.tables)?;
+                let prepared = self.prepared_from(&system, energy)?;
                 let range = prepared.model().range_angstrom(&system).max(system.hard_range_angstrom());
                 let neighbours = mean_neighbours(&system, range);
                 // Every body moves some times in each run, so that gaps are remembered as in a long simulation.
@@ -416,7 +427,7 @@ impl Suite<'_> {
         for (energy, moves) in CHEAP_MODES.into_iter().zip(self.settings.replica_moves) {
             let mut first_seconds = None;
             for &threads in &self.settings.threads {
-                if !self.goes_on(&format!("{threads} threads, energy {}", name(energy))) {
+                if !self.goes_on(&format!("{threads} threads, energy {}", energy.name())) {
                     return Ok(rows);
                 }
                 let prepared = self.prepared(self.settings.few_charges, energy)?;
@@ -499,15 +510,6 @@ fn run_replicas(prepared: &Prepared, seed: u64, replicas: u32, moves: u64, threa
         cpu_seconds: done.iter().map(|(seconds, _)| seconds).sum(),
         decisions: done.into_iter().flat_map(|(_, decisions)| decisions).collect(),
     })
-}
-
-/// The name of an energy mode on the command line.
-pub fn name(energy: EnergyMode) -> &'static str {
-    match energy {
-        EnergyMode::None => "none",
-        EnergyMode::Direct => "direct",
-        EnergyMode::Certified => "certified",
-    }
 }
 
 /// The first processor's name.

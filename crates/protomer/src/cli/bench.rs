@@ -2,9 +2,10 @@
 
 use super::medium::ConditionArgs;
 use super::tables::TablesArgs;
+use super::tolerance::ToleranceArgs;
 use super::{Global, Outcome, interrupt_saying, output};
 use crate::assembly_file::Assembly;
-use crate::bench::suite::{Part, SuiteResult, SuiteSettings, name, rows, run_suite};
+use crate::bench::suite::{Part, SuiteResult, SuiteSettings, rows, run_suite};
 use crate::bench::{BenchSettings, bench};
 use crate::interaction::{Interaction, Medium};
 use crate::run::EnergyMode;
@@ -19,7 +20,7 @@ const MOST_CHARGES: usize = 50_000;
 ///
 /// Without an assembly: measure on states that the program makes itself, and print a table of each energy mode's rate
 /// against the number of charges, of the parts of a move, of the cost against the number of bodies, and of replicas on
-/// several threads. That takes a minute or two.
+/// several threads. That takes a few minutes.
 #[derive(Debug, Args)]
 pub struct BenchArgs {
     /// Assembly file; left out, the program makes its own states.
@@ -30,6 +31,8 @@ pub struct BenchArgs {
     /// How energies are computed [default: direct; without an assembly, each way].
     #[arg(long, value_enum, requires = "assembly")]
     energy: Option<EnergyMode>,
+    #[command(flatten)]
+    tolerance: ToleranceArgs,
     /// Only this table (repeat for several).
     #[arg(long, value_enum, conflicts_with = "assembly")]
     part: Vec<Part>,
@@ -63,6 +66,7 @@ impl BenchArgs {
         let settings = BenchSettings {
             moves: self.moves.unwrap_or(usual.moves),
             energy: self.energy.unwrap_or(usual.energy),
+            tolerance_kt: self.tolerance.tolerance,
             seed: self.seed,
             ..usual
         };
@@ -71,11 +75,16 @@ impl BenchArgs {
             output::json(&result)?;
         } else {
             output::text(&format!(
-                "{:.0} trial moves per CPU-second, acceptance {:.3}, set-up {:.2} s, memory {:.1} MB\ndecisions {}",
+                "{:.0} trial moves per CPU-second, acceptance {:.3}, set-up {:.2} s, memory {:.1} MB{}\n\
+                 decisions {}",
                 result.moves_per_cpu_second,
                 result.acceptance,
                 result.setup_seconds,
                 result.memory_bytes as f64 / 1e6,
+                match result.error_bound_kt_per_pair {
+                    0.0 => String::new(),
+                    bound => format!(", pair energies to within {bound:.2e} kT"),
+                },
                 result.decisions_sha256
             ))?;
         }
@@ -89,7 +98,9 @@ impl BenchArgs {
             bail!("--charges has {charges}; give numbers from 1 to {MOST_CHARGES}, such as 500,3000");
         }
         let charges = if self.charges.is_empty() { usual.charges.clone() } else { self.charges.clone() };
-        let settings = SuiteSettings { parts, charges, moves: self.moves, seed: self.seed, ..usual };
+        let tolerance_kt =
+            EnergyMode::Approximate.tolerance_kt(self.tolerance.tolerance)?.unwrap_or(usual.tolerance_kt);
+        let settings = SuiteSettings { parts, charges, moves: self.moves, seed: self.seed, tolerance_kt, ..usual };
         let interaction = self.interaction_of_own_states()?;
         let interrupt = interrupt_saying("stopping after the present run of moves", None)?;
         let bar = global.progress(rows(&settings) as u64, "bench");
@@ -147,7 +158,17 @@ fn describe(result: &SuiteResult) -> String {
     };
     section(
         "Trial moves per CPU-second: sixteen bodies close to contact",
-        &["charges", "energy", "moves/s", "speed-up", "acceptance", "set-up (s)", "memory (MB)", "decides as direct"],
+        &[
+            "charges",
+            "energy",
+            "moves/s",
+            "speed-up",
+            "acceptance",
+            "set-up (s)",
+            "memory (MB)",
+            "error bound (kT)",
+            "decides as direct",
+        ],
         result.charges.iter().map(rate_cells).collect(),
     );
     section(
@@ -177,12 +198,17 @@ fn rate_cells(row: &crate::bench::suite::RateRow) -> Vec<String> {
     };
     vec![
         row.charges.to_string(),
-        name(row.energy).to_owned(),
+        row.energy.name().to_owned(),
         figures(row.moves_per_cpu_second),
         row.speed_up.map_or_else(|| "-".to_owned(), figures),
         format!("{:.2}", row.acceptance),
         format!("{:.1}", row.setup_seconds),
         format!("{:.1}", row.memory_bytes as f64 / 1e6),
+        match row.energy {
+            EnergyMode::None => "-".to_owned(),
+            _ if row.error_bound_kt_per_pair == 0.0 => "0".to_owned(),
+            _ => format!("{:.1e}", row.error_bound_kt_per_pair),
+        },
         verdict,
     ]
 }
@@ -207,7 +233,7 @@ fn bodies_cells(row: &crate::bench::suite::BodiesRow) -> Vec<String> {
     vec![
         row.bodies.to_string(),
         format!("{:.0}", row.box_angstrom),
-        name(row.energy).to_owned(),
+        row.energy.name().to_owned(),
         format!("{:.2}", row.neighbours),
         figures(row.move_microseconds),
         figures(row.microseconds_per_neighbour),
@@ -216,7 +242,7 @@ fn bodies_cells(row: &crate::bench::suite::BodiesRow) -> Vec<String> {
 
 fn threads_cells(row: &crate::bench::suite::ThreadsRow) -> Vec<String> {
     vec![
-        name(row.energy).to_owned(),
+        row.energy.name().to_owned(),
         row.threads.to_string(),
         row.replicas.to_string(),
         row.moves.to_string(),

@@ -2,6 +2,7 @@
 
 use super::medium::ConditionArgs;
 use super::tables::TablesArgs;
+use super::tolerance::ToleranceArgs;
 use super::{Global, Outcome, output};
 use crate::assembly_file::Assembly;
 use crate::inspect::{inspect, inspection_settings};
@@ -18,6 +19,8 @@ pub struct InspectArgs {
     /// How energies are computed.
     #[arg(long, value_enum, default_value_t = EnergyMode::Direct)]
     energy: EnergyMode,
+    #[command(flatten)]
+    tolerance: ToleranceArgs,
     /// Surfaces closer than this are in contact, Å.
     #[arg(long, default_value_t = 5.0)]
     contact_gap: f64,
@@ -31,7 +34,7 @@ impl InspectArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
         let interaction = self.conditions.interaction()?;
         let engine = Engine::new(Assembly::read(&self.assembly)?)?.with_tables(self.tables.tables());
-        let settings = inspection_settings(self.energy, self.contact_gap);
+        let settings = inspection_settings(self.energy, self.tolerance.tolerance, self.contact_gap);
         let inspection = inspect(&engine, &settings, interaction)?;
         if global.json {
             output::json(&inspection)?

@@ -20,6 +20,7 @@ mod simulate;
 mod surface;
 mod sweep;
 mod tables;
+mod tolerance;
 
 use crate::interrupt::Interrupt;
 use anyhow::{Context, Result, anyhow, bail};

@@ -2,10 +2,12 @@
 
 use super::execution::{ExecutionArgs, override_with};
 use super::medium::{ConditionArgs, MediumArgs};
+use super::tables::TablesArgs;
+use super::tolerance::ToleranceArgs;
 use super::{Global, Outcome, output};
 use crate::assembly_file::Assembly;
 use crate::keys;
-use crate::run::{EnergyMode, RunSettings};
+use crate::run::{EnergyMode, Engine, RunSettings};
 use crate::sweep::{SweepEnd, run_sweep};
 use anyhow::{Context, Result, bail};
 use clap::Args;
@@ -46,7 +48,11 @@ pub struct RunArgs {
     #[arg(long, value_enum)]
     pub energy: Option<EnergyMode>,
     #[command(flatten)]
+    pub tolerance: ToleranceArgs,
+    #[command(flatten)]
     pub execution: ExecutionArgs,
+    #[command(flatten)]
+    pub tables: TablesArgs,
 }
 
 impl RunArgs {
@@ -66,7 +72,13 @@ impl RunArgs {
         override_with(&mut settings.contact_gap_angstrom, self.contact_gap);
         override_with(&mut settings.log_every, self.log_every);
         override_with(&mut settings.trajectory_every, self.trajectory_every);
-        override_with(&mut settings.energy, self.energy);
+        if let Some(energy) = self.energy.filter(|energy| *energy != settings.energy) {
+            // The tolerance of a configuration belongs to its own way of computing energies.
+            settings.energy = energy;
+            settings.tolerance_kt = None;
+        }
+        // Written down also where it is the usual one, so that a run keeps it whatever will be usual later.
+        settings.tolerance_kt = settings.energy.tolerance_kt(self.tolerance.tolerance.or(settings.tolerance_kt))?;
         medium.override_in(&mut settings.medium);
         Ok(settings)
     }
@@ -100,7 +112,8 @@ impl SimulateArgs {
         let assembly = Assembly::read(&self.assembly)?;
         let bar = global.progress(settings.total_sweeps(), "sweeps");
         let execution = self.run.execution.execution(global)?;
-        let end = run_sweep(assembly, &settings, &self.run.output, &execution, &|sweeps| bar.inc(sweeps))?;
+        let engine = Engine::new(assembly)?.with_tables(self.run.tables.tables());
+        let end = run_sweep(&engine, &settings, &self.run.output, &execution, &|sweeps| bar.inc(sweeps))?;
         bar.finish_and_clear();
         let SweepEnd::Finished(result) = end else {
             global.say(&format!("stopped; the same command continues {}", self.run.output.display()));

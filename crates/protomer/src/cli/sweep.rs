@@ -5,7 +5,7 @@ use super::simulate::RunArgs;
 use super::{Global, Outcome, output};
 use crate::assembly_file::Assembly;
 use crate::quantity;
-use crate::run::RunSettings;
+use crate::run::{Engine, RunSettings};
 use crate::sweep::{SweepEnd, SweepResult, run_sweep};
 use anyhow::{Result, bail};
 use clap::Args;
@@ -45,7 +45,8 @@ impl SweepArgs {
         }
         let bar = global.progress(settings.simulations().saturating_mul(settings.total_sweeps()), "sweeps");
         let execution = self.run.execution.execution(global)?;
-        let end = run_sweep(assembly, &settings, &self.run.output, &execution, &|sweeps| bar.inc(sweeps))?;
+        let engine = Engine::new(assembly)?.with_tables(self.run.tables.tables());
+        let end = run_sweep(&engine, &settings, &self.run.output, &execution, &|sweeps| bar.inc(sweeps))?;
         bar.finish_and_clear();
         match end {
             SweepEnd::Stopped => {

@@ -3,7 +3,7 @@
 use crate::assembly_file::Assembly;
 use crate::energy_tables::EnergyTables;
 use crate::interaction::Interaction;
-use crate::run::{EnergyMode, RunSettings};
+use crate::run::{DEFAULT_TOLERANCE_KT, EnergyMode, RunSettings};
 use anyhow::{Context, Result};
 use protomer_kernel::cells::require_minimum_image;
 use protomer_kernel::potential::Yukawa;
@@ -59,12 +59,16 @@ impl Engine {
     /// # Errors
     /// If the interaction makes no sense, or its tables take more memory than is allowed.
     pub fn energy_model(&self, run: &RunSettings, interaction: &Interaction) -> Result<Box<dyn EnergyModel>> {
-        match self.settings(run, interaction)?.interaction {
-            protomer_mc::Interaction::YukawaCertified(yukawa) => {
-                Ok(Box::new(CertifiedSum::with_tables(yukawa, self.tables.of(&self.types, &yukawa)?)))
+        let tables = |yukawa: Yukawa| -> Result<CertifiedSum> {
+            Ok(CertifiedSum::with_tables(yukawa, self.tables.of(&self.types, &yukawa)?))
+        };
+        Ok(match self.settings(run, interaction)?.interaction {
+            protomer_mc::Interaction::YukawaCertified(yukawa) => Box::new(tables(yukawa)?),
+            protomer_mc::Interaction::YukawaApproximate { yukawa, tolerance_kt } => {
+                Box::new(tables(yukawa)?.with_tolerance(tolerance_kt))
             }
-            other => Ok(other.model()),
-        }
+            other => other.model(),
+        })
     }
 
     /// Checks what would stop every simulation at its start: an overlap, or a box too small for an interaction.
@@ -94,6 +98,10 @@ impl Engine {
             EnergyMode::None => protomer_mc::Interaction::HardOnly,
             EnergyMode::Certified => protomer_mc::Interaction::YukawaCertified(yukawa(interaction)?),
             EnergyMode::Direct => protomer_mc::Interaction::YukawaDirect(yukawa(interaction)?),
+            EnergyMode::Approximate => protomer_mc::Interaction::YukawaApproximate {
+                yukawa: yukawa(interaction)?,
+                tolerance_kt: run.energy.tolerance_kt(run.tolerance_kt)?.unwrap_or(DEFAULT_TOLERANCE_KT),
+            },
         };
         Ok(Settings {
             equilibration_sweeps: run.equilibration_sweeps,

@@ -20,4 +20,4 @@ pub(crate) use log::{Log, LogMark, check_log};
 pub use log::{LogRow, read_log};
 pub use record::{RunRecord, read_record};
 pub use replica::{ReplicaCounts, ReplicaEnd, ReplicaTask, run_replica};
-pub use settings::{EnergyMode, RunSettings, salt_label};
+pub use settings::{DEFAULT_TOLERANCE_KT, EnergyMode, RunSettings, salt_label};

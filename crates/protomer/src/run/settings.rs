@@ -30,9 +30,16 @@ pub struct RunSettings {
     pub trajectory_every: u64,
     /// How energies are computed.
     pub energy: EnergyMode,
+    /// Largest error of the energy of two bodies, kT, of approximate energies, and of no others;
+    /// [`DEFAULT_TOLERANCE_KT`] where `None`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tolerance_kt: Option<f64>,
     /// The medium between the bodies.
     pub medium: Medium,
 }
+
+/// Largest error of the energy of two bodies, kT, where approximate energies are asked for without a tolerance.
+pub const DEFAULT_TOLERANCE_KT: f64 = 1e-3;
 
 /// How pair energies are computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -43,8 +50,43 @@ pub enum EnergyMode {
     Direct,
     /// Bounds first, the plain sum where they leave the decision open: the decisions of the plain sum.
     Certified,
+    /// The middle of the bounds, the plain sum for a pair of bodies whose bounds are wider than a tolerance.
+    Approximate,
     /// Hard bodies without charges.
     None,
+}
+
+impl EnergyMode {
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            EnergyMode::Direct => "direct",
+            EnergyMode::Certified => "certified",
+            EnergyMode::Approximate => "approximate",
+            EnergyMode::None => "none",
+        }
+    }
+
+    /// The tolerance (kT for each pair of bodies) that energies of this mode are computed to, from the one that was
+    /// asked for, if any; `None` for modes without one.
+    ///
+    /// # Errors
+    /// For a tolerance that is not positive, or given to a mode without one.
+    pub fn tolerance_kt(self, asked_for: Option<f64>) -> Result<Option<f64>> {
+        match (self, asked_for) {
+            (EnergyMode::Approximate, None) => Ok(Some(DEFAULT_TOLERANCE_KT)),
+            (EnergyMode::Approximate, Some(tolerance)) if tolerance.is_finite() && tolerance > 0.0 => Ok(asked_for),
+            (EnergyMode::Approximate, Some(tolerance)) => {
+                bail!("the tolerance is {tolerance} kT; give a positive one, such as --tolerance 1e-3")
+            }
+            (_, None) => Ok(None),
+            (mode, Some(tolerance)) => bail!(
+                "a tolerance ({tolerance} kT) is given, and energies are {}; add --energy approximate, or leave the \
+                 tolerance out",
+                mode.name()
+            ),
+        }
+    }
 }
 
 impl Default for RunSettings {
@@ -60,6 +102,7 @@ impl Default for RunSettings {
             log_every: 10,
             trajectory_every: 100,
             energy: EnergyMode::Direct,
+            tolerance_kt: None,
             medium: Medium::default(),
         }
     }
@@ -156,10 +199,7 @@ impl RunSettings {
         if !(gap.is_finite() && gap > 0.0) {
             bail!("contact_gap_angstrom is {gap}; it must be positive");
         }
-        if self.energy == EnergyMode::Certified {
-            // Its cached intervals are found anew on resuming, so the log would not continue bit for bit.
-            bail!("certified energies are only for bench and inspect so far; run with --energy direct");
-        }
+        self.energy.tolerance_kt(self.tolerance_kt)?;
         Ok(())
     }
 }

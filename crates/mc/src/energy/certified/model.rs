@@ -99,7 +99,11 @@ impl CertifiedSum {
         if first.charges.is_empty() || second.charges.is_empty() || pair.displacement.norm_squared() >= reach * reach {
             return Ok(None);
         }
-        let relative = pair.relative();
+        self.known_at(pair, pair.relative()).map(Some)
+    }
+
+    /// What the tables say of the bodies of a pair for this relative pose.
+    fn known_at(&mut self, pair: &Pair<'_>, relative: RelativePose) -> Result<Known> {
         let (a, b) = pair.type_indices();
         self.counts.intervals += 1;
         let interval = self.tables[a].energy_interval(&self.tables[b], &relative);
@@ -112,7 +116,7 @@ impl CertifiedSum {
             }
         };
         self.largest_error_kt = self.largest_error_kt.max(known.energy.error_kt);
-        Ok(Some(known))
+        Ok(known)
     }
 
     /// The direct sum for this relative pose of the pair's bodies.
@@ -122,6 +126,21 @@ impl CertifiedSum {
         let energy = yukawa_energy_kt(&self.yukawa, &first.charges, &second.charges, relative);
         let middle_kt = finite(pair.first, pair.second, energy)?;
         Ok(EnergyInterval { middle_kt, error_kt: 0.0 })
+    }
+
+    /// Makes the tables that are missing and forgets what was proposed.
+    fn prepare(&mut self, system: &System) {
+        if self.tables.len() != system.types().len() {
+            let yukawa = &self.yukawa;
+            self.tables = std::thread::scope(|scope| {
+                let table = |kind: &Arc<crate::BodyType>| Arc::new(ChargeTable::new(&kind.charges, yukawa));
+                let jobs: Vec<_> = system.types().iter().map(|kind| scope.spawn(move || table(kind))).collect();
+                let done = jobs.into_iter().zip(system.types());
+                // A thread that could not finish is replaced by doing its work here.
+                done.map(|(job, kind)| job.join().unwrap_or_else(|_| table(kind))).collect()
+            });
+        }
+        self.proposed.clear();
     }
 
     fn old_terms(&self, body: usize) -> Vec<Term> {
@@ -192,29 +211,24 @@ impl EnergyModel for CertifiedSum {
     }
 
     fn reset(&mut self, system: &System) -> Result<()> {
-        if self.tables.len() != system.types().len() {
-            let yukawa = &self.yukawa;
-            self.tables = std::thread::scope(|scope| {
-                let table = |kind: &Arc<crate::BodyType>| Arc::new(ChargeTable::new(&kind.charges, yukawa));
-                let jobs: Vec<_> = system.types().iter().map(|kind| scope.spawn(move || table(kind))).collect();
-                let done = jobs.into_iter().zip(system.types());
-                // A thread that could not finish is replaced by doing its work here.
-                done.map(|(job, kind)| job.join().unwrap_or_else(|_| table(kind))).collect()
-            });
-        }
-        self.proposed.clear();
+        self.prepare(system);
         self.energies = all_pairs(system, |pair| self.known(pair))?;
         Ok(())
     }
 
-    /// The intervals are found anew; what is reported goes on from what was.
+    /// Each interval is found anew where it was found first. What is reported goes on from what was, and so does the
+    /// middle that decisions under a tolerance go by: another machine may round it otherwise.
     fn restore(&mut self, system: &System, pairs: &[PairEnergy]) -> Result<()> {
-        self.reset(system)?;
-        for pair in pairs {
-            if let Some(mut known) = self.energies.get(pair.first, pair.second) {
-                known.reported_kt = finite(pair.first, pair.second, pair.energy_kt)?;
-                self.energies.set(pair.first, pair.second, known);
+        self.prepare(system);
+        self.energies = PairTable::new(system.len());
+        for saved in pairs {
+            let pair = system.pair(saved.first, saved.second);
+            let mut known = self.known_at(&pair, saved.computed_at.unwrap_or_else(|| pair.relative()))?;
+            known.reported_kt = finite(saved.first, saved.second, saved.energy_kt)?;
+            if self.tolerance_kt.is_some() {
+                known.energy.middle_kt = known.reported_kt;
             }
+            self.energies.set(saved.first, saved.second, known);
         }
         Ok(())
     }
@@ -260,6 +274,10 @@ impl EnergyModel for CertifiedSum {
 
     fn pairs(&self) -> Vec<PairEnergy> {
         let pairs = self.energies.pairs();
-        pairs.map(|(first, second, known)| PairEnergy { first, second, energy_kt: known.reported_kt }).collect()
+        let saved = |(first, second, known): (usize, usize, Known)| PairEnergy {
+            computed_at: Some(known.relative),
+            ..PairEnergy::new(first, second, known.reported_kt)
+        };
+        pairs.map(saved).collect()
     }
 }
