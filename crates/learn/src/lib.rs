@@ -7,6 +7,7 @@
 //! | module | one idea |
 //! |---|---|
 //! | [`sample`] | a sparse voxel grid, what is known of it, and where samples come from |
+//! | [`convolution`] | kernels of the convolution on the processor |
 //! | [`operations`] | convolution, pooling and normalisation of grids on any device |
 //! | [`block`] | convolution, normalisation, ReLU and pooling as one |
 //! | [`network`] | blocks, global pooling, a linear layer |
@@ -16,6 +17,7 @@
 //! This crate reads and writes no files: samples come through [`sample::SampleSource`], weights leave as tensors.
 
 pub mod block;
+pub mod convolution;
 mod error;
 pub mod loss;
 pub mod network;
