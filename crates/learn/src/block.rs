@@ -86,7 +86,7 @@ pub fn fused(level: Level, input: &Tensor, parameters: &BlockParameters, setting
     match (settings.groups, norm) {
         (Some(groups), Some((scale, shift))) => {
             let grid = Convolution::apply(level, Finishing::Plain, input, weight, bias)?;
-            Norm::apply(groups, settings.pool, &grid, scale, shift)
+            Norm::apply(level, groups, settings.pool, &grid, scale, shift)
         }
         _ => {
             let finishing = if settings.pool { Finishing::Pool } else { Finishing::Relu };
@@ -124,16 +124,27 @@ fn with_slice<T>(tensor: &Tensor, work: impl FnOnce(&[f32]) -> candle_core::Resu
 
 /// The sum, to the precision of the numbers.
 fn sum(numbers: &[f32]) -> f64 {
-    numbers
-        .chunks(1024)
-        .map(|part| {
-            let mut lanes = [0.0f32; 16];
-            let mut pieces = part.chunks_exact(16);
-            for piece in &mut pieces {
-                lanes.iter_mut().zip(piece).for_each(|(lane, value)| *lane += value);
+    sum_of(numbers, |value| value)
+}
+
+/// The sum of a function of the numbers, to their precision: f32 in lanes over short parts, f64 over these.
+#[inline(always)]
+fn sum_of(numbers: &[f32], of: impl Fn(f32) -> f32) -> f64 {
+    let mut total = 0.0;
+    for part in numbers.chunks(1024) {
+        let mut lanes = [0.0f32; 64];
+        let mut pieces = part.chunks_exact(64);
+        for piece in &mut pieces {
+            for (lane, value) in lanes.iter_mut().zip(piece) {
+                *lane += of(*value);
             }
-            let rest = pieces.remainder().iter().copied().map(f64::from);
-            lanes.into_iter().map(f64::from).sum::<f64>() + rest.sum::<f64>()
-        })
-        .sum()
+        }
+        for value in pieces.remainder() {
+            total += f64::from(of(*value));
+        }
+        for lane in lanes {
+            total += f64::from(lane);
+        }
+    }
+    total
 }

@@ -2,7 +2,9 @@
 
 use super::convolution::{is_alive, wrong_storage};
 use super::{contiguous, with_slice};
+use crate::convolution::Level;
 use crate::convolution::forward::{DEAD, positive};
+use crate::convolution::lanes::{Lanes, Work};
 use crate::operations::portable::NORM_EPSILON;
 use candle_core::{CpuStorage, CustomOp3, Layout, Result, Shape, Tensor, bail};
 use rayon::prelude::*;
@@ -14,6 +16,7 @@ use std::sync::OnceLock;
 /// ∂L/∂x = (u - (Σ u + x̂ Σ u x̂) / N) / √(variance + ε).
 #[derive(Debug)]
 pub struct Norm {
+    level: Level,
     groups: usize,
     pool: bool,
     channels: usize,
@@ -36,7 +39,14 @@ impl Norm {
     ///
     /// # Errors
     /// [`crate::LearnError`] for shapes that do not fit.
-    pub fn apply(groups: usize, pool: bool, input: &Tensor, weight: &Tensor, bias: &Tensor) -> crate::Result<Tensor> {
+    pub fn apply(
+        level: Level,
+        groups: usize,
+        pool: bool,
+        input: &Tensor,
+        weight: &Tensor,
+        bias: &Tensor,
+    ) -> crate::Result<Tensor> {
         let (_, channels, depth, height, width) = input.dims5()?;
         if groups == 0 || channels % groups != 0 || weight.dims() != [channels] || bias.dims() != [channels] {
             return Err(crate::LearnError::Settings(format!(
@@ -47,7 +57,7 @@ impl Norm {
         }
         let tracked = input.track_op() || weight.track_op() || bias.track_op();
         let edges = [depth, height, width];
-        let node = Self { groups, pool, channels, edges, tracked, kept: OnceLock::new() };
+        let node = Self { level, groups, pool, channels, edges, tracked, kept: OnceLock::new() };
         Ok(input.contiguous()?.apply_op3(&weight.contiguous()?, &bias.contiguous()?, node)?)
     }
 
@@ -76,49 +86,100 @@ impl Norm {
             }
         }
     }
+}
 
-    /// One channel: ReLU(scale x + shift), pooled if wanted.
-    fn finish(&self, channel: &[f32], scale: f32, shift: f32, out: &mut [f32], codes: &mut [u8]) {
-        if !self.pool {
-            for (to, from) in out.iter_mut().zip(channel) {
-                *to = positive(scale * from + shift);
+/// The forward pass of one group of one sample; gives its mean and 1 / √(variance + ε).
+struct Group<'a> {
+    node: &'a Norm,
+    input: &'a [f32],
+    weights: &'a [f32],
+    biases: &'a [f32],
+    out: &'a mut [f32],
+    codes: &'a mut [u8],
+}
+
+impl Work for Group<'_> {
+    type Output = (f32, f32);
+
+    #[inline(always)]
+    unsafe fn run<S: Lanes>(self) -> (f32, f32) {
+        let Self { node, input, weights, biases, out, codes } = self;
+        let (voxels, out_voxels) = (node.voxels(), node.out_voxels());
+        let (mean, inverse) = moments(input);
+        let rooms = out.chunks_exact_mut(out_voxels).zip(codes.chunks_exact_mut(out_voxels));
+        let mut rows = Rows::new(node.edges[2]);
+        for (((weight, bias), channel), (out, codes)) in
+            weights.iter().zip(biases).zip(input.chunks_exact(voxels)).zip(rooms)
+        {
+            let scale = weight * inverse;
+            let shift = bias - scale * mean;
+            if node.pool {
+                pool_channel(node, &mut rows, channel, (scale, shift), out, codes);
+            } else {
+                for (to, from) in out.iter_mut().zip(channel) {
+                    *to = positive(scale * from + shift);
+                }
             }
-            return;
         }
-        self.windows(|window, corners| {
-            let (mut best, mut code) = (f32::NEG_INFINITY, 0);
-            for (i, corner) in corners.into_iter().enumerate() {
-                let value = channel.get(corner).map_or(f32::NAN, |x| scale * x + shift);
-                let better = (value > best) | value.is_nan();
-                (best, code) = if better { (value, i as u8) } else { (best, code) };
+        (mean, inverse)
+    }
+}
+
+/// A row of maxima over (z, y), and which row had each.
+struct Rows {
+    best: Vec<f32>,
+    code: Vec<u32>,
+}
+
+impl Rows {
+    fn new(width: usize) -> Self {
+        Self { best: vec![0.0; width], code: vec![0; width] }
+    }
+}
+
+/// ReLU(scale x + shift) and the maximum of every window of a channel, first down the rows, then along them.
+#[inline(always)]
+fn pool_channel(
+    node: &Norm,
+    rows: &mut Rows,
+    channel: &[f32],
+    (scale, shift): (f32, f32),
+    out: &mut [f32],
+    codes: &mut [u8],
+) {
+    let [_, full_height, full_width] = node.edges;
+    let [_, height, width] = node.out_edges();
+    for (i, (out, codes)) in out.chunks_exact_mut(width).zip(codes.chunks_exact_mut(width)).enumerate() {
+        rows.best.fill(f32::NEG_INFINITY);
+        for corner in 0..4u32 {
+            let (z, y) = (2 * (i / height) + corner as usize / 2, 2 * (i % height) + corner as usize % 2);
+            let row = channel.chunks_exact(full_width).nth(z * full_height + y).unwrap_or_default();
+            for ((best, code), x) in rows.best.iter_mut().zip(&mut rows.code).zip(row) {
+                let value = scale * x + shift;
+                let better = (value > *best) | value.is_nan();
+                *best = if better { value } else { *best };
+                *code = if better { 2 * corner } else { *code };
             }
-            if let (Some(to), Some(chosen)) = (out.get_mut(window), codes.get_mut(window)) {
-                *to = positive(best);
-                *chosen = if best <= 0.0 { DEAD } else { code };
-            }
-        });
+        }
+        let pairs = rows.best.chunks_exact(2).zip(rows.code.chunks_exact(2));
+        for ((out, chosen), (best, code)) in out.iter_mut().zip(codes).zip(pairs) {
+            let ([left, right], [left_code, right_code]) = ([best[0], best[1]], [code[0], code[1] + 1]);
+            // The first of equals wins, and equals may lie in different rows.
+            let better = (right > left) | ((right == left) & (right_code < left_code)) | right.is_nan();
+            let value = if better { right } else { left };
+            *out = positive(value);
+            *chosen = if value <= 0.0 { DEAD } else { (if better { right_code } else { left_code }) as u8 };
+        }
     }
 }
 
 /// Mean and 1 / √(variance + ε).
+#[inline(always)]
 fn moments(group: &[f32]) -> (f32, f32) {
     let count = group.len().max(1) as f64;
-    let mean = super::sum(group) / count;
+    let mean = super::sum_of(group, |value| value) / count;
     let centre = mean as f32;
-    let squares: f64 = group
-        .chunks(1024)
-        .map(|part| {
-            let mut lanes = [0.0f32; 16];
-            let mut pieces = part.chunks_exact(16);
-            for piece in &mut pieces {
-                for (lane, value) in lanes.iter_mut().zip(piece) {
-                    *lane += (value - centre) * (value - centre);
-                }
-            }
-            let rest = pieces.remainder().iter().map(|value| f64::from((value - centre) * (value - centre)));
-            lanes.into_iter().map(f64::from).sum::<f64>() + rest.sum::<f64>()
-        })
-        .sum();
+    let squares = super::sum_of(group, |value| (value - centre) * (value - centre));
     (centre, (1.0 / (squares / count + NORM_EPSILON).sqrt()) as f32)
 }
 
@@ -153,15 +214,15 @@ impl CustomOp3 for Norm {
             .zip(input.par_chunks_exact(from))
             .enumerate()
             .map(|(i, ((out, codes), group))| {
-                let (mean, inverse) = moments(group);
-                let first = i % self.groups * members;
-                let parameters = weight.iter().zip(bias).skip(first);
-                let rooms = out.chunks_exact_mut(out_voxels).zip(codes.chunks_exact_mut(out_voxels));
-                for (((weight, bias), channel), (out, codes)) in parameters.zip(group.chunks_exact(voxels)).zip(rooms) {
-                    let scale = weight * inverse;
-                    self.finish(channel, scale, bias - scale * mean, out, codes);
-                }
-                (mean, inverse)
+                let own = i % self.groups * members..(i % self.groups + 1) * members;
+                self.level.run(Group {
+                    node: self,
+                    input: group,
+                    weights: weight.get(own.clone()).unwrap_or_default(),
+                    biases: bias.get(own).unwrap_or_default(),
+                    out,
+                    codes,
+                })
             })
             .collect();
         if !self.pool {
@@ -278,9 +339,29 @@ impl Norm {
         }
         let count = spread.len().max(1) as f64;
         let (plain, along) = ((plain / count) as f32, (along / count) as f32);
-        for (to, x) in spread.iter_mut().zip(part.input) {
+        self.level.run(Correction { spread, input: part.input, plain, along, mean, inverse });
+        gradients
+    }
+}
+
+/// What mean and variance take from the gradient of the input.
+struct Correction<'a> {
+    spread: &'a mut [f32],
+    input: &'a [f32],
+    plain: f32,
+    along: f32,
+    mean: f32,
+    inverse: f32,
+}
+
+impl Work for Correction<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    unsafe fn run<S: Lanes>(self) {
+        let Self { spread, input, plain, along, mean, inverse } = self;
+        for (to, x) in spread.iter_mut().zip(input) {
             *to = inverse * (*to - plain - (x - mean) * inverse * along);
         }
-        gradients
     }
 }
