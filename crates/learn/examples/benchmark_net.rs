@@ -5,8 +5,8 @@
 //! RAYON_NUM_THREADS=1 cargo run --release -p protomer-learn --example benchmark_net
 //! ```
 //!
-//! Arguments: edge (32), samples (8), seconds (3), share of voxels that hold anything (1), groups of a group
-//! normalisation (0: none).
+//! Arguments: edge (32), samples (8), seconds (3), share of voxels that hold anything (1; less: those of a spherical
+//! shell), groups of a group normalisation (0: none).
 #![allow(clippy::print_stdout, clippy::unwrap_used, reason = "an example prints, and stops at what is wrong")]
 
 use candle_core::{Device, Tensor};
@@ -57,7 +57,11 @@ fn main() {
     let mut values = vec![0.0f32; samples * 3 * voxels];
     for sample in values.chunks_exact_mut(3 * voxels) {
         for voxel in 0..voxels {
-            if random.uniform() < fill {
+            let half = 0.5 * edge as f64;
+            let place = [voxel / edge / edge, voxel / edge % edge, voxel % edge].map(|i| i as f64 + 0.5 - half);
+            let distance = place.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let (radius, area) = (0.35 * edge as f64, 4.0 * std::f64::consts::PI * (0.35 * edge as f64).powi(2));
+            if fill >= 1.0 || (distance - radius).abs() < 0.5 * fill * voxels as f64 / area {
                 (0..3).for_each(|channel| sample[channel * voxels + voxel] = random.uniform_in(-1.7, 1.7) as f32);
             }
         }

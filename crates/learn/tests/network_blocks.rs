@@ -152,8 +152,12 @@ fn empty_parts_of_the_input_are_skipped_without_a_trace() {
 fn gradients(
     route: impl Fn(&Tensor, &BlockParameters) -> protomer_learn::Result<Tensor>,
     variables: &[Var],
+    without_input: bool,
 ) -> (Tensor, Vec<Vec<f64>>) {
-    let tensors: Vec<Tensor> = variables.iter().map(|v| v.as_tensor().clone()).collect();
+    let mut tensors: Vec<Tensor> = variables.iter().map(|v| v.as_tensor().clone()).collect();
+    if without_input {
+        tensors.insert(0, Tensor::zeros(1, candle_core::DType::F32, &CPU).unwrap());
+    }
     let norm = (tensors.len() > 3).then(|| (tensors[3].clone(), tensors[4].clone()));
     let parameters = BlockParameters { weight: tensors[1].clone(), bias: tensors[2].clone(), norm };
     let out = route(&tensors[0], &parameters).unwrap();
@@ -190,14 +194,46 @@ fn the_fused_block_has_the_gradients_of_the_composed_one() {
                         let cut = shift * ((shape.1 * kernel.pow(3)) as f64).sqrt();
                         variables[2].set(&Tensor::full(cut as f32, outputs, &CPU).unwrap()).unwrap();
                     }
-                    let (y, found) = gradients(|x, p| block::fused(level, x, p, &settings), &variables);
-                    let (z, expected) = gradients(|x, p| block::composed(x, p, &settings), &variables);
+                    let (y, found) = gradients(|x, p| block::fused(level, x, p, &settings), &variables, false);
+                    let (z, expected) = gradients(|x, p| block::composed(x, p, &settings), &variables, false);
                     assert!(difference(&numbers(&y), &numbers(&z)) < 1e-5, "{level:?} shape {i} {settings:?}");
                     for (which, (found, expected)) in found.iter().zip(&expected).enumerate() {
                         // A convolution's bias in front of a normalisation over its own channel has gradient 0.
                         let scale = expected.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
                         let error = difference(found, expected) * scale / scale.max(1.0);
                         assert!(error < 2e-5, "{level:?} shape {i} {settings:?} gradient {which}: {error}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The input is data, mostly zeros: only parameters have gradients.
+#[test]
+fn gradients_skip_empty_parts_without_a_trace() {
+    let wide = [(1, 2, 20, 3, 2, 4, 130), (2, 3, 16, 3, 8, 8, 9)];
+    for (i, shape) in SHAPES.into_iter().chain(wide).enumerate() {
+        let (_, _, outputs, kernel, depth, height, width) = shape;
+        for limit in [-0.99, -0.9, -0.6] {
+            for groups in [None, Some(1)] {
+                for pool in [false, true] {
+                    if pool && [depth, height, width].iter().any(|edge| *edge < 2) {
+                        continue;
+                    }
+                    let settings = BlockSettings { width: outputs, kernel, groups, pool };
+                    let all = variables(i as u64, shape, groups);
+                    let few = grid(i as u64 + 50, all[0].dims()).le(limit).unwrap();
+                    let x = (all[0].detach() * few.to_dtype(candle_core::DType::F32).unwrap()).unwrap();
+                    let (z, expected) = gradients(|_, p| block::composed(&x, p, &settings), &all[1..], true);
+                    for level in Level::available() {
+                        let (y, found) = gradients(|_, p| block::fused(level, &x, p, &settings), &all[1..], true);
+                        assert!(difference(&numbers(&y), &numbers(&z)) < 1e-5, "{level:?} shape {i} {settings:?}");
+                        for (which, (found, expected)) in found.iter().zip(&expected).enumerate() {
+                            let scale = expected.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+                            let error = difference(found, expected) * scale / scale.max(1.0);
+                            assert!(error < 2e-5, "{level:?} shape {i} {settings:?} gradient {which}: {error}");
+                        }
                     }
                 }
             }
@@ -219,7 +255,7 @@ fn the_convolution_and_its_gradients_are_adjoint() {
                     continue;
                 }
                 let settings = BlockSettings { width: outputs, kernel, groups: None, pool };
-                let (_, found) = gradients(|x, p| block::fused(level, x, p, &settings), &variables);
+                let (_, found) = gradients(|x, p| block::fused(level, x, p, &settings), &variables, false);
                 let both: Vec<f64> =
                     (0..2).map(|v| found[v].iter().zip(numbers(&variables[v])).map(|(g, v)| g * v).sum()).collect();
                 let size: f64 = found[0].iter().zip(numbers(&variables[0])).map(|(g, v)| (g * v).abs()).sum();

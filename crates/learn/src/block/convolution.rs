@@ -5,7 +5,7 @@ use crate::convolution::buffers::Buffer;
 use crate::convolution::dense::{self, DenseWeights};
 use crate::convolution::forward::{self, DEAD, Finish, Forward};
 use crate::convolution::geometry::LANES;
-use crate::convolution::padded::{Padded, channel_last, from_channel_last};
+use crate::convolution::padded::{Occupied, Padded, channel_last, from_channel_last};
 use crate::convolution::sparse::{self, Entries, SparseInput, SparseWeights};
 use crate::convolution::{Geometry, Level};
 use candle_core::{CpuStorage, CustomOp3, Error, Layout, Result, Shape, Tensor, bail};
@@ -33,8 +33,16 @@ pub struct Convolution {
     tracked: bool,
     /// Whether the input is data, perhaps mostly zeros, and not the output of another layer.
     from_data: bool,
+    kept: OnceLock<Kept>,
+}
+
+/// What the backward pass needs besides inputs and results.
+#[derive(Debug)]
+struct Kept {
     /// The corners that pooling chose.
-    codes: OnceLock<Vec<u8>>,
+    codes: Vec<u8>,
+    /// For every sample, which of its voxels hold anything, if few do.
+    occupied: Vec<Option<Occupied>>,
 }
 
 impl Convolution {
@@ -66,7 +74,7 @@ impl Convolution {
             level,
             tracked: input.track_op() || weight.track_op() || bias.track_op(),
             from_data: !input.track_op(),
-            codes: OnceLock::new(),
+            kept: OnceLock::new(),
         };
         Ok(input.contiguous()?.apply_op3(&weight.contiguous()?, &bias.contiguous()?, node)?)
     }
@@ -83,7 +91,7 @@ impl Convolution {
         self.geometry.outputs * self.out_edges().iter().product::<usize>()
     }
 
-    fn forward(&self, input: &[f32], weights: &[f32], bias: &[f32]) -> (Vec<f32>, Vec<u8>) {
+    fn forward(&self, input: &[f32], weights: &[f32], bias: &[f32]) -> (Vec<f32>, Kept) {
         let geometry = &self.geometry;
         let packed = geometry.pack(weights);
         let (from, to) = (geometry.channels * geometry.voxels(), self.out_length());
@@ -95,22 +103,24 @@ impl Convolution {
             let mut scratch = Buffer::stale(forward::scratch_length(geometry));
             let bias = Some(bias);
             self.level.run(Forward { geometry, input: &input, weights: &packed, bias, finish, scratch: &mut scratch });
+            input.occupied
         };
         let each = input.par_chunks_exact(from).zip(out.par_chunks_exact_mut(to.max(1)));
-        match self.finishing {
-            Finishing::Plain => each.for_each(|(sample, out)| run(sample, Finish::Plain(out))),
-            Finishing::Relu => each.for_each(|(sample, out)| run(sample, Finish::Relu(out))),
+        let occupied = match self.finishing {
+            Finishing::Plain => each.map(|(sample, out)| run(sample, Finish::Plain(out))).collect(),
+            Finishing::Relu => each.map(|(sample, out)| run(sample, Finish::Relu(out))).collect(),
             Finishing::Pool => each
                 .zip(codes.par_chunks_exact_mut(to.max(1)))
-                .for_each(|((sample, out), codes)| run(sample, Finish::Pool(out, codes))),
-        }
-        (out, codes)
+                .map(|((sample, out), codes)| run(sample, Finish::Pool(out, codes)))
+                .collect(),
+        };
+        (out, Kept { codes, occupied })
     }
 
     /// Gradients of one sample; `input_gradient` is overwritten.
     fn backward(&self, sample: Sample<'_>, weights: &Weights, input_gradient: Option<&mut [f32]>) -> Gradients {
         let geometry = &self.geometry;
-        let Sample { input, result, gradient, codes } = sample;
+        let Sample { input, result, gradient, codes, occupied } = sample;
         let (outputs, voxels) = (geometry.outputs, geometry.voxels());
         let masked = match self.finishing {
             Finishing::Relu => {
@@ -126,11 +136,13 @@ impl Convolution {
         let mut bias = vec![0.0; outputs];
         let entries = match self.finishing {
             Finishing::Pool => {
-                let entries = Entries::pooled(geometry, gradient, codes);
-                for (output, bias) in bias.iter_mut().enumerate() {
-                    *bias = entries.of_output(output).iter().map(|entry| f64::from(entry.value)).sum::<f64>() as f32;
+                let windows = (gradient.len() / outputs).max(1);
+                let channels = gradient.chunks_exact(windows).zip(codes.chunks_exact(windows));
+                for (bias, (gradient, codes)) in bias.iter_mut().zip(channels) {
+                    *bias = sum_alive(gradient, codes) as f32;
                 }
-                Some(entries)
+                let seen = occupied.and_then(|occupied| occupied.seen(geometry));
+                Some(Entries::pooled(geometry, gradient, codes, seen.as_deref()))
             }
             Finishing::Plain | Finishing::Relu => {
                 for (bias, gradient) in bias.iter_mut().zip(gradient.chunks_exact(voxels)) {
@@ -143,7 +155,7 @@ impl Convolution {
         };
         if let Some(entries) = entries.as_ref().filter(|entries| sparse_pays(geometry, entries.count())) {
             let mut gradients = Buffer::stale(sparse::weights_length(geometry));
-            let input = channel_last(geometry, input);
+            let input = channel_last(geometry, input, occupied);
             self.level.run(SparseWeights { geometry, input: &input, entries, weights: &mut gradients });
             drop(input);
             if let Some(to) = input_gradient {
@@ -196,6 +208,7 @@ struct Sample<'a> {
     result: &'a [f32],
     gradient: &'a [f32],
     codes: &'a [u8],
+    occupied: Option<&'a Occupied>,
 }
 
 /// Gradients that one sample gives.
@@ -249,8 +262,8 @@ impl CustomOp3 for Convolution {
         let (weight, bias) = (contiguous(weight, weight_layout)?, contiguous(bias, bias_layout)?);
         let samples = input_layout.dims().first().copied().unwrap_or(0);
         let [depth, height, width] = self.out_edges();
-        let (out, codes) = self.forward(input, weight, bias);
-        if self.tracked && self.codes.set(codes).is_err() {
+        let (out, kept) = self.forward(input, weight, bias);
+        if self.tracked && self.kept.set(kept).is_err() {
             bail!("a node of the graph was run twice");
         }
         Ok((CpuStorage::F32(out), Shape::from((samples, self.geometry.outputs, depth, height, width))))
@@ -265,7 +278,9 @@ impl CustomOp3 for Convolution {
         gradient: &Tensor,
     ) -> Result<(Option<Tensor>, Option<Tensor>, Option<Tensor>)> {
         let geometry = &self.geometry;
-        let Some(codes) = self.codes.get() else { bail!("a gradient was asked for, but nothing was tracked") };
+        let Some(Kept { codes, occupied }) = self.kept.get() else {
+            bail!("a gradient was asked for, but nothing was tracked")
+        };
         let (from, to) = (geometry.channels * geometry.voxels(), self.out_length());
         let plain = with_slice(weight, |weight| Ok(weight.to_vec()))?;
         let weights = Weights { plain, runs: OnceLock::new(), transposed: OnceLock::new() };
@@ -286,6 +301,7 @@ impl CustomOp3 for Convolution {
                             result: result.get(i * to..(i + 1) * to).unwrap_or_default(),
                             gradient: gradient.get(i * to..(i + 1) * to).unwrap_or_default(),
                             codes: codes.get(i * to..(i + 1) * to).unwrap_or_default(),
+                            occupied: occupied.get(i).and_then(Option::as_ref),
                         };
                         self.backward(sample, &weights, part.take())
                     });
@@ -316,6 +332,21 @@ impl CustomOp3 for Convolution {
         let weight_gradient = Tensor::from_vec(weight_gradient, weight.shape(), device)?;
         Ok((input_gradient, Some(weight_gradient), Some(Tensor::from_vec(bias_gradient, bias.shape(), device)?)))
     }
+}
+
+/// The sum of the gradients that go to some corner.
+fn sum_alive(gradient: &[f32], codes: &[u8]) -> f64 {
+    let mut total = 0.0;
+    for (gradient, codes) in gradient.chunks(1024).zip(codes.chunks(1024)) {
+        let mut lanes = [0.0f32; 16];
+        for (gradient, codes) in gradient.chunks(16).zip(codes.chunks(16)) {
+            for ((lane, value), code) in lanes.iter_mut().zip(gradient).zip(codes) {
+                *lane += if is_alive(*code) { *value } else { 0.0 };
+            }
+        }
+        total += lanes.into_iter().map(f64::from).sum::<f64>();
+    }
+    total
 }
 
 /// Whether a code stands for a corner.

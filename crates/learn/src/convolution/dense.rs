@@ -129,6 +129,9 @@ unsafe fn add_tap_row<S: Lanes, const K: usize>(
     }
 }
 
+/// If fewer than one in this many voxels of a row of the input hold anything, only these are gone through.
+const SCATTER_BELOW: usize = 4;
+
 /// J channels times K taps times V vectors.
 ///
 /// # Safety
@@ -152,11 +155,27 @@ unsafe fn tile<S: Lanes, const J: usize, const V: usize, const K: usize>(
         let mut sums = [[[S::zero(); V]; K]; J];
         for y in 0..height {
             let row = first / padded_width + y;
-            if input.occupied.as_ref().is_some_and(|occupied| occupied.get(row) == Some(&0)) {
-                continue;
-            }
+            let occupied = input.occupied.as_ref().filter(|occupied| SCATTER_BELOW * occupied.count(row) < width);
             let input = input_of_channel.add(row * padded_width);
             let gradient = gradient.add(y * width * stride);
+            if let Some(occupied) = occupied {
+                for at in occupied.of_row(row, padded_width) {
+                    for k in 0..K.min(at + 1) {
+                        let x = at - k;
+                        if x >= width {
+                            continue;
+                        }
+                        for (j, sums) in sums.iter_mut().enumerate() {
+                            let value = S::splat(input.add(j * plane + at));
+                            for (v, sum) in sums[k].iter_mut().enumerate() {
+                                let vector = S::load(gradient.add(x * stride + v * S::WIDTH));
+                                *sum = S::multiply_add(value, vector, *sum);
+                            }
+                        }
+                    }
+                }
+                continue;
+            }
             for x in 0..width {
                 let mut vectors = [S::zero(); V];
                 for (v, vector) in vectors.iter_mut().enumerate() {

@@ -5,7 +5,7 @@
 
 use super::geometry::{Geometry, LANES};
 use super::lanes::{Lanes, Work};
-use super::padded::Padded;
+use super::padded::{Occupied, Padded};
 
 /// The corner of a window that pooling chose, or this: none, because the ReLU gave 0.
 pub const DEAD: u8 = 8;
@@ -112,11 +112,23 @@ impl Forward<'_> {
             Finish::Pool(out, codes) => {
                 let [d, h, w] = [depth / 2, height / 2, width / 2];
                 let mut chosen = vec![0u8; w * stride];
+                let nothing = shift[..outputs].to_vec();
                 for row in 0..d * h {
                     let (z, y) = (2 * (row / h), 2 * (row % h));
+                    let mut any = false;
                     for (corner, to) in rows.chunks_exact_mut(length).enumerate() {
                         // SAFETY: lengths are checked above.
-                        unsafe { convolve_row::<S, K>(geometry, input, weights, z + corner / 2, y + corner % 2, to) };
+                        any |= unsafe {
+                            convolve_row::<S, K>(geometry, input, weights, z + corner / 2, y + corner % 2, to)
+                        };
+                    }
+                    if !any {
+                        for (o, value) in nothing.iter().enumerate() {
+                            let first = (o * d * h + row) * w;
+                            out[first..first + w].fill(positive(*value));
+                            codes[first..first + w].fill(if *value <= 0.0 { DEAD } else { 0 });
+                        }
+                        continue;
                     }
                     pool_rows(rows, length, stride, shift, &mut chosen);
                     for o in 0..outputs {
@@ -187,7 +199,7 @@ struct TapRow {
     weights: usize,
 }
 
-/// One row of outputs, voxel by voxel: `out` is (W, padded O).
+/// One row of outputs, voxel by voxel: `out` is (W, padded O). False if it holds nothing but zeros because the input does.
 ///
 /// # Safety
 /// The processor has the instructions of `S`; the buffers have the lengths that `run_with` checks; `out` is W x padded O.
@@ -200,7 +212,7 @@ unsafe fn convolve_row<S: Lanes, const K: usize>(
     z: usize,
     y: usize,
     out: &mut [f32],
-) {
+) -> bool {
     let stride = geometry.padded_outputs();
     let width = geometry.edges[2];
     let [_, padded_height, padded_width] = geometry.padded_edges();
@@ -208,6 +220,18 @@ unsafe fn convolve_row<S: Lanes, const K: usize>(
     let mut all = [TapRow::default(); 25];
     for (row, tap) in all.iter_mut().enumerate().take(K * K) {
         *tap = TapRow { input: first + geometry.tap_row_offset(row), weights: row * K * stride };
+    }
+    if let Some(occupied) = &input.occupied {
+        let count: usize = all[..K * K].iter().map(|tap| occupied.count(tap.input / padded_width)).sum();
+        if count == 0 {
+            out.fill(0.0);
+            return false;
+        }
+        if SCATTER_BELOW * count < K * K * width {
+            // SAFETY: as this function's.
+            unsafe { scatter_row::<S, K>(geometry, input, occupied, weights, &all[..K * K], out) };
+            return true;
+        }
     }
     let mut active = all;
     let vectors = stride / S::WIDTH;
@@ -222,7 +246,7 @@ unsafe fn convolve_row<S: Lanes, const K: usize>(
                     for tap in taps {
                         active[count] = *tap;
                         let row = tap.input / padded_width;
-                        count += usize::from(Padded::any(occupied, input.grain, row, x, $voxels + K - 1));
+                        count += usize::from(occupied.any(row, x, $voxels + K - 1));
                     }
                     taps = &active[..count];
                 }
@@ -257,6 +281,52 @@ unsafe fn convolve_row<S: Lanes, const K: usize>(
         } else {
             // Vectors of eight: their number is even.
             sweep!(2: 4 2 1);
+        }
+    }
+    true
+}
+
+/// If fewer than one in this many voxels that a row of outputs sees hold anything, these are spread over the outputs.
+const SCATTER_BELOW: usize = 4;
+
+/// One row of outputs from the few voxels that hold anything.
+///
+/// # Safety
+/// As for [`convolve_row`].
+#[inline(always)]
+unsafe fn scatter_row<S: Lanes, const K: usize>(
+    geometry: &Geometry,
+    input: &Padded,
+    occupied: &Occupied,
+    weights: &[f32],
+    taps: &[TapRow],
+    out: &mut [f32],
+) {
+    let stride = geometry.padded_outputs();
+    let (width, padded_width) = (geometry.edges[2], geometry.padded_edges()[2]);
+    out.fill(0.0);
+    for tap in taps {
+        for at in occupied.of_row(tap.input / padded_width, padded_width) {
+            for k in 0..K.min(at + 1) {
+                let x = at - k;
+                if x >= width {
+                    continue;
+                }
+                for first in (0..stride).step_by(S::WIDTH) {
+                    // SAFETY: voxel `at` < padded width of row tap.input of every channel lies in the padded grid; the
+                    // weights are those of rows (c K² + row) K + k < C K³; voxel x < W of `out` is written.
+                    unsafe {
+                        let to = out.as_mut_ptr().add(x * stride + first);
+                        let mut sum = S::load(to);
+                        for channel in 0..geometry.channels {
+                            let value = input.numbers.as_ptr().add(channel * geometry.padded_voxels() + tap.input + at);
+                            let weight = channel * K * K * K * stride + tap.weights + k * stride + first;
+                            sum = S::multiply_add(S::splat(value), S::load(weights.as_ptr().add(weight)), sum);
+                        }
+                        S::store(to, sum);
+                    }
+                }
+            }
         }
     }
 }

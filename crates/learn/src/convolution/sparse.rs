@@ -29,8 +29,9 @@ pub struct Entries {
 }
 
 impl Entries {
-    /// From the gradient of the pooled outputs, (O, D/2, H/2, W/2), and the corners that pooling chose.
-    pub fn pooled(geometry: &Geometry, gradient: &[f32], codes: &[u8]) -> Self {
+    /// From the gradient of the pooled outputs, (O, D/2, H/2, W/2), and the corners that pooling chose. `seen`, if known,
+    /// says row by row which outputs see anything of the input: the others leave weights alone and are left out.
+    pub fn pooled(geometry: &Geometry, gradient: &[f32], codes: &[u8], seen: Option<&[u128]>) -> Self {
         let [depth, height, width] = geometry.edges.map(|edge| edge / 2);
         let [_, padded_height, padded_width] = geometry.padded_edges();
         let corners: [u32; 8] =
@@ -43,7 +44,22 @@ impl Entries {
             starts.push(count);
             let (z, y) = (2 * (i % rows / height), 2 * (i % height));
             let first = ((z * padded_height + y) * padded_width) as u32;
+            let below: Option<[u128; 4]> = seen.map(|seen| {
+                std::array::from_fn(|i| {
+                    let row = (z + i / 2) * geometry.edges[1] + y + i % 2;
+                    seen.get(row).copied().unwrap_or(u128::MAX)
+                })
+            });
+            if below.is_some_and(|below| below == [0; 4]) {
+                continue;
+            }
             for (x, (value, code)) in gradient.iter().zip(codes).enumerate() {
+                if let Some(below) = below {
+                    let row = below[usize::from((code / 2) & 3)];
+                    if row & (1 << (2 * x + usize::from(code & 1))) == 0 {
+                        continue;
+                    }
+                }
                 // Written always, kept if it counts: no branch to guess wrong.
                 list[count] = Entry { voxel: first + 2 * x as u32 + corners[usize::from(code & 7)], value: *value };
                 count += usize::from((*code != DEAD) & (*value != 0.0));
