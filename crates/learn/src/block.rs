@@ -1,8 +1,8 @@
 //! One block of the network: convolution, group normalisation if wanted, ReLU, pooling if wanted.
 //!
-//! On the processor a block is one node of the tensor library's graph, or two with a normalisation ([`fused`]): node by
-//! node, passes over grids and gradients that are added to fresh zeros cost several times what the convolutions do. On any
-//! other device it is composed of tensor operations ([`composed`]).
+//! On the processor a block is one node of the tensor library's graph ([`fused`]): node by node, passes over grids and
+//! gradients that are added to fresh zeros cost several times what the convolutions do. On any other device it is composed
+//! of tensor operations ([`composed`]).
 
 pub mod convolution;
 pub mod norm;
@@ -12,7 +12,7 @@ use crate::operations::{convolution3d, group_norm, max_pool3d};
 use crate::{LearnError, Result};
 use candle_core::{CpuStorage, DType, Layout, Storage, Tensor};
 use convolution::{Convolution, Finishing};
-use norm::Norm;
+use norm::NormedConvolution;
 use serde::{Deserialize, Serialize};
 
 /// What a block does.
@@ -77,22 +77,16 @@ pub fn composed(input: &Tensor, parameters: &BlockParameters, settings: &BlockSe
     if settings.pool { max_pool3d(&grid) } else { Ok(grid) }
 }
 
-/// The block in one node, or two, on the processor, with the kernels of `level`.
+/// The block in one node on the processor, with the kernels of `level`.
 ///
 /// # Errors
 /// [`LearnError::Tensor`] for shapes that do not fit, [`LearnError::Settings`] for settings that make no sense.
 pub fn fused(level: Level, input: &Tensor, parameters: &BlockParameters, settings: &BlockSettings) -> Result<Tensor> {
-    let BlockParameters { weight, bias, norm } = parameters;
-    match (settings.groups, norm) {
-        (Some(groups), Some((scale, shift))) => {
-            let grid = Convolution::apply(level, Finishing::Plain, input, weight, bias)?;
-            Norm::apply(level, groups, settings.pool, &grid, scale, shift)
-        }
-        _ => {
-            let finishing = if settings.pool { Finishing::Pool } else { Finishing::Relu };
-            Convolution::apply(level, finishing, input, weight, bias)
-        }
+    if settings.groups.is_some() {
+        return NormedConvolution::apply(level, input, parameters, settings);
     }
+    let finishing = if settings.pool { Finishing::Pool } else { Finishing::Relu };
+    Convolution::apply(level, finishing, input, &parameters.weight, &parameters.bias)
 }
 
 /// The block on whatever device its input is on.

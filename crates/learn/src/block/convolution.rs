@@ -46,17 +46,17 @@ struct Kept {
 }
 
 impl Convolution {
-    /// The node applied.
+    /// A node for these arguments.
     ///
     /// # Errors
     /// [`crate::LearnError`] for shapes that do not fit.
-    pub fn apply(
+    pub(super) fn new(
         level: Level,
         finishing: Finishing,
         input: &Tensor,
         weight: &Tensor,
         bias: &Tensor,
-    ) -> crate::Result<Tensor> {
+    ) -> crate::Result<Self> {
         let (_, channels, depth, height, width) = input.dims5()?;
         let (outputs, weight_channels, kernel, _, _) = weight.dims5()?;
         let geometry = Geometry { channels, outputs, kernel, edges: [depth, height, width] };
@@ -68,15 +68,34 @@ impl Convolution {
                 bias.dims()
             )));
         }
-        let node = Self {
+        Ok(Self {
             geometry,
             finishing,
             level,
             tracked: input.track_op() || weight.track_op() || bias.track_op(),
             from_data: !input.track_op(),
             kept: OnceLock::new(),
-        };
+        })
+    }
+
+    /// The node applied.
+    ///
+    /// # Errors
+    /// [`crate::LearnError`] for shapes that do not fit.
+    pub fn apply(
+        level: Level,
+        finishing: Finishing,
+        input: &Tensor,
+        weight: &Tensor,
+        bias: &Tensor,
+    ) -> crate::Result<Tensor> {
+        let node = Self::new(level, finishing, input, weight, bias)?;
         Ok(input.contiguous()?.apply_op3(&weight.contiguous()?, &bias.contiguous()?, node)?)
+    }
+
+    /// The shape of the convolution.
+    pub(super) fn geometry(&self) -> &Geometry {
+        &self.geometry
     }
 
     fn out_edges(&self) -> [usize; 3] {
@@ -98,13 +117,7 @@ impl Convolution {
         let samples = input.len() / from;
         let mut out = vec![0.0; samples * to];
         let mut codes = vec![0; if self.finishing == Finishing::Pool { samples * to } else { 0 }];
-        let run = |sample: &[f32], finish| {
-            let input = Padded::new(geometry, sample, self.from_data);
-            let mut scratch = Buffer::stale(forward::scratch_length(geometry));
-            let bias = Some(bias);
-            self.level.run(Forward { geometry, input: &input, weights: &packed, bias, finish, scratch: &mut scratch });
-            input.occupied
-        };
+        let run = |sample: &[f32], finish| self.forward_sample(sample, &packed, bias, finish);
         let each = input.par_chunks_exact(from).zip(out.par_chunks_exact_mut(to.max(1)));
         let occupied = match self.finishing {
             Finishing::Plain => each.map(|(sample, out)| run(sample, Finish::Plain(out))).collect(),
@@ -117,8 +130,29 @@ impl Convolution {
         (out, Kept { codes, occupied })
     }
 
+    /// The forward pass of one sample with packed weights; gives which of its voxels hold anything, if few do.
+    pub(super) fn forward_sample(
+        &self,
+        sample: &[f32],
+        packed: &[f32],
+        bias: &[f32],
+        finish: Finish<'_>,
+    ) -> Option<Occupied> {
+        let geometry = &self.geometry;
+        let input = Padded::new(geometry, sample, self.from_data);
+        let mut scratch = Buffer::stale(forward::scratch_length(geometry));
+        let bias = Some(bias);
+        self.level.run(Forward { geometry, input: &input, weights: packed, bias, finish, scratch: &mut scratch });
+        input.occupied
+    }
+
     /// Gradients of one sample; `input_gradient` is overwritten.
-    fn backward(&self, sample: Sample<'_>, weights: &Weights, input_gradient: Option<&mut [f32]>) -> Gradients {
+    pub(super) fn backward(
+        &self,
+        sample: Sample<'_>,
+        weights: &Weights,
+        input_gradient: Option<&mut [f32]>,
+    ) -> Gradients {
         let geometry = &self.geometry;
         let Sample { input, result, gradient, codes, occupied } = sample;
         let (outputs, voxels) = (geometry.outputs, geometry.voxels());
@@ -203,24 +237,25 @@ impl Convolution {
 
 /// What one sample brings to the backward pass.
 #[derive(Clone, Copy)]
-struct Sample<'a> {
-    input: &'a [f32],
-    result: &'a [f32],
-    gradient: &'a [f32],
-    codes: &'a [u8],
-    occupied: Option<&'a Occupied>,
+pub(super) struct Sample<'a> {
+    pub(super) input: &'a [f32],
+    pub(super) result: &'a [f32],
+    pub(super) gradient: &'a [f32],
+    pub(super) codes: &'a [u8],
+    pub(super) occupied: Option<&'a Occupied>,
 }
 
 /// Gradients that one sample gives.
-struct Gradients {
+pub(super) struct Gradients {
     weights: Buffer,
     /// Whether the weights are in runs.
     sparse: bool,
-    bias: Vec<f32>,
+    /// Of the bias, and of what else the third argument holds.
+    pub(super) bias: Vec<f32>,
 }
 
 /// The weights in the orders that gradients of the input want, made when first needed.
-struct Weights {
+pub(super) struct Weights {
     plain: Vec<f32>,
     runs: OnceLock<Vec<f32>>,
     transposed: OnceLock<Vec<f32>>,
@@ -277,42 +312,59 @@ impl CustomOp3 for Convolution {
         result: &Tensor,
         gradient: &Tensor,
     ) -> Result<(Option<Tensor>, Option<Tensor>, Option<Tensor>)> {
-        let geometry = &self.geometry;
         let Some(Kept { codes, occupied }) = self.kept.get() else {
             bail!("a gradient was asked for, but nothing was tracked")
         };
-        let (from, to) = (geometry.channels * geometry.voxels(), self.out_length());
+        let to = self.out_length();
+        with_slice(result, |result| {
+            with_slice(&gradient.contiguous()?, |gradient| {
+                self.gradients(input, weight, bias, |i, input, weights, input_gradient| {
+                    let sample = Sample {
+                        input,
+                        result: result.get(i * to..(i + 1) * to).unwrap_or_default(),
+                        gradient: gradient.get(i * to..(i + 1) * to).unwrap_or_default(),
+                        codes: codes.get(i * to..(i + 1) * to).unwrap_or_default(),
+                        occupied: occupied.get(i).and_then(Option::as_ref),
+                    };
+                    self.backward(sample, weights, input_gradient)
+                })
+            })
+        })
+    }
+}
+
+/// Gradients of the three arguments of a node.
+pub(super) type ThreeGradients = (Option<Tensor>, Option<Tensor>, Option<Tensor>);
+
+impl Convolution {
+    /// The gradients of input, weight and bias from those that `of_sample` gives sample by sample.
+    pub(super) fn gradients(
+        &self,
+        input: &Tensor,
+        weight: &Tensor,
+        bias: &Tensor,
+        of_sample: impl Fn(usize, &[f32], &Weights, Option<&mut [f32]>) -> Gradients + Sync,
+    ) -> Result<ThreeGradients> {
+        let geometry = &self.geometry;
+        let from = geometry.channels * geometry.voxels();
         let plain = with_slice(weight, |weight| Ok(weight.to_vec()))?;
         let weights = Weights { plain, runs: OnceLock::new(), transposed: OnceLock::new() };
         let wanted = input.track_op();
         let mut input_gradient = vec![0.0; if wanted { input.elem_count() } else { 0 }];
         let found = with_slice(input, |input| {
-            with_slice(result, |result| {
-                with_slice(&gradient.contiguous()?, |gradient| {
-                    let samples = input.len() / from;
-                    let mut parts: Vec<Option<&mut [f32]>> = if wanted {
-                        input_gradient.chunks_exact_mut(from).map(Some).collect()
-                    } else {
-                        (0..samples).map(|_| None).collect()
-                    };
-                    let each = parts.par_iter_mut().enumerate().map(|(i, part)| {
-                        let sample = Sample {
-                            input: input.get(i * from..(i + 1) * from).unwrap_or_default(),
-                            result: result.get(i * to..(i + 1) * to).unwrap_or_default(),
-                            gradient: gradient.get(i * to..(i + 1) * to).unwrap_or_default(),
-                            codes: codes.get(i * to..(i + 1) * to).unwrap_or_default(),
-                            occupied: occupied.get(i).and_then(Option::as_ref),
-                        };
-                        self.backward(sample, &weights, part.take())
-                    });
-                    Ok(each.collect::<Vec<_>>())
-                })
-            })
+            let samples = input.len() / from;
+            let mut parts: Vec<Option<&mut [f32]>> = if wanted {
+                input_gradient.chunks_exact_mut(from).map(Some).collect()
+            } else {
+                (0..samples).map(|_| None).collect()
+            };
+            let each = parts.par_iter_mut().zip(input.par_chunks_exact(from)).enumerate();
+            Ok(each.map(|(i, (part, input))| of_sample(i, input, &weights, part.take())).collect::<Vec<_>>())
         })?;
         // Summed in the order of the samples, whichever thread had them.
         let mut runs: Option<Buffer> = None;
         let mut packed: Option<Buffer> = None;
-        let mut bias_gradient = vec![0.0; geometry.outputs];
+        let mut bias_gradient = vec![0.0; bias.elem_count()];
         for part in found {
             bias_gradient.iter_mut().zip(&part.bias).for_each(|(sum, value)| *sum += value);
             match if part.sparse { &mut runs } else { &mut packed } {

@@ -1,66 +1,31 @@
-//! Group normalisation, ReLU and pooling if wanted, as one node of the tensor library's graph.
+//! Convolution, bias, group normalisation, ReLU and pooling if wanted, as one node of the tensor library's graph.
 
-use super::convolution::{is_alive, wrong_storage};
-use super::{contiguous, with_slice};
+use super::convolution::{Convolution, Finishing, Sample, is_alive, wrong_storage};
+use super::{BlockParameters, BlockSettings, contiguous, with_slice};
 use crate::convolution::Level;
-use crate::convolution::forward::{DEAD, positive};
+use crate::convolution::buffers::Buffer;
+use crate::convolution::forward::{DEAD, Finish, positive};
 use crate::convolution::lanes::{Lanes, Work};
+use crate::convolution::padded::Occupied;
 use crate::operations::portable::NORM_EPSILON;
 use candle_core::{CpuStorage, CustomOp3, Layout, Result, Shape, Tensor, bail};
 use rayon::prelude::*;
 use std::sync::OnceLock;
 
-/// The node: (B, O, D, H, W), weight (O) and bias (O) to (B, O, D', H', W'). One instance serves one call.
+/// Group normalisation, ReLU and pooling of one sample.
 ///
 /// With x̂ = (x - mean) / √(variance + ε) over the N numbers of a group, y = weight x̂ + bias, and u = weight ∂L/∂y:
 /// ∂L/∂x = (u - (Σ u + x̂ Σ u x̂) / N) / √(variance + ε).
 #[derive(Debug)]
-pub struct Norm {
+struct Norm {
     level: Level,
     groups: usize,
     pool: bool,
     channels: usize,
     edges: [usize; 3],
-    tracked: bool,
-    kept: OnceLock<Kept>,
-}
-
-/// What the backward pass needs.
-#[derive(Debug)]
-struct Kept {
-    /// Mean and 1 / √(variance + ε) of every group of every sample.
-    moments: Vec<(f32, f32)>,
-    /// The corners that pooling chose.
-    codes: Vec<u8>,
 }
 
 impl Norm {
-    /// The node applied.
-    ///
-    /// # Errors
-    /// [`crate::LearnError`] for shapes that do not fit.
-    pub fn apply(
-        level: Level,
-        groups: usize,
-        pool: bool,
-        input: &Tensor,
-        weight: &Tensor,
-        bias: &Tensor,
-    ) -> crate::Result<Tensor> {
-        let (_, channels, depth, height, width) = input.dims5()?;
-        if groups == 0 || channels % groups != 0 || weight.dims() != [channels] || bias.dims() != [channels] {
-            return Err(crate::LearnError::Settings(format!(
-                "{channels} channels in {groups} groups, {:?} weights and {:?} biases of the normalisation",
-                weight.dims(),
-                bias.dims()
-            )));
-        }
-        let tracked = input.track_op() || weight.track_op() || bias.track_op();
-        let edges = [depth, height, width];
-        let node = Self { level, groups, pool, channels, edges, tracked, kept: OnceLock::new() };
-        Ok(input.contiguous()?.apply_op3(&weight.contiguous()?, &bias.contiguous()?, node)?)
-    }
-
     fn out_edges(&self) -> [usize; 3] {
         if self.pool { self.edges.map(|edge| edge / 2) } else { self.edges }
     }
@@ -106,13 +71,13 @@ impl Work for Group<'_> {
         let Self { node, input, weights, biases, out, codes } = self;
         let (voxels, out_voxels) = (node.voxels(), node.out_voxels());
         let (mean, inverse) = moments(input);
-        let rooms = out.chunks_exact_mut(out_voxels).zip(codes.chunks_exact_mut(out_voxels));
+        let mut codes = codes.chunks_exact_mut(out_voxels.max(1));
+        let rooms = out.chunks_exact_mut(out_voxels.max(1));
         let mut rows = Rows::new(node.edges[2]);
-        for (((weight, bias), channel), (out, codes)) in
-            weights.iter().zip(biases).zip(input.chunks_exact(voxels)).zip(rooms)
-        {
+        for (((weight, bias), channel), out) in weights.iter().zip(biases).zip(input.chunks_exact(voxels)).zip(rooms) {
             let scale = weight * inverse;
             let shift = bias - scale * mean;
+            let codes = codes.next().unwrap_or_default();
             if node.pool {
                 pool_channel(node, &mut rows, channel, (scale, shift), out, codes);
             } else {
@@ -183,9 +148,64 @@ fn moments(group: &[f32]) -> (f32, f32) {
     (centre, (1.0 / (squares / count + NORM_EPSILON).sqrt()) as f32)
 }
 
-impl CustomOp3 for Norm {
+/// Convolution and normalisation as one node: (B, C, D, H, W), weight (O, C, k, k, k), and the bias of the convolution,
+/// the weight and the bias of the normalisation one after the other, (3 O), to (B, O, D', H', W').
+#[derive(Debug)]
+pub struct NormedConvolution {
+    convolution: Convolution,
+    norm: Norm,
+    tracked: bool,
+    kept: OnceLock<Vec<Kept>>,
+}
+
+/// What the backward pass needs of a sample.
+#[derive(Debug)]
+struct Kept {
+    /// What the convolution gave.
+    grid: Buffer,
+    /// Mean and 1 / √(variance + ε) of every group.
+    moments: Vec<(f32, f32)>,
+    /// The corners that pooling chose.
+    codes: Vec<u8>,
+    /// Which voxels of the input hold anything, if few do.
+    occupied: Option<Occupied>,
+}
+
+impl NormedConvolution {
+    /// The node applied.
+    ///
+    /// # Errors
+    /// [`crate::LearnError`] for shapes that do not fit.
+    pub fn apply(
+        level: Level,
+        input: &Tensor,
+        parameters: &BlockParameters,
+        settings: &BlockSettings,
+    ) -> crate::Result<Tensor> {
+        let BlockParameters { weight, bias, norm } = parameters;
+        let (Some(groups), Some((scale, shift))) = (settings.groups, norm) else {
+            return Err(crate::LearnError::Settings("a normalisation without groups or parameters".into()));
+        };
+        let convolution = Convolution::new(level, Finishing::Plain, input, weight, bias)?;
+        let (channels, edges) = (convolution.geometry().outputs, convolution.geometry().edges);
+        if groups == 0 || channels % groups != 0 || scale.dims() != [channels] || shift.dims() != [channels] {
+            return Err(crate::LearnError::Settings(format!(
+                "{channels} channels in {groups} groups, {:?} weights and {:?} biases of the normalisation",
+                scale.dims(),
+                shift.dims()
+            )));
+        }
+        let vectors = Tensor::cat(&[bias, scale, shift], 0)?;
+        let tracked = input.track_op() || weight.track_op() || vectors.track_op();
+        let norm = Norm { level, groups, pool: settings.pool, channels, edges };
+        let node = Self { convolution, norm, tracked, kept: OnceLock::new() };
+        Ok(input.contiguous()?.apply_op3(&weight.contiguous()?, &vectors, node)?)
+    }
+}
+
+impl CustomOp3 for NormedConvolution {
     fn name(&self) -> &'static str {
-        "group-norm-relu-pool"
+        "convolution-bias-norm-relu-pool"
     }
 
     fn cpu_fwd(
@@ -194,95 +214,123 @@ impl CustomOp3 for Norm {
         input_layout: &Layout,
         weight: &CpuStorage,
         weight_layout: &Layout,
-        bias: &CpuStorage,
-        bias_layout: &Layout,
+        vectors: &CpuStorage,
+        vectors_layout: &Layout,
     ) -> Result<(CpuStorage, Shape)> {
         let input = contiguous(input, input_layout)?;
-        let (weight, bias) = (contiguous(weight, weight_layout)?, contiguous(bias, bias_layout)?);
-        let (voxels, out_voxels) = (self.voxels(), self.out_voxels());
-        if voxels == 0 || out_voxels == 0 {
-            return Err(wrong_storage());
-        }
-        let members = self.channels / self.groups;
-        let (from, to) = (members * voxels, members * out_voxels);
-        let count = input.len() / from;
-        let mut out = vec![0.0; count * to];
-        let mut codes = vec![0; count * to];
-        let moments = out
-            .par_chunks_exact_mut(to)
-            .zip(codes.par_chunks_exact_mut(to))
-            .zip(input.par_chunks_exact(from))
-            .enumerate()
-            .map(|(i, ((out, codes), group))| {
-                let own = i % self.groups * members..(i % self.groups + 1) * members;
-                self.level.run(Group {
-                    node: self,
-                    input: group,
-                    weights: weight.get(own.clone()).unwrap_or_default(),
-                    biases: bias.get(own).unwrap_or_default(),
-                    out,
-                    codes,
-                })
+        let (weight, vectors) = (contiguous(weight, weight_layout)?, contiguous(vectors, vectors_layout)?);
+        let (norm, geometry) = (&self.norm, self.convolution.geometry());
+        let vector = |i: usize| vectors.get(i * norm.channels..(i + 1) * norm.channels).unwrap_or_default();
+        let packed = geometry.pack(weight);
+        let to = norm.channels * norm.out_voxels();
+        let samples = input_layout.dims().first().copied().unwrap_or(0);
+        let mut out = vec![0.0; samples * to];
+        let each =
+            input.par_chunks_exact(geometry.channels * geometry.voxels()).zip(out.par_chunks_exact_mut(to.max(1)));
+        let kept: Vec<_> = each
+            .map(|(sample, out)| {
+                let mut grid = Buffer::stale(norm.channels * norm.voxels());
+                let occupied = self.convolution.forward_sample(sample, &packed, vector(0), Finish::Plain(&mut grid));
+                let mut codes = vec![0; if norm.pool { to } else { 0 }];
+                let moments = norm.forward(&grid, vector(1), vector(2), out, &mut codes);
+                self.tracked.then_some(Kept { grid, moments, codes, occupied })
             })
             .collect();
-        if !self.pool {
-            codes.clear();
-        }
-        if self.tracked && self.kept.set(Kept { moments, codes }).is_err() {
+        if self.tracked && self.kept.set(kept.into_iter().flatten().collect()).is_err() {
             bail!("a node of the graph was run twice");
         }
-        let samples = input_layout.dims().first().copied().unwrap_or(0);
-        let [depth, height, width] = self.out_edges();
-        Ok((CpuStorage::F32(out), Shape::from((samples, self.channels, depth, height, width))))
+        let [depth, height, width] = norm.out_edges();
+        Ok((CpuStorage::F32(out), Shape::from((samples, norm.channels, depth, height, width))))
     }
 
     fn bwd(
         &self,
         input: &Tensor,
         weight: &Tensor,
-        bias: &Tensor,
+        vectors: &Tensor,
         result: &Tensor,
         gradient: &Tensor,
     ) -> Result<(Option<Tensor>, Option<Tensor>, Option<Tensor>)> {
         let Some(kept) = self.kept.get() else { bail!("a gradient was asked for, but nothing was tracked") };
-        let (voxels, out_voxels) = (self.voxels(), self.out_voxels());
-        let members = self.channels / self.groups;
-        let (from, to) = (members * voxels, members * out_voxels);
-        let weights = with_slice(weight, |weight| Ok(weight.to_vec()))?;
-        let mut input_gradient = vec![0.0; input.elem_count()];
-        let sums = with_slice(input, |input| {
-            with_slice(result, |result| {
-                with_slice(&gradient.contiguous()?, |gradient| {
-                    let each = input_gradient.par_chunks_exact_mut(from).enumerate().map(|(i, spread)| {
-                        let part = Part {
-                            input: input.get(i * from..(i + 1) * from).unwrap_or_default(),
-                            result: result.get(i * to..(i + 1) * to).unwrap_or_default(),
-                            gradient: gradient.get(i * to..(i + 1) * to).unwrap_or_default(),
-                            codes: kept.codes.get(i * to..(i + 1) * to).unwrap_or_default(),
-                            moments: kept.moments.get(i).copied().unwrap_or_default(),
-                        };
-                        let first = i % self.groups * members;
-                        self.backward(part, weights.get(first..first + members).unwrap_or_default(), spread)
-                    });
-                    Ok(each.collect::<Vec<_>>())
+        let norm = &self.norm;
+        let to = norm.channels * norm.out_voxels();
+        let all = with_slice(vectors, |vectors| Ok(vectors.to_vec()))?;
+        let scale = all.get(norm.channels..2 * norm.channels).unwrap_or_default();
+        if Some(kept.len()) != input.dims().first().copied() {
+            return Err(wrong_storage());
+        }
+        with_slice(result, |result| {
+            with_slice(&gradient.contiguous()?, |gradient| {
+                self.convolution.gradients(input, weight, vectors, |i, input, weights, input_gradient| {
+                    let (mut spread, mut ends) =
+                        (Buffer::zeros(norm.channels * norm.voxels()), [Vec::new(), Vec::new()]);
+                    let mut occupied = None;
+                    if let Some(kept) = kept.get(i) {
+                        let out = i * to..(i + 1) * to;
+                        let result = result.get(out.clone()).unwrap_or_default();
+                        ends = norm.backward(kept, scale, result, gradient.get(out).unwrap_or_default(), &mut spread);
+                        occupied = kept.occupied.as_ref();
+                    }
+                    let sample = Sample { input, result: &[], gradient: &spread, codes: &[], occupied };
+                    let mut gradients = self.convolution.backward(sample, weights, input_gradient);
+                    gradients.bias.extend(ends.into_iter().flatten().map(|value| value as f32));
+                    gradients
                 })
             })
-        })?;
-        let mut parameters = [vec![0.0f64; self.channels], vec![0.0f64; self.channels]];
-        for (i, sums) in sums.into_iter().enumerate() {
-            let first = i % self.groups * members;
-            for (total, sums) in parameters.iter_mut().zip(sums) {
-                total.iter_mut().skip(first).zip(sums).for_each(|(total, value)| *total += value);
-            }
+        })
+    }
+}
+
+impl Norm {
+    /// The forward pass of one sample; gives mean and 1 / √(variance + ε) of every group. `codes` is empty without pooling.
+    fn forward(
+        &self,
+        grid: &[f32],
+        weights: &[f32],
+        biases: &[f32],
+        out: &mut [f32],
+        codes: &mut [u8],
+    ) -> Vec<(f32, f32)> {
+        let members = self.channels / self.groups;
+        let (from, to) = (members * self.voxels(), members * self.out_voxels());
+        let mut codes = codes.chunks_exact_mut(to.max(1));
+        let groups = grid.chunks_exact(from).zip(out.chunks_exact_mut(to.max(1)));
+        let parameters = weights.chunks_exact(members).zip(biases.chunks_exact(members));
+        groups
+            .zip(parameters)
+            .map(|((input, out), (weights, biases))| {
+                let codes = codes.next().unwrap_or_default();
+                self.level.run(Group { node: self, input, weights, biases, out, codes })
+            })
+            .collect()
+    }
+
+    /// Overwrites `spread`, which holds zeros, with the gradient of the grid of a sample; returns the gradients of weights
+    /// and biases.
+    fn backward(
+        &self,
+        kept: &Kept,
+        weights: &[f32],
+        result: &[f32],
+        gradient: &[f32],
+        spread: &mut [f32],
+    ) -> [Vec<f64>; 2] {
+        let members = self.channels / self.groups;
+        let (from, to) = (members * self.voxels(), members * self.out_voxels());
+        let mut gradients = [Vec::with_capacity(self.channels), Vec::with_capacity(self.channels)];
+        for (i, (spread, weights)) in spread.chunks_exact_mut(from).zip(weights.chunks_exact(members)).enumerate() {
+            let (grid, out) = (i * from..(i + 1) * from, i * to..(i + 1) * to);
+            let part = Part {
+                input: kept.grid.get(grid).unwrap_or_default(),
+                result: result.get(out.clone()).unwrap_or_default(),
+                gradient: gradient.get(out.clone()).unwrap_or_default(),
+                codes: kept.codes.get(out).unwrap_or_default(),
+                moments: kept.moments.get(i).copied().unwrap_or_default(),
+            };
+            let found = self.backward_group(part, weights, spread);
+            gradients.iter_mut().zip(found).for_each(|(all, found)| all.extend(found));
         }
-        let device = input.device();
-        let [weight_gradient, bias_gradient] =
-            parameters.map(|total| total.into_iter().map(|value| value as f32).collect::<Vec<_>>());
-        Ok((
-            Some(Tensor::from_vec(input_gradient, input.shape(), device)?),
-            Some(Tensor::from_vec(weight_gradient, weight.shape(), device)?),
-            Some(Tensor::from_vec(bias_gradient, bias.shape(), device)?),
-        ))
+        gradients
     }
 }
 
@@ -298,7 +346,7 @@ struct Part<'a> {
 impl Norm {
     /// Overwrites `spread`, which holds zeros, with the gradient of the input of a group; returns the gradients of
     /// weight and bias of its channels.
-    fn backward(&self, part: Part<'_>, weights: &[f32], spread: &mut [f32]) -> [Vec<f64>; 2] {
+    fn backward_group(&self, part: Part<'_>, weights: &[f32], spread: &mut [f32]) -> [Vec<f64>; 2] {
         let (voxels, out_voxels) = (self.voxels(), self.out_voxels());
         let (mean, inverse) = part.moments;
         let mut gradients = [Vec::with_capacity(weights.len()), Vec::with_capacity(weights.len())];

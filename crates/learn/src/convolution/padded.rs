@@ -33,9 +33,11 @@ impl Occupied {
                 if part.iter().fold(0, |any, value| any | value.to_bits() << 1) == 0 {
                     continue;
                 }
-                for (i, voxels) in part.chunks(grain).enumerate() {
-                    *mask |= u128::from(voxels.iter().any(|value| *value != 0.0)) << (block * LANES + i);
-                }
+                let bits = part
+                    .chunks(grain)
+                    .enumerate()
+                    .fold(0u32, |bits, (i, voxels)| bits | u32::from(voxels.iter().any(|value| *value != 0.0)) << i);
+                *mask |= u128::from(bits) << (block * LANES);
             }
         }
         Self { rows, grain }
@@ -113,15 +115,19 @@ impl Padded {
                 None => row.fill(0.0),
             }
         }
-        let occupied = (look_for_zeros && fill(sample) < LARGEST_FILL).then(|| Occupied::of(geometry, &numbers));
+        let occupied = (look_for_zeros && is_sparse(sample, LARGEST_FILL)).then(|| Occupied::of(geometry, &numbers));
         Self { numbers, occupied }
     }
 }
 
-fn fill(sample: &[f32]) -> f64 {
-    let filled: usize =
-        sample.chunks(4096).map(|part| part.iter().map(|v| u32::from(*v != 0.0)).sum::<u32>() as usize).sum();
-    filled as f64 / sample.len().max(1) as f64
+/// Whether at most this share of the numbers is not zero.
+fn is_sparse(sample: &[f32], share: f64) -> bool {
+    let most = (share * sample.len() as f64) as usize;
+    let mut filled = 0;
+    sample.chunks(4096).all(|part| {
+        filled += part.iter().map(|value| u32::from(*value != 0.0)).sum::<u32>() as usize;
+        filled <= most
+    })
 }
 
 /// Numbers behind the last voxel of a channel-last grid that whole vectors may run into.
