@@ -1,0 +1,23 @@
+//! What can go wrong.
+
+/// The errors of this crate.
+#[derive(Debug, thiserror::Error)]
+pub enum LearnError {
+    /// A sample that cannot be used.
+    #[error("sample {name}: {reason}")]
+    Sample {
+        /// The sample.
+        name: String,
+        /// What is wrong, and what to do.
+        reason: String,
+    },
+    /// Settings that make no sense.
+    #[error("{0}")]
+    Settings(String),
+    /// A tensor operation failed.
+    #[error("tensor: {0}")]
+    Tensor(#[from] candle_core::Error),
+}
+
+/// Short for this crate's results.
+pub type Result<T> = std::result::Result<T, LearnError>;

@@ -1,0 +1,33 @@
+//! Voxel data sets and a small three-dimensional convolutional network: what do shape, charge and hydropathy predict?
+//!
+//! ```text
+//! samples --split by cluster--> training, validation, test --normalised, turned--> network --> scores beside baselines
+//! ```
+//!
+//! | module | one idea |
+//! |---|---|
+//! | [`sample`] | a sparse voxel grid, what is known of it, and where samples come from |
+//! | [`convolution`] | kernels of the convolution on the processor |
+//! | [`operations`] | convolution, pooling and normalisation of grids on any device |
+//! | [`block`] | convolution, normalisation, ReLU and pooling as one |
+//! | [`network`] | blocks, global pooling, a linear layer |
+//! | [`loss`] | cross entropy |
+//! | [`optimiser`] | Adam |
+//!
+//! This crate reads and writes no files: samples come through [`sample::SampleSource`], weights leave as tensors.
+
+pub mod block;
+pub mod convolution;
+mod error;
+pub mod loss;
+pub mod network;
+pub mod operations;
+pub mod optimiser;
+pub mod sample;
+
+pub use block::BlockSettings;
+pub use error::{LearnError, Result};
+pub use loss::cross_entropy;
+pub use network::{GlobalPooling, Network, NetworkSettings};
+pub use optimiser::{Adam, AdamSettings};
+pub use sample::{Description, InMemory, SampleSource, SparseGrid};
