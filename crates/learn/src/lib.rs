@@ -7,11 +7,28 @@
 //! | module | one idea |
 //! |---|---|
 //! | [`sample`] | a sparse voxel grid, what is known of it, and where samples come from |
+//! | [`split`] | parts that keep clusters together; weights of families |
+//! | [`targets`] | space groups and what is coarser |
+//! | [`scaling`] | channels brought to comparable sizes; samples that cannot be used |
+//! | [`augmentation`] | the 24 rotations of the cube, exact |
+//! | [`scores`], [`calibration`] | how good probabilities are, and how honest |
+//! | [`baselines`], [`logistic`] | what is predicted without a network |
+//! | [`bootstrap`], [`permutation`] | intervals over clusters; could it be chance? |
 //!
 //! This crate reads and writes no files: samples come through [`sample::SampleSource`], weights leave as tensors.
 
+pub mod augmentation;
+pub mod baselines;
+pub mod bootstrap;
+pub mod calibration;
 mod error;
+pub mod logistic;
+pub mod permutation;
 pub mod sample;
+pub mod scaling;
+pub mod scores;
+pub mod split;
+pub mod targets;
 
 pub use error::{LearnError, Result};
 pub use sample::{Description, InMemory, SampleSource, SparseGrid};
