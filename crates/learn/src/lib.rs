@@ -14,15 +14,25 @@
 //! | [`scores`], [`calibration`] | how good probabilities are, and how honest |
 //! | [`baselines`], [`logistic`] | what is predicted without a network |
 //! | [`bootstrap`], [`permutation`] | intervals over clusters; could it be chance? |
+//! | [`operations`] | convolution, pooling and normalisation of grids on any device |
+//! | [`block`] | convolution, normalisation, ReLU and pooling as one |
+//! | [`network`] | blocks, global pooling, a linear layer |
+//! | [`loss`] | cross entropy |
+//! | [`optimiser`] | Adam |
 //!
 //! This crate reads and writes no files: samples come through [`sample::SampleSource`], weights leave as tensors.
 
 pub mod augmentation;
 pub mod baselines;
+pub mod block;
 pub mod bootstrap;
 pub mod calibration;
 mod error;
 pub mod logistic;
+pub mod loss;
+pub mod network;
+pub mod operations;
+pub mod optimiser;
 pub mod permutation;
 pub mod sample;
 pub mod scaling;
@@ -30,5 +40,9 @@ pub mod scores;
 pub mod split;
 pub mod targets;
 
+pub use block::BlockSettings;
 pub use error::{LearnError, Result};
+pub use loss::cross_entropy;
+pub use network::{GlobalPooling, Network, NetworkSettings};
+pub use optimiser::{Adam, AdamSettings};
 pub use sample::{Description, InMemory, SampleSource, SparseGrid};
