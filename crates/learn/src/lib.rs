@@ -19,6 +19,7 @@
 //! | [`network`] | blocks, global pooling, a linear layer |
 //! | [`loss`] | cross entropy |
 //! | [`optimiser`] | Adam |
+//! | [`training`] | the loop, its checkpoints, and trained models |
 //!
 //! This crate reads and writes no files: samples come through [`sample::SampleSource`], weights leave as tensors.
 
@@ -39,6 +40,7 @@ pub mod scaling;
 pub mod scores;
 pub mod split;
 pub mod targets;
+pub mod training;
 
 pub use block::BlockSettings;
 pub use error::{LearnError, Result};
