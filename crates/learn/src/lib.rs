@@ -14,6 +14,7 @@
 //! | [`scores`], [`calibration`] | how good probabilities are, and how honest |
 //! | [`baselines`], [`logistic`] | what is predicted without a network |
 //! | [`bootstrap`], [`permutation`] | intervals over clusters; could it be chance? |
+//! | [`convolution`] | kernels of the convolution on the processor |
 //! | [`operations`] | convolution, pooling and normalisation of grids on any device |
 //! | [`block`] | convolution, normalisation, ReLU and pooling as one |
 //! | [`network`] | blocks, global pooling, a linear layer |
@@ -28,6 +29,7 @@ pub mod baselines;
 pub mod block;
 pub mod bootstrap;
 pub mod calibration;
+pub mod convolution;
 mod error;
 pub mod logistic;
 pub mod loss;
