@@ -42,6 +42,7 @@ fn arrows_point_the_way_the_architecture_says() {
         ("protomer-mc", &["protomer-body", "protomer-kernel"]),
         ("protomer-crystal", &["protomer-kernel"]),
         ("protomer-field", &["protomer-body", "protomer-kernel"]),
+        ("protomer-learn", &["protomer-kernel"]),
         (
             "protomer",
             &["protomer-body", "protomer-crystal", "protomer-field", "protomer-io", "protomer-kernel", "protomer-mc"],

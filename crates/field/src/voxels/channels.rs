@@ -2,6 +2,7 @@
 
 use super::hydropathy::HydropathyMap;
 use super::lattice::Lattice;
+use super::outer::at_surface;
 use super::shell::{Occupied, occupied};
 use crate::debye_huckel::Superposition;
 use crate::poisson_boltzmann::{ChargedSphere, Medium, SolveSettings, solve};
@@ -223,7 +224,7 @@ fn potential(
         }
         PotentialModel::PoissonBoltzmann => {
             let solved = solve(spheres, &settings.medium, &settings.solve)?;
-            places.par_iter().map(|place| solved.at(place).unwrap_or(f64::NAN)).collect()
+            at_surface(&solved, solid, &places)
         }
     })
 }

@@ -10,12 +10,14 @@
 //! | [`orientation`] | how a structure is turned before it is laid on the grid |
 //! | [`shell`] | which voxels the surface passes through |
 //! | [`hydropathy`] | Kyte-Doolittle indices around a place |
+//! | [`outer`] | the potential on the surface, from the solvent's side |
 //! | [`channels`] | all of it: atoms in, sparse values out |
 
 pub mod channels;
 pub mod hydropathy;
 pub mod lattice;
 pub mod orientation;
+pub mod outer;
 pub mod shell;
 
 pub use channels::{Channel, PotentialModel, VoxelAtom, VoxelSettings, Voxels, voxelise};

@@ -12,10 +12,8 @@ use zarrs::filesystem::FilesystemStore;
 pub const LAYOUT_VERSION: u64 = 1;
 /// Elements of a chunk, the least that is decompressed at once: about one sample.
 pub const CHUNK_ELEMENTS: u64 = 8192;
-/// A file of a large array holds this many elements at most, which also bounds the memory that writing takes.
+/// A file of an array holds this many elements at most, which bounds the memory that writing takes: some 2000 samples.
 const MOST_ELEMENTS_PER_FILE: u64 = 1 << 24;
-/// Arrays are cut into about this many files, as long as these stay below the limit.
-const FILES_PER_ARRAY: u64 = 2;
 /// Level of zstd.
 const COMPRESSION_LEVEL: u8 = 3;
 
@@ -31,8 +29,7 @@ pub const NO_INDEX: u32 = u32::MAX;
 
 /// Elements per file of an array over all voxels: whole chunks, a power of two of them.
 pub fn elements_per_file(elements: u64) -> u64 {
-    let wanted = elements.div_ceil(FILES_PER_ARRAY).max(1).next_power_of_two();
-    wanted.clamp(CHUNK_ELEMENTS, MOST_ELEMENTS_PER_FILE)
+    elements.clamp(CHUNK_ELEMENTS, MOST_ELEMENTS_PER_FILE).next_power_of_two()
 }
 
 /// A group's folder as a store.

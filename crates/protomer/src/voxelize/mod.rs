@@ -28,7 +28,7 @@ use protomer_io::zarr::SetReader;
 use rayon::prelude::*;
 use serde::Serialize;
 use set::{Exclusion, SetContent};
-pub use settings::{Spacing, VoxelizeSettings};
+pub use settings::{Fit, Spacing, VoxelizeSettings};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use structure::Outcome;
@@ -93,6 +93,8 @@ pub struct VoxelizeReport {
     pub voxels: u64,
     /// Bytes of the set's files.
     pub bytes: u64,
+    /// Time to read one sample back, as done once to check what was written, ms.
+    pub read_ms_per_sample: Option<f64>,
     /// Structures left out.
     pub excluded: Vec<Exclusion>,
     /// Wall time, s.
@@ -105,6 +107,7 @@ pub struct VoxelizeReport {
 /// # Errors
 /// For settings or a manifest that make no sense, an output that holds something else, another process working on it, and a
 /// disk that takes no more. What is wrong with a structure excludes it and is in the report.
+#[allow(clippy::too_many_arguments, reason = "two of them only tell of progress")]
 pub fn voxelize(
     manifest: &Manifest,
     shard: Shard,
@@ -129,6 +132,7 @@ pub fn voxelize(
         samples,
         voxels,
         bytes: set::bytes_on_disk(output),
+        read_ms_per_sample: None,
         excluded,
         seconds: start.elapsed().as_secs_f64(),
     };
@@ -167,6 +171,7 @@ pub fn voxelize(
     let voxels = content.voxels();
     let (samples, excluded) = (content.samples.len(), content.excluded.clone());
     let attributes = set::attributes(settings, &manifest.sha256, &identity, &content)?;
+    let mut read_ms_per_sample = None;
     set::replace(output, |folder| {
         set::write(folder, settings, &content, attributes, &mut |sample| {
             let Some(entry) = content.samples.get(sample) else { bail!("there is no sample {sample}") };
@@ -174,10 +179,13 @@ pub fn voxelize(
                 Outcome::Sample(sample) => Ok(sample.voxels),
                 Outcome::Excluded { .. } => bail!("{} was excluded", entry.name),
             }
-        })
+        })?;
+        read_ms_per_sample = Some(set::read_back(folder)?);
+        Ok(())
     })?;
     work.remove()?;
-    Ok(report(State::Written, excluded, samples, voxels, taken_over))
+    let report = report(State::Written, excluded, samples, voxels, taken_over);
+    Ok(VoxelizeReport { read_ms_per_sample, ..report })
 }
 
 /// The work file of a set.

@@ -10,6 +10,7 @@ use protomer_io::zarr::{SetReader, SetWriter};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use std::path::Path;
+use std::time::Instant;
 
 /// A structure that is not in the set.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -347,6 +348,19 @@ pub fn write(
     }
     let rows: Vec<f64> = content.samples.iter().flat_map(row).collect();
     Ok(writer.finish(&columns(), &rows, attributes)?)
+}
+
+/// Reads every sample of a set once; the mean time that takes, ms.
+///
+/// # Errors
+/// Names the file that cannot be read.
+pub fn read_back(folder: &Path) -> Result<f64> {
+    let reader = SetReader::open(folder)?;
+    let start = Instant::now();
+    for sample in 0..reader.len() {
+        reader.sample(sample)?;
+    }
+    Ok(1e3 * start.elapsed().as_secs_f64() / reader.len().max(1) as f64)
 }
 
 /// Makes a folder in one step: `fill` fills a new one beside it, which then takes its name.

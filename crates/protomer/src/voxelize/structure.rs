@@ -3,7 +3,7 @@
 use super::manifest::Entry;
 use super::settings::{Spacing, VoxelizeSettings};
 use crate::input::InputFile;
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Result, anyhow};
 use protomer_body::chemistry::residue_names::modified_residue;
 use protomer_body::chemistry::{AminoAcid, ChargedSites, SiteSettings, build_sites, sites_of_points};
 use protomer_body::structure::{Format, SelectionSettings, Structure};
@@ -66,7 +66,7 @@ pub struct Properties {
     pub residues: usize,
     /// Radius of gyration of the atoms, each counted alike, Å.
     pub radius_of_gyration_angstrom: f64,
-    /// Extents of the spheres along the principal axes, Å, that of the largest variance first.
+    /// Extents of the spheres along the principal axes, Å, largest first.
     pub extents_angstrom: [f64; 3],
     /// Net charge, e.
     pub net_charge_e: f64,
@@ -94,7 +94,7 @@ pub fn voxelize_structure(entry: &Entry, settings: &VoxelizeSettings) -> Outcome
 }
 
 fn sample(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Sample> {
-    let (sites, incomplete) = read(entry, settings).map_err(|error| Excluded(Reason::Unreadable, error))?;
+    let (sites, incomplete) = read(entry, settings)?;
     let amino_acids: Vec<AminoAcid> = sites.residues.iter().filter_map(|residue| amino_acid(&residue.name)).collect();
     if amino_acids.is_empty() {
         let error = anyhow!("none of the {} residues is an amino acid", sites.residues.len());
@@ -144,16 +144,19 @@ fn sample(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Sample> {
 }
 
 /// Charged sites, and how many residues lack heavy atoms.
-fn read(entry: &Entry, settings: &VoxelizeSettings) -> Result<(ChargedSites, usize)> {
-    let file = InputFile::read(&entry.path)?;
+fn read(entry: &Entry, settings: &VoxelizeSettings) -> Checked<(ChargedSites, usize)> {
+    let unreadable = |error: anyhow::Error| Excluded(Reason::Unreadable, error);
+    let file = InputFile::read(&entry.path).map_err(unreadable)?;
     if Format::of_name(&file.name) == Some(Format::Pqr) {
-        let points = read_points(&file.name, &file.bytes)?;
-        return Ok((sites_of_points(&points)?, 0));
+        let points = read_points(&file.name, &file.bytes).map_err(|error| unreadable(error.into()))?;
+        return Ok((sites_of_points(&points).map_err(|error| unreadable(error.into()))?, 0));
     }
-    let selection = Structure::read(&file.name, &file.bytes)?.select(&SelectionSettings::default());
-    let selection = selection.with_context(|| file.name.clone())?;
+    let structure = Structure::read(&file.name, &file.bytes).map_err(|error| unreadable(error.into()))?;
+    // With these settings a selection fails only if nothing is left without nucleic acids, ligands and water.
+    let selection = structure.select(&SelectionSettings::default());
+    let selection = selection.map_err(|error| Excluded(Reason::NoProtein, error.into()))?;
     let site_settings = SiteSettings { ph: settings.ph, ..SiteSettings::default() };
-    let sites = build_sites(&selection, &site_settings).with_context(|| file.name.clone())?;
+    let sites = build_sites(&selection, &site_settings).map_err(|error| Excluded(Reason::Failed, error.into()))?;
     Ok((sites, selection.report.incomplete.len()))
 }
 
@@ -202,7 +205,9 @@ fn extents(atoms: &[VoxelAtom]) -> [f64; 3] {
         })
         .collect();
     let (low, high) = bounds(&turned);
-    (high - low).into()
+    let mut extents: [f64; 3] = (high - low).into();
+    extents.sort_by(|a, b| b.total_cmp(a));
+    extents
 }
 
 fn composition(amino_acids: &[AminoAcid]) -> [f64; 20] {
