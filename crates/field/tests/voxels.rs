@@ -45,8 +45,12 @@ fn a_ball_is_where_its_radius_says() {
     let settings = VoxelSettings { channels: vec![Channel::Shape, Channel::Solid], ..VoxelSettings::new(medium()) };
     let radius = 8.0;
     let voxels = voxelise(&[atom(Vec3::zeros(), radius, 0.0)], &[], &lattice, &settings).unwrap();
-    let found: BTreeMap<u32, [f32; 2]> =
-        voxels.index.iter().enumerate().map(|(at, index)| (*index, [voxels.values[0][at], voxels.values[1][at]])).collect();
+    let found: BTreeMap<u32, [f32; 2]> = voxels
+        .index
+        .iter()
+        .enumerate()
+        .map(|(at, index)| (*index, [voxels.values[0][at], voxels.values[1][at]]))
+        .collect();
     let mut inside = 0.0;
     for index in 0..32_u32.pow(3) {
         let distance = lattice.centre(index).norm() - radius;
@@ -75,14 +79,17 @@ fn a_charged_ball_has_the_potential_of_debye_and_hueckel_on_its_surface() {
     let (kappa, b) = (medium.kappa_per_angstrom(), radius + medium.ion_radius_angstrom);
     let strength = medium.solvent_bjerrum_angstrom() * charge;
     let solved = strength * (1.0 / radius - 1.0 / b + 1.0 / (b * (1.0 + kappa * b)));
-    // Solved at 1 Å the error is that of the solve; it falls with the grid's spacing.
-    for (spacing, most_rms, most) in [(1.0, 0.03, 0.06), (0.5, 0.015, 0.03)] {
+    // A plane is fitted where φ bends by φ'' = 2 λ_B q / r³: at 1 Å that is some 2 %, the solve adds its own; both fall with
+    // the square of the spacing.
+    let mut coarser = f64::INFINITY;
+    for (spacing, most) in [(1.0, 0.05), (0.5, 0.025)] {
         let values = on_surface(PotentialModel::PoissonBoltzmann, spacing);
         let errors: Vec<f64> = values.iter().map(|value| f64::from(*value) / solved - 1.0).collect();
         let rms = (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
         let worst = errors.iter().fold(0.0_f64, |worst, error| worst.max(error.abs()));
         eprintln!("ball, solved at {spacing} Å: relative error of the potential {rms:.4} rms, {worst:.4} at worst");
-        assert!(errors.len() > 500 && rms < most_rms && worst < most, "{rms} {worst}");
+        assert!(errors.len() > 500 && worst < most && rms < 0.6 * coarser, "{rms} {worst}, coarser {coarser}");
+        coarser = rms;
     }
     let screened = strength * (kappa * (b - radius)).exp() / (radius * (1.0 + kappa * b));
     for value in on_surface(PotentialModel::DebyeHueckel, 1.0) {
@@ -128,7 +135,11 @@ fn hydropathy_is_the_mean_over_residues_within_reach() {
     let mut lonely = 0;
     for _ in 0..500 {
         let place = rng.vector_in_ball(18.0);
-        let valued = || atoms.iter().filter_map(|(at, residue)| Some(((at - place).norm(), values[(*residue)? as usize]?, *residue)));
+        let valued = || {
+            atoms
+                .iter()
+                .filter_map(|(at, residue)| Some(((at - place).norm(), values[(*residue)? as usize]?, *residue)))
+        };
         let mut near: BTreeMap<Option<u32>, f64> =
             valued().filter(|(distance, ..)| *distance <= reach).map(|(_, value, residue)| (residue, value)).collect();
         if near.is_empty() {

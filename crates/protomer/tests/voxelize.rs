@@ -19,9 +19,13 @@ fn peptide(names: [&str; 5], turn: f64) -> String {
     let mut text = String::new();
     let mut serial = 1;
     for (number, name) in names.iter().enumerate() {
-        for (atom, along, radius, angle) in
-            [("N", 0.0, 1.5, 0.0), ("CA", 0.9, 2.3, 0.5), ("C", 1.9, 1.7, 0.9), ("O", 2.2, 2.1, 1.5), ("CB", 0.6, 3.3, 0.9)]
-        {
+        for (atom, along, radius, angle) in [
+            ("N", 0.0, 1.5, 0.0),
+            ("CA", 0.9, 2.3, 0.5),
+            ("C", 1.9, 1.7, 0.9),
+            ("O", 2.2, 2.1, 1.5),
+            ("CB", 0.6, 3.3, 0.9),
+        ] {
             let angle = angle + turn * number as f64;
             let (x, y, z) = (radius * angle.cos(), radius * angle.sin(), along + 1.5 * number as f64);
             text += &format!(
@@ -150,7 +154,14 @@ fn the_same_command_again_has_nothing_to_do_until_something_changes() {
     std::fs::create_dir(place.path("folder")).unwrap();
     let interrupt = Interrupt::default();
     let refused = protomer::voxelize::voxelize(
-        &manifest, Shard::WHOLE, &other, &place.path("folder"), true, &interrupt, &|_| {}, &|| {},
+        &manifest,
+        Shard::WHOLE,
+        &other,
+        &place.path("folder"),
+        true,
+        &interrupt,
+        &|_| {},
+        &|| {},
     );
     assert!(refused.unwrap_err().to_string().contains("no voxel set"), "a folder of the user's is not removed");
 }
@@ -168,7 +179,8 @@ fn an_interrupted_run_goes_on_and_ends_as_if_it_had_not_been() {
         let begin = |count| pending.store(count, Ordering::Relaxed);
         // Stops after the first structure that gets done.
         let advanced = || interrupt.request();
-        let report = voxelize(&manifest, Shard::WHOLE, &settings(), &output, false, &interrupt, &begin, &advanced).unwrap();
+        let report =
+            voxelize(&manifest, Shard::WHOLE, &settings(), &output, false, &interrupt, &begin, &advanced).unwrap();
         assert_eq!(report.taken_over + pending.into_inner(), 8);
         runs += 1;
         match report.state {
@@ -245,7 +257,10 @@ fn orientations_do_what_they_say() {
     assert!(deposited.iter().all(|quaternion| quaternion == &[1.0, 0.0, 0.0, 0.0]));
     let random = rotation("r0.zarr", &of(Orientation::Random, 0));
     assert!(random[0] != random[1] && random != rotation("r1.zarr", &of(Orientation::Random, 1)));
-    assert_eq!(rotation("p0.zarr", &of(Orientation::Principal, 0)), rotation("p1.zarr", &of(Orientation::Principal, 9)));
+    assert_eq!(
+        rotation("p0.zarr", &of(Orientation::Principal, 0)),
+        rotation("p1.zarr", &of(Orientation::Principal, 9))
+    );
 }
 
 #[test]

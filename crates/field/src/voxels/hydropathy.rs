@@ -36,7 +36,9 @@ impl HydropathyMap {
         let mut near: Vec<u32> = Vec::with_capacity(16);
         let middle = cell(place, self.reach);
         let around = (0..27).map(|n| [middle[0] + n % 3 - 1, middle[1] + n / 3 % 3 - 1, middle[2] + n / 9 - 1]);
-        for (position, residue) in around.filter_map(|at| self.cells.get(&at)).flatten().map(|n| self.atoms[*n as usize]) {
+        for (position, residue) in
+            around.filter_map(|at| self.cells.get(&at)).flatten().map(|n| self.atoms[*n as usize])
+        {
             if (position - place).norm_squared() <= self.reach * self.reach && !near.contains(&residue) {
                 near.push(residue);
             }

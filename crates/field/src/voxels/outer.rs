@@ -49,7 +49,8 @@ pub fn at_surface(potential: &Potential, solid: &dyn ImplicitSolid, places: &[Ve
     places
         .par_iter()
         .map(|place| {
-            let known = around(place).into_iter().filter_map(|index| Some(((point(index) - place) / h, value_of(index)?)));
+            let known =
+                around(place).into_iter().filter_map(|index| Some(((point(index) - place) / h, value_of(index)?)));
             continued(known).or_else(|| potential.at(place)).unwrap_or(f64::NAN)
         })
         .collect()

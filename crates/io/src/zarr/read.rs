@@ -5,10 +5,15 @@ use crate::{IoError, Result};
 use half::f16;
 use half::slice::HalfFloatSliceExt;
 use serde_json::{Map, Value};
+use std::borrow::Cow;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use zarrs::array::codec::Crc32cCodec;
+use zarrs::array::codec::api::BytesToBytesCodecTraits;
 use zarrs::array::{
-    Array, ArrayShardedReadableExt, ArrayShardedReadableExtCache, ArraySubset, CodecOptions, ElementOwned,
+    Array, ArrayShardedExt, ArrayShardedReadableExt, ArrayShardedReadableExtCache, ArraySubset, BytesRepresentation,
+    CodecOptions, ElementOwned,
 };
 use zarrs::filesystem::FilesystemStore;
 use zarrs::group::Group;
@@ -43,8 +48,13 @@ struct Stored {
     array: Array<FilesystemStore>,
     cache: ArrayShardedReadableExtCache,
     per_file: u64,
+    per_chunk: u64,
+    /// Which chunks have been held against their checksums already.
+    verified: Vec<AtomicBool>,
 }
 
+/// Chunks remembered as verified: 16 million, a thousand times the largest set.
+const MOST_CHUNKS: u64 = 1 << 24;
 const MAKE_AGAIN: &str = "copy or make the set again";
 
 impl SetReader {
@@ -206,8 +216,13 @@ impl Stored {
         let array = Array::open(store.clone(), &format!("/{name}")).map_err(|cause| bad(cause.to_string()))?;
         let per_file = array.chunk_shape(&vec![0; array.shape().len()]).map_err(|cause| bad(cause.to_string()))?;
         let per_file = per_file.first().map_or(1, |length| length.get());
+        let per_chunk = array.subchunk_shape().and_then(|shape| Some(shape.first()?.get())).unwrap_or(per_file);
+        let length = array.shape().first().copied().unwrap_or(0);
+        // A damaged length must not take memory: elements that are there take at least a bit each.
+        let chunks = length.div_ceil(per_chunk).min(MOST_CHUNKS);
+        let verified = (0..chunks).map(|_| AtomicBool::new(false)).collect();
         let cache = ArrayShardedReadableExtCache::new(&array);
-        Ok(Self { name: name.to_owned(), array, cache, per_file })
+        Ok(Self { name: name.to_owned(), array, cache, per_file, per_chunk, verified })
     }
 
     fn length(&self) -> u64 {
@@ -223,12 +238,37 @@ impl Stored {
         if range.is_empty() {
             return Ok(Vec::new());
         }
+        self.verify(&range)?;
         let subset = ArraySubset::new_with_ranges(&[range]);
         // One sample is little work: threads belong to whoever asks for many.
         let options = CodecOptions::default().with_concurrent_target(1);
         self.array
             .retrieve_array_subset_sharded_opt::<Vec<T>>(&self.cache, &subset, &options)
             .map_err(|cause| cause.to_string())
+    }
+
+    /// Holds the chunks of a range against their checksums, once: reading a part of a chunk does not.
+    fn verify(&self, range: &Range<u64>) -> std::result::Result<(), String> {
+        if !self.array.is_sharded() {
+            return Ok(());
+        }
+        for chunk in range.start / self.per_chunk..=(range.end - 1) / self.per_chunk {
+            let verified = usize::try_from(chunk).ok().and_then(|chunk| self.verified.get(chunk));
+            if verified.is_some_and(|verified| verified.load(Ordering::Relaxed)) {
+                continue;
+            }
+            let bytes =
+                self.array.retrieve_encoded_subchunk(&self.cache, &[chunk]).map_err(|cause| cause.to_string())?;
+            let bytes = bytes.ok_or("a part is missing")?;
+            // The checksum stands last: what is under it is left to the array's own codecs.
+            let size = BytesRepresentation::BoundedSize(bytes.len() as u64);
+            let checked = Crc32cCodec::new().decode(Cow::Owned(bytes), &size, &CodecOptions::default());
+            checked.map_err(|cause| cause.to_string())?;
+            if let Some(verified) = verified {
+                verified.store(true, Ordering::Relaxed);
+            }
+        }
+        Ok(())
     }
 
     /// Whether a file can be read from end to end.

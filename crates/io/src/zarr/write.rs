@@ -6,7 +6,7 @@ use half::f16;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use std::sync::Arc;
-use zarrs::array::{Array, Element};
+use zarrs::array::{Array, CodecOptions, Element};
 use zarrs::filesystem::FilesystemStore;
 use zarrs::group::GroupBuilder;
 
@@ -46,7 +46,9 @@ impl<T: Element + Copy> Filling<T> {
     }
 
     fn store(&mut self, values: Vec<T>) -> Result<()> {
-        self.array.store_chunk(&[self.files], values).map_err(|cause| failed(&self.name, &cause.to_string()))?;
+        self.array
+            .store_chunk_opt(&[self.files], values, &in_order())
+            .map_err(|cause| failed(&self.name, &cause.to_string()))?;
         self.files += 1;
         Ok(())
     }
@@ -60,6 +62,11 @@ impl<T: Element + Copy> Filling<T> {
         }
         self.array.store_metadata().map_err(|cause| failed(&self.name, &cause.to_string()))
     }
+}
+
+/// Chunks one after the other: several threads would lay them into a file in the order in which they get done.
+fn in_order() -> CodecOptions {
+    CodecOptions::default().with_concurrent_target(1)
 }
 
 fn failed(array: &str, cause: &str) -> IoError {
@@ -80,7 +87,10 @@ impl SetWriter {
             return Err(IoError::unwritable(cause, "use letters, digits and _, and none of the arrays' names"));
         }
         if let Some(name) = implied.iter().find(|name| !channels.contains(name)) {
-            return Err(IoError::unwritable(format!("'{name}' is implied but no channel"), "name it among the channels"));
+            return Err(IoError::unwritable(
+                format!("'{name}' is implied but no channel"),
+                "name it among the channels",
+            ));
         }
         std::fs::create_dir_all(path).map_err(IoError::at(path, "make the folder"))?;
         let store = layout::store(path)?;
@@ -114,7 +124,8 @@ impl SetWriter {
         let sample = self.offsets.len() - 1;
         let bad = |cause: String| IoError::unwritable(format!("sample {sample}: {cause}"), "give what the layout says");
         let voxels = self.size.pow(3);
-        if index.windows(2).any(|pair| pair[0] >= pair[1]) || index.last().is_some_and(|last| *last as usize >= voxels) {
+        if index.windows(2).any(|pair| pair[0] >= pair[1]) || index.last().is_some_and(|last| *last as usize >= voxels)
+        {
             return Err(bad("voxel numbers do not ascend inside the grid".into()));
         }
         if values.len() != self.stored.len() || values.iter().any(|values| values.len() != index.len()) {
@@ -190,7 +201,9 @@ fn write_table(store: &Arc<FilesystemStore>, columns: &[String], rows: &[f64], s
     for (file, part) in rows.chunks(per_file as usize * width).enumerate() {
         let mut part = part.to_vec();
         part.resize(per_file as usize * width, f64::NAN);
-        array.store_chunk(&[file as u64, 0], part).map_err(|cause| failed(PROPERTIES, &cause.to_string()))?;
+        array
+            .store_chunk_opt(&[file as u64, 0], part, &in_order())
+            .map_err(|cause| failed(PROPERTIES, &cause.to_string()))?;
     }
     array.store_metadata().map_err(|cause| failed(PROPERTIES, &cause.to_string()))
 }

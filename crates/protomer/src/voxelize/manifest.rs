@@ -94,7 +94,9 @@ fn entries(file: &str, text: &str, folder: &Path) -> Result<Vec<Entry>> {
         let name = Some(cell("name")).filter(|name| !name.is_empty());
         let name = name.unwrap_or_else(|| stem(Path::new(&cell("file"))));
         if let Some(earlier) = seen.insert(name.clone(), line) {
-            bail!("{file}:{line}, column file: '{name}' is the name of line {earlier} too; tell them apart by a column name");
+            bail!(
+                "{file}:{line}, column file: '{name}' is the name of line {earlier} too; tell them apart by a column name"
+            );
         }
         entries.push(Entry {
             number: entries.len(),
@@ -135,7 +137,9 @@ fn cells(file: &str, line: usize, text: &str) -> Result<Vec<String>> {
                 cells.push(String::new());
             }
             _ if was_quoted && !quoted && !character.is_whitespace() => {
-                bail!("{file}:{line}, column {count}: '{character}' after a closing quote; double quotes inside quotes");
+                bail!(
+                    "{file}:{line}, column {count}: '{character}' after a closing quote; double quotes inside quotes"
+                );
             }
             _ if was_quoted && !quoted => {}
             _ => cell.push(character),

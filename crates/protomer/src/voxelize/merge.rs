@@ -35,7 +35,9 @@ pub struct MergeReport {
 /// For sets of different settings, names that are in two of them, and files that cannot be read.
 pub fn merge(inputs: &[PathBuf], output: &Path, force: bool) -> Result<MergeReport> {
     let readers = inputs.iter().map(|path| open_set(path)).collect::<Result<Vec<SetReader>>>()?;
-    let (Some(first), Some(first_path)) = (readers.first(), inputs.first()) else { bail!("there are no sets; give some") };
+    let (Some(first), Some(first_path)) = (readers.first(), inputs.first()) else {
+        bail!("there are no sets; give some")
+    };
     let settings = set::settings_of(first).with_context(|| first_path.display().to_string())?;
     let manifest = |reader: &SetReader| {
         reader.attributes().get("manifest_sha256").and_then(|value| value.as_str()).unwrap_or_default().to_owned()

@@ -200,7 +200,9 @@ fn collect(entries: &[&Entry], hashes: &[Option<String>], keys: &[String], work:
     let mut content = SetContent::default();
     for ((entry, hash), key) in entries.iter().zip(hashes).zip(keys) {
         match work.get(key).with_context(|| entry.name.clone())? {
-            Outcome::Sample(sample) => content.samples.push(set::SampleRecord::new(entry, hash.as_deref(), key, &sample)),
+            Outcome::Sample(sample) => {
+                content.samples.push(set::SampleRecord::new(entry, hash.as_deref(), key, &sample))
+            }
             Outcome::Excluded { reason, detail } => {
                 content.excluded.push(Exclusion::new(entry, hash.as_deref(), reason, detail));
             }

@@ -114,9 +114,7 @@ pub fn identity<'a>(
     entries: impl Iterator<Item = (&'a Entry, Option<&'a str>)>,
 ) -> Result<String> {
     let rows: Vec<Value> = entries
-        .map(|(e, sha256)| {
-            json!([e.number, e.name, e.file, e.label, e.cluster, e.family, sha256.unwrap_or_default()])
-        })
+        .map(|(e, sha256)| json!([e.number, e.name, e.file, e.label, e.cluster, e.family, sha256.unwrap_or_default()]))
         .collect();
     identity_of_rows(settings, &rows)
 }
@@ -192,7 +190,8 @@ pub fn exclusions(reader: &SetReader) -> Result<Vec<Exclusion>> {
 /// If the attribute is damaged or of another version.
 pub fn settings_of(reader: &SetReader) -> Result<VoxelizeSettings> {
     let value = reader.attributes().get("settings").cloned().unwrap_or_default();
-    serde_json::from_value(value).context("the attribute 'settings' is damaged or of another version; make the set again")
+    serde_json::from_value(value)
+        .context("the attribute 'settings' is damaged or of another version; make the set again")
 }
 
 /// The attributes of a set.

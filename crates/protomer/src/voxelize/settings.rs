@@ -1,8 +1,8 @@
 //! What to make of each structure.
 
 use anyhow::{Result, bail};
-use protomer_field::voxels::{Channel, Lattice, Orientation, PotentialModel, VoxelSettings};
 use protomer_field::Medium;
+use protomer_field::voxels::{Channel, Lattice, Orientation, PotentialModel, VoxelSettings};
 use protomer_kernel::Conditions;
 use serde::{Deserialize, Serialize};
 

@@ -183,7 +183,10 @@ fn lattice(atoms: &[VoxelAtom], settings: &VoxelizeSettings) -> Result<Lattice> 
         return Err(anyhow!("{extent:.1} Å need {needed} voxels of {spacing} Å, the grid has {}", settings.size));
     }
     if spacing > SPACING_RANGE_ANGSTROM.1 {
-        return Err(anyhow!("{extent:.1} Å need voxels of {spacing:.2} Å, the largest are {} Å", SPACING_RANGE_ANGSTROM.1));
+        return Err(anyhow!(
+            "{extent:.1} Å need voxels of {spacing:.2} Å, the largest are {} Å",
+            SPACING_RANGE_ANGSTROM.1
+        ));
     }
     Ok(Lattice::new(settings.size, spacing)?)
 }
