@@ -24,10 +24,12 @@ pub struct WorkFile {
     inner: Mutex<Inner>,
 }
 
+/// Where the record of each key begins and how long it is.
+type Records = HashMap<String, (u64, u64)>;
+
 struct Inner {
     file: File,
-    /// Where each record begins and how long it is.
-    records: HashMap<String, (u64, u64)>,
+    records: Records,
     end: u64,
 }
 
@@ -113,7 +115,7 @@ impl WorkFile {
 }
 
 /// The whole records of a file, and where they end.
-fn scan(file: &mut File) -> Result<(HashMap<String, (u64, u64)>, u64)> {
+fn scan(file: &mut File) -> Result<(Records, u64)> {
     let mut records = HashMap::new();
     let length = file.metadata()?.len();
     let mut end = 0;
