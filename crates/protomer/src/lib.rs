@@ -19,6 +19,7 @@
 //! | [`framework`] | networks of rods and hinges: elastic constants, loads, figures |
 //! | [`compare`] | several sweeps in one figure |
 //! | [`lattice`] | lattices of rigid squares: runs, sweeps, pictures |
+//! | [`mod@voxelize`], [`voxel_set`] | structures to sparse voxel grids, and these as samples |
 //! | [`mod@bench`], [`cpu_time`] | trial moves per CPU-second |
 //! | [`energy_tables`], [`disk_cache`] | tables of certified energies, shared, bounded in memory, kept on the disk |
 //! | [`quantity`], [`keys`], [`interrupt`], [`plot`] | what several of them need |
@@ -53,3 +54,5 @@ pub mod surface_of_file;
 pub mod sweep;
 pub mod sweep_figure;
 pub mod sweep_table;
+pub mod voxel_set;
+pub mod voxelize;

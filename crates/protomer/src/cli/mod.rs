@@ -14,6 +14,7 @@ mod ingest;
 mod inspect;
 mod lattice;
 mod medium;
+mod merge;
 mod output;
 mod potential;
 mod simulate;
@@ -21,6 +22,7 @@ mod surface;
 mod sweep;
 mod tables;
 mod tolerance;
+mod voxelize;
 
 use crate::interrupt::Interrupt;
 use anyhow::{Context, Result, anyhow, bail};
@@ -80,6 +82,8 @@ enum Verb {
     Simulate(simulate::SimulateArgs),
     Sweep(sweep::SweepArgs),
     Lattice(lattice::LatticeArgs),
+    Voxelize(voxelize::VoxelizeArgs),
+    Merge(merge::MergeArgs),
     Bench(bench::BenchArgs),
     Completions(generate::CompletionsArgs),
     Man(generate::ManArgs),
@@ -131,6 +135,8 @@ impl Verb {
             Verb::Simulate(args) => args.run(global),
             Verb::Sweep(args) => args.run(global),
             Verb::Lattice(args) => args.run(global),
+            Verb::Voxelize(args) => args.run(global),
+            Verb::Merge(args) => args.run(global),
             Verb::Bench(args) => args.run(global),
             Verb::Completions(args) => args.run(),
             Verb::Man(args) => args.run(),

@@ -1,0 +1,275 @@
+//! Sets of voxel grids: made, interrupted, continued, joined, read; whatever the order and the threads, the same files.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use protomer::interrupt::Interrupt;
+use protomer::voxel_set::VoxelSet;
+use protomer::voxelize::manifest::Manifest;
+use protomer::voxelize::merge::merge;
+use protomer::voxelize::structure::Reason;
+use protomer::voxelize::{Fit, Shard, Spacing, State, VoxelizeReport, VoxelizeSettings, voxelize, work_path};
+use protomer_field::voxels::{Channel, Orientation, PotentialModel};
+use protomer_learn::SampleSource;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Helices of five residues each, as PDB text: small, and enough to have a surface, charges and hydropathy.
+fn peptide(names: [&str; 5], turn: f64) -> String {
+    let mut text = String::new();
+    let mut serial = 1;
+    for (number, name) in names.iter().enumerate() {
+        for (atom, along, radius, angle) in [
+            ("N", 0.0, 1.5, 0.0),
+            ("CA", 0.9, 2.3, 0.5),
+            ("C", 1.9, 1.7, 0.9),
+            ("O", 2.2, 2.1, 1.5),
+            ("CB", 0.6, 3.3, 0.9),
+        ] {
+            let angle = angle + turn * number as f64;
+            let (x, y, z) = (radius * angle.cos(), radius * angle.sin(), along + 1.5 * number as f64);
+            text += &format!(
+                "ATOM  {serial:>5}  {atom:<3} {name} A{:>4}    {x:8.3}{y:8.3}{z:8.3}  1.00  0.00           {}\n",
+                number + 1,
+                &atom[..1]
+            );
+            serial += 1;
+        }
+    }
+    text + "END\n"
+}
+
+struct Place {
+    folder: tempfile::TempDir,
+}
+
+impl Place {
+    /// Six peptides, three of which cannot be used.
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+        write("one.pdb", &peptide(["ALA"; 5], 1.7));
+        write("two.pdb", &peptide(["ALA", "GLY", "ALA", "ALA", "GLY"], 1.75));
+        write("three.pdb", &peptide(["GLY", "ALA", "GLY", "ALA", "ALA"], 1.65));
+        let trace: Vec<&str> = peptide(["LYS"; 5], 1.7).leak().lines().filter(|line| line.contains(" CA ")).collect();
+        write("trace.pdb", &trace.join("\n"));
+        write("broken.pdb", "ATOM      1  N   ALA A   1      xx.xxx\n");
+        write("water.pdb", "HETATM    1  O   HOH A   1       0.000   0.000   0.000  1.00  0.00           O\n");
+        let far = peptide(["ALA"; 5], 1.7).replace("   1.500   0.000   0.000", "  91.500   0.000   0.000");
+        write("far.pdb", &far);
+        write(
+            "set.csv",
+            "file,label,cluster,family\none.pdb,\"P 1\",a,f\ntrace.pdb,x,b,\ntwo.pdb,y,a,\nbroken.pdb,x,c,\nwater.pdb,x,d,\n\
+             missing.pdb,x,e,\nfar.pdb,x,g,\nthree.pdb,\"P 1\",h,\n",
+        );
+        Self { folder }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn make(&self, name: &str, shard: Shard, settings: &VoxelizeSettings) -> VoxelizeReport {
+        let manifest = Manifest::read(&self.path("set.csv")).unwrap();
+        let interrupt = Interrupt::default();
+        voxelize(&manifest, shard, settings, &self.path(name), false, &interrupt, &|_| {}, &|| {}).unwrap()
+    }
+}
+
+fn settings() -> VoxelizeSettings {
+    VoxelizeSettings { size: 32, potential: PotentialModel::DebyeHueckel, most_incomplete: 0.3, ..Default::default() }
+}
+
+/// All files of a folder with their content.
+fn content(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(next) = folders.pop() {
+        for entry in next.read_dir().unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                found.insert(path.strip_prefix(folder).unwrap().to_owned(), std::fs::read(path).unwrap());
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn a_manifest_becomes_a_set_with_its_exclusions() {
+    let place = Place::new();
+    let report = place.make("a.zarr", Shard::WHOLE, &settings());
+    assert_eq!((report.state, report.structures, report.samples), (State::Written, 8, 3));
+    let reasons: Vec<(&str, Reason)> = report.excluded.iter().map(|e| (e.name.as_str(), e.reason)).collect();
+    let expected = [
+        ("trace", Reason::Truncated),
+        ("broken", Reason::Unreadable),
+        ("water", Reason::NoProtein),
+        ("missing", Reason::Unreadable),
+        ("far", Reason::TooLarge),
+    ];
+    assert_eq!(reasons, expected);
+    assert!(!work_path(&place.path("a.zarr")).exists());
+    let set = VoxelSet::open(&place.path("a.zarr")).unwrap();
+    assert_eq!((set.size(), set.channels()), (32, &["shape", "potential", "hydropathy"].map(String::from)[..]));
+    let known = &set.descriptions()[0];
+    assert_eq!((known.name.as_str(), known.label.as_str(), known.cluster.as_str()), ("one", "P 1", "a"));
+    assert_eq!((known.family.as_str(), known.residues, known.composition[0]), ("f", 5.0, 1.0));
+    assert!(known.extents_angstrom.is_sorted_by(|a, b| a >= b) && known.radius_of_gyration_angstrom > 2.0);
+    let mut dense = vec![0.0; 3 * 32 * 32 * 32];
+    for (sample, known) in set.descriptions().iter().enumerate() {
+        let grid = set.voxels(sample).unwrap();
+        grid.check().unwrap();
+        grid.write_dense(&mut dense).unwrap();
+        let shell = dense[..32 * 32 * 32].iter().filter(|value| **value == 1.0).count();
+        assert!(shell == grid.index.len() && shell > 100, "{}: {shell}", known.name);
+        // Nothing but alanine: every hydropathy is that of alanine.
+        if known.name == "one" {
+            assert!(grid.values[2 * shell..].iter().all(|value| (value - 1.8).abs() < 1e-3));
+        }
+    }
+}
+
+#[test]
+fn the_same_command_again_has_nothing_to_do_until_something_changes() {
+    let place = Place::new();
+    let first = place.make("a.zarr", Shard::WHOLE, &settings());
+    let before = content(&place.path("a.zarr"));
+    let again = place.make("a.zarr", Shard::WHOLE, &settings());
+    assert_eq!((again.state, again.samples, &again.excluded), (State::NothingToDo, 3, &first.excluded));
+    assert_eq!(content(&place.path("a.zarr")), before);
+    let manifest = Manifest::read(&place.path("set.csv")).unwrap();
+    let voxelize = |settings: &VoxelizeSettings, force| {
+        let (output, interrupt) = (place.path("a.zarr"), Interrupt::default());
+        voxelize(&manifest, Shard::WHOLE, settings, &output, force, &interrupt, &|_| {}, &|| {})
+    };
+    let other = VoxelizeSettings { seed: 1, ..settings() };
+    assert!(voxelize(&other, false).unwrap_err().to_string().contains("--force"));
+    assert_eq!(voxelize(&other, true).unwrap().state, State::Written);
+    assert_ne!(content(&place.path("a.zarr"))[Path::new("index/c/0")], before[Path::new("index/c/0")]);
+    std::fs::write(place.path("one.pdb"), peptide(["GLY"; 5], 1.7)).unwrap();
+    assert!(voxelize(&other, false).is_err(), "an input changed");
+    std::fs::create_dir(place.path("folder")).unwrap();
+    let interrupt = Interrupt::default();
+    let refused = protomer::voxelize::voxelize(
+        &manifest,
+        Shard::WHOLE,
+        &other,
+        &place.path("folder"),
+        true,
+        &interrupt,
+        &|_| {},
+        &|| {},
+    );
+    assert!(refused.unwrap_err().to_string().contains("no voxel set"), "a folder of the user's is not removed");
+}
+
+#[test]
+fn an_interrupted_run_goes_on_and_ends_as_if_it_had_not_been() {
+    let place = Place::new();
+    place.make("whole.zarr", Shard::WHOLE, &settings());
+    let manifest = Manifest::read(&place.path("set.csv")).unwrap();
+    let output = place.path("parts.zarr");
+    let mut runs = 0;
+    loop {
+        let interrupt = Interrupt::default();
+        let pending = AtomicUsize::new(0);
+        let begin = |count| pending.store(count, Ordering::Relaxed);
+        // Stops after the first structure that gets done.
+        let advanced = || interrupt.request();
+        let report =
+            voxelize(&manifest, Shard::WHOLE, &settings(), &output, false, &interrupt, &begin, &advanced).unwrap();
+        assert_eq!(report.taken_over + pending.into_inner(), 8);
+        runs += 1;
+        match report.state {
+            State::Stopped => assert!(report.samples >= runs && !output.exists()),
+            _ => break,
+        }
+        if runs == 2 {
+            // What a killed process may leave.
+            let work = work_path(&output);
+            let mut bytes = std::fs::read(&work).unwrap();
+            bytes.extend([7; 30]);
+            std::fs::write(&work, bytes).unwrap();
+            std::fs::create_dir_all(place.path("parts.zarr.partial/index")).unwrap();
+        }
+    }
+    assert!(runs > 1);
+    assert_eq!(content(&output), content(&place.path("whole.zarr")));
+    assert!(!place.path("parts.zarr.partial").exists());
+}
+
+#[test]
+fn shards_join_to_what_one_run_makes() {
+    let place = Place::new();
+    let settings = VoxelizeSettings { channels: Channel::ALL.to_vec(), spacing: Spacing::Fit(Fit::Fit), ..settings() };
+    let whole = place.make("whole.zarr", Shard::WHOLE, &settings);
+    assert_eq!(whole.samples, 3, "{:?}", whole.excluded);
+    let parts: Vec<PathBuf> = (1..=3)
+        .map(|index| {
+            let name = format!("part{index}.zarr");
+            place.make(&name, Shard { index, of: 3 }, &settings);
+            place.path(&name)
+        })
+        .collect();
+    let joined = place.path("joined.zarr");
+    let shuffled = [parts[2].clone(), parts[0].clone(), parts[1].clone()];
+    let report = merge(&shuffled, &joined, false).unwrap();
+    assert_eq!((report.samples, report.excluded, report.nothing_to_do), (3, 5, false));
+    assert_eq!(content(&joined), content(&place.path("whole.zarr")));
+    assert!(merge(&shuffled, &joined, false).unwrap().nothing_to_do);
+    assert_eq!(place.make("joined.zarr", Shard::WHOLE, &settings).state, State::NothingToDo);
+    let twice = merge(&[parts[0].clone(), parts[0].clone()], &place.path("b.zarr"), false).unwrap_err().to_string();
+    assert!(twice.contains("give each part once"), "{twice}");
+    let other = place.make("other.zarr", Shard { index: 1, of: 3 }, &VoxelizeSettings { seed: 5, ..settings });
+    let unlike = merge(&[parts[0].clone(), other.set], &place.path("b.zarr"), false).unwrap_err().to_string();
+    assert!(unlike.contains("different settings"), "{unlike}");
+    assert!(["0/3", "4/3", "3", "a/b", "1/0"].iter().all(|text| Shard::parse(text).is_err()));
+}
+
+#[test]
+fn threads_do_not_change_the_set() {
+    let place = Place::new();
+    let settings = VoxelizeSettings { potential: PotentialModel::PoissonBoltzmann, ..settings() };
+    for threads in [1, 3] {
+        let pool = rayon_pool(threads);
+        pool.install(|| place.make(&format!("{threads}.zarr"), Shard::WHOLE, &settings));
+    }
+    assert_eq!(content(&place.path("1.zarr")), content(&place.path("3.zarr")));
+}
+
+fn rayon_pool(threads: usize) -> rayon::ThreadPool {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap()
+}
+
+#[test]
+fn orientations_do_what_they_say() {
+    let place = Place::new();
+    let rotation = |name: &str, settings: &VoxelizeSettings| {
+        place.make(name, Shard::WHOLE, settings);
+        let set = VoxelSet::open(&place.path(name)).unwrap();
+        (0..3).map(|sample| set.reader().row(sample)[8..12].to_vec()).collect::<Vec<_>>()
+    };
+    let of = |orientation, seed| VoxelizeSettings { orientation, seed, ..settings() };
+    let deposited = rotation("d.zarr", &of(Orientation::Deposited, 0));
+    assert!(deposited.iter().all(|quaternion| quaternion == &[1.0, 0.0, 0.0, 0.0]));
+    let random = rotation("r0.zarr", &of(Orientation::Random, 0));
+    assert!(random[0] != random[1] && random != rotation("r1.zarr", &of(Orientation::Random, 1)));
+    assert_eq!(
+        rotation("p0.zarr", &of(Orientation::Principal, 0)),
+        rotation("p1.zarr", &of(Orientation::Principal, 9))
+    );
+}
+
+#[test]
+fn a_damaged_file_is_named_with_its_samples() {
+    let place = Place::new();
+    place.make("a.zarr", Shard::WHOLE, &settings());
+    let file = place.path("a.zarr/potential/c/0");
+    let bytes = std::fs::read(&file).unwrap();
+    std::fs::write(&file, &bytes[..bytes.len() / 2]).unwrap();
+    let message = VoxelSet::open(&place.path("a.zarr")).unwrap().voxels(1).unwrap_err().to_string();
+    assert!(message.contains("a.zarr/potential/c/0") && message.contains("one to three"), "{message}");
+}

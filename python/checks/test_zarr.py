@@ -1,0 +1,79 @@
+"""A voxel set opened by zarr-python: the same arrays, and voxels that agree with the structure they come from."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import zarr
+
+ROOT = Path(__file__).resolve().parents[2]
+STRUCTURE = ROOT / "data" / "structures" / "5pti.cif.gz"
+
+
+def dense(group, sample):
+    """(channel, z, y, x) of a sample, as the guide says."""
+    known = group.attrs
+    size, channels = known["size"], known["channels"]
+    begin, end = group["offsets"][sample], group["offsets"][sample + 1]
+    index = group["index"][begin:end]
+    assert (np.diff(index.astype(np.int64)) > 0).all() and index[-1] < size**3
+    out = np.zeros((len(channels), size**3), np.float32)
+    for row, channel in zip(out, channels):
+        row[index] = 1 if channel in known["implied_channels"] else group[channel][begin:end]
+    return out.reshape(-1, size, size, size)
+
+
+def make(tmp_path, protomer, *options):
+    manifest = tmp_path / "set.csv"
+    manifest.write_text(f'file,label,cluster,name\n{STRUCTURE},"a, b",c,one\n{STRUCTURE},d,c,two\nmissing.pdb,d,e,three\n')
+    report = protomer("voxelize", "--manifest", manifest, "-o", tmp_path / "set.zarr", "--json", "--force", *options)
+    return report, zarr.open_group(tmp_path / "set.zarr", mode="r")
+
+
+def test_arrays_and_attributes(tmp_path, protomer):
+    report, group = make(tmp_path, protomer, "--seed", 3)
+    assert sorted(group.array_keys()) == ["hydropathy", "index", "offsets", "potential", "properties"]
+    types = {name: str(array.dtype) for name, array in group.arrays()}
+    assert types == {
+        "hydropathy": "float16", "index": "uint32", "offsets": "int64", "potential": "float16", "properties": "float64",
+    }
+    known = dict(group.attrs)
+    assert known["samples"]["name"] == ["one", "two"] and known["samples"]["label"] == ["a, b", "d"]
+    assert [excluded["name"] for excluded in known["excluded"]] == ["three"]
+    assert report["samples"] == 2 and report["voxels"] == group["offsets"][-1] == group["index"].shape[0]
+    json.dumps(known)
+    for sample in range(2):
+        shape, potential, hydropathy = dense(group, sample)
+        assert np.isfinite(potential).all() and np.abs(hydropathy).max() <= 4.5
+        assert set(np.unique(shape)) == {0, 1} and not potential[shape == 0].any() and not hydropathy[shape == 0].any()
+    assert not np.array_equal(dense(group, 0), dense(group, 1)), "two random orientations are one"
+
+
+def test_voxels_lie_where_the_atoms_are(tmp_path, protomer):
+    """Every atom, turned as the properties say, lies in the solid, and no solid voxel is far from all atoms."""
+    import gemmi
+
+    _, group = make(tmp_path, protomer, "--channels", "solid,shape", "--spacing", "0.9")
+    columns = group["properties"].attrs["columns"]
+    row = dict(zip(columns, group["properties"][0]))
+    w, x, y, z = (row[f"rotation_{axis}"] for axis in "wxyz")
+    rotation = np.array([
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ])
+    structure = gemmi.read_structure(str(STRUCTURE))
+    structure.setup_entities()
+    structure.remove_alternative_conformations()
+    structure.remove_hydrogens()
+    structure.remove_ligands_and_waters()
+    places = np.array([atom.pos.tolist() for chain in structure[0] for residue in chain for atom in residue])
+    middle = np.array([row[f"middle_{axis}_angstrom"] for axis in "xyz"])
+    posed = places @ rotation.T - middle
+    solid = dense(group, 0)[0]
+    size, spacing = group.attrs["size"], row["spacing_angstrom"]
+    at = np.rint(posed / spacing + (size - 1) / 2).astype(int)
+    assert solid[at[:, 2], at[:, 1], at[:, 0]].mean() > 0.999
+    filled = (np.argwhere(solid)[:, ::-1] - (size - 1) / 2) * spacing
+    nearest = np.sqrt(((filled[:, None] - posed[None]) ** 2).sum(-1)).min(1)
+    assert nearest.max() < 4.0
