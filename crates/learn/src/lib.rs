@@ -6,10 +6,12 @@
 //!
 //! | module | one idea |
 //! |---|---|
+//! | [`controls`] | synthetic sets with known answers |
 //! | [`sample`] | a sparse voxel grid, what is known of it, and where samples come from |
 //!
 //! This crate reads and writes no files: samples come through [`sample::SampleSource`], weights leave as tensors.
 
+pub mod controls;
 mod error;
 pub mod sample;
 
