@@ -8,12 +8,26 @@
 //! |---|---|
 //! | [`controls`] | synthetic sets with known answers |
 //! | [`sample`] | a sparse voxel grid, what is known of it, and where samples come from |
+//! | [`operations`] | convolution, pooling and normalisation of grids on any device |
+//! | [`block`] | convolution, normalisation, ReLU and pooling as one |
+//! | [`network`] | blocks, global pooling, a linear layer |
+//! | [`loss`] | cross entropy |
+//! | [`optimiser`] | Adam |
 //!
 //! This crate reads and writes no files: samples come through [`sample::SampleSource`], weights leave as tensors.
 
+pub mod block;
 pub mod controls;
 mod error;
+pub mod loss;
+pub mod network;
+pub mod operations;
+pub mod optimiser;
 pub mod sample;
 
+pub use block::BlockSettings;
 pub use error::{LearnError, Result};
+pub use loss::cross_entropy;
+pub use network::{GlobalPooling, Network, NetworkSettings};
+pub use optimiser::{Adam, AdamSettings};
 pub use sample::{Description, InMemory, SampleSource, SparseGrid};
