@@ -13,6 +13,7 @@
 //! | [`network`] | blocks, global pooling, a linear layer |
 //! | [`loss`] | cross entropy |
 //! | [`optimiser`] | Adam |
+//! | [`view`] | some samples and channels of a set |
 //!
 //! This crate reads and writes no files: samples come through [`sample::SampleSource`], weights leave as tensors.
 
@@ -24,6 +25,7 @@ pub mod network;
 pub mod operations;
 pub mod optimiser;
 pub mod sample;
+pub mod view;
 
 pub use block::BlockSettings;
 pub use error::{LearnError, Result};
@@ -31,3 +33,4 @@ pub use loss::cross_entropy;
 pub use network::{GlobalPooling, Network, NetworkSettings};
 pub use optimiser::{Adam, AdamSettings};
 pub use sample::{Description, InMemory, SampleSource, SparseGrid};
+pub use view::View;
