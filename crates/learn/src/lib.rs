@@ -6,25 +6,42 @@
 //!
 //! | module | one idea |
 //! |---|---|
-//! | [`controls`] | synthetic sets with known answers |
 //! | [`sample`] | a sparse voxel grid, what is known of it, and where samples come from |
+//! | [`view`] | some samples and channels of a set |
+//! | [`split`] | parts that keep clusters together; weights of families |
+//! | [`targets`] | space groups and what is coarser |
+//! | [`scaling`] | channels brought to comparable sizes; samples that cannot be used |
+//! | [`augmentation`] | the 24 rotations of the cube, exact |
 //! | [`operations`] | convolution, pooling and normalisation of grids on any device |
 //! | [`block`] | convolution, normalisation, ReLU and pooling as one |
 //! | [`network`] | blocks, global pooling, a linear layer |
 //! | [`loss`] | cross entropy |
 //! | [`optimiser`] | Adam |
-//! | [`view`] | some samples and channels of a set |
+//! | [`scores`], [`calibration`] | how good probabilities are, and how honest |
+//! | [`baselines`], [`logistic`] | what is predicted without a network |
+//! | [`bootstrap`], [`permutation`] | intervals over clusters; could it be chance? |
+//! | [`controls`] | synthetic sets with known answers |
 //!
 //! This crate reads and writes no files: samples come through [`sample::SampleSource`], weights leave as tensors.
 
+pub mod augmentation;
+pub mod baselines;
 pub mod block;
+pub mod bootstrap;
+pub mod calibration;
 pub mod controls;
 mod error;
+pub mod logistic;
 pub mod loss;
 pub mod network;
 pub mod operations;
 pub mod optimiser;
+pub mod permutation;
 pub mod sample;
+pub mod scaling;
+pub mod scores;
+pub mod split;
+pub mod targets;
 pub mod view;
 
 pub use block::BlockSettings;

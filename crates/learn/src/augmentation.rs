@@ -1,0 +1,177 @@
+//! The 24 rotations of the cube, exact on voxels: indices move, nothing is interpolated.
+//!
+//! Reflections are left out: they would turn a protein into its mirror image, which does not exist.
+
+use crate::{LearnError, Result, SparseGrid};
+
+/// A rotation that maps the cube to itself: the coordinate a of the turned grid is ± the coordinate `axes[a]` of the
+/// grid before.
+///
+/// ```
+/// use protomer_learn::{SparseGrid, augmentation::CubeRotation};
+/// let grid = SparseGrid { size: 2, channels: 1, index: vec![0], values: vec![1.0] };
+/// let corners: Vec<u32> = CubeRotation::all().iter().map(|turn| turn.sparse(&grid).index[0]).collect();
+/// assert!((0..8).all(|corner| corners.iter().filter(|seen| **seen == corner).count() == 3));
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CubeRotation {
+    axes: [usize; 3],
+    reversed: [bool; 3],
+}
+
+impl CubeRotation {
+    /// How many there are.
+    pub const COUNT: usize = 24;
+
+    /// All of them, the identity first.
+    pub fn all() -> Vec<Self> {
+        let orders = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [1, 0, 2], [2, 1, 0]];
+        let signs = (0..8_u8).map(|bits| [bits & 1 != 0, bits & 2 != 0, bits & 4 != 0]);
+        let every = orders.into_iter().flat_map(|axes| signs.clone().map(move |reversed| Self { axes, reversed }));
+        every.filter(|turn| turn.determinant() == 1).collect()
+    }
+
+    /// The matrix, rows for the coordinates (z, y, x) after the turn.
+    pub fn matrix(&self) -> [[i32; 3]; 3] {
+        let mut matrix = [[0; 3]; 3];
+        for (row, (axis, reversed)) in matrix.iter_mut().zip(self.axes.iter().zip(self.reversed)) {
+            row[*axis] = if reversed { -1 } else { 1 };
+        }
+        matrix
+    }
+
+    fn determinant(&self) -> i32 {
+        let m = self.matrix();
+        m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
+            + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
+    }
+
+    /// Where the voxel (z size + y) size + x goes.
+    pub fn voxel(&self, size: usize, voxel: usize) -> usize {
+        let before = [voxel / (size * size), voxel / size % size, voxel % size];
+        let mut after = 0;
+        for (axis, reversed) in self.axes.iter().zip(self.reversed) {
+            let coordinate = before[*axis];
+            after = after * size + if reversed { size - 1 - coordinate } else { coordinate };
+        }
+        after
+    }
+
+    /// The grid turned, its voxels ascending again. The grid must pass [`SparseGrid::check`].
+    pub fn sparse(&self, grid: &SparseGrid) -> SparseGrid {
+        let turned = |(place, voxel): (usize, &u32)| (self.voxel(grid.size, *voxel as usize) as u32, place);
+        let mut order: Vec<(u32, usize)> = grid.index.iter().enumerate().map(turned).collect();
+        order.sort_unstable();
+        let mut values = Vec::with_capacity(grid.values.len());
+        for channel in grid.values.chunks(grid.index.len().max(1)) {
+            values.extend(order.iter().filter_map(|(_, place)| channel.get(*place)));
+        }
+        let index = order.into_iter().map(|(voxel, _)| voxel).collect();
+        SparseGrid { size: grid.size, channels: grid.channels, index, values }
+    }
+
+    /// Writes the turned (channel, z, y, x) over `turned`; both hold channels x size³ numbers.
+    ///
+    /// # Errors
+    /// [`LearnError::Sample`] if they do not.
+    pub fn dense(&self, size: usize, grid: &[f32], turned: &mut [f32]) -> Result<()> {
+        let voxels = size.pow(3);
+        if voxels == 0 || grid.len() != turned.len() || !grid.len().is_multiple_of(voxels) {
+            let reason = format!("{} and {} numbers are no grids of {size}³", grid.len(), turned.len());
+            return Err(LearnError::Sample { name: "voxels".into(), reason });
+        }
+        for (grid, turned) in grid.chunks_exact(voxels).zip(turned.chunks_exact_mut(voxels)) {
+            for (voxel, value) in grid.iter().enumerate() {
+                turned[self.voxel(size, voxel)] = *value;
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    fn product(a: [[i32; 3]; 3], b: [[i32; 3]; 3]) -> [[i32; 3]; 3] {
+        let mut product = [[0; 3]; 3];
+        for (row, out) in product.iter_mut().enumerate() {
+            for (column, out) in out.iter_mut().enumerate() {
+                *out = (0..3).map(|k| a[row][k] * b[k][column]).sum();
+            }
+        }
+        product
+    }
+
+    /// No two voxels alike, two channels.
+    fn grid(size: usize) -> SparseGrid {
+        let index: Vec<u32> = (0..size.pow(3) as u32).filter(|voxel| voxel % 3 != 1).collect();
+        let values = (0..2 * index.len()).map(|value| value as f32 + 0.5).collect();
+        SparseGrid { size, channels: 2, index, values }
+    }
+
+    #[test]
+    fn they_are_a_group_of_proper_rotations() {
+        let all = CubeRotation::all();
+        assert_eq!(all.len(), CubeRotation::COUNT);
+        let matrices: Vec<_> = all.iter().map(CubeRotation::matrix).collect();
+        assert_eq!(matrices[0], [[1, 0, 0], [0, 1, 0], [0, 0, 1]]);
+        for a in &all {
+            assert_eq!(a.determinant(), 1);
+            for b in &all {
+                let c = product(a.matrix(), b.matrix());
+                let c = all[matrices.iter().position(|matrix| *matrix == c).unwrap()];
+                // The voxels compose as the matrices do.
+                assert!((0..27).all(|voxel| a.voxel(3, b.voxel(3, voxel)) == c.voxel(3, voxel)));
+            }
+        }
+    }
+
+    #[test]
+    fn no_two_agree_on_an_asymmetric_grid() {
+        let grid = grid(4);
+        let turned: Vec<_> = CubeRotation::all().iter().map(|turn| turn.sparse(&grid)).collect();
+        for (place, first) in turned.iter().enumerate() {
+            first.check().unwrap();
+            assert!(turned[..place].iter().all(|second| second != first));
+        }
+    }
+
+    #[test]
+    fn the_matrix_says_where_voxels_go() {
+        // Coordinates from the centre, doubled to stay integers.
+        for size in [3_i32, 4] {
+            let centred = |voxel: i32| {
+                [voxel / (size * size), voxel / size % size, voxel % size].map(|place| 2 * place - (size - 1))
+            };
+            for turn in CubeRotation::all() {
+                for voxel in 0..size.pow(3) {
+                    let (before, m) = (centred(voxel), turn.matrix());
+                    let expected = m.map(|row| (0..3).map(|k| row[k] * before[k]).sum::<i32>());
+                    assert_eq!(centred(turn.voxel(size as usize, voxel as usize) as i32), expected);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn sparse_and_dense_grids_turn_alike() {
+        let grid = grid(5);
+        let mut before = vec![0.0; 250];
+        grid.write_dense(&mut before).unwrap();
+        for turn in CubeRotation::all() {
+            let (mut turned, mut expected) = (vec![0.0; 250], vec![0.0; 250]);
+            turn.dense(5, &before, &mut turned).unwrap();
+            turn.sparse(&grid).write_dense(&mut expected).unwrap();
+            assert_eq!(turned, expected);
+        }
+        assert!(CubeRotation::all()[0].dense(5, &before, &mut [0.0; 125]).is_err());
+    }
+
+    #[test]
+    fn an_empty_grid_stays_empty() {
+        let grid = SparseGrid { size: 4, channels: 2, ..SparseGrid::default() };
+        assert_eq!(CubeRotation::all()[7].sparse(&grid), grid);
+    }
+}

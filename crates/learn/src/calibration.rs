@@ -1,0 +1,126 @@
+//! Temperature scaling: one number that makes confidence honest, fitted on the validation part.
+//!
+//! p_k(T) ∝ exp(z_k / T), with T chosen for the smallest log-loss (Guo, Pleiss, Sun and Weinberger, ICML 2017). The order
+//! of classes stays, so accuracies do not change.
+
+use crate::Result;
+use crate::scores::{SMALLEST_PROBABILITY, check};
+
+const SMALLEST: f64 = 1e-2;
+const LARGEST: f64 = 1e2;
+const HALVINGS: usize = 80;
+
+/// The temperature between 0.01 and 100 that gives these probabilities the smallest log-loss.
+///
+/// In β = 1/T the loss is convex, with the slope Σ w (⟨z⟩_β - z_label) / Σ w, z = ln p; the slope's zero is bracketed in
+/// ln β.
+///
+/// # Errors
+/// [`LearnError::Settings`](crate::LearnError::Settings) as for [`Scores::of`](crate::scores::Scores::of).
+pub fn temperature(p: &[f64], labels: &[usize], classes: usize, weights: Option<&[f64]>) -> Result<f64> {
+    check(p, labels, classes, weights)?;
+    let slope = |beta: f64| {
+        let of = |(sample, (label, p)): (usize, (&usize, &[f64]))| {
+            let softened = softened(p, beta);
+            let mean: f64 = softened.iter().zip(p).map(|(q, p)| q * logarithm(*p)).sum();
+            weights.map_or(1.0, |weights| weights[sample]) * (mean - logarithm(p[*label]))
+        };
+        labels.iter().zip(p.chunks_exact(classes)).enumerate().map(of).sum::<f64>()
+    };
+    let (mut low, mut high) = ((1.0 / LARGEST).ln(), (1.0 / SMALLEST).ln());
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if slope(middle.exp()) < 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Ok((-0.5 * (low + high)).exp())
+}
+
+/// The probabilities at a temperature.
+pub fn at_temperature(probabilities: &[f64], classes: usize, temperature: f64) -> Vec<f64> {
+    probabilities.chunks_exact(classes.max(1)).flat_map(|p| softened(p, 1.0 / temperature)).collect()
+}
+
+fn logarithm(probability: f64) -> f64 {
+    probability.max(SMALLEST_PROBABILITY).ln()
+}
+
+/// p^β, normalised.
+fn softened(p: &[f64], beta: f64) -> Vec<f64> {
+    let mut logits: Vec<f64> = p.iter().map(|p| beta * logarithm(*p)).collect();
+    softmax(&mut logits);
+    logits
+}
+
+/// exp(z_k) / Σ exp(z_j) in place, safe for any finite z.
+pub(crate) fn softmax(logits: &mut [f64]) {
+    let largest = logits.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    logits.iter_mut().for_each(|logit| *logit = (*logit - largest).exp());
+    let sum: f64 = logits.iter().sum();
+    logits.iter_mut().for_each(|p| *p /= sum);
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::scores::Scores;
+    use protomer_kernel::random::CounterRng;
+
+    /// Labels drawn from known probabilities, which are then sharpened with a known temperature.
+    fn sharpened(temperature: f64) -> (Vec<f64>, Vec<usize>) {
+        let mut rng = CounterRng::new(2, 0, 0);
+        let (mut p, mut labels) = (Vec::new(), Vec::new());
+        for _ in 0..20_000 {
+            let mut honest: Vec<f64> = (0..4).map(|_| rng.uniform_in(-2.0, 2.0)).collect();
+            softmax(&mut honest);
+            let mut left = rng.uniform();
+            labels.push(
+                honest
+                    .iter()
+                    .position(|p| {
+                        left -= p;
+                        left < 0.0
+                    })
+                    .unwrap_or(3),
+            );
+            p.extend(at_temperature(&honest, 4, temperature));
+        }
+        (p, labels)
+    }
+
+    #[test]
+    fn the_temperature_of_overconfidence_is_found() {
+        for applied in [0.4, 1.0, 2.5] {
+            let (p, labels) = sharpened(applied);
+            let found = temperature(&p, &labels, 4, None).unwrap();
+            assert!((found * applied - 1.0).abs() < 0.05, "{found} undoes {applied}");
+            let (before, after) = (p.clone(), at_temperature(&p, 4, found));
+            let score = |p: &[f64]| Scores::of(p, &labels, 4, None).unwrap();
+            assert!(score(&after).log_loss_nats <= score(&before).log_loss_nats);
+            assert!(score(&after).expected_calibration_error < 0.02);
+            assert_eq!(score(&after).accuracy, score(&before).accuracy);
+        }
+    }
+
+    #[test]
+    fn no_other_temperature_has_a_smaller_loss() {
+        let (p, labels) = sharpened(0.6);
+        let (p, labels) = (&p[..400], &labels[..100]);
+        let weights: Vec<f64> = (0..100).map(|sample| 1.0 + (sample % 3) as f64).collect();
+        let found = temperature(p, labels, 4, Some(&weights)).unwrap();
+        let loss = |t: f64| Scores::of(&at_temperature(p, 4, t), labels, 4, Some(&weights)).unwrap().log_loss_nats;
+        for other in [0.01, 0.5, 0.9, 0.99, 1.01, 1.1, 2.0, 100.0] {
+            assert!(loss(found) < loss(found * other), "{found} x {other}");
+        }
+    }
+
+    #[test]
+    fn perfect_predictions_cool_to_the_bound() {
+        let found = temperature(&[0.51, 0.49, 0.49, 0.51], &[0, 1], 2, None).unwrap();
+        assert!((found - SMALLEST).abs() < 1e-9);
+    }
+}
