@@ -21,6 +21,7 @@
 //! | [`lattice`] | lattices of rigid squares: runs, sweeps, pictures |
 //! | [`mod@bench`], [`cpu_time`] | trial moves per CPU-second |
 //! | [`energy_tables`] | tables of certified energies, shared and bounded in memory |
+//! | [`train`], [`tune`] | networks trained and searched for, in their directories |
 //! | [`quantity`], [`keys`], [`interrupt`], [`plot`] | what several of them need |
 //! | `cli` | the command line, one file per verb (feature `cli`) |
 
@@ -52,3 +53,5 @@ pub mod surface_of_file;
 pub mod sweep;
 pub mod sweep_figure;
 pub mod sweep_table;
+pub mod train;
+pub mod tune;

@@ -1,6 +1,8 @@
 //! Experiments on the controls: what is trained on what, and what must come out.
 
 use super::{Control, Form, Variant};
+use crate::scaling::ScalingMode;
+use crate::split::Fractions;
 use serde::{Deserialize, Serialize};
 
 /// One training on the set of a control.
@@ -15,19 +17,9 @@ pub struct Experiment {
     /// Whether clusters stay together in the split; samples are dealt out one by one otherwise.
     pub split_by_cluster: bool,
     /// How channels are scaled.
-    pub scaling: Scaling,
+    pub scaling: ScalingMode,
     /// What must come out.
     pub expected: Expected,
-}
-
-/// How channels are scaled before the network sees them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Scaling {
-    /// By a robust scale over the occupied voxels of the training split, through arcsinh.
-    Robust,
-    /// Not at all.
-    Raw,
 }
 
 /// The balanced accuracy on the test split that an experiment must have.
@@ -89,7 +81,7 @@ pub struct Plan {
     /// Passes over the training split.
     pub epochs: usize,
     /// Shares of training, validation and test.
-    pub shares: [f64; 3],
+    pub fractions: Fractions,
 }
 
 const ALL: &[&str] = &["shape", "potential", "hydropathy"];
@@ -98,7 +90,7 @@ const WITH_POTENTIAL: &[&str] = &["shape", "potential"];
 const WITH_HYDROPATHY: &[&str] = &["shape", "hydropathy"];
 
 const fn experiment(name: &'static str, channels: &'static [&'static str], expected: Expected) -> Experiment {
-    let (variant, scaling) = (Variant::Usual, Scaling::Robust);
+    let (variant, scaling) = (Variant::Usual, ScalingMode::Robust);
     Experiment { name, variant, channels, split_by_cluster: true, scaling, expected }
 }
 
@@ -144,7 +136,10 @@ impl Control {
             }
             Self::HeavyTails => {
                 let raw = experiment("raw", WITH_POTENTIAL, Chance);
-                vec![experiment("robust", WITH_POTENTIAL, AtLeast(0.9)), Experiment { scaling: Scaling::Raw, ..raw }]
+                vec![
+                    experiment("robust", WITH_POTENTIAL, AtLeast(0.9)),
+                    Experiment { scaling: ScalingMode::Raw, ..raw },
+                ]
             }
         }
     }
@@ -156,14 +151,15 @@ impl Control {
 
     /// Sizes of the short and the full form.
     pub fn plan(self, form: Form) -> Plan {
-        let plan = |samples, size, epochs, shares| Plan { samples, size, epochs, shares };
-        const USUAL: [f64; 3] = [0.6, 0.1, 0.3];
-        const HALVES: [f64; 3] = [0.5, 0.1, 0.4];
+        let plan = |samples, size, epochs, fractions| Plan { samples, size, epochs, fractions };
+        const LARGE: Fractions = Fractions { training: 0.7, validation: 0.1, test: 0.2 };
+        const USUAL: Fractions = Fractions { training: 0.6, validation: 0.1, test: 0.3 };
+        const HALVES: Fractions = Fractions { training: 0.5, validation: 0.1, test: 0.4 };
         match (self, form) {
-            (Self::Shapes, Form::Short) => plan(1500, 16, 20, [0.7, 0.1, 0.2]),
-            (Self::Shapes, Form::Full) => plan(3000, 32, 20, [0.7, 0.1, 0.2]),
-            (Self::Assemblies, Form::Short) => plan(1500, 16, 20, [0.7, 0.1, 0.2]),
-            (Self::Assemblies, Form::Full) => plan(4000, 32, 25, [0.7, 0.1, 0.2]),
+            (Self::Shapes, Form::Short) => plan(1500, 16, 20, LARGE),
+            (Self::Shapes, Form::Full) => plan(3000, 32, 20, LARGE),
+            (Self::Assemblies, Form::Short) => plan(1500, 16, 20, LARGE),
+            (Self::Assemblies, Form::Full) => plan(4000, 32, 25, LARGE),
             (Self::Identity, Form::Short) => plan(640, 16, 30, HALVES),
             (Self::Identity, Form::Full) => plan(1600, 24, 40, HALVES),
             (Self::Permuted, Form::Short) => plan(640, 16, 12, HALVES),
@@ -192,7 +188,8 @@ mod tests {
             }
             for form in [Form::Short, Form::Full] {
                 let plan = control.plan(form);
-                assert!((plan.shares.iter().sum::<f64>() - 1.0).abs() < 1e-12 && (16..=32).contains(&plan.size));
+                let Fractions { training, validation, test } = plan.fractions;
+                assert!((training + validation + test - 1.0).abs() < 1e-12 && (16..=32).contains(&plan.size));
             }
         }
     }

@@ -21,7 +21,7 @@ mod raster;
 mod sample;
 mod solids;
 
-pub use experiment::{Expected, Experiment, Plan, Scaling, Verdict};
+pub use experiment::{Expected, Experiment, Plan, Verdict};
 
 use crate::sample::InMemory;
 use crate::{LearnError, Result};

@@ -21,6 +21,8 @@ mod surface;
 mod sweep;
 mod tables;
 mod tolerance;
+mod train;
+mod tune;
 
 use crate::interrupt::Interrupt;
 use anyhow::{Context, Result, anyhow, bail};
@@ -80,6 +82,8 @@ enum Verb {
     Simulate(simulate::SimulateArgs),
     Sweep(sweep::SweepArgs),
     Lattice(lattice::LatticeArgs),
+    Train(Box<train::TrainArgs>),
+    Tune(Box<tune::TuneArgs>),
     Bench(bench::BenchArgs),
     Completions(generate::CompletionsArgs),
     Man(generate::ManArgs),
@@ -131,6 +135,8 @@ impl Verb {
             Verb::Simulate(args) => args.run(global),
             Verb::Sweep(args) => args.run(global),
             Verb::Lattice(args) => args.run(global),
+            Verb::Train(args) => args.run(global),
+            Verb::Tune(args) => args.run(global),
             Verb::Bench(args) => args.run(global),
             Verb::Completions(args) => args.run(),
             Verb::Man(args) => args.run(),
