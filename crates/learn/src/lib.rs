@@ -17,6 +17,7 @@
 //! | [`network`] | blocks, global pooling, a linear layer |
 //! | [`loss`] | cross entropy |
 //! | [`optimiser`] | Adam |
+//! | [`training`] | the loop, its checkpoints, and trained models |
 //! | [`scores`], [`calibration`] | how good probabilities are, and how honest |
 //! | [`baselines`], [`logistic`] | what is predicted without a network |
 //! | [`bootstrap`], [`permutation`] | intervals over clusters; could it be chance? |
@@ -42,9 +43,11 @@ pub mod scaling;
 pub mod scores;
 pub mod split;
 pub mod targets;
+pub mod training;
 pub mod view;
 
 pub use block::BlockSettings;
+pub use candle_core::Device;
 pub use error::{LearnError, Result};
 pub use loss::cross_entropy;
 pub use network::{GlobalPooling, Network, NetworkSettings};

@@ -145,7 +145,8 @@ struct NetworkArgs {
 impl NetworkArgs {
     fn override_in(&self, settings: &mut TrainSettings) -> Result<()> {
         if self.widths.is_some() || self.kernels.is_some() || self.groups.is_some() {
-            let present = |value: fn(&protomer_learn::BlockSettings) -> usize| settings.blocks.iter().map(value).collect();
+            let present =
+                |value: fn(&protomer_learn::BlockSettings) -> usize| settings.blocks.iter().map(value).collect();
             let widths = self.widths.clone().unwrap_or_else(|| present(|block| block.width));
             let kernels = self.kernels.clone().unwrap_or_else(|| match self.widths {
                 Some(_) => vec![3],

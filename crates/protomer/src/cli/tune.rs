@@ -76,7 +76,8 @@ fn report(global: &Global, trials: &[Trial], best: &str) -> Result<()> {
     if global.quiet {
         return Ok(());
     }
-    let mut rows = vec![["trial", "epochs", "validation loss (nats)", "balanced accuracy", "widths"].map(String::from).to_vec()];
+    let mut rows =
+        vec![["trial", "epochs", "validation loss (nats)", "balanced accuracy", "widths"].map(String::from).to_vec()];
     for trial in trials.iter().take(10) {
         let widths: Vec<String> = trial.settings.blocks.iter().map(|block| block.width.to_string()).collect();
         rows.push(vec![

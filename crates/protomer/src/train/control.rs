@@ -77,7 +77,10 @@ impl ControlReport {
                 _ => format!("chance, {at_least:.2} to {at_most:.2}"),
             };
             let verdict = if *reached { "as expected" } else { "NOT AS EXPECTED" };
-            format!("{} {name}: balanced accuracy {balanced_accuracy:.3}, expected {wanted}: {verdict}", self.name.name())
+            format!(
+                "{} {name}: balanced accuracy {balanced_accuracy:.3}, expected {wanted}: {verdict}",
+                self.name.name()
+            )
         };
         self.experiments.iter().map(line).collect::<Vec<_>>().join("\n")
     }

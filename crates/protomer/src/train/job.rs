@@ -47,7 +47,8 @@ impl Job {
                 let mut settings = self.settings.clone();
                 (settings.training.channels, settings.training.seed) = (subset, seed);
                 if settings != self.settings {
-                    trainings.push((format!("ablation/{}/seed_{seed}", settings.training.channels.join("+")), settings));
+                    trainings
+                        .push((format!("ablation/{}/seed_{seed}", settings.training.channels.join("+")), settings));
                 }
             }
         }

@@ -294,9 +294,8 @@ impl Metrics {
     pub fn summary(&self) -> String {
         let Intervals { accuracy, balanced_accuracy, nats_gained_over_prior } = &self.bootstrap_95;
         let range = |interval: &Interval| format!("{:.3} to {:.3}", interval.low, interval.high);
-        let best = |value: fn(&BaselineScores) -> f64| {
-            self.baselines.iter().max_by(|a, b| value(a.1).total_cmp(&value(b.1)))
-        };
+        let best =
+            |value: fn(&BaselineScores) -> f64| self.baselines.iter().max_by(|a, b| value(a.1).total_cmp(&value(b.1)));
         let mut lines = vec![
             format!(
                 "test part: {} samples in {} clusters, {} classes",

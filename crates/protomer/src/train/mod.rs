@@ -29,7 +29,7 @@ mod source;
 pub use ablation::{Ablation, AblationRow, AblationRun, Mean, subsets};
 pub use control::{ControlReport, ExperimentReport};
 pub use directory::TrainDirectory;
-pub use figure::{learning_curve};
+pub use figure::learning_curve;
 pub use job::{ControlRun, Job, TrainEnd, run_control, run_job};
 pub use metrics::{BaselineScores, Intervals, Metrics, Parts, Predictions};
 pub use run::{Prepared, advance, train_in};

@@ -9,6 +9,7 @@ use crate::run::Execution;
 use anyhow::{Context, Result, anyhow, bail};
 use protomer_io::atomic::write_atomically;
 use protomer_io::csv::{Cell, Table};
+use protomer_learn::Device;
 use protomer_learn::logistic::prior;
 use protomer_learn::sample::{Description, SampleSource};
 use protomer_learn::scaling::{Quarantined, screen};
@@ -19,7 +20,6 @@ use protomer_learn::training::{
     EpochRecord, Observer, Outcome, PredictionSettings, StepReport, Trained, Training, TrainingSettings,
 };
 use protomer_learn::view::View;
-use protomer_learn::Device;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
@@ -31,16 +31,8 @@ const HISTORY: &str = "history.csv";
 const PREDICTIONS: &str = "predictions.csv";
 const CURVE: &str = "learning_curve.svg";
 /// Everything that a training and its ablation write beside the settings.
-pub(super) const RESULTS: [&str; 8] = [
-    super::metrics::FILE_NAME,
-    MODEL,
-    HISTORY,
-    PREDICTIONS,
-    CURVE,
-    CHECKPOINT,
-    "ablation.csv",
-    "ablation",
-];
+pub(super) const RESULTS: [&str; 8] =
+    [super::metrics::FILE_NAME, MODEL, HISTORY, PREDICTIONS, CURVE, CHECKPOINT, "ablation.csv", "ablation"];
 
 /// A set made ready: samples with a class, classes, split.
 #[derive(Debug)]
@@ -149,7 +141,11 @@ pub fn advance(
     let resumed = present.as_ref().map(|_| format!(" (continued from {})", checkpoint.display()));
     let trained = trained.map_err(|error| anyhow!("{error}{}", resumed.unwrap_or_default()))?;
     // Epochs of earlier runs, and those that ending early saves.
-    advanced((epochs as u64).saturating_sub(keeper.epochs).saturating_mul(u64::from(trained.outcome != Outcome::Interrupted)));
+    advanced(
+        (epochs as u64)
+            .saturating_sub(keeper.epochs)
+            .saturating_mul(u64::from(trained.outcome != Outcome::Interrupted)),
+    );
     Ok((trained.outcome != Outcome::Interrupted).then_some(trained))
 }
 
