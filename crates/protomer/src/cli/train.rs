@@ -5,7 +5,7 @@ use super::{Global, Outcome, output};
 use crate::train::{
     ControlRun, Job, Metrics, SplitBy, TrainEnd, TrainSettings, blocks, channels_of, open_set, run_control, run_job,
 };
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Result, anyhow, bail};
 use clap::{Args, ValueEnum};
 use protomer_learn::controls::{Control, Form};
 use protomer_learn::network::GlobalPooling;
