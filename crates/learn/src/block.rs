@@ -1,8 +1,18 @@
 //! One block of the network: convolution, group normalisation if wanted, ReLU, pooling if wanted.
+//!
+//! On the processor a block is one node of the tensor library's graph, or two with a normalisation ([`fused`]): node by
+//! node, passes over grids and gradients that are added to fresh zeros cost several times what the convolutions do. On any
+//! other device it is composed of tensor operations ([`composed`]).
 
+pub mod convolution;
+pub mod norm;
+
+use crate::convolution::Level;
 use crate::operations::{convolution3d, group_norm, max_pool3d};
 use crate::{LearnError, Result};
-use candle_core::Tensor;
+use candle_core::{CpuStorage, DType, Layout, Storage, Tensor};
+use convolution::{Convolution, Finishing};
+use norm::Norm;
 use serde::{Deserialize, Serialize};
 
 /// What a block does.
@@ -65,4 +75,76 @@ pub fn composed(input: &Tensor, parameters: &BlockParameters, settings: &BlockSe
     }
     grid = grid.relu()?;
     if settings.pool { max_pool3d(&grid) } else { Ok(grid) }
+}
+
+/// The block in one node, or two, on the processor, with the kernels of `level`.
+///
+/// # Errors
+/// [`LearnError::Tensor`] for shapes that do not fit, [`LearnError::Settings`] for settings that make no sense.
+pub fn fused(level: Level, input: &Tensor, parameters: &BlockParameters, settings: &BlockSettings) -> Result<Tensor> {
+    let BlockParameters { weight, bias, norm } = parameters;
+    match (settings.groups, norm) {
+        (Some(groups), Some((scale, shift))) => {
+            let grid = Convolution::apply(level, Finishing::Plain, input, weight, bias)?;
+            Norm::apply(level, groups, settings.pool, &grid, scale, shift)
+        }
+        _ => {
+            let finishing = if settings.pool { Finishing::Pool } else { Finishing::Relu };
+            Convolution::apply(level, finishing, input, weight, bias)
+        }
+    }
+}
+
+/// The block on whatever device its input is on.
+///
+/// # Errors
+/// [`LearnError::Tensor`] for shapes that do not fit, [`LearnError::Settings`] for settings that make no sense.
+pub fn forward(input: &Tensor, parameters: &BlockParameters, settings: &BlockSettings) -> Result<Tensor> {
+    if input.device().is_cpu() && input.dtype() == DType::F32 {
+        fused(Level::best(), input, parameters, settings)
+    } else {
+        composed(input, parameters, settings)
+    }
+}
+
+/// The numbers of a contiguous layout.
+fn contiguous<'a>(storage: &'a CpuStorage, layout: &Layout) -> candle_core::Result<&'a [f32]> {
+    let (start, end) = layout.contiguous_offsets().ok_or_else(convolution::wrong_storage)?;
+    storage.as_slice::<f32>()?.get(start..end).ok_or_else(convolution::wrong_storage)
+}
+
+/// Calls `work` with the numbers of a contiguous tensor.
+fn with_slice<T>(tensor: &Tensor, work: impl FnOnce(&[f32]) -> candle_core::Result<T>) -> candle_core::Result<T> {
+    let (storage, layout) = tensor.storage_and_layout();
+    match &*storage {
+        Storage::Cpu(storage) => work(contiguous(storage, layout)?),
+        _ => Err(convolution::wrong_storage()),
+    }
+}
+
+/// The sum, to the precision of the numbers.
+fn sum(numbers: &[f32]) -> f64 {
+    sum_of(numbers, |value| value)
+}
+
+/// The sum of a function of the numbers, to their precision: f32 in lanes over short parts, f64 over these.
+#[inline(always)]
+fn sum_of(numbers: &[f32], of: impl Fn(f32) -> f32) -> f64 {
+    let mut total = 0.0;
+    for part in numbers.chunks(1024) {
+        let mut lanes = [0.0f32; 64];
+        let mut pieces = part.chunks_exact(64);
+        for piece in &mut pieces {
+            for (lane, value) in lanes.iter_mut().zip(piece) {
+                *lane += of(*value);
+            }
+        }
+        for value in pieces.remainder() {
+            total += f64::from(of(*value));
+        }
+        for lane in lanes {
+            total += f64::from(lane);
+        }
+    }
+    total
 }

@@ -3,7 +3,7 @@
 //! Names and layouts of the parameters are those of PyTorch (`blocks.0.weight` is (O, C, k, k, k), `head.weight` (K, F)),
 //! so that a state dictionary written from them loads there.
 
-use crate::block::{BlockParameters, BlockSettings, composed};
+use crate::block::{self, BlockParameters, BlockSettings};
 use crate::operations::{global_average_pool, global_maximum_pool};
 use crate::{LearnError, Result};
 use candle_core::{Device, Tensor, Var};
@@ -173,10 +173,10 @@ impl Network {
         let mut parameters = self.parameters.iter().map(|(_, parameter)| tensor(parameter));
         let mut next = || parameters.next().ok_or_else(|| LearnError::Settings("the network lacks parameters".into()));
         let mut grid = batch.clone();
-        for block in &self.settings.blocks {
+        for settings in &self.settings.blocks {
             let (weight, bias) = (next()?, next()?);
-            let norm = if block.groups.is_some() { Some((next()?, next()?)) } else { None };
-            grid = composed(&grid, &BlockParameters { weight, bias, norm }, block)?;
+            let norm = if settings.groups.is_some() { Some((next()?, next()?)) } else { None };
+            grid = block::forward(&grid, &BlockParameters { weight, bias, norm }, settings)?;
         }
         let mut features = global_average_pool(&grid)?;
         if self.settings.pooling == GlobalPooling::AverageAndMaximum {

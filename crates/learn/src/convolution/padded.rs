@@ -1,0 +1,182 @@
+//! Grids with zeros around them.
+
+use super::buffers::Buffer;
+use super::geometry::{Geometry, LANES};
+
+/// A sample with zeros around it, channel by channel: (C, D + 2r, H + 2r, W + 2r).
+#[derive(Debug)]
+pub struct Padded {
+    /// The numbers.
+    pub numbers: Buffer,
+    /// Which voxels hold anything; none if too many do for it to pay.
+    pub occupied: Option<Occupied>,
+}
+
+/// Which voxels of a padded grid hold anything in any channel.
+#[derive(Debug, Clone)]
+pub struct Occupied {
+    /// For every row; bit i stands for the voxels from i `grain` on.
+    rows: Vec<u128>,
+    /// Voxels per bit.
+    grain: usize,
+}
+
+impl Occupied {
+    fn of(geometry: &Geometry, numbers: &[f32]) -> Self {
+        let [depth, height, width] = geometry.padded_edges();
+        let grain = width.div_ceil(u128::BITS as usize);
+        let mut rows = vec![0; depth * height];
+        for (i, row) in numbers.chunks_exact(width).enumerate() {
+            let mask = &mut rows[i % (depth * height)];
+            for (block, part) in row.chunks(LANES * grain).enumerate() {
+                // Mostly there is nothing; the sign of a zero does not count.
+                if part.iter().fold(0, |any, value| any | value.to_bits() << 1) == 0 {
+                    continue;
+                }
+                for (i, voxels) in part.chunks(grain).enumerate() {
+                    *mask |= u128::from(voxels.iter().any(|value| *value != 0.0)) << (block * LANES + i);
+                }
+            }
+        }
+        Self { rows, grain }
+    }
+
+    /// The voxels of a row that may hold something, ascending.
+    #[inline(always)]
+    pub fn of_row(&self, row: usize, width: usize) -> impl Iterator<Item = usize> {
+        let (mut bits, grain) = (self.mask(row), self.grain);
+        let bits = std::iter::from_fn(move || {
+            (bits != 0).then(|| {
+                let first = bits.trailing_zeros() as usize;
+                bits &= bits - 1;
+                first
+            })
+        });
+        bits.flat_map(move |bit| bit * grain..((bit + 1) * grain).min(width))
+    }
+
+    /// At most how many voxels of a row hold something.
+    #[inline(always)]
+    pub fn count(&self, row: usize) -> usize {
+        self.mask(row).count_ones() as usize * self.grain
+    }
+
+    /// Whether any of `count` voxels of a row from `first` on may hold something.
+    #[inline(always)]
+    pub fn any(&self, row: usize, first: usize, count: usize) -> bool {
+        let (low, high) = (first / self.grain, (first + count - 1) / self.grain);
+        let upto_high = u128::MAX >> (u128::BITS as usize - 1 - high.min(u128::BITS as usize - 1));
+        self.mask(row) & upto_high & (u128::MAX << low) != 0
+    }
+
+    #[inline(always)]
+    fn mask(&self, row: usize) -> u128 {
+        self.rows.get(row).copied().unwrap_or(u128::MAX)
+    }
+
+    /// For every row of outputs, which of them see anything: bit x stands for voxel x. None for rows longer than a mask.
+    pub fn seen(&self, geometry: &Geometry) -> Option<Vec<u128>> {
+        let [depth, height, _] = geometry.edges;
+        let padded_height = geometry.padded_edges()[1];
+        let kernel = geometry.kernel;
+        let seen = (0..depth * height).map(|i| {
+            let first = i / height * padded_height + i % height;
+            let below = (0..kernel * kernel).map(|t| self.mask(first + t / kernel * padded_height + t % kernel));
+            let below = below.fold(0, |any, mask| any | mask);
+            (0..kernel).fold(0, |any, k| any | below >> k)
+        });
+        (self.grain == 1).then(|| seen.collect())
+    }
+}
+
+/// Above this share of numbers that are not zero, no occupation is noted.
+const LARGEST_FILL: f64 = 0.25;
+
+impl Padded {
+    /// The sample (C, D, H, W) with zeros around it; `look_for_zeros`: note which voxels hold anything.
+    pub fn new(geometry: &Geometry, sample: &[f32], look_for_zeros: bool) -> Self {
+        let radius = geometry.radius();
+        let [_, height, width] = geometry.edges;
+        let [padded_depth, padded_height, padded_width] = geometry.padded_edges();
+        let mut numbers = Buffer::stale(geometry.channels * geometry.padded_voxels());
+        let mut rows = sample.chunks_exact(width);
+        for (i, row) in numbers.chunks_exact_mut(padded_width).enumerate() {
+            let (z, y) = (i / padded_height % padded_depth, i % padded_height);
+            let inside = (radius..padded_depth - radius).contains(&z) && (radius..radius + height).contains(&y);
+            let source = if inside { rows.next() } else { None };
+            match source {
+                Some(source) => {
+                    row[..radius].fill(0.0);
+                    row[radius..radius + width].copy_from_slice(source);
+                    row[radius + width..].fill(0.0);
+                }
+                None => row.fill(0.0),
+            }
+        }
+        let occupied = (look_for_zeros && fill(sample) < LARGEST_FILL).then(|| Occupied::of(geometry, &numbers));
+        Self { numbers, occupied }
+    }
+}
+
+fn fill(sample: &[f32]) -> f64 {
+    let filled: usize =
+        sample.chunks(4096).map(|part| part.iter().map(|v| u32::from(*v != 0.0)).sum::<u32>() as usize).sum();
+    filled as f64 / sample.len().max(1) as f64
+}
+
+/// Numbers behind the last voxel of a channel-last grid that whole vectors may run into.
+pub fn slack(geometry: &Geometry) -> usize {
+    LANES * (1 + geometry.kernel)
+}
+
+/// The sample (C, D, H, W) with zeros around it, voxel by voxel: (D + 2r, H + 2r, W + 2r, C), and [`slack`] behind.
+/// `occupied`, if known, says which voxels hold anything.
+pub fn channel_last(geometry: &Geometry, sample: &[f32], occupied: Option<&Occupied>) -> Buffer {
+    let mut numbers = Buffer::zeros(geometry.channels * geometry.padded_voxels() + slack(geometry));
+    let (width, channels) = (geometry.edges[2], geometry.channels);
+    let voxels = geometry.voxels();
+    for row in 0..voxels / width {
+        let to = first_of_row(geometry, row) * channels;
+        if let Some(occupied) = occupied {
+            let padded_width = geometry.padded_edges()[2];
+            let first = to / channels - geometry.radius();
+            for x in occupied.of_row(first / padded_width, padded_width) {
+                let Some(inner) = x.checked_sub(geometry.radius()).filter(|inner| *inner < width) else { continue };
+                for channel in 0..channels {
+                    numbers[(first + x) * channels + channel] = sample[channel * voxels + row * width + inner];
+                }
+            }
+            continue;
+        }
+        for channel in 0..channels {
+            let from = &sample[channel * voxels + row * width..][..width];
+            for (to, from) in numbers[to + channel..].iter_mut().step_by(channels).zip(from) {
+                *to = *from;
+            }
+        }
+    }
+    numbers
+}
+
+/// Undoes [`channel_last`]: writes the inner voxels to `sample`.
+pub fn from_channel_last(geometry: &Geometry, numbers: &[f32], sample: &mut [f32]) {
+    let (width, channels) = (geometry.edges[2], geometry.channels);
+    let voxels = geometry.voxels();
+    for row in 0..voxels / width {
+        let from = first_of_row(geometry, row) * channels;
+        for channel in 0..channels {
+            let to = &mut sample[channel * voxels + row * width..][..width];
+            for (to, from) in to.iter_mut().zip(numbers[from + channel..].iter().step_by(channels)) {
+                *to = *from;
+            }
+        }
+    }
+}
+
+/// The padded voxel where a row of the grid begins.
+fn first_of_row(geometry: &Geometry, row: usize) -> usize {
+    let [_, height, width] = geometry.padded_edges();
+    let radius = geometry.radius();
+    let (z, y) = (row / geometry.edges[1], row % geometry.edges[1]);
+    ((z + radius) * height + y + radius) * width + radius
+}

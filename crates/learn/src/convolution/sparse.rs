@@ -1,0 +1,321 @@
+//! Gradients where most gradients of the outputs are zero, as they are behind a maximum over windows: at most one in eight
+//! is not, and those that the ReLU cut off are not there either.
+//!
+//! For each output the gradients that are not zero are listed; each gives k² runs of k C numbers, which lie next to each
+//! other in a channel-last grid:
+//!
+//! ∂w\[o, run\] += g x\[p + run\] and ∂x\[p + run\] += g w\[o, run\].
+
+use super::forward::DEAD;
+use super::geometry::{Geometry, LANES};
+use super::lanes::{Lanes, Work};
+
+/// One gradient that is not zero.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Entry {
+    /// Where in the padded grid its taps begin, voxels.
+    pub voxel: u32,
+    /// The gradient.
+    pub value: f32,
+}
+
+/// The gradients of a sample that are not zero.
+#[derive(Debug, Default)]
+pub struct Entries {
+    list: Vec<Entry>,
+    /// Where in the list the rows of each output begin, and the end of the last.
+    starts: Vec<usize>,
+    rows: usize,
+}
+
+impl Entries {
+    /// From the gradient of the pooled outputs, (O, D/2, H/2, W/2), and the corners that pooling chose. `seen`, if known,
+    /// says row by row which outputs see anything of the input: the others leave weights alone and are left out.
+    pub fn pooled(geometry: &Geometry, gradient: &[f32], codes: &[u8], seen: Option<&[u128]>) -> Self {
+        let [depth, height, width] = geometry.edges.map(|edge| edge / 2);
+        let [_, padded_height, padded_width] = geometry.padded_edges();
+        let corners: [u32; 8] =
+            std::array::from_fn(|i| ((i / 4 * padded_height + i / 2 % 2) * padded_width + i % 2) as u32);
+        let rows = depth * height;
+        let mut list = vec![Entry::default(); gradient.len() + 1];
+        let mut starts = Vec::with_capacity(geometry.outputs * rows + 1);
+        let mut count = 0;
+        for (i, (gradient, codes)) in gradient.chunks_exact(width).zip(codes.chunks_exact(width)).enumerate() {
+            starts.push(count);
+            let (z, y) = (2 * (i % rows / height), 2 * (i % height));
+            let first = ((z * padded_height + y) * padded_width) as u32;
+            let below: Option<[u128; 4]> = seen.map(|seen| {
+                std::array::from_fn(|i| {
+                    let row = (z + i / 2) * geometry.edges[1] + y + i % 2;
+                    seen.get(row).copied().unwrap_or(u128::MAX)
+                })
+            });
+            if below.is_some_and(|below| below == [0; 4]) {
+                continue;
+            }
+            for (x, (value, code)) in gradient.iter().zip(codes).enumerate() {
+                if let Some(below) = below {
+                    let row = below[usize::from((code / 2) & 3)];
+                    if row & (1 << (2 * x + usize::from(code & 1))) == 0 {
+                        continue;
+                    }
+                }
+                // Written always, kept if it counts: no branch to guess wrong.
+                list[count] = Entry { voxel: first + 2 * x as u32 + corners[usize::from(code & 7)], value: *value };
+                count += usize::from((*code != DEAD) & (*value != 0.0));
+            }
+        }
+        starts.push(count);
+        list.truncate(count);
+        Self { list, starts, rows }
+    }
+
+    /// From the gradient of all outputs, (O, D, H, W).
+    pub fn unpooled(geometry: &Geometry, gradient: &[f32]) -> Self {
+        let [depth, height, width] = geometry.edges;
+        let [_, padded_height, padded_width] = geometry.padded_edges();
+        let rows = depth * height;
+        let mut list = vec![Entry::default(); gradient.len() + 1];
+        let mut starts = Vec::with_capacity(geometry.outputs * rows + 1);
+        let mut count = 0;
+        for (i, gradient) in gradient.chunks_exact(width).enumerate() {
+            starts.push(count);
+            let first = ((i % rows / height * padded_height + i % height) * padded_width) as u32;
+            for (x, value) in gradient.iter().enumerate() {
+                list[count] = Entry { voxel: first + x as u32, value: *value };
+                count += usize::from(*value != 0.0);
+            }
+        }
+        starts.push(count);
+        list.truncate(count);
+        Self { list, starts, rows }
+    }
+
+    /// Writes them into the gradient of all outputs, (O, D, H, W), which holds zeros.
+    pub fn write_dense(&self, geometry: &Geometry, gradient: &mut [f32]) {
+        let [_, height, width] = geometry.edges;
+        let [_, padded_height, padded_width] = geometry.padded_edges();
+        for (output, gradient) in gradient.chunks_exact_mut(geometry.voxels()).enumerate() {
+            for entry in self.of_output(output) {
+                let voxel = entry.voxel as usize;
+                let (z, y) = (voxel / padded_width / padded_height, voxel / padded_width % padded_height);
+                gradient[(z * height + y) * width + voxel % padded_width] = entry.value;
+            }
+        }
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.list.len()
+    }
+
+    /// Those of an output.
+    #[inline(always)]
+    pub fn of_output(&self, output: usize) -> &[Entry] {
+        self.of_rows(output * self.rows, (output + 1) * self.rows)
+    }
+
+    #[inline(always)]
+    fn of_rows(&self, first: usize, end: usize) -> &[Entry] {
+        match (self.starts.get(first), self.starts.get(end)) {
+            (Some(first), Some(end)) => self.list.get(*first..*end).unwrap_or_default(),
+            _ => &[],
+        }
+    }
+}
+
+/// Numbers of a run of k C, rounded up to whole vectors.
+pub fn run_length(geometry: &Geometry) -> usize {
+    (geometry.kernel * geometry.channels).next_multiple_of(LANES)
+}
+
+/// Numbers of the weights of one output in runs: k² of them.
+fn weights_per_output(geometry: &Geometry) -> usize {
+    geometry.tap_rows() * run_length(geometry)
+}
+
+/// Numbers of all weights in runs.
+pub fn weights_length(geometry: &Geometry) -> usize {
+    geometry.outputs * weights_per_output(geometry)
+}
+
+/// The weights (O, C, taps) in runs: (O, k², k C and zeros).
+pub fn pack(geometry: &Geometry, weights: &[f32]) -> Vec<f32> {
+    let mut packed = vec![0.0; weights_length(geometry)];
+    each_weight(geometry, |plain, run| packed[run] = weights[plain]);
+    packed
+}
+
+/// Undoes [`pack`], adding to `weights`.
+pub fn add_unpacked(geometry: &Geometry, packed: &[f32], weights: &mut [f32]) {
+    each_weight(geometry, |plain, run| weights[plain] += packed[run]);
+}
+
+fn each_weight(geometry: &Geometry, mut pair: impl FnMut(usize, usize)) {
+    let (taps, kernel, channels) = (geometry.taps(), geometry.kernel, geometry.channels);
+    for output in 0..geometry.outputs {
+        for channel in 0..channels {
+            for tap in 0..taps {
+                let run = (output * kernel * kernel + tap / kernel) * run_length(geometry);
+                pair((output * channels + channel) * taps + tap, run + tap % kernel * channels + channel);
+            }
+        }
+    }
+}
+
+/// The gradient of the weights of one sample, which overwrites `weights`.
+#[derive(Debug)]
+pub struct SparseWeights<'a> {
+    /// The shape.
+    pub geometry: &'a Geometry,
+    /// The input, channel last.
+    pub input: &'a [f32],
+    /// The gradients.
+    pub entries: &'a Entries,
+    /// In the order of [`pack`].
+    pub weights: &'a mut [f32],
+}
+
+/// Adds the gradient of the input of one sample.
+#[derive(Debug)]
+pub struct SparseInput<'a> {
+    /// The shape.
+    pub geometry: &'a Geometry,
+    /// The gradient of the input, channel last.
+    pub input: &'a mut [f32],
+    /// The gradients of the outputs.
+    pub entries: &'a Entries,
+    /// The weights in the order of [`pack`].
+    pub weights: &'a [f32],
+}
+
+/// Whether all buffers have the lengths that the kernels count on.
+fn fits(geometry: &Geometry, input: usize, entries: &Entries, weights: usize) -> bool {
+    let [depth, height, width] = geometry.edges;
+    let [_, padded_height, padded_width] = geometry.padded_edges();
+    let last = ((depth - 1) * padded_height + height - 1) * padded_width + width - 1;
+    input == geometry.channels * geometry.padded_voxels() + super::padded::slack(geometry)
+        && weights == weights_length(geometry)
+        && entries.list.iter().all(|entry| entry.voxel as usize <= last)
+}
+
+impl Work for SparseWeights<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    #[allow(clippy::int_plus_one, reason = "the macro's smallest step is 1")]
+    unsafe fn run<S: Lanes>(self) {
+        let Self { geometry, input, entries, weights } = self;
+        assert!(
+            fits(geometry, input.len(), entries, weights.len()),
+            "buffers do not fit a convolution of {geometry:?}"
+        );
+        let vectors = run_length(geometry) / S::WIDTH;
+        let kernel = geometry.kernel;
+        for (output, weights) in weights.chunks_exact_mut(weights_per_output(geometry)).enumerate() {
+            let list = entries.of_output(output);
+            // Rows of taps from `row` on and vectors from `vector` on, as many as the registers hold.
+            macro_rules! sweep {
+                ($rows:literal: $($vectors:literal)*) => {
+                    for row in (0..kernel * kernel).step_by($rows) {
+                        let mut vector = 0;
+                        $(while vector + $vectors <= vectors {
+                            // SAFETY: an entry's voxel is at most that of the last output, checked above, so its runs
+                            // begin inside the padded grid, and the slack behind the grid covers what whole vectors run
+                            // over; $rows divides k², and the weights hold k² runs of `vectors` vectors.
+                            unsafe { gather::<S, $rows, $vectors>(geometry, input, list, row, vector, weights) };
+                            vector += $vectors;
+                        })*
+                    }
+                };
+            }
+            match (S::MANY, kernel, vectors) {
+                (true, 3, 1..=3) => sweep!(9: 3 2 1),
+                (true, 3, _) => sweep!(3: 8 6 3 2 1),
+                (true, 5, _) => sweep!(5: 4 3 2 1),
+                (true, _, _) => sweep!(1: 8 4 2 1),
+                (false, 3, _) => sweep!(3: 4 3 2 1),
+                (false, 5, _) => sweep!(5: 2 1),
+                (false, _, _) => sweep!(1: 8 4 2 1),
+            }
+        }
+    }
+}
+
+/// Sums R rows of taps times V vectors over the entries of an output.
+///
+/// # Safety
+/// The processor has the instructions of `S`; reads and writes stay inside, as argued where it is called.
+#[inline(always)]
+unsafe fn gather<S: Lanes, const R: usize, const V: usize>(
+    geometry: &Geometry,
+    input: &[f32],
+    list: &[Entry],
+    row: usize,
+    vector: usize,
+    weights: &mut [f32],
+) {
+    let mut offsets = [0; R];
+    for (i, offset) in offsets.iter_mut().enumerate() {
+        *offset = geometry.tap_row_offset(row + i) * geometry.channels + vector * S::WIDTH;
+    }
+    // SAFETY: the caller's promise.
+    unsafe {
+        let mut sums = [[S::zero(); V]; R];
+        for entry in list {
+            let value = S::splat(&raw const entry.value);
+            let from = input.as_ptr().add(entry.voxel as usize * geometry.channels);
+            for (sums, offset) in sums.iter_mut().zip(offsets) {
+                for (v, sum) in sums.iter_mut().enumerate() {
+                    *sum = S::multiply_add(value, S::load(from.add(offset + v * S::WIDTH)), *sum);
+                }
+            }
+        }
+        for (i, sums) in sums.iter().enumerate() {
+            for (v, sum) in sums.iter().enumerate() {
+                let to = (row + i) * run_length(geometry) + (vector + v) * S::WIDTH;
+                S::store(weights.as_mut_ptr().add(to), *sum);
+            }
+        }
+    }
+}
+
+impl Work for SparseInput<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    unsafe fn run<S: Lanes>(self) {
+        let Self { geometry, input, entries, weights } = self;
+        assert!(
+            fits(geometry, input.len(), entries, weights.len()),
+            "buffers do not fit a convolution of {geometry:?}"
+        );
+        let length = run_length(geometry);
+        let mut offsets = [0; 25];
+        for (row, offset) in offsets.iter_mut().enumerate().take(geometry.tap_rows()) {
+            *offset = geometry.tap_row_offset(row) * geometry.channels;
+        }
+        let offsets = &offsets[..geometry.tap_rows()];
+        // A row of windows at a time, so that the part of the input it reaches stays in the cache.
+        for row in 0..entries.rows {
+            for (output, weights) in weights.chunks_exact(weights_per_output(geometry)).enumerate() {
+                let place = output * entries.rows + row;
+                for entry in entries.of_rows(place, place + 1) {
+                    // SAFETY: as for the weights: runs begin inside the padded grid, and the slack covers the rest; past
+                    // its k C weights a run adds the zeros it was packed with.
+                    unsafe {
+                        let value = S::splat(&raw const entry.value);
+                        let to = input.as_mut_ptr().add(entry.voxel as usize * geometry.channels);
+                        for (i, offset) in offsets.iter().enumerate() {
+                            let (to, from) = (to.add(*offset), weights.as_ptr().add(i * length));
+                            for first in (0..length).step_by(S::WIDTH) {
+                                let sum = S::multiply_add(value, S::load(from.add(first)), S::load(to.add(first)));
+                                S::store(to.add(first), sum);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
