@@ -13,6 +13,7 @@
 //! | `multigrid` | an approximate inverse of it |
 //! | `conjugate_gradient` | the exact one |
 //! | [`poisson_boltzmann`] | charges in, potential and solvation energy out |
+//! | [`voxels`] | a structure as a sparse cubic grid: surface, potential, hydropathy |
 //!
 //! Lengths are in Å, charges in e, potentials in kT/e; energies in kT, and in kJ/mol where a name says so.
 
@@ -24,6 +25,7 @@ pub mod grid;
 mod multigrid;
 mod operator;
 pub mod poisson_boltzmann;
+pub mod voxels;
 
 pub use error::{FieldError, Result};
 pub use grid::{Grid, ScalarField};

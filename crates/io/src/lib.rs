@@ -1,5 +1,5 @@
 //! File formats and nothing else: readers take bytes and a name for error messages and return values, writers the other
-//! way round. Only [`gzip`], [`atomic`] and the trajectory in [`gsd`] touch the file system.
+//! way round. Only [`gzip`], [`atomic`], [`zarr`] and the trajectory in [`gsd`] touch the file system.
 //!
 //! | module | one idea |
 //! |---|---|
@@ -10,6 +10,7 @@
 //! | [`gsd`] | trajectories in the HOOMD schema |
 //! | [`csv`] | tables |
 //! | [`volume`] | values on a grid: MRC, OpenDX |
+//! | [`zarr`] | sparse voxel sets as zarr v3 groups |
 //! | [`gzip`] | reading files that may be compressed, within a limit |
 //! | [`atomic`] | files that appear only when complete; SHA-256 |
 
@@ -25,5 +26,6 @@ pub mod points;
 pub mod pqr;
 mod text;
 pub mod volume;
+pub mod zarr;
 
 pub use error::{IoError, Result};

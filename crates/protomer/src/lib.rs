@@ -19,6 +19,7 @@
 //! | [`framework`] | networks of rods and hinges: elastic constants, loads, figures |
 //! | [`compare`] | several sweeps in one figure |
 //! | [`lattice`] | lattices of rigid squares: runs, sweeps, pictures |
+//! | [`mod@voxelize`], [`voxel_set`] | structures to sparse voxel grids, and these as samples |
 //! | [`mod@bench`], [`cpu_time`] | trial moves per CPU-second |
 //! | [`energy_tables`] | tables of certified energies, shared and bounded in memory |
 //! | [`train`], [`tune`] | networks trained and searched for, in their directories |
@@ -55,3 +56,5 @@ pub mod sweep_figure;
 pub mod sweep_table;
 pub mod train;
 pub mod tune;
+pub mod voxel_set;
+pub mod voxelize;

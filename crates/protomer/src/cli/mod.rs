@@ -14,6 +14,7 @@ mod ingest;
 mod inspect;
 mod lattice;
 mod medium;
+mod merge;
 mod output;
 mod potential;
 mod simulate;
@@ -23,6 +24,7 @@ mod tables;
 mod tolerance;
 mod train;
 mod tune;
+mod voxelize;
 
 use crate::interrupt::Interrupt;
 use anyhow::{Context, Result, anyhow, bail};
@@ -84,6 +86,8 @@ enum Verb {
     Lattice(lattice::LatticeArgs),
     Train(Box<train::TrainArgs>),
     Tune(Box<tune::TuneArgs>),
+    Voxelize(voxelize::VoxelizeArgs),
+    Merge(merge::MergeArgs),
     Bench(bench::BenchArgs),
     Completions(generate::CompletionsArgs),
     Man(generate::ManArgs),
@@ -137,6 +141,8 @@ impl Verb {
             Verb::Lattice(args) => args.run(global),
             Verb::Train(args) => args.run(global),
             Verb::Tune(args) => args.run(global),
+            Verb::Voxelize(args) => args.run(global),
+            Verb::Merge(args) => args.run(global),
             Verb::Bench(args) => args.run(global),
             Verb::Completions(args) => args.run(),
             Verb::Man(args) => args.run(),

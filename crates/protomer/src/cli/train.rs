@@ -122,19 +122,22 @@ struct NetworkArgs {
     /// Edge of the kernels, 1, 3 or 5: one for all blocks, or one for each [default: 3].
     #[arg(long, value_delimiter = ',')]
     kernels: Option<Vec<usize>>,
-    /// Groups of the group normalisation; 0 for none [default: 0].
+    /// Groups of the group normalisation; 0 for none [default: 8].
     #[arg(long)]
     groups: Option<usize>,
     /// Average only at the end, instead of average and maximum.
     #[arg(long)]
     average_only: bool,
-    /// Passes over the training part [default: 30].
+    /// Passes over the training part, at most [default: 50].
     #[arg(long)]
     epochs: Option<usize>,
-    /// Samples per step [default: 16].
+    /// Epochs without a smaller validation loss after which training ends; 0 for never [default: 10].
+    #[arg(long)]
+    patience: Option<usize>,
+    /// Samples per step [default: 8].
     #[arg(long)]
     batch: Option<usize>,
-    /// Largest learning rate [default: 0.003].
+    /// Learning rate after the warm-up [default: 0.001].
     #[arg(long)]
     learning_rate: Option<f64>,
     /// Seed of split, weights, order and rotations [default: 1].
@@ -159,6 +162,9 @@ impl NetworkArgs {
             settings.pooling = GlobalPooling::Average;
         }
         override_with(&mut settings.training.epochs, self.epochs);
+        if let Some(patience) = self.patience {
+            settings.training.patience = (patience > 0).then_some(patience);
+        }
         override_with(&mut settings.training.batch, self.batch);
         override_with(&mut settings.training.learning_rate, self.learning_rate);
         override_with(&mut settings.training.seed, self.seed);
@@ -179,6 +185,9 @@ pub struct TrainArgs {
     /// The control's short form: coarser grids, fewer samples.
     #[arg(long, requires = "control")]
     short: bool,
+    /// Settings (TOML), such as the best.toml of a search or the settings.toml of another training; flags override them.
+    #[arg(long, conflicts_with = "control")]
+    config: Option<PathBuf>,
     /// Train every subset of the channels as well.
     #[arg(long)]
     ablate: bool,
@@ -223,7 +232,10 @@ impl TrainArgs {
             }
             (None, Some(path)) => {
                 let (source, set) = open_set(path)?;
-                let mut settings = TrainSettings::of_set(source, channels_of(&*set))?;
+                let mut settings = match &self.config {
+                    None => TrainSettings::of_set(source, channels_of(&*set))?,
+                    Some(path) => TrainSettings { source, ..TrainSettings::read(path)? },
+                };
                 self.task.override_in(&mut settings)?;
                 self.network.override_in(&mut settings)?;
                 let job = Job { settings, ablation_seeds: seeds };

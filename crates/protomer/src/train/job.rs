@@ -5,7 +5,6 @@ use super::control::{ControlReport, ExperimentReport};
 use super::metrics::Metrics;
 use super::run::train_in;
 use super::settings::{Source, TrainSettings};
-use super::source::samples_of;
 use crate::run::Execution;
 use anyhow::{Result, bail};
 use protomer_learn::controls::{Control, Experiment, Form};
@@ -163,13 +162,4 @@ pub fn run_control(
     metrics.control = Some(ControlReport::of(run.control, run.form, reports));
     metrics.write(path)?;
     Ok(TrainEnd::Finished(metrics))
-}
-
-/// Runs or continues a job on the samples that its settings name.
-///
-/// # Errors
-/// As [`run_job`], and if a set on the disk cannot be read.
-pub fn run_from_settings(job: &Job, path: &Path, execution: &Execution) -> Result<TrainEnd> {
-    let set = samples_of(&job.settings.source)?;
-    run_job(job, &*set, path, execution, &|_| {})
 }

@@ -1,6 +1,7 @@
 //! What is trained, on what, and how: `settings.toml`.
 
-use anyhow::{Result, bail};
+use crate::keys;
+use anyhow::{Context, Result, bail};
 use protomer_learn::block::BlockSettings;
 use protomer_learn::controls::{Control, Experiment, Form, Plan, Variant};
 use protomer_learn::network::{GlobalPooling, NetworkSettings};
@@ -8,7 +9,7 @@ use protomer_learn::split::Fractions;
 use protomer_learn::targets::Target;
 use protomer_learn::training::TrainingSettings;
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Where samples come from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -91,6 +92,15 @@ pub fn blocks(widths: &[usize], kernels: &[usize], groups: usize) -> Result<Vec<
 }
 
 impl TrainSettings {
+    /// Settings from a file.
+    ///
+    /// # Errors
+    /// Names the file, the line and the key.
+    pub fn read(path: &Path) -> Result<Self> {
+        let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+        keys::from_toml(path, &text)
+    }
+
     /// The network for so many classes.
     pub fn network(&self, classes: usize) -> NetworkSettings {
         let blocks = self.blocks.clone();

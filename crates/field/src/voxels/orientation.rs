@@ -1,0 +1,106 @@
+//! How a structure is turned before it is laid on the grid.
+
+use nalgebra::{Matrix3, Rotation3};
+use protomer_kernel::random::CounterRng;
+use protomer_kernel::{Rotation, Vec3};
+use serde::{Deserialize, Serialize};
+
+/// How a structure is turned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Orientation {
+    /// By a rotation drawn uniformly from all, so that nothing of the deposited frame is left.
+    #[default]
+    Random,
+    /// With the principal axes of the atoms along x, y and z, the longest along x.
+    Principal,
+    /// Not at all.
+    Deposited,
+}
+
+/// Purpose of the random numbers.
+const ROTATION: u8 = 0x56;
+
+impl Orientation {
+    /// The rotation for these atoms, a seed and a key that is the structure's own, such as the beginning of a hash of its name.
+    pub fn rotation(self, positions: &[Vec3], seed: u64, key: u64) -> Rotation {
+        match self {
+            Orientation::Random => {
+                let mut rng = CounterRng::for_purpose(seed, (key >> 32) as u32, key, ROTATION);
+                rng.rotation()
+            }
+            Orientation::Principal => principal_axes(positions).0,
+            Orientation::Deposited => Rotation::identity(),
+        }
+    }
+}
+
+/// The rotation that brings the principal axes of the points' covariance to x, y and z, largest variance first, and the
+/// variances, Å². Axes have no sign: x and y are pointed so that the third moment along them is not negative, z completes a
+/// right-handed frame. Where two variances nearly agree the axes follow small changes of the points.
+pub fn principal_axes(positions: &[Vec3]) -> (Rotation, [f64; 3]) {
+    let count = positions.len().max(1) as f64;
+    let middle = positions.iter().sum::<Vec3>() / count;
+    let mut covariance = Matrix3::zeros();
+    for position in positions {
+        let offset = position - middle;
+        covariance += offset * offset.transpose();
+    }
+    let eigen = (covariance / count).symmetric_eigen();
+    let mut order = [0, 1, 2];
+    order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
+    let mut axes = order.map(|axis| eigen.eigenvectors.column(axis).into_owned());
+    for axis in &mut axes[..2] {
+        let skew: f64 = positions.iter().map(|position| (position - middle).dot(axis).powi(3)).sum();
+        if skew < 0.0 {
+            *axis = -*axis;
+        }
+    }
+    axes[2] = axes[0].cross(&axes[1]);
+    let matrix = Matrix3::from_rows(&axes.map(|axis| axis.transpose()));
+    let to_axes = Rotation::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix));
+    (to_axes, order.map(|axis| eigen.eigenvalues[axis].max(0.0)))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    fn cloud() -> Vec<Vec3> {
+        let mut rng = CounterRng::new(3, 0, 0);
+        (0..200)
+            .map(|_| {
+                let point = rng.vector_in_ball(1.0);
+                Vec3::new(9.0 * point.x.abs(), 5.0 * point.y.powi(2), 2.0 * point.z)
+            })
+            .collect()
+    }
+
+    #[test]
+    fn principal_axes_do_not_depend_on_how_the_points_came() {
+        let points = cloud();
+        let (rotation, variances) = principal_axes(&points);
+        assert!(variances[0] > variances[1] && variances[1] > variances[2]);
+        let turned: Vec<Vec3> = points.iter().map(|point| rotation * point).collect();
+        let other = CounterRng::new(8, 0, 0).rotation();
+        let elsewhere: Vec<Vec3> = points.iter().map(|point| other * point + Vec3::new(5.0, -3.0, 1.0)).collect();
+        let (again, _) = principal_axes(&elsewhere);
+        let offset = again * elsewhere[0] - turned[0];
+        for (one, two) in turned.iter().zip(&elsewhere) {
+            assert!((again * two - one - offset).norm() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn random_rotations_follow_seed_and_key_alone() {
+        let rotation = |seed, key| Orientation::Random.rotation(&[], seed, key);
+        assert_eq!(rotation(1, 2), rotation(1, 2));
+        assert!(rotation(1, 2).angle_to(&rotation(1, 3)) > 1e-3);
+        assert!(rotation(1, 2).angle_to(&rotation(2, 2)) > 1e-3);
+        assert!(rotation(1, 2).angle_to(&rotation(1, 2 + (1 << 32))) > 1e-3);
+        // Every direction is as likely as any other: the mean of where x goes is near zero.
+        let mean = (0..4000).map(|key| rotation(5, key) * Vec3::x()).sum::<Vec3>() / 4000.0;
+        assert!(mean.norm() < 0.05, "{mean}");
+    }
+}

@@ -1,0 +1,103 @@
+//! Arrays, chunks, files: what both sides must agree on.
+
+use crate::{IoError, Result};
+use half::f16;
+use std::path::Path;
+use std::sync::Arc;
+use zarrs::array::codec::{BloscCodec, BloscCompressionLevel, BloscCompressor, BloscShuffleMode, Crc32cCodec};
+use zarrs::array::{Array, ArrayBuilder, DataType, FillValue, data_type};
+use zarrs::filesystem::FilesystemStore;
+
+/// Version of the layout that this program writes, and the newest it reads.
+pub const LAYOUT_VERSION: u64 = 1;
+/// Elements of a chunk, the least that is decompressed at once: about one sample.
+pub const CHUNK_ELEMENTS: u64 = 8192;
+/// A file of a large array holds this many elements at most, which also bounds the memory that writing takes.
+const MOST_ELEMENTS_PER_FILE: u64 = 1 << 24;
+/// Arrays are cut into about this many files, as long as these stay below the limit.
+const FILES_PER_ARRAY: u64 = 2;
+/// Level of zstd.
+const COMPRESSION_LEVEL: u8 = 3;
+
+/// Name of the array of voxel numbers.
+pub const INDEX: &str = "index";
+/// Name of the array of where samples begin.
+pub const OFFSETS: &str = "offsets";
+/// Name of the table of numbers known of each sample.
+pub const PROPERTIES: &str = "properties";
+
+/// Index of a chunk that was never written.
+pub const NO_INDEX: u32 = u32::MAX;
+
+/// Elements per file of an array over all voxels: whole chunks, a power of two of them.
+pub fn elements_per_file(elements: u64) -> u64 {
+    let wanted = elements.div_ceil(FILES_PER_ARRAY).max(1).next_power_of_two();
+    wanted.clamp(CHUNK_ELEMENTS, MOST_ELEMENTS_PER_FILE)
+}
+
+/// A group's folder as a store.
+pub(super) fn store(path: &Path) -> Result<Arc<FilesystemStore>> {
+    let store = FilesystemStore::new(path).map_err(|cause| {
+        IoError::parse(&path.display().to_string(), 0, cause.to_string(), "name the folder of a zarr group")
+    })?;
+    Ok(Arc::new(store))
+}
+
+/// The types of the arrays.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Kind {
+    Offsets,
+    Index,
+    Channel,
+    Properties,
+}
+
+impl Kind {
+    fn data_type(self) -> DataType {
+        match self {
+            Kind::Offsets => data_type::int64(),
+            Kind::Index => data_type::uint32(),
+            Kind::Channel => data_type::float16(),
+            Kind::Properties => data_type::float64(),
+        }
+    }
+
+    fn fill(self) -> FillValue {
+        match self {
+            Kind::Offsets => FillValue::from(-1_i64),
+            Kind::Index => FillValue::from(NO_INDEX),
+            Kind::Channel => FillValue::from(f16::NAN),
+            Kind::Properties => FillValue::from(f64::NAN),
+        }
+    }
+
+    fn bytes(self) -> usize {
+        match self {
+            Kind::Channel => 2,
+            Kind::Index => 4,
+            Kind::Offsets | Kind::Properties => 8,
+        }
+    }
+}
+
+/// An array of the layout.
+pub(super) fn array(
+    store: &Arc<FilesystemStore>,
+    name: &str,
+    kind: Kind,
+    shape: &[u64],
+    per_file: &[u64],
+    attributes: serde_json::Map<String, serde_json::Value>,
+) -> Result<Array<FilesystemStore>> {
+    let failed = |cause: String| IoError::unwritable(format!("array {name}: {cause}"), "use another name or folder");
+    let level = BloscCompressionLevel::try_from(COMPRESSION_LEVEL).map_err(|_| failed("compression level".into()))?;
+    let (compressor, shuffle) = (BloscCompressor::Zstd, BloscShuffleMode::Shuffle);
+    let blosc = BloscCodec::new(compressor, level, None, shuffle, Some(kind.bytes()));
+    let blosc = blosc.map_err(|cause| failed(cause.to_string()))?;
+    let mut builder = ArrayBuilder::new(shape.to_vec(), per_file.to_vec(), kind.data_type(), kind.fill());
+    builder.bytes_to_bytes_codecs(vec![Arc::new(blosc), Arc::new(Crc32cCodec::new())]).attributes(attributes);
+    if let [_] = shape {
+        builder.subchunk_shape(vec![CHUNK_ELEMENTS.min(per_file.first().copied().unwrap_or(CHUNK_ELEMENTS))]);
+    }
+    builder.build(store.clone(), &format!("/{name}")).map_err(|cause| failed(cause.to_string()))
+}

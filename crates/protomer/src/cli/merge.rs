@@ -1,0 +1,32 @@
+//! `protomer merge`: several sets of voxel grids to one.
+
+use super::{Global, Outcome, output};
+use crate::voxelize::merge::merge;
+use anyhow::Result;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Join sets of voxel grids of the same settings; the parts of one manifest become the set that one run would have made.
+#[derive(Debug, Args)]
+pub struct MergeArgs {
+    /// Sets to join.
+    #[arg(required = true)]
+    inputs: Vec<PathBuf>,
+    /// The set to write.
+    #[arg(short, long)]
+    output: PathBuf,
+}
+
+impl MergeArgs {
+    pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
+        let report = merge(&self.inputs, &self.output, global.force)?;
+        if global.json {
+            output::json(&report)?;
+        } else if !global.quiet {
+            let end = if report.nothing_to_do { ", nothing to do" } else { "" };
+            let (set, samples, excluded) = (report.set.display(), report.samples, report.excluded);
+            output::text(&format!("{set}: {samples} samples of {} sets, {excluded} left out{end}", report.sets))?;
+        }
+        Ok(Outcome::Done)
+    }
+}

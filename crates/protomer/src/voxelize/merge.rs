@@ -1,0 +1,102 @@
+//! Several sets to one.
+
+use super::open_set;
+use super::set::{self, SampleRecord, SetContent};
+use anyhow::{Context, Result, bail};
+use protomer_field::voxels::Voxels;
+use protomer_io::zarr::SetReader;
+use serde::Serialize;
+use std::collections::{HashMap, HashSet};
+use std::path::{Path, PathBuf};
+
+/// What became of several sets.
+#[derive(Debug, Clone, Serialize)]
+pub struct MergeReport {
+    /// The set.
+    pub set: PathBuf,
+    /// Sets joined.
+    pub sets: usize,
+    /// Samples in the set.
+    pub samples: usize,
+    /// Structures left out of the sets.
+    pub excluded: usize,
+    /// Occupied voxels of all samples.
+    pub voxels: u64,
+    /// Bytes of the set's files.
+    pub bytes: u64,
+    /// Whether the set was there already.
+    pub nothing_to_do: bool,
+}
+
+/// Joins sets of the same settings. Parts of one manifest are sorted as the manifest is, so that all parts together give the set
+/// that one run would have made, file by file; sets of different manifests follow each other as given.
+///
+/// # Errors
+/// For sets of different settings, names that are in two of them, and files that cannot be read.
+pub fn merge(inputs: &[PathBuf], output: &Path, force: bool) -> Result<MergeReport> {
+    let readers = inputs.iter().map(|path| open_set(path)).collect::<Result<Vec<SetReader>>>()?;
+    let (Some(first), Some(first_path)) = (readers.first(), inputs.first()) else {
+        bail!("there are no sets; give some")
+    };
+    let settings = set::settings_of(first).with_context(|| first_path.display().to_string())?;
+    let manifest = |reader: &SetReader| {
+        reader.attributes().get("manifest_sha256").and_then(|value| value.as_str()).unwrap_or_default().to_owned()
+    };
+    let one_manifest = readers.iter().all(|reader| manifest(reader) == manifest(first));
+    let mut samples: Vec<(usize, usize, SampleRecord)> = Vec::new();
+    let mut excluded = Vec::new();
+    let mut seen: HashMap<String, &PathBuf> = HashMap::new();
+    for ((number, reader), path) in readers.iter().enumerate().zip(inputs) {
+        let shown = || path.display().to_string();
+        if set::settings_of(reader).with_context(shown)? != settings {
+            bail!("{} and {} have different settings; make them alike", first_path.display(), path.display());
+        }
+        let ours = set::samples_of(reader).with_context(shown)?;
+        let theirs = set::exclusions(reader).with_context(shown)?;
+        let names = ours.iter().map(|sample| &sample.name).chain(theirs.iter().map(|excluded| &excluded.name));
+        let names: HashSet<String> = names.cloned().collect();
+        for name in names {
+            if let Some(earlier) = seen.insert(name.clone(), path) {
+                bail!("'{name}' is in {} and in {}; give each part once", earlier.display(), path.display());
+            }
+        }
+        samples.extend(ours.into_iter().enumerate().map(|(place, sample)| (number, place, sample)));
+        excluded.extend(theirs);
+    }
+    if one_manifest {
+        samples.sort_by_key(|(_, _, sample)| sample.entry);
+        excluded.sort_by_key(|excluded| excluded.entry);
+    }
+    let places: Vec<(usize, usize)> = samples.iter().map(|(set, place, _)| (*set, *place)).collect();
+    let content = SetContent { samples: samples.into_iter().map(|(_, _, sample)| sample).collect(), excluded };
+    let identity = set::identity_of_content(&settings, &content)?;
+    let report = |nothing_to_do| MergeReport {
+        set: output.to_owned(),
+        sets: inputs.len(),
+        samples: content.samples.len(),
+        excluded: content.excluded.len(),
+        voxels: content.voxels(),
+        bytes: set::bytes_on_disk(output),
+        nothing_to_do,
+    };
+    match set::state_of(output, &identity)? {
+        set::OnDisk::Same(_) => return Ok(report(true)),
+        set::OnDisk::Other if !force => {
+            bail!("{} holds another set; overwrite it with --force or name another output", output.display())
+        }
+        set::OnDisk::Other | set::OnDisk::Nothing => {}
+    }
+    let manifest = if one_manifest { manifest(first) } else { String::new() };
+    let attributes = set::attributes(&settings, &manifest, &identity, &content)?;
+    set::replace(output, |folder| {
+        set::write(folder, &settings, &content, attributes, &mut |sample| {
+            let Some((reader, place)) = places.get(sample).and_then(|(set, place)| Some((readers.get(*set)?, *place)))
+            else {
+                bail!("there is no sample {sample}");
+            };
+            let stored = reader.sample(place)?;
+            Ok(Voxels { index: stored.index, values: stored.values })
+        })
+    })?;
+    Ok(report(false))
+}

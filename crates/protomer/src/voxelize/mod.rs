@@ -1,0 +1,212 @@
+//! Structures to a set of sparse voxel grids.
+//!
+//! ```text
+//! manifest --each structure, in parallel--> work file SET.zarr.work --all done--> SET.zarr
+//! ```
+//!
+//! | module | one idea |
+//! |---|---|
+//! | [`manifest`] | which structures, and what is known of them |
+//! | [`settings`] | what to make of each |
+//! | [`structure`] | one structure to one sample, or the reason why not |
+//! | [`work`] | finished samples, kept until all are done |
+//! | [`set`] | samples to a zarr group |
+//! | [`mod@merge`] | several sets to one |
+
+pub mod manifest;
+pub mod merge;
+pub mod set;
+pub mod settings;
+pub mod structure;
+pub mod work;
+
+use crate::input::InputFile;
+use crate::interrupt::Interrupt;
+use anyhow::{Context, Result, bail};
+use manifest::{Entry, Manifest};
+use protomer_io::zarr::SetReader;
+use rayon::prelude::*;
+use serde::Serialize;
+use set::{Exclusion, SetContent};
+pub use settings::{Spacing, VoxelizeSettings};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use structure::Outcome;
+use work::WorkFile;
+
+/// A part of the manifest: entries number `index` - 1, `index` - 1 + `of`, ...
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shard {
+    /// Which part, from one.
+    pub index: usize,
+    /// Of how many.
+    pub of: usize,
+}
+
+impl Shard {
+    /// Everything.
+    pub const WHOLE: Shard = Shard { index: 1, of: 1 };
+
+    /// A part written as `2/8`.
+    ///
+    /// # Errors
+    /// Says what was typed and how it should be.
+    pub fn parse(text: &str) -> Result<Self> {
+        let parts = text.split_once('/').and_then(|(index, of)| Some((index.parse().ok()?, of.parse().ok()?)));
+        match parts {
+            Some((index, of)) if (1..=of).contains(&index) => Ok(Self { index, of }),
+            _ => bail!("'{text}' is no part; give one such as 2/8, from 1/8 to 8/8"),
+        }
+    }
+
+    fn has(self, entry: usize) -> bool {
+        entry % self.of == self.index - 1
+    }
+}
+
+/// How it ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum State {
+    /// The set was written.
+    Written,
+    /// The set was there already, from the same inputs and settings.
+    NothingToDo,
+    /// It was asked to stop; the same command goes on.
+    Stopped,
+}
+
+/// What became of a manifest.
+#[derive(Debug, Clone, Serialize)]
+pub struct VoxelizeReport {
+    /// The set.
+    pub set: PathBuf,
+    /// How it ended.
+    pub state: State,
+    /// Structures of the manifest, or of its part.
+    pub structures: usize,
+    /// Structures that were voxelised in an earlier run.
+    pub taken_over: usize,
+    /// Samples in the set, or so far.
+    pub samples: usize,
+    /// Occupied voxels of all samples.
+    pub voxels: u64,
+    /// Bytes of the set's files.
+    pub bytes: u64,
+    /// Structures left out.
+    pub excluded: Vec<Exclusion>,
+    /// Wall time, s.
+    pub seconds: f64,
+}
+
+/// Voxelises the structures of a manifest into a set. `begin` hears how many structures are still to be done, `advanced` of
+/// each that is.
+///
+/// # Errors
+/// For settings or a manifest that make no sense, an output that holds something else, another process working on it, and a
+/// disk that takes no more. What is wrong with a structure excludes it and is in the report.
+pub fn voxelize(
+    manifest: &Manifest,
+    shard: Shard,
+    settings: &VoxelizeSettings,
+    output: &Path,
+    force: bool,
+    interrupt: &Interrupt,
+    begin: &(dyn Fn(usize) + Sync),
+    advanced: &(dyn Fn() + Sync),
+) -> Result<VoxelizeReport> {
+    let start = Instant::now();
+    settings.check()?;
+    let entries: Vec<&Entry> = manifest.entries.iter().filter(|entry| shard.has(entry.number)).collect();
+    let hashes: Vec<Option<String>> =
+        entries.par_iter().map(|entry| InputFile::read(&entry.path).ok().map(|file| file.sha256)).collect();
+    let identity = set::identity(settings, entries.iter().zip(&hashes).map(|(e, hash)| (*e, hash.as_deref())))?;
+    let report = |state, excluded: Vec<Exclusion>, samples, voxels, taken_over| VoxelizeReport {
+        set: output.to_owned(),
+        state,
+        structures: entries.len(),
+        taken_over,
+        samples,
+        voxels,
+        bytes: set::bytes_on_disk(output),
+        excluded,
+        seconds: start.elapsed().as_secs_f64(),
+    };
+    match set::state_of(output, &identity)? {
+        set::OnDisk::Same(reader) => {
+            let excluded = set::exclusions(&reader)?;
+            let voxels = (0..reader.len()).map(|sample| reader.voxels(sample) as u64).sum();
+            return Ok(report(State::NothingToDo, excluded, reader.len(), voxels, entries.len()));
+        }
+        set::OnDisk::Other if !force => {
+            bail!("{} holds another set; overwrite it with --force or name another output", output.display())
+        }
+        set::OnDisk::Other | set::OnDisk::Nothing => {}
+    }
+    let work = WorkFile::open(&work_path(output))?;
+    let keys = entries.iter().zip(&hashes).map(|(entry, hash)| set::key(settings, entry, hash.as_deref()));
+    let keys = keys.collect::<Result<Vec<String>>>()?;
+    let pending: Vec<(&Entry, &String)> =
+        entries.iter().copied().zip(&keys).filter(|(_, key)| !work.has(key)).collect();
+    let taken_over = entries.len() - pending.len();
+    begin(pending.len());
+    pending.par_iter().try_for_each(|(entry, key)| -> Result<()> {
+        if interrupt.is_requested() {
+            return Ok(());
+        }
+        let outcome = structure::voxelize_structure(entry, settings);
+        work.keep(key, &outcome).inspect_err(|_| interrupt.request())?;
+        advanced();
+        Ok(())
+    })?;
+    if keys.iter().any(|key| !work.has(key)) {
+        let samples = keys.iter().filter(|key| work.has(key)).count();
+        return Ok(report(State::Stopped, Vec::new(), samples, 0, taken_over));
+    }
+    let content = collect(&entries, &hashes, &keys, &work)?;
+    let voxels = content.voxels();
+    let (samples, excluded) = (content.samples.len(), content.excluded.clone());
+    let attributes = set::attributes(settings, &manifest.sha256, &identity, &content)?;
+    set::replace(output, |folder| {
+        set::write(folder, settings, &content, attributes, &mut |sample| {
+            let Some(entry) = content.samples.get(sample) else { bail!("there is no sample {sample}") };
+            match work.get(&entry.key)? {
+                Outcome::Sample(sample) => Ok(sample.voxels),
+                Outcome::Excluded { .. } => bail!("{} was excluded", entry.name),
+            }
+        })
+    })?;
+    work.remove()?;
+    Ok(report(State::Written, excluded, samples, voxels, taken_over))
+}
+
+/// The work file of a set.
+pub fn work_path(output: &Path) -> PathBuf {
+    let mut name = output.file_name().unwrap_or_default().to_owned();
+    name.push(".work");
+    output.with_file_name(name)
+}
+
+/// Everything about the set but its voxels.
+fn collect(entries: &[&Entry], hashes: &[Option<String>], keys: &[String], work: &WorkFile) -> Result<SetContent> {
+    let mut content = SetContent::default();
+    for ((entry, hash), key) in entries.iter().zip(hashes).zip(keys) {
+        match work.get(key).with_context(|| entry.name.clone())? {
+            Outcome::Sample(sample) => {
+                content.samples.push(set::SampleRecord::new(entry, hash.as_deref(), key, &sample))
+            }
+            Outcome::Excluded { reason, detail } => {
+                content.excluded.push(Exclusion::new(entry, hash.as_deref(), reason, detail));
+            }
+        }
+    }
+    Ok(content)
+}
+
+/// Opens a set that must be there.
+///
+/// # Errors
+/// Names the file.
+pub fn open_set(path: &Path) -> Result<SetReader> {
+    SetReader::open(path).with_context(|| format!("cannot open the set {}", path.display()))
+}

@@ -1,0 +1,227 @@
+//! One structure to one sample, or the reason why not.
+
+use super::manifest::Entry;
+use super::settings::{Spacing, VoxelizeSettings};
+use crate::input::InputFile;
+use anyhow::{Context, Result, anyhow};
+use protomer_body::chemistry::residue_names::modified_residue;
+use protomer_body::chemistry::{AminoAcid, ChargedSites, SiteSettings, build_sites, sites_of_points};
+use protomer_body::structure::{Format, SelectionSettings, Structure};
+use protomer_field::voxels::channels::{bounds, pose};
+use protomer_field::voxels::lattice::SPACING_RANGE_ANGSTROM;
+use protomer_field::voxels::orientation::principal_axes;
+use protomer_field::voxels::{Lattice, VoxelAtom, Voxels, voxelise};
+use protomer_field::{ChargedSphere, FieldError};
+use protomer_io::atomic::sha256_hex;
+use protomer_io::points::read_points;
+use protomer_kernel::Vec3;
+use serde::{Deserialize, Serialize};
+
+/// Why a structure is left out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Reason {
+    /// The file is missing, damaged, or no structure file.
+    Unreadable,
+    /// Too many residues lack heavy atoms.
+    Truncated,
+    /// There is no amino acid in it.
+    NoProtein,
+    /// It does not fit in the grid.
+    TooLarge,
+    /// The potential did not converge or is not finite.
+    Potential,
+    /// Something else.
+    Failed,
+}
+
+/// What became of a structure.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Outcome {
+    /// A sample.
+    Sample(Box<Sample>),
+    /// Left out.
+    Excluded {
+        /// Why.
+        reason: Reason,
+        /// In words.
+        detail: String,
+    },
+}
+
+/// A sample.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sample {
+    /// What is known of it.
+    pub properties: Properties,
+    /// Its voxels.
+    pub voxels: Voxels,
+}
+
+/// What is known of a structure besides its voxels.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Properties {
+    /// Residues that are one of the twenty amino acids or a modification of one.
+    pub residues: usize,
+    /// Radius of gyration of the atoms, each counted alike, Å.
+    pub radius_of_gyration_angstrom: f64,
+    /// Extents of the spheres along the principal axes, Å, that of the largest variance first.
+    pub extents_angstrom: [f64; 3],
+    /// Net charge, e.
+    pub net_charge_e: f64,
+    /// Edge of a voxel, Å.
+    pub spacing_angstrom: f64,
+    /// How the structure was turned.
+    pub rotation_wxyz: [f64; 4],
+    /// A place p of the file lies at R p - middle, Å.
+    pub middle_angstrom: [f64; 3],
+    /// Share of each amino acid, by the one-letter codes in alphabetical order.
+    pub composition: [f64; 20],
+}
+
+/// An error that excludes a structure.
+struct Excluded(Reason, anyhow::Error);
+
+type Checked<T> = std::result::Result<T, Excluded>;
+
+/// Voxelises a structure.
+pub fn voxelize_structure(entry: &Entry, settings: &VoxelizeSettings) -> Outcome {
+    match sample(entry, settings) {
+        Ok(sample) => Outcome::Sample(Box::new(sample)),
+        Err(Excluded(reason, error)) => Outcome::Excluded { reason, detail: format!("{error:#}") },
+    }
+}
+
+fn sample(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Sample> {
+    let (sites, incomplete) = read(entry, settings).map_err(|error| Excluded(Reason::Unreadable, error))?;
+    let amino_acids: Vec<AminoAcid> = sites.residues.iter().filter_map(|residue| amino_acid(&residue.name)).collect();
+    if amino_acids.is_empty() {
+        let error = anyhow!("none of the {} residues is an amino acid", sites.residues.len());
+        return Err(Excluded(Reason::NoProtein, error));
+    }
+    if incomplete as f64 > settings.most_incomplete * amino_acids.len() as f64 {
+        let count = amino_acids.len();
+        let error = anyhow!("{incomplete} of {count} residues lack heavy atoms, as in a trace of Cα atoms");
+        return Err(Excluded(Reason::Truncated, error));
+    }
+    let sphere = |site: &protomer_body::Site| ChargedSphere {
+        centre: site.position + sites.origin_angstrom,
+        radius_angstrom: site.radius_angstrom,
+        charge_e: site.charge_e,
+    };
+    let mut atoms: Vec<VoxelAtom> =
+        sites.sites.iter().map(|site| VoxelAtom { sphere: sphere(site), residue: site.residue }).collect();
+    let positions: Vec<Vec3> = atoms.iter().map(|atom| atom.sphere.centre).collect();
+    let rotation = settings.orientation.rotation(&positions, settings.seed, key_of(&entry.name));
+    let middle = pose(&mut atoms, &rotation);
+    let lattice = lattice(&atoms, settings).map_err(|error| Excluded(Reason::TooLarge, error))?;
+    let failed = |error: anyhow::Error| Excluded(Reason::Failed, error);
+    let voxel_settings = settings.voxel_settings().map_err(failed)?;
+    let hydropathy: Vec<Option<f64>> = sites.residues.iter().map(|residue| residue.hydropathy).collect();
+    let voxels = voxelise(&atoms, &hydropathy, &lattice, &voxel_settings).map_err(|error| {
+        let reason = match error {
+            FieldError::NotConverged { .. } | FieldError::ChargeOutside { .. } => Reason::Potential,
+            _ => Reason::Failed,
+        };
+        Excluded(reason, error.into())
+    })?;
+    if let Some(channel) = voxels.not_finite() {
+        let name = settings.channels.get(channel).map_or("", |channel| channel.name());
+        return Err(Excluded(Reason::Potential, anyhow!("the channel {name} holds values that are not finite")));
+    }
+    let properties = Properties {
+        residues: amino_acids.len(),
+        radius_of_gyration_angstrom: radius_of_gyration(&positions),
+        extents_angstrom: extents(&atoms),
+        net_charge_e: sites.net_charge_e(),
+        spacing_angstrom: lattice.spacing_angstrom(),
+        rotation_wxyz: [rotation.w, rotation.i, rotation.j, rotation.k],
+        middle_angstrom: middle.into(),
+        composition: composition(&amino_acids),
+    };
+    Ok(Sample { properties, voxels })
+}
+
+/// Charged sites, and how many residues lack heavy atoms.
+fn read(entry: &Entry, settings: &VoxelizeSettings) -> Result<(ChargedSites, usize)> {
+    let file = InputFile::read(&entry.path)?;
+    if Format::of_name(&file.name) == Some(Format::Pqr) {
+        let points = read_points(&file.name, &file.bytes)?;
+        return Ok((sites_of_points(&points)?, 0));
+    }
+    let selection = Structure::read(&file.name, &file.bytes)?.select(&SelectionSettings::default());
+    let selection = selection.with_context(|| file.name.clone())?;
+    let site_settings = SiteSettings { ph: settings.ph, ..SiteSettings::default() };
+    let sites = build_sites(&selection, &site_settings).with_context(|| file.name.clone())?;
+    Ok((sites, selection.report.incomplete.len()))
+}
+
+fn amino_acid(name: &str) -> Option<AminoAcid> {
+    AminoAcid::of_name(name).or_else(|| modified_residue(name)?.parent)
+}
+
+/// A number that is the name's own.
+fn key_of(name: &str) -> u64 {
+    u64::from_str_radix(&sha256_hex(name.as_bytes())[..16], 16).unwrap_or(0)
+}
+
+fn lattice(atoms: &[VoxelAtom], settings: &VoxelizeSettings) -> Result<Lattice> {
+    let (low, high) = bounds(atoms);
+    let extent = (high - low).max();
+    let intervals = settings.size as f64 - 1.0;
+    let spacing = match settings.spacing {
+        Spacing::Angstrom(spacing) => spacing,
+        // A little more, so that rounding does not push an atom off the lattice.
+        Spacing::Fit(_) => (extent / intervals * (1.0 + 1e-9)).max(SPACING_RANGE_ANGSTROM.0),
+    };
+    let needed = (extent / spacing).ceil() as usize + 1;
+    if needed > settings.size {
+        return Err(anyhow!("{extent:.1} Å need {needed} voxels of {spacing} Å, the grid has {}", settings.size));
+    }
+    if spacing > SPACING_RANGE_ANGSTROM.1 {
+        return Err(anyhow!(
+            "{extent:.1} Å need voxels of {spacing:.2} Å, the largest are {} Å",
+            SPACING_RANGE_ANGSTROM.1
+        ));
+    }
+    Ok(Lattice::new(settings.size, spacing)?)
+}
+
+fn radius_of_gyration(positions: &[Vec3]) -> f64 {
+    let count = positions.len().max(1) as f64;
+    let middle = positions.iter().sum::<Vec3>() / count;
+    (positions.iter().map(|position| (position - middle).norm_squared()).sum::<f64>() / count).sqrt()
+}
+
+fn extents(atoms: &[VoxelAtom]) -> [f64; 3] {
+    let positions: Vec<Vec3> = atoms.iter().map(|atom| atom.sphere.centre).collect();
+    let (rotation, _) = principal_axes(&positions);
+    let turned: Vec<VoxelAtom> = atoms
+        .iter()
+        .map(|atom| VoxelAtom {
+            sphere: ChargedSphere { centre: rotation * atom.sphere.centre, ..atom.sphere },
+            ..*atom
+        })
+        .collect();
+    let (low, high) = bounds(&turned);
+    (high - low).into()
+}
+
+fn composition(amino_acids: &[AminoAcid]) -> [f64; 20] {
+    let letters = letters();
+    let mut shares = [0.0; 20];
+    for amino_acid in amino_acids {
+        if let Some(place) = letters.iter().position(|letter| *letter == amino_acid.letter()) {
+            shares[place] += 1.0 / amino_acids.len() as f64;
+        }
+    }
+    shares
+}
+
+/// One-letter codes in alphabetical order.
+pub fn letters() -> Vec<char> {
+    let mut letters: Vec<char> = AminoAcid::all().map(AminoAcid::letter).collect();
+    letters.sort_unstable();
+    letters
+}

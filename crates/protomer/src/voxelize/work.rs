@@ -1,0 +1,223 @@
+//! Finished samples, kept until all are done.
+//!
+//! One file, to which each finished structure appends a record: its length (8 bytes, little-endian) and a checksummed container.
+//! What a killed process left half-written at the end is cut off when the file is opened again.
+
+use super::structure::{Outcome, Properties, Reason, Sample};
+use anyhow::{Context, Result, anyhow, bail};
+use protomer_field::voxels::Voxels;
+use protomer_io::container::{Array, Container};
+use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+const KIND: &str = "voxel sample";
+/// A record is never longer: 512³ voxels of four channels.
+const LONGEST_RECORD_BYTES: u64 = 1 << 32;
+
+/// Samples by their keys, on disk.
+pub struct WorkFile {
+    path: PathBuf,
+    inner: Mutex<Inner>,
+}
+
+struct Inner {
+    file: File,
+    /// Where each record begins and how long it is.
+    records: HashMap<String, (u64, u64)>,
+    end: u64,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Header {
+    key: String,
+    properties: Option<Properties>,
+    excluded: Option<(Reason, String)>,
+    channels: usize,
+}
+
+impl WorkFile {
+    /// Opens or makes a work file; no other process may have it open.
+    ///
+    /// # Errors
+    /// Names the file.
+    pub fn open(path: &Path) -> Result<Self> {
+        let name = path.display().to_string();
+        let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path);
+        let mut file = file.with_context(|| format!("cannot open {name}"))?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => bail!("another process works on {name}; wait for it"),
+            Err(TryLockError::Error(error)) => {
+                return Err(error).with_context(|| format!("cannot lock {name}; use a disk of this machine"));
+            }
+        }
+        let (records, end) = scan(&mut file).with_context(|| format!("cannot read {name}"))?;
+        file.set_len(end).with_context(|| format!("cannot cut the end off {name}"))?;
+        Ok(Self { path: path.to_owned(), inner: Mutex::new(Inner { file, records, end }) })
+    }
+
+    fn inner(&self) -> MutexGuard<'_, Inner> {
+        // A thread that panicked cannot have left a record that is counted but not whole.
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Whether there is a record of this key.
+    pub fn has(&self, key: &str) -> bool {
+        self.inner().records.contains_key(key)
+    }
+
+    /// Adds a record.
+    ///
+    /// # Errors
+    /// Names the file.
+    pub fn keep(&self, key: &str, outcome: &Outcome) -> Result<()> {
+        let bytes = encode(key, outcome)?;
+        let mut record = (bytes.len() as u64).to_le_bytes().to_vec();
+        record.extend(bytes);
+        let mut inner = self.inner();
+        let begin = inner.end;
+        let written = inner.file.seek(SeekFrom::Start(begin)).and_then(|_| inner.file.write_all(&record));
+        written.with_context(|| format!("cannot write {}", self.path.display()))?;
+        inner.end += record.len() as u64;
+        inner.records.insert(key.to_owned(), (begin + 8, record.len() as u64 - 8));
+        Ok(())
+    }
+
+    /// The record of a key.
+    ///
+    /// # Errors
+    /// If there is none, or it is damaged.
+    pub fn get(&self, key: &str) -> Result<Outcome> {
+        let name = self.path.display().to_string();
+        let mut inner = self.inner();
+        let (begin, length) = *inner.records.get(key).ok_or_else(|| anyhow!("{name} has no record {key}"))?;
+        let mut bytes = vec![0; length as usize];
+        let read = inner.file.seek(SeekFrom::Start(begin)).and_then(|_| inner.file.read_exact(&mut bytes));
+        read.with_context(|| format!("cannot read {name}"))?;
+        drop(inner);
+        Ok(decode(&name, &bytes)?.1)
+    }
+
+    /// Removes the file.
+    ///
+    /// # Errors
+    /// Names the file.
+    pub fn remove(self) -> Result<()> {
+        std::fs::remove_file(&self.path).with_context(|| format!("cannot remove {}", self.path.display()))
+    }
+}
+
+/// The whole records of a file, and where they end.
+fn scan(file: &mut File) -> Result<(HashMap<String, (u64, u64)>, u64)> {
+    let mut records = HashMap::new();
+    let length = file.metadata()?.len();
+    let mut end = 0;
+    file.seek(SeekFrom::Start(0))?;
+    let mut reader = std::io::BufReader::new(file);
+    while end + 8 <= length {
+        let mut prefix = [0; 8];
+        reader.read_exact(&mut prefix)?;
+        let size = u64::from_le_bytes(prefix);
+        if size > LONGEST_RECORD_BYTES || end + 8 + size > length {
+            break;
+        }
+        let mut bytes = vec![0; size as usize];
+        reader.read_exact(&mut bytes)?;
+        let Ok((key, _)) = decode("", &bytes) else { break };
+        records.insert(key, (end + 8, size));
+        end += 8 + size;
+    }
+    Ok((records, end))
+}
+
+fn encode(key: &str, outcome: &Outcome) -> Result<Vec<u8>> {
+    let (properties, excluded, voxels) = match outcome {
+        Outcome::Sample(sample) => (Some(sample.properties.clone()), None, Some(&sample.voxels)),
+        Outcome::Excluded { reason, detail } => (None, Some((*reason, detail.clone())), None),
+    };
+    let channels = voxels.map_or(0, |voxels| voxels.values.len());
+    let header = Header { key: key.to_owned(), properties, excluded, channels };
+    let mut container = Container::new(KIND, serde_json::to_value(header)?);
+    if let Some(voxels) = voxels {
+        let count = voxels.index.len();
+        container.insert("index", Array::u32(voxels.index.clone(), [count])?);
+        for (channel, values) in voxels.values.iter().enumerate() {
+            container.insert(format!("channel_{channel}"), Array::f32(values.clone(), [count])?);
+        }
+    }
+    Ok(container.to_bytes()?)
+}
+
+fn decode(name: &str, bytes: &[u8]) -> Result<(String, Outcome)> {
+    let container = Container::from_bytes(name, KIND, bytes)?;
+    let header: Header = serde_json::from_value(container.header.clone()).with_context(|| name.to_owned())?;
+    let outcome = match (header.properties, header.excluded) {
+        (Some(properties), None) => {
+            let index = container.u32(name, "index", &[None])?.to_vec();
+            let channel = |channel| container.f32(name, &format!("channel_{channel}"), &[Some(index.len())]);
+            let values = (0..header.channels).map(|number| Ok(channel(number)?.to_vec()));
+            let values = values.collect::<Result<Vec<_>>>()?;
+            Outcome::Sample(Box::new(Sample { properties, voxels: Voxels { index, values } }))
+        }
+        (None, Some((reason, detail))) => Outcome::Excluded { reason, detail },
+        _ => bail!("{name}: a record is neither a sample nor an exclusion"),
+    };
+    Ok((header.key, outcome))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    fn sample(seed: f32) -> Outcome {
+        let properties = Properties {
+            residues: 3,
+            radius_of_gyration_angstrom: 1.1,
+            extents_angstrom: [3.0, 2.0, 1.0],
+            net_charge_e: 0.1,
+            spacing_angstrom: 1.0,
+            rotation_wxyz: [1.0, 0.0, 0.0, 0.0],
+            middle_angstrom: [0.0; 3],
+            composition: [0.05; 20],
+        };
+        let voxels = Voxels { index: vec![1, 5], values: vec![vec![1.0; 2], vec![seed, -seed]] };
+        Outcome::Sample(Box::new(Sample { properties, voxels }))
+    }
+
+    #[test]
+    fn what_a_killed_process_left_is_cut_off() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.work");
+        let excluded = Outcome::Excluded { reason: Reason::TooLarge, detail: "x".into() };
+        let work = WorkFile::open(&path).unwrap();
+        work.keep("a", &sample(0.5)).unwrap();
+        work.keep("b", &excluded).unwrap();
+        let whole = std::fs::metadata(&path).unwrap().len();
+        work.keep("c", &sample(2.0)).unwrap();
+        assert!(WorkFile::open(&path).is_err(), "two at once");
+        drop(work);
+        let bytes = std::fs::read(&path).unwrap();
+        for cut in [whole + 1, whole + 8, whole + 40, bytes.len() as u64 - 1] {
+            std::fs::write(&path, &bytes[..cut as usize]).unwrap();
+            let work = WorkFile::open(&path).unwrap();
+            assert!(work.has("a") && work.has("b") && !work.has("c"));
+            assert_eq!((work.get("a").unwrap(), work.get("b").unwrap()), (sample(0.5), excluded.clone()));
+            work.keep("c", &sample(3.0)).unwrap();
+            assert_eq!(work.get("c").unwrap(), sample(3.0));
+        }
+        // A damaged record and all after it are made again.
+        let mut damaged = bytes.clone();
+        damaged[20] ^= 1;
+        std::fs::write(&path, &damaged).unwrap();
+        let work = WorkFile::open(&path).unwrap();
+        assert!(!work.has("a") && !work.has("b"));
+        work.remove().unwrap();
+        assert!(!path.exists());
+    }
+}
