@@ -1,8 +1,12 @@
 //! Experiments on the controls: what is trained on what, and what must come out.
 
 use super::{Control, Form, Variant};
+use crate::block::BlockSettings;
+use crate::network::{GlobalPooling, NetworkSettings};
 use crate::scaling::ScalingMode;
-use crate::split::Fractions;
+use crate::split::{Fractions, Split};
+use crate::training::TrainingSettings;
+use crate::{Description, Result};
 use serde::{Deserialize, Serialize};
 
 /// One training on the set of a control.
@@ -68,6 +72,19 @@ impl Expected {
         };
         let is_reached = (at_least..=at_most).contains(&balanced_accuracy);
         Verdict { at_least, at_most, balanced_accuracy, is_reached }
+    }
+}
+
+impl Experiment {
+    /// Its split of these samples.
+    ///
+    /// # Errors
+    /// As [`Split::grouped`].
+    pub fn split(&self, descriptions: &[Description], seed: u64, fractions: Fractions) -> Result<Split> {
+        match self.split_by_cluster {
+            true => Split::grouped(descriptions, seed, fractions),
+            false => Split::random(descriptions, seed, fractions),
+        }
     }
 }
 
@@ -149,6 +166,35 @@ impl Control {
         self.channels()
     }
 
+    /// The network that its experiments train.
+    pub fn network(self, experiment: &Experiment, form: Form) -> NetworkSettings {
+        let first = match form {
+            Form::Short => 8,
+            Form::Full => 16,
+        };
+        let block = |i: usize| BlockSettings { width: first << i, kernel: 3, groups: None, pool: true };
+        NetworkSettings {
+            channels: experiment.channels.len(),
+            classes: self.classes().len(),
+            blocks: (0..3).map(block).collect(),
+            pooling: GlobalPooling::AverageAndMaximum,
+        }
+    }
+
+    /// How its experiments are trained: to the end, as it is known how long it takes.
+    pub fn training(self, experiment: &Experiment, form: Form, seed: u64) -> TrainingSettings {
+        TrainingSettings {
+            epochs: self.plan(form).epochs,
+            learning_rate: 3e-3,
+            batch: 16,
+            patience: None,
+            channels: experiment.channels.iter().map(|name| (*name).to_owned()).collect(),
+            scaling: experiment.scaling,
+            seed,
+            ..TrainingSettings::default()
+        }
+    }
+
     /// Sizes of the short and the full form.
     pub fn plan(self, form: Form) -> Plan {
         let plan = |samples, size, epochs, fractions| Plan { samples, size, epochs, fractions };
@@ -166,6 +212,7 @@ impl Control {
             (Self::Permuted, Form::Full) => plan(1600, 24, 20, HALVES),
             (Self::Xor, Form::Short) => plan(800, 16, 20, USUAL),
             (Self::Xor, Form::Full) => plan(2000, 24, 25, USUAL),
+            (Self::Patch, Form::Short) => plan(1000, 16, 20, USUAL),
             (_, Form::Short) => plan(600, 16, 12, USUAL),
             (_, Form::Full) => plan(1600, 24, 20, USUAL),
         }

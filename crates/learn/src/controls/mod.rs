@@ -288,7 +288,7 @@ mod tests {
         assert_eq!(clusters(Control::Charge).len(), 240);
         // All rings of a blob are one cluster; all orientations of a protein have one label.
         assert!(clusters(Control::Assemblies).values().all(|labels| labels.len() == 5));
-        for (control, count) in [(Control::Permuted, 60), (Control::Identity, 30)] {
+        for (control, count) in [(Control::Permuted, 60), (Control::Identity, 15)] {
             let clusters = clusters(control);
             assert!(clusters.len() == count && clusters.values().all(|labels| labels.len() == 1));
         }

@@ -11,7 +11,7 @@ use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Rotation, Vec3};
 
 /// Orientations of each protein of the control `identity`.
-const ORIENTATIONS: usize = 8;
+const ORIENTATIONS: usize = 16;
 /// Orientations of each protein of the control `permuted`.
 const SIBLINGS: usize = 4;
 /// Å³ of a residue.

@@ -116,7 +116,7 @@ impl ControlRun {
     ) -> Result<Self> {
         let mut experiments = Vec::new();
         for (number, experiment) in control.experiments().into_iter().enumerate() {
-            let mut settings = TrainSettings::of_control(control, &experiment, form, seed)?;
+            let mut settings = TrainSettings::of_control(control, &experiment, form, seed);
             if number == 0 && ablation_seeds > 0 {
                 settings.training.channels = control.channels().iter().map(|name| (*name).to_owned()).collect();
             }

@@ -127,36 +127,20 @@ impl TrainSettings {
     }
 
     /// The settings of one experiment of a control.
-    ///
-    /// # Errors
-    /// Never for controls as they are.
-    pub fn of_control(control: Control, experiment: &Experiment, form: Form, seed: u64) -> Result<Self> {
-        let Plan { samples, size, epochs, fractions } = control.plan(form);
-        let widths: &[usize] = match form {
-            Form::Short => &[8, 16, 32],
-            Form::Full => &[16, 32, 64],
-        };
-        Ok(Self {
+    pub fn of_control(control: Control, experiment: &Experiment, form: Form, seed: u64) -> Self {
+        let Plan { samples, size, fractions, .. } = control.plan(form);
+        let network = control.network(experiment, form);
+        Self {
             target: Target::Label,
             least_samples: 1,
             split_by: if experiment.split_by_cluster { SplitBy::Cluster } else { SplitBy::Sample },
             permutations: 1000,
             rotations: false,
-            pooling: GlobalPooling::AverageAndMaximum,
+            pooling: network.pooling,
             source: Source::Control { name: control, variant: experiment.variant, samples, size, seed },
             fractions,
-            training: TrainingSettings {
-                epochs,
-                learning_rate: 3e-3,
-                batch: 16,
-                // Of a control it is known how long it takes.
-                patience: None,
-                channels: experiment.channels.iter().map(|name| (*name).to_owned()).collect(),
-                scaling: experiment.scaling,
-                seed,
-                ..TrainingSettings::default()
-            },
-            blocks: blocks(widths, &[3], 0)?,
-        })
+            training: control.training(experiment, form, seed),
+            blocks: network.blocks,
+        }
     }
 }
