@@ -42,9 +42,18 @@ fn arrows_point_the_way_the_architecture_says() {
         ("protomer-mc", &["protomer-body", "protomer-kernel"]),
         ("protomer-crystal", &["protomer-kernel"]),
         ("protomer-field", &["protomer-body", "protomer-kernel"]),
+        ("protomer-learn", &["protomer-kernel"]),
         (
             "protomer",
-            &["protomer-body", "protomer-crystal", "protomer-field", "protomer-io", "protomer-kernel", "protomer-mc"],
+            &[
+                "protomer-body",
+                "protomer-crystal",
+                "protomer-field",
+                "protomer-io",
+                "protomer-kernel",
+                "protomer-learn",
+                "protomer-mc",
+            ],
         ),
     ]);
     for (name, needs) in dependencies(&metadata()) {
@@ -57,7 +66,14 @@ fn arrows_point_the_way_the_architecture_says() {
 
 #[test]
 fn heavy_dependencies_have_one_door() {
-    let doors = [("clap", "protomer"), ("indicatif", "protomer"), ("plotters", "protomer"), ("ureq", "protomer")];
+    let doors = [
+        ("clap", "protomer"),
+        ("indicatif", "protomer"),
+        ("plotters", "protomer"),
+        ("ureq", "protomer"),
+        ("candle-core", "protomer-learn"),
+        ("zarrs", "protomer-io"),
+    ];
     let dependencies = dependencies(&metadata());
     for (heavy, door) in doors {
         for (name, needs) in &dependencies {

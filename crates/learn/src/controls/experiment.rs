@@ -168,11 +168,13 @@ impl Control {
 
     /// The network that its experiments train.
     pub fn network(self, experiment: &Experiment, form: Form) -> NetworkSettings {
-        let first = match form {
-            Form::Short => 8,
-            Form::Full => 16,
+        // Recognising forty proteins takes a network that can remember.
+        let (first, groups) = match (self, form) {
+            (Self::Identity, _) => (16, Some(4)),
+            (_, Form::Short) => (8, None),
+            (_, Form::Full) => (16, None),
         };
-        let block = |i: usize| BlockSettings { width: first << i, kernel: 3, groups: None, pool: true };
+        let block = |i: usize| BlockSettings { width: first << i, kernel: 3, groups, pool: true };
         NetworkSettings {
             channels: experiment.channels.len(),
             classes: self.classes().len(),
@@ -187,7 +189,7 @@ impl Control {
             epochs: self.plan(form).epochs,
             learning_rate: 3e-3,
             batch: 16,
-            patience: None,
+            patience: Some(1_000_000),
             channels: experiment.channels.iter().map(|name| (*name).to_owned()).collect(),
             scaling: experiment.scaling,
             seed,
@@ -206,8 +208,8 @@ impl Control {
             (Self::Shapes, Form::Full) => plan(3000, 32, 20, LARGE),
             (Self::Assemblies, Form::Short) => plan(1500, 16, 20, LARGE),
             (Self::Assemblies, Form::Full) => plan(4000, 32, 25, LARGE),
-            (Self::Identity, Form::Short) => plan(640, 16, 30, HALVES),
-            (Self::Identity, Form::Full) => plan(1600, 24, 40, HALVES),
+            (Self::Identity, Form::Short) => plan(640, 16, 60, HALVES),
+            (Self::Identity, Form::Full) => plan(960, 24, 80, HALVES),
             (Self::Permuted, Form::Short) => plan(640, 16, 12, HALVES),
             (Self::Permuted, Form::Full) => plan(1600, 24, 20, HALVES),
             (Self::Xor, Form::Short) => plan(800, 16, 20, USUAL),

@@ -163,7 +163,8 @@ impl NetworkArgs {
         }
         override_with(&mut settings.training.epochs, self.epochs);
         if let Some(patience) = self.patience {
-            settings.training.patience = (patience > 0).then_some(patience);
+            // TOML knows no null: a number that is never reached stands for never.
+            settings.training.patience = Some(if patience > 0 { patience } else { 1_000_000 });
         }
         override_with(&mut settings.training.batch, self.batch);
         override_with(&mut settings.training.learning_rate, self.learning_rate);
