@@ -100,7 +100,7 @@ impl Recipe {
         let random = &mut self.random(Purpose::Object, number);
         let mut protein = Protein::random(random);
         let is_large = number.is_multiple_of(2);
-        let share = if is_large { random.uniform_in(0.4, 0.6) } else { random.uniform_in(0.1, 0.3) };
+        let share = if is_large { random.uniform_in(0.45, 0.65) } else { random.uniform_in(0.05, 0.25) };
         let painted = patch_of_sites(&protein, share, random);
         for (i, (_, hydropathy)) in protein.sites.iter_mut().enumerate() {
             *hydropathy = if painted[i] { random.uniform_in(1.5, 4.5) } else { random.uniform_in(-4.5, 0.5) };
