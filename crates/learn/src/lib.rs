@@ -7,20 +7,22 @@
 //! | module | one idea |
 //! |---|---|
 //! | [`sample`] | a sparse voxel grid, what is known of it, and where samples come from |
+//! | [`view`] | some samples and channels of a set |
 //! | [`split`] | parts that keep clusters together; weights of families |
 //! | [`targets`] | space groups and what is coarser |
 //! | [`scaling`] | channels brought to comparable sizes; samples that cannot be used |
 //! | [`augmentation`] | the 24 rotations of the cube, exact |
-//! | [`scores`], [`calibration`] | how good probabilities are, and how honest |
-//! | [`baselines`], [`logistic`] | what is predicted without a network |
-//! | [`bootstrap`], [`permutation`] | intervals over clusters; could it be chance? |
-//! | [`convolution`] | kernels of the convolution on the processor |
 //! | [`operations`] | convolution, pooling and normalisation of grids on any device |
+//! | [`convolution`] | kernels of the convolution on the processor |
 //! | [`block`] | convolution, normalisation, ReLU and pooling as one |
 //! | [`network`] | blocks, global pooling, a linear layer |
 //! | [`loss`] | cross entropy |
 //! | [`optimiser`] | Adam |
 //! | [`training`] | the loop, its checkpoints, and trained models |
+//! | [`scores`], [`calibration`] | how good probabilities are, and how honest |
+//! | [`baselines`], [`logistic`] | what is predicted without a network |
+//! | [`bootstrap`], [`permutation`] | intervals over clusters; could it be chance? |
+//! | [`controls`] | synthetic sets with known answers |
 //!
 //! This crate reads and writes no files: samples come through [`sample::SampleSource`], weights leave as tensors.
 
@@ -29,6 +31,7 @@ pub mod baselines;
 pub mod block;
 pub mod bootstrap;
 pub mod calibration;
+pub mod controls;
 pub mod convolution;
 mod error;
 pub mod logistic;
@@ -43,10 +46,13 @@ pub mod scores;
 pub mod split;
 pub mod targets;
 pub mod training;
+pub mod view;
 
 pub use block::BlockSettings;
+pub use candle_core::Device;
 pub use error::{LearnError, Result};
 pub use loss::cross_entropy;
 pub use network::{GlobalPooling, Network, NetworkSettings};
 pub use optimiser::{Adam, AdamSettings};
 pub use sample::{Description, InMemory, SampleSource, SparseGrid};
+pub use view::View;

@@ -22,6 +22,8 @@ mod surface;
 mod sweep;
 mod tables;
 mod tolerance;
+mod train;
+mod tune;
 mod voxelize;
 
 use crate::interrupt::Interrupt;
@@ -82,6 +84,8 @@ enum Verb {
     Simulate(simulate::SimulateArgs),
     Sweep(sweep::SweepArgs),
     Lattice(lattice::LatticeArgs),
+    Train(Box<train::TrainArgs>),
+    Tune(Box<tune::TuneArgs>),
     Voxelize(voxelize::VoxelizeArgs),
     Merge(merge::MergeArgs),
     Bench(bench::BenchArgs),
@@ -135,6 +139,8 @@ impl Verb {
             Verb::Simulate(args) => args.run(global),
             Verb::Sweep(args) => args.run(global),
             Verb::Lattice(args) => args.run(global),
+            Verb::Train(args) => args.run(global),
+            Verb::Tune(args) => args.run(global),
             Verb::Voxelize(args) => args.run(global),
             Verb::Merge(args) => args.run(global),
             Verb::Bench(args) => args.run(global),

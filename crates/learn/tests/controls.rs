@@ -1,0 +1,87 @@
+//! The pipeline learns what it should, and nothing that it should not: the short forms of the controls.
+
+#![allow(clippy::unwrap_used, clippy::print_stderr)]
+
+use protomer_learn::SampleSource;
+use protomer_learn::controls::{Control, Experiment, Form, Plan, Verdict};
+use protomer_learn::scores::Scores;
+use protomer_learn::targets::{Classes, Target};
+use protomer_learn::training::{PredictionSettings, train};
+use std::collections::BTreeSet;
+
+const SEED: u64 = 1;
+
+/// Trains one experiment in its short form and judges it on its test part.
+fn verdict(control: Control, experiment: &Experiment) -> Verdict {
+    let Plan { samples, size, fractions, .. } = control.plan(Form::Short);
+    let set = control.samples(experiment.variant, samples, size, SEED);
+    let labels: Vec<&str> = set.descriptions().iter().map(|description| description.label.as_str()).collect();
+    let classes = Classes::of(&labels, Target::Label, 1).unwrap();
+    let split = experiment.split(set.descriptions(), SEED, fractions).unwrap();
+    let network = control.network(experiment, Form::Short);
+    let settings = control.training(experiment, Form::Short, SEED);
+    let trained = train(&set, &classes, &split, &network, &settings, &mut ()).unwrap();
+    let predictions = trained.model.predict(&set, &split.test, PredictionSettings::default()).unwrap();
+    let truth: Vec<usize> = split.test.iter().map(|sample| classes.labels[*sample]).collect();
+    let scores = Scores::of(&predictions.probabilities, &truth, classes.names.len(), None).unwrap();
+    let independent = |sample: &usize| match experiment.split_by_cluster {
+        true => set.descriptions()[*sample].cluster.clone(),
+        false => set.descriptions()[*sample].name.clone(),
+    };
+    let clusters = split.test.iter().map(independent).collect::<BTreeSet<_>>().len();
+    experiment.expected.verdict(scores.balanced_accuracy, classes.names.len(), clusters)
+}
+
+/// All experiments of a control come out as it says.
+fn check(control: Control) {
+    for experiment in control.experiments() {
+        let verdict = verdict(control, &experiment);
+        eprintln!("{} {}: {verdict:?}", control.name(), experiment.name);
+        assert!(verdict.is_reached, "{} {}: {verdict:?}", control.name(), experiment.name);
+    }
+}
+
+#[test]
+fn shapes_are_told_apart() {
+    check(Control::Shapes);
+}
+
+#[test]
+fn the_sign_of_the_charge_is_read_from_the_potential_alone() {
+    check(Control::Charge);
+}
+
+#[test]
+fn a_hydrophobic_patch_is_read_from_the_hydropathy_alone() {
+    check(Control::Patch);
+}
+
+#[test]
+fn what_two_channels_say_together_is_learnt_from_both_only() {
+    check(Control::Xor);
+}
+
+#[test]
+fn permuted_labels_teach_nothing() {
+    check(Control::Permuted);
+}
+
+#[test]
+fn proteins_are_recognised_through_a_random_split_only() {
+    check(Control::Identity);
+}
+
+#[test]
+fn the_deposited_frame_gives_its_label_away_until_it_is_turned() {
+    check(Control::Orientation);
+}
+
+#[test]
+fn size_is_learnt_at_a_fixed_scale_only() {
+    check(Control::Size);
+}
+
+#[test]
+fn outliers_drown_the_potential_until_it_is_scaled_robustly() {
+    check(Control::HeavyTails);
+}

@@ -1,0 +1,95 @@
+//! `protomer tune`: a random search for the shape of the network, with early stopping of the losers.
+
+use super::execution::ExecutionArgs;
+use super::train::TaskArgs;
+use super::{Global, Outcome, output};
+use crate::train::{TrainSettings, channels_of, open_set};
+use crate::tune::{Trial, TuneEnd, TuneSettings, tune_in};
+use anyhow::Result;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Search for the network that predicts best: blocks, kernels, channels, learning rate. The same command continues it.
+#[derive(Debug, Args)]
+pub struct TuneArgs {
+    /// Set of voxels (zarr), as 'protomer voxelize' makes it.
+    set: PathBuf,
+    /// Networks to try.
+    #[arg(long, default_value_t = 27)]
+    trials: usize,
+    /// Passes over the training part for those that are never stopped.
+    #[arg(long, default_value_t = 27)]
+    epochs: usize,
+    /// Seed of draws, split, weights, order and rotations.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Try subsets of the channels as well.
+    #[arg(long)]
+    vary_channels: bool,
+    /// Directory of the results.
+    #[arg(short, long)]
+    output: PathBuf,
+    #[command(flatten)]
+    task: TaskArgs,
+    #[command(flatten)]
+    execution: ExecutionArgs,
+}
+
+impl TuneArgs {
+    pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
+        let execution = self.execution.execution(global)?;
+        let (source, set) = open_set(&self.set)?;
+        let mut base = TrainSettings::of_set(source, channels_of(&*set))?;
+        self.task.override_in(&mut base)?;
+        base.training.seed = self.seed;
+        let settings = TuneSettings {
+            trials: self.trials,
+            epochs: self.epochs,
+            seed: self.seed,
+            vary_channels: self.vary_channels,
+            base,
+        };
+        let bar = global.progress(settings.total_epochs(), "epochs");
+        let end = tune_in(&settings, &*set, &self.output, &execution, &|epochs| bar.inc(epochs))?;
+        bar.finish_and_clear();
+        let TuneEnd::Finished(trials) = end else {
+            global.say(&format!("stopped; the same command continues {}", self.output.display()));
+            return Ok(Outcome::Stopped);
+        };
+        report(global, &trials, &self.output.join("best.toml").display().to_string())?;
+        Ok(Outcome::Done)
+    }
+}
+
+fn report(global: &Global, trials: &[Trial], best: &str) -> Result<()> {
+    if global.json {
+        let value = |trial: &Trial| {
+            serde_json::json!({
+                "trial": trial.number,
+                "epochs": trial.epochs,
+                "validation_loss_nats": trial.validation_loss_nats,
+                "validation_balanced_accuracy": trial.validation_balanced_accuracy,
+            })
+        };
+        return output::json(&trials.iter().map(value).collect::<Vec<_>>());
+    }
+    if global.quiet {
+        return Ok(());
+    }
+    let mut rows =
+        vec![["trial", "epochs", "validation loss (nats)", "balanced accuracy", "widths"].map(String::from).to_vec()];
+    for trial in trials.iter().take(10) {
+        let widths: Vec<String> = trial.settings.blocks.iter().map(|block| block.width.to_string()).collect();
+        rows.push(vec![
+            trial.number.to_string(),
+            trial.epochs.to_string(),
+            format!("{:.4}", trial.validation_loss_nats),
+            format!("{:.3}", trial.validation_balanced_accuracy),
+            widths.join("-"),
+        ]);
+    }
+    output::text(&output::table(&rows))?;
+    output::text(&format!(
+        "the validation part chose the best, so its scores there are too good; train it: protomer train SET --config {best}"
+    ))
+}

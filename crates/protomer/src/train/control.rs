@@ -1,0 +1,87 @@
+//! What a control was expected to show and what it showed.
+
+use super::metrics::Metrics;
+use protomer_learn::controls::{Control, Experiment, Form, Verdict};
+use serde::{Deserialize, Serialize};
+
+/// What one experiment of a control came to.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ExperimentReport {
+    /// Its name.
+    pub name: String,
+    /// The channels the network saw.
+    pub channels: Vec<String>,
+    /// Lowest balanced accuracy that would do.
+    pub at_least: f64,
+    /// Highest balanced accuracy that would do.
+    pub at_most: f64,
+    /// Balanced accuracy on the test part.
+    pub balanced_accuracy: f64,
+    /// What always naming the most frequent class gives there.
+    pub majority_accuracy: f64,
+    /// Nats gained over the prior there.
+    pub nats_gained_over_prior: f64,
+    /// Whether the balanced accuracy lies between the bounds.
+    pub reached: bool,
+}
+
+/// What a control came to.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ControlReport {
+    /// The control.
+    pub name: Control,
+    /// Short or full.
+    pub form: Form,
+    /// What it is meant to show.
+    pub shows: String,
+    /// Its experiments, the main one first.
+    pub experiments: Vec<ExperimentReport>,
+    /// Whether all of them came out as expected.
+    pub reached: bool,
+}
+
+impl ExperimentReport {
+    /// Judges the metrics of an experiment.
+    pub fn of(experiment: &Experiment, metrics: &Metrics) -> Self {
+        let clusters = if experiment.split_by_cluster { metrics.samples.test_clusters } else { metrics.samples.test };
+        let Verdict { at_least, at_most, balanced_accuracy, is_reached } =
+            experiment.expected.verdict(metrics.balanced_accuracy, metrics.classes.len(), clusters);
+        Self {
+            name: experiment.name.to_owned(),
+            channels: metrics.channels.clone(),
+            at_least,
+            at_most,
+            balanced_accuracy,
+            majority_accuracy: metrics.majority_accuracy,
+            nats_gained_over_prior: metrics.nats_gained_over_prior,
+            reached: is_reached,
+        }
+    }
+}
+
+impl ControlReport {
+    /// The report of a control.
+    pub fn of(control: Control, form: Form, experiments: Vec<ExperimentReport>) -> Self {
+        let reached = experiments.iter().all(|experiment| experiment.reached);
+        Self { name: control, form, shows: control.shows().to_owned(), experiments, reached }
+    }
+
+    /// Lines for a reader.
+    pub fn summary(&self) -> String {
+        let line = |experiment: &ExperimentReport| {
+            let ExperimentReport { name, balanced_accuracy, at_least, at_most, reached, .. } = experiment;
+            let wanted = match at_most {
+                1.0 => format!("at least {at_least:.2}"),
+                _ => format!("chance, {at_least:.2} to {at_most:.2}"),
+            };
+            let verdict = if *reached { "as expected" } else { "NOT AS EXPECTED" };
+            format!(
+                "{} {name}: balanced accuracy {balanced_accuracy:.3}, expected {wanted}: {verdict}",
+                self.name.name()
+            )
+        };
+        self.experiments.iter().map(line).collect::<Vec<_>>().join("\n")
+    }
+}

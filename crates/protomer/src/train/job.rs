@@ -1,0 +1,165 @@
+//! A training with the ablation of its channels, and a control with all its experiments.
+
+use super::ablation::{Ablation, AblationRun, MOST_CHANNELS, subsets};
+use super::control::{ControlReport, ExperimentReport};
+use super::metrics::Metrics;
+use super::run::train_in;
+use super::settings::{Source, TrainSettings};
+use crate::run::Execution;
+use anyhow::{Result, bail};
+use protomer_learn::controls::{Control, Experiment, Form};
+use protomer_learn::sample::SampleSource;
+use std::path::Path;
+
+/// How a training ended.
+#[derive(Debug, Clone, PartialEq)]
+pub enum TrainEnd {
+    /// Everything is done.
+    Finished(Box<Metrics>),
+    /// It was asked to stop; the same command goes on.
+    Stopped,
+}
+
+/// A training, perhaps with an ablation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Job {
+    /// The training.
+    pub settings: TrainSettings,
+    /// Seeds every subset of the channels is trained with; 0 for no ablation.
+    pub ablation_seeds: u64,
+}
+
+impl Job {
+    /// The trainings of the ablation with their folders. The one that equals the main training is left to it.
+    fn ablation(&self) -> Result<Vec<(String, TrainSettings)>> {
+        if self.ablation_seeds == 0 {
+            return Ok(Vec::new());
+        }
+        let channels = &self.settings.training.channels;
+        if channels.len() > MOST_CHANNELS {
+            bail!("{} channels have too many subsets; choose at most {MOST_CHANNELS} with --channels", channels.len());
+        }
+        let first = self.settings.training.seed;
+        let mut trainings = Vec::new();
+        for seed in first..first.saturating_add(self.ablation_seeds) {
+            for subset in subsets(channels) {
+                let mut settings = self.settings.clone();
+                (settings.training.channels, settings.training.seed) = (subset, seed);
+                if settings != self.settings {
+                    trainings
+                        .push((format!("ablation/{}/seed_{seed}", settings.training.channels.join("+")), settings));
+                }
+            }
+        }
+        Ok(trainings)
+    }
+
+    /// Epochs of everything together.
+    pub fn epochs(&self) -> u64 {
+        let trainings = self.ablation().map_or(0, |trainings| trainings.len()) + 1;
+        (trainings * self.settings.training.epochs) as u64
+    }
+}
+
+/// Runs or continues a training and its ablation in a directory. `advanced` hears of every epoch.
+///
+/// # Errors
+/// For settings that make no sense, a directory that holds something else, and a disk that takes no more.
+pub fn run_job(
+    job: &Job,
+    set: &dyn SampleSource,
+    path: &Path,
+    execution: &Execution,
+    advanced: &(dyn Fn(u64) + Sync),
+) -> Result<TrainEnd> {
+    let trainings = job.ablation()?;
+    let TrainEnd::Finished(mut metrics) = train_in(&job.settings, set, path, execution, advanced)? else {
+        return Ok(TrainEnd::Stopped);
+    };
+    if trainings.is_empty() {
+        return Ok(TrainEnd::Finished(metrics));
+    }
+    let mut runs = vec![AblationRun::of(&metrics, job.settings.training.seed)];
+    for (folder, settings) in &trainings {
+        let TrainEnd::Finished(of_subset) = train_in(settings, set, &path.join(folder), execution, advanced)? else {
+            return Ok(TrainEnd::Stopped);
+        };
+        runs.push(AblationRun::of(&of_subset, settings.training.seed));
+    }
+    let ablation = Ablation::of(runs);
+    ablation.write_csv(path)?;
+    metrics.ablation = Some(ablation);
+    metrics.write(path)?;
+    Ok(TrainEnd::Finished(metrics))
+}
+
+/// A control with the settings of its experiments.
+#[derive(Debug, Clone)]
+pub struct ControlRun {
+    control: Control,
+    form: Form,
+    /// The main one first; only it has an ablation.
+    experiments: Vec<(Experiment, Job)>,
+}
+
+impl ControlRun {
+    /// A control; `adjust` may change the settings of each experiment.
+    ///
+    /// # Errors
+    /// As `adjust`.
+    pub fn new(
+        control: Control,
+        form: Form,
+        seed: u64,
+        ablation_seeds: u64,
+        mut adjust: impl FnMut(&mut TrainSettings) -> Result<()>,
+    ) -> Result<Self> {
+        let mut experiments = Vec::new();
+        for (number, experiment) in control.experiments().into_iter().enumerate() {
+            let mut settings = TrainSettings::of_control(control, &experiment, form, seed);
+            if number == 0 && ablation_seeds > 0 {
+                settings.training.channels = control.channels().iter().map(|name| (*name).to_owned()).collect();
+            }
+            adjust(&mut settings)?;
+            let ablation_seeds = if number == 0 { ablation_seeds } else { 0 };
+            experiments.push((experiment, Job { settings, ablation_seeds }));
+        }
+        Ok(Self { control, form, experiments })
+    }
+
+    /// Epochs of everything together.
+    pub fn epochs(&self) -> u64 {
+        self.experiments.iter().map(|(_, job)| job.epochs()).sum()
+    }
+}
+
+/// Runs or continues a control in a directory: the main experiment in it, the others in folders. `advanced` hears of every
+/// epoch.
+///
+/// # Errors
+/// As [`run_job`].
+pub fn run_control(
+    run: &ControlRun,
+    path: &Path,
+    execution: &Execution,
+    advanced: &(dyn Fn(u64) + Sync),
+) -> Result<TrainEnd> {
+    let mut main = None;
+    let mut reports = Vec::new();
+    for (number, (experiment, job)) in run.experiments.iter().enumerate() {
+        let Source::Control { name, variant, samples, size, seed } = job.settings.source else {
+            bail!("a control makes its own samples");
+        };
+        let set = name.samples(variant, samples, size, seed);
+        let folder = if number == 0 { path.to_owned() } else { path.join(experiment.name) };
+        let TrainEnd::Finished(metrics) = run_job(job, &set, &folder, execution, advanced)? else {
+            return Ok(TrainEnd::Stopped);
+        };
+        reports.push(ExperimentReport::of(experiment, &metrics));
+        main.get_or_insert(metrics);
+    }
+    let Some(mut metrics) = main else { bail!("the control {} has no experiment", run.control.name()) };
+    metrics.control = Some(ControlReport::of(run.control, run.form, reports));
+    metrics.write(path)?;
+    Ok(TrainEnd::Finished(metrics))
+}

@@ -1,0 +1,366 @@
+//! `metrics.json`: how well a network predicts the test part, beside what can be predicted without it.
+
+use anyhow::{Context, Result};
+use protomer_io::atomic::write_atomically;
+use protomer_io::csv::{Cell, Table};
+use protomer_learn::baselines::baselines;
+use protomer_learn::bootstrap::{Interval, bootstrap};
+use protomer_learn::permutation::permute_labels;
+use protomer_learn::sample::Description;
+use protomer_learn::scaling::Quarantined;
+use protomer_learn::scores::{ReliabilityBin, Scores};
+use protomer_learn::split::{Split, family_weights};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+/// Resamplings of the clusters behind each interval.
+const RESAMPLINGS: usize = 1000;
+
+/// Samples in each part of the split.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Parts {
+    /// Samples that weights were fitted to.
+    pub training: usize,
+    /// Samples that the epoch and the temperature were chosen on.
+    pub validation: usize,
+    /// Samples that all scores here are of.
+    pub test: usize,
+    /// Clusters of the test part.
+    pub test_clusters: usize,
+}
+
+/// What is predicted without a network.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BaselineScores {
+    /// Share of samples predicted right.
+    pub accuracy: f64,
+    /// Mean recall.
+    pub balanced_accuracy: f64,
+    /// Mean F1.
+    pub macro_f1: f64,
+    /// Share of samples whose class is among the three most probable.
+    pub top3_accuracy: f64,
+    /// Cross entropy, nats.
+    pub log_loss_nats: f64,
+}
+
+/// Intervals that hold 95 % of the values in draws of clusters.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Intervals {
+    /// Of the accuracy.
+    pub accuracy: Interval,
+    /// Of the balanced accuracy.
+    pub balanced_accuracy: Interval,
+    /// Of the nats gained over the prior.
+    pub nats_gained_over_prior: Interval,
+}
+
+/// The scores of a trained network on the test part.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Metrics {
+    /// Version of the program.
+    pub version: String,
+    /// Names of the classes, in the order of every list and matrix below.
+    pub classes: Vec<String>,
+    /// Names of the channels the network saw.
+    pub channels: Vec<String>,
+    /// Samples in each part.
+    pub samples: Parts,
+    /// Share of samples predicted right; it means nothing without `majority_accuracy`.
+    pub accuracy: f64,
+    /// The accuracy of always naming the most frequent class of the training part.
+    pub majority_accuracy: f64,
+    /// Mean recall over the classes.
+    pub balanced_accuracy: f64,
+    /// Mean F1 over the classes.
+    pub macro_f1: f64,
+    /// Share of samples whose class is among the three most probable.
+    pub top3_accuracy: f64,
+    /// Matthews' correlation coefficient for several classes.
+    pub matthews_correlation: f64,
+    /// Cross entropy, nats.
+    pub log_loss_nats: f64,
+    /// Cross entropy of the shares of the classes in the training part, nats.
+    pub prior_log_loss_nats: f64,
+    /// `prior_log_loss_nats` - `log_loss_nats`: what was learnt, per sample.
+    pub nats_gained_over_prior: f64,
+    /// Brier score.
+    pub brier: f64,
+    /// Expected calibration error.
+    pub expected_calibration_error: f64,
+    /// Temperature that divides the logits, chosen on the validation part.
+    pub temperature: f64,
+    /// Weight of samples by true class (row) and predicted class (column).
+    pub confusion_matrix: Vec<Vec<f64>>,
+    /// Confidence and accuracy, bin by bin.
+    pub reliability: Vec<ReliabilityBin>,
+    /// What is predicted without a network, by name.
+    pub baselines: BTreeMap<String, BaselineScores>,
+    /// 95 % intervals.
+    pub bootstrap_95: Intervals,
+    /// Share of exchanges of labels between clusters of the test part under which the same predictions score as well
+    /// (the real labels count as one exchange).
+    pub permutation_p: f64,
+    /// Exchanges that were tried.
+    pub permutations: usize,
+    /// The epoch whose weights were kept.
+    pub best_epoch: usize,
+    /// Epochs done.
+    pub epochs: usize,
+    /// Numbers that training fits.
+    pub parameters: usize,
+    /// Samples left out, and why.
+    pub quarantined: Vec<Quarantined>,
+    /// All subsets of the channels, where asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ablation: Option<super::ablation::Ablation>,
+    /// What was expected, for a control.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub control: Option<super::control::ControlReport>,
+}
+
+/// What the scores are made from.
+#[derive(Debug)]
+pub struct Predictions<'a> {
+    /// All samples of the set.
+    pub descriptions: &'a [Description],
+    /// The class of each.
+    pub labels: &'a [usize],
+    /// Names of the classes.
+    pub classes: &'a [String],
+    /// Names of the channels.
+    pub channels: &'a [String],
+    /// The split, without samples left out.
+    pub split: &'a Split,
+    /// Probabilities of the test part, in its order, samples x classes.
+    pub probabilities: &'a [f64],
+    /// Temperature they have.
+    pub temperature: f64,
+    /// Samples left out.
+    pub quarantined: &'a [Quarantined],
+    /// Epochs done.
+    pub epochs: usize,
+    /// The epoch whose weights were kept.
+    pub best_epoch: usize,
+    /// Numbers that training fits.
+    pub parameters: usize,
+    /// Exchanges of labels for the permutation test.
+    pub permutations: usize,
+    /// Seed of resamplings and exchanges.
+    pub seed: u64,
+}
+
+impl Predictions<'_> {
+    fn of_test<T: Copy>(&self, all: &[T]) -> Vec<T> {
+        self.split.test.iter().filter_map(|sample| all.get(*sample).copied()).collect()
+    }
+
+    /// Scores everything.
+    ///
+    /// # Errors
+    /// If there is nothing to score, or a description is not finite.
+    pub fn metrics(&self) -> Result<Metrics> {
+        let count = self.classes.len();
+        let truth = self.of_test(self.labels);
+        let all_weights = family_weights(self.descriptions);
+        let weights = self.of_test(&all_weights);
+        let score = |p: &[f64], weights: &[f64]| Scores::of(p, &truth, count, Some(weights));
+        let own = score(self.probabilities, &weights)?;
+        let others = baselines(self.descriptions, self.labels, count, Some(&all_weights), self.split)?;
+        let mut scores = BTreeMap::new();
+        for baseline in &others {
+            scores.insert(baseline.name.to_owned(), short(&score(&baseline.probabilities, &weights)?));
+        }
+        let of = |name: &str| scores.get(name).copied().context("a baseline is missing");
+        let (majority, prior) = (of("majority")?, of("prior")?);
+        let prior_probabilities = others.iter().find(|baseline| baseline.name == "prior");
+        let prior_probabilities = prior_probabilities.map(|prior| prior.probabilities.as_slice()).unwrap_or_default();
+
+        let clusters: Vec<&str> =
+            self.split.test.iter().filter_map(|i| self.descriptions.get(*i)).map(|d| d.cluster.as_str()).collect();
+        let interval = |statistic: &(dyn Fn(&Scores, &Scores) -> f64 + Sync)| {
+            let of_draw = |drawn: &[f64]| {
+                let weights: Vec<f64> = drawn.iter().zip(&weights).map(|(drawn, weight)| drawn * weight).collect();
+                match (score(self.probabilities, &weights), score(prior_probabilities, &weights)) {
+                    (Ok(own), Ok(prior)) => statistic(&own, &prior),
+                    _ => f64::NAN,
+                }
+            };
+            bootstrap(&clusters, 0.95, RESAMPLINGS, self.seed, of_draw)
+        };
+        Ok(Metrics {
+            version: env!("CARGO_PKG_VERSION").into(),
+            classes: self.classes.to_vec(),
+            channels: self.channels.to_vec(),
+            samples: Parts {
+                training: self.split.training.len(),
+                validation: self.split.validation.len(),
+                test: self.split.test.len(),
+                test_clusters: clusters.iter().collect::<BTreeSet<_>>().len(),
+            },
+            accuracy: own.accuracy,
+            majority_accuracy: majority.accuracy,
+            balanced_accuracy: own.balanced_accuracy,
+            macro_f1: own.macro_f1,
+            top3_accuracy: own.top3_accuracy,
+            matthews_correlation: own.matthews,
+            log_loss_nats: own.log_loss_nats,
+            prior_log_loss_nats: prior.log_loss_nats,
+            nats_gained_over_prior: prior.log_loss_nats - own.log_loss_nats,
+            brier: own.brier,
+            expected_calibration_error: own.expected_calibration_error,
+            temperature: self.temperature,
+            confusion_matrix: own.confusion.clone(),
+            reliability: own.reliability.clone(),
+            bootstrap_95: Intervals {
+                accuracy: interval(&|own, _| own.accuracy)?,
+                balanced_accuracy: interval(&|own, _| own.balanced_accuracy)?,
+                nats_gained_over_prior: interval(&|own, prior| own.nats_gained_over(prior))?,
+            },
+            baselines: scores,
+            permutation_p: self.permutation_p(&own)?,
+            permutations: self.permutations,
+            best_epoch: self.best_epoch,
+            epochs: self.epochs,
+            parameters: self.parameters,
+            quarantined: self.quarantined.to_vec(),
+            ablation: None,
+            control: None,
+        })
+    }
+
+    /// Exact under exchanges of labels between clusters of one size in the test part, for predictions that have seen no
+    /// label of it: p = (1 + exchanges with no larger loss) / (1 + exchanges).
+    fn permutation_p(&self, _own: &Scores) -> Result<f64> {
+        let count = self.classes.len();
+        let loss = |labels: &[usize]| -> Result<f64> {
+            Ok(Scores::of(self.probabilities, &self.of_test(labels), count, None)?.log_loss_nats)
+        };
+        let observed = loss(self.labels)?;
+        let as_good = |number: usize| {
+            let permuted = permute_labels(self.descriptions, self.labels, self.split, self.seed, number as u64)?;
+            // Equal labels give equal losses, summed in the same order; a sum may differ in its last digit otherwise.
+            Ok(usize::from(loss(&permuted)? <= observed * (1.0 + 1e-12)))
+        };
+        let counts = (0..self.permutations).into_par_iter().map(as_good).collect::<Result<Vec<usize>>>()?;
+        Ok((1 + counts.iter().sum::<usize>()) as f64 / (1 + self.permutations) as f64)
+    }
+
+    /// `predictions.csv`: one row per sample of the test part.
+    ///
+    /// # Errors
+    /// If the disk does not take it.
+    pub fn write_csv(&self, path: &Path) -> Result<()> {
+        let fixed = ["name", "cluster", "label", "predicted"].map(str::to_owned);
+        let mut table = Table::new(fixed.into_iter().chain(self.classes.iter().map(|class| format!("p_{class}"))));
+        let name = |class: usize| self.classes.get(class).map_or("", String::as_str);
+        for (sample, p) in self.split.test.iter().zip(self.probabilities.chunks(self.classes.len().max(1))) {
+            let (Some(known), Some(label)) = (self.descriptions.get(*sample), self.labels.get(*sample)) else {
+                continue;
+            };
+            let mut best = 0;
+            for (class, probability) in p.iter().enumerate() {
+                if *probability > p[best] {
+                    best = class;
+                }
+            }
+            let fixed: [Cell; 4] =
+                [known.name.as_str().into(), known.cluster.as_str().into(), name(*label).into(), name(best).into()];
+            table.push(fixed.into_iter().chain(p.iter().map(|p| Cell::from(*p))))?;
+        }
+        write_atomically(path, |file| file.write_all(table.to_csv().as_bytes()))?;
+        Ok(())
+    }
+}
+
+fn short(scores: &Scores) -> BaselineScores {
+    BaselineScores {
+        accuracy: scores.accuracy,
+        balanced_accuracy: scores.balanced_accuracy,
+        macro_f1: scores.macro_f1,
+        top3_accuracy: scores.top3_accuracy,
+        log_loss_nats: scores.log_loss_nats,
+    }
+}
+
+impl Metrics {
+    /// Lines for a reader: the accuracy never without the majority's.
+    pub fn summary(&self) -> String {
+        let Intervals { accuracy, balanced_accuracy, nats_gained_over_prior } = &self.bootstrap_95;
+        let range = |interval: &Interval| format!("{:.3} to {:.3}", interval.low, interval.high);
+        let best =
+            |value: fn(&BaselineScores) -> f64| self.baselines.iter().max_by(|a, b| value(a.1).total_cmp(&value(b.1)));
+        let mut lines = vec![
+            format!(
+                "test part: {} samples in {} clusters, {} classes",
+                self.samples.test,
+                self.samples.test_clusters,
+                self.classes.len()
+            ),
+            format!(
+                "balanced accuracy {:.3} ({}), by guessing {:.3}",
+                self.balanced_accuracy,
+                range(balanced_accuracy),
+                1.0 / self.classes.len().max(1) as f64
+            ),
+            format!(
+                "accuracy {:.3} ({}), always the majority {:.3}",
+                self.accuracy,
+                range(accuracy),
+                self.majority_accuracy
+            ),
+            format!(
+                "log-loss {:.3} nats, prior {:.3}: gained {:+.3} ({}), permutation p {:.2}",
+                self.log_loss_nats,
+                self.prior_log_loss_nats,
+                self.nats_gained_over_prior,
+                range(nats_gained_over_prior),
+                self.permutation_p
+            ),
+        ];
+        if let Some((name, scores)) = best(|scores| -scores.log_loss_nats) {
+            lines.push(format!(
+                "best without a network: {} with {:.3} nats, balanced accuracy {:.3}",
+                name.replace('_', " "),
+                scores.log_loss_nats,
+                scores.balanced_accuracy
+            ));
+        }
+        if !self.quarantined.is_empty() {
+            lines.push(format!("{} samples left out: see quarantined in metrics.json", self.quarantined.len()));
+        }
+        lines.join("\n")
+    }
+
+    /// Writes `metrics.json` into a directory.
+    ///
+    /// # Errors
+    /// If the disk does not take it.
+    pub fn write(&self, directory: &Path) -> Result<()> {
+        let text = serde_json::to_string_pretty(self).context("metrics.json")?;
+        write_atomically(&directory.join(FILE_NAME), |file| writeln!(file, "{text}"))?;
+        Ok(())
+    }
+
+    /// The metrics of a directory, if its training is done.
+    ///
+    /// # Errors
+    /// If there are some and they cannot be read.
+    pub fn read(directory: &Path) -> Result<Option<Self>> {
+        let path = directory.join(FILE_NAME);
+        match std::fs::read(&path) {
+            Ok(bytes) => Ok(Some(crate::keys::from_json(&path, &bytes)?)),
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+            Err(error) => Err(error).with_context(|| format!("cannot read {}", path.display())),
+        }
+    }
+}
+
+/// The name of the file.
+pub const FILE_NAME: &str = "metrics.json";

@@ -1,0 +1,37 @@
+//! Training a network in a directory: start or continue, evaluate beside baselines, write everything down.
+//!
+//! ```text
+//! DIR/settings.toml  metrics.json  model.safetensors  history.csv  learning_curve.svg  predictions.csv  checkpoint.bin
+//! DIR/ablation/CHANNELS/seed_N/   a directory each    ablation.csv
+//! DIR/EXPERIMENT/                 the further experiments of a control
+//! ```
+//!
+//! | module | one idea |
+//! |---|---|
+//! | `settings` | what is trained, on what, and how |
+//! | `source` | where samples come from |
+//! | `directory` | whose directory it is |
+//! | `run` | one training: the loop, checkpoints, results |
+//! | `job` | a training with its ablation; a control with its experiments |
+//! | `metrics` | scores beside baselines |
+//! | `ablation`, `control`, `figure` | tables of channels, verdicts on controls, the learning curve |
+
+mod ablation;
+mod control;
+mod directory;
+mod figure;
+mod job;
+mod metrics;
+mod run;
+mod settings;
+mod source;
+
+pub use ablation::{Ablation, AblationRow, AblationRun, Mean, subsets};
+pub use control::{ControlReport, ExperimentReport};
+pub use directory::TrainDirectory;
+pub use figure::learning_curve;
+pub use job::{ControlRun, Job, TrainEnd, run_control, run_job};
+pub use metrics::{BaselineScores, Intervals, Metrics, Parts, Predictions};
+pub use run::{Prepared, advance, train_in};
+pub use settings::{Source, SplitBy, TrainSettings, blocks};
+pub use source::{channels_of, open_set, samples_of};

@@ -1,0 +1,315 @@
+//! One training in its directory: start or continue, save every so often, write the results.
+
+use super::directory::TrainDirectory;
+use super::figure::learning_curve;
+use super::job::TrainEnd;
+use super::metrics::{Metrics, Predictions};
+use super::settings::{SplitBy, TrainSettings};
+use crate::run::Execution;
+use anyhow::{Context, Result, anyhow, bail};
+use protomer_io::atomic::write_atomically;
+use protomer_io::csv::{Cell, Table};
+use protomer_learn::Device;
+use protomer_learn::logistic::prior;
+use protomer_learn::sample::{Description, SampleSource};
+use protomer_learn::scaling::{Quarantined, screen};
+use protomer_learn::scores::Scores;
+use protomer_learn::split::{Split, family_weights};
+use protomer_learn::targets::Classes;
+use protomer_learn::training::{
+    EpochRecord, Model, Observer, Outcome, PredictionSettings, StepReport, Trained, Training, TrainingSettings,
+};
+use protomer_learn::view::View;
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::time::Instant;
+
+/// The state from which a training goes on bit for bit.
+const CHECKPOINT: &str = "checkpoint.bin";
+const MODEL: &str = "model.safetensors";
+const HISTORY: &str = "history.csv";
+const PREDICTIONS: &str = "predictions.csv";
+const CURVE: &str = "learning_curve.svg";
+/// Everything that a training and its ablation write beside the settings.
+pub(super) const RESULTS: [&str; 8] =
+    [super::metrics::FILE_NAME, MODEL, HISTORY, PREDICTIONS, CURVE, CHECKPOINT, "ablation.csv", "ablation"];
+
+/// A set made ready: samples with a class, classes, split.
+#[derive(Debug)]
+pub struct Prepared<'a> {
+    /// The samples that have a class.
+    pub view: View<'a>,
+    /// What is known of them, with the class as label.
+    pub descriptions: Vec<Description>,
+    /// Their classes.
+    pub classes: Classes,
+    /// The split, without samples that cannot be read.
+    pub split: Split,
+    /// Samples left out.
+    pub quarantined: Vec<Quarantined>,
+}
+
+impl<'a> Prepared<'a> {
+    /// Applies target and split to a set.
+    ///
+    /// # Errors
+    /// If fewer than two classes are left, or clusters are too few for the split.
+    pub fn new(settings: &TrainSettings, set: &'a dyn SampleSource) -> Result<Self> {
+        let target = settings.target;
+        let mut quarantined = Vec::new();
+        for (sample, description) in set.descriptions().iter().enumerate() {
+            let reason = match target.of(&description.label) {
+                Ok(class) if class.is_empty() => "it has no label".to_owned(),
+                Ok(_) => continue,
+                Err(error) => error.to_string(),
+            };
+            quarantined.push(Quarantined { sample, name: description.name.clone(), reason });
+        }
+        let view = View::new(set)
+            .relabelled(|description| target.of(&description.label).ok().filter(|class| !class.is_empty()));
+        let labels: Vec<&str> = view.descriptions().iter().map(|description| description.label.as_str()).collect();
+        let classes = Classes::of(&labels, protomer_learn::targets::Target::Label, settings.least_samples)?;
+        if classes.names.len() < 2 {
+            bail!(
+                "{} of {} samples have a class, and there are {} classes of at least {} samples; two are needed: take \
+                 more samples, another --target, or a smaller --least-samples",
+                labels.len(),
+                set.descriptions().len(),
+                classes.names.len(),
+                settings.least_samples
+            );
+        }
+        let name = |class: &usize| classes.names.get(*class).cloned().unwrap_or_default();
+        let labelled = view.descriptions().iter().zip(&classes.labels);
+        let descriptions: Vec<Description> =
+            labelled.map(|(known, class)| Description { label: name(class), ..known.clone() }).collect();
+        let seed = settings.training.seed;
+        let split = match settings.split_by {
+            SplitBy::Cluster => Split::grouped(&descriptions, seed, settings.fractions)?,
+            SplitBy::Sample => Split::random(&descriptions, seed, settings.fractions)?,
+        };
+        let mut part = |samples: &[usize]| {
+            let (good, bad) = screen(&view, samples);
+            quarantined.extend(bad);
+            good
+        };
+        let split =
+            Split { training: part(&split.training), validation: part(&split.validation), test: part(&split.test) };
+        if split.training.is_empty() || split.validation.is_empty() || split.test.is_empty() {
+            bail!("too few samples can be read; the first that cannot is {:?}", quarantined.first());
+        }
+        Ok(Self { view, descriptions, classes, split, quarantined })
+    }
+}
+
+/// Trains to so many epochs, going on from a checkpoint file where there is one. `None`: it was asked to stop, and the
+/// file holds how far it came.
+///
+/// # Errors
+/// If training fails, the checkpoint is that of another training, or the disk takes no more.
+pub fn advance(
+    settings: &TrainSettings,
+    prepared: &Prepared,
+    checkpoint: &Path,
+    epochs: usize,
+    execution: &Execution,
+    advanced: &(dyn Fn(u64) + Sync),
+) -> Result<Option<Trained>> {
+    let present = match std::fs::read(checkpoint) {
+        Ok(bytes) => Some(bytes),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => None,
+        Err(error) => return Err(error).with_context(|| format!("cannot read {}", checkpoint.display())),
+    };
+    let network = settings.network(prepared.classes.names.len());
+    let training = TrainingSettings { epochs, ..settings.training.clone() };
+    let mut keeper =
+        Keeper { path: checkpoint, execution, advanced, latest: None, saved: Instant::now(), failed: None, epochs: 0 };
+    let trained = Training {
+        source: &prepared.view,
+        classes: &prepared.classes,
+        split: &prepared.split,
+        network: &network,
+        settings: &training,
+        device: Device::Cpu,
+    }
+    .run(present.as_deref(), &mut keeper);
+    // What was reached is kept, also where training failed.
+    keeper.save()?;
+    if let Some(error) = keeper.failed.take() {
+        return Err(error);
+    }
+    let resumed = present.as_ref().map(|_| format!(" (continued from {})", checkpoint.display()));
+    let trained = trained.map_err(|error| anyhow!("{error}{}", resumed.unwrap_or_default()))?;
+    // Epochs of earlier runs, and those that ending early saves.
+    advanced(
+        (epochs as u64)
+            .saturating_sub(keeper.epochs)
+            .saturating_mul(u64::from(trained.outcome != Outcome::Interrupted)),
+    );
+    Ok((trained.outcome != Outcome::Interrupted).then_some(trained))
+}
+
+/// Keeps the checkpoint of a training on the disk and ends it when asked.
+struct Keeper<'a> {
+    path: &'a Path,
+    execution: &'a Execution,
+    advanced: &'a (dyn Fn(u64) + Sync),
+    /// The checkpoint of the last epoch, until it is saved.
+    latest: Option<Vec<u8>>,
+    saved: Instant,
+    failed: Option<anyhow::Error>,
+    epochs: u64,
+}
+
+impl Keeper<'_> {
+    fn save(&mut self) -> Result<()> {
+        if let Some(bytes) = self.latest.take() {
+            write_atomically(self.path, |file| file.write_all(&bytes))?;
+        }
+        self.saved = Instant::now();
+        Ok(())
+    }
+
+    fn flow(&self) -> ControlFlow<()> {
+        if self.failed.is_some() || self.execution.interrupt.is_requested() {
+            return ControlFlow::Break(());
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+impl Observer for Keeper<'_> {
+    fn step(&mut self, _report: StepReport) -> ControlFlow<()> {
+        self.flow()
+    }
+
+    fn epoch(
+        &mut self,
+        _record: &EpochRecord,
+        checkpoint: &dyn Fn() -> protomer_learn::Result<Vec<u8>>,
+    ) -> protomer_learn::Result<ControlFlow<()>> {
+        self.latest = Some(checkpoint()?);
+        self.epochs += 1;
+        (self.advanced)(1);
+        if self.saved.elapsed() >= self.execution.checkpoint_interval {
+            self.failed = self.save().err();
+        }
+        Ok(self.flow())
+    }
+}
+
+/// Trains or continues in a directory and scores the result. `advanced` hears how many epochs were done.
+///
+/// # Errors
+/// For settings that make no sense, a directory that holds something else, and a disk that takes no more.
+pub fn train_in(
+    settings: &TrainSettings,
+    set: &dyn SampleSource,
+    path: &Path,
+    execution: &Execution,
+    advanced: &(dyn Fn(u64) + Sync),
+) -> Result<TrainEnd> {
+    settings.training.check()?;
+    settings.training.channel_places(set)?;
+    let prepared = Prepared::new(settings, set)?;
+    let _mine = TrainDirectory::enter(path, settings, &RESULTS, execution.start_anew)?;
+    let epochs = settings.training.epochs;
+    if let Some(metrics) = Metrics::read(path)? {
+        advanced(epochs as u64);
+        return Ok(TrainEnd::Finished(Box::new(metrics)));
+    }
+    let checkpoint = path.join(CHECKPOINT);
+    let Some(trained) = advance(settings, &prepared, &checkpoint, epochs, execution, advanced)? else {
+        return Ok(TrainEnd::Stopped);
+    };
+    let metrics = write_results(settings, &prepared, trained, path)?;
+    Ok(TrainEnd::Finished(Box::new(metrics)))
+}
+
+/// Calibrates, predicts the test part, and writes everything down; the metrics last, as they say that all is done.
+fn write_results(settings: &TrainSettings, prepared: &Prepared, trained: Trained, path: &Path) -> Result<Metrics> {
+    let Prepared { view, descriptions, classes, split, .. } = prepared;
+    let Trained { mut model, history, best_epoch, .. } = trained;
+    let how = PredictionSettings { rotations: settings.rotations, ..PredictionSettings::default() };
+    let weights = family_weights(descriptions);
+    let temperature = calibrate(&mut model, prepared, &weights, how)?;
+    let predicted = model.predict(view, &split.test, how)?;
+    let predictions = Predictions {
+        descriptions,
+        labels: &classes.labels,
+        classes: &classes.names,
+        channels: &settings.training.channels,
+        split,
+        probabilities: &predicted.probabilities,
+        temperature,
+        quarantined: &prepared.quarantined,
+        epochs: history.len(),
+        best_epoch,
+        parameters: model.network.parameters().iter().map(|(_, values)| values.elem_count()).sum(),
+        permutations: settings.permutations,
+        seed: settings.training.seed,
+    };
+    let metrics = predictions.metrics()?;
+    predictions.write_csv(&path.join(PREDICTIONS))?;
+    let bytes = model.to_bytes()?;
+    write_atomically(&path.join(MODEL), |file| file.write_all(&bytes))?;
+    let history_csv = history_table(&history)?.to_csv();
+    write_atomically(&path.join(HISTORY), |file| file.write_all(history_csv.as_bytes()))?;
+    if !history.is_empty() {
+        let shares = prior(&split.training, &classes.labels, Some(&weights), classes.names.len());
+        let truth: Vec<usize> = split.validation.iter().filter_map(|i| classes.labels.get(*i).copied()).collect();
+        let of_validation: Vec<f64> = split.validation.iter().filter_map(|i| weights.get(*i).copied()).collect();
+        let prior =
+            Scores::of(&shares.repeat(truth.len()), &truth, classes.names.len(), Some(&of_validation))?.log_loss_nats;
+        let title = format!("{} classes from {}", classes.names.len(), settings.training.channels.join(", "));
+        let caption = format!(
+            "{} training and {} validation samples, seed {}, best epoch {best_epoch}",
+            split.training.len(),
+            split.validation.len(),
+            settings.training.seed
+        );
+        learning_curve(&title, &caption, &history, prior, classes.names.len()).write_svg(&path.join(CURVE))?;
+    }
+    metrics.write(path)?;
+    Ok(metrics)
+}
+
+/// Sets the temperature of a model from the validation part. Where no sample of it is predicted wrong, any lower temperature
+/// looks better, and one mistake on the test part would cost without bound: the temperature then stays 1.
+fn calibrate(model: &mut Model, prepared: &Prepared, weights: &[f64], how: PredictionSettings) -> Result<f64> {
+    let Prepared { view, classes, split, .. } = prepared;
+    let predicted = model.predict(view, &split.validation, how)?;
+    let truth: Vec<usize> = predicted.samples.iter().filter_map(|i| classes.labels.get(*i).copied()).collect();
+    if Scores::of(&predicted.probabilities, &truth, classes.names.len(), None)?.accuracy == 1.0 {
+        return Ok(1.0);
+    }
+    Ok(model.calibrate(view, &split.validation, &classes.labels, Some(weights), how)?)
+}
+
+/// `history.csv`: one row per epoch.
+fn history_table(history: &[EpochRecord]) -> Result<Table> {
+    let columns = [
+        "epoch",
+        "training_loss_nats",
+        "validation_loss_nats",
+        "validation_balanced_accuracy",
+        "gradient_norm",
+        "largest_gradient_norm",
+        "learning_rate",
+        "skipped_steps",
+    ];
+    let mut table = Table::new(columns);
+    for record in history {
+        table.push([
+            record.epoch.into(),
+            record.training_loss_nats.into(),
+            Cell::from(record.validation_loss_nats),
+            Cell::from(record.validation_balanced_accuracy),
+            record.gradient_norm.into(),
+            record.largest_gradient_norm.into(),
+            record.learning_rate.into(),
+            record.skipped_steps.into(),
+        ])?;
+    }
+    Ok(table)
+}

@@ -1,0 +1,146 @@
+//! What is trained, on what, and how: `settings.toml`.
+
+use crate::keys;
+use anyhow::{Context, Result, bail};
+use protomer_learn::block::BlockSettings;
+use protomer_learn::controls::{Control, Experiment, Form, Plan, Variant};
+use protomer_learn::network::{GlobalPooling, NetworkSettings};
+use protomer_learn::split::Fractions;
+use protomer_learn::targets::Target;
+use protomer_learn::training::TrainingSettings;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// Where samples come from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Source {
+    /// A set on the disk.
+    Set {
+        /// The zarr group.
+        path: PathBuf,
+        /// Digest of what it holds, so that a changed set is noticed.
+        digest: String,
+    },
+    /// A synthetic set.
+    Control {
+        /// Which.
+        name: Control,
+        /// How its samples are placed.
+        variant: Variant,
+        /// Samples in all.
+        samples: usize,
+        /// Voxels along each edge.
+        size: usize,
+        /// Seed of the samples.
+        seed: u64,
+    },
+}
+
+/// How samples are dealt out to training, validation and test.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum SplitBy {
+    /// Whole clusters: relatives never stand on both sides.
+    #[default]
+    Cluster,
+    /// One by one: what leaks is what it scores above a split by cluster.
+    Sample,
+}
+
+/// Settings of one training. The same settings give the same weights, on any number of threads.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrainSettings {
+    /// What is to be predicted.
+    pub target: Target,
+    /// Classes with fewer samples become one class together.
+    pub least_samples: usize,
+    /// What stays together in the split.
+    pub split_by: SplitBy,
+    /// Exchanges of labels in the permutation test.
+    pub permutations: usize,
+    /// Whether predictions are averaged over the 24 rotations of the cube.
+    pub rotations: bool,
+    /// What follows the last block.
+    pub pooling: GlobalPooling,
+    /// Where samples come from.
+    pub source: Source,
+    /// Shares of the parts.
+    pub fractions: Fractions,
+    /// Channels, scaling and the loop; its seed decides the split as well.
+    pub training: TrainingSettings,
+    /// The blocks of the network, first to last.
+    pub blocks: Vec<BlockSettings>,
+}
+
+/// Blocks of these widths, each with a kernel of its own, group normalisation and pooling.
+///
+/// # Errors
+/// If there are not as many kernels as widths (or one for all), or a block makes no sense.
+pub fn blocks(widths: &[usize], kernels: &[usize], groups: usize) -> Result<Vec<BlockSettings>> {
+    if kernels.len() != 1 && kernels.len() != widths.len() {
+        bail!("{} kernels for {} blocks; give one for all, or one for each", kernels.len(), widths.len());
+    }
+    let block = |(i, width): (usize, &usize)| {
+        let kernel = kernels.get(i).or(kernels.first()).copied().unwrap_or(3);
+        let block = BlockSettings { width: *width, kernel, groups: (groups > 0).then_some(groups), pool: true };
+        block.check().map(|()| block)
+    };
+    Ok(widths.iter().enumerate().map(block).collect::<Result<_, _>>()?)
+}
+
+impl TrainSettings {
+    /// Settings from a file.
+    ///
+    /// # Errors
+    /// Names the file, the line and the key.
+    pub fn read(path: &Path) -> Result<Self> {
+        let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+        keys::from_toml(path, &text)
+    }
+
+    /// The network for so many classes.
+    pub fn network(&self, classes: usize) -> NetworkSettings {
+        let blocks = self.blocks.clone();
+        NetworkSettings { channels: self.training.channels.len(), classes, blocks, pooling: self.pooling }
+    }
+
+    /// The usual settings for a set on the disk with these channels.
+    ///
+    /// # Errors
+    /// Never as they are.
+    pub fn of_set(source: Source, channels: Vec<String>) -> Result<Self> {
+        Ok(Self {
+            target: Target::Label,
+            least_samples: 10,
+            split_by: SplitBy::Cluster,
+            permutations: 1000,
+            rotations: false,
+            pooling: GlobalPooling::AverageAndMaximum,
+            source,
+            fractions: Fractions::default(),
+            training: TrainingSettings { channels, seed: 1, ..TrainingSettings::default() },
+            blocks: blocks(&[16, 32, 64], &[3], 8)?,
+        })
+    }
+
+    /// The settings of one experiment of a control.
+    pub fn of_control(control: Control, experiment: &Experiment, form: Form, seed: u64) -> Self {
+        let Plan { samples, size, fractions, .. } = control.plan(form);
+        let network = control.network(experiment, form);
+        Self {
+            target: Target::Label,
+            least_samples: 1,
+            split_by: if experiment.split_by_cluster { SplitBy::Cluster } else { SplitBy::Sample },
+            permutations: 1000,
+            rotations: false,
+            pooling: network.pooling,
+            source: Source::Control { name: control, variant: experiment.variant, samples, size, seed },
+            fractions,
+            training: control.training(experiment, form, seed),
+            blocks: network.blocks,
+        }
+    }
+}
