@@ -205,7 +205,8 @@ mod tests {
     #[test]
     fn every_set_is_sound_balanced_and_the_same_again() {
         for control in Control::ALL {
-            let count = 240;
+            // Whole numbers of proteins with 16 orientations each, in every number of classes.
+            let count = 480;
             let set = control.samples(Variant::Usual, count, 16, 3);
             assert_eq!(set.grids.len(), count);
             let mut labels = BTreeMap::<&str, usize>::new();
