@@ -16,7 +16,7 @@
 //! | module | one idea |
 //! |---|---|
 //! | [`layout`] | arrays, chunks, files: what both sides must agree on |
-//! | [`write`] | samples in, one after the other |
+//! | [`mod@write`] | samples in, one after the other |
 //! | [`read`] | one sample out, checked |
 
 pub mod layout;
