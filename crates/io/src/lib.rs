@@ -9,7 +9,8 @@
 //! | [`container`] | named arrays and a JSON header in one checksummed file: bodies, checkpoints |
 //! | [`gsd`] | trajectories in the HOOMD schema |
 //! | [`csv`] | tables |
-//! | [`volume`] | values on a grid: MRC, OpenDX |
+//! | [`npz`] | NumPy archives |
+//! | [`volume`] | values on a grid: MRC, OpenDX, NPZ |
 //! | [`zarr`] | sparse voxel sets as zarr v3 groups |
 //! | [`gzip`] | reading files that may be compressed, within a limit |
 //! | [`atomic`] | files that appear only when complete; SHA-256 |
@@ -22,6 +23,7 @@ mod error;
 pub mod gsd;
 pub mod gzip;
 pub mod mesh;
+pub mod npz;
 pub mod points;
 pub mod pqr;
 mod text;

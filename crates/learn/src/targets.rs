@@ -163,13 +163,13 @@ fn point_group(number: u8) -> &'static str {
 }
 
 fn crystal_system(number: u8) -> &'static str {
-    match number {
-        0..=2 => "triclinic",
-        3..=15 => "monoclinic",
-        16..=74 => "orthorhombic",
-        75..=142 => "tetragonal",
-        143..=167 => "trigonal",
-        168..=194 => "hexagonal",
+    match point_group(number) {
+        "1" => "triclinic",
+        "2" => "monoclinic",
+        "222" => "orthorhombic",
+        "4" | "422" => "tetragonal",
+        "3" | "32" => "trigonal",
+        "6" | "622" => "hexagonal",
         _ => "cubic",
     }
 }

@@ -7,16 +7,24 @@
 
 use crate::interaction::Interaction;
 use crate::run::{
-    Engine, Execution, ReplicaCounts, ReplicaEnd, ReplicaTask, RunRecord, RunSettings, SweepDirectory, read_log,
-    run_replica, salt_label,
+    Engine, Execution, Layout, ReplicaCounts, ReplicaEnd, ReplicaTask, ResultsDirectory, RunRecord, RunSettings,
+    read_log, read_record, refuse, run_replica, salt_label,
 };
 use crate::sweep_figure;
 use crate::sweep_table::{ReplicaResult, SaltRow, to_csv};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use protomer_io::atomic::{sha256_hex, write_atomically};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
+
+/// The directory of a sweep.
+const LAYOUT: Layout = Layout {
+    settings: "run.toml",
+    holds: "a sweep",
+    results: &["run.json", "sweep.csv", "sweep.json", "sweep.svg", "sweep.png"],
+    is_result: is_simulation,
+};
 
 /// What a sweep leaves behind.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -49,6 +57,12 @@ pub enum SweepEnd {
     Stopped,
 }
 
+/// Whether this is the folder of the simulations at one salt concentration.
+fn is_simulation(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    name.starts_with("salt_") && name.ends_with('M') && path.join("replica_0").is_dir()
+}
+
 /// Runs or continues a sweep in a directory. `advanced` hears how many sweeps of all simulations were done.
 ///
 /// # Errors
@@ -71,7 +85,7 @@ pub fn run_sweep(
     engine.check(settings, &interactions)?;
     let identity = identity(engine, settings)?;
     let record = |exit_reason| record(engine, &identity, exit_reason);
-    let _mine = SweepDirectory::enter(directory, settings, &record("running"), execution.start_anew)?;
+    let _mine = enter(directory, settings, &record("running"), execution.start_anew)?;
     let ends: Vec<Result<ReplicaEnd>> = tasks(settings)
         .into_par_iter()
         .map(|(salt_index, replica)| {
@@ -105,6 +119,33 @@ pub fn run_sweep(
 }
 
 /// Every simulation of the sweep, the first replica of every salt first: an interrupted sweep has a whole curve early.
+/// Enters the directory as that of this sweep, whose length may have grown.
+fn enter(path: &Path, settings: &RunSettings, record: &RunRecord, start_anew: bool) -> Result<ResultsDirectory> {
+    let continues = |present: &RunSettings| {
+        if present.without_length() != settings.without_length() {
+            return Ok(false);
+        }
+        if read_record(path)?.is_some_and(|present| present.identity != record.identity) {
+            return refuse(path, LAYOUT, "input");
+        }
+        if present.sweeps > settings.sweeps {
+            bail!(
+                "{} is meant to run to {} sweeps, which is more than {}; ask for at least as many, or choose another \
+                 directory",
+                path.display(),
+                present.sweeps,
+                settings.sweeps
+            );
+        }
+        Ok(true)
+    };
+    let directory = ResultsDirectory::enter(path, LAYOUT, settings, start_anew, continues)?;
+    if directory.settings_are_new() {
+        record.write(path)?;
+    }
+    Ok(directory)
+}
+
 fn tasks(settings: &RunSettings) -> Vec<(usize, u32)> {
     let salts = 0..settings.salt_molar.len();
     (0..settings.replicas).flat_map(|replica| salts.clone().map(move |salt| (salt, replica))).collect()

@@ -8,8 +8,8 @@
 //! DIR/settings.toml  trials.csv  best.toml  trials/0007.bin   a checkpoint each
 //! ```
 
-use crate::run::Execution;
-use crate::train::{Prepared, TrainDirectory, TrainSettings, advance, blocks};
+use crate::run::{Execution, Layout, ResultsDirectory};
+use crate::train::{Prepared, TrainSettings, advance, blocks};
 use anyhow::{Context, Result, bail};
 use protomer_io::atomic::write_atomically;
 use protomer_io::csv::{Cell, Table};
@@ -25,7 +25,12 @@ const KEPT_ONE_OF: usize = 3;
 /// Purpose of the random numbers that draw settings.
 const DRAW: u8 = 90;
 /// Files and folders of a search.
-const RESULTS: [&str; 3] = ["trials.csv", "best.toml", "trials"];
+const LAYOUT: Layout = Layout {
+    settings: "settings.toml",
+    holds: "a search",
+    results: &["trials.csv", "best.toml", "trials"],
+    is_result: |_| false,
+};
 
 /// What is searched.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -134,7 +139,8 @@ pub fn tune_in(
         bail!("{} trials of {} epochs; give at least one of each", settings.trials, settings.epochs);
     }
     let prepared = Prepared::new(&settings.base, set)?;
-    let _mine = TrainDirectory::enter(path, settings, &RESULTS, execution.start_anew)?;
+    let _mine =
+        ResultsDirectory::enter(path, LAYOUT, settings, execution.start_anew, |present| Ok(present == settings))?;
     let folder = path.join("trials");
     std::fs::create_dir_all(&folder).with_context(|| format!("cannot make the directory {}", folder.display()))?;
     let start = |number: usize| {

@@ -247,7 +247,7 @@ fn force_removes_the_results_of_protomer_and_nothing_else() {
     std::fs::write(place.path("mine/thesis.tex"), "years of work").unwrap();
     let output = place.run(&format!("{SWEEP} -o mine --force"));
     assert_eq!(output.status.code(), Some(1));
-    assert!(message(&output).contains("no run directory"), "{}", message(&output));
+    assert!(message(&output).contains("does not hold a sweep"), "{}", message(&output));
     assert_eq!(contents(&place.path("mine")).len(), 1);
 
     let (other, senseless) = (SWEEP.replace("--seed 7", "--seed 8"), SWEEP.replace("30A", "1000A"));

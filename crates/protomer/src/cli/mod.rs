@@ -190,7 +190,7 @@ impl Global {
 
 /// An interrupt that the first Ctrl-C or SIGTERM requests; the second one ends the process at once.
 fn interrupt_on_signals(limit_minutes: Option<f64>) -> Result<Interrupt> {
-    interrupt_saying("stopping at the next sweep; the same command goes on from there", limit_minutes)
+    interrupt_saying("stopping at the next step; the same command goes on from there", limit_minutes)
 }
 
 /// As [`interrupt_on_signals`], saying this when the first signal comes.

@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 use clap::Args;
 use protomer_field::{Medium, SolveSettings};
 use protomer_io::atomic::write_atomically;
-use protomer_io::volume::{dx::write_dx, mrc::write_mrc};
+use protomer_io::volume::{dx::write_dx, mrc::write_mrc, write_volume_npz};
 use protomer_kernel::Conditions;
 use std::path::PathBuf;
 
@@ -47,7 +47,7 @@ pub struct PotentialArgs {
     /// Leave out the second solve that tells the error of the energy.
     #[arg(long)]
     no_error_estimate: bool,
-    /// Volume file to write: .mrc, .map, .ccp4 or .dx.
+    /// Volume file to write: .mrc, .map, .ccp4, .dx or .npz.
     #[arg(short, long)]
     output: Option<PathBuf>,
 }
@@ -55,7 +55,7 @@ pub struct PotentialArgs {
 impl PotentialArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
         let name = self.output.as_ref().map(|path| path.display().to_string());
-        let known = [".mrc", ".map", ".ccp4", ".dx"];
+        let known = [".mrc", ".map", ".ccp4", ".dx", ".npz"];
         if let Some(name) = name.as_ref().filter(|name| !known.iter().any(|ending| name.ends_with(ending))) {
             bail!("{name} has none of the endings {}; name one of them", known.join(", "));
         }
@@ -78,6 +78,8 @@ impl PotentialArgs {
             let volume = volume(&potential);
             let bytes = if name.ends_with(".dx") {
                 write_dx("potential, kT/e", &volume).into_bytes()
+            } else if name.ends_with(".npz") {
+                write_volume_npz("potential_kt_per_e", &volume)?
             } else {
                 write_mrc("potential, kT/e", &volume)
             };

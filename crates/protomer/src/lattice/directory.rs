@@ -2,86 +2,29 @@
 
 use super::settings::LatticeSettings;
 use crate::keys;
-use crate::run::{RunRecord, lock};
-use anyhow::{Context, Result, bail};
-use protomer_io::atomic::{sha256_hex, write_atomically};
-use std::fs::File;
-use std::path::{Path, PathBuf};
+use crate::run::{Layout, ResultsDirectory, RunRecord};
+use anyhow::{Context, Result};
+use protomer_io::atomic::sha256_hex;
+use std::path::Path;
 
-/// The resolved settings; also what tells a directory of protomer from any other.
+/// The resolved settings.
 const SETTINGS: &str = "run.toml";
 
-/// A directory that this process alone works in, for as long as this lives.
-#[derive(Debug)]
-pub struct LatticeDirectory {
-    path: PathBuf,
-    _lock: File,
-}
-
-impl LatticeDirectory {
-    /// Makes the directory, or enters one that holds the same run. `start_anew` removes an earlier run first: the files of
-    /// `results`, which may end in `*`.
-    ///
-    /// # Errors
-    /// If the directory holds something else, another process works in it, or the disk refuses.
-    pub fn enter(path: &Path, settings: &LatticeSettings, results: &[&str], start_anew: bool) -> Result<Self> {
-        if path.is_file() {
-            bail!("{} is a file; give a directory for the results", path.display());
-        }
-        std::fs::create_dir_all(path).with_context(|| format!("cannot make the directory {}", path.display()))?;
-        if start_anew && !path.join(SETTINGS).exists() && !is_empty(path)? {
-            bail!("{} is no run directory of protomer, so --force leaves it alone; choose another", path.display());
-        }
-        let directory = Self { path: path.to_owned(), _lock: lock(path)? };
-        if start_anew {
-            directory.remove(results)?;
-        }
-        directory.claim(settings)?;
-        Ok(directory)
-    }
-
-    fn claim(&self, settings: &LatticeSettings) -> Result<()> {
-        let file = self.path.join(SETTINGS);
-        match std::fs::read_to_string(&file) {
-            Ok(text) => {
-                let present = keys::from_toml::<LatticeSettings>(&file, &text)?;
-                if present.without_length() != settings.without_length() {
-                    bail!(
-                        "{} holds a run with other settings; choose another directory, or start anew with --force",
-                        self.path.display()
-                    );
-                }
-                if present == *settings {
-                    return Ok(());
-                }
-            }
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {}
-            Err(error) => return Err(error).with_context(|| format!("cannot read {}", file.display())),
-        }
-        let text = to_toml(settings)?;
-        write_atomically(&file, |out| out.write_all(text.as_bytes()))?;
-        Ok(())
-    }
-
-    /// The settings go last: a removal that was cut short can be repeated.
-    fn remove(&self, results: &[&str]) -> Result<()> {
-        for name in results.iter().chain([&SETTINGS]) {
-            let path = self.path.join(name);
-            let removed = if path.is_dir() { std::fs::remove_dir_all(&path) } else { std::fs::remove_file(&path) };
-            match removed {
-                Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                    return Err(error).with_context(|| format!("cannot remove {}", path.display()));
-                }
-                _ => {}
-            }
-        }
-        Ok(())
-    }
-}
-
-fn is_empty(path: &Path) -> Result<bool> {
-    let mut entries = path.read_dir().with_context(|| format!("cannot read the directory {}", path.display()))?;
-    Ok(entries.next().is_none())
+/// Makes the directory, or enters one that holds the same work, whose length may differ; [`ResultsDirectory::enter`] tells
+/// the rest. `holds` and `results` are as in [`Layout`].
+///
+/// # Errors
+/// If the directory holds something else, another process works in it, or the disk refuses.
+pub fn enter(
+    path: &Path,
+    settings: &LatticeSettings,
+    holds: &'static str,
+    results: &[&str],
+    start_anew: bool,
+) -> Result<ResultsDirectory> {
+    let layout = Layout { settings: SETTINGS, holds, results, is_result: |_| false };
+    let continues = |present: &LatticeSettings| Ok(present.without_length() == settings.without_length());
+    ResultsDirectory::enter(path, layout, settings, start_anew, continues)
 }
 
 /// The settings as TOML.

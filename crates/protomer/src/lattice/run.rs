@@ -4,7 +4,7 @@
 //! DIR/run.toml  run.json  log.csv  trajectory.gsd  checkpoint.bin
 //! ```
 
-use super::directory::{LatticeDirectory, identity, record};
+use super::directory::{enter, identity, record};
 use super::log::{LogRow, columns};
 use super::mover::Mover;
 use super::settings::LatticeSettings;
@@ -108,7 +108,7 @@ pub fn run_lattice(
     // Before the directory is touched: a start that makes no sense leaves nothing behind.
     let time_step = time_step(settings, &begun)?;
     let mover = Mover::new(settings, Arc::new(begun.network.clone()), &begun.state)?;
-    let _mine = LatticeDirectory::enter(path, settings, &RESULTS, execution.start_anew)?;
+    let _mine = enter(path, settings, "a run", &RESULTS, execution.start_anew)?;
     let total = settings.total_steps(time_step);
     if let Some(result) = finished(path, &identity, total)? {
         advanced(total);

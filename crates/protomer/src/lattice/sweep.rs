@@ -5,7 +5,7 @@
 //! DIR/r0_0.2_kappa_0/seed_1/   a run directory each
 //! ```
 
-use super::directory::{LatticeDirectory, identity, record};
+use super::directory::{enter, identity, record};
 use super::log::read_log;
 use super::run::{LatticeEnd, LatticeResult, run_lattice};
 use super::settings::{LatticeSettings, SweepAxes};
@@ -126,7 +126,7 @@ pub fn run_sweep(
     let identity = identity(settings)?;
     let folders: Vec<String> = folders(settings);
     let results: Vec<&str> = RESULTS.iter().copied().chain(folders.iter().map(String::as_str)).collect();
-    let _mine = LatticeDirectory::enter(path, settings, &results, execution.start_anew)?;
+    let _mine = enter(path, settings, "a sweep", &results, execution.start_anew)?;
     // The folders are gone already where a new start was asked for.
     let execution = Execution { start_anew: false, ..execution.clone() };
     let ends: Vec<Result<LatticeEnd>> = tasks

@@ -1,57 +1,87 @@
-//! The directory of a sweep: whose it is, who works in it, and what of it may be removed.
+//! A directory of results: whose it is, who works in it, and what of it may be removed.
 
-use super::record::{RunRecord, read_record};
-use super::settings::RunSettings;
 use crate::keys;
 use anyhow::{Context, Result, bail};
 use protomer_io::atomic::write_atomically;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
-/// The resolved settings; also what tells a directory of protomer from any other.
-const SETTINGS: &str = "run.toml";
-/// Every other file that a sweep writes beside the folders of its simulations.
-const RESULTS: [&str; 5] = ["run.json", "sweep.csv", "sweep.json", "sweep.svg", "sweep.png"];
 /// Held while a process works in the directory.
 const LOCK: &str = ".lock";
 
+/// What a verb keeps in its directories.
+#[derive(Debug, Clone, Copy)]
+pub struct Layout<'a> {
+    /// The file of the resolved settings; also what tells a directory of this kind from any other.
+    pub settings: &'static str,
+    /// What the directory holds, as in "holds *a sweep* with other settings".
+    pub holds: &'static str,
+    /// Every other file and folder that is written beside the settings.
+    pub results: &'a [&'a str],
+    /// Whether a file or folder that `results` does not name is a result too.
+    pub is_result: fn(&Path) -> bool,
+}
+
 /// A directory that this process alone works in, for as long as this lives.
 #[derive(Debug)]
-pub struct SweepDirectory {
+pub struct ResultsDirectory {
     path: PathBuf,
+    settings_are_new: bool,
     _lock: File,
 }
 
-impl SweepDirectory {
-    /// Makes the directory, or enters one that holds the same sweep. `start_anew` removes an earlier sweep first.
+impl ResultsDirectory {
+    /// Makes the directory, or enters one whose settings `continues` accepts as those of the same work; it is asked even
+    /// where they are equal, because the work may hang on more than settings. `start_anew` removes earlier results first, and nothing else: the directory may hold its input as well.
     ///
     /// # Errors
-    /// If the directory holds another sweep, another process works in it, or the disk refuses.
-    pub fn enter(path: &Path, settings: &RunSettings, record: &RunRecord, start_anew: bool) -> Result<Self> {
+    /// If the directory holds something else, another process works in it, or the disk refuses.
+    pub fn enter<S>(
+        path: &Path,
+        layout: Layout,
+        settings: &S,
+        start_anew: bool,
+        continues: impl Fn(&S) -> Result<bool>,
+    ) -> Result<Self>
+    where
+        S: Serialize + DeserializeOwned + PartialEq,
+    {
         if path.is_file() {
             bail!("{} is a file; give a directory for the results", path.display());
         }
         std::fs::create_dir_all(path).with_context(|| format!("cannot make the directory {}", path.display()))?;
         if start_anew {
-            require_ours(path)?;
+            require_ours(path, layout)?;
         }
-        let directory = Self { path: path.to_owned(), _lock: lock(path)? };
+        let mut directory = Self { path: path.to_owned(), settings_are_new: false, _lock: lock(path)? };
         if start_anew {
-            directory.remove_results()?;
+            directory.remove_results(layout)?;
         }
-        directory.claim(settings, record)?;
+        directory.settings_are_new = directory.claim(layout, settings, continues)?;
         Ok(directory)
     }
 
-    /// Writes down the settings, or checks that those of the directory are the same but for a length that may grow.
-    fn claim(&self, settings: &RunSettings, record: &RunRecord) -> Result<()> {
-        let file = self.path.join(SETTINGS);
+    /// Whether the settings were written by this entry: the work begins, or is to be longer than before.
+    pub fn settings_are_new(&self) -> bool {
+        self.settings_are_new
+    }
+
+    /// Writes down the settings, or checks those of the directory.
+    fn claim<S>(&self, layout: Layout, settings: &S, continues: impl Fn(&S) -> Result<bool>) -> Result<bool>
+    where
+        S: Serialize + DeserializeOwned + PartialEq,
+    {
+        let file = self.path.join(layout.settings);
         match std::fs::read_to_string(&file) {
             Ok(text) => {
-                let present = keys::from_toml::<RunSettings>(&file, &text)?;
-                self.check_present(&present, settings, record)?;
+                let present = keys::from_toml::<S>(&file, &text)?;
+                if !continues(&present)? {
+                    return refuse(&self.path, layout, "settings");
+                }
                 if present == *settings {
-                    return Ok(());
+                    return Ok(false);
                 }
             }
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => {}
@@ -59,52 +89,38 @@ impl SweepDirectory {
         }
         let text = toml::to_string_pretty(settings).context("the settings cannot be written down")?;
         write_atomically(&file, |out| out.write_all(text.as_bytes()))?;
-        record.write(&self.path)
+        Ok(true)
     }
 
-    fn check_present(&self, present: &RunSettings, settings: &RunSettings, record: &RunRecord) -> Result<()> {
-        let same_settings = present.without_length() == settings.without_length();
-        let same_input = read_record(&self.path)?.is_none_or(|present| present.identity == record.identity);
-        if !(same_settings && same_input) {
-            bail!(
-                "{} holds a sweep with other {}; choose another directory, or start anew with --force",
-                self.path.display(),
-                if same_settings { "input" } else { "settings" }
-            );
-        }
-        if present.sweeps > settings.sweeps {
-            bail!(
-                "{} is meant to run to {} sweeps, which is more than {}; ask for at least as many, or choose another \
-                 directory",
-                self.path.display(),
-                present.sweeps,
-                settings.sweeps
-            );
-        }
-        Ok(())
-    }
-
-    /// Removes what an earlier sweep wrote, and nothing else: the directory may hold its input as well.
-    fn remove_results(&self) -> Result<()> {
-        for entry in entries(&self.path)?.iter().filter(|entry| is_simulation(entry)) {
-            std::fs::remove_dir_all(entry).with_context(|| format!("cannot remove {}", entry.display()))?;
+    fn remove_results(&self, layout: Layout) -> Result<()> {
+        for path in entries(&self.path)?.iter().filter(|path| (layout.is_result)(path)) {
+            remove(path)?;
         }
         // The settings go last: a removal that was cut short can be repeated.
-        for name in RESULTS.iter().chain([&SETTINGS]) {
-            let file = self.path.join(name);
-            if file.exists() {
-                std::fs::remove_file(&file).with_context(|| format!("cannot remove {}", file.display()))?;
-            }
+        for name in layout.results.iter().chain([&layout.settings]) {
+            remove(&self.path.join(name))?;
         }
         Ok(())
     }
 }
 
-/// Refuses a directory that holds something, but no sweep.
-fn require_ours(path: &Path) -> Result<()> {
-    let foreign = !path.join(SETTINGS).exists() && entries(path)?.iter().any(|entry| !entry.ends_with(LOCK));
+/// Says that a directory holds the same kind of results, but not these.
+///
+/// # Errors
+/// Always.
+pub fn refuse<T>(path: &Path, layout: Layout, what_differs: &str) -> Result<T> {
+    bail!(
+        "{} holds {} with other {what_differs}; choose another directory, or start anew with --force",
+        path.display(),
+        layout.holds
+    )
+}
+
+/// Refuses a directory that holds something, but no results of this kind.
+fn require_ours(path: &Path, layout: Layout) -> Result<()> {
+    let foreign = !path.join(layout.settings).exists() && entries(path)?.iter().any(|entry| !entry.ends_with(LOCK));
     if foreign {
-        bail!("{} is no run directory of protomer, so --force leaves it alone; choose another", path.display());
+        bail!("{} does not hold {}, so --force leaves it alone; choose another", path.display(), layout.holds);
     }
     Ok(())
 }
@@ -115,10 +131,15 @@ fn entries(path: &Path) -> Result<Vec<PathBuf>> {
     entries.map(|entry| Ok(entry.with_context(context)?.path())).collect()
 }
 
-/// Whether this is the folder of the simulations at one salt concentration.
-fn is_simulation(path: &Path) -> bool {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    name.starts_with("salt_") && name.ends_with('M') && path.join("replica_0").is_dir()
+/// Removes a file or a folder if it is there.
+fn remove(path: &Path) -> Result<()> {
+    let removed = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
+    match removed {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+            Err(error).with_context(|| format!("cannot remove {}", path.display()))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Locks the directory against other processes, where the file system can; for as long as the file is open.
@@ -133,5 +154,51 @@ pub fn lock(path: &Path) -> Result<File> {
         }
         // Some network file systems have no locks; that is no reason not to work on them.
         Ok(()) | Err(TryLockError::Error(_)) => Ok(file),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde::Deserialize;
+
+    #[derive(Debug, Serialize, Deserialize, PartialEq)]
+    #[serde(deny_unknown_fields)]
+    struct Settings {
+        seed: u64,
+        length: u64,
+    }
+
+    const LAYOUT: Layout = Layout {
+        settings: "settings.toml",
+        holds: "a run",
+        results: &["history.csv", "sub"],
+        is_result: |path| path.ends_with("other"),
+    };
+
+    #[test]
+    fn only_the_same_work_may_go_on_and_only_results_are_removed() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run");
+        let enter = |seed, length, anew| {
+            ResultsDirectory::enter(&path, LAYOUT, &Settings { seed, length }, anew, |present| Ok(present.seed == seed))
+        };
+        assert!(enter(1, 1, false).unwrap().settings_are_new());
+        assert!(!enter(1, 1, false).unwrap().settings_are_new());
+        assert!(enter(1, 2, false).unwrap().settings_are_new());
+        assert!(enter(2, 2, false).unwrap_err().to_string().contains("holds a run with other settings"));
+        for file in ["history.csv", "other", "mine.txt"] {
+            std::fs::write(path.join(file), "").unwrap();
+        }
+        std::fs::create_dir_all(path.join("sub/deeper")).unwrap();
+        drop(enter(2, 2, true).unwrap());
+        let left = |name: &str| path.join(name).exists();
+        assert!(!left("history.csv") && !left("sub") && !left("other") && left("mine.txt"));
+        let settings = Settings { seed: 1, length: 1 };
+        let foreign = ResultsDirectory::enter(folder.path(), LAYOUT, &settings, true, |_| Ok(true)).unwrap_err();
+        assert!(foreign.to_string().contains("leaves it alone"));
+        let held = enter(2, 2, false).unwrap();
+        assert!(enter(2, 2, false).unwrap_err().to_string().contains("another process"));
+        drop(held);
     }
 }

@@ -12,8 +12,8 @@ mod settings;
 mod trajectory;
 
 pub(crate) use checkpoint_file::{read_checkpoint, write_checkpoint};
-pub use directory::SweepDirectory;
 pub(crate) use directory::lock;
+pub use directory::{Layout, ResultsDirectory, refuse};
 pub use engine::{Engine, require_room, yukawa};
 pub use execution::Execution;
 pub(crate) use log::{Log, LogMark, check_log};

@@ -18,7 +18,6 @@
 
 mod ablation;
 mod control;
-mod directory;
 mod figure;
 mod job;
 mod metrics;
@@ -28,7 +27,6 @@ mod source;
 
 pub use ablation::{Ablation, AblationRow, AblationRun, Mean, subsets};
 pub use control::{ControlReport, ExperimentReport};
-pub use directory::TrainDirectory;
 pub use figure::learning_curve;
 pub use job::{ControlRun, Job, TrainEnd, run_control, run_job};
 pub use metrics::{BaselineScores, Intervals, Metrics, Parts, Predictions};

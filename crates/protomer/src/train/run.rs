@@ -1,11 +1,10 @@
 //! One training in its directory: start or continue, save every so often, write the results.
 
-use super::directory::TrainDirectory;
 use super::figure::learning_curve;
 use super::job::TrainEnd;
 use super::metrics::{Metrics, Predictions};
 use super::settings::{SplitBy, TrainSettings};
-use crate::run::Execution;
+use crate::run::{Execution, Layout, ResultsDirectory};
 use anyhow::{Context, Result, anyhow, bail};
 use protomer_io::atomic::write_atomically;
 use protomer_io::csv::{Cell, Table};
@@ -30,9 +29,13 @@ const MODEL: &str = "model.safetensors";
 const HISTORY: &str = "history.csv";
 const PREDICTIONS: &str = "predictions.csv";
 const CURVE: &str = "learning_curve.svg";
-/// Everything that a training and its ablation write beside the settings.
-pub(super) const RESULTS: [&str; 8] =
-    [super::metrics::FILE_NAME, MODEL, HISTORY, PREDICTIONS, CURVE, CHECKPOINT, "ablation.csv", "ablation"];
+/// The directory of a training and its ablation.
+const LAYOUT: Layout = Layout {
+    settings: "settings.toml",
+    holds: "a training",
+    results: &[super::metrics::FILE_NAME, MODEL, HISTORY, PREDICTIONS, CURVE, CHECKPOINT, "ablation.csv", "ablation"],
+    is_result: |_| false,
+};
 
 /// A set made ready: samples with a class, classes, split.
 #[derive(Debug)]
@@ -212,7 +215,8 @@ pub fn train_in(
     settings.training.check()?;
     settings.training.channel_places(set)?;
     let prepared = Prepared::new(settings, set)?;
-    let _mine = TrainDirectory::enter(path, settings, &RESULTS, execution.start_anew)?;
+    let _mine =
+        ResultsDirectory::enter(path, LAYOUT, settings, execution.start_anew, |present| Ok(present == settings))?;
     let epochs = settings.training.epochs;
     if let Some(metrics) = Metrics::read(path)? {
         advanced(epochs as u64);

@@ -1,0 +1,146 @@
+//! NumPy archives: named arrays in a ZIP file, as `numpy.load` reads them.
+//!
+//! The layout of an array is that of NumPy's format version 1.0 (NEP 1): a header that is a Python dictionary, then the
+//! values in C order, little-endian.
+
+use crate::{IoError, Result};
+use std::io::{Cursor, Write};
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipWriter};
+
+/// Values of an array with the shape they are to be read with, the last axis running fastest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum NpyValues<'a> {
+    /// Single precision.
+    F32(&'a [f32]),
+    /// Double precision.
+    F64(&'a [f64]),
+}
+
+impl NpyValues<'_> {
+    fn len(&self) -> usize {
+        match self {
+            NpyValues::F32(values) => values.len(),
+            NpyValues::F64(values) => values.len(),
+        }
+    }
+
+    fn kind(&self) -> &'static str {
+        match self {
+            NpyValues::F32(_) => "<f4",
+            NpyValues::F64(_) => "<f8",
+        }
+    }
+
+    fn bytes(&self) -> Vec<u8> {
+        match self {
+            NpyValues::F32(values) => values.iter().flat_map(|value| value.to_le_bytes()).collect(),
+            NpyValues::F64(values) => values.iter().flat_map(|value| value.to_le_bytes()).collect(),
+        }
+    }
+}
+
+/// One array of an archive.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NamedArray<'a> {
+    /// The key under which `numpy.load` finds it.
+    pub name: &'a str,
+    /// Lengths of the axes; empty for a single number.
+    pub shape: &'a [usize],
+    /// The values in C order.
+    pub values: NpyValues<'a>,
+}
+
+/// An archive of arrays, uncompressed, the same bytes for the same arrays.
+///
+/// # Errors
+/// [`IoError::Unwritable`] if a shape does not fit its values, or two arrays have one name.
+///
+/// ```
+/// use protomer_io::npz::{NamedArray, NpyValues, write_npz};
+/// let values = NpyValues::F64(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+/// let bytes = write_npz(&[NamedArray { name: "potential", shape: &[1, 2, 3], values }]).unwrap();
+/// assert_eq!(&bytes[..2], b"PK");
+/// ```
+pub fn write_npz(arrays: &[NamedArray]) -> Result<Vec<u8>> {
+    let refuse = |name: &str, cause: String| {
+        IoError::unwritable(
+            format!("array {name}: {cause}"),
+            "give every array a name of its own and as many values as its shape has",
+        )
+    };
+    let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+    // The time of a file is left at its least value, so that equal arrays give equal bytes.
+    let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
+    for array in arrays {
+        let expected: usize = array.shape.iter().product();
+        if expected != array.values.len() {
+            let cause = format!("{} values for the shape {:?}", array.values.len(), array.shape);
+            return Err(refuse(array.name, cause));
+        }
+        let failed = |error: &dyn std::fmt::Display| refuse(array.name, error.to_string());
+        archive.start_file(format!("{}.npy", array.name), options).map_err(|error| failed(&error))?;
+        archive.write_all(&npy(array)).map_err(|error| failed(&error))?;
+    }
+    let bytes = archive.finish().map_err(|error| refuse("archive", error.to_string()))?;
+    Ok(bytes.into_inner())
+}
+
+/// An array with its header, which is padded so that the values begin at a multiple of 64 bytes.
+fn npy(array: &NamedArray) -> Vec<u8> {
+    const MAGIC: &[u8] = b"\x93NUMPY\x01\x00";
+    let axes: String = array.shape.iter().map(|length| format!("{length}, ")).collect();
+    let shape =
+        if array.shape.len() == 1 { axes.trim_end().to_owned() } else { axes.trim_end_matches(", ").to_owned() };
+    let header = format!("{{'descr': '{}', 'fortran_order': False, 'shape': ({shape}), }}", array.values.kind());
+    let before = MAGIC.len() + 2;
+    let padded = (before + header.len() + 1).next_multiple_of(64) - before;
+    let mut bytes = MAGIC.to_vec();
+    bytes.extend((padded as u16).to_le_bytes());
+    bytes.extend(format!("{header:<width$}\n", width = padded - 1).into_bytes());
+    bytes.extend(array.values.bytes());
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Read;
+
+    fn array<'a>(name: &'a str, shape: &'a [usize], values: &'a [f64]) -> NamedArray<'a> {
+        NamedArray { name, shape, values: NpyValues::F64(values) }
+    }
+
+    #[test]
+    fn headers_are_those_of_numpy() {
+        // As numpy 2.3 prints them.
+        for (shape, text) in [(&[][..], "()"), (&[3], "(3,)"), (&[1, 3], "(1, 3)")] {
+            let values = vec![0.5; shape.iter().product()];
+            let bytes = npy(&array("a", shape, &values));
+            let length = usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
+            let header = std::str::from_utf8(&bytes[10..10 + length]).unwrap();
+            let expected = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {text}, }}");
+            assert_eq!(header.trim_end(), expected);
+            assert!(header.ends_with('\n') && (10 + length) % 64 == 0);
+            assert_eq!(bytes.len(), 10 + length + 8 * values.len());
+        }
+    }
+
+    #[test]
+    fn arrays_come_back_from_the_archive() {
+        let bytes = write_npz(&[array("one", &[2], &[1.5, -2.0]), array("two", &[], &[7.0])]).unwrap();
+        assert_eq!(bytes, write_npz(&[array("one", &[2], &[1.5, -2.0]), array("two", &[], &[7.0])]).unwrap());
+        let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).unwrap();
+        let mut content = Vec::new();
+        archive.by_name("one.npy").unwrap().read_to_end(&mut content).unwrap();
+        assert_eq!(content, npy(&array("one", &[2], &[1.5, -2.0])));
+        assert_eq!(&content[content.len() - 16..content.len() - 8], &1.5_f64.to_le_bytes());
+        assert_eq!(archive.len(), 2);
+    }
+
+    #[test]
+    fn wrong_shapes_and_equal_names_are_refused() {
+        assert!(write_npz(&[array("a", &[3], &[1.0])]).unwrap_err().to_string().contains("1 values for the shape [3]"));
+        assert!(write_npz(&[array("a", &[1], &[1.0]), array("a", &[1], &[1.0])]).is_err());
+    }
+}
