@@ -25,8 +25,9 @@ const PADDED: usize = 128;
 const SAMPLES: usize = 8;
 /// Largest residual to bound.
 const SAFETY: f64 = 2.0;
-/// Residual above which a cube is divided, kT/e.
-const DIVIDE_ABOVE: f64 = 2e-6;
+/// A cube is divided where its residual, at all charges of a body like this one, would add up to more than this, kT: pair
+/// energies are then known about as well for bodies of many charges as for those of few.
+const DIVIDE_ABOVE: f64 = 2e-3;
 const NO_CUBE: u32 = u32::MAX;
 /// Marks the first of eight children.
 const DIVIDED: u32 = 1 << 31;
@@ -80,6 +81,7 @@ impl SmoothField {
             reach + edge,
             kernel,
         );
+        let divide_above = SAFETY * DIVIDE_ABOVE / leaves.magnitude.iter().sum::<f64>();
         let mut places = Vec::new();
         for index in 0..counts.iter().product() {
             let place = [index % counts[0], index / counts[0] % counts[1], index / counts[0] / counts[1]];
@@ -100,7 +102,7 @@ impl SmoothField {
             fit.batch(&corners, &samples, hidden(edge), &mut field);
         }
         for (cube, (index, place)) in places.iter().enumerate() {
-            if f64::from(field.errors[cube]) > SAFETY * DIVIDE_ABOVE {
+            if f64::from(field.errors[cube]) > divide_above {
                 field.cubes[*index] = field.errors.len() as u32 | DIVIDED;
                 let low: [f64; 3] = std::array::from_fn(|axis| corner[axis] + place[axis] as f64 * edge);
                 let samples = Samples::new(leaves, split, low, 0.5 * edge, [2 * SAMPLES - 1; 3], f64::INFINITY, kernel);

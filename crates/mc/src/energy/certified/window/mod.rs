@@ -38,7 +38,6 @@ mod sources;
 pub(super) use lists::Lists;
 pub(super) use sources::{Sources, Target, moments};
 
-use super::leaves::LEAF;
 use super::near::NearKernel;
 use super::split::Split;
 use classify::classify;
