@@ -17,6 +17,12 @@ impl Interrupt {
         Self { requested: Arc::default(), deadline: limit.map(|limit| Instant::now() + limit) }
     }
 
+    /// The same request, and a limit of its own besides.
+    pub fn with_limit(mut self, limit: Option<Duration>) -> Self {
+        self.deadline = limit.map(|limit| Instant::now() + limit);
+        self
+    }
+
     /// Asks the work to stop at its next step.
     pub fn request(&self) {
         self.requested.store(true, Ordering::Relaxed);

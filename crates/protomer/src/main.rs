@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    protomer::cli::run()
+    ExitCode::from(protomer::cli::run(std::env::args_os()))
 }

@@ -2,7 +2,9 @@
 //! the `console` blocks of `docs/guide/*.md` give the output printed below them. The blocks of a page run in order in one
 //! folder of their own, which holds a link to `data`.
 //!
-//! `UPDATE_REFERENCE=1 cargo test -p protomer --test documentation` writes both anew; read the difference before
+//! `python/protomer/_verbs.py` holds the verbs as Python functions.
+//!
+//! `UPDATE_REFERENCE=1 cargo test -p protomer --test documentation` writes all of it anew; read the difference before
 //! committing it.
 
 #![cfg(unix)]
@@ -129,6 +131,12 @@ fn the_reference_holds_the_help_of_every_verb() {
             .to_owned();
     describe(&[], &mut page);
     check_or_update(&root().join("docs/reference/cli.md"), &page).unwrap();
+}
+
+#[test]
+fn the_python_functions_are_those_of_the_program() {
+    let text = protomer::cli::python_functions();
+    check_or_update(&root().join("python/protomer/_verbs.py"), &text).unwrap();
 }
 
 /// The page with the output of its commands as they give it now.

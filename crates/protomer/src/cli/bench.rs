@@ -102,7 +102,7 @@ impl BenchArgs {
             EnergyMode::Approximate.tolerance_kt(self.tolerance.tolerance)?.unwrap_or(usual.tolerance_kt);
         let settings = SuiteSettings { parts, charges, moves: self.moves, seed: self.seed, tolerance_kt, ..usual };
         let interaction = self.interaction_of_own_states()?;
-        let interrupt = interrupt_saying("stopping after the present run of moves", None)?;
+        let interrupt = interrupt_saying(global, "stopping after the present run of moves", None)?;
         let bar = global.progress(rows(&settings) as u64, "bench");
         // A row counts when the next one begins.
         let begun = std::cell::Cell::new(0);

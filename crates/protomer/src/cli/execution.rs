@@ -24,7 +24,7 @@ impl ExecutionArgs {
         let Ok(checkpoint_interval) = Duration::try_from_secs_f64(self.checkpoint_every) else {
             bail!("--checkpoint-every is {} seconds; give zero or more", self.checkpoint_every);
         };
-        let interrupt = interrupt_on_signals(self.time_limit)?;
+        let interrupt = interrupt_on_signals(global, self.time_limit)?;
         Ok(Execution { interrupt, checkpoint_interval, start_anew: global.force })
     }
 }

@@ -10,6 +10,7 @@ mod fetch;
 mod framework;
 mod framework_builders;
 mod generate;
+mod host;
 mod ingest;
 mod inspect;
 mod lattice;
@@ -17,6 +18,7 @@ mod medium;
 mod merge;
 mod output;
 mod potential;
+mod python_source;
 mod simulate;
 mod surface;
 mod sweep;
@@ -29,9 +31,12 @@ mod voxelize;
 use crate::interrupt::Interrupt;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::{Args, Parser, Subcommand};
-use std::process::ExitCode;
+use std::ffi::OsString;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
+
+pub use host::{Answer, Host, Progress, ProgressListener, UsageError, call};
+pub use python_source::python_functions;
 
 /// Coarse-grained protein assembly modelling: structures to rigid bodies, bodies to assemblies, assemblies to stability.
 #[derive(Debug, Parser)]
@@ -67,6 +72,9 @@ pub struct Global {
     /// Overwrite results that are already there.
     #[arg(long, global = true)]
     force: bool,
+    /// Who asked.
+    #[arg(skip)]
+    host: Host,
 }
 
 #[derive(Debug, Subcommand)]
@@ -104,27 +112,35 @@ pub enum Outcome {
     Stopped,
 }
 
-/// Parses the command line and runs the verb. Exit codes: 0 done, 1 error, 2 usage, 3 stopped early and resumable.
-pub fn run() -> ExitCode {
-    let cli = Cli::try_parse().unwrap_or_else(|error| framework::explain_usage(error).exit());
+/// Parses the words of a command line, the program's name first, and runs the verb. Returns the exit code: 0 done, 1 error,
+/// 2 usage, 3 stopped early and resumable.
+pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
+    let cli = match Cli::try_parse_from(words) {
+        Ok(cli) => cli,
+        Err(error) => {
+            let error = framework::explain_usage(error);
+            // That nobody reads it is no reason to fail otherwise.
+            let _ = error.print();
+            return u8::try_from(error.exit_code()).unwrap_or(2);
+        }
+    };
     let start = Instant::now();
-    let outcome = cli.verb.run(&cli.global);
+    let outcome = cli.global.build_thread_pool().and_then(|()| cli.verb.run(&cli.global));
     cli.global.explain(&format!("{:.2} s", start.elapsed().as_secs_f64()));
     match outcome {
-        Ok(Outcome::Done) => ExitCode::SUCCESS,
-        Ok(Outcome::Partial) => ExitCode::from(1),
-        Ok(Outcome::Stopped) => ExitCode::from(3),
-        Err(error) if output::is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Ok(Outcome::Done) => 0,
+        Ok(Outcome::Partial) => 1,
+        Ok(Outcome::Stopped) => 3,
+        Err(error) if output::is_broken_pipe(&error) => 0,
         Err(error) => {
             output::note(&format!("error: {error:#}"));
-            ExitCode::from(1)
+            1
         }
     }
 }
 
 impl Verb {
     fn run(&self, global: &Global) -> Result<Outcome> {
-        global.build_thread_pool()?;
         match self {
             Verb::Ingest(args) => args.run(global),
             Verb::Fetch(args) => args.run(global),
@@ -151,11 +167,15 @@ impl Verb {
 }
 
 impl Global {
-    fn build_thread_pool(&self) -> Result<()> {
+    fn checked_threads(&self) -> Result<usize> {
         if self.threads > MOST_THREADS {
             bail!("--threads is {}; give at most {MOST_THREADS}", self.threads);
         }
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads);
+        Ok(self.threads)
+    }
+
+    fn build_thread_pool(&self) -> Result<()> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.checked_threads()?);
         pool.build_global().context("cannot start the threads; try a smaller --threads")
     }
 
@@ -173,8 +193,12 @@ impl Global {
         }
     }
 
-    /// A bar on a terminal; nothing elsewhere.
-    fn progress(&self, length: u64, what: &'static str) -> indicatif::ProgressBar {
+    /// A bar on a terminal, calls to a program that listens; nothing elsewhere.
+    fn progress(&self, length: u64, what: &'static str) -> Progress {
+        Progress::new(self.bar(length, what), self.host.progress.clone(), length, what)
+    }
+
+    fn bar(&self, length: u64, what: &'static str) -> indicatif::ProgressBar {
         use std::io::IsTerminal;
         if self.quiet || self.no_progress || !std::io::stderr().is_terminal() {
             return indicatif::ProgressBar::hidden();
@@ -188,18 +212,22 @@ impl Global {
     }
 }
 
-/// An interrupt that the first Ctrl-C or SIGTERM requests; the second one ends the process at once.
-fn interrupt_on_signals(limit_minutes: Option<f64>) -> Result<Interrupt> {
-    interrupt_saying("stopping at the next step; the same command goes on from there", limit_minutes)
+/// An interrupt that the first Ctrl-C or SIGTERM requests; the second one ends the process at once. A program that called
+/// has an interrupt of its own.
+fn interrupt_on_signals(global: &Global, limit_minutes: Option<f64>) -> Result<Interrupt> {
+    interrupt_saying(global, "stopping at the next step; the same command goes on from there", limit_minutes)
 }
 
 /// As [`interrupt_on_signals`], saying this when the first signal comes.
-fn interrupt_saying(what: &'static str, limit_minutes: Option<f64>) -> Result<Interrupt> {
+fn interrupt_saying(global: &Global, what: &'static str, limit_minutes: Option<f64>) -> Result<Interrupt> {
     let duration = |minutes: f64| {
         Duration::try_from_secs_f64(minutes * 60.0)
             .map_err(|_| anyhow!("--time-limit is {minutes} minutes; give zero or more"))
     };
     let limit = limit_minutes.map(duration).transpose()?;
+    if let Some(interrupt) = &global.host.interrupt {
+        return Ok(interrupt.clone().with_limit(limit));
+    }
     let interrupt = Interrupt::after(limit);
     let on_signal = interrupt.clone();
     // Not `is_requested`: a time limit that is over as well does not make the first signal the second.

@@ -2,7 +2,30 @@
 
 use anyhow::Result;
 use serde::Serialize;
+use std::cell::RefCell;
 use std::io::Write;
+
+thread_local! {
+    /// What this thread would have written to stdout, while a program asked for it.
+    static CAPTURED: RefCell<Option<String>> = const { RefCell::new(None) };
+}
+
+/// Does some work and returns with it what this thread meant for stdout meanwhile.
+pub fn captured<T>(work: impl FnOnce() -> T) -> (T, String) {
+    let outer = CAPTURED.replace(Some(String::new()));
+    let result = work();
+    (result, CAPTURED.replace(outer).unwrap_or_default())
+}
+
+/// Whether a program listens: then the text is its, and true is returned.
+fn capture(text: &str) -> bool {
+    CAPTURED.with_borrow_mut(|captured| {
+        let Some(captured) = captured else { return false };
+        captured.push_str(text);
+        captured.push('\n');
+        true
+    })
+}
 
 /// One JSON object on stdout, followed by a newline.
 pub fn json(value: &impl Serialize) -> Result<()> {
@@ -11,6 +34,9 @@ pub fn json(value: &impl Serialize) -> Result<()> {
 
 /// Text on stdout, followed by a newline.
 pub fn text(text: &str) -> Result<()> {
+    if capture(text) {
+        return Ok(());
+    }
     let mut stdout = std::io::stdout().lock();
     writeln!(stdout, "{text}")?;
     stdout.flush()?;

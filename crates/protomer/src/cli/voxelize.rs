@@ -98,7 +98,7 @@ impl VoxelizeArgs {
         settings.check()?;
         let manifest = Manifest::read(&self.manifest)?;
         let interrupt =
-            interrupt_saying("finishing the structures at hand; the same command goes on", self.time_limit)?;
+            interrupt_saying(global, "finishing the structures at hand; the same command goes on", self.time_limit)?;
         let bar = global.progress(0, "structures");
         let (begin, advanced) = (|count| bar.set_length(count as u64), || bar.inc(1));
         let (shard, force) = (self.shard, global.force);

@@ -146,7 +146,7 @@ fn remove(path: &Path) -> Result<()> {
 ///
 /// # Errors
 /// If another process holds it, or the disk refuses.
-pub fn lock(path: &Path) -> Result<File> {
+fn lock(path: &Path) -> Result<File> {
     let file = File::create(path.join(LOCK)).with_context(|| format!("cannot write into {}", path.display()))?;
     match file.try_lock() {
         Err(TryLockError::WouldBlock) => {

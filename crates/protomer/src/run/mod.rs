@@ -12,7 +12,6 @@ mod settings;
 mod trajectory;
 
 pub(crate) use checkpoint_file::{read_checkpoint, write_checkpoint};
-pub(crate) use directory::lock;
 pub use directory::{Layout, ResultsDirectory, refuse};
 pub use engine::{Engine, require_room, yukawa};
 pub use execution::Execution;

@@ -1,0 +1,43 @@
+"""protomer: protein structures to rigid bodies, bodies to assemblies, assemblies to stability.
+
+>>> import protomer as pm
+>>> pm.ingest("5pti.cif.gz", output="bodies", ph=7.4)          # doctest: +SKIP
+>>> body = pm.Body.read("bodies/5pti.body")                    # doctest: +SKIP
+>>> body.net_charge_e, body.vertices_angstrom.shape            # doctest: +SKIP
+
+Every verb of the command line is a function with the same flags as keywords (``pm.sweep(..., salt="10mM..300mM/8")``);
+verbs with verbs of their own are objects (``pm.assemble.ring(...)``, ``pm.lattice.run(...)``). Results are objects with
+the fields that ``--json`` prints. Lengths are in Å, energies in kT, charges in e, salt in mol/L.
+"""
+
+from ._protomer import (
+    CheckpointError,
+    ConfigError,
+    ConvergenceError,
+    GeometryError,
+    ParseError,
+    ProtomerError,
+    StoppedError,
+    __version__,
+)
+from ._verbs import *  # noqa: F403
+from ._verbs import __all__ as _verbs
+from ._body import Body
+from .results import PotentialResult, Result, SweepResult, TrainResult
+
+__all__ = [
+    "Body",
+    "CheckpointError",
+    "ConfigError",
+    "ConvergenceError",
+    "GeometryError",
+    "ParseError",
+    "PotentialResult",
+    "ProtomerError",
+    "Result",
+    "StoppedError",
+    "SweepResult",
+    "TrainResult",
+    "__version__",
+    *_verbs,
+]

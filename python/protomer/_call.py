@@ -1,0 +1,74 @@
+"""From keywords to the words of a command, and back from its JSON."""
+
+from __future__ import annotations
+
+import json
+import os
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeAlias, TypeVar, Union
+
+from . import _protomer
+from .results import Result
+
+Path: TypeAlias = Union[str, "os.PathLike[str]"]
+Paths: TypeAlias = Union[Path, Sequence[Path]]
+Number: TypeAlias = Union[float, str]
+"""A number in the documented unit, or text with a unit such as "150mM"."""
+Numbers: TypeAlias = Union[Number, Sequence[Number]]
+Integers: TypeAlias = Union[int, Sequence[int]]
+Text: TypeAlias = Union[str, float, Sequence[Union[str, float]]]
+"""Text as on the command line; sequences are joined with commas."""
+Progress: TypeAlias = Callable[[int, int, str], None]
+
+R = TypeVar("R", bound=Result)
+
+
+def call(
+    result: type[R],
+    verb: Sequence[str],
+    places: Sequence[object],
+    flags: Mapping[str, object],
+    progress: Progress | None,
+) -> R:
+    """Runs a verb and wraps what it answers."""
+    words = list(verb)
+    for flag, value in flags.items():
+        words += _flag(flag, value)
+    placed = [word for value in places for word in _words(value)]
+    if placed:
+        words += ["--", *placed]
+    done, text = _protomer.call(words, progress)
+    if not done:
+        warnings.warn("some of the inputs failed; the result names them", stacklevel=3)
+    return result(json.loads(text) if text.strip() else {})
+
+
+def _flag(flag: str, value: object) -> list[str]:
+    if value is None or value is False:
+        return []
+    if value is True:
+        return [flag]
+    if isinstance(value, (list, tuple)) and flag not in _REPEATED:
+        return [f"{flag}={','.join(map(_word, value))}"]
+    # One word, so that values may begin with a minus.
+    return [f"{flag}={word}" for word in _words(value)]
+
+
+_REPEATED = frozenset({"--part", "--chain", "--model"})
+
+
+def _words(value: object) -> list[str]:
+    if value is None:
+        return []
+    if isinstance(value, (list, tuple)):
+        return [_word(item) for item in value]
+    return [_word(value)]
+
+
+def _word(value: Any) -> str:
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if isinstance(value, float):
+        return repr(value)
+    return str(value)

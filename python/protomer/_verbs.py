@@ -1,0 +1,2759 @@
+"""The verbs of protomer as functions. Written by the program from its table of flags; do not edit:
+UPDATE_REFERENCE=1 cargo test -p protomer --test documentation
+"""
+
+# ruff: noqa: E501
+from __future__ import annotations
+
+from typing import Literal
+
+from ._call import Integers, Number, Numbers, Path, Paths, Progress, Text, call
+from .results import PotentialResult, Result, SweepResult, TrainResult
+
+__all__ = [
+    "ingest",
+    "fetch",
+    "surface",
+    "potential",
+    "body",
+    "assemble",
+    "candidates",
+    "compare",
+    "framework",
+    "inspect",
+    "simulate",
+    "sweep",
+    "lattice",
+    "train",
+    "tune",
+    "voxelize",
+    "merge",
+    "bench",
+]
+
+
+def ingest(
+    inputs: Paths,
+    *,
+    output: Path,
+    name: Text | None = None,
+    chain: Text | None = None,
+    model: Text | None = None,
+    assembly: Text | None = None,
+    altloc: Text | None = None,
+    keep_ligands: bool = False,
+    keep_waters: bool = False,
+    keep_hydrogens: bool = False,
+    keep_nucleic_acids: bool = False,
+    missing: Literal["keep", "skip", "fail"] | None = None,
+    ph: Number | None = None,
+    charges: Literal["force-field", "formal", "none"] | None = None,
+    mutate: Text | None = None,
+    density: Number | None = None,
+    probe: Number | None = None,
+    cavities: Literal["drop", "keep"] | None = None,
+    offset: Number | None = None,
+    export: Text | None = None,
+    threads: int | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> Result:
+    """Turn structure files (PDB, mmCIF, PQR, each also gzipped) into bodies: surface mesh, charges, hydropathy.
+
+    Parameters
+    ----------
+    inputs
+        Structure files, or folders of them
+    output
+        Folder for the bodies
+    name
+        Name of the body, for a single file; that of the file if left out
+    chain
+        Chains by the authors' names; all if left out
+    model
+        Model number; the first if left out
+    assembly
+        Biological assembly by its number; the deposited coordinates if left out
+    altloc
+        Alternate location to prefer; the highest occupancy if left out
+    keep_ligands
+        Keep ligands, ions and sugars
+    keep_waters
+        Keep waters
+    keep_hydrogens
+        Keep hydrogens
+    keep_nucleic_acids
+        Keep nucleic acids
+    missing
+        What to do with residues that lack heavy atoms Default: keep.
+    ph
+        pH of the protonation equilibria Default: 7.4.
+    charges
+        Where the charges sit Default: force-field.
+    mutate
+        Residues exchanged in place: chain:from-number-to, such as A:K45E,B:N12D
+    density
+        Mesh vertices per Å² Default: 1.
+    probe
+        Probe radius, Å Default: 1.4.
+    cavities
+        What to do with cavities inside the body Default: drop.
+    offset
+        Move the surface inward by this much, Å Default: 0.
+    export
+        Also write the mesh and the charges in these formats
+    threads
+        Threads to use; 0 means all Default: 0.
+    force
+        Overwrite results that are already there
+    progress
+        Called as progress(done, total, unit) while the work goes on.
+    """
+    return call(
+        Result,
+        ["ingest"],
+        [inputs],
+        {
+            "--output": output,
+            "--name": name,
+            "--chain": chain,
+            "--model": model,
+            "--assembly": assembly,
+            "--altloc": altloc,
+            "--keep-ligands": keep_ligands,
+            "--keep-waters": keep_waters,
+            "--keep-hydrogens": keep_hydrogens,
+            "--keep-nucleic-acids": keep_nucleic_acids,
+            "--missing": missing,
+            "--ph": ph,
+            "--charges": charges,
+            "--mutate": mutate,
+            "--density": density,
+            "--probe": probe,
+            "--cavities": cavities,
+            "--offset": offset,
+            "--export": export,
+            "--threads": threads,
+            "--force": force,
+        },
+        progress,
+    )
+
+
+def fetch(
+    entries: Text,
+    *,
+    output: Path | None = None,
+    base: Text | None = None,
+    threads: int | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> Result:
+    """Download entries (mmCIF, gzipped) from the RCSB Protein Data Bank. Nothing else in protomer uses the
+    network.
+
+    Parameters
+    ----------
+    entries
+        Entries, such as 6MDR
+    output
+        Folder for the files Default: ..
+    base
+        Base address of the server; ENTRY.cif.gz is added Default: https://files.rcsb.org/download.
+    threads
+        Threads to use; 0 means all Default: 0.
+    force
+        Overwrite results that are already there
+    progress
+        Called as progress(done, total, unit) while the work goes on.
+    """
+    return call(
+        Result,
+        ["fetch"],
+        [entries],
+        {
+            "--output": output,
+            "--base": base,
+            "--threads": threads,
+            "--force": force,
+        },
+        progress,
+    )
+
+
+def surface(
+    input: Path,
+    *,
+    density: Number | None = None,
+    probe: Number | None = None,
+    cavities: Literal["drop", "keep"] | None = None,
+    offset: Number | None = None,
+    output: Path | None = None,
+    threads: int | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> Result:
+    """Compute the solvent-excluded surface of a structure, a PQR, or an .xyzr file (x y z radius per line):
+    mesh, exact area and volume. Cavities are kept unless told otherwise.
+
+    Parameters
+    ----------
+    input
+        Structure, PQR or .xyzr file, perhaps gzipped
+    density
+        Mesh vertices per Å² Default: 1.
+    probe
+        Probe radius, Å Default: 1.4.
+    cavities
+        What to do with cavities inside Default: keep.
+    offset
+        Move the surface inward by this much, Å Default: 0.
+    output
+        Mesh file to write: .ply, .obj, .off or .stl
+    threads
+        Threads to use; 0 means all Default: 0.
+    force
+        Overwrite results that are already there
+    progress
+        Called as progress(done, total, unit) while the work goes on.
+    """
+    return call(
+        Result,
+        ["surface"],
+        [input],
+        {
+            "--density": density,
+            "--probe": probe,
+            "--cavities": cavities,
+            "--offset": offset,
+            "--output": output,
+            "--threads": threads,
+            "--force": force,
+        },
+        progress,
+    )
+
+
+def potential(
+    input: Path,
+    *,
+    salt: Number,
+    spacing: Number | None = None,
+    margin: Number | None = None,
+    temperature: Number | None = None,
+    inner_permittivity: Number | None = None,
+    outer_permittivity: Number | None = None,
+    ion_radius: Number | None = None,
+    probe: Number | None = None,
+    points: Path | None = None,
+    no_error_estimate: bool = False,
+    output: Path | None = None,
+    threads: int | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> PotentialResult:
+    """Solve the linearised Poisson-Boltzmann equation around a structure or PQR: potential in kT/e and solvation
+    energy. The dielectric boundary is the solvent-excluded surface.
+
+    Parameters
+    ----------
+    input
+        Structure or PQR file, perhaps gzipped
+    salt
+        Concentration of a 1:1 salt, such as 100mM or 0.1M
+    spacing
+        Grid spacing, Å Default: 0.5.
+    margin
+        From the atoms to the faces of the grid at least, Å Default: 10.
+    temperature
+        Temperature, K Default: 298.15.
+    inner_permittivity
+        Relative permittivity inside the surface Default: 2.
+    outer_permittivity
+        Relative permittivity of the solvent; that of water at the temperature if left out
+    ion_radius
+        Ions keep their centres this far from the atoms, Å; 0: up to the surface Default: 2.
+    probe
+        Probe radius of the surface, Å Default: 1.4.
+    points
+        File of points (x y z per line, Å) at which to print the potential
+    no_error_estimate
+        Leave out the second solve that tells the error of the energy
+    output
+        Volume file to write: .mrc, .map, .ccp4, .dx or .npz
+    threads
+        Threads to use; 0 means all Default: 0.
+    force
+        Overwrite results that are already there
+    progress
+        Called as progress(done, total, unit) while the work goes on.
+    """
+    return call(
+        PotentialResult,
+        ["potential"],
+        [input],
+        {
+            "--salt": salt,
+            "--spacing": spacing,
+            "--margin": margin,
+            "--temperature": temperature,
+            "--inner-permittivity": inner_permittivity,
+            "--outer-permittivity": outer_permittivity,
+            "--ion-radius": ion_radius,
+            "--probe": probe,
+            "--points": points,
+            "--no-error-estimate": no_error_estimate,
+            "--output": output,
+            "--threads": threads,
+            "--force": force,
+        },
+        progress,
+    )
+
+
+def body(
+    *,
+    mesh: Path,
+    output: Path,
+    charges: Path | None = None,
+    name: Text | None = None,
+    threads: int | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> Result:
+    """Make a body from a mesh (PLY, OFF, OBJ, STL) and charges (PQR, or whitespace-separated x y z charge).
+    Coordinates are kept: the body's origin is that of the files.
+
+    Parameters
+    ----------
+    mesh
+        Closed, outward mesh, Å
+    output
+        Body file to write
+    charges
+        Charges; without them the body is hard and neutral
+    name
+        Name of the body; that of the output file if left out
+    threads
+        Threads to use; 0 means all Default: 0.
+    force
+        Overwrite results that are already there
+    progress
+        Called as progress(done, total, unit) while the work goes on.
+    """
+    return call(
+        Result,
+        ["body"],
+        [],
+        {
+            "--mesh": mesh,
+            "--output": output,
+            "--charges": charges,
+            "--name": name,
+            "--threads": threads,
+            "--force": force,
+        },
+        progress,
+    )
+
+
+class _Assemble:
+    """Put bodies together: from a structure's own copies, as a ring or a stack of two rings, or at random."""
+
+    def structure(
+        self,
+        input: Path,
+        *,
+        output: Path,
+        chain: Text | None = None,
+        model: Text | None = None,
+        assembly: Text | None = None,
+        altloc: Text | None = None,
+        keep_ligands: bool = False,
+        keep_waters: bool = False,
+        keep_hydrogens: bool = False,
+        keep_nucleic_acids: bool = False,
+        missing: Literal["keep", "skip", "fail"] | None = None,
+        ph: Number | None = None,
+        charges: Literal["force-field", "formal", "none"] | None = None,
+        mutate: Text | None = None,
+        density: Number | None = None,
+        probe: Number | None = None,
+        cavities: Literal["drop", "keep"] | None = None,
+        offset: Number | None = None,
+        relax: bool = False,
+        box_angstrom: Numbers | None = None,
+        threads: int | None = None,
+        force: bool = False,
+        progress: Progress | None = None,
+    ) -> Result:
+        """Take a structure apart: identical chains become one body, each copy a pose.
+
+        Parameters
+        ----------
+        input
+            Structure file
+        output
+            Folder for the bodies and assembly.json
+        chain
+            Chains by the authors' names; all if left out
+        model
+            Model number; the first if left out
+        assembly
+            Biological assembly by its number; the deposited coordinates if left out
+        altloc
+            Alternate location to prefer; the highest occupancy if left out
+        keep_ligands
+            Keep ligands, ions and sugars
+        keep_waters
+            Keep waters
+        keep_hydrogens
+            Keep hydrogens
+        keep_nucleic_acids
+            Keep nucleic acids
+        missing
+            What to do with residues that lack heavy atoms Default: keep.
+        ph
+            pH of the protonation equilibria Default: 7.4.
+        charges
+            Where the charges sit Default: force-field.
+        mutate
+            Residues exchanged in place: chain:from-number-to, such as A:K45E,B:N12D
+        density
+            Mesh vertices per Å² Default: 1.
+        probe
+            Probe radius, Å Default: 1.4.
+        cavities
+            What to do with cavities inside the body Default: drop.
+        offset
+            Move the surface inward by this much, Å Default: 0.
+        relax
+            Remove overlaps of the hard surfaces by the smallest uniform expansion
+        box_angstrom
+            Edge of a cubic periodic box, or three edges, Å; open space if left out
+        threads
+            Threads to use; 0 means all Default: 0.
+        force
+            Overwrite results that are already there
+        progress
+            Called as progress(done, total, unit) while the work goes on.
+        """
+        return call(
+            Result,
+            ["assemble", "structure"],
+            [input],
+            {
+                "--output": output,
+                "--chain": chain,
+                "--model": model,
+                "--assembly": assembly,
+                "--altloc": altloc,
+                "--keep-ligands": keep_ligands,
+                "--keep-waters": keep_waters,
+                "--keep-hydrogens": keep_hydrogens,
+                "--keep-nucleic-acids": keep_nucleic_acids,
+                "--missing": missing,
+                "--ph": ph,
+                "--charges": charges,
+                "--mutate": mutate,
+                "--density": density,
+                "--probe": probe,
+                "--cavities": cavities,
+                "--offset": offset,
+                "--relax": relax,
+                "--box": box_angstrom,
+                "--threads": threads,
+                "--force": force,
+            },
+            progress,
+        )
+
+    def ring(
+        self,
+        bodies: Paths,
+        *,
+        members: int,
+        output: Path,
+        stack: int | None = None,
+        directions: Text | None = None,
+        tilt: Numbers | None = None,
+        spin: Numbers | None = None,
+        gap: Number | None = None,
+        box_angstrom: Numbers | None = None,
+        threads: int | None = None,
+        force: bool = False,
+        progress: Progress | None = None,
+    ) -> Result:
+        """A ring of bodies, or a stack of two rings, closed to contact. Bodies alternate around the ring.
+
+        Parameters
+        ----------
+        bodies
+            Body files, in the order in which they alternate
+        members
+            Bodies per ring
+        output
+            Assembly file to write
+        stack
+            Rings: one, or two stacked with dihedral symmetry Default: 1.
+        directions
+            Direction of each body of the pattern: u for up, d for down, such as ud; all up if left out
+        tilt
+            Lean of each body's axis about the outward direction, degrees, such as 0,40; upright if left out
+        spin
+            Turn of each body about its own axis, degrees
+        gap
+            How much further apart than at contact neighbours around the ring, and the rings, are placed, Å
+            Default: 0.5.
+        box_angstrom
+            Edge of a cubic periodic box, or three edges, Å; open space if left out
+        threads
+            Threads to use; 0 means all Default: 0.
+        force
+            Overwrite results that are already there
+        progress
+            Called as progress(done, total, unit) while the work goes on.
+        """
+        return call(
+            Result,
+            ["assemble", "ring"],
+            [bodies],
+            {
+                "--members": members,
+                "--output": output,
+                "--stack": stack,
+                "--directions": directions,
+                "--tilt": tilt,
+                "--spin": spin,
+                "--gap": gap,
+                "--box": box_angstrom,
+                "--threads": threads,
+                "--force": force,
+            },
+            progress,
+        )
+
+    def fluid(
+        self,
+        bodies: Paths,
+        *,
+        counts: Integers,
+        output: Path,
+        seed: int | None = None,
+        box_angstrom: Numbers | None = None,
+        threads: int | None = None,
+        force: bool = False,
+        progress: Progress | None = None,
+    ) -> Result:
+        """Bodies at random places and in random orientations in a periodic box, none overlapping another.
+
+        Parameters
+        ----------
+        bodies
+            Body files
+        counts
+            How many of each body, in the order of the files, such as 8,8
+        output
+            Assembly file to write
+        seed
+            Seed of the random numbers Default: 1.
+        box_angstrom
+            Edge of a cubic periodic box, or three edges, Å; open space if left out
+        threads
+            Threads to use; 0 means all Default: 0.
+        force
+            Overwrite results that are already there
+        progress
+            Called as progress(done, total, unit) while the work goes on.
+        """
+        return call(
+            Result,
+            ["assemble", "fluid"],
+            [bodies],
+            {
+                "--counts": counts,
+                "--output": output,
+                "--seed": seed,
+                "--box": box_angstrom,
+                "--threads": threads,
+                "--force": force,
+            },
+            progress,
+        )
+
+
+assemble = _Assemble()
+
+
+def candidates(
+    bodies: Paths,
+    *,
+    ring: int,
+    stack: int | None = None,
+    symmetry: Literal["none", "cyclic", "dihedral"] | None = None,
+    gap: Number | None = None,
+    box_angstrom: Numbers | None = None,
+    output: Path | None = None,
+    threads: int | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> Result:
+    """Enumerate the up/down arrangements of bodies in a ring or a stack of two rings that are different under
+    the stack's own symmetry, and write each as an assembly closed to contact.
+
+    Parameters
+    ----------
+    bodies
+        Body files, in the order in which they alternate
+    ring
+        Bodies per ring
+    stack
+        Rings: one or two Default: 1.
+    symmetry
+        Symmetry asked of an arrangement Default: dihedral.
+    gap
+        How much further apart than at contact neighbours around the ring, and the rings, are placed, Å
+        Default: 0.5.
+    box_angstrom
+        Edge of a cubic periodic box, or three edges, Å; open space if left out
+    output
+        Folder for the assemblies; only counted if left out
+    threads
+        Threads to use; 0 means all Default: 0.
+    force
+        Overwrite results that are already there
+    progress
+        Called as progress(done, total, unit) while the work goes on.
+    """
+    return call(
+        Result,
+        ["candidates"],
+        [bodies],
+        {
+            "--ring": ring,
+            "--stack": stack,
+            "--symmetry": symmetry,
+            "--gap": gap,
+            "--box": box_angstrom,
+            "--output": output,
+            "--threads": threads,
+            "--force": force,
+        },
+        progress,
+    )
+
+
+def compare(
+    sweeps: Paths,
+    *,
+    output: Path,
+    title: Text | None = None,
+    threads: int | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> Result:
+    """Draw several finished sweeps in one figure; the legend names the directories.
+
+    Parameters
+    ----------
+    sweeps
+        Sweep directories
+    output
+        Figure to write: .png or .svg
+    title
+        Title of the figure Default: Stability against salt.
+    threads
+        Threads to use; 0 means all Default: 0.
+    force
+        Overwrite results that are already there
+    progress
+        Called as progress(done, total, unit) while the work goes on.
+    """
+    return call(
+        Result,
+        ["compare"],
+        [sweeps],
+        {
+            "--output": output,
+            "--title": title,
+            "--threads": threads,
+            "--force": force,
+        },
+        progress,
+    )
+
+
+class _Framework:
+    """Elastic constants, mechanisms and deformation of a periodic network of rods and hinges: one that is built
+    from a few numbers, or one of your own in a TOML file (--write shows what that looks like).
+    """
+
+    def __call__(
+        self,
+        file: Path | None = None,
+        *,
+        na: Number | None = None,
+        cells: Text | None = None,
+        thickness: Text | None = None,
+        relax: bool = False,
+        fixed_cell: bool = False,
+        load: Text | None = None,
+        stress: Text | None = None,
+        stress_kind: Literal["nominal", "cauchy"] | None = None,
+        derivatives: bool = False,
+        write: Path | None = None,
+        output: Path | None = None,
+        threads: int | None = None,
+        force: bool = False,
+        progress: Progress | None = None,
+    ) -> Result:
+        """Elastic constants, mechanisms and deformation of a periodic network of rods and hinges: one that is
+        built from a few numbers, or one of your own in a TOML file (--write shows what that looks like).
+
+        Parameters
+        ----------
+        file
+            Network file, in place of a builder
+        na
+            Avogadro's number that converts kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
+        cells
+            Cells along each cell vector, such as 2x2
+        thickness
+            Extent of a two-dimensional network along x [default: 1A, or what the file says]
+        relax
+            Find the minimum of the energy first, nodes and cell
+        fixed_cell
+            With --relax: keep the cell
+        load
+            Axis along which to load the network: x, y or z
+        stress
+            Stresses to apply one after the other, such as 1GPa,2GPa; negative ones push
+        stress_kind
+            What the stress is referred to [default: nominal]
+        derivatives
+            Print energy, forces and Hessian (with --json or -o)
+        write
+            Write the network as TOML
+        output
+            Folder for result.json, tables (CSV), the drawing and the figure
+        threads
+            Threads to use; 0 means all Default: 0.
+        force
+            Overwrite results that are already there
+        progress
+            Called as progress(done, total, unit) while the work goes on.
+        """
+        return call(
+            Result,
+            ["framework"],
+            [file],
+            {
+                "--na": na,
+                "--cells": cells,
+                "--thickness": thickness,
+                "--relax": relax,
+                "--fixed-cell": fixed_cell,
+                "--load": load,
+                "--stress": stress,
+                "--stress-kind": stress_kind,
+                "--derivatives": derivatives,
+                "--write": write,
+                "--output": output,
+                "--threads": threads,
+                "--force": force,
+            },
+            progress,
+        )
+
+    def honeycomb(
+        self,
+        *,
+        theta: Number,
+        kh: Number,
+        ks: Number,
+        h: Number | None = None,
+        l: Number | None = None,
+        na: Number | None = None,
+        cells: Text | None = None,
+        thickness: Text | None = None,
+        relax: bool = False,
+        fixed_cell: bool = False,
+        load: Text | None = None,
+        stress: Text | None = None,
+        stress_kind: Literal["nominal", "cauchy"] | None = None,
+        derivatives: bool = False,
+        write: Path | None = None,
+        output: Path | None = None,
+        threads: int | None = None,
+        force: bool = False,
+        progress: Progress | None = None,
+    ) -> Result:
+        """Hexagonal honeycomb: ribs h along z, ribs l at the angle theta to them; re-entrant below 90 degrees.
+
+        Parameters
+        ----------
+        theta
+            Angle between them, degrees
+        kh
+            Stiffness of each hinge between an h and an l rib, kcal/mol/rad²
+        ks
+            Stiffness of each rib, kcal/mol/Å²
+        h
+            Length of the ribs along z, Å Default: 2A.
+        l
+            Length of the inclined ribs, Å Default: 1A.
+        na
+            Avogadro's number that converts kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
+        cells
+            Cells along each cell vector, such as 2x2
+        thickness
+            Extent of a two-dimensional network along x [default: 1A, or what the file says]
+        relax
+            Find the minimum of the energy first, nodes and cell
+        fixed_cell
+            With --relax: keep the cell
+        load
+            Axis along which to load the network: x, y or z
+        stress
+            Stresses to apply one after the other, such as 1GPa,2GPa; negative ones push
+        stress_kind
+            What the stress is referred to [default: nominal]
+        derivatives
+            Print energy, forces and Hessian (with --json or -o)
+        write
+            Write the network as TOML
+        output
+            Folder for result.json, tables (CSV), the drawing and the figure
+        threads
+            Threads to use; 0 means all Default: 0.
+        force
+            Overwrite results that are already there
+        progress
+            Called as progress(done, total, unit) while the work goes on.
+        """
+        return call(
+            Result,
+            ["framework", "honeycomb"],
+            [],
+            {
+                "--theta": theta,
+                "--kh": kh,
+                "--ks": ks,
+                "--h": h,
+                "--l": l,
+                "--na": na,
+                "--cells": cells,
+                "--thickness": thickness,
+                "--relax": relax,
+                "--fixed-cell": fixed_cell,
+                "--load": load,
+                "--stress": stress,
+                "--stress-kind": stress_kind,
+                "--derivatives": derivatives,
+                "--write": write,
+                "--output": output,
+                "--threads": threads,
+                "--force": force,
+            },
+            progress,
+        )
+
+    def rotating_squares(
+        self,
+        *,
+        angle: Number,
+        ks: Number,
+        kh: Number,
+        side: Number | None = None,
+        na: Number | None = None,
+        cells: Text | None = None,
+        thickness: Text | None = None,
+        relax: bool = False,
+        fixed_cell: bool = False,
+        load: Text | None = None,
+        stress: Text | None = None,
+        stress_kind: Literal["nominal", "cauchy"] | None = None,
+        derivatives: bool = False,
+        write: Path | None = None,
+        output: Path | None = None,
+        threads: int | None = None,
+        force: bool = False,
+        progress: Progress | None = None,
+    ) -> Result:
+        """Squares that touch at corners and are turned by turns.
+
+        Parameters
+        ----------
+        angle
+            Turn of each polygon from the open position, degrees
+        ks
+            Stiffness of the rods that keep a polygon in shape, kcal/mol/Å²
+        kh
+            Stiffness of the hinges between neighbouring rods, kcal/mol/rad²
+        side
+            Side of a polygon, Å Default: 1A.
+        na
+            Avogadro's number that converts kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
+        cells
+            Cells along each cell vector, such as 2x2
+        thickness
+            Extent of a two-dimensional network along x [default: 1A, or what the file says]
+        relax
+            Find the minimum of the energy first, nodes and cell
+        fixed_cell
+            With --relax: keep the cell
+        load
+            Axis along which to load the network: x, y or z
+        stress
+            Stresses to apply one after the other, such as 1GPa,2GPa; negative ones push
+        stress_kind
+            What the stress is referred to [default: nominal]
+        derivatives
+            Print energy, forces and Hessian (with --json or -o)
+        write
+            Write the network as TOML
+        output
+            Folder for result.json, tables (CSV), the drawing and the figure
+        threads
+            Threads to use; 0 means all Default: 0.
+        force
+            Overwrite results that are already there
+        progress
+            Called as progress(done, total, unit) while the work goes on.
+        """
+        return call(
+            Result,
+            ["framework", "rotating-squares"],
+            [],
+            {
+                "--angle": angle,
+                "--ks": ks,
+                "--kh": kh,
+                "--side": side,
+                "--na": na,
+                "--cells": cells,
+                "--thickness": thickness,
+                "--relax": relax,
+                "--fixed-cell": fixed_cell,
+                "--load": load,
+                "--stress": stress,
+                "--stress-kind": stress_kind,
+                "--derivatives": derivatives,
+                "--write": write,
+                "--output": output,
+                "--threads": threads,
+                "--force": force,
+            },
+            progress,
+        )
+
+    def rotating_triangles(
+        self,
+        *,
+        angle: Number,
+        ks: Number,
+        kh: Number,
+        side: Number | None = None,
+        na: Number | None = None,
+        cells: Text | None = None,
+        thickness: Text | None = None,
+        relax: bool = False,
+        fixed_cell: bool = False,
+        load: Text | None = None,
+        stress: Text | None = None,
+        stress_kind: Literal["nominal", "cauchy"] | None = None,
+        derivatives: bool = False,
+        write: Path | None = None,
+        output: Path | None = None,
+        threads: int | None = None,
+        force: bool = False,
+        progress: Progress | None = None,
+    ) -> Result:
+        """Equilateral triangles that touch at corners and are turned by turns.
+
+        Parameters
+        ----------
+        angle
+            Turn of each polygon from the open position, degrees
+        ks
+            Stiffness of the rods that keep a polygon in shape, kcal/mol/Å²
+        kh
+            Stiffness of the hinges between neighbouring rods, kcal/mol/rad²
+        side
+            Side of a polygon, Å Default: 1A.
+        na
+            Avogadro's number that converts kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
+        cells
+            Cells along each cell vector, such as 2x2
+        thickness
+            Extent of a two-dimensional network along x [default: 1A, or what the file says]
+        relax
+            Find the minimum of the energy first, nodes and cell
+        fixed_cell
+            With --relax: keep the cell
+        load
+            Axis along which to load the network: x, y or z
+        stress
+            Stresses to apply one after the other, such as 1GPa,2GPa; negative ones push
+        stress_kind
+            What the stress is referred to [default: nominal]
+        derivatives
+            Print energy, forces and Hessian (with --json or -o)
+        write
+            Write the network as TOML
+        output
+            Folder for result.json, tables (CSV), the drawing and the figure
+        threads
+            Threads to use; 0 means all Default: 0.
+        force
+            Overwrite results that are already there
+        progress
+            Called as progress(done, total, unit) while the work goes on.
+        """
+        return call(
+            Result,
+            ["framework", "rotating-triangles"],
+            [],
+            {
+                "--angle": angle,
+                "--ks": ks,
+                "--kh": kh,
+                "--side": side,
+                "--na": na,
+                "--cells": cells,
+                "--thickness": thickness,
+                "--relax": relax,
+                "--fixed-cell": fixed_cell,
+                "--load": load,
+                "--stress": stress,
+                "--stress-kind": stress_kind,
+                "--derivatives": derivatives,
+                "--write": write,
+                "--output": output,
+                "--threads": threads,
+                "--force": force,
+            },
+            progress,
+        )
+
+    def arrowhead(
+        self,
+        *,
+        outer: Number,
+        inner: Number,
+        ks: Number,
+        kh: Number,
+        width: Number | None = None,
+        na: Number | None = None,
+        cells: Text | None = None,
+        thickness: Text | None = None,
+        relax: bool = False,
+        fixed_cell: bool = False,
+        load: Text | None = None,
+        stress: Text | None = None,
+        stress_kind: Literal["nominal", "cauchy"] | None = None,
+        derivatives: bool = False,
+        write: Path | None = None,
+        output: Path | None = None,
+        threads: int | None = None,
+        force: bool = False,
+        progress: Progress | None = None,
+    ) -> Result:
+        """Arrowheads: long ribs at the outer and short ribs at the inner angle to z.
+
+        Parameters
+        ----------
+        outer
+            Angle of the long ribs to z, degrees
+        inner
+            Angle of the short ribs to z, degrees
+        ks
+            Stiffness of each rib, kcal/mol/Å²
+        kh
+            Stiffness of each hinge, kcal/mol/rad²
+        width
+            Extent of a cell along y, Å Default: 2A.
+        na
+            Avogadro's number that converts kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
+        cells
+            Cells along each cell vector, such as 2x2
+        thickness
+            Extent of a two-dimensional network along x [default: 1A, or what the file says]
+        relax
+            Find the minimum of the energy first, nodes and cell
+        fixed_cell
+            With --relax: keep the cell
+        load
+            Axis along which to load the network: x, y or z
+        stress
+            Stresses to apply one after the other, such as 1GPa,2GPa; negative ones push
+        stress_kind
+            What the stress is referred to [default: nominal]
+        derivatives
+            Print energy, forces and Hessian (with --json or -o)
+        write
+            Write the network as TOML
+        output
+            Folder for result.json, tables (CSV), the drawing and the figure
+        threads
+            Threads to use; 0 means all Default: 0.
+        force
+            Overwrite results that are already there
+        progress
+            Called as progress(done, total, unit) while the work goes on.
+        """
+        return call(
+            Result,
+            ["framework", "arrowhead"],
+            [],
+            {
+                "--outer": outer,
+                "--inner": inner,
+                "--ks": ks,
+                "--kh": kh,
+                "--width": width,
+                "--na": na,
+                "--cells": cells,
+                "--thickness": thickness,
+                "--relax": relax,
+                "--fixed-cell": fixed_cell,
+                "--load": load,
+                "--stress": stress,
+                "--stress-kind": stress_kind,
+                "--derivatives": derivatives,
+                "--write": write,
+                "--output": output,
+                "--threads": threads,
+                "--force": force,
+            },
+            progress,
+        )
+
+    def rod_lattice(
+        self,
+        *,
+        r0: Number,
+        angle: Number,
+        square_ks: Number,
+        ks: Number,
+        kh: Number,
+        l: Number | None = None,
+        na: Number | None = None,
+        cells: Text | None = None,
+        thickness: Text | None = None,
+        relax: bool = False,
+        fixed_cell: bool = False,
+        load: Text | None = None,
+        stress: Text | None = None,
+        stress_kind: Literal["nominal", "cauchy"] | None = None,
+        derivatives: bool = False,
+        write: Path | None = None,
+        output: Path | None = None,
+        threads: int | None = None,
+        force: bool = False,
+        progress: Progress | None = None,
+    ) -> Result:
+        """The lattice of squares whose corners are joined by rods.
+
+        Parameters
+        ----------
+        r0
+            Length of the rods between squares, Å
+        angle
+            Turn of each square, degrees; 45 is open
+        square_ks
+            Stiffness of the rods that keep a square in shape, kcal/mol/Å²
+        ks
+            Stiffness of the rods between squares, kcal/mol/Å²
+        kh
+            Stiffness of each hinge, kcal/mol/rad²
+        l
+            Half-diagonal of a square, Å Default: 1A.
+        na
+            Avogadro's number that converts kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
+        cells
+            Cells along each cell vector, such as 2x2
+        thickness
+            Extent of a two-dimensional network along x [default: 1A, or what the file says]
+        relax
+            Find the minimum of the energy first, nodes and cell
+        fixed_cell
+            With --relax: keep the cell
+        load
+            Axis along which to load the network: x, y or z
+        stress
+            Stresses to apply one after the other, such as 1GPa,2GPa; negative ones push
+        stress_kind
+            What the stress is referred to [default: nominal]
+        derivatives
+            Print energy, forces and Hessian (with --json or -o)
+        write
+            Write the network as TOML
+        output
+            Folder for result.json, tables (CSV), the drawing and the figure
+        threads
+            Threads to use; 0 means all Default: 0.
+        force
+            Overwrite results that are already there
+        progress
+            Called as progress(done, total, unit) while the work goes on.
+        """
+        return call(
+            Result,
+            ["framework", "rod-lattice"],
+            [],
+            {
+                "--r0": r0,
+                "--angle": angle,
+                "--square-ks": square_ks,
+                "--ks": ks,
+                "--kh": kh,
+                "--l": l,
+                "--na": na,
+                "--cells": cells,
+                "--thickness": thickness,
+                "--relax": relax,
+                "--fixed-cell": fixed_cell,
+                "--load": load,
+                "--stress": stress,
+                "--stress-kind": stress_kind,
+                "--derivatives": derivatives,
+                "--write": write,
+                "--output": output,
+                "--threads": threads,
+                "--force": force,
+            },
+            progress,
+        )
+
+    def fcc(
+        self,
+        *,
+        ks: Number,
+        edge: Number | None = None,
+        na: Number | None = None,
+        cells: Text | None = None,
+        thickness: Text | None = None,
+        relax: bool = False,
+        fixed_cell: bool = False,
+        load: Text | None = None,
+        stress: Text | None = None,
+        stress_kind: Literal["nominal", "cauchy"] | None = None,
+        derivatives: bool = False,
+        write: Path | None = None,
+        output: Path | None = None,
+        threads: int | None = None,
+        force: bool = False,
+        progress: Progress | None = None,
+    ) -> Result:
+        """Face-centred cubic net of nearest-neighbour rods.
+
+        Parameters
+        ----------
+        ks
+            Stiffness of each rod, kcal/mol/Å²
+        edge
+            Edge of the cubic cell, Å Default: 1A.
+        na
+            Avogadro's number that converts kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
+        cells
+            Cells along each cell vector, such as 2x2
+        thickness
+            Extent of a two-dimensional network along x [default: 1A, or what the file says]
+        relax
+            Find the minimum of the energy first, nodes and cell
+        fixed_cell
+            With --relax: keep the cell
+        load
+            Axis along which to load the network: x, y or z
+        stress
+            Stresses to apply one after the other, such as 1GPa,2GPa; negative ones push
+        stress_kind
+            What the stress is referred to [default: nominal]
+        derivatives
+            Print energy, forces and Hessian (with --json or -o)
+        write
+            Write the network as TOML
+        output
+            Folder for result.json, tables (CSV), the drawing and the figure
+        threads
+            Threads to use; 0 means all Default: 0.
+        force
+            Overwrite results that are already there
+        progress
+            Called as progress(done, total, unit) while the work goes on.
+        """
+        return call(
+            Result,
+            ["framework", "fcc"],
+            [],
+            {
+                "--ks": ks,
+                "--edge": edge,
+                "--na": na,
+                "--cells": cells,
+                "--thickness": thickness,
+                "--relax": relax,
+                "--fixed-cell": fixed_cell,
+                "--load": load,
+                "--stress": stress,
+                "--stress-kind": stress_kind,
+                "--derivatives": derivatives,
+                "--write": write,
+                "--output": output,
+                "--threads": threads,
+                "--force": force,
+            },
+            progress,
+        )
+
+    def diamond(
+        self,
+        *,
+        ks: Number,
+        kh: Number,
+        edge: Number | None = None,
+        na: Number | None = None,
+        cells: Text | None = None,
+        thickness: Text | None = None,
+        relax: bool = False,
+        fixed_cell: bool = False,
+        load: Text | None = None,
+        stress: Text | None = None,
+        stress_kind: Literal["nominal", "cauchy"] | None = None,
+        derivatives: bool = False,
+        write: Path | None = None,
+        output: Path | None = None,
+        threads: int | None = None,
+        force: bool = False,
+        progress: Progress | None = None,
+    ) -> Result:
+        """Diamond net of nearest-neighbour rods, hinged between all rods at a node.
+
+        Parameters
+        ----------
+        ks
+            Stiffness of each rod, kcal/mol/Å²
+        kh
+            Stiffness of each hinge, kcal/mol/rad²
+        edge
+            Edge of the cubic cell, Å Default: 1A.
+        na
+            Avogadro's number that converts kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
+        cells
+            Cells along each cell vector, such as 2x2
+        thickness
+            Extent of a two-dimensional network along x [default: 1A, or what the file says]
+        relax
+            Find the minimum of the energy first, nodes and cell
+        fixed_cell
+            With --relax: keep the cell
+        load
+            Axis along which to load the network: x, y or z
+        stress
+            Stresses to apply one after the other, such as 1GPa,2GPa; negative ones push
+        stress_kind
+            What the stress is referred to [default: nominal]
+        derivatives
+            Print energy, forces and Hessian (with --json or -o)
+        write
+            Write the network as TOML
+        output
+            Folder for result.json, tables (CSV), the drawing and the figure
+        threads
+            Threads to use; 0 means all Default: 0.
+        force
+            Overwrite results that are already there
+        progress
+            Called as progress(done, total, unit) while the work goes on.
+        """
+        return call(
+            Result,
+            ["framework", "diamond"],
+            [],
+            {
+                "--ks": ks,
+                "--kh": kh,
+                "--edge": edge,
+                "--na": na,
+                "--cells": cells,
+                "--thickness": thickness,
+                "--relax": relax,
+                "--fixed-cell": fixed_cell,
+                "--load": load,
+                "--stress": stress,
+                "--stress-kind": stress_kind,
+                "--derivatives": derivatives,
+                "--write": write,
+                "--output": output,
+                "--threads": threads,
+                "--force": force,
+            },
+            progress,
+        )
+
+    def tables(
+        self,
+        *,
+        na: Number | None = None,
+        cells: Text | None = None,
+        thickness: Text | None = None,
+        relax: bool = False,
+        fixed_cell: bool = False,
+        load: Text | None = None,
+        stress: Text | None = None,
+        stress_kind: Literal["nominal", "cauchy"] | None = None,
+        derivatives: bool = False,
+        write: Path | None = None,
+        output: Path | None = None,
+        threads: int | None = None,
+        force: bool = False,
+        progress: Progress | None = None,
+    ) -> Result:
+        """Tables 2 to 4 of Grima et al., Mol. Simul. 31, 925 (2005), printed and recomputed.
+
+        Parameters
+        ----------
+        na
+            Avogadro's number that converts kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
+        cells
+            Cells along each cell vector, such as 2x2
+        thickness
+            Extent of a two-dimensional network along x [default: 1A, or what the file says]
+        relax
+            Find the minimum of the energy first, nodes and cell
+        fixed_cell
+            With --relax: keep the cell
+        load
+            Axis along which to load the network: x, y or z
+        stress
+            Stresses to apply one after the other, such as 1GPa,2GPa; negative ones push
+        stress_kind
+            What the stress is referred to [default: nominal]
+        derivatives
+            Print energy, forces and Hessian (with --json or -o)
+        write
+            Write the network as TOML
+        output
+            Folder for result.json, tables (CSV), the drawing and the figure
+        threads
+            Threads to use; 0 means all Default: 0.
+        force
+            Overwrite results that are already there
+        progress
+            Called as progress(done, total, unit) while the work goes on.
+        """
+        return call(
+            Result,
+            ["framework", "tables"],
+            [],
+            {
+                "--na": na,
+                "--cells": cells,
+                "--thickness": thickness,
+                "--relax": relax,
+                "--fixed-cell": fixed_cell,
+                "--load": load,
+                "--stress": stress,
+                "--stress-kind": stress_kind,
+                "--derivatives": derivatives,
+                "--write": write,
+                "--output": output,
+                "--threads": threads,
+                "--force": force,
+            },
+            progress,
+        )
+
+
+framework = _Framework()
+
+
+def inspect(
+    assembly: Path,
+    *,
+    energy: Literal["direct", "certified", "approximate", "none"] | None = None,
+    tolerance: Number | None = None,
+    contact_gap: Number | None = None,
+    salt: Number | None = None,
+    temperature: Number | None = None,
+    permittivity: Number | None = None,
+    bjerrum: Number | None = None,
+    debye: Number | None = None,
+    cutoff: Number | None = None,
+    memory_limit: int | None = None,
+    no_cache: bool = False,
+    threads: int | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> Result:
+    """Look at an assembly as it stands: overlaps, pair energies, radius of gyration.
+
+    Parameters
+    ----------
+    assembly
+        Assembly file
+    energy
+        How energies are computed Default: direct.
+    tolerance
+        Largest likely error of the energy of two bodies, kT, with --energy approximate [default: 0.001]
+    contact_gap
+        Surfaces closer than this are in contact, Å Default: 5.
+    salt
+        Concentration of a 1:1 salt, such as 100mM or 0.1M
+    temperature
+        Temperature, K [default: 298.15]
+    permittivity
+        Relative permittivity; that of water at the temperature if left out
+    bjerrum
+        Bjerrum length (such as 7.0A), instead of temperature and permittivity
+    debye
+        Debye length (such as 9.6A), instead of a salt concentration
+    cutoff
+        Distance at which the interaction is cut off; five Debye lengths if left out
+    memory_limit
+        Memory that tables of certified energies may take together, such as 500MB Default: 4GB.
+    no_cache
+        Neither look for tables of certified energies in the cache folder nor keep them there. The folder is
+        PROTOMER_CACHE_DIR (empty: none), else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
+    threads
+        Threads to use; 0 means all Default: 0.
+    force
+        Overwrite results that are already there
+    progress
+        Called as progress(done, total, unit) while the work goes on.
+    """
+    return call(
+        Result,
+        ["inspect"],
+        [assembly],
+        {
+            "--energy": energy,
+            "--tolerance": tolerance,
+            "--contact-gap": contact_gap,
+            "--salt": salt,
+            "--temperature": temperature,
+            "--permittivity": permittivity,
+            "--bjerrum": bjerrum,
+            "--debye": debye,
+            "--cutoff": cutoff,
+            "--memory-limit": memory_limit,
+            "--no-cache": no_cache,
+            "--threads": threads,
+            "--force": force,
+        },
+        progress,
+    )
+
+
+def simulate(
+    assembly: Path,
+    *,
+    output: Path,
+    salt: Number | None = None,
+    temperature: Number | None = None,
+    permittivity: Number | None = None,
+    bjerrum: Number | None = None,
+    debye: Number | None = None,
+    cutoff: Number | None = None,
+    config: Path | None = None,
+    sweeps: int | None = None,
+    equilibration: int | None = None,
+    cluster_moves: int | None = None,
+    seed: int | None = None,
+    contact_gap: Number | None = None,
+    log_every: int | None = None,
+    trajectory_every: int | None = None,
+    energy: Literal["direct", "certified", "approximate", "none"] | None = None,
+    tolerance: Number | None = None,
+    time_limit: Number | None = None,
+    checkpoint_every: Number | None = None,
+    memory_limit: int | None = None,
+    no_cache: bool = False,
+    threads: int | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> Result:
+    """Run one simulation of an assembly at one salt concentration. The same command continues it.
+
+    Parameters
+    ----------
+    assembly
+        Assembly file
+    output
+        Directory of the results
+    salt
+        Concentration of a 1:1 salt, such as 100mM or 0.1M
+    temperature
+        Temperature, K [default: 298.15]
+    permittivity
+        Relative permittivity; that of water at the temperature if left out
+    bjerrum
+        Bjerrum length (such as 7.0A), instead of temperature and permittivity
+    debye
+        Debye length (such as 9.6A), instead of a salt concentration
+    cutoff
+        Distance at which the interaction is cut off; five Debye lengths if left out
+    config
+        Configuration (TOML), such as the run.toml of another run; flags override it
+    sweeps
+        Production sweeps to run to (one trial move per body, and the cluster moves) [default: 2000]
+    equilibration
+        Sweeps before production, in which step sizes are tuned and then frozen [default: 500]
+    cluster_moves
+        Geometric cluster moves per sweep [default: 1]
+    seed
+        Seed of the random numbers [default: 1]
+    contact_gap
+        Surfaces closer than this are in contact, Å [default: 5]
+    log_every
+        Sweeps between rows of the log [default: 10]
+    trajectory_every
+        Sweeps between frames of the trajectory; 0 for none [default: 100]
+    energy
+        How energies are computed [default: direct]
+    tolerance
+        Largest likely error of the energy of two bodies, kT, with --energy approximate [default: 0.001]
+    time_limit
+        Stop (resumably, exit code 3) after this many minutes
+    checkpoint_every
+        Seconds between checkpoints: what a killed run loses at most Default: 20.
+    memory_limit
+        Memory that tables of certified energies may take together, such as 500MB Default: 4GB.
+    no_cache
+        Neither look for tables of certified energies in the cache folder nor keep them there. The folder is
+        PROTOMER_CACHE_DIR (empty: none), else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
+    threads
+        Threads to use; 0 means all Default: 0.
+    force
+        Overwrite results that are already there
+    progress
+        Called as progress(done, total, unit) while the work goes on.
+    """
+    return call(
+        Result,
+        ["simulate"],
+        [assembly],
+        {
+            "--output": output,
+            "--salt": salt,
+            "--temperature": temperature,
+            "--permittivity": permittivity,
+            "--bjerrum": bjerrum,
+            "--debye": debye,
+            "--cutoff": cutoff,
+            "--config": config,
+            "--sweeps": sweeps,
+            "--equilibration": equilibration,
+            "--cluster-moves": cluster_moves,
+            "--seed": seed,
+            "--contact-gap": contact_gap,
+            "--log-every": log_every,
+            "--trajectory-every": trajectory_every,
+            "--energy": energy,
+            "--tolerance": tolerance,
+            "--time-limit": time_limit,
+            "--checkpoint-every": checkpoint_every,
+            "--memory-limit": memory_limit,
+            "--no-cache": no_cache,
+            "--threads": threads,
+            "--force": force,
+        },
+        progress,
+    )
+
+
+def sweep(
+    assembly: Path,
+    *,
+    output: Path,
+    salt: Text | None = None,
+    replicas: int | None = None,
+    config: Path | None = None,
+    sweeps: int | None = None,
+    equilibration: int | None = None,
+    cluster_moves: int | None = None,
+    seed: int | None = None,
+    contact_gap: Number | None = None,
+    log_every: int | None = None,
+    trajectory_every: int | None = None,
+    energy: Literal["direct", "certified", "approximate", "none"] | None = None,
+    tolerance: Number | None = None,
+    time_limit: Number | None = None,
+    checkpoint_every: Number | None = None,
+    memory_limit: int | None = None,
+    no_cache: bool = False,
+    temperature: Number | None = None,
+    permittivity: Number | None = None,
+    bjerrum: Number | None = None,
+    debye: Number | None = None,
+    cutoff: Number | None = None,
+    threads: int | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> SweepResult:
+    """Simulate an assembly at several salt concentrations, several replicas each: radius of gyration and
+    surviving contacts against salt. The same command continues a sweep that was stopped.
+
+    Parameters
+    ----------
+    assembly
+        Assembly file
+    output
+        Directory of the results
+    salt
+        Salt concentrations: a list such as 10mM,50mM,100mM or a range such as 10mM..300mM/8
+    replicas
+        Independent replicas per salt concentration
+    config
+        Configuration (TOML), such as the run.toml of another run; flags override it
+    sweeps
+        Production sweeps to run to (one trial move per body, and the cluster moves) [default: 2000]
+    equilibration
+        Sweeps before production, in which step sizes are tuned and then frozen [default: 500]
+    cluster_moves
+        Geometric cluster moves per sweep [default: 1]
+    seed
+        Seed of the random numbers [default: 1]
+    contact_gap
+        Surfaces closer than this are in contact, Å [default: 5]
+    log_every
+        Sweeps between rows of the log [default: 10]
+    trajectory_every
+        Sweeps between frames of the trajectory; 0 for none [default: 100]
+    energy
+        How energies are computed [default: direct]
+    tolerance
+        Largest likely error of the energy of two bodies, kT, with --energy approximate [default: 0.001]
+    time_limit
+        Stop (resumably, exit code 3) after this many minutes
+    checkpoint_every
+        Seconds between checkpoints: what a killed run loses at most Default: 20.
+    memory_limit
+        Memory that tables of certified energies may take together, such as 500MB Default: 4GB.
+    no_cache
+        Neither look for tables of certified energies in the cache folder nor keep them there. The folder is
+        PROTOMER_CACHE_DIR (empty: none), else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
+    temperature
+        Temperature, K [default: 298.15]
+    permittivity
+        Relative permittivity; that of water at the temperature if left out
+    bjerrum
+        Bjerrum length (such as 7.0A), instead of temperature and permittivity
+    debye
+        Debye length (such as 9.6A), instead of a salt concentration
+    cutoff
+        Distance at which the interaction is cut off; five Debye lengths if left out
+    threads
+        Threads to use; 0 means all Default: 0.
+    force
+        Overwrite results that are already there
+    progress
+        Called as progress(done, total, unit) while the work goes on.
+    """
+    return call(
+        SweepResult,
+        ["sweep"],
+        [assembly],
+        {
+            "--output": output,
+            "--salt": salt,
+            "--replicas": replicas,
+            "--config": config,
+            "--sweeps": sweeps,
+            "--equilibration": equilibration,
+            "--cluster-moves": cluster_moves,
+            "--seed": seed,
+            "--contact-gap": contact_gap,
+            "--log-every": log_every,
+            "--trajectory-every": trajectory_every,
+            "--energy": energy,
+            "--tolerance": tolerance,
+            "--time-limit": time_limit,
+            "--checkpoint-every": checkpoint_every,
+            "--memory-limit": memory_limit,
+            "--no-cache": no_cache,
+            "--temperature": temperature,
+            "--permittivity": permittivity,
+            "--bjerrum": bjerrum,
+            "--debye": debye,
+            "--cutoff": cutoff,
+            "--threads": threads,
+            "--force": force,
+        },
+        progress,
+    )
+
+
+class _Lattice:
+    """Two-dimensional crystals of rigid squares whose corners are joined by rigid rods: run, sweep, animate."""
+
+    def __call__(
+        self,
+        *,
+        from_: Path | None = None,
+        threads: int | None = None,
+        force: bool = False,
+        progress: Progress | None = None,
+    ) -> Result:
+        """Two-dimensional crystals of rigid squares whose corners are joined by rigid rods: run, sweep, animate.
+
+        Parameters
+        ----------
+        from_
+            The square that stands for this body, as `square` prints it
+        threads
+            Threads to use; 0 means all Default: 0.
+        force
+            Overwrite results that are already there
+        progress
+            Called as progress(done, total, unit) while the work goes on.
+        """
+        return call(
+            Result,
+            ["lattice"],
+            [],
+            {
+                "--from": from_,
+                "--threads": threads,
+                "--force": force,
+            },
+            progress,
+        )
+
+    def run(
+        self,
+        config: Path | None = None,
+        *,
+        output: Path,
+        time_limit: Number | None = None,
+        checkpoint_every: Number | None = None,
+        ns: int | None = None,
+        rows: int | None = None,
+        columns: int | None = None,
+        r0: Number | None = None,
+        kappa: Number | None = None,
+        edges: Literal["open", "periodic"] | None = None,
+        start: Text | None = None,
+        angle_spread: Number | None = None,
+        velocities: Literal["checkerboard", "random", "rest", "thermal"] | None = None,
+        speed: Number | None = None,
+        time: Number | None = None,
+        steps: int | None = None,
+        time_step: Text | None = None,
+        no_collisions: bool = False,
+        restitution: Number | None = None,
+        paper: bool = False,
+        temperature: Number | None = None,
+        friction: Number | None = None,
+        seed: int | None = None,
+        log_every: int | None = None,
+        trajectory_every: int | None = None,
+        threads: int | None = None,
+        force: bool = False,
+        progress: Progress | None = None,
+    ) -> Result:
+        """Run one lattice. The same command continues it.
+
+        Parameters
+        ----------
+        config
+            Configuration (TOML), such as the run.toml of another run; flags override it
+        output
+            Directory of the results
+        time_limit
+            Stop (resumably, exit code 3) after this many minutes
+        checkpoint_every
+            Seconds between checkpoints: what a killed run loses at most Default: 20.
+        ns
+            Squares along an edge: rows and columns at once
+        rows
+            Rows of squares [default: 10]
+        columns
+            Columns of squares [default: 10]
+        r0
+            Length of the rods; the half-diagonal of a square is 1 [default: 3/22]
+        kappa
+            κ of the potential that draws the squares to one coherent motion [default: 0]
+        edges
+            What is at the edges [default: open]
+        start
+            Orientation at the start: open, closed, or an angle in radians [default: open]
+        angle_spread
+            Standard deviation of random angles added to the start, radians [default: 0]
+        velocities
+            Velocities at the start [default: checkerboard]
+        speed
+            Angular velocity of every square (checkerboard), or the largest drawn (random) [default: 1]
+        time
+            Run to this time [default: 10]
+        steps
+            Run to this many steps instead
+        time_step
+            Time step: auto, or a number [default: auto]
+        no_collisions
+            Let squares pass through each other
+        restitution
+            Coefficient of restitution: 1 is elastic [default: 1]
+        paper
+            Collide as the paper does, with one mean collision time per step
+        temperature
+            kT of a heat bath; needs --friction
+        friction
+            Friction, an inverse time [default: 0]
+        seed
+            Seed of the random numbers [default: 1]
+        log_every
+            Steps between rows of the log [default: 10]
+        trajectory_every
+            Steps between frames of the trajectory; 0 for none [default: 50]
+        threads
+            Threads to use; 0 means all Default: 0.
+        force
+            Overwrite results that are already there
+        progress
+            Called as progress(done, total, unit) while the work goes on.
+        """
+        return call(
+            Result,
+            ["lattice", "run"],
+            [config],
+            {
+                "--output": output,
+                "--time-limit": time_limit,
+                "--checkpoint-every": checkpoint_every,
+                "--ns": ns,
+                "--rows": rows,
+                "--columns": columns,
+                "--r0": r0,
+                "--kappa": kappa,
+                "--edges": edges,
+                "--start": start,
+                "--angle-spread": angle_spread,
+                "--velocities": velocities,
+                "--speed": speed,
+                "--time": time,
+                "--steps": steps,
+                "--dt": time_step,
+                "--no-collisions": no_collisions,
+                "--restitution": restitution,
+                "--paper": paper,
+                "--temperature": temperature,
+                "--friction": friction,
+                "--seed": seed,
+                "--log-every": log_every,
+                "--trajectory-every": trajectory_every,
+                "--threads": threads,
+                "--force": force,
+            },
+            progress,
+        )
+
+    def sweep(
+        self,
+        config: Path | None = None,
+        *,
+        output: Path,
+        time_limit: Number | None = None,
+        checkpoint_every: Number | None = None,
+        r0_list: Numbers | None = None,
+        kappa_list: Numbers | None = None,
+        seeds: int | None = None,
+        ns: int | None = None,
+        rows: int | None = None,
+        columns: int | None = None,
+        r0: Number | None = None,
+        kappa: Number | None = None,
+        edges: Literal["open", "periodic"] | None = None,
+        start: Text | None = None,
+        angle_spread: Number | None = None,
+        velocities: Literal["checkerboard", "random", "rest", "thermal"] | None = None,
+        speed: Number | None = None,
+        time: Number | None = None,
+        steps: int | None = None,
+        time_step: Text | None = None,
+        no_collisions: bool = False,
+        restitution: Number | None = None,
+        paper: bool = False,
+        temperature: Number | None = None,
+        friction: Number | None = None,
+        seed: int | None = None,
+        log_every: int | None = None,
+        trajectory_every: int | None = None,
+        threads: int | None = None,
+        force: bool = False,
+        progress: Progress | None = None,
+    ) -> Result:
+        """Run lattices of several rod lengths and κ, once per seed, on all threads: tables with error bars and
+        figures. The same command continues a sweep that was stopped.
+
+        Parameters
+        ----------
+        config
+            Configuration (TOML), such as the run.toml of another run; flags override it
+        output
+            Directory of the results
+        time_limit
+            Stop (resumably, exit code 3) after this many minutes
+        checkpoint_every
+            Seconds between checkpoints: what a killed run loses at most Default: 20.
+        r0_list
+            Rod lengths, separated by commas [default: the [sweep] of the configuration]
+        kappa_list
+            κ, separated by commas
+        seeds
+            Runs per rod length and κ: seeds 1, 2, ...
+        ns
+            Squares along an edge: rows and columns at once
+        rows
+            Rows of squares [default: 10]
+        columns
+            Columns of squares [default: 10]
+        r0
+            Length of the rods; the half-diagonal of a square is 1 [default: 3/22]
+        kappa
+            κ of the potential that draws the squares to one coherent motion [default: 0]
+        edges
+            What is at the edges [default: open]
+        start
+            Orientation at the start: open, closed, or an angle in radians [default: open]
+        angle_spread
+            Standard deviation of random angles added to the start, radians [default: 0]
+        velocities
+            Velocities at the start [default: checkerboard]
+        speed
+            Angular velocity of every square (checkerboard), or the largest drawn (random) [default: 1]
+        time
+            Run to this time [default: 10]
+        steps
+            Run to this many steps instead
+        time_step
+            Time step: auto, or a number [default: auto]
+        no_collisions
+            Let squares pass through each other
+        restitution
+            Coefficient of restitution: 1 is elastic [default: 1]
+        paper
+            Collide as the paper does, with one mean collision time per step
+        temperature
+            kT of a heat bath; needs --friction
+        friction
+            Friction, an inverse time [default: 0]
+        seed
+            Seed of the random numbers [default: 1]
+        log_every
+            Steps between rows of the log [default: 10]
+        trajectory_every
+            Steps between frames of the trajectory; 0 for none [default: 50]
+        threads
+            Threads to use; 0 means all Default: 0.
+        force
+            Overwrite results that are already there
+        progress
+            Called as progress(done, total, unit) while the work goes on.
+        """
+        return call(
+            Result,
+            ["lattice", "sweep"],
+            [config],
+            {
+                "--output": output,
+                "--time-limit": time_limit,
+                "--checkpoint-every": checkpoint_every,
+                "--r0-list": r0_list,
+                "--kappa-list": kappa_list,
+                "--seeds": seeds,
+                "--ns": ns,
+                "--rows": rows,
+                "--columns": columns,
+                "--r0": r0,
+                "--kappa": kappa,
+                "--edges": edges,
+                "--start": start,
+                "--angle-spread": angle_spread,
+                "--velocities": velocities,
+                "--speed": speed,
+                "--time": time,
+                "--steps": steps,
+                "--dt": time_step,
+                "--no-collisions": no_collisions,
+                "--restitution": restitution,
+                "--paper": paper,
+                "--temperature": temperature,
+                "--friction": friction,
+                "--seed": seed,
+                "--log-every": log_every,
+                "--trajectory-every": trajectory_every,
+                "--threads": threads,
+                "--force": force,
+            },
+            progress,
+        )
+
+    def animate(
+        self,
+        directory: Path,
+        *,
+        output: Path | None = None,
+        frames: Path | None = None,
+        most_frames: int | None = None,
+        threads: int | None = None,
+        force: bool = False,
+        progress: Progress | None = None,
+    ) -> Result:
+        """Make a page that plays a run in any browser: one HTML file that needs nothing else.
+
+        Parameters
+        ----------
+        directory
+            Directory of a run
+        output
+            The page [default: lattice.html in the directory]
+        frames
+            Write the frames as SVG files into this directory as well
+        most_frames
+            Frames to show at most, spread evenly over the run Default: 1000.
+        threads
+            Threads to use; 0 means all Default: 0.
+        force
+            Overwrite results that are already there
+        progress
+            Called as progress(done, total, unit) while the work goes on.
+        """
+        return call(
+            Result,
+            ["lattice", "animate"],
+            [directory],
+            {
+                "--output": output,
+                "--frames": frames,
+                "--most-frames": most_frames,
+                "--threads": threads,
+                "--force": force,
+            },
+            progress,
+        )
+
+    def square(
+        self,
+        body: Path,
+        *,
+        axis: Literal["auto", "x", "y", "z"] | None = None,
+        size: Literal["corners", "outside", "area"] | None = None,
+        output: Path | None = None,
+        threads: int | None = None,
+        force: bool = False,
+        progress: Progress | None = None,
+    ) -> Result:
+        """The square that stands for a body with a symmetry axis, as part of a configuration.
+
+        Parameters
+        ----------
+        body
+            Body file
+        axis
+            The axis to look along Default: auto.
+        size
+            What the half-diagonal is Default: corners.
+        output
+            Write the configuration to this file instead of stdout
+        threads
+            Threads to use; 0 means all Default: 0.
+        force
+            Overwrite results that are already there
+        progress
+            Called as progress(done, total, unit) while the work goes on.
+        """
+        return call(
+            Result,
+            ["lattice", "square"],
+            [body],
+            {
+                "--axis": axis,
+                "--size": size,
+                "--output": output,
+                "--threads": threads,
+                "--force": force,
+            },
+            progress,
+        )
+
+    def replay(
+        self,
+        file: Path,
+        *,
+        time_step: Number | None = None,
+        longest: Number | None = None,
+        threads: int | None = None,
+        force: bool = False,
+        progress: Progress | None = None,
+    ) -> Result:
+        """Follow the state of a file (JSON: ns, r0, kappa, s0, v0, times), without collisions at the listed
+        times, and to the first contact and through it.
+
+        Parameters
+        ----------
+        file
+            The file
+        time_step
+            Time step; it shrinks a little where times ask for it Default: 0.001.
+        longest
+            How long to look for a contact Default: 20.
+        threads
+            Threads to use; 0 means all Default: 0.
+        force
+            Overwrite results that are already there
+        progress
+            Called as progress(done, total, unit) while the work goes on.
+        """
+        return call(
+            Result,
+            ["lattice", "replay"],
+            [file],
+            {
+                "--dt": time_step,
+                "--longest": longest,
+                "--threads": threads,
+                "--force": force,
+            },
+            progress,
+        )
+
+    def respond(
+        self,
+        file: Path,
+        *,
+        threads: int | None = None,
+        force: bool = False,
+        progress: Progress | None = None,
+    ) -> Result:
+        """The elastic impact at the state of contact of a file (JSON: ns, r0, first_collision with s and v).
+
+        Parameters
+        ----------
+        file
+            The file
+        threads
+            Threads to use; 0 means all Default: 0.
+        force
+            Overwrite results that are already there
+        progress
+            Called as progress(done, total, unit) while the work goes on.
+        """
+        return call(
+            Result,
+            ["lattice", "respond"],
+            [file],
+            {
+                "--threads": threads,
+                "--force": force,
+            },
+            progress,
+        )
+
+    def bench(
+        self,
+        *,
+        ns: int | None = None,
+        r0: Number | None = None,
+        steps: int | None = None,
+        time_step: Text | None = None,
+        no_collisions: bool = False,
+        seed: int | None = None,
+        threads: int | None = None,
+        force: bool = False,
+        progress: Progress | None = None,
+    ) -> Result:
+        """Measure steps per CPU-second of a square lattice from a half-open start with random angular
+        velocities.
+
+        Parameters
+        ----------
+        ns
+            Squares along an edge Default: 10.
+        r0
+            Length of the rods Default: 0.13636363636363635.
+        steps
+            Steps Default: 1000.
+        time_step
+            Time step: auto, or a number Default: auto.
+        no_collisions
+            Let squares pass through each other
+        seed
+            Seed of the random numbers Default: 1.
+        threads
+            Threads to use; 0 means all Default: 0.
+        force
+            Overwrite results that are already there
+        progress
+            Called as progress(done, total, unit) while the work goes on.
+        """
+        return call(
+            Result,
+            ["lattice", "bench"],
+            [],
+            {
+                "--ns": ns,
+                "--r0": r0,
+                "--steps": steps,
+                "--dt": time_step,
+                "--no-collisions": no_collisions,
+                "--seed": seed,
+                "--threads": threads,
+                "--force": force,
+            },
+            progress,
+        )
+
+
+lattice = _Lattice()
+
+
+def train(
+    set: Path | None = None,
+    *,
+    output: Path,
+    control: Text | None = None,
+    short: bool = False,
+    config: Path | None = None,
+    ablate: bool = False,
+    ablation_seeds: int | None = None,
+    target: Literal["label", "space-group", "crystal-system", "point-group", "polar"] | None = None,
+    least_samples: int | None = None,
+    channels: Text | None = None,
+    split_by: Literal["cluster", "sample"] | None = None,
+    fractions: Numbers | None = None,
+    scaling: Literal["robust", "raw", "box-standardised"] | None = None,
+    permutations: int | None = None,
+    rotations: bool = False,
+    widths: Integers | None = None,
+    kernels: Integers | None = None,
+    groups: int | None = None,
+    average_only: bool = False,
+    epochs: int | None = None,
+    patience: int | None = None,
+    batch: int | None = None,
+    learning_rate: Number | None = None,
+    seed: int | None = None,
+    time_limit: Number | None = None,
+    checkpoint_every: Number | None = None,
+    threads: int | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> TrainResult:
+    """Train a network on a set of voxels, or on a control. The same command continues it.
+
+    Parameters
+    ----------
+    set
+        Set of voxels (zarr), as 'protomer voxelize' makes it
+    output
+        Directory of the results
+    control
+        Synthetic set with a known answer: shapes, charge, patch, xor, assemblies, permuted, identity,
+        orientation, size or heavy-tails
+    short
+        The control's short form: coarser grids, fewer samples
+    config
+        Settings (TOML), such as the best.toml of a search or the settings.toml of another training; flags
+        override them
+    ablate
+        Train every subset of the channels as well
+    ablation_seeds
+        Seeds each subset is trained with Default: 3.
+    target
+        What is to be predicted [default: label]
+    least_samples
+        Classes with fewer samples become one class, "other" [default: 10]
+    channels
+        Channels the network sees, separated by commas [default: all]
+    split_by
+        What stays together in the split [default: cluster]
+    fractions
+        Shares of training, validation and test [default: 0.7,0.15,0.15]
+    scaling
+        How channels are scaled [default: robust]
+    permutations
+        Exchanges of labels in the permutation test [default: 1000]
+    rotations
+        Average predictions over the 24 rotations of the cube: 24 times the work
+    widths
+        Channels of each block, separated by commas [default: 16,32,64]
+    kernels
+        Edge of the kernels, 1, 3 or 5: one for all blocks, or one for each [default: 3]
+    groups
+        Groups of the group normalisation; 0 for none [default: 8]
+    average_only
+        Average only at the end, instead of average and maximum
+    epochs
+        Passes over the training part, at most [default: 50]
+    patience
+        Epochs without a smaller validation loss after which training ends; 0 for never [default: 10]
+    batch
+        Samples per step [default: 8]
+    learning_rate
+        Learning rate after the warm-up [default: 0.001]
+    seed
+        Seed of split, weights, order and rotations [default: 1]
+    time_limit
+        Stop (resumably, exit code 3) after this many minutes
+    checkpoint_every
+        Seconds between checkpoints: what a killed run loses at most Default: 20.
+    threads
+        Threads to use; 0 means all Default: 0.
+    force
+        Overwrite results that are already there
+    progress
+        Called as progress(done, total, unit) while the work goes on.
+    """
+    return call(
+        TrainResult,
+        ["train"],
+        [set],
+        {
+            "--output": output,
+            "--control": control,
+            "--short": short,
+            "--config": config,
+            "--ablate": ablate,
+            "--ablation-seeds": ablation_seeds,
+            "--target": target,
+            "--least-samples": least_samples,
+            "--channels": channels,
+            "--split-by": split_by,
+            "--fractions": fractions,
+            "--scaling": scaling,
+            "--permutations": permutations,
+            "--rotations": rotations,
+            "--widths": widths,
+            "--kernels": kernels,
+            "--groups": groups,
+            "--average-only": average_only,
+            "--epochs": epochs,
+            "--patience": patience,
+            "--batch": batch,
+            "--learning-rate": learning_rate,
+            "--seed": seed,
+            "--time-limit": time_limit,
+            "--checkpoint-every": checkpoint_every,
+            "--threads": threads,
+            "--force": force,
+        },
+        progress,
+    )
+
+
+def tune(
+    set: Path,
+    *,
+    output: Path,
+    trials: int | None = None,
+    epochs: int | None = None,
+    seed: int | None = None,
+    vary_channels: bool = False,
+    target: Literal["label", "space-group", "crystal-system", "point-group", "polar"] | None = None,
+    least_samples: int | None = None,
+    channels: Text | None = None,
+    split_by: Literal["cluster", "sample"] | None = None,
+    fractions: Numbers | None = None,
+    scaling: Literal["robust", "raw", "box-standardised"] | None = None,
+    permutations: int | None = None,
+    rotations: bool = False,
+    time_limit: Number | None = None,
+    checkpoint_every: Number | None = None,
+    threads: int | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> Result:
+    """Search for the network that predicts best: blocks, kernels, channels, learning rate. The same command
+    continues it.
+
+    Parameters
+    ----------
+    set
+        Set of voxels (zarr), as 'protomer voxelize' makes it
+    output
+        Directory of the results
+    trials
+        Networks to try Default: 27.
+    epochs
+        Passes over the training part for those that are never stopped Default: 27.
+    seed
+        Seed of draws, split, weights, order and rotations Default: 1.
+    vary_channels
+        Try subsets of the channels as well
+    target
+        What is to be predicted [default: label]
+    least_samples
+        Classes with fewer samples become one class, "other" [default: 10]
+    channels
+        Channels the network sees, separated by commas [default: all]
+    split_by
+        What stays together in the split [default: cluster]
+    fractions
+        Shares of training, validation and test [default: 0.7,0.15,0.15]
+    scaling
+        How channels are scaled [default: robust]
+    permutations
+        Exchanges of labels in the permutation test [default: 1000]
+    rotations
+        Average predictions over the 24 rotations of the cube: 24 times the work
+    time_limit
+        Stop (resumably, exit code 3) after this many minutes
+    checkpoint_every
+        Seconds between checkpoints: what a killed run loses at most Default: 20.
+    threads
+        Threads to use; 0 means all Default: 0.
+    force
+        Overwrite results that are already there
+    progress
+        Called as progress(done, total, unit) while the work goes on.
+    """
+    return call(
+        Result,
+        ["tune"],
+        [set],
+        {
+            "--output": output,
+            "--trials": trials,
+            "--epochs": epochs,
+            "--seed": seed,
+            "--vary-channels": vary_channels,
+            "--target": target,
+            "--least-samples": least_samples,
+            "--channels": channels,
+            "--split-by": split_by,
+            "--fractions": fractions,
+            "--scaling": scaling,
+            "--permutations": permutations,
+            "--rotations": rotations,
+            "--time-limit": time_limit,
+            "--checkpoint-every": checkpoint_every,
+            "--threads": threads,
+            "--force": force,
+        },
+        progress,
+    )
+
+
+def voxelize(
+    *,
+    manifest: Path,
+    output: Path,
+    size: int | None = None,
+    spacing: Text | None = None,
+    channels: Text | None = None,
+    orientation: Literal["random", "principal", "deposited"] | None = None,
+    seed: int | None = None,
+    potential: Literal["poisson-boltzmann", "debye-hueckel"] | None = None,
+    salt: Number | None = None,
+    temperature: Number | None = None,
+    ph: Number | None = None,
+    probe: Number | None = None,
+    hydropathy_reach: Number | None = None,
+    most_incomplete: Number | None = None,
+    shard: Text | None = None,
+    time_limit: Number | None = None,
+    threads: int | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> Result:
+    """Turn the structures of a manifest into a set of sparse voxel grids, a zarr v3 group: surface, potential,
+    hydropathy.
+
+    Parameters
+    ----------
+    manifest
+        CSV with the columns file, label, cluster and perhaps family, name; paths start from its folder
+    output
+        The set to write, such as SET.zarr
+    size
+        Voxels along each edge of a grid Default: 64.
+    spacing
+        Edge of a voxel, Å; `fit`: each structure scaled to fill the grid Default: 1.0.
+    channels
+        What the voxels carry Default: shape,potential,hydropathy.
+    orientation
+        How structures are turned Default: random.
+    seed
+        Seed of the random orientations Default: 0.
+    potential
+        Which potential Default: poisson-boltzmann.
+    salt
+        Concentration of a 1:1 salt, such as 100mM or 0.1M Default: 150mM.
+    temperature
+        Temperature, K Default: 298.15.
+    ph
+        pH of the protonation Default: 7.4.
+    probe
+        Probe radius of the surface, Å Default: 1.4.
+    hydropathy_reach
+        Residues with an atom this near to a voxel's centre count for its hydropathy, Å Default: 5.
+    most_incomplete
+        Structures of which a larger part of the residues lacks heavy atoms are left out Default: 0.25.
+    shard
+        Only a part of the manifest, such as 2/8; `protomer merge` joins the parts Default: 1/1.
+    time_limit
+        Stop after this many minutes; the same command goes on from there
+    threads
+        Threads to use; 0 means all Default: 0.
+    force
+        Overwrite results that are already there
+    progress
+        Called as progress(done, total, unit) while the work goes on.
+    """
+    return call(
+        Result,
+        ["voxelize"],
+        [],
+        {
+            "--manifest": manifest,
+            "--output": output,
+            "--size": size,
+            "--spacing": spacing,
+            "--channels": channels,
+            "--orientation": orientation,
+            "--seed": seed,
+            "--potential": potential,
+            "--salt": salt,
+            "--temperature": temperature,
+            "--ph": ph,
+            "--probe": probe,
+            "--hydropathy-reach": hydropathy_reach,
+            "--most-incomplete": most_incomplete,
+            "--shard": shard,
+            "--time-limit": time_limit,
+            "--threads": threads,
+            "--force": force,
+        },
+        progress,
+    )
+
+
+def merge(
+    inputs: Paths,
+    *,
+    output: Path,
+    threads: int | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> Result:
+    """Join sets of voxel grids of the same settings; the parts of one manifest become the set that one run would
+    have made.
+
+    Parameters
+    ----------
+    inputs
+        Sets to join
+    output
+        The set to write
+    threads
+        Threads to use; 0 means all Default: 0.
+    force
+        Overwrite results that are already there
+    progress
+        Called as progress(done, total, unit) while the work goes on.
+    """
+    return call(
+        Result,
+        ["merge"],
+        [inputs],
+        {
+            "--output": output,
+            "--threads": threads,
+            "--force": force,
+        },
+        progress,
+    )
+
+
+def bench(
+    assembly: Path | None = None,
+    *,
+    moves: int | None = None,
+    energy: Literal["direct", "certified", "approximate", "none"] | None = None,
+    tolerance: Number | None = None,
+    part: Text | None = None,
+    charges: Integers | None = None,
+    seed: int | None = None,
+    salt: Number | None = None,
+    temperature: Number | None = None,
+    permittivity: Number | None = None,
+    bjerrum: Number | None = None,
+    debye: Number | None = None,
+    cutoff: Number | None = None,
+    memory_limit: int | None = None,
+    no_cache: bool = False,
+    threads: int | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> Result:
+    """Measure trial moves per CPU-second on an assembly, from the state it is in, and hash the decisions made.
+    Without an assembly: measure on states that the program makes itself, and print a table of each energy
+    mode's rate against the number of charges, of the parts of a move, of the cost against the number of
+    bodies, and of replicas on several threads. That takes a few minutes.
+
+    Parameters
+    ----------
+    assembly
+        Assembly file; left out, the program makes its own states
+    moves
+        Trial moves [default: 10000; without an assembly, as many as the direct sum makes in a few seconds]
+    energy
+        How energies are computed [default: direct; without an assembly, each way]
+    tolerance
+        Largest likely error of the energy of two bodies, kT, with --energy approximate [default: 0.001]
+    part
+        Only this table (repeat for several)
+    charges
+        Numbers of charges per body in the tables [default: 500,3000]
+    seed
+        Seed of the random numbers, and of the program's own states Default: 1.
+    salt
+        Concentration of a 1:1 salt, such as 100mM or 0.1M
+    temperature
+        Temperature, K [default: 298.15]
+    permittivity
+        Relative permittivity; that of water at the temperature if left out
+    bjerrum
+        Bjerrum length (such as 7.0A), instead of temperature and permittivity
+    debye
+        Debye length (such as 9.6A), instead of a salt concentration
+    cutoff
+        Distance at which the interaction is cut off; five Debye lengths if left out
+    memory_limit
+        Memory that tables of certified energies may take together, such as 500MB Default: 4GB.
+    no_cache
+        Neither look for tables of certified energies in the cache folder nor keep them there. The folder is
+        PROTOMER_CACHE_DIR (empty: none), else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
+    threads
+        Threads to use; 0 means all Default: 0.
+    force
+        Overwrite results that are already there
+    progress
+        Called as progress(done, total, unit) while the work goes on.
+    """
+    return call(
+        Result,
+        ["bench"],
+        [assembly],
+        {
+            "--moves": moves,
+            "--energy": energy,
+            "--tolerance": tolerance,
+            "--part": part,
+            "--charges": charges,
+            "--seed": seed,
+            "--salt": salt,
+            "--temperature": temperature,
+            "--permittivity": permittivity,
+            "--bjerrum": bjerrum,
+            "--debye": debye,
+            "--cutoff": cutoff,
+            "--memory-limit": memory_limit,
+            "--no-cache": no_cache,
+            "--threads": threads,
+            "--force": force,
+        },
+        progress,
+    )

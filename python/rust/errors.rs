@@ -1,0 +1,70 @@
+//! Errors as Python exceptions: one for each kind of thing that a user can do something about.
+
+use protomer_body::BodyError;
+use protomer_crystal::CrystalError;
+use protomer_field::FieldError;
+use protomer_io::IoError;
+use protomer_kernel::KernelError;
+use protomer_learn::LearnError;
+use protomer_mc::McError;
+use pyo3::create_exception;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+create_exception!(protomer, ProtomerError, PyValueError, "What a verb could not do: where, what, and what to do.");
+create_exception!(protomer, ParseError, ProtomerError, "A file that cannot be understood; has `path` and `line`.");
+create_exception!(protomer, ConfigError, ProtomerError, "An argument or a setting that makes no sense.");
+create_exception!(protomer, GeometryError, ProtomerError, "Bodies that overlap, meshes that bound no solid.");
+create_exception!(protomer, ConvergenceError, ProtomerError, "A solve that did not come to an end.");
+create_exception!(protomer, CheckpointError, ProtomerError, "A checkpoint that belongs to something else.");
+create_exception!(protomer, StoppedError, ProtomerError, "Stopped before the end; the same call goes on.");
+
+/// The exception for an error of a verb.
+pub fn exception(error: &anyhow::Error) -> PyErr {
+    let message = format!("{error:#}");
+    for cause in error.chain() {
+        if let Some(IoError::Parse { file, line, .. }) = cause.downcast_ref() {
+            return parse_error(message, file, *line);
+        }
+        if let Some(BodyError::Parse { file, line, .. }) = cause.downcast_ref() {
+            return parse_error(message, file, *line);
+        }
+        if cause.is::<protomer::cli::UsageError>() {
+            return ConfigError::new_err(message);
+        }
+        match cause.downcast_ref() {
+            Some(McError::OverlappingStart { .. } | McError::NonFiniteEnergy { .. }) => {
+                return GeometryError::new_err(message);
+            }
+            Some(McError::ForeignCheckpoint(_) | McError::UnusableTable(_)) => {
+                return CheckpointError::new_err(message);
+            }
+            Some(McError::BadSetting { .. }) => return ConfigError::new_err(message),
+            _ => {}
+        }
+        match cause.downcast_ref() {
+            Some(FieldError::NotConverged { .. }) => return ConvergenceError::new_err(message),
+            Some(FieldError::BadSetting { .. } | FieldError::TooLarge { .. }) => return ConfigError::new_err(message),
+            _ => {}
+        }
+        if let Some(LearnError::Settings(_)) = cause.downcast_ref() {
+            return ConfigError::new_err(message);
+        }
+        if cause.is::<KernelError>() || cause.is::<CrystalError>() {
+            return GeometryError::new_err(message);
+        }
+    }
+    ProtomerError::new_err(message)
+}
+
+/// With the place as attributes.
+fn parse_error(message: String, path: &str, line: usize) -> PyErr {
+    let error = ParseError::new_err(message);
+    Python::attach(|py| {
+        let value = error.value(py);
+        // An exception without attributes is better than another exception.
+        let _ = value.setattr("path", path);
+        let _ = value.setattr("line", line);
+    });
+    error
+}

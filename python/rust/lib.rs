@@ -1,0 +1,27 @@
+//! The native half of the Python package: verbs are called by their words, bodies are arrays. Everything that a user sees is
+//! in `python/protomer`.
+
+mod body;
+mod errors;
+mod verbs;
+
+use pyo3::prelude::*;
+
+/// The native module `protomer._protomer`.
+#[pymodule]
+mod _protomer {
+    #[pymodule_export]
+    use crate::body::Body;
+    #[pymodule_export]
+    use crate::errors::{
+        CheckpointError, ConfigError, ConvergenceError, GeometryError, ParseError, ProtomerError, StoppedError,
+    };
+    #[pymodule_export]
+    use crate::verbs::{call, main};
+    use pyo3::prelude::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

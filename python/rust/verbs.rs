@@ -1,0 +1,85 @@
+//! Calling a verb: on a thread of its own, while this one listens to Ctrl-C and tells of progress.
+
+use crate::errors::{StoppedError, exception};
+use protomer::cli::{Answer, Host, Outcome};
+use protomer::interrupt::Interrupt;
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use std::ffi::OsString;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+/// How often Ctrl-C is looked for and progress is told.
+const PAUSE: Duration = Duration::from_millis(50);
+
+type Call = JoinHandle<anyhow::Result<Answer>>;
+/// Units done, units in all, what a unit is.
+type Latest = Arc<Mutex<Option<(u64, u64, String)>>>;
+
+/// Runs `protomer WORDS --json`; returns whether everything was done, and the JSON text.
+///
+/// `progress(done, total, unit)` is called in the calling thread. Ctrl-C stops the work at its next step and raises
+/// KeyboardInterrupt; the same call goes on from there.
+#[pyfunction]
+#[pyo3(signature = (words, progress=None))]
+pub fn call(py: Python<'_>, words: Vec<String>, progress: Option<Py<PyAny>>) -> PyResult<(bool, String)> {
+    let interrupt = Interrupt::default();
+    let latest = Latest::default();
+    let teller = Arc::clone(&latest);
+    let host = Host {
+        progress: progress.is_some().then(|| -> protomer::cli::ProgressListener {
+            Arc::new(move |done, total, unit| {
+                if let Ok(mut latest) = teller.lock() {
+                    *latest = Some((done, total, unit.to_owned()));
+                }
+            })
+        }),
+        interrupt: Some(interrupt.clone()),
+    };
+    let (ended, end) = channel();
+    let thread = std::thread::spawn(move || {
+        let answer = protomer::cli::call(&words, host);
+        // Nobody listens any more only if the interpreter goes down.
+        let _ = ended.send(());
+        answer
+    });
+    let end = Mutex::new(end);
+    let stopped = listen(py, &end, &latest, progress.as_ref()).inspect_err(|_| interrupt.request());
+    let answer = join(py, thread)?;
+    stopped?;
+    match answer {
+        Ok(Answer { outcome: Outcome::Stopped, .. }) => {
+            Err(StoppedError::new_err("stopped before the end; the same call goes on from there"))
+        }
+        Ok(Answer { outcome, json }) => Ok((outcome == Outcome::Done, json)),
+        Err(error) => Err(exception(&error)),
+    }
+}
+
+/// Until the work ends, or Ctrl-C or the progress function raises.
+fn listen(py: Python<'_>, end: &Mutex<Receiver<()>>, latest: &Latest, progress: Option<&Py<PyAny>>) -> PyResult<()> {
+    loop {
+        // Only this function holds the lock; it makes the receiver one that may be waited for without the interpreter.
+        let state = py.detach(|| end.lock().map_or(Err(RecvTimeoutError::Disconnected), |end| end.recv_timeout(PAUSE)));
+        py.check_signals()?;
+        let news = latest.lock().ok().and_then(|mut latest| latest.take());
+        if let (Some(news), Some(progress)) = (news, progress) {
+            progress.call1(py, news)?;
+        }
+        if !matches!(state, Err(RecvTimeoutError::Timeout)) {
+            return Ok(());
+        }
+    }
+}
+
+fn join(py: Python<'_>, thread: Call) -> PyResult<anyhow::Result<Answer>> {
+    py.detach(|| thread.join()).map_err(|_| PyRuntimeError::new_err("a fault inside protomer; please report it"))
+}
+
+/// The command line: the words after the program's name; returns the exit code.
+#[pyfunction]
+pub fn main(py: Python<'_>, words: Vec<OsString>) -> u8 {
+    py.detach(|| protomer::cli::run(std::iter::once("protomer".into()).chain(words)))
+}

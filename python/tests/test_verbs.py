@@ -1,0 +1,105 @@
+"""Verbs as functions: the same results as the command, errors as exceptions, progress, Ctrl-C."""
+
+import inspect
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import protomer as pm
+
+SHORT = {"salt": ["30mM", "300mM"], "replicas": 2, "sweeps": 20, "equilibration": 10, "seed": 7}
+
+
+def command(*words):
+    """The command line of the same package."""
+    run = subprocess.run([sys.executable, "-m", "protomer", *map(str, words)], capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    return run.stdout
+
+
+def test_every_verb_is_a_function_with_keywords_and_a_description():
+    for name in pm._verbs:
+        verb = getattr(pm, name)
+        assert callable(verb) or any(callable(getattr(verb, method)) for method in dir(verb))
+        assert (verb.__doc__ or type(verb).__doc__).strip()
+    kinds = {parameter.kind for name, parameter in inspect.signature(pm.sweep).parameters.items() if name != "assembly"}
+    assert kinds == {inspect.Parameter.KEYWORD_ONLY}
+
+
+def test_a_sweep_is_that_of_the_command_line_byte_for_byte(ring, tmp_path):
+    heard = []
+    result = pm.sweep(ring, **SHORT, output=tmp_path / "python", progress=lambda *news: heard.append(news))
+    words = ["--salt=30mM,300mM", "--replicas=2", "--sweeps=20", "--equilibration=10", "--seed=7"]
+    printed = json.loads(command("sweep", ring, *words, "-o", tmp_path / "shell", "--json"))
+    assert result.to_dict() == printed
+    for file in ["sweep.csv", "sweep.json", "salt_0.030000M/replica_1/log.csv", "salt_0.300000M/replica_0/trajectory.gsd"]:
+        assert (tmp_path / "python" / file).read_bytes() == (tmp_path / "shell" / file).read_bytes(), file
+    np.testing.assert_allclose(result.salt_molar, [0.03, 0.3])
+    assert result.r_g_angstrom.shape == (2,) and np.all(result.r_g_angstrom > 0)
+    done, total, unit = heard[-1]
+    assert 0 < done <= total and unit == "sweeps"
+
+
+def test_results_show_their_fields():
+    result = pm.framework.honeycomb(theta=60, kh=50, ks=10000)
+    assert dir(result) and "<table>" in result._repr_html_()
+    with pytest.raises(AttributeError, match="it has"):
+        result.nothing
+
+
+def test_errors_are_exceptions_of_their_kind(ring, tmp_path):
+    broken = tmp_path / "broken.pdb"
+    broken.write_text("ATOM      1  N   ALA A   1      11.104   x.134  -6.504  1.00  0.00           N\n")
+    with pytest.raises(pm.ParseError) as caught:
+        pm.surface(broken, output=tmp_path / "surface.ply")
+    assert caught.value.line == 1 and caught.value.path.endswith("broken.pdb")
+    with pytest.raises(pm.ConfigError, match="--replicas"):
+        pm.sweep(ring, **{**SHORT, "replicas": "many"}, output=tmp_path / "sweep")
+    with pytest.raises(pm.ProtomerError, match="nowhere.json"):
+        pm.inspect("nowhere.json", salt=0.1)
+    assert issubclass(pm.ParseError, ValueError)
+
+
+def test_stopped_work_goes_on(ring, tmp_path):
+    with pytest.raises(pm.StoppedError, match="goes on"):
+        pm.sweep(ring, **SHORT, output=tmp_path / "sweep", time_limit=0)
+    whole = pm.sweep(ring, **SHORT, output=tmp_path / "whole")
+    assert pm.sweep(ring, **SHORT, output=tmp_path / "sweep").salts[0].to_dict() == whole.salts[0].to_dict()
+
+
+def test_ctrl_c_stops_resumably_and_raises(ring, tmp_path):
+    long = {**SHORT, "sweeps": 10_000_000}
+    timer = threading.Timer(2.0, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    start = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        pm.sweep(ring, **long, output=tmp_path / "sweep")
+    assert time.monotonic() - start < 60
+    assert (tmp_path / "sweep" / "salt_0.030000M" / "replica_0" / "checkpoint.bin").exists()
+
+
+def test_the_interpreter_is_free_while_a_verb_works(ring, tmp_path):
+    counted = []
+    stop = threading.Event()
+
+    def count():
+        while not stop.is_set():
+            counted.append(1)
+            time.sleep(0.005)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    start = time.monotonic()
+    pm.sweep(ring, **{**SHORT, "sweeps": 200}, output=tmp_path / "sweep")
+    seconds = time.monotonic() - start
+    stop.set()
+    thread.join()
+    # Holding the interpreter, the verb would let the thread count once per call at most.
+    assert len(counted) > 10 * seconds
