@@ -47,7 +47,9 @@ impl BlockSettings {
         if let Some(groups) = groups
             && (groups == 0 || width % groups != 0)
         {
-            return Err(LearnError::Settings(format!("{width} channels do not divide into {groups} groups")));
+            return Err(LearnError::Settings(format!(
+                "{width} channels do not divide into {groups} groups: take groups that divide every width, or none"
+            )));
         }
         Ok(())
     }

@@ -14,6 +14,9 @@ pub enum LearnError {
     /// Settings that make no sense.
     #[error("{0}")]
     Settings(String),
+    /// Weights or gradients are no longer finite.
+    #[error("training diverged: {0}; lower learning_rate or scale the channels")]
+    Diverged(String),
     /// A tensor operation failed.
     #[error("tensor: {0}")]
     Tensor(#[from] candle_core::Error),

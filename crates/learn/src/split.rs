@@ -204,7 +204,10 @@ fn assign(groups: &[Vec<usize>], descriptions: &[Description], seed: u64, shares
     }
     for (part, share) in parts.iter_mut().zip(shares) {
         if part.is_empty() && *share > 0.0 {
-            let reason = format!("{} groups are too few for the shares {shares:?}: a part stays empty", groups.len());
+            let reason = format!(
+                "{} groups are too few for the shares {shares:?}: a part stays empty; take more of them, or other shares",
+                groups.len()
+            );
             return Err(LearnError::Settings(reason));
         }
         part.sort_unstable();

@@ -29,7 +29,11 @@ pub fn from_json<T: DeserializeOwned>(path: &Path, bytes: &[u8]) -> Result<T> {
 pub fn from_toml<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T> {
     toml::from_str(text).map_err(|error| {
         let line = error.span().map_or(1, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
-        anyhow!("{}:{line}: {}", path.display(), with_hint(error.message()))
+        let explained = match text.parse::<toml::Table>() {
+            Ok(_) => with_hint(error.message()),
+            Err(_) => format!("this is no TOML ({}); mend the line", error.message()),
+        };
+        anyhow!("{}:{line}: {explained}", path.display())
     })
 }
 
@@ -37,11 +41,11 @@ pub fn from_toml<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T> {
 fn with_hint(message: &str) -> String {
     let mut quoted = message.split('`').skip(1).step_by(2);
     let is_unknown_key = message.starts_with("unknown field");
-    let nearest = match quoted.next() {
-        Some(wrong) if is_unknown_key => quoted.min_by_key(|known| edit_distance(wrong, known)),
+    let near = match quoted.next() {
+        Some(wrong) if is_unknown_key => nearest(wrong, quoted),
         _ => None,
     };
-    match nearest {
+    match near {
         Some(nearest) => format!("{message}; did you mean '{nearest}'?"),
         None => message.to_owned(),
     }

@@ -22,7 +22,7 @@
 //! | [`mod@voxelize`], [`voxel_set`] | structures to sparse voxel grids, and these as samples |
 //! | [`mod@bench`], [`cpu_time`] | trial moves per CPU-second |
 //! | [`energy_tables`], [`disk_cache`] | tables of certified energies, shared, bounded in memory, kept on the disk |
-//! | [`train`], [`tune`] | networks trained and searched for, in their directories |
+//! | [`train`], [`tune`], [`tune_figure`] | networks trained and searched for, in their directories |
 //! | [`quantity`], [`keys`], [`interrupt`], [`plot`] | what several of them need |
 //! | `cli` | the command line, one file per verb (feature `cli`) |
 
@@ -57,5 +57,6 @@ pub mod sweep_figure;
 pub mod sweep_table;
 pub mod train;
 pub mod tune;
+pub mod tune_figure;
 pub mod voxel_set;
 pub mod voxelize;

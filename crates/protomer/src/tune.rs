@@ -5,15 +5,17 @@
 //! at for the one that wins.
 //!
 //! ```text
-//! DIR/settings.toml  trials.csv  best.toml  trials/0007.bin   a checkpoint each
+//! DIR/settings.toml  trials.csv  trials.svg  best.toml  trials/0007.bin   a checkpoint each
 //! ```
 
 use crate::run::{Execution, Layout, ResultsDirectory};
-use crate::train::{Prepared, TrainSettings, advance, blocks};
+use crate::train::{Prepared, TrainSettings, advance, blocks, check};
+use crate::tune_figure;
 use anyhow::{Context, Result, bail};
 use protomer_io::atomic::write_atomically;
 use protomer_io::csv::{Cell, Table};
 use protomer_kernel::random::CounterRng;
+use protomer_learn::LearnError;
 use protomer_learn::sample::SampleSource;
 use protomer_learn::training::EpochRecord;
 use rayon::prelude::*;
@@ -24,11 +26,13 @@ use std::path::Path;
 const KEPT_ONE_OF: usize = 3;
 /// Purpose of the random numbers that draw settings.
 const DRAW: u8 = 90;
+/// The figure of a search.
+const FIGURE: &str = "trials.svg";
 /// Files and folders of a search.
 const LAYOUT: Layout = Layout {
     settings: "settings.toml",
     holds: "a search",
-    results: &["trials.csv", "best.toml", "trials"],
+    results: &["trials.csv", FIGURE, "best.toml", "trials"],
     is_result: |_| false,
 };
 
@@ -49,18 +53,18 @@ pub struct TuneSettings {
 }
 
 /// One trial.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Trial {
     /// Its number.
     pub number: usize,
-    /// Its settings.
-    pub settings: TrainSettings,
     /// Epochs done.
     pub epochs: usize,
-    /// Smallest validation loss so far, nats.
-    pub validation_loss_nats: f64,
+    /// Smallest validation loss so far, nats; none if it diverged.
+    pub validation_loss_nats: Option<f64>,
     /// Balanced accuracy on the validation part in that epoch.
-    pub validation_balanced_accuracy: f64,
+    pub validation_balanced_accuracy: Option<f64>,
+    /// Its settings.
+    pub settings: TrainSettings,
 }
 
 /// How a search ended.
@@ -88,7 +92,9 @@ impl TuneSettings {
         let (depth, first, kernel, groups) = (pick(&depths), pick(&[4, 8, 16, 32]), pick(&[3, 3, 5]), pick(&[0, 4]));
         let widths: Vec<usize> = (0..depth).map(|block| first << block).collect();
         let kernels: Vec<usize> = (0..depth).map(|block| if block == 0 { kernel } else { 3 }).collect();
-        let mask = pick(&(1..1 << self.base.training.channels.len().min(16)).collect::<Vec<_>>());
+        // The bits of a mask are channels; without names there is nothing to leave out.
+        let masks: Vec<usize> = (1..1 << self.base.training.channels.len().clamp(1, 16)).collect();
+        let mask = pick(&masks);
         let mut settings = self.base.clone();
         settings.blocks = blocks(&widths, &kernels, groups)?;
         settings.training.learning_rate = 3e-4 * (1e-2f64 / 3e-4).powf(random.uniform());
@@ -139,28 +145,29 @@ pub fn tune_in(
         bail!("{} trials of {} epochs; give at least one of each", settings.trials, settings.epochs);
     }
     let prepared = Prepared::new(&settings.base, set)?;
+    let start = |number: usize| {
+        let settings = settings.trial(number, set.size())?;
+        check(&settings, &prepared)?;
+        Ok(Trial { number, epochs: 0, validation_loss_nats: None, validation_balanced_accuracy: None, settings })
+    };
+    let mut running = (0..settings.trials).map(start).collect::<Result<Vec<Trial>>>()?;
     let _mine =
         ResultsDirectory::enter(path, LAYOUT, settings, execution.start_anew, |present| Ok(present == settings))?;
     let folder = path.join("trials");
     std::fs::create_dir_all(&folder).with_context(|| format!("cannot make the directory {}", folder.display()))?;
-    let start = |number: usize| {
-        Ok(Trial {
-            number,
-            settings: settings.trial(number, set.size())?,
-            epochs: 0,
-            validation_loss_nats: f64::INFINITY,
-            validation_balanced_accuracy: 0.0,
-        })
-    };
-    let mut running = (0..settings.trials).map(start).collect::<Result<Vec<Trial>>>()?;
-    let mut ended = Vec::new();
+    let (mut ended, mut before) = (Vec::new(), 0);
     for rung in settings.rungs() {
-        let go_on = |trial: &Trial| -> Result<Option<Trial>> {
+        let go_on = |trial: &Trial| {
             let file = folder.join(format!("{:04}.bin", trial.number));
-            let Some(trained) = advance(&trial.settings, &prepared, &file, rung, execution, advanced)? else {
-                return Ok(None);
-            };
-            Ok(Some(trial.after(&trained.history)))
+            match advance(&trial.settings, &prepared, &file, before..rung, execution, advanced) {
+                Ok(Some(trained)) => Ok(Some(trial.after(&trained.history, rung))),
+                Ok(None) => Ok(None),
+                // Settings under which training diverges have lost; the search goes on.
+                Err(error) if matches!(error.downcast_ref(), Some(LearnError::Diverged(_))) => {
+                    Ok(Some(Trial { validation_loss_nats: None, validation_balanced_accuracy: None, ..trial.clone() }))
+                }
+                Err(error) => Err(error.context(format!("trial {}", trial.number))),
+            }
         };
         let done = running.par_iter().map(go_on).collect::<Result<Vec<_>>>()?;
         let Some(mut trials) = done.into_iter().collect::<Option<Vec<Trial>>>() else {
@@ -170,34 +177,35 @@ pub fn tune_in(
         let kept = if rung == settings.epochs { trials.len() } else { trials.len().div_ceil(KEPT_ONE_OF) };
         // Losers of later rounds stand before those of earlier ones.
         ended.splice(0..0, trials.split_off(kept));
-        running = trials;
+        (running, before) = (trials, rung);
         write_table(&running, &ended, path)?;
     }
     running.append(&mut ended);
-    if let Some(best) = running.first() {
-        let text = toml::to_string_pretty(&best.settings).context("best.toml")?;
-        write_atomically(&path.join("best.toml"), |out| out.write_all(text.as_bytes()))?;
-    }
+    let Some(best) = running.first().filter(|best| best.validation_loss_nats.is_some()) else {
+        bail!("every trial diverged; choose other --channels or another --scaling");
+    };
+    tune_figure::figure(&running, &settings.base.training.channels).write_svg(&path.join(FIGURE))?;
+    let text = toml::to_string_pretty(&best.settings).context("best.toml")?;
+    write_atomically(&path.join("best.toml"), |out| out.write_all(text.as_bytes()))?;
     Ok(TuneEnd::Finished(running))
 }
 
 impl Trial {
     fn loss(&self) -> f64 {
-        if self.validation_loss_nats.is_nan() { f64::INFINITY } else { self.validation_loss_nats }
+        self.validation_loss_nats.unwrap_or(f64::INFINITY)
     }
 
-    fn after(&self, history: &[EpochRecord]) -> Self {
-        let loss = |record: &&EpochRecord| record.validation_loss_nats.filter(|loss| loss.is_finite());
-        let best = history.iter().filter(|record| loss(record).is_some()).min_by(|a, b| {
-            let of = |record: &EpochRecord| record.validation_loss_nats.unwrap_or(f64::INFINITY);
-            of(a).total_cmp(&of(b))
-        });
+    /// The trial as it stood at a rung. A search that goes on finds checkpoints beyond the rung: what came later must not
+    /// decide who goes on from here.
+    fn after(&self, history: &[EpochRecord], rung: usize) -> Self {
+        let history = history.get(..rung).unwrap_or(history);
+        let finite = |record: &&EpochRecord| record.validation_loss_nats.is_some_and(f64::is_finite);
+        let loss = |record: &EpochRecord| record.validation_loss_nats.unwrap_or(f64::INFINITY);
+        let best = history.iter().filter(finite).min_by(|a, b| loss(a).total_cmp(&loss(b)));
         Self {
             epochs: history.len(),
-            validation_loss_nats: best.and_then(|record| record.validation_loss_nats).unwrap_or(f64::INFINITY),
-            validation_balanced_accuracy: best
-                .and_then(|record| record.validation_balanced_accuracy)
-                .unwrap_or_default(),
+            validation_loss_nats: best.and_then(|record| record.validation_loss_nats),
+            validation_balanced_accuracy: best.and_then(|record| record.validation_balanced_accuracy),
             ..self.clone()
         }
     }
@@ -234,4 +242,79 @@ fn write_table(running: &[Trial], ended: &[Trial], path: &Path) -> Result<()> {
     }
     write_atomically(&path.join("trials.csv"), |out| out.write_all(table.to_csv().as_bytes()))?;
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::train::Source;
+
+    fn settings(trials: usize, epochs: usize, vary_channels: bool) -> TuneSettings {
+        let channels = ["shape", "potential"].map(String::from).to_vec();
+        let source = Source::Set { path: "set.zarr".into(), digest: String::new() };
+        TuneSettings { trials, epochs, seed: 1, vary_channels, base: TrainSettings::of_set(source, channels).unwrap() }
+    }
+
+    #[test]
+    fn a_third_goes_on_to_three_times_as_many_epochs() {
+        let cases: [(usize, usize, &[usize], u64); 7] = [
+            // 27 + 9 x 2 + 3 x 6 + 1 x 18.
+            (27, 27, &[1, 3, 9, 27], 81),
+            // 9 x 3 + 3 x 6 + 1 x 18.
+            (9, 27, &[3, 9, 27], 63),
+            // 5 + 2 x 3.
+            (5, 4, &[1, 4], 11),
+            (4, 9, &[1, 3, 9], 14),
+            (1, 27, &[27], 27),
+            (27, 1, &[1], 27),
+            (3, 2, &[1, 2], 4),
+        ];
+        for (trials, epochs, rungs, total) in cases {
+            let settings = settings(trials, epochs, false);
+            assert_eq!((settings.rungs().as_slice(), settings.total_epochs()), (rungs, total), "{trials}, {epochs}");
+        }
+    }
+
+    #[test]
+    fn draws_depend_on_seed_and_number_only_and_fit_the_grid() {
+        let drawn = |settings: &TuneSettings, size| -> Vec<TrainSettings> {
+            (0..40).map(|number| settings.trial(number, size).unwrap()).collect()
+        };
+        let some = settings(40, 9, true);
+        assert_eq!(drawn(&some, 16), drawn(&some, 16));
+        assert_ne!(drawn(&some, 16), drawn(&TuneSettings { seed: 2, ..some.clone() }, 16));
+        for trial in drawn(&some, 8) {
+            assert!((2..=3).contains(&trial.blocks.len()), "8 voxels can be halved three times");
+            assert!((3e-4..=1e-2).contains(&trial.training.learning_rate) && !trial.training.channels.is_empty());
+        }
+        assert!(drawn(&some, 16).iter().any(|trial| trial.training.channels == ["potential"]));
+        assert!(drawn(&settings(40, 9, false), 16).iter().all(|trial| trial.training.channels.len() == 2));
+    }
+
+    #[test]
+    fn a_trial_stands_where_it_stood_at_its_rung() {
+        let record = |epoch: usize, loss: f64| EpochRecord {
+            epoch,
+            training_loss_nats: 1.0,
+            validation_loss_nats: Some(loss),
+            validation_balanced_accuracy: Some(epoch as f64),
+            gradient_norm: 1.0,
+            largest_gradient_norm: 1.0,
+            learning_rate: 1e-3,
+            skipped_steps: 0,
+        };
+        let history = [record(1, 0.7), record(2, f64::NAN), record(3, 0.6), record(4, 0.1)];
+        let settings = settings(2, 4, false).trial(0, 16).unwrap();
+        let new =
+            Trial { number: 0, epochs: 0, validation_loss_nats: None, validation_balanced_accuracy: None, settings };
+        let at = |rung| {
+            let trial = new.after(&history, rung);
+            (trial.epochs, trial.validation_loss_nats, trial.validation_balanced_accuracy)
+        };
+        assert_eq!(at(1), (1, Some(0.7), Some(1.0)));
+        assert_eq!(at(3), (3, Some(0.6), Some(3.0)));
+        // Ended early, the history is shorter than the rung.
+        assert_eq!(at(9), (4, Some(0.1), Some(4.0)));
+        assert_eq!(new.after(&[record(1, f64::NAN)], 1).loss(), f64::INFINITY);
+    }
 }

@@ -2,6 +2,8 @@
 //!
 //! Tolerated: lines that end early, missing occupancy, B or element, hybrid-36 and overflowing serial numbers, five-digit
 //! residue numbers, two-letter chains (columns 21-22), four-letter residue names, atoms outside MODEL ... ENDMDL.
+//! Warned of: a deposited entry (one with a HEADER) that ends without END or MASTER, as one cut off between two lines does.
+//! Files of other origin often have neither, so for them nothing can be said.
 //! Not tolerated: a coordinate or a residue number that cannot be read, because the atom would be lost in silence.
 
 use super::columns::{Line, hybrid36};
@@ -20,14 +22,22 @@ pub(crate) fn read(source: &str, text: &str) -> Result<Structure> {
         let line = Line { source, number: index + 1, text: text.trim_end() };
         match line.field(1, 6) {
             "ATOM" | "HETATM" => reader.atom(&line)?,
+            "MASTER" => reader.has_end = true,
             "MODEL" => reader.open_model(&line),
-            "ENDMDL" | "END" => reader.close_model(),
+            "ENDMDL" => reader.close_model(),
+            "END" => {
+                reader.has_end = true;
+                reader.close_model();
+            }
             "TER" => reader.end_of_polymer(),
             record if record.starts_with("HETAT") => reader.atom(&line)?,
-            record => header.read(record, &line, &mut reader.names)?,
+            record => {
+                reader.has_header |= record == "HEADER";
+                header.read(record, &line, &mut reader.names)?;
+            }
         }
     }
-    reader.finish(header)
+    reader.finish(header, text.lines().count())
 }
 
 /// The state between one line and the next.
@@ -39,6 +49,10 @@ struct Reader {
     /// Whether a TER record has ended a polymer of the chain in this model.
     ended_chains: HashSet<Arc<str>>,
     serial: i64,
+    /// Whether the file begins like a deposited entry.
+    has_header: bool,
+    /// Whether one of the two records was there with which deposited entries end.
+    has_end: bool,
 }
 
 impl Reader {
@@ -49,6 +63,8 @@ impl Reader {
             model_is_open: false,
             ended_chains: HashSet::new(),
             serial: 0,
+            has_header: false,
+            has_end: false,
         }
     }
 
@@ -142,7 +158,12 @@ impl Reader {
         }
     }
 
-    fn finish(mut self, header: pdb_header::HeaderReader) -> Result<Structure> {
+    fn finish(mut self, header: pdb_header::HeaderReader, last_line: usize) -> Result<Structure> {
+        if self.has_header && !self.has_end {
+            let message = "the file has a HEADER but ends without END or MASTER: it may have been cut off; compare it with \
+                           the entry, or fetch it again";
+            self.structure.warnings.add(last_line, message);
+        }
         self.structure.models.retain(|model| !model.atoms.is_empty());
         (self.structure.header, self.structure.assemblies) = header.finish();
         Ok(self.structure)
@@ -204,6 +225,29 @@ mod tests {
     fn a_line_that_ends_at_its_coordinates() {
         let atom = one("ATOM      1  CA  GLY     7      11.104   6.134  -6.5\r").unwrap();
         assert_eq!((atom.position.z, atom.occupancy, &*atom.element, &*atom.chain), (-6.5, 1.0, "C", ""));
+    }
+
+    #[test]
+    fn an_entry_that_was_cut_off_between_two_lines_is_warned_of() {
+        let atom = |number: usize| {
+            format!("ATOM  {number:>5}  CA  GLY A{number:>4}      11.104   6.134  -6.504  1.00 10.00           C  \n")
+        };
+        let atoms: String = (1..=5).map(atom).collect();
+        let header = "HEADER    HYDROLASE                               01-JAN-00   1ABC              \n";
+        let warnings = |text: &str| read("1abc.pdb", text).unwrap().warnings.messages;
+        let whole = format!("{header}{atoms}MASTER        0\nEND   \n");
+        assert!(warnings(&whole).is_empty());
+        // Wherever it is cut before MASTER, the last line is named.
+        for lines in 2..=6 {
+            let cut: String = whole.split_inclusive('\n').take(lines).collect();
+            let found = warnings(&cut);
+            assert!(found.len() == 1 && found[0].starts_with(&format!("line {lines}: ")), "{lines}: {found:?}");
+            assert!(found[0].contains("END") && found[0].contains("fetch it again"), "{found:?}");
+        }
+        assert!(warnings(&format!("{header}{atoms}MASTER        0\n")).is_empty(), "no atom is lost after MASTER");
+        assert!(warnings(&format!("{header}MODEL        1\n{atoms}ENDMDL\n")).len() == 1, "further models may be lost");
+        // Programs write files without HEADER and without END: nothing can be said of them.
+        assert!(warnings(&atoms).is_empty() && warnings(&format!("REMARK made by a program\n{atoms}TER\n")).is_empty());
     }
 
     #[test]

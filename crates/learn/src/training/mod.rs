@@ -149,7 +149,7 @@ impl Training<'_> {
     ///
     /// # Errors
     /// [`LearnError::Settings`] if settings, classes, split, network and source do not fit together, a class loses all
-    /// its training samples, training diverges, or the checkpoint is that of another training.
+    /// its training samples, or the checkpoint is that of another training; [`LearnError::Diverged`] if training diverges.
     pub fn run(&self, checkpoint: Option<&[u8]>, observer: &mut dyn Observer) -> Result<Trained> {
         self.check()?;
         let places = self.settings.channel_places(self.source)?;
@@ -199,7 +199,11 @@ impl Training<'_> {
         state.finish(outcome)
     }
 
-    fn check(&self) -> Result<()> {
+    /// Whether settings, classes, split, network and source fit together; [`Training::run`] asks this first.
+    ///
+    /// # Errors
+    /// [`LearnError::Settings`] says what does not fit.
+    pub fn check(&self) -> Result<()> {
         self.settings.check()?;
         self.network.check()?;
         let samples = self.source.descriptions().len();
@@ -220,7 +224,9 @@ impl Training<'_> {
         }
         if self.source.size() < self.network.smallest_edge() {
             let (size, smallest) = (self.source.size(), self.network.smallest_edge());
-            return refuse(format!("grids of {size}³ voxels: this network needs {smallest}³; take fewer poolings"));
+            return refuse(format!(
+                "grids of {size}³ voxels: this network needs {smallest}³; take fewer blocks or a finer grid"
+            ));
         }
         Ok(())
     }
@@ -351,8 +357,7 @@ impl Training<'_> {
             return Ok(None);
         }
         if skipped == batches.len() {
-            let reason = format!("training diverged: no step of epoch {epoch} had a finite gradient");
-            return Err(LearnError::Settings(format!("{reason}; lower learning_rate or scale the channels")));
+            return Err(LearnError::Diverged(format!("no step of epoch {epoch} had a finite gradient")));
         }
         Ok(Some(EpochRecord {
             epoch,

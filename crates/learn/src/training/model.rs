@@ -119,8 +119,7 @@ impl Model {
             Ok(ControlFlow::Continue(()))
         })?;
         if sums.iter().any(|p| !p.is_finite()) {
-            let reason = "the network gives probabilities that are not finite: training has diverged";
-            return Err(LearnError::Settings(reason.into()));
+            return Err(LearnError::Diverged("the network gives probabilities that are not finite".into()));
         }
         let calibrated = self.card.temperature != 1.0;
         Ok(if calibrated { at_temperature(&sums, classes, self.card.temperature) } else { sums })

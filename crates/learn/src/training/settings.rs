@@ -94,10 +94,14 @@ impl TrainingSettings {
         for name in &self.channels {
             match source.channels().iter().position(|channel| channel == name) {
                 Some(place) if !places.contains(&place) => places.push(place),
-                Some(_) => return Err(LearnError::Settings(format!("the channel {name} is chosen twice"))),
+                Some(_) => {
+                    return Err(LearnError::Settings(format!("the channel {name} is chosen twice; name it once")));
+                }
                 None => {
                     let there = source.channels().join(", ");
-                    return Err(LearnError::Settings(format!("there is no channel {name}; the set has {there}")));
+                    return Err(LearnError::Settings(format!(
+                        "there is no channel {name}; choose among those of the set: {there}"
+                    )));
                 }
             }
         }

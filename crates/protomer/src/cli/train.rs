@@ -57,7 +57,7 @@ pub struct TaskArgs {
     #[arg(long, value_enum)]
     split_by: Option<SplitBy>,
     /// Shares of training, validation and test [default: 0.7,0.15,0.15].
-    #[arg(long, value_delimiter = ',', num_args = 3)]
+    #[arg(long, value_delimiter = ',', allow_negative_numbers = true)]
     fractions: Option<Vec<f64>>,
     /// How channels are scaled [default: robust].
     #[arg(long, value_enum)]
@@ -80,7 +80,9 @@ impl TaskArgs {
         }
         override_with(&mut settings.split_by, self.split_by);
         if let Some(shares) = &self.fractions {
-            let [training, validation, test] = shares[..] else { bail!("--fractions takes three shares") };
+            let [training, validation, test] = shares[..] else {
+                bail!("--fractions has {} shares; give three, such as 0.7,0.15,0.15", shares.len())
+            };
             settings.fractions = Fractions { training, validation, test };
         }
         override_with(&mut settings.training.scaling, self.scaling.map(Scaling::mode));
@@ -138,7 +140,7 @@ struct NetworkArgs {
     #[arg(long)]
     batch: Option<usize>,
     /// Learning rate after the warm-up [default: 0.001].
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     learning_rate: Option<f64>,
     /// Seed of split, weights, order and rotations [default: 1].
     #[arg(long)]
@@ -209,7 +211,14 @@ pub struct TrainArgs {
 impl TrainArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
         let execution = self.execution.execution(global)?;
-        let seeds = if self.ablate { self.ablation_seeds.max(1) } else { 0 };
+        // With a set in the place of a control, clap does not look at what --short requires.
+        if self.short && self.control.is_none() {
+            bail!("--short is the short form of a control; give --control NAME as well, or leave --short out");
+        }
+        if self.ablation_seeds == 0 {
+            bail!("--ablation-seeds is 0; give 1 or more");
+        }
+        let seeds = if self.ablate { self.ablation_seeds } else { 0 };
         let end = match (&self.control, &self.set) {
             (Some(name), _) => {
                 let control = Control::named(name).map_err(|error| anyhow!(error))?;

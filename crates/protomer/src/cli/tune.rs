@@ -7,7 +7,7 @@ use crate::train::{TrainSettings, channels_of, open_set};
 use crate::tune::{Trial, TuneEnd, TuneSettings, tune_in};
 use anyhow::Result;
 use clap::Args;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Search for the network that predicts best: blocks, kernels, channels, learning rate. The same command continues it.
 #[derive(Debug, Args)]
@@ -56,40 +56,38 @@ impl TuneArgs {
             global.say(&format!("stopped; the same command continues {}", self.output.display()));
             return Ok(Outcome::Stopped);
         };
-        report(global, &trials, &self.output.join("best.toml").display().to_string())?;
+        report(global, &trials, &self.set, &self.output)?;
         Ok(Outcome::Done)
     }
 }
 
-fn report(global: &Global, trials: &[Trial], best: &str) -> Result<()> {
+/// Rows shown on the terminal.
+const SHOWN: usize = 10;
+
+fn report(global: &Global, trials: &[Trial], set: &Path, directory: &Path) -> Result<()> {
+    let best = directory.join("best.toml");
     if global.json {
-        let value = |trial: &Trial| {
-            serde_json::json!({
-                "trial": trial.number,
-                "epochs": trial.epochs,
-                "validation_loss_nats": trial.validation_loss_nats,
-                "validation_balanced_accuracy": trial.validation_balanced_accuracy,
-            })
-        };
-        return output::json(&trials.iter().map(value).collect::<Vec<_>>());
+        return output::json(&serde_json::json!({ "best": best, "trials": trials }));
     }
     if global.quiet {
         return Ok(());
     }
     let mut rows =
         vec![["trial", "epochs", "validation loss (nats)", "balanced accuracy", "widths"].map(String::from).to_vec()];
-    for trial in trials.iter().take(10) {
+    for trial in trials.iter().take(SHOWN) {
         let widths: Vec<String> = trial.settings.blocks.iter().map(|block| block.width.to_string()).collect();
-        rows.push(vec![
-            trial.number.to_string(),
-            trial.epochs.to_string(),
-            format!("{:.4}", trial.validation_loss_nats),
-            format!("{:.3}", trial.validation_balanced_accuracy),
-            widths.join("-"),
-        ]);
+        let loss = trial.validation_loss_nats.map_or_else(|| "diverged".into(), |loss| format!("{loss:.4}"));
+        let accuracy = trial.validation_balanced_accuracy.map_or_else(String::new, |value| format!("{value:.3}"));
+        rows.push(vec![trial.number.to_string(), trial.epochs.to_string(), loss, accuracy, widths.join("-")]);
     }
     output::text(&output::table(&rows))?;
+    if trials.len() > SHOWN {
+        output::text(&format!("the best {SHOWN} of {}; all in {}/trials.csv", trials.len(), directory.display()))?;
+    }
     output::text(&format!(
-        "the validation part chose the best, so its scores there are too good; train it: protomer train SET --config {best}"
+        "the validation part chose the best, so its scores there are too good; for scores on the test part:\n\
+         protomer train {} --config {} -o DIRECTORY",
+        set.display(),
+        best.display()
     ))
 }

@@ -76,7 +76,10 @@ impl ResultsDirectory {
         let file = self.path.join(layout.settings);
         match std::fs::read_to_string(&file) {
             Ok(text) => {
-                let present = keys::from_toml::<S>(&file, &text)?;
+                let present = keys::from_toml::<S>(&file, &text).with_context(|| {
+                    let (path, holds) = (self.path.display(), layout.holds);
+                    format!("{path} does not hold {holds} of this version; choose another directory")
+                })?;
                 if !continues(&present)? {
                     return refuse(&self.path, layout, "settings");
                 }

@@ -104,8 +104,10 @@ pub struct Metrics {
     pub baselines: BTreeMap<String, BaselineScores>,
     /// 95 % intervals.
     pub bootstrap_95: Intervals,
-    /// Share of exchanges of labels between clusters of the test part under which the same predictions score as well
-    /// (the real labels count as one exchange).
+    /// Share of exchanges of labels between clusters of one size in the test part under which the same predictions have no
+    /// larger log-loss (each sample counting once; the real labels count as one exchange). Only labels of the test part
+    /// move and no network is fitted again: it asks whether these predictions go with the labels of the test part, not how
+    /// often a training on exchanged labels would do as well.
     pub permutation_p: f64,
     /// Exchanges that were tried.
     pub permutations: usize,
@@ -224,7 +226,7 @@ impl Predictions<'_> {
                 nats_gained_over_prior: interval(&|own, prior| own.nats_gained_over(prior))?,
             },
             baselines: scores,
-            permutation_p: self.permutation_p(&own)?,
+            permutation_p: self.permutation_p()?,
             permutations: self.permutations,
             best_epoch: self.best_epoch,
             epochs: self.epochs,
@@ -237,7 +239,7 @@ impl Predictions<'_> {
 
     /// Exact under exchanges of labels between clusters of one size in the test part, for predictions that have seen no
     /// label of it: p = (1 + exchanges with no larger loss) / (1 + exchanges).
-    fn permutation_p(&self, _own: &Scores) -> Result<f64> {
+    fn permutation_p(&self) -> Result<f64> {
         let count = self.classes.len();
         let loss = |labels: &[usize]| -> Result<f64> {
             Ok(Scores::of(self.probabilities, &self.of_test(labels), count, None)?.log_loss_nats)

@@ -5,11 +5,12 @@ use super::job::TrainEnd;
 use super::metrics::{Metrics, Predictions};
 use super::settings::{SplitBy, TrainSettings};
 use crate::run::{Execution, Layout, ResultsDirectory};
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, bail};
 use protomer_io::atomic::write_atomically;
 use protomer_io::csv::{Cell, Table};
 use protomer_learn::Device;
 use protomer_learn::logistic::prior;
+use protomer_learn::network::NetworkSettings;
 use protomer_learn::sample::{Description, SampleSource};
 use protomer_learn::scaling::{Quarantined, screen};
 use protomer_learn::scores::Scores;
@@ -19,7 +20,7 @@ use protomer_learn::training::{
     EpochRecord, Model, Observer, Outcome, PredictionSettings, StepReport, Trained, Training, TrainingSettings,
 };
 use protomer_learn::view::View;
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use std::path::Path;
 use std::time::Instant;
 
@@ -73,11 +74,13 @@ impl<'a> Prepared<'a> {
         let labels: Vec<&str> = view.descriptions().iter().map(|description| description.label.as_str()).collect();
         let classes = Classes::of(&labels, protomer_learn::targets::Target::Label, settings.least_samples)?;
         if classes.names.len() < 2 {
+            let example = quarantined.first().map(|bad| format!(" ({} has none: {})", bad.name, bad.reason));
             bail!(
-                "{} of {} samples have a class, and there are {} classes of at least {} samples; two are needed: take \
-                 more samples, another --target, or a smaller --least-samples",
+                "{} of {} samples have a class{}, and there are {} classes of at least {} samples; two are needed: \
+                 take more samples, another --target, or a smaller --least-samples",
                 labels.len(),
                 set.descriptions().len(),
+                example.unwrap_or_default(),
                 classes.names.len(),
                 settings.least_samples
             );
@@ -105,8 +108,25 @@ impl<'a> Prepared<'a> {
     }
 }
 
-/// Trains to so many epochs, going on from a checkpoint file where there is one. `None`: it was asked to stop, and the
-/// file holds how far it came.
+/// Whether a training of these settings can begin.
+///
+/// # Errors
+/// Says what does not fit together.
+pub fn check(settings: &TrainSettings, prepared: &Prepared) -> Result<()> {
+    if settings.training.epochs == 0 {
+        bail!("epochs is 0; give 1 or more");
+    }
+    let network = settings.network(prepared.classes.names.len());
+    Ok(training(prepared, &network, &settings.training).check()?)
+}
+
+fn training<'a>(prepared: &'a Prepared, network: &'a NetworkSettings, settings: &'a TrainingSettings) -> Training<'a> {
+    let Prepared { view, classes, split, .. } = prepared;
+    Training { source: view, classes, split, network, settings, device: Device::Cpu }
+}
+
+/// Trains to the end of a range of epochs, going on from a checkpoint file where there is one; `advanced` hears of as many
+/// epochs as the range is long. `None`: it was asked to stop, and the file holds how far it came.
 ///
 /// # Errors
 /// If training fails, the checkpoint is that of another training, or the disk takes no more.
@@ -114,7 +134,7 @@ pub fn advance(
     settings: &TrainSettings,
     prepared: &Prepared,
     checkpoint: &Path,
-    epochs: usize,
+    epochs: Range<usize>,
     execution: &Execution,
     advanced: &(dyn Fn(u64) + Sync),
 ) -> Result<Option<Trained>> {
@@ -124,32 +144,25 @@ pub fn advance(
         Err(error) => return Err(error).with_context(|| format!("cannot read {}", checkpoint.display())),
     };
     let network = settings.network(prepared.classes.names.len());
-    let training = TrainingSettings { epochs, ..settings.training.clone() };
+    let to_here = TrainingSettings { epochs: epochs.end, ..settings.training.clone() };
     let mut keeper =
         Keeper { path: checkpoint, execution, advanced, latest: None, saved: Instant::now(), failed: None, epochs: 0 };
-    let trained = Training {
-        source: &prepared.view,
-        classes: &prepared.classes,
-        split: &prepared.split,
-        network: &network,
-        settings: &training,
-        device: Device::Cpu,
-    }
-    .run(present.as_deref(), &mut keeper);
+    let trained = training(prepared, &network, &to_here).run(present.as_deref(), &mut keeper);
     // What was reached is kept, also where training failed.
     keeper.save()?;
     if let Some(error) = keeper.failed.take() {
         return Err(error);
     }
-    let resumed = present.as_ref().map(|_| format!(" (continued from {})", checkpoint.display()));
-    let trained = trained.map_err(|error| anyhow!("{error}{}", resumed.unwrap_or_default()))?;
+    let trained = match present {
+        Some(_) => trained.with_context(|| format!("continuing from {}", checkpoint.display()))?,
+        None => trained?,
+    };
+    if trained.outcome == Outcome::Interrupted {
+        return Ok(None);
+    }
     // Epochs of earlier runs, and those that ending early saves.
-    advanced(
-        (epochs as u64)
-            .saturating_sub(keeper.epochs)
-            .saturating_mul(u64::from(trained.outcome != Outcome::Interrupted)),
-    );
-    Ok((trained.outcome != Outcome::Interrupted).then_some(trained))
+    advanced((epochs.len() as u64).saturating_sub(keeper.epochs));
+    Ok(Some(trained))
 }
 
 /// Keeps the checkpoint of a training on the disk and ends it when asked.
@@ -212,9 +225,8 @@ pub fn train_in(
     execution: &Execution,
     advanced: &(dyn Fn(u64) + Sync),
 ) -> Result<TrainEnd> {
-    settings.training.check()?;
-    settings.training.channel_places(set)?;
     let prepared = Prepared::new(settings, set)?;
+    check(settings, &prepared)?;
     let _mine =
         ResultsDirectory::enter(path, LAYOUT, settings, execution.start_anew, |present| Ok(present == settings))?;
     let epochs = settings.training.epochs;
@@ -223,7 +235,7 @@ pub fn train_in(
         return Ok(TrainEnd::Finished(Box::new(metrics)));
     }
     let checkpoint = path.join(CHECKPOINT);
-    let Some(trained) = advance(settings, &prepared, &checkpoint, epochs, execution, advanced)? else {
+    let Some(trained) = advance(settings, &prepared, &checkpoint, 0..epochs, execution, advanced)? else {
         return Ok(TrainEnd::Stopped);
     };
     let metrics = write_results(settings, &prepared, trained, path)?;

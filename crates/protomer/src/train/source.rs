@@ -30,10 +30,13 @@ pub fn samples_of(source: &Source) -> Result<Box<dyn SampleSource>> {
 /// and how the set was made; not every value.
 ///
 /// # Errors
-/// If it cannot be read.
+/// If it cannot be read, or has no samples.
 pub fn open_set(path: &Path) -> Result<(Source, Box<dyn SampleSource>)> {
     let set = VoxelSet::open(path)?;
     let reader = set.reader();
+    if reader.len() == 0 {
+        bail!("{} has no samples; its attribute 'excluded' says why structures were left out", path.display());
+    }
     let voxels: Vec<usize> = (0..reader.len()).map(|sample| reader.voxels(sample)).collect();
     let known = (reader.size(), reader.channels(), reader.attributes(), set.descriptions(), voxels);
     let digest = sha256_hex(&serde_json::to_vec(&known).context("the set cannot be summed up")?);

@@ -66,10 +66,11 @@ fn entries(file: &str, text: &str, folder: &Path) -> Result<Vec<Entry>> {
     let columns = cells(file, number, heading)?;
     for (place, column) in columns.iter().enumerate() {
         if !KNOWN.contains(&column.as_str()) {
-            bail!("{file}:{number}, column {}: '{column}' is not known; known are {}", place + 1, KNOWN.join(", "));
+            let known = KNOWN.join(", ");
+            bail!("{file}:{number}, column {}: '{column}' is not known; remove it, known are {known}", place + 1);
         }
         if columns[..place].contains(column) {
-            bail!("{file}:{number}, column {}: '{column}' is there twice", place + 1);
+            bail!("{file}:{number}, column {}: '{column}' is there twice; remove one", place + 1);
         }
     }
     let place_of = |name: &str| columns.iter().position(|column| column == name);
@@ -146,7 +147,7 @@ fn cells(file: &str, line: usize, text: &str) -> Result<Vec<String>> {
         }
     }
     if quoted {
-        bail!("{file}:{line}, column {}: a quote is not closed", cells.len());
+        bail!("{file}:{line}, column {}: a quote is not closed; close it in the same line", cells.len());
     }
     Ok(cells.iter().map(|cell| cell.trim().to_owned()).collect())
 }

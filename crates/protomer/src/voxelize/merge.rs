@@ -2,11 +2,12 @@
 
 use super::open_set;
 use super::set::{self, SampleRecord, SetContent};
+use super::settings::VoxelizeSettings;
 use anyhow::{Context, Result, bail};
 use protomer_field::voxels::Voxels;
 use protomer_io::zarr::SetReader;
 use serde::Serialize;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
 /// What became of several sets.
@@ -48,13 +49,16 @@ pub fn merge(inputs: &[PathBuf], output: &Path, force: bool) -> Result<MergeRepo
     let mut seen: HashMap<String, &PathBuf> = HashMap::new();
     for ((number, reader), path) in readers.iter().enumerate().zip(inputs) {
         let shown = || path.display().to_string();
-        if set::settings_of(reader).with_context(shown)? != settings {
-            bail!("{} and {} have different settings; make them alike", first_path.display(), path.display());
+        let theirs = set::settings_of(reader).with_context(shown)?;
+        if theirs != settings {
+            let (a, b, how) = (first_path.display(), path.display(), differences(&settings, &theirs)?);
+            bail!("{a} and {b} have different settings: {how}; voxelize them alike");
         }
         let ours = set::samples_of(reader).with_context(shown)?;
         let theirs = set::exclusions(reader).with_context(shown)?;
         let names = ours.iter().map(|sample| &sample.name).chain(theirs.iter().map(|excluded| &excluded.name));
-        let names: HashSet<String> = names.cloned().collect();
+        // Sorted, so that of several the message names always the same.
+        let names: BTreeSet<String> = names.cloned().collect();
         for name in names {
             if let Some(earlier) = seen.insert(name.clone(), path) {
                 bail!("'{name}' is in {} and in {}; give each part once", earlier.display(), path.display());
@@ -99,4 +103,13 @@ pub fn merge(inputs: &[PathBuf], output: &Path, force: bool) -> Result<MergeRepo
         })
     })?;
     Ok(report(false))
+}
+
+/// `seed 0 and 3, size 32 and 64`: what differs between two settings.
+fn differences(first: &VoxelizeSettings, second: &VoxelizeSettings) -> Result<String> {
+    let (first, second) = (serde_json::to_value(first)?, serde_json::to_value(second)?);
+    let keys = first.as_object().into_iter().flat_map(|settings| settings.keys());
+    let differing = keys.filter(|key| first.get(key) != second.get(key));
+    let shown = differing.map(|key| format!("{key} {} and {}", first[key.as_str()], second[key.as_str()]));
+    Ok(shown.collect::<Vec<_>>().join(", "))
 }

@@ -147,6 +147,9 @@ pub fn voxelize(
         }
         set::OnDisk::Other | set::OnDisk::Nothing => {}
     }
+    if let Some(folder) = output.parent() {
+        std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    }
     let work = WorkFile::open(&work_path(output))?;
     let keys = entries.iter().zip(&hashes).map(|(entry, hash)| set::key(settings, entry, hash.as_deref()));
     let keys = keys.collect::<Result<Vec<String>>>()?;

@@ -32,7 +32,10 @@ impl Spacing {
     pub fn parse(text: &str) -> Result<Self> {
         match text {
             "fit" => Ok(Spacing::Fit(Fit::Fit)),
-            _ => Ok(Spacing::Angstrom(crate::quantity::length_angstrom(text)?)),
+            _ => match crate::quantity::length_angstrom(text) {
+                Ok(length) => Ok(Spacing::Angstrom(length)),
+                Err(error) => bail!("{error}, or 'fit'"),
+            },
         }
     }
 }
@@ -102,7 +105,7 @@ impl VoxelizeSettings {
         }
         for (place, channel) in self.channels.iter().enumerate() {
             if self.channels[..place].contains(channel) {
-                bail!("the channel {} is given twice", channel.name());
+                bail!("the channel {} is given twice; name it once", channel.name());
             }
         }
         let ranges = [
