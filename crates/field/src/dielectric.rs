@@ -5,8 +5,9 @@
 //! 1/ε = t/ε_in + (1 - t)/ε_out,
 //!
 //! which keeps the flux of a potential whose gradient jumps at the surface exact along the edge (Liu, Fedkiw and Kang, J.
-//! Comput. Phys. 160, 151 (2000)); t follows from the signed distances of its ends. Averages over the boxes about edges by
-//! the plane's normal were tried too: with the tensor's off-diagonal part left out they shrink a Born ion.
+//! Comput. Phys. 160, 151 (2000)); t follows from the signed distances of its ends. Averages by the plane's normal were tried
+//! too. Over the boxes about edges, with the tensor's off-diagonal part left out, they shrink a Born ion; over cells with the
+//! whole tensor, the derivative of an energy, they put 8 % (2.5 % at best) on the energy of a Born ion of 3 Å at 0.5 Å.
 //!
 //! A point's salt is that of the part of its box of edge h that ions reach.
 

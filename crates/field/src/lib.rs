@@ -10,6 +10,7 @@
 //! | [`dielectric`] | what the medium is at every edge and point of a grid |
 //! | [`debye_huckel`] | screened charges in a uniform medium: boundary values, and the cheap alternative |
 //! | `point_charges` | sums over charges, in vectors |
+//! | `coulomb_source` | the Coulomb potential inside as sources at the surface |
 //! | `operator` | -∇·ε∇φ + k φ on a grid |
 //! | `multigrid` | an approximate inverse of it |
 //! | `conjugate_gradient` | the exact one |
@@ -19,6 +20,7 @@
 //! Lengths are in Å, charges in e, potentials in kT/e; energies in kT, and in kJ/mol where a name says so.
 
 mod conjugate_gradient;
+mod coulomb_source;
 pub mod debye_huckel;
 pub mod dielectric;
 mod error;
@@ -31,4 +33,4 @@ pub mod voxels;
 
 pub use error::{FieldError, Result};
 pub use grid::{Grid, ScalarField};
-pub use poisson_boltzmann::{ChargedSphere, Medium, Potential, SolveSettings, solve};
+pub use poisson_boltzmann::{Boundary, ChargedSphere, Medium, Potential, SolveSettings, solve};

@@ -9,6 +9,9 @@ use protomer_kernel::potential::exp_of_minus;
 /// Charges of a group.
 const LANES: usize = 8;
 
+/// Squares nearer than this many of their edges are seen under their exact solid angle, others to 10⁻³ of it.
+const NEAR_IN_EDGES: f64 = 4.0;
+
 /// A charge, or whatever stands before a radial function, at a place.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Source {
@@ -86,6 +89,15 @@ impl FromIterator<Source> for PointCharges {
 }
 
 impl PointCharges {
+    /// Places and strengths.
+    pub fn sources(&self) -> impl Iterator<Item = (Vec3, f64)> + '_ {
+        let lanes = |group: &'_ Group| {
+            let group = *group;
+            (0..LANES).map(move |lane| (Vec3::new(group.x[lane], group.y[lane], group.z[lane]), group.strength[lane]))
+        };
+        self.groups.iter().flat_map(lanes).filter(|(_, strength)| *strength != 0.0)
+    }
+
     vectorised!(
         /// Σ s_i / r_i.
         coulomb, coulomb_any, coulomb_avx512, coulomb_avx2, (place: &Vec3) -> f64
@@ -98,6 +110,45 @@ impl PointCharges {
         /// Σ s_i exp(-κ r_i) / r_i.
         screened, screened_any, screened_avx512, screened_avx2, (place: &Vec3, kappa: f64) -> f64
     );
+
+    vectorised!(
+        /// Flux of -∇ Σ s_i / r_i through a square (its middle and edge) across an axis, in the axis' direction: Σ s_i Ω_i with
+        /// the solid angle Ω_i. Of charges far away it is ∫ f = edge² (f + edge²/24 (f_xx + f_yy)), f = z/r³ at the middle.
+        flux, flux_any, flux_avx512, flux_avx2, (middle: &Vec3, axis: usize, edge: f64) -> f64
+    );
+
+    #[inline(always)]
+    fn flux_any(&self, middle: &Vec3, axis: usize, edge: f64) -> f64 {
+        let near = (NEAR_IN_EDGES * edge).powi(2);
+        let area = edge * edge;
+        let mut sums = [0.0; LANES];
+        for group in &self.groups {
+            let coordinates = [&group.x, &group.y, &group.z];
+            let along = |turn: usize| (coordinates[(axis + turn) % 3], middle[(axis + turn) % 3]);
+            let ((z, at_z), (x, at_x), (y, at_y)) = (along(0), along(1), along(2));
+            let mut nearest = f64::INFINITY;
+            let mut far = [0.0; LANES];
+            for lane in 0..LANES {
+                let (dz, dx, dy) = (at_z - z[lane], at_x - x[lane], at_y - y[lane]);
+                let square = dx * dx + dy * dy + dz * dz;
+                nearest = if square < nearest { square } else { nearest };
+                let inverse = 1.0 / square;
+                let value = dz * inverse * inverse.sqrt();
+                // f is harmonic: f_xx + f_yy = -f_zz.
+                let curvature = value * inverse * (9.0 - 15.0 * dz * dz * inverse);
+                far[lane] = group.strength[lane] * area * (value + area / 24.0 * curvature);
+            }
+            if nearest > near {
+                (0..LANES).for_each(|lane| sums[lane] += far[lane]);
+            } else {
+                for lane in 0..LANES {
+                    let offset = [at_z - z[lane], at_x - x[lane], at_y - y[lane]];
+                    sums[lane] += group.strength[lane] * solid_angle(offset, edge);
+                }
+            }
+        }
+        sums.iter().sum()
+    }
 
     #[inline(always)]
     fn coulomb_any(&self, place: &Vec3) -> f64 {
@@ -141,6 +192,17 @@ impl PointCharges {
     }
 }
 
+/// The solid angle of a square with its middle at z along its axis and x, y across, negative for negative z: the sum of
+/// ± atan(x y / (z r)) over its corners.
+fn solid_angle([z, x, y]: [f64; 3], edge: f64) -> f64 {
+    let corner = |right: f64, up: f64| {
+        let (x, y) = (x + 0.5 * edge * right, y + 0.5 * edge * up);
+        right * up * (x * y).atan2(z.abs() * (x * x + y * y + z * z).sqrt())
+    };
+    let size = corner(1.0, 1.0) + corner(-1.0, -1.0) + corner(-1.0, 1.0) + corner(1.0, -1.0);
+    if z < 0.0 { -size } else { size }
+}
+
 impl Group {
     #[inline(always)]
     fn distance(&self, lane: usize, place: &Vec3) -> f64 {
@@ -154,6 +216,31 @@ impl Group {
 mod tests {
     use super::*;
     use protomer_kernel::random::CounterRng;
+
+    #[test]
+    fn fluxes_are_those_of_many_points() {
+        let mut rng = CounterRng::new(62, 0, 0);
+        let (edge, n) = (0.7, 200);
+        for turn in 0..60 {
+            let axis = turn % 3;
+            let place = rng.vector_in_ball(if turn < 30 { 1.5 } else { 8.0 });
+            let source = Source { place, strength: 1.3, least_distance_angstrom: 1e-3 };
+            let charges: PointCharges = std::iter::once(source).collect();
+            let middle = Vec3::new(0.1, -0.2, 0.3);
+            let mut sum = 0.0;
+            for code in 0..n * n {
+                let along = |index: usize| edge * ((index as f64 + 0.5) / n as f64 - 0.5);
+                let mut offset = middle - place;
+                offset[(axis + 1) % 3] += along(code % n);
+                offset[(axis + 2) % 3] += along(code / n);
+                sum += 1.3 * offset[axis] / offset.norm().powi(3) * (edge / n as f64).powi(2);
+            }
+            let found = charges.flux(&middle, axis, edge);
+            let whole = 1.3 * edge * edge / (middle - place).norm_squared();
+            assert!((found - sum).abs() < 1e-3 * whole, "{place}: {found} {sum}");
+            assert_eq!(found.to_bits(), charges.flux_any(&middle, axis, edge).to_bits());
+        }
+    }
 
     #[test]
     fn every_instruction_set_gives_the_plain_sums() {
