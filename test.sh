@@ -2,7 +2,7 @@
 # Every check of the project on a machine with Rust, a C compiler and CPython 3.11 with pip.
 #   bash test.sh            everything
 #   bash test.sh rust       format, lints, documentation and Rust tests only
-#   bash test.sh python     checks against other programs only
+#   bash test.sh python     the Python package, and checks against other programs, only
 set -euo pipefail
 cd "$(dirname "$0")"
 
@@ -14,12 +14,14 @@ rust_checks() {
 }
 
 python_checks() {
-    cargo build --release --locked
     if [ ! -x .venv/bin/python ]; then
         python3 -m venv .venv
     fi
+    # The package brings the command that the checks run; it is built where cargo builds everything else.
+    CARGO_TARGET_DIR="$PWD/target" .venv/bin/python -m pip install --quiet --disable-pip-version-check ./python
     .venv/bin/python -m pip install --quiet --disable-pip-version-check -r python/checks/requirements.txt
-    .venv/bin/python -m pytest -q -rs python/checks
+    .venv/bin/python -m mypy --config-file python/pyproject.toml
+    .venv/bin/python -m pytest -q -rs python/tests python/checks
 }
 
 case "${1:-all}" in

@@ -64,6 +64,20 @@ fn arrows_point_the_way_the_architecture_says() {
                 "protomer-mc",
             ],
         ),
+        // The crates below only for their error types.
+        (
+            "protomer-python",
+            &[
+                "protomer",
+                "protomer-body",
+                "protomer-crystal",
+                "protomer-field",
+                "protomer-io",
+                "protomer-kernel",
+                "protomer-learn",
+                "protomer-mc",
+            ],
+        ),
     ]);
     for (name, needs) in dependencies(&metadata()) {
         let allowed = allowed.get(name.as_str()).unwrap_or_else(|| panic!("{name} has no place in the architecture"));
@@ -82,6 +96,7 @@ fn heavy_dependencies_have_one_door() {
         ("indicatif", "protomer"),
         ("plotters", "protomer"),
         ("ureq", "protomer"),
+        ("pyo3", "protomer-python"),
     ];
     let dependencies = dependencies(&metadata());
     for (heavy, door) in doors {
