@@ -1,4 +1,4 @@
-"""What every check needs: the binary, and small bodies made on the spot."""
+"""What every check needs: the binary, the bundled structures, and small bodies made on the spot."""
 
 import json
 import subprocess
@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
+STRUCTURES = sorted((ROOT / "data" / "structures").glob("*.gz"))
 
 
 @pytest.fixture(scope="session")
@@ -49,3 +50,45 @@ def sphere_mesh_off(radius, bands=8):
     lines += [" ".join(map(repr, map(float, vertex))) for vertex in vertices]
     lines += ["3 " + " ".join(map(str, face)) for face in faces]
     return "\n".join(lines) + "\n"
+
+
+def read_container(path):
+    """Kind, header and arrays of a body file, by the reader that docs/reference/formats.md prints."""
+    page = (ROOT / "docs" / "reference" / "formats.md").read_text()
+    code = page.split("```python\n")[1].split("```")[0]
+    namespace = {}
+    exec(code, namespace)
+    return namespace["read_container"](path)
+
+
+def rotation_matrix(quaternion):
+    """Of a unit quaternion w, x, y, z."""
+    w, x, y, z = quaternion
+    return np.array([
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ])
+
+
+def write_sphere_body(folder, protomer, name, radius, charge, bands=8):
+    """A sphere of this radius (Å) with a charge (e) in its centre."""
+    (folder / f"{name}.off").write_text(sphere_mesh_off(radius, bands))
+    (folder / f"{name}.xyzq").write_text(f"0 0 0 {charge}\n")
+    output = folder / f"{name}.body"
+    protomer("body", "--mesh", folder / f"{name}.off", "--charges", folder / f"{name}.xyzq", "-o", output, parse=False)
+    return output
+
+
+def write_assembly(path, bodies, placements, box=None):
+    """An assembly file: names of bodies (files NAME.body beside it), and (name, position, quaternion) of the placements."""
+    content = {
+        "box_angstrom": None if box is None else [box] * 3,
+        "bodies": [{"name": name, "file": f"{name}.body"} for name in bodies],
+        "placements": [
+            {"body": name, "position_angstrom": list(map(float, at)), "orientation_wxyz": list(map(float, turn))}
+            for name, at, turn in placements
+        ],
+    }
+    path.write_text(json.dumps(content))
+    return path

@@ -1,12 +1,14 @@
 """A voxel set opened by zarr-python: the same arrays, and voxels that agree with the structure they come from."""
 
 import json
-from pathlib import Path
 
+import gemmi
 import numpy as np
+import pytest
 import zarr
 
-ROOT = Path(__file__).resolve().parents[2]
+from conftest import ROOT, rotation_matrix
+
 STRUCTURE = ROOT / "data" / "structures" / "5pti.cif.gz"
 
 
@@ -49,19 +51,23 @@ def test_arrays_and_attributes(tmp_path, protomer):
     assert not np.array_equal(dense(group, 0), dense(group, 1)), "two random orientations are one"
 
 
+def require_voxels_at_atoms(solid, posed, spacing):
+    """Atoms (Å) lie in voxels of the solid, whose axes are z, y, x, and no voxel is far from all atoms."""
+    size = len(solid)
+    at = np.rint(posed / spacing + (size - 1) / 2).astype(int)
+    assert (at >= 0).all() and (at < size).all()
+    assert solid[at[:, 2], at[:, 1], at[:, 0]].mean() > 0.999
+    filled = (np.argwhere(solid)[:, ::-1] - (size - 1) / 2) * spacing
+    nearest = np.sqrt(((filled[:, None] - posed[None]) ** 2).sum(-1)).min(1)
+    assert nearest.max() < 4.0
+
+
 def test_voxels_lie_where_the_atoms_are(tmp_path, protomer):
     """Every atom, turned as the properties say, lies in the solid, and no solid voxel is far from all atoms."""
-    import gemmi
-
     _, group = make(tmp_path, protomer, "--channels", "solid,shape", "--spacing", "0.9")
     columns = group["properties"].attrs["columns"]
     row = dict(zip(columns, group["properties"][0]))
-    w, x, y, z = (row[f"rotation_{axis}"] for axis in "wxyz")
-    rotation = np.array([
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ])
+    rotation = rotation_matrix([row[f"rotation_{axis}"] for axis in "wxyz"])
     structure = gemmi.read_structure(str(STRUCTURE))
     structure.setup_entities()
     structure.remove_alternative_conformations()
@@ -69,11 +75,14 @@ def test_voxels_lie_where_the_atoms_are(tmp_path, protomer):
     structure.remove_ligands_and_waters()
     places = np.array([atom.pos.tolist() for chain in structure[0] for residue in chain for atom in residue])
     middle = np.array([row[f"middle_{axis}_angstrom"] for axis in "xyz"])
-    posed = places @ rotation.T - middle
+    posed, spacing = places @ rotation.T - middle, row["spacing_angstrom"]
     solid = dense(group, 0)[0]
-    size, spacing = group.attrs["size"], row["spacing_angstrom"]
-    at = np.rint(posed / spacing + (size - 1) / 2).astype(int)
-    assert solid[at[:, 2], at[:, 1], at[:, 0]].mean() > 0.999
-    filled = (np.argwhere(solid)[:, ::-1] - (size - 1) / 2) * spacing
-    nearest = np.sqrt(((filled[:, None] - posed[None]) ** 2).sum(-1)).min(1)
-    assert nearest.max() < 4.0
+    require_voxels_at_atoms(solid, posed, spacing)
+    # The comparison must notice exchanged axes, the inverse rotation, nm for Å, and another spacing.
+    with pytest.raises(AssertionError):
+        require_voxels_at_atoms(solid.transpose(2, 1, 0), posed, spacing)
+    for wrong in (places @ rotation - middle, posed / 10):
+        with pytest.raises(AssertionError):
+            require_voxels_at_atoms(solid, wrong, spacing)
+    with pytest.raises(AssertionError):
+        require_voxels_at_atoms(solid, posed, 1.0)
