@@ -21,7 +21,8 @@ python_checks() {
     CARGO_TARGET_DIR="$PWD/target" .venv/bin/python -m pip install --quiet --disable-pip-version-check ./python
     .venv/bin/python -m pip install --quiet --disable-pip-version-check -r python/checks/requirements.txt
     .venv/bin/python -m mypy --config-file python/pyproject.toml
-    .venv/bin/python -m pytest -q -rs python/tests python/checks
+    .venv/bin/python -m pytest -q -rs python/tests
+    .venv/bin/python -m pytest -q -rs python/checks
 }
 
 case "${1:-all}" in

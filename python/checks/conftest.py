@@ -2,6 +2,7 @@
 
 import json
 import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -14,9 +15,9 @@ STRUCTURES = sorted((ROOT / "data" / "structures").glob("*.gz"))
 @pytest.fixture(scope="session")
 def protomer():
     """Runs the binary; returns the JSON object it prints, or its text."""
-    binary = ROOT / "target" / "release" / "protomer"
+    binary = Path(sys.executable).parent / "protomer"
     if not binary.exists():
-        pytest.fail(f"{binary} is missing; run: cargo build --release")
+        pytest.fail(f"{binary} is missing; run: {sys.executable} -m pip install {ROOT / 'python'}")
 
     def run(*arguments, parse=True):
         command = [str(binary), *map(str, arguments)]

@@ -23,6 +23,7 @@ from ._protomer import (
 from ._verbs import *  # noqa: F403
 from ._verbs import __all__ as _verbs
 from ._body import Body
+from ._cluster import sweep
 from .results import PotentialResult, Result, SweepResult, TrainResult
 
 __all__ = [

@@ -68,7 +68,7 @@ def _words(value: object) -> list[str]:
 
 def _word(value: Any) -> str:
     if isinstance(value, os.PathLike):
-        return os.fspath(value)
+        return str(os.fspath(value))
     if isinstance(value, float):
         return repr(value)
     return str(value)

@@ -382,7 +382,7 @@ class _Assemble:
         cavities: Literal["drop", "keep"] | None = None,
         offset: Number | None = None,
         relax: bool = False,
-        box_angstrom: Numbers | None = None,
+        box: Numbers | None = None,
         threads: int | None = None,
         force: bool = False,
         progress: Progress | None = None,
@@ -429,7 +429,7 @@ class _Assemble:
             Move the surface inward by this much, Å Default: 0.
         relax
             Remove overlaps of the hard surfaces by the smallest uniform expansion
-        box_angstrom
+        box
             Edge of a cubic periodic box, or three edges, Å; open space if left out
         threads
             Threads to use; 0 means all Default: 0.
@@ -461,7 +461,7 @@ class _Assemble:
                 "--cavities": cavities,
                 "--offset": offset,
                 "--relax": relax,
-                "--box": box_angstrom,
+                "--box": box,
                 "--threads": threads,
                 "--force": force,
             },
@@ -479,7 +479,7 @@ class _Assemble:
         tilt: Numbers | None = None,
         spin: Numbers | None = None,
         gap: Number | None = None,
-        box_angstrom: Numbers | None = None,
+        box: Numbers | None = None,
         threads: int | None = None,
         force: bool = False,
         progress: Progress | None = None,
@@ -505,7 +505,7 @@ class _Assemble:
         gap
             How much further apart than at contact neighbours around the ring, and the rings, are placed, Å
             Default: 0.5.
-        box_angstrom
+        box
             Edge of a cubic periodic box, or three edges, Å; open space if left out
         threads
             Threads to use; 0 means all Default: 0.
@@ -526,7 +526,7 @@ class _Assemble:
                 "--tilt": tilt,
                 "--spin": spin,
                 "--gap": gap,
-                "--box": box_angstrom,
+                "--box": box,
                 "--threads": threads,
                 "--force": force,
             },
@@ -540,7 +540,7 @@ class _Assemble:
         counts: Integers,
         output: Path,
         seed: int | None = None,
-        box_angstrom: Numbers | None = None,
+        box: Numbers | None = None,
         threads: int | None = None,
         force: bool = False,
         progress: Progress | None = None,
@@ -557,7 +557,7 @@ class _Assemble:
             Assembly file to write
         seed
             Seed of the random numbers Default: 1.
-        box_angstrom
+        box
             Edge of a cubic periodic box, or three edges, Å; open space if left out
         threads
             Threads to use; 0 means all Default: 0.
@@ -574,7 +574,7 @@ class _Assemble:
                 "--counts": counts,
                 "--output": output,
                 "--seed": seed,
-                "--box": box_angstrom,
+                "--box": box,
                 "--threads": threads,
                 "--force": force,
             },
@@ -592,7 +592,7 @@ def candidates(
     stack: int | None = None,
     symmetry: Literal["none", "cyclic", "dihedral"] | None = None,
     gap: Number | None = None,
-    box_angstrom: Numbers | None = None,
+    box: Numbers | None = None,
     output: Path | None = None,
     threads: int | None = None,
     force: bool = False,
@@ -614,7 +614,7 @@ def candidates(
     gap
         How much further apart than at contact neighbours around the ring, and the rings, are placed, Å
         Default: 0.5.
-    box_angstrom
+    box
         Edge of a cubic periodic box, or three edges, Å; open space if left out
     output
         Folder for the assemblies; only counted if left out
@@ -634,7 +634,7 @@ def candidates(
             "--stack": stack,
             "--symmetry": symmetry,
             "--gap": gap,
-            "--box": box_angstrom,
+            "--box": box,
             "--output": output,
             "--threads": threads,
             "--force": force,
@@ -1669,6 +1669,7 @@ def sweep(
     output: Path,
     salt: Text | None = None,
     replicas: int | None = None,
+    shard: Text | None = None,
     config: Path | None = None,
     sweeps: int | None = None,
     equilibration: int | None = None,
@@ -1705,6 +1706,9 @@ def sweep(
         Salt concentrations: a list such as 10mM,50mM,100mM or a range such as 10mM..300mM/8
     replicas
         Independent replicas per salt concentration
+    shard
+        Only a part of the simulations, such as 2/8, beside other processes in the same directory; the command
+        without it collects the parts Default: 1/1.
     config
         Configuration (TOML), such as the run.toml of another run; flags override it
     sweeps
@@ -1759,6 +1763,7 @@ def sweep(
             "--output": output,
             "--salt": salt,
             "--replicas": replicas,
+            "--shard": shard,
             "--config": config,
             "--sweeps": sweeps,
             "--equilibration": equilibration,
@@ -1840,7 +1845,7 @@ class _Lattice:
         speed: Number | None = None,
         time: Number | None = None,
         steps: int | None = None,
-        time_step: Text | None = None,
+        dt: Text | None = None,
         no_collisions: bool = False,
         restitution: Number | None = None,
         paper: bool = False,
@@ -1889,7 +1894,7 @@ class _Lattice:
             Run to this time [default: 10]
         steps
             Run to this many steps instead
-        time_step
+        dt
             Time step: auto, or a number [default: auto]
         no_collisions
             Let squares pass through each other
@@ -1934,7 +1939,7 @@ class _Lattice:
                 "--speed": speed,
                 "--time": time,
                 "--steps": steps,
-                "--dt": time_step,
+                "--dt": dt,
                 "--no-collisions": no_collisions,
                 "--restitution": restitution,
                 "--paper": paper,
@@ -1971,7 +1976,7 @@ class _Lattice:
         speed: Number | None = None,
         time: Number | None = None,
         steps: int | None = None,
-        time_step: Text | None = None,
+        dt: Text | None = None,
         no_collisions: bool = False,
         restitution: Number | None = None,
         paper: bool = False,
@@ -2027,7 +2032,7 @@ class _Lattice:
             Run to this time [default: 10]
         steps
             Run to this many steps instead
-        time_step
+        dt
             Time step: auto, or a number [default: auto]
         no_collisions
             Let squares pass through each other
@@ -2075,7 +2080,7 @@ class _Lattice:
                 "--speed": speed,
                 "--time": time,
                 "--steps": steps,
-                "--dt": time_step,
+                "--dt": dt,
                 "--no-collisions": no_collisions,
                 "--restitution": restitution,
                 "--paper": paper,
@@ -2182,7 +2187,7 @@ class _Lattice:
         self,
         file: Path,
         *,
-        time_step: Number | None = None,
+        dt: Number | None = None,
         longest: Number | None = None,
         threads: int | None = None,
         force: bool = False,
@@ -2195,7 +2200,7 @@ class _Lattice:
         ----------
         file
             The file
-        time_step
+        dt
             Time step; it shrinks a little where times ask for it Default: 0.001.
         longest
             How long to look for a contact Default: 20.
@@ -2211,7 +2216,7 @@ class _Lattice:
             ["lattice", "replay"],
             [file],
             {
-                "--dt": time_step,
+                "--dt": dt,
                 "--longest": longest,
                 "--threads": threads,
                 "--force": force,
@@ -2257,7 +2262,7 @@ class _Lattice:
         ns: int | None = None,
         r0: Number | None = None,
         steps: int | None = None,
-        time_step: Text | None = None,
+        dt: Text | None = None,
         no_collisions: bool = False,
         seed: int | None = None,
         threads: int | None = None,
@@ -2275,7 +2280,7 @@ class _Lattice:
             Length of the rods Default: 0.13636363636363635.
         steps
             Steps Default: 1000.
-        time_step
+        dt
             Time step: auto, or a number Default: auto.
         no_collisions
             Let squares pass through each other
@@ -2296,7 +2301,7 @@ class _Lattice:
                 "--ns": ns,
                 "--r0": r0,
                 "--steps": steps,
-                "--dt": time_step,
+                "--dt": dt,
                 "--no-collisions": no_collisions,
                 "--seed": seed,
                 "--threads": threads,

@@ -15,6 +15,7 @@
 //! | [`interaction`] | salt, temperature, permittivity to a Yukawa potential |
 //! | [`inspect`] | one state looked at |
 //! | [`run`] | one simulation in its directory |
+//! | [`shard`] | a part of what many machines share |
 //! | [`sweep`], [`sweep_table`], [`sweep_figure`] | many simulations, one table, one figure |
 //! | [`framework`] | networks of rods and hinges: elastic constants, loads, figures |
 //! | [`compare`] | several sweeps in one figure |
@@ -51,6 +52,7 @@ pub mod plot;
 pub mod potential;
 pub mod quantity;
 pub mod run;
+pub mod shard;
 pub mod surface_of_file;
 pub mod sweep;
 pub mod sweep_figure;

@@ -7,9 +7,10 @@
 
 use crate::interaction::Interaction;
 use crate::run::{
-    Engine, Execution, Layout, ReplicaCounts, ReplicaEnd, ReplicaTask, ResultsDirectory, RunRecord, RunSettings,
-    read_log, read_record, refuse, run_replica, salt_label,
+    Engine, Execution, Hold, Layout, ReplicaCounts, ReplicaEnd, ReplicaTask, ResultsDirectory, RunRecord, RunSettings,
+    lock, read_log, read_record, refuse, run_replica, salt_label,
 };
+use crate::shard::Shard;
 use crate::sweep_figure;
 use crate::sweep_table::{ReplicaResult, SaltRow, to_csv};
 use anyhow::{Context, Result, bail};
@@ -17,6 +18,15 @@ use protomer_io::atomic::{sha256_hex, write_atomically};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
+
+/// How a part of a sweep ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ShardEnd {
+    /// So many simulations are done.
+    Finished(usize),
+    /// It was asked to stop; the same command goes on.
+    Stopped,
+}
 
 /// The directory of a sweep.
 const LAYOUT: Layout = Layout {
@@ -76,39 +86,16 @@ pub fn run_sweep(
     execution: &Execution,
     advanced: &(dyn Fn(u64) + Sync),
 ) -> Result<SweepEnd> {
-    settings.check()?;
-    let interactions = settings
-        .salt_molar
-        .iter()
-        .map(|salt| settings.medium.interaction(Some(*salt)))
-        .collect::<Result<Vec<Interaction>>>()?;
-    engine.check(settings, &interactions)?;
+    let interactions = interactions(engine, settings)?;
     let identity = identity(engine, settings)?;
     let record = |exit_reason| record(engine, &identity, exit_reason);
-    let _mine = enter(directory, settings, &record("running"), execution.start_anew)?;
-    let ends: Vec<Result<ReplicaEnd>> = tasks(settings)
-        .into_par_iter()
-        .map(|(salt_index, replica)| {
-            let task = ReplicaTask {
-                engine,
-                settings,
-                interaction: interactions[salt_index],
-                salt_index: salt_index as u32,
-                replica,
-                directory: replica_directory(directory, settings.salt_molar[salt_index], replica),
-                identity: &identity,
-            };
-            let context = || format!("salt {} M, replica {replica}", settings.salt_molar[salt_index]);
-            let end = run_replica(&task, execution, advanced).with_context(context);
-            if end.is_err() {
-                execution.interrupt.request();
-            }
-            end
-        })
-        .collect();
-    let ends = ends.into_iter().collect::<Result<Vec<ReplicaEnd>>>()?;
-    let counts: Option<Vec<ReplicaCounts>> = ends.into_iter().map(ReplicaEnd::finished).collect();
-    let Some(counts) = counts else {
+    let continues = |present: &RunSettings| continues(directory, present, settings, &identity);
+    let entered = ResultsDirectory::enter(directory, LAYOUT, settings, execution.start_anew, continues)?;
+    if entered.settings_are_new() {
+        record("running").write(directory)?;
+    }
+    let work = Work { engine, settings, interactions: &interactions, identity: &identity, directory };
+    let Some(counts) = work.simulate(&tasks(settings), Hold::Alone, execution, advanced)? else {
         record("stopped").write(directory)?;
         return Ok(SweepEnd::Stopped);
     };
@@ -118,34 +105,132 @@ pub fn run_sweep(
     Ok(SweepEnd::Finished(Box::new(result)))
 }
 
-/// Every simulation of the sweep, the first replica of every salt first: an interrupted sweep has a whole curve early.
-/// Enters the directory as that of this sweep, whose length may have grown.
-fn enter(path: &Path, settings: &RunSettings, record: &RunRecord, start_anew: bool) -> Result<ResultsDirectory> {
-    let continues = |present: &RunSettings| {
-        if present.without_length() != settings.without_length() {
-            return Ok(false);
-        }
-        if read_record(path)?.is_some_and(|present| present.identity != record.identity) {
-            return refuse(path, LAYOUT, "input");
-        }
-        if present.sweeps > settings.sweeps {
-            bail!(
-                "{} is meant to run to {} sweeps, which is more than {}; ask for at least as many, or choose another \
-                 directory",
-                path.display(),
-                present.sweeps,
-                settings.sweeps
-            );
-        }
-        Ok(true)
-    };
-    let directory = ResultsDirectory::enter(path, LAYOUT, settings, start_anew, continues)?;
-    if directory.settings_are_new() {
-        record.write(path)?;
+/// Runs or continues the simulations of one part of a sweep, while other processes do other parts in the same directory.
+/// [`run_sweep`] finds them done and writes the table and the figure.
+///
+/// # Errors
+/// As [`run_sweep`].
+pub fn run_shard(
+    engine: &Engine,
+    settings: &RunSettings,
+    directory: &Path,
+    shard: Shard,
+    execution: &Execution,
+    advanced: &(dyn Fn(u64) + Sync),
+) -> Result<ShardEnd> {
+    if execution.start_anew {
+        bail!(
+            "a part of a sweep cannot start anew, other parts may be at work; remove the directory, or leave out --force"
+        );
     }
-    Ok(directory)
+    let interactions = interactions(engine, settings)?;
+    let identity = identity(engine, settings)?;
+    let continues = |present: &RunSettings| continues(directory, present, settings, &identity);
+    let entered = ResultsDirectory::share(directory, LAYOUT, settings, continues)?;
+    if entered.settings_are_new() {
+        record(engine, &identity, "running").write(directory)?;
+    }
+    let work = Work { engine, settings, interactions: &interactions, identity: &identity, directory };
+    let mine: Vec<(usize, u32)> = tasks(settings)
+        .into_iter()
+        .enumerate()
+        .filter(|(number, _)| shard.has(*number))
+        .map(|(_, task)| task)
+        .collect();
+    let counts = work.simulate(&mine, Hold::Shared, execution, advanced)?;
+    Ok(counts.map_or(ShardEnd::Stopped, |counts| ShardEnd::Finished(counts.len())))
 }
 
+/// What the simulations of a sweep have in common.
+struct Work<'a> {
+    engine: &'a Engine,
+    settings: &'a RunSettings,
+    interactions: &'a [Interaction],
+    identity: &'a str,
+    directory: &'a Path,
+}
+
+impl Work<'_> {
+    /// Runs these simulations; none if they were stopped. The first that fails stops the others.
+    fn simulate(
+        &self,
+        tasks: &[(usize, u32)],
+        hold: Hold,
+        execution: &Execution,
+        advanced: &(dyn Fn(u64) + Sync),
+    ) -> Result<Option<Vec<ReplicaCounts>>> {
+        let one = |&(salt_index, replica): &(usize, u32)| {
+            let salt = self.settings.salt_molar[salt_index];
+            let end = self.simulate_one(salt_index, replica, hold, execution, advanced);
+            if end.is_err() {
+                execution.interrupt.request();
+            }
+            end.with_context(|| format!("salt {salt} M, replica {replica}"))
+        };
+        let ends: Vec<Result<ReplicaEnd>> = tasks.par_iter().map(one).collect();
+        let ends = ends.into_iter().collect::<Result<Vec<ReplicaEnd>>>()?;
+        Ok(ends.into_iter().map(ReplicaEnd::finished).collect())
+    }
+
+    fn simulate_one(
+        &self,
+        salt_index: usize,
+        replica: u32,
+        hold: Hold,
+        execution: &Execution,
+        advanced: &(dyn Fn(u64) + Sync),
+    ) -> Result<ReplicaEnd> {
+        let directory = replica_directory(self.directory, self.settings.salt_molar[salt_index], replica);
+        // Where the sweep is shared, a process that was given up for lost may still be at work here.
+        let _mine = match hold {
+            Hold::Shared => {
+                std::fs::create_dir_all(&directory)
+                    .with_context(|| format!("cannot make the directory {}", directory.display()))?;
+                Some(lock(&directory, Hold::Alone)?)
+            }
+            Hold::Alone => None,
+        };
+        let task = ReplicaTask {
+            engine: self.engine,
+            settings: self.settings,
+            interaction: self.interactions[salt_index],
+            salt_index: salt_index as u32,
+            replica,
+            directory,
+            identity: self.identity,
+        };
+        run_replica(&task, execution, advanced)
+    }
+}
+
+fn interactions(engine: &Engine, settings: &RunSettings) -> Result<Vec<Interaction>> {
+    settings.check()?;
+    let of_salt = |salt: &f64| settings.medium.interaction(Some(*salt));
+    let interactions = settings.salt_molar.iter().map(of_salt).collect::<Result<Vec<Interaction>>>()?;
+    engine.check(settings, &interactions)?;
+    Ok(interactions)
+}
+
+/// Whether the sweep of a directory is this one, whose length may have grown.
+fn continues(path: &Path, present: &RunSettings, settings: &RunSettings, identity: &str) -> Result<bool> {
+    if present.without_length() != settings.without_length() {
+        return Ok(false);
+    }
+    if read_record(path)?.is_some_and(|record| record.identity != identity) {
+        return refuse(path, LAYOUT, "input");
+    }
+    if present.sweeps > settings.sweeps {
+        bail!(
+            "{} is meant to run to {} sweeps, which is more than {}; ask for at least as many, or choose another directory",
+            path.display(),
+            present.sweeps,
+            settings.sweeps
+        );
+    }
+    Ok(true)
+}
+
+/// Every simulation of the sweep, the first replica of every salt first: an interrupted sweep has a whole curve early.
 fn tasks(settings: &RunSettings) -> Vec<(usize, u32)> {
     let salts = 0..settings.salt_molar.len();
     (0..settings.replicas).flat_map(|replica| salts.clone().map(move |salt| (salt, replica))).collect()

@@ -18,7 +18,7 @@ const SWEEP: &str = "sweep ring.json --salt 50mM,300mM --cutoff 30A --replicas 2
 /// What must not depend on how the sweep came to its end: everything but the records' own history.
 fn results(directory: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut files = contents(directory);
-    files.retain(|name, _| name != ".lock");
+    files.retain(|name, _| !name.ends_with(".lock"));
     assert!(files.keys().filter(|name| name.ends_with("trajectory.gsd")).count() == 4, "{:?}", files.keys());
     assert!(files.keys().all(|name| !name.contains("partial")), "{:?}", files.keys());
     files
@@ -96,6 +96,30 @@ fn is_killed_and_goes_on(energy: &str, milliseconds: &[u64]) {
         assert_same(&whole, &killed);
     }
     assert!(caught_at_work > 0, "every kill came too early or too late to test anything");
+}
+
+#[test]
+fn parts_in_many_processes_make_the_same_sweep_and_a_killed_one_costs_its_own() {
+    let place = Workplace::new();
+    is_ok(&place.run(&format!("{SWEEP} -o whole")));
+    let part = |number: usize| format!("{SWEEP} --checkpoint-every 0.005 -o parts --shard {number}/3");
+    let mut others = [2, 3].map(|number| place.command(&part(number)).spawn().unwrap());
+    let mut killed = spawn_until_saved(&place, &part(1), "parts");
+    killed.kill().unwrap();
+    killed.wait().unwrap();
+    // While a part is at work nobody has the directory alone; a part that somebody works on is not begun twice.
+    if others.iter_mut().any(|other| other.try_wait().unwrap().is_none()) {
+        assert!(message(&place.run(&format!("{SWEEP} -o parts"))).contains("another process"));
+    }
+    assert!(others.iter_mut().all(|other| other.wait().unwrap().success()));
+    is_ok(&place.run(&part(1)));
+    assert!(!place.path("parts/sweep.csv").exists());
+    is_ok(&place.run(&format!("{SWEEP} -o parts")));
+    let mut parts = results(&place.path("parts"));
+    parts.retain(|name, _| !name.ends_with(".partial"));
+    assert_same(&results(&place.path("whole")), &parts);
+    assert!(message(&place.run(&format!("{} --force", part(1)))).contains("cannot start anew"));
+    assert_eq!(place.run(&format!("{SWEEP} -o parts --shard 4/3")).status.code(), Some(2));
 }
 
 #[test]

@@ -3,11 +3,12 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use protomer::interrupt::Interrupt;
+use protomer::shard::Shard;
 use protomer::voxel_set::VoxelSet;
 use protomer::voxelize::manifest::Manifest;
 use protomer::voxelize::merge::merge;
 use protomer::voxelize::structure::Reason;
-use protomer::voxelize::{Fit, Shard, Spacing, State, VoxelizeReport, VoxelizeSettings, voxelize, work_path};
+use protomer::voxelize::{Fit, Spacing, State, VoxelizeReport, VoxelizeSettings, voxelize, work_path};
 use protomer_field::voxels::{Channel, Orientation, PotentialModel};
 use protomer_learn::SampleSource;
 use std::collections::BTreeMap;

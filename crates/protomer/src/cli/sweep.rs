@@ -6,7 +6,8 @@ use super::{Global, Outcome, output};
 use crate::assembly_file::Assembly;
 use crate::quantity;
 use crate::run::{Engine, RunSettings};
-use crate::sweep::{SweepEnd, SweepResult, run_sweep};
+use crate::shard::Shard;
+use crate::sweep::{ShardEnd, SweepEnd, SweepResult, run_shard, run_sweep};
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
@@ -23,6 +24,10 @@ pub struct SweepArgs {
     /// Independent replicas per salt concentration.
     #[arg(long)]
     replicas: Option<u32>,
+    /// Only a part of the simulations, such as 2/8, beside other processes in the same directory; the command without it
+    /// collects the parts.
+    #[arg(long, value_parser = Shard::parse, default_value = "1/1")]
+    shard: Shard,
     #[command(flatten)]
     run: RunArgs,
     #[command(flatten)]
@@ -46,6 +51,12 @@ impl SweepArgs {
         let bar = global.progress(settings.simulations().saturating_mul(settings.total_sweeps()), "sweeps");
         let execution = self.run.execution.execution(global)?;
         let engine = Engine::new(assembly)?.with_tables(self.run.tables.tables(global));
+        if !self.shard.is_whole() {
+            let sweeps = |sweeps| bar.inc(sweeps);
+            let end = run_shard(&engine, &settings, &self.run.output, self.shard, &execution, &sweeps)?;
+            bar.finish_and_clear();
+            return self.report_shard(end, global);
+        }
         let end = run_sweep(&engine, &settings, &self.run.output, &execution, &|sweeps| bar.inc(sweeps))?;
         bar.finish_and_clear();
         match end {
@@ -58,6 +69,20 @@ impl SweepArgs {
                 Ok(Outcome::Done)
             }
         }
+    }
+
+    fn report_shard(&self, end: ShardEnd, global: &Global) -> Result<Outcome> {
+        let Shard { index, of } = self.shard;
+        let ShardEnd::Finished(simulations) = end else {
+            global.say(&format!("stopped; the same command continues part {index} of {of}"));
+            return Ok(Outcome::Stopped);
+        };
+        if global.json {
+            output::json(&serde_json::json!({ "shard": index, "of": of, "simulations": simulations }))?;
+        } else {
+            global.say(&format!("part {index} of {of}: {simulations} simulations done; without --shard: the table"));
+        }
+        Ok(Outcome::Done)
     }
 
     /// The settings of the configuration file, if there is one, with those of the flags on top.

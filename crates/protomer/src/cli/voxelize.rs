@@ -2,8 +2,9 @@
 
 use super::{Global, Outcome, interrupt_saying, output};
 use crate::quantity;
+use crate::shard::Shard;
 use crate::voxelize::manifest::Manifest;
-use crate::voxelize::{Shard, Spacing, State, VoxelizeReport, VoxelizeSettings, voxelize};
+use crate::voxelize::{Spacing, State, VoxelizeReport, VoxelizeSettings, voxelize};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use protomer_field::voxels::{Channel, Orientation, PotentialModel};

@@ -24,7 +24,16 @@ pub struct Layout<'a> {
     pub is_result: fn(&Path) -> bool,
 }
 
-/// A directory that this process alone works in, for as long as this lives.
+/// Who else may work in a directory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Hold {
+    /// Nobody.
+    Alone,
+    /// Others that share it as well.
+    Shared,
+}
+
+/// A directory that this process works in, for as long as this lives.
 #[derive(Debug)]
 pub struct ResultsDirectory {
     path: PathBuf,
@@ -48,17 +57,28 @@ impl ResultsDirectory {
     where
         S: Serialize + DeserializeOwned + PartialEq,
     {
-        if path.is_file() {
-            bail!("{} is a file; give a directory for the results", path.display());
-        }
-        std::fs::create_dir_all(path).with_context(|| format!("cannot make the directory {}", path.display()))?;
+        make(path)?;
         if start_anew {
             require_ours(path, layout)?;
         }
-        let mut directory = Self { path: path.to_owned(), settings_are_new: false, _lock: lock(path)? };
+        let mut directory = Self { path: path.to_owned(), settings_are_new: false, _lock: lock(path, Hold::Alone)? };
         if start_anew {
             directory.remove_results(layout)?;
         }
+        directory.settings_are_new = directory.claim(layout, settings, continues)?;
+        Ok(directory)
+    }
+
+    /// Enters beside other processes that do parts of the same work; each part needs a [`lock`] of its own.
+    ///
+    /// # Errors
+    /// As [`enter`](Self::enter); also while a process has the directory alone.
+    pub fn share<S>(path: &Path, layout: Layout, settings: &S, continues: impl Fn(&S) -> Result<bool>) -> Result<Self>
+    where
+        S: Serialize + DeserializeOwned + PartialEq,
+    {
+        make(path)?;
+        let mut directory = Self { path: path.to_owned(), settings_are_new: false, _lock: lock(path, Hold::Shared)? };
         directory.settings_are_new = directory.claim(layout, settings, continues)?;
         Ok(directory)
     }
@@ -107,6 +127,13 @@ impl ResultsDirectory {
     }
 }
 
+fn make(path: &Path) -> Result<()> {
+    if path.is_file() {
+        bail!("{} is a file; give a directory for the results", path.display());
+    }
+    std::fs::create_dir_all(path).with_context(|| format!("cannot make the directory {}", path.display()))
+}
+
 /// Says that a directory holds the same kind of results, but not these.
 ///
 /// # Errors
@@ -149,9 +176,13 @@ fn remove(path: &Path) -> Result<()> {
 ///
 /// # Errors
 /// If another process holds it, or the disk refuses.
-fn lock(path: &Path) -> Result<File> {
+pub fn lock(path: &Path, hold: Hold) -> Result<File> {
     let file = File::create(path.join(LOCK)).with_context(|| format!("cannot write into {}", path.display()))?;
-    match file.try_lock() {
+    let held = match hold {
+        Hold::Alone => file.try_lock(),
+        Hold::Shared => file.try_lock_shared(),
+    };
+    match held {
         Err(TryLockError::WouldBlock) => {
             bail!("another process works in {}; wait for it, or choose another directory", path.display())
         }

@@ -12,7 +12,8 @@ mod settings;
 mod trajectory;
 
 pub(crate) use checkpoint_file::{read_checkpoint, write_checkpoint};
-pub use directory::{Layout, ResultsDirectory, refuse};
+pub(crate) use directory::lock;
+pub use directory::{Hold, Layout, ResultsDirectory, refuse};
 pub use engine::{Engine, require_room, yukawa};
 pub use execution::Execution;
 pub(crate) use log::{Log, LogMark, check_log};

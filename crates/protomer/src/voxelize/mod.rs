@@ -22,6 +22,7 @@ pub mod work;
 
 use crate::input::InputFile;
 use crate::interrupt::Interrupt;
+use crate::shard::Shard;
 use anyhow::{Context, Result, bail};
 use manifest::{Entry, Manifest};
 use protomer_io::zarr::SetReader;
@@ -33,36 +34,6 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 use structure::Outcome;
 use work::WorkFile;
-
-/// A part of the manifest: entries number `index` - 1, `index` - 1 + `of`, ...
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Shard {
-    /// Which part, from one.
-    pub index: usize,
-    /// Of how many.
-    pub of: usize,
-}
-
-impl Shard {
-    /// Everything.
-    pub const WHOLE: Shard = Shard { index: 1, of: 1 };
-
-    /// A part written as `2/8`.
-    ///
-    /// # Errors
-    /// Says what was typed and how it should be.
-    pub fn parse(text: &str) -> Result<Self> {
-        let parts = text.split_once('/').and_then(|(index, of)| Some((index.parse().ok()?, of.parse().ok()?)));
-        match parts {
-            Some((index, of)) if (1..=of).contains(&index) => Ok(Self { index, of }),
-            _ => bail!("'{text}' is no part; give one such as 2/8, from 1/8 to 8/8"),
-        }
-    }
-
-    fn has(self, entry: usize) -> bool {
-        entry % self.of == self.index - 1
-    }
-}
 
 /// How it ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

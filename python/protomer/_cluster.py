@@ -1,0 +1,100 @@
+"""A sweep on many machines: parts of it as tasks of Dask.
+
+Every task is `sweep(..., shard="i/n")` in the same directory, which all workers must see. The directory is the protocol: what a
+lost worker had finished stays, what it was at goes on from its checkpoint, and the last call collects the parts. So the result
+is the local one, bit for bit.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from . import _verbs
+from ._call import Path
+from .results import SweepResult
+
+
+def sweep(
+    assembly: Path,
+    *,
+    output: Path,
+    client: Any | None = None,
+    parts: int | None = None,
+    retries: int = 3,
+    progress: Callable[[int, int, str], None] | None = None,
+    **settings: Any,
+) -> SweepResult:
+    """Simulate an assembly at several salt concentrations: here, or on the workers of a Dask client.
+
+    Parameters
+    ----------
+    assembly
+        Assembly file
+    output
+        Directory of the results; with a client, one that all workers see under this path
+    client
+        A `distributed.Client`, or the address of a scheduler ("tcp://host:8786"); None: this machine
+    parts
+        Tasks to make of the sweep; one per simulation if left out
+    retries
+        How often a task is tried again after its worker was lost
+    progress
+        Called as progress(done, total, unit): sweeps here, parts with a client
+    settings
+        The keywords of `protomer.sweep --help`: salt, replicas, sweeps, ...
+    """
+    if client is None:
+        return _verbs.sweep(assembly, output=output, progress=progress, **settings)
+    assembly, output = os.path.abspath(assembly), os.path.abspath(output)
+    count = parts or _simulations(settings)
+    if count > 1:
+        _run_parts(client, assembly, output, settings, count, retries, progress)
+    # Everything is there; this writes the table and the figure.
+    return _verbs.sweep(assembly, output=output, **settings)
+
+
+def _simulations(settings: Mapping[str, Any]) -> int:
+    """Simulations that these settings ask for, as far as they tell; more parts than simulations do no harm."""
+    salt = settings.get("salt")
+    if isinstance(salt, str):
+        salts = int(salt.split("/")[1]) if "/" in salt else salt.count(",") + 1
+    else:
+        salts = len(salt) if isinstance(salt, Sequence) else 1
+    return salts * int(settings.get("replicas") or 3)
+
+
+def _run_parts(
+    client: Any,
+    assembly: str,
+    output: str,
+    settings: Mapping[str, Any],
+    count: int,
+    retries: int,
+    progress: Callable[[int, int, str], None] | None,
+) -> None:
+    from distributed import Client, as_completed
+
+    owned = isinstance(client, str)
+    if owned:
+        client = Client(client)
+    try:
+        # One thread each: workers bring the parallelism.
+        shared = {"threads": 1, **settings}
+        numbers = range(1, count + 1)
+        futures = [
+            client.submit(_part, assembly, output, f"{n}/{count}", shared, pure=False, retries=retries) for n in numbers
+        ]
+        for done, future in enumerate(as_completed(futures), start=1):
+            future.result()
+            if progress is not None:
+                progress(done, count, "parts")
+    finally:
+        if owned:
+            client.close()
+
+
+def _part(assembly: str, output: str, shard: str, settings: Mapping[str, Any]) -> int:
+    """One part, on a worker; simulations that were done already cost nothing."""
+    return int(_verbs.sweep(assembly, output=output, shard=shard, **settings)["simulations"])

@@ -1,0 +1,51 @@
+"""The templates for Slurm arrays, run as their tasks would be."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import protomer as pm
+
+ROOT = Path(__file__).resolve().parents[2]
+TEMPLATES = ROOT / "docs" / "cluster"
+
+
+def array(template, tasks, *words):
+    """Runs the tasks of an array, all at once."""
+    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+    running = []
+    for task in range(1, tasks + 1):
+        variables = {"SLURM_ARRAY_TASK_ID": str(task), "SLURM_ARRAY_TASK_COUNT": str(tasks), "PATH": path}
+        command = ["bash", str(TEMPLATES / template), *map(str, words)]
+        running.append(subprocess.Popen(command, env={**os.environ, **variables}, stderr=subprocess.PIPE, text=True))
+    for process in running:
+        _, errors = process.communicate(timeout=300)
+        assert process.returncode == 0, errors
+
+
+def test_the_tasks_of_an_array_make_the_local_sweep(ring, tmp_path):
+    words = ["--salt=30mM,300mM", "--replicas=2", "--sweeps=20", "--equilibration=10", "--seed=7"]
+    array("sweep.slurm", 3, ring, tmp_path / "array", *words)
+    settings = {"salt": "30mM,300mM", "replicas": 2, "sweeps": 20, "equilibration": 10, "seed": 7}
+    assert not (tmp_path / "array" / "sweep.csv").exists()
+    assert pm.sweep(ring, **settings, output=tmp_path / "array") == pm.sweep(ring, **settings, output=tmp_path / "local")
+    assert (tmp_path / "array" / "sweep.csv").read_bytes() == (tmp_path / "local" / "sweep.csv").read_bytes()
+
+
+def test_the_tasks_of_an_array_make_a_set(tmp_path):
+    structures = sorted((ROOT / "data" / "structures").glob("*.gz"))[:3]
+    manifest = tmp_path / "manifest.csv"
+    rows = [f"{path},{label},{label}" for label, path in zip("abc", structures)]
+    manifest.write_text("\n".join(["file,label,cluster", *rows]) + "\n")
+    array("voxelize.slurm", 2, manifest, tmp_path / "parts", "--size", 32, "--spacing", "fit", "--channels", "shape")
+    parts = sorted((tmp_path / "parts").glob("*.zarr"))
+    assert len(parts) == 2
+    merged = pm.merge(parts, output=tmp_path / "set.zarr")
+    whole = pm.voxelize(
+        manifest=manifest, output=tmp_path / "whole.zarr", size=32, spacing="fit", channels=["shape"]
+    )
+    assert merged.samples == whole.samples
+    assert merged.samples == pytest.approx(3, abs=2)
