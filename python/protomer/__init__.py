@@ -21,7 +21,7 @@ from ._protomer import (
     __version__,
 )
 from ._verbs import *  # noqa: F403
-from ._verbs import __all__ as _verbs
+from ._verbs import __all__ as _verb_names
 from ._body import Body
 from ._cluster import sweep
 from .results import PotentialResult, Result, SweepResult, TrainResult
@@ -40,5 +40,5 @@ __all__ = [
     "SweepResult",
     "TrainResult",
     "__version__",
-    *_verbs,
+    *_verb_names,
 ]

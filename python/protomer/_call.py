@@ -16,7 +16,9 @@ Paths: TypeAlias = Union[Path, Sequence[Path]]
 Number: TypeAlias = Union[float, str]
 """A number in the documented unit, or text with a unit such as "150mM"."""
 Numbers: TypeAlias = Union[Number, Sequence[Number]]
-Integers: TypeAlias = Union[int, Sequence[int]]
+Integer: TypeAlias = Union[int, str]
+"""A whole number, or text with a unit such as "500MB"."""
+Integers: TypeAlias = Union[Integer, Sequence[Integer]]
 Text: TypeAlias = Union[str, float, Sequence[Union[str, float]]]
 """Text as on the command line; sequences are joined with commas."""
 Progress: TypeAlias = Callable[[int, int, str], None]

@@ -7,6 +7,7 @@ is the local one, bit for bit.
 
 from __future__ import annotations
 
+import inspect
 import os
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -43,7 +44,7 @@ def sweep(
     progress
         Called as progress(done, total, unit): sweeps here, parts with a client
     settings
-        The keywords of `protomer.sweep --help`: salt, replicas, sweeps, ...
+        What follows, as on the command line
     """
     if client is None:
         return _verbs.sweep(assembly, output=output, progress=progress, **settings)
@@ -53,6 +54,19 @@ def sweep(
         _run_parts(client, assembly, output, settings, count, retries, progress)
     # Everything is there; this writes the table and the figure.
     return _verbs.sweep(assembly, output=output, **settings)
+
+
+def _with_the_keywords_of(verb: Callable[..., Any]) -> None:
+    """Shows the settings where a reader looks for them: in the signature and in help()."""
+    here, there = inspect.signature(sweep), inspect.signature(verb)
+    own = [parameter for parameter in here.parameters.values() if parameter.kind is not inspect.Parameter.VAR_KEYWORD]
+    settings = [parameter for name, parameter in there.parameters.items() if name not in here.parameters]
+    sweep.__signature__ = here.replace(parameters=[*own, *settings])  # type: ignore[attr-defined]
+    described = (verb.__doc__ or "").split("----------\n", 1)[-1]
+    sweep.__doc__ = f"{inspect.cleandoc(sweep.__doc__ or '')}\n\n{inspect.cleandoc(described)}"
+
+
+_with_the_keywords_of(_verbs.sweep)
 
 
 def _simulations(settings: Mapping[str, Any]) -> int:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from ._call import Integers, Number, Numbers, Path, Paths, Progress, Text, call
+from ._call import Integer, Integers, Number, Numbers, Path, Paths, Progress, Text, call
 from .results import PotentialResult, Result, SweepResult, TrainResult
 
 __all__ = [
@@ -54,7 +54,7 @@ def ingest(
     cavities: Literal["drop", "keep"] | None = None,
     offset: Number | None = None,
     export: Text | None = None,
-    threads: int | None = None,
+    threads: Integer | None = None,
     force: bool = False,
     progress: Progress | None = None,
 ) -> Result:
@@ -85,25 +85,25 @@ def ingest(
     keep_nucleic_acids
         Keep nucleic acids
     missing
-        What to do with residues that lack heavy atoms Default: keep.
+        What to do with residues that lack heavy atoms [default: keep]
     ph
-        pH of the protonation equilibria Default: 7.4.
+        pH of the protonation equilibria [default: 7.4]
     charges
-        Where the charges sit Default: force-field.
+        Where the charges sit [default: force-field]
     mutate
         Residues exchanged in place: chain:from-number-to, such as A:K45E,B:N12D
     density
-        Mesh vertices per Å² Default: 1.
+        Mesh vertices per Å² [default: 1]
     probe
-        Probe radius, Å Default: 1.4.
+        Probe radius, Å [default: 1.4]
     cavities
-        What to do with cavities inside the body Default: drop.
+        What to do with cavities inside the body [default: drop]
     offset
-        Move the surface inward by this much, Å Default: 0.
+        Move the surface inward by this much, Å [default: 0]
     export
         Also write the mesh and the charges in these formats
     threads
-        Threads to use; 0 means all Default: 0.
+        Threads to use; 0 means all [default: 0]
     force
         Overwrite results that are already there
     progress
@@ -145,7 +145,7 @@ def fetch(
     *,
     output: Path | None = None,
     base: Text | None = None,
-    threads: int | None = None,
+    threads: Integer | None = None,
     force: bool = False,
     progress: Progress | None = None,
 ) -> Result:
@@ -157,11 +157,11 @@ def fetch(
     entries
         Entries, such as 6MDR
     output
-        Folder for the files Default: ..
+        Folder for the files [default: .]
     base
-        Base address of the server; ENTRY.cif.gz is added Default: https://files.rcsb.org/download.
+        Base address of the server; ENTRY.cif.gz is added [default: https://files.rcsb.org/download]
     threads
-        Threads to use; 0 means all Default: 0.
+        Threads to use; 0 means all [default: 0]
     force
         Overwrite results that are already there
     progress
@@ -189,7 +189,7 @@ def surface(
     cavities: Literal["drop", "keep"] | None = None,
     offset: Number | None = None,
     output: Path | None = None,
-    threads: int | None = None,
+    threads: Integer | None = None,
     force: bool = False,
     progress: Progress | None = None,
 ) -> Result:
@@ -201,17 +201,17 @@ def surface(
     input
         Structure, PQR or .xyzr file, perhaps gzipped
     density
-        Mesh vertices per Å² Default: 1.
+        Mesh vertices per Å² [default: 1]
     probe
-        Probe radius, Å Default: 1.4.
+        Probe radius, Å [default: 1.4]
     cavities
-        What to do with cavities inside Default: keep.
+        What to do with cavities inside [default: keep]
     offset
-        Move the surface inward by this much, Å Default: 0.
+        Move the surface inward by this much, Å [default: 0]
     output
         Mesh file to write: .ply, .obj, .off or .stl
     threads
-        Threads to use; 0 means all Default: 0.
+        Threads to use; 0 means all [default: 0]
     force
         Overwrite results that are already there
     progress
@@ -248,7 +248,7 @@ def potential(
     points: Path | None = None,
     no_error_estimate: bool = False,
     output: Path | None = None,
-    threads: int | None = None,
+    threads: Integer | None = None,
     force: bool = False,
     progress: Progress | None = None,
 ) -> PotentialResult:
@@ -262,19 +262,19 @@ def potential(
     salt
         Concentration of a 1:1 salt, such as 100mM or 0.1M
     spacing
-        Grid spacing, Å Default: 0.5.
+        Grid spacing, Å [default: 0.5]
     margin
-        From the atoms to the faces of the grid at least, Å Default: 10.
+        From the atoms to the faces of the grid at least, Å [default: 10]
     temperature
-        Temperature, K Default: 298.15.
+        Temperature, K [default: 298.15]
     inner_permittivity
-        Relative permittivity inside the surface Default: 2.
+        Relative permittivity inside the surface [default: 2]
     outer_permittivity
         Relative permittivity of the solvent; that of water at the temperature if left out
     ion_radius
-        Ions keep their centres this far from the atoms, Å; 0: up to the surface Default: 2.
+        Ions keep their centres this far from the atoms, Å; 0: up to the surface [default: 2]
     probe
-        Probe radius of the surface, Å Default: 1.4.
+        Probe radius of the surface, Å [default: 1.4]
     points
         File of points (x y z per line, Å) at which to print the potential
     no_error_estimate
@@ -282,7 +282,7 @@ def potential(
     output
         Volume file to write: .mrc, .map, .ccp4, .dx or .npz
     threads
-        Threads to use; 0 means all Default: 0.
+        Threads to use; 0 means all [default: 0]
     force
         Overwrite results that are already there
     progress
@@ -317,7 +317,7 @@ def body(
     output: Path,
     charges: Path | None = None,
     name: Text | None = None,
-    threads: int | None = None,
+    threads: Integer | None = None,
     force: bool = False,
     progress: Progress | None = None,
 ) -> Result:
@@ -335,7 +335,7 @@ def body(
     name
         Name of the body; that of the output file if left out
     threads
-        Threads to use; 0 means all Default: 0.
+        Threads to use; 0 means all [default: 0]
     force
         Overwrite results that are already there
     progress
@@ -383,7 +383,7 @@ class _Assemble:
         offset: Number | None = None,
         relax: bool = False,
         box: Numbers | None = None,
-        threads: int | None = None,
+        threads: Integer | None = None,
         force: bool = False,
         progress: Progress | None = None,
     ) -> Result:
@@ -412,27 +412,27 @@ class _Assemble:
         keep_nucleic_acids
             Keep nucleic acids
         missing
-            What to do with residues that lack heavy atoms Default: keep.
+            What to do with residues that lack heavy atoms [default: keep]
         ph
-            pH of the protonation equilibria Default: 7.4.
+            pH of the protonation equilibria [default: 7.4]
         charges
-            Where the charges sit Default: force-field.
+            Where the charges sit [default: force-field]
         mutate
             Residues exchanged in place: chain:from-number-to, such as A:K45E,B:N12D
         density
-            Mesh vertices per Å² Default: 1.
+            Mesh vertices per Å² [default: 1]
         probe
-            Probe radius, Å Default: 1.4.
+            Probe radius, Å [default: 1.4]
         cavities
-            What to do with cavities inside the body Default: drop.
+            What to do with cavities inside the body [default: drop]
         offset
-            Move the surface inward by this much, Å Default: 0.
+            Move the surface inward by this much, Å [default: 0]
         relax
             Remove overlaps of the hard surfaces by the smallest uniform expansion
         box
             Edge of a cubic periodic box, or three edges, Å; open space if left out
         threads
-            Threads to use; 0 means all Default: 0.
+            Threads to use; 0 means all [default: 0]
         force
             Overwrite results that are already there
         progress
@@ -472,15 +472,15 @@ class _Assemble:
         self,
         bodies: Paths,
         *,
-        members: int,
+        members: Integer,
         output: Path,
-        stack: int | None = None,
+        stack: Integer | None = None,
         directions: Text | None = None,
         tilt: Numbers | None = None,
         spin: Numbers | None = None,
         gap: Number | None = None,
         box: Numbers | None = None,
-        threads: int | None = None,
+        threads: Integer | None = None,
         force: bool = False,
         progress: Progress | None = None,
     ) -> Result:
@@ -495,7 +495,7 @@ class _Assemble:
         output
             Assembly file to write
         stack
-            Rings: one, or two stacked with dihedral symmetry Default: 1.
+            Rings: one, or two stacked with dihedral symmetry [default: 1]
         directions
             Direction of each body of the pattern: u for up, d for down, such as ud; all up if left out
         tilt
@@ -504,11 +504,11 @@ class _Assemble:
             Turn of each body about its own axis, degrees
         gap
             How much further apart than at contact neighbours around the ring, and the rings, are placed, Å
-            Default: 0.5.
+            [default: 0.5]
         box
             Edge of a cubic periodic box, or three edges, Å; open space if left out
         threads
-            Threads to use; 0 means all Default: 0.
+            Threads to use; 0 means all [default: 0]
         force
             Overwrite results that are already there
         progress
@@ -539,9 +539,9 @@ class _Assemble:
         *,
         counts: Integers,
         output: Path,
-        seed: int | None = None,
+        seed: Integer | None = None,
         box: Numbers | None = None,
-        threads: int | None = None,
+        threads: Integer | None = None,
         force: bool = False,
         progress: Progress | None = None,
     ) -> Result:
@@ -556,11 +556,11 @@ class _Assemble:
         output
             Assembly file to write
         seed
-            Seed of the random numbers Default: 1.
+            Seed of the random numbers [default: 1]
         box
             Edge of a cubic periodic box, or three edges, Å; open space if left out
         threads
-            Threads to use; 0 means all Default: 0.
+            Threads to use; 0 means all [default: 0]
         force
             Overwrite results that are already there
         progress
@@ -588,13 +588,13 @@ assemble = _Assemble()
 def candidates(
     bodies: Paths,
     *,
-    ring: int,
-    stack: int | None = None,
+    ring: Integer,
+    stack: Integer | None = None,
     symmetry: Literal["none", "cyclic", "dihedral"] | None = None,
     gap: Number | None = None,
     box: Numbers | None = None,
     output: Path | None = None,
-    threads: int | None = None,
+    threads: Integer | None = None,
     force: bool = False,
     progress: Progress | None = None,
 ) -> Result:
@@ -608,18 +608,18 @@ def candidates(
     ring
         Bodies per ring
     stack
-        Rings: one or two Default: 1.
+        Rings: one or two [default: 1]
     symmetry
-        Symmetry asked of an arrangement Default: dihedral.
+        Symmetry asked of an arrangement [default: dihedral]
     gap
         How much further apart than at contact neighbours around the ring, and the rings, are placed, Å
-        Default: 0.5.
+        [default: 0.5]
     box
         Edge of a cubic periodic box, or three edges, Å; open space if left out
     output
         Folder for the assemblies; only counted if left out
     threads
-        Threads to use; 0 means all Default: 0.
+        Threads to use; 0 means all [default: 0]
     force
         Overwrite results that are already there
     progress
@@ -648,7 +648,7 @@ def compare(
     *,
     output: Path,
     title: Text | None = None,
-    threads: int | None = None,
+    threads: Integer | None = None,
     force: bool = False,
     progress: Progress | None = None,
 ) -> Result:
@@ -661,9 +661,9 @@ def compare(
     output
         Figure to write: .png or .svg
     title
-        Title of the figure Default: Stability against salt.
+        Title of the figure [default: Stability against salt]
     threads
-        Threads to use; 0 means all Default: 0.
+        Threads to use; 0 means all [default: 0]
     force
         Overwrite results that are already there
     progress
@@ -703,7 +703,7 @@ class _Framework:
         derivatives: bool = False,
         write: Path | None = None,
         output: Path | None = None,
-        threads: int | None = None,
+        threads: Integer | None = None,
         force: bool = False,
         progress: Progress | None = None,
     ) -> Result:
@@ -737,7 +737,7 @@ class _Framework:
         output
             Folder for result.json, tables (CSV), the drawing and the figure
         threads
-            Threads to use; 0 means all Default: 0.
+            Threads to use; 0 means all [default: 0]
         force
             Overwrite results that are already there
         progress
@@ -784,7 +784,7 @@ class _Framework:
         derivatives: bool = False,
         write: Path | None = None,
         output: Path | None = None,
-        threads: int | None = None,
+        threads: Integer | None = None,
         force: bool = False,
         progress: Progress | None = None,
     ) -> Result:
@@ -799,9 +799,9 @@ class _Framework:
         ks
             Stiffness of each rib, kcal/mol/Å²
         h
-            Length of the ribs along z, Å Default: 2A.
+            Length of the ribs along z, Å [default: 2A]
         l
-            Length of the inclined ribs, Å Default: 1A.
+            Length of the inclined ribs, Å [default: 1A]
         na
             Avogadro's number that converts kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
         cells
@@ -825,7 +825,7 @@ class _Framework:
         output
             Folder for result.json, tables (CSV), the drawing and the figure
         threads
-            Threads to use; 0 means all Default: 0.
+            Threads to use; 0 means all [default: 0]
         force
             Overwrite results that are already there
         progress
@@ -876,7 +876,7 @@ class _Framework:
         derivatives: bool = False,
         write: Path | None = None,
         output: Path | None = None,
-        threads: int | None = None,
+        threads: Integer | None = None,
         force: bool = False,
         progress: Progress | None = None,
     ) -> Result:
@@ -891,7 +891,7 @@ class _Framework:
         kh
             Stiffness of the hinges between neighbouring rods, kcal/mol/rad²
         side
-            Side of a polygon, Å Default: 1A.
+            Side of a polygon, Å [default: 1A]
         na
             Avogadro's number that converts kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
         cells
@@ -915,7 +915,7 @@ class _Framework:
         output
             Folder for result.json, tables (CSV), the drawing and the figure
         threads
-            Threads to use; 0 means all Default: 0.
+            Threads to use; 0 means all [default: 0]
         force
             Overwrite results that are already there
         progress
@@ -965,7 +965,7 @@ class _Framework:
         derivatives: bool = False,
         write: Path | None = None,
         output: Path | None = None,
-        threads: int | None = None,
+        threads: Integer | None = None,
         force: bool = False,
         progress: Progress | None = None,
     ) -> Result:
@@ -980,7 +980,7 @@ class _Framework:
         kh
             Stiffness of the hinges between neighbouring rods, kcal/mol/rad²
         side
-            Side of a polygon, Å Default: 1A.
+            Side of a polygon, Å [default: 1A]
         na
             Avogadro's number that converts kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
         cells
@@ -1004,7 +1004,7 @@ class _Framework:
         output
             Folder for result.json, tables (CSV), the drawing and the figure
         threads
-            Threads to use; 0 means all Default: 0.
+            Threads to use; 0 means all [default: 0]
         force
             Overwrite results that are already there
         progress
@@ -1055,7 +1055,7 @@ class _Framework:
         derivatives: bool = False,
         write: Path | None = None,
         output: Path | None = None,
-        threads: int | None = None,
+        threads: Integer | None = None,
         force: bool = False,
         progress: Progress | None = None,
     ) -> Result:
@@ -1072,7 +1072,7 @@ class _Framework:
         kh
             Stiffness of each hinge, kcal/mol/rad²
         width
-            Extent of a cell along y, Å Default: 2A.
+            Extent of a cell along y, Å [default: 2A]
         na
             Avogadro's number that converts kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
         cells
@@ -1096,7 +1096,7 @@ class _Framework:
         output
             Folder for result.json, tables (CSV), the drawing and the figure
         threads
-            Threads to use; 0 means all Default: 0.
+            Threads to use; 0 means all [default: 0]
         force
             Overwrite results that are already there
         progress
@@ -1149,7 +1149,7 @@ class _Framework:
         derivatives: bool = False,
         write: Path | None = None,
         output: Path | None = None,
-        threads: int | None = None,
+        threads: Integer | None = None,
         force: bool = False,
         progress: Progress | None = None,
     ) -> Result:
@@ -1168,7 +1168,7 @@ class _Framework:
         kh
             Stiffness of each hinge, kcal/mol/rad²
         l
-            Half-diagonal of a square, Å Default: 1A.
+            Half-diagonal of a square, Å [default: 1A]
         na
             Avogadro's number that converts kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
         cells
@@ -1192,7 +1192,7 @@ class _Framework:
         output
             Folder for result.json, tables (CSV), the drawing and the figure
         threads
-            Threads to use; 0 means all Default: 0.
+            Threads to use; 0 means all [default: 0]
         force
             Overwrite results that are already there
         progress
@@ -1242,7 +1242,7 @@ class _Framework:
         derivatives: bool = False,
         write: Path | None = None,
         output: Path | None = None,
-        threads: int | None = None,
+        threads: Integer | None = None,
         force: bool = False,
         progress: Progress | None = None,
     ) -> Result:
@@ -1253,7 +1253,7 @@ class _Framework:
         ks
             Stiffness of each rod, kcal/mol/Å²
         edge
-            Edge of the cubic cell, Å Default: 1A.
+            Edge of the cubic cell, Å [default: 1A]
         na
             Avogadro's number that converts kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
         cells
@@ -1277,7 +1277,7 @@ class _Framework:
         output
             Folder for result.json, tables (CSV), the drawing and the figure
         threads
-            Threads to use; 0 means all Default: 0.
+            Threads to use; 0 means all [default: 0]
         force
             Overwrite results that are already there
         progress
@@ -1324,7 +1324,7 @@ class _Framework:
         derivatives: bool = False,
         write: Path | None = None,
         output: Path | None = None,
-        threads: int | None = None,
+        threads: Integer | None = None,
         force: bool = False,
         progress: Progress | None = None,
     ) -> Result:
@@ -1337,7 +1337,7 @@ class _Framework:
         kh
             Stiffness of each hinge, kcal/mol/rad²
         edge
-            Edge of the cubic cell, Å Default: 1A.
+            Edge of the cubic cell, Å [default: 1A]
         na
             Avogadro's number that converts kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
         cells
@@ -1361,7 +1361,7 @@ class _Framework:
         output
             Folder for result.json, tables (CSV), the drawing and the figure
         threads
-            Threads to use; 0 means all Default: 0.
+            Threads to use; 0 means all [default: 0]
         force
             Overwrite results that are already there
         progress
@@ -1406,7 +1406,7 @@ class _Framework:
         derivatives: bool = False,
         write: Path | None = None,
         output: Path | None = None,
-        threads: int | None = None,
+        threads: Integer | None = None,
         force: bool = False,
         progress: Progress | None = None,
     ) -> Result:
@@ -1437,7 +1437,7 @@ class _Framework:
         output
             Folder for result.json, tables (CSV), the drawing and the figure
         threads
-            Threads to use; 0 means all Default: 0.
+            Threads to use; 0 means all [default: 0]
         force
             Overwrite results that are already there
         progress
@@ -1481,9 +1481,9 @@ def inspect(
     bjerrum: Number | None = None,
     debye: Number | None = None,
     cutoff: Number | None = None,
-    memory_limit: int | None = None,
+    memory_limit: Integer | None = None,
     no_cache: bool = False,
-    threads: int | None = None,
+    threads: Integer | None = None,
     force: bool = False,
     progress: Progress | None = None,
 ) -> Result:
@@ -1494,11 +1494,11 @@ def inspect(
     assembly
         Assembly file
     energy
-        How energies are computed Default: direct.
+        How energies are computed [default: direct]
     tolerance
         Largest likely error of the energy of two bodies, kT, with --energy approximate [default: 0.001]
     contact_gap
-        Surfaces closer than this are in contact, Å Default: 5.
+        Surfaces closer than this are in contact, Å [default: 5]
     salt
         Concentration of a 1:1 salt, such as 100mM or 0.1M
     temperature
@@ -1512,12 +1512,12 @@ def inspect(
     cutoff
         Distance at which the interaction is cut off; five Debye lengths if left out
     memory_limit
-        Memory that tables of certified energies may take together, such as 500MB Default: 4GB.
+        Memory that tables of certified energies may take together, such as 500MB [default: 4GB]
     no_cache
         Neither look for tables of certified energies in the cache folder nor keep them there. The folder is
         PROTOMER_CACHE_DIR (empty: none), else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
     threads
-        Threads to use; 0 means all Default: 0.
+        Threads to use; 0 means all [default: 0]
     force
         Overwrite results that are already there
     progress
@@ -1557,20 +1557,20 @@ def simulate(
     debye: Number | None = None,
     cutoff: Number | None = None,
     config: Path | None = None,
-    sweeps: int | None = None,
-    equilibration: int | None = None,
-    cluster_moves: int | None = None,
-    seed: int | None = None,
+    sweeps: Integer | None = None,
+    equilibration: Integer | None = None,
+    cluster_moves: Integer | None = None,
+    seed: Integer | None = None,
     contact_gap: Number | None = None,
-    log_every: int | None = None,
-    trajectory_every: int | None = None,
+    log_every: Integer | None = None,
+    trajectory_every: Integer | None = None,
     energy: Literal["direct", "certified", "approximate", "none"] | None = None,
     tolerance: Number | None = None,
     time_limit: Number | None = None,
     checkpoint_every: Number | None = None,
-    memory_limit: int | None = None,
+    memory_limit: Integer | None = None,
     no_cache: bool = False,
-    threads: int | None = None,
+    threads: Integer | None = None,
     force: bool = False,
     progress: Progress | None = None,
 ) -> Result:
@@ -1617,14 +1617,14 @@ def simulate(
     time_limit
         Stop (resumably, exit code 3) after this many minutes
     checkpoint_every
-        Seconds between checkpoints: what a killed run loses at most Default: 20.
+        Seconds between checkpoints: what a killed run loses at most [default: 20]
     memory_limit
-        Memory that tables of certified energies may take together, such as 500MB Default: 4GB.
+        Memory that tables of certified energies may take together, such as 500MB [default: 4GB]
     no_cache
         Neither look for tables of certified energies in the cache folder nor keep them there. The folder is
         PROTOMER_CACHE_DIR (empty: none), else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
     threads
-        Threads to use; 0 means all Default: 0.
+        Threads to use; 0 means all [default: 0]
     force
         Overwrite results that are already there
     progress
@@ -1668,28 +1668,28 @@ def sweep(
     *,
     output: Path,
     salt: Text | None = None,
-    replicas: int | None = None,
+    replicas: Integer | None = None,
     shard: Text | None = None,
     config: Path | None = None,
-    sweeps: int | None = None,
-    equilibration: int | None = None,
-    cluster_moves: int | None = None,
-    seed: int | None = None,
+    sweeps: Integer | None = None,
+    equilibration: Integer | None = None,
+    cluster_moves: Integer | None = None,
+    seed: Integer | None = None,
     contact_gap: Number | None = None,
-    log_every: int | None = None,
-    trajectory_every: int | None = None,
+    log_every: Integer | None = None,
+    trajectory_every: Integer | None = None,
     energy: Literal["direct", "certified", "approximate", "none"] | None = None,
     tolerance: Number | None = None,
     time_limit: Number | None = None,
     checkpoint_every: Number | None = None,
-    memory_limit: int | None = None,
+    memory_limit: Integer | None = None,
     no_cache: bool = False,
     temperature: Number | None = None,
     permittivity: Number | None = None,
     bjerrum: Number | None = None,
     debye: Number | None = None,
     cutoff: Number | None = None,
-    threads: int | None = None,
+    threads: Integer | None = None,
     force: bool = False,
     progress: Progress | None = None,
 ) -> SweepResult:
@@ -1708,7 +1708,7 @@ def sweep(
         Independent replicas per salt concentration
     shard
         Only a part of the simulations, such as 2/8, beside other processes in the same directory; the command
-        without it collects the parts Default: 1/1.
+        without it collects the parts [default: 1/1]
     config
         Configuration (TOML), such as the run.toml of another run; flags override it
     sweeps
@@ -1732,9 +1732,9 @@ def sweep(
     time_limit
         Stop (resumably, exit code 3) after this many minutes
     checkpoint_every
-        Seconds between checkpoints: what a killed run loses at most Default: 20.
+        Seconds between checkpoints: what a killed run loses at most [default: 20]
     memory_limit
-        Memory that tables of certified energies may take together, such as 500MB Default: 4GB.
+        Memory that tables of certified energies may take together, such as 500MB [default: 4GB]
     no_cache
         Neither look for tables of certified energies in the cache folder nor keep them there. The folder is
         PROTOMER_CACHE_DIR (empty: none), else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
@@ -1749,7 +1749,7 @@ def sweep(
     cutoff
         Distance at which the interaction is cut off; five Debye lengths if left out
     threads
-        Threads to use; 0 means all Default: 0.
+        Threads to use; 0 means all [default: 0]
     force
         Overwrite results that are already there
     progress
@@ -1797,7 +1797,7 @@ class _Lattice:
         self,
         *,
         from_: Path | None = None,
-        threads: int | None = None,
+        threads: Integer | None = None,
         force: bool = False,
         progress: Progress | None = None,
     ) -> Result:
@@ -1808,7 +1808,7 @@ class _Lattice:
         from_
             The square that stands for this body, as `square` prints it
         threads
-            Threads to use; 0 means all Default: 0.
+            Threads to use; 0 means all [default: 0]
         force
             Overwrite results that are already there
         progress
@@ -1833,9 +1833,9 @@ class _Lattice:
         output: Path,
         time_limit: Number | None = None,
         checkpoint_every: Number | None = None,
-        ns: int | None = None,
-        rows: int | None = None,
-        columns: int | None = None,
+        ns: Integer | None = None,
+        rows: Integer | None = None,
+        columns: Integer | None = None,
         r0: Number | None = None,
         kappa: Number | None = None,
         edges: Literal["open", "periodic"] | None = None,
@@ -1844,17 +1844,17 @@ class _Lattice:
         velocities: Literal["checkerboard", "random", "rest", "thermal"] | None = None,
         speed: Number | None = None,
         time: Number | None = None,
-        steps: int | None = None,
+        steps: Integer | None = None,
         dt: Text | None = None,
         no_collisions: bool = False,
         restitution: Number | None = None,
         paper: bool = False,
         temperature: Number | None = None,
         friction: Number | None = None,
-        seed: int | None = None,
-        log_every: int | None = None,
-        trajectory_every: int | None = None,
-        threads: int | None = None,
+        seed: Integer | None = None,
+        log_every: Integer | None = None,
+        trajectory_every: Integer | None = None,
+        threads: Integer | None = None,
         force: bool = False,
         progress: Progress | None = None,
     ) -> Result:
@@ -1869,7 +1869,7 @@ class _Lattice:
         time_limit
             Stop (resumably, exit code 3) after this many minutes
         checkpoint_every
-            Seconds between checkpoints: what a killed run loses at most Default: 20.
+            Seconds between checkpoints: what a killed run loses at most [default: 20]
         ns
             Squares along an edge: rows and columns at once
         rows
@@ -1913,7 +1913,7 @@ class _Lattice:
         trajectory_every
             Steps between frames of the trajectory; 0 for none [default: 50]
         threads
-            Threads to use; 0 means all Default: 0.
+            Threads to use; 0 means all [default: 0]
         force
             Overwrite results that are already there
         progress
@@ -1963,10 +1963,10 @@ class _Lattice:
         checkpoint_every: Number | None = None,
         r0_list: Numbers | None = None,
         kappa_list: Numbers | None = None,
-        seeds: int | None = None,
-        ns: int | None = None,
-        rows: int | None = None,
-        columns: int | None = None,
+        seeds: Integer | None = None,
+        ns: Integer | None = None,
+        rows: Integer | None = None,
+        columns: Integer | None = None,
         r0: Number | None = None,
         kappa: Number | None = None,
         edges: Literal["open", "periodic"] | None = None,
@@ -1975,17 +1975,17 @@ class _Lattice:
         velocities: Literal["checkerboard", "random", "rest", "thermal"] | None = None,
         speed: Number | None = None,
         time: Number | None = None,
-        steps: int | None = None,
+        steps: Integer | None = None,
         dt: Text | None = None,
         no_collisions: bool = False,
         restitution: Number | None = None,
         paper: bool = False,
         temperature: Number | None = None,
         friction: Number | None = None,
-        seed: int | None = None,
-        log_every: int | None = None,
-        trajectory_every: int | None = None,
-        threads: int | None = None,
+        seed: Integer | None = None,
+        log_every: Integer | None = None,
+        trajectory_every: Integer | None = None,
+        threads: Integer | None = None,
         force: bool = False,
         progress: Progress | None = None,
     ) -> Result:
@@ -2001,7 +2001,7 @@ class _Lattice:
         time_limit
             Stop (resumably, exit code 3) after this many minutes
         checkpoint_every
-            Seconds between checkpoints: what a killed run loses at most Default: 20.
+            Seconds between checkpoints: what a killed run loses at most [default: 20]
         r0_list
             Rod lengths, separated by commas [default: the [sweep] of the configuration]
         kappa_list
@@ -2051,7 +2051,7 @@ class _Lattice:
         trajectory_every
             Steps between frames of the trajectory; 0 for none [default: 50]
         threads
-            Threads to use; 0 means all Default: 0.
+            Threads to use; 0 means all [default: 0]
         force
             Overwrite results that are already there
         progress
@@ -2101,8 +2101,8 @@ class _Lattice:
         *,
         output: Path | None = None,
         frames: Path | None = None,
-        most_frames: int | None = None,
-        threads: int | None = None,
+        most_frames: Integer | None = None,
+        threads: Integer | None = None,
         force: bool = False,
         progress: Progress | None = None,
     ) -> Result:
@@ -2117,9 +2117,9 @@ class _Lattice:
         frames
             Write the frames as SVG files into this directory as well
         most_frames
-            Frames to show at most, spread evenly over the run Default: 1000.
+            Frames to show at most, spread evenly over the run [default: 1000]
         threads
-            Threads to use; 0 means all Default: 0.
+            Threads to use; 0 means all [default: 0]
         force
             Overwrite results that are already there
         progress
@@ -2146,7 +2146,7 @@ class _Lattice:
         axis: Literal["auto", "x", "y", "z"] | None = None,
         size: Literal["corners", "outside", "area"] | None = None,
         output: Path | None = None,
-        threads: int | None = None,
+        threads: Integer | None = None,
         force: bool = False,
         progress: Progress | None = None,
     ) -> Result:
@@ -2157,13 +2157,13 @@ class _Lattice:
         body
             Body file
         axis
-            The axis to look along Default: auto.
+            The axis to look along [default: auto]
         size
-            What the half-diagonal is Default: corners.
+            What the half-diagonal is [default: corners]
         output
             Write the configuration to this file instead of stdout
         threads
-            Threads to use; 0 means all Default: 0.
+            Threads to use; 0 means all [default: 0]
         force
             Overwrite results that are already there
         progress
@@ -2189,7 +2189,7 @@ class _Lattice:
         *,
         dt: Number | None = None,
         longest: Number | None = None,
-        threads: int | None = None,
+        threads: Integer | None = None,
         force: bool = False,
         progress: Progress | None = None,
     ) -> Result:
@@ -2201,11 +2201,11 @@ class _Lattice:
         file
             The file
         dt
-            Time step; it shrinks a little where times ask for it Default: 0.001.
+            Time step; it shrinks a little where times ask for it [default: 0.001]
         longest
-            How long to look for a contact Default: 20.
+            How long to look for a contact [default: 20]
         threads
-            Threads to use; 0 means all Default: 0.
+            Threads to use; 0 means all [default: 0]
         force
             Overwrite results that are already there
         progress
@@ -2228,7 +2228,7 @@ class _Lattice:
         self,
         file: Path,
         *,
-        threads: int | None = None,
+        threads: Integer | None = None,
         force: bool = False,
         progress: Progress | None = None,
     ) -> Result:
@@ -2239,7 +2239,7 @@ class _Lattice:
         file
             The file
         threads
-            Threads to use; 0 means all Default: 0.
+            Threads to use; 0 means all [default: 0]
         force
             Overwrite results that are already there
         progress
@@ -2259,13 +2259,13 @@ class _Lattice:
     def bench(
         self,
         *,
-        ns: int | None = None,
+        ns: Integer | None = None,
         r0: Number | None = None,
-        steps: int | None = None,
+        steps: Integer | None = None,
         dt: Text | None = None,
         no_collisions: bool = False,
-        seed: int | None = None,
-        threads: int | None = None,
+        seed: Integer | None = None,
+        threads: Integer | None = None,
         force: bool = False,
         progress: Progress | None = None,
     ) -> Result:
@@ -2275,19 +2275,19 @@ class _Lattice:
         Parameters
         ----------
         ns
-            Squares along an edge Default: 10.
+            Squares along an edge [default: 10]
         r0
-            Length of the rods Default: 0.13636363636363635.
+            Length of the rods [default: 0.13636363636363635]
         steps
-            Steps Default: 1000.
+            Steps [default: 1000]
         dt
-            Time step: auto, or a number Default: auto.
+            Time step: auto, or a number [default: auto]
         no_collisions
             Let squares pass through each other
         seed
-            Seed of the random numbers Default: 1.
+            Seed of the random numbers [default: 1]
         threads
-            Threads to use; 0 means all Default: 0.
+            Threads to use; 0 means all [default: 0]
         force
             Overwrite results that are already there
         progress
@@ -2322,27 +2322,27 @@ def train(
     short: bool = False,
     config: Path | None = None,
     ablate: bool = False,
-    ablation_seeds: int | None = None,
+    ablation_seeds: Integer | None = None,
     target: Literal["label", "space-group", "crystal-system", "point-group", "polar"] | None = None,
-    least_samples: int | None = None,
+    least_samples: Integer | None = None,
     channels: Text | None = None,
     split_by: Literal["cluster", "sample"] | None = None,
     fractions: Numbers | None = None,
     scaling: Literal["robust", "raw", "box-standardised"] | None = None,
-    permutations: int | None = None,
+    permutations: Integer | None = None,
     rotations: bool = False,
     widths: Integers | None = None,
     kernels: Integers | None = None,
-    groups: int | None = None,
+    groups: Integer | None = None,
     average_only: bool = False,
-    epochs: int | None = None,
-    patience: int | None = None,
-    batch: int | None = None,
+    epochs: Integer | None = None,
+    patience: Integer | None = None,
+    batch: Integer | None = None,
     learning_rate: Number | None = None,
-    seed: int | None = None,
+    seed: Integer | None = None,
     time_limit: Number | None = None,
     checkpoint_every: Number | None = None,
-    threads: int | None = None,
+    threads: Integer | None = None,
     force: bool = False,
     progress: Progress | None = None,
 ) -> TrainResult:
@@ -2365,7 +2365,7 @@ def train(
     ablate
         Train every subset of the channels as well
     ablation_seeds
-        Seeds each subset is trained with Default: 3.
+        Seeds each subset is trained with [default: 3]
     target
         What is to be predicted [default: label]
     least_samples
@@ -2403,9 +2403,9 @@ def train(
     time_limit
         Stop (resumably, exit code 3) after this many minutes
     checkpoint_every
-        Seconds between checkpoints: what a killed run loses at most Default: 20.
+        Seconds between checkpoints: what a killed run loses at most [default: 20]
     threads
-        Threads to use; 0 means all Default: 0.
+        Threads to use; 0 means all [default: 0]
     force
         Overwrite results that are already there
     progress
@@ -2452,21 +2452,21 @@ def tune(
     set: Path,
     *,
     output: Path,
-    trials: int | None = None,
-    epochs: int | None = None,
-    seed: int | None = None,
+    trials: Integer | None = None,
+    epochs: Integer | None = None,
+    seed: Integer | None = None,
     vary_channels: bool = False,
     target: Literal["label", "space-group", "crystal-system", "point-group", "polar"] | None = None,
-    least_samples: int | None = None,
+    least_samples: Integer | None = None,
     channels: Text | None = None,
     split_by: Literal["cluster", "sample"] | None = None,
     fractions: Numbers | None = None,
     scaling: Literal["robust", "raw", "box-standardised"] | None = None,
-    permutations: int | None = None,
+    permutations: Integer | None = None,
     rotations: bool = False,
     time_limit: Number | None = None,
     checkpoint_every: Number | None = None,
-    threads: int | None = None,
+    threads: Integer | None = None,
     force: bool = False,
     progress: Progress | None = None,
 ) -> Result:
@@ -2480,11 +2480,11 @@ def tune(
     output
         Directory of the results
     trials
-        Networks to try Default: 27.
+        Networks to try [default: 27]
     epochs
-        Passes over the training part for those that are never stopped Default: 27.
+        Passes over the training part for those that are never stopped [default: 27]
     seed
-        Seed of draws, split, weights, order and rotations Default: 1.
+        Seed of draws, split, weights, order and rotations [default: 1]
     vary_channels
         Try subsets of the channels as well
     target
@@ -2506,9 +2506,9 @@ def tune(
     time_limit
         Stop (resumably, exit code 3) after this many minutes
     checkpoint_every
-        Seconds between checkpoints: what a killed run loses at most Default: 20.
+        Seconds between checkpoints: what a killed run loses at most [default: 20]
     threads
-        Threads to use; 0 means all Default: 0.
+        Threads to use; 0 means all [default: 0]
     force
         Overwrite results that are already there
     progress
@@ -2545,11 +2545,11 @@ def voxelize(
     *,
     manifest: Path,
     output: Path,
-    size: int | None = None,
+    size: Integer | None = None,
     spacing: Text | None = None,
     channels: Text | None = None,
     orientation: Literal["random", "principal", "deposited"] | None = None,
-    seed: int | None = None,
+    seed: Integer | None = None,
     potential: Literal["poisson-boltzmann", "debye-hueckel"] | None = None,
     salt: Number | None = None,
     temperature: Number | None = None,
@@ -2559,7 +2559,7 @@ def voxelize(
     most_incomplete: Number | None = None,
     shard: Text | None = None,
     time_limit: Number | None = None,
-    threads: int | None = None,
+    threads: Integer | None = None,
     force: bool = False,
     progress: Progress | None = None,
 ) -> Result:
@@ -2573,35 +2573,35 @@ def voxelize(
     output
         The set to write, such as SET.zarr
     size
-        Voxels along each edge of a grid Default: 64.
+        Voxels along each edge of a grid [default: 64]
     spacing
-        Edge of a voxel, Å; `fit`: each structure scaled to fill the grid Default: 1.0.
+        Edge of a voxel, Å; `fit`: each structure scaled to fill the grid [default: 1.0]
     channels
-        What the voxels carry Default: shape,potential,hydropathy.
+        What the voxels carry [default: shape,potential,hydropathy]
     orientation
-        How structures are turned Default: random.
+        How structures are turned [default: random]
     seed
-        Seed of the random orientations Default: 0.
+        Seed of the random orientations [default: 0]
     potential
-        Which potential Default: poisson-boltzmann.
+        Which potential [default: poisson-boltzmann]
     salt
-        Concentration of a 1:1 salt, such as 100mM or 0.1M Default: 150mM.
+        Concentration of a 1:1 salt, such as 100mM or 0.1M [default: 150mM]
     temperature
-        Temperature, K Default: 298.15.
+        Temperature, K [default: 298.15]
     ph
-        pH of the protonation Default: 7.4.
+        pH of the protonation [default: 7.4]
     probe
-        Probe radius of the surface, Å Default: 1.4.
+        Probe radius of the surface, Å [default: 1.4]
     hydropathy_reach
-        Residues with an atom this near to a voxel's centre count for its hydropathy, Å Default: 5.
+        Residues with an atom this near to a voxel's centre count for its hydropathy, Å [default: 5]
     most_incomplete
-        Structures of which a larger part of the residues lacks heavy atoms are left out Default: 0.25.
+        Structures of which a larger part of the residues lacks heavy atoms are left out [default: 0.25]
     shard
-        Only a part of the manifest, such as 2/8; `protomer merge` joins the parts Default: 1/1.
+        Only a part of the manifest, such as 2/8; `protomer merge` joins the parts [default: 1/1]
     time_limit
         Stop after this many minutes; the same command goes on from there
     threads
-        Threads to use; 0 means all Default: 0.
+        Threads to use; 0 means all [default: 0]
     force
         Overwrite results that are already there
     progress
@@ -2639,7 +2639,7 @@ def merge(
     inputs: Paths,
     *,
     output: Path,
-    threads: int | None = None,
+    threads: Integer | None = None,
     force: bool = False,
     progress: Progress | None = None,
 ) -> Result:
@@ -2653,7 +2653,7 @@ def merge(
     output
         The set to write
     threads
-        Threads to use; 0 means all Default: 0.
+        Threads to use; 0 means all [default: 0]
     force
         Overwrite results that are already there
     progress
@@ -2675,21 +2675,21 @@ def merge(
 def bench(
     assembly: Path | None = None,
     *,
-    moves: int | None = None,
+    moves: Integer | None = None,
     energy: Literal["direct", "certified", "approximate", "none"] | None = None,
     tolerance: Number | None = None,
     part: Text | None = None,
     charges: Integers | None = None,
-    seed: int | None = None,
+    seed: Integer | None = None,
     salt: Number | None = None,
     temperature: Number | None = None,
     permittivity: Number | None = None,
     bjerrum: Number | None = None,
     debye: Number | None = None,
     cutoff: Number | None = None,
-    memory_limit: int | None = None,
+    memory_limit: Integer | None = None,
     no_cache: bool = False,
-    threads: int | None = None,
+    threads: Integer | None = None,
     force: bool = False,
     progress: Progress | None = None,
 ) -> Result:
@@ -2713,7 +2713,7 @@ def bench(
     charges
         Numbers of charges per body in the tables [default: 500,3000]
     seed
-        Seed of the random numbers, and of the program's own states Default: 1.
+        Seed of the random numbers, and of the program's own states [default: 1]
     salt
         Concentration of a 1:1 salt, such as 100mM or 0.1M
     temperature
@@ -2727,12 +2727,12 @@ def bench(
     cutoff
         Distance at which the interaction is cut off; five Debye lengths if left out
     memory_limit
-        Memory that tables of certified energies may take together, such as 500MB Default: 4GB.
+        Memory that tables of certified energies may take together, such as 500MB [default: 4GB]
     no_cache
         Neither look for tables of certified energies in the cache folder nor keep them there. The folder is
         PROTOMER_CACHE_DIR (empty: none), else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
     threads
-        Threads to use; 0 means all Default: 0.
+        Threads to use; 0 means all [default: 0]
     force
         Overwrite results that are already there
     progress

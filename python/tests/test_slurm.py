@@ -5,8 +5,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
-
 import protomer as pm
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -36,9 +34,9 @@ def test_the_tasks_of_an_array_make_the_local_sweep(ring, tmp_path):
 
 
 def test_the_tasks_of_an_array_make_a_set(tmp_path):
-    structures = sorted((ROOT / "data" / "structures").glob("*.gz"))[:3]
+    structures = {path.name.split(".")[0]: path for path in sorted((ROOT / "data" / "structures").glob("*.gz"))}
     manifest = tmp_path / "manifest.csv"
-    rows = [f"{path},{label},{label}" for label, path in zip("abc", structures)]
+    rows = [f"{path},{name},{name}" for name, path in structures.items()]
     manifest.write_text("\n".join(["file,label,cluster", *rows]) + "\n")
     array("voxelize.slurm", 2, manifest, tmp_path / "parts", "--size", 32, "--spacing", "fit", "--channels", "shape")
     parts = sorted((tmp_path / "parts").glob("*.zarr"))
@@ -47,5 +45,4 @@ def test_the_tasks_of_an_array_make_a_set(tmp_path):
     whole = pm.voxelize(
         manifest=manifest, output=tmp_path / "whole.zarr", size=32, spacing="fit", channels=["shape"]
     )
-    assert merged.samples == whole.samples
-    assert merged.samples == pytest.approx(3, abs=2)
+    assert merged.samples == whole.samples > 1

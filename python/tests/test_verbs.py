@@ -25,7 +25,7 @@ def command(*words):
 
 
 def test_every_verb_is_a_function_with_keywords_and_a_description():
-    for name in pm._verbs:
+    for name in pm._verb_names:
         verb = getattr(pm, name)
         assert callable(verb) or any(callable(getattr(verb, method)) for method in dir(verb))
         assert (verb.__doc__ or type(verb).__doc__).strip()

@@ -26,7 +26,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from ._call import Integers, Number, Numbers, Path, Paths, Progress, Text, call
+from ._call import Integer, Integers, Number, Numbers, Path, Paths, Progress, Text, call
 from .results import PotentialResult, Result, SweepResult, TrainResult
 "#;
 
@@ -85,7 +85,7 @@ impl Parameter {
         let is_switch = matches!(arg.get_action(), ArgAction::SetTrue);
         let mut help = arg.get_help().map(ToString::to_string).unwrap_or_default();
         if !default.is_empty() && !is_switch {
-            let _ = write!(help, " Default: {}.", default.join(" "));
+            let _ = write!(help, " [default: {}]", default.join(" "));
         }
         Self {
             name: identifier(arg.get_long().unwrap_or(arg.get_id().as_str())),
@@ -123,7 +123,7 @@ fn annotation(arg: &Arg) -> String {
     match () {
         () if !choices.is_empty() && !many => format!("Literal[{}]", choices.join(", ")),
         () if is(&[TypeId::of::<PathBuf>()]) => if many { "Paths" } else { "Path" }.to_owned(),
-        () if is(&integers) => if many { "Integers" } else { "int" }.to_owned(),
+        () if is(&integers) => if many { "Integers" } else { "Integer" }.to_owned(),
         () if is(&[TypeId::of::<f64>()]) => if many { "Numbers" } else { "Number" }.to_owned(),
         () => "Text".to_owned(),
     }
@@ -192,7 +192,7 @@ fn write_docstring(text: &mut String, about: &str, parameters: &[&Parameter], in
     for (n, line) in lines.iter().enumerate() {
         let _ = match (n, line.is_empty()) {
             (0, _) => write!(text, "{line}"),
-            (_, true) => write!(text, "\n"),
+            (_, true) => writeln!(text),
             _ => write!(text, "\n{indent}{line}"),
         };
     }

@@ -34,7 +34,7 @@ pub fn samples_of(source: &Source) -> Result<Box<dyn SampleSource>> {
 pub fn open_set(path: &Path) -> Result<(Source, Box<dyn SampleSource>)> {
     let set = VoxelSet::open(path)?;
     let reader = set.reader();
-    if reader.len() == 0 {
+    if reader.is_empty() {
         bail!("{} has no samples; its attribute 'excluded' says why structures were left out", path.display());
     }
     let voxels: Vec<usize> = (0..reader.len()).map(|sample| reader.voxels(sample)).collect();
