@@ -69,7 +69,7 @@ impl ResultsDirectory {
         Ok(directory)
     }
 
-    /// Enters beside other processes that do parts of the same work; each part needs a [`lock`] of its own.
+    /// Enters beside other processes that do parts of the same work; each part locks what it works on.
     ///
     /// # Errors
     /// As [`enter`](Self::enter); also while a process has the directory alone.
