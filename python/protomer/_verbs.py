@@ -24,6 +24,7 @@ __all__ = [
     "simulate",
     "sweep",
     "lattice",
+    "report",
     "train",
     "tune",
     "voxelize",
@@ -2312,6 +2313,47 @@ class _Lattice:
 
 
 lattice = _Lattice()
+
+
+def report(
+    directory: Path,
+    *,
+    output: Path | None = None,
+    assembly: Path | None = None,
+    threads: Integer | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> Result:
+    """Make one HTML page of a directory of results: figures with their numbers, bodies to turn, lattices that
+    move. The page needs nothing else and loads nothing.
+
+    Parameters
+    ----------
+    directory
+        Directory of a simulation, a sweep, a lattice run or sweep, a framework, or a training
+    output
+        The page [default: report.html in the directory]
+    assembly
+        Assembly file of a sweep or simulation, if it is no longer where it was
+    threads
+        Threads to use; 0 means all [default: 0]
+    force
+        Overwrite results that are already there
+    progress
+        Called as progress(done, total, unit) while the work goes on.
+    """
+    return call(
+        Result,
+        ["report"],
+        [directory],
+        {
+            "--output": output,
+            "--assembly": assembly,
+            "--threads": threads,
+            "--force": force,
+        },
+        progress,
+    )
 
 
 def train(

@@ -15,7 +15,7 @@ use protomer_body::Body;
 use protomer_kernel::mesh::LARGEST_COORDINATE_ANGSTROM;
 use protomer_kernel::{Boundary, Pose, Vec3};
 use serde::{Deserialize, Serialize};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
 /// An assembly as its file has it.
@@ -79,6 +79,8 @@ pub struct Assembly {
     pub boundary: Boundary,
     /// SHA-256 over the assembly file and the body files, in hexadecimal: the identity of the input.
     pub sha256: String,
+    /// The assembly file; `None` for an assembly that was not read from one.
+    pub path: Option<PathBuf>,
 }
 
 impl Assembly {
@@ -101,6 +103,7 @@ impl Assembly {
         }
         let mut assembly = Self::assemble(&file, bodies).with_context(|| path.display().to_string())?;
         assembly.sha256 = protomer_io::atomic::sha256_hex(&identity);
+        assembly.path = Some(path.to_owned());
         Ok(assembly)
     }
 
@@ -127,7 +130,7 @@ impl Assembly {
             kinds.push(kind);
             poses.push(checked_pose(placement).with_context(|| format!("placement {index}"))?);
         }
-        Ok(Self { bodies, kinds, poses, boundary: boundary_of(file)?, sha256: String::new() })
+        Ok(Self { bodies, kinds, poses, boundary: boundary_of(file)?, sha256: String::new(), path: None })
     }
 
     /// Number of bodies placed.
@@ -138,6 +141,17 @@ impl Assembly {
     /// Whether nothing is placed.
     pub fn is_empty(&self) -> bool {
         self.poses.is_empty()
+    }
+
+    /// The way from a directory to the assembly file, which stays right when a folder that holds both is moved; `None`
+    /// without a file, or where there is no such way.
+    pub fn path_from(&self, directory: &Path) -> Option<PathBuf> {
+        let file = self.path.as_ref()?.canonicalize().ok()?;
+        // The directory need not be there yet.
+        let from = directory.canonicalize().or_else(|_| std::path::absolute(directory)).ok()?;
+        let common = file.components().zip(from.components()).take_while(|(a, b)| a == b).count();
+        let up = from.components().skip(common).map(|_| Component::ParentDir);
+        (common > 0).then(|| up.chain(file.components().skip(common)).collect())
     }
 
     /// Edge lengths of the periodic box, Å.

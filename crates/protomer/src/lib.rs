@@ -24,11 +24,13 @@
 //! | [`mod@bench`], [`cpu_time`] | trial moves per CPU-second |
 //! | [`energy_tables`], [`disk_cache`] | tables of certified energies, shared, bounded in memory, kept on the disk |
 //! | [`train`], [`tune`], [`tune_figure`] | networks trained and searched for, in their directories |
+//! | [`mod@report`] | a directory of results as one page |
 //! | [`quantity`], [`keys`], [`interrupt`], [`plot`] | what several of them need |
 //! | `cli` | the command line, one file per verb (feature `cli`) |
 
 pub mod assemble;
 pub mod assembly_file;
+mod base64;
 pub mod bench;
 pub mod body_file;
 #[cfg(feature = "cli")]
@@ -51,6 +53,7 @@ pub mod own_body;
 pub mod plot;
 pub mod potential;
 pub mod quantity;
+pub mod report;
 pub mod run;
 pub mod shard;
 pub mod surface_of_file;

@@ -32,7 +32,7 @@ pub enum ShardEnd {
 const LAYOUT: Layout = Layout {
     settings: "run.toml",
     holds: "a sweep",
-    results: &["run.json", "sweep.csv", "sweep.json", "sweep.svg", "sweep.png"],
+    results: &["run.json", "sweep.csv", "sweep.json", "sweep.svg", "sweep.png", "report.html"],
     is_result: is_simulation,
 };
 
@@ -88,7 +88,7 @@ pub fn run_sweep(
 ) -> Result<SweepEnd> {
     let interactions = interactions(engine, settings)?;
     let identity = identity(engine, settings)?;
-    let record = |exit_reason| record(engine, &identity, exit_reason);
+    let record = |exit_reason| record(engine, directory, &identity, exit_reason);
     let continues = |present: &RunSettings| continues(directory, present, settings, &identity);
     let entered = ResultsDirectory::enter(directory, LAYOUT, settings, execution.start_anew, continues)?;
     if entered.settings_are_new() {
@@ -128,7 +128,7 @@ pub fn run_shard(
     let continues = |present: &RunSettings| continues(directory, present, settings, &identity);
     let entered = ResultsDirectory::share(directory, LAYOUT, settings, continues)?;
     if entered.settings_are_new() {
-        record(engine, &identity, "running").write(directory)?;
+        record(engine, directory, &identity, "running").write(directory)?;
     }
     let work = Work { engine, settings, interactions: &interactions, identity: &identity, directory };
     let mine: Vec<(usize, u32)> = tasks(settings)
@@ -247,14 +247,15 @@ fn identity(engine: &Engine, settings: &RunSettings) -> Result<String> {
     Ok(sha256_hex(format!("{text}{}", engine.assembly().sha256).as_bytes()))
 }
 
-fn record(engine: &Engine, identity: &str, exit_reason: &str) -> RunRecord {
+fn record(engine: &Engine, directory: &Path, identity: &str, exit_reason: &str) -> RunRecord {
     RunRecord {
         version: env!("CARGO_PKG_VERSION").into(),
         verb: "sweep".into(),
         identity: identity.into(),
         input_sha256: engine.assembly().sha256.clone(),
         exit_reason: exit_reason.into(),
-        details: serde_json::Value::Null,
+        // Where a report finds the shapes of the bodies.
+        details: serde_json::json!({ "assembly": engine.assembly().path_from(directory) }),
     }
 }
 

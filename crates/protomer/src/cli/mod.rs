@@ -19,6 +19,7 @@ mod merge;
 mod output;
 mod potential;
 mod python_source;
+mod report;
 mod simulate;
 mod surface;
 mod sweep;
@@ -92,6 +93,7 @@ enum Verb {
     Simulate(simulate::SimulateArgs),
     Sweep(sweep::SweepArgs),
     Lattice(lattice::LatticeArgs),
+    Report(report::ReportArgs),
     Train(Box<train::TrainArgs>),
     Tune(Box<tune::TuneArgs>),
     Voxelize(voxelize::VoxelizeArgs),
@@ -155,6 +157,7 @@ impl Verb {
             Verb::Simulate(args) => args.run(global),
             Verb::Sweep(args) => args.run(global),
             Verb::Lattice(args) => args.run(global),
+            Verb::Report(args) => args.run(global),
             Verb::Train(args) => args.run(global),
             Verb::Tune(args) => args.run(global),
             Verb::Voxelize(args) => args.run(global),

@@ -12,6 +12,12 @@ use std::fmt::Write;
 use std::path::Path;
 
 const PAGE: &str = include_str!("animation.html");
+/// Style of [`PLAYER`].
+const PLAYER_STYLE: &str = include_str!("player.css");
+/// What is on the page: a canvas and its controls, which [`PLAYER_SCRIPT`] fills.
+pub(crate) const PLAYER: &str = include_str!("player.html");
+/// Defines `playLattice(root, keys, data)`.
+pub(crate) const PLAYER_SCRIPT: &str = include_str!("player.js");
 /// Pixels of the longer edge of a frame.
 const FRAME_PIXELS: f64 = 800.0;
 
@@ -69,8 +75,22 @@ impl Animation {
         [left - margin, low - margin, right + margin, up + margin]
     }
 
+    /// What the squares and rods are, in words.
+    pub(crate) fn title(&self) -> &str {
+        &self.title
+    }
+
     /// The page.
     pub fn to_html(&self) -> String {
+        PAGE.replace("{{STYLE}}", PLAYER_STYLE.trim_end())
+            .replace("{{PLAYER}}", PLAYER.trim_end())
+            .replace("{{SCRIPT}}", PLAYER_SCRIPT.trim_end())
+            .replace("{{TITLE}}", &self.title)
+            .replace("{{DATA}}", &self.to_json())
+    }
+
+    /// The frames as JSON that may stand inside a script element.
+    pub(crate) fn to_json(&self) -> String {
         let rods = self.network.rods.iter().map(|rod| {
             let [x, y] = shift(&self.network, rod);
             serde_json::json!([rod.from.square, rod.from.vertex, rod.to.square, rod.to.vertex, x, y])
@@ -84,8 +104,7 @@ impl Animation {
             "frames": frames,
         });
         // Inside a script element no text may look like its end.
-        let data = data.to_string().replace("</", "<\\/");
-        PAGE.replace("{{TITLE}}", &self.title).replace("{{DATA}}", &data)
+        data.to_string().replace("</", "<\\/")
     }
 
     /// One frame as an SVG file.

@@ -1,5 +1,6 @@
 //! Square matrices of numbers from 0 to 1 as pictures in an SVG file.
 
+use crate::base64::base64;
 use anyhow::{Context, Result};
 use protomer_io::atomic::write_atomically;
 use std::fmt::Write;
@@ -33,8 +34,8 @@ fn to_svg(title: &str, maps: &[HeatMap], columns: usize) -> Result<String> {
     let (step, rows) = (EDGE + MARGIN, maps.len().div_ceil(columns));
     let (width, height) = (MARGIN + columns * step, 2 * MARGIN + rows * step + MARGIN);
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" font-family=\"sans-serif\" \
-         font-size=\"15\">\n<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n\
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
+         font-family=\"sans-serif\" font-size=\"15\">\n<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n\
          <text x=\"{MARGIN}\" y=\"30\" font-size=\"20\">{title}</text>\n"
     );
     let mut picture = |x: usize, y: usize, w: usize, h: usize, png: &[u8]| {
@@ -86,30 +87,9 @@ fn png(width: usize, height: usize, values: &[f64]) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// RFC 4648.
-fn base64(bytes: &[u8]) -> String {
-    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for group in bytes.chunks(3) {
-        let number = group.iter().fold(0_u32, |number, byte| number << 8 | u32::from(*byte)) << (8 * (3 - group.len()));
-        for place in 0..4 {
-            let letter = LETTERS[(number >> (18 - 6 * place) & 63) as usize];
-            text.push(if place <= group.len() { char::from(letter) } else { '=' });
-        }
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn base64_is_that_of_the_standard() {
-        for (plain, coded) in [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")] {
-            assert_eq!(base64(plain.as_bytes()), coded);
-        }
-    }
 
     #[test]
     fn colours_get_lighter() {

@@ -1,7 +1,8 @@
 //! `log.csv`: what a run looks like from step to step.
 
 use super::mover::Mover;
-use anyhow::{Context, Result, bail};
+use crate::run::{complete_lines, read_text};
+use anyhow::{Result, bail};
 use protomer_crystal::analysis::modes::{ModeEnergies, Modes, OutOf, orientational_spread};
 use protomer_crystal::analysis::strain::{biot_strain, corners, deformation_gradient};
 use protomer_crystal::lattice::{Network, State};
@@ -141,7 +142,19 @@ impl LogRow {
 /// # Errors
 /// Names the file and line that is not a row.
 pub fn read_log(path: &Path) -> Result<Vec<LogRow>> {
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read the log {}", path.display()))?;
+    rows_of(path, &read_text(path)?)
+}
+
+/// Reads the log of a run that may still go on, or was killed: without a last line that is not complete.
+///
+/// # Errors
+/// As [`read_log`].
+pub fn read_log_so_far(path: &Path) -> Result<Vec<LogRow>> {
+    let text = read_text(path)?;
+    rows_of(path, complete_lines(&text))
+}
+
+fn rows_of(path: &Path, text: &str) -> Result<Vec<LogRow>> {
     let mut rows = Vec::new();
     for (index, line) in text.lines().enumerate().skip(1) {
         match LogRow::from_line(line) {

@@ -22,7 +22,7 @@ const CHECKPOINT: &str = "checkpoint.bin";
 const LOG: &str = "log.csv";
 const TRAJECTORY: &str = "trajectory.gsd";
 /// Everything that a run writes beside its settings.
-pub const RESULTS: [&str; 5] = ["run.json", LOG, TRAJECTORY, CHECKPOINT, "trajectory.gsd.partial"];
+pub const RESULTS: [&str; 6] = ["run.json", LOG, TRAJECTORY, CHECKPOINT, "trajectory.gsd.partial", "report.html"];
 /// What the container says it holds.
 const KIND: &str = "lattice checkpoint";
 

@@ -24,7 +24,7 @@ use std::path::{Path, PathBuf};
 /// A run directory with more folders than this serves nobody.
 const MOST_RUNS: usize = 100_000;
 /// Files of a sweep beside its settings; the folders of its runs come on top.
-const RESULTS: [&str; 4] = ["run.json", "lattice.csv", "runs.csv", "lattice.json"];
+const RESULTS: [&str; 5] = ["run.json", "lattice.csv", "runs.csv", "lattice.json", "report.html"];
 
 /// What a sweep leaves behind.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -23,6 +23,8 @@ const TICK_LENGTH: f64 = 7.0;
 const MARKER_RADIUS: f64 = 6.5;
 const REPLICA_RADIUS: f64 = 4.0;
 const REPLICA_OPACITY: f64 = 0.4;
+/// On a line of more points, markers would cover each other and the line.
+const MOST_MARKED: usize = 60;
 const LEGEND_SAMPLE: f64 = 46.0;
 /// Height of capital letters in em, to centre text on a line.
 const CAPITALS: f64 = 0.73;
@@ -236,7 +238,7 @@ fn draw_axes(
     canvas.text(&panel.y.label, middle, LABEL_SIZE * fitting, INK, Align::Centre, Direction::Up)
 }
 
-/// Replicas behind, then line, error bars and points, each point set off by a white rim.
+/// Replicas behind, then line, error bars and points, each point set off by a white rim; a line of many points stands alone.
 fn draw_series(
     series: &super::Series,
     (colour, marker): (Rgb, canvas::Marker),
@@ -258,6 +260,9 @@ fn draw_series(
         for end in [low, high] {
             canvas.line(&[[x - 7.0, end], [x + 7.0, end]], 2.0, colour)?;
         }
+    }
+    if series.line && points.len() > MOST_MARKED {
+        return Ok(());
     }
     for point in &points {
         let centre = [area.x(point.x), area.y(point.y)];

@@ -135,7 +135,29 @@ fn hexadecimal(hash: &Sha256) -> String {
 /// # Errors
 /// Names the file and line that is not a row.
 pub fn read_log(path: &Path) -> Result<Vec<LogRow>> {
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read the log {}", path.display()))?;
+    rows_of(path, &read_text(path)?)
+}
+
+/// Reads the log of a run that may still go on, or was killed: without a last line that is not complete.
+///
+/// # Errors
+/// As [`read_log`].
+pub fn read_log_so_far(path: &Path) -> Result<Vec<LogRow>> {
+    let text = read_text(path)?;
+    rows_of(path, complete_lines(&text))
+}
+
+/// The text up to its last line feed.
+pub(crate) fn complete_lines(text: &str) -> &str {
+    text.rfind('\n').map_or("", |end| &text[..end])
+}
+
+/// The text of a log.
+pub(crate) fn read_text(path: &Path) -> Result<String> {
+    std::fs::read_to_string(path).with_context(|| format!("cannot read the log {}", path.display()))
+}
+
+fn rows_of(path: &Path, text: &str) -> Result<Vec<LogRow>> {
     let mut rows = Vec::new();
     for (index, line) in text.lines().enumerate().skip(1) {
         match parse_row(line) {

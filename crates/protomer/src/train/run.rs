@@ -34,7 +34,17 @@ const CURVE: &str = "learning_curve.svg";
 const LAYOUT: Layout = Layout {
     settings: "settings.toml",
     holds: "a training",
-    results: &[super::metrics::FILE_NAME, MODEL, HISTORY, PREDICTIONS, CURVE, CHECKPOINT, "ablation.csv", "ablation"],
+    results: &[
+        super::metrics::FILE_NAME,
+        MODEL,
+        HISTORY,
+        PREDICTIONS,
+        CURVE,
+        CHECKPOINT,
+        "ablation.csv",
+        "ablation",
+        "report.html",
+    ],
     is_result: |_| false,
 };
 

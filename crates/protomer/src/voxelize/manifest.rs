@@ -116,7 +116,7 @@ fn entries(file: &str, text: &str, folder: &Path) -> Result<Vec<Entry>> {
 }
 
 /// The cells of a line; a cell in double quotes may hold commas, and quotes doubled.
-fn cells(file: &str, line: usize, text: &str) -> Result<Vec<String>> {
+pub(crate) fn cells(file: &str, line: usize, text: &str) -> Result<Vec<String>> {
     let mut cells = vec![String::new()];
     let (mut quoted, mut was_quoted) = (false, false);
     let mut characters = text.trim_end_matches('\r').chars().peekable();

@@ -1,0 +1,90 @@
+//! Bits of markup.
+
+/// Text that is safe in an element and in a quoted attribute.
+pub fn escape(text: &str) -> String {
+    let mut safe = String::with_capacity(text.len());
+    for character in text.chars() {
+        match character {
+            '&' => safe += "&amp;",
+            '<' => safe += "&lt;",
+            '>' => safe += "&gt;",
+            '"' => safe += "&quot;",
+            _ => safe.push(character),
+        }
+    }
+    safe
+}
+
+/// A paragraph.
+pub fn paragraph(text: &str) -> String {
+    format!("<p>{}</p>\n", escape(text))
+}
+
+/// Names and what they are.
+pub fn definitions(rows: &[(&str, String)]) -> String {
+    let row = |(name, value): &(&str, String)| format!("<dt>{}</dt><dd>{}</dd>\n", escape(name), escape(value));
+    format!("<dl>\n{}</dl>\n", rows.iter().map(row).collect::<String>())
+}
+
+/// A table; its first column heads the rows.
+pub fn table(columns: &[String], rows: &[Vec<String>]) -> String {
+    let cells = |row: &[String], tag: &str| -> String {
+        row.iter().map(|cell| format!("<{tag}>{}</{tag}>", escape(cell))).collect()
+    };
+    let body: String = rows.iter().map(|row| format!("<tr>{}</tr>\n", cells(row, "td"))).collect();
+    format!(
+        "<div class=\"scroll\"><table>\n<thead><tr>{}</tr></thead>\n<tbody>\n{body}</tbody>\n</table></div>\n",
+        cells(columns, "th")
+    )
+}
+
+/// Points of a list.
+pub fn list(items: &[String]) -> String {
+    format!("<ul>\n{}</ul>\n", items.iter().map(|item| format!("<li>{}</li>\n", escape(item))).collect::<String>())
+}
+
+/// Text as it is in a file, folded away.
+pub fn folded_text(title: &str, text: &str) -> String {
+    format!("<details><summary>{}</summary><pre>{}</pre></details>\n", escape(title), escape(text.trim_end()))
+}
+
+/// A number with so many significant digits, without needless zeros.
+pub fn significant(value: f64, digits: usize) -> String {
+    if !value.is_finite() || value == 0.0 {
+        return if value == 0.0 { "0".into() } else { "–".into() };
+    }
+    let magnitude = value.abs().log10().floor() as i32;
+    let text = if (-4..9).contains(&magnitude) {
+        let decimals = (digits as i32 - 1 - magnitude).max(0) as usize;
+        format!("{value:.decimals$}")
+    } else {
+        format!("{value:.*e}", digits.saturating_sub(1))
+    };
+    let (number, exponent) = text.split_once('e').map_or((text.as_str(), String::new()), |(n, e)| (n, format!("e{e}")));
+    let number = if number.contains('.') { number.trim_end_matches('0').trim_end_matches('.') } else { number };
+    format!("{number}{exponent}").replace('-', "−")
+}
+
+/// A salt concentration (mol/L) in mmol/L.
+pub fn millimolar(salt_molar: f64) -> String {
+    significant(1e3 * salt_molar, 6)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_cannot_become_markup() {
+        assert_eq!(escape("<a b=\"c\">&"), "&lt;a b=&quot;c&quot;&gt;&amp;");
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        let short = [(12.345_678, "12.346"), (-0.5, "−0.5"), (0.0, "0"), (1.0e-7, "1e−7"), (123_456.7, "123457")];
+        for (value, text) in short {
+            assert_eq!(significant(value, 5), text);
+        }
+        assert_eq!(significant(f64::NAN, 3), "–");
+    }
+}

@@ -1,0 +1,177 @@
+//! Meshes as data for the viewer: positions in 16 bits, a byte per vertex and colouring, base64.
+
+use super::page::Section;
+use crate::base64::base64;
+use protomer_kernel::{Pose, TriangleMesh, Vec3};
+use serde_json::{Value, json};
+
+/// The viewer numbers up to so many vertices in 16 bits.
+const NARROW: usize = 1 << 16;
+
+/// A mesh with its values.
+#[derive(Debug, Clone)]
+pub struct ShownMesh {
+    /// Name of the body.
+    pub name: String,
+    /// Its surface, Å.
+    pub mesh: TriangleMesh,
+    /// For each colouring a value for each vertex; NaN where there is none.
+    pub values: Vec<Vec<f64>>,
+}
+
+/// A scale of colours.
+#[derive(Debug, Clone)]
+pub struct Colouring {
+    /// Name in the menu.
+    pub name: String,
+    /// Quantity and unit, below the scale.
+    pub unit: String,
+    /// The value at the upper end; the lower end is its negative.
+    pub limit: f64,
+    /// Colours of the lower end, the middle and the upper end.
+    pub colours: [&'static str; 3],
+}
+
+/// Bodies that are shown together.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// Name in the menu.
+    pub name: String,
+    /// The mesh and the pose of each body.
+    pub bodies: Vec<(usize, Pose)>,
+}
+
+/// Everything that the viewer is given.
+#[derive(Debug, Clone, Default)]
+pub struct Shown {
+    /// The meshes.
+    pub meshes: Vec<ShownMesh>,
+    /// The colourings, the first being shown first.
+    pub colourings: Vec<Colouring>,
+    /// The scenes, the first being shown first.
+    pub scenes: Vec<Scene>,
+}
+
+/// The section with the viewer; `below` stands under it.
+pub fn section(shown: &Shown, below: &str) -> Section {
+    let data = to_json(shown).to_string().replace("</", "<\\/");
+    Section {
+        title: "Bodies".into(),
+        html: include_str!("mesh_view.html").to_owned() + below,
+        style: include_str!("mesh_view.css"),
+        library: include_str!("mesh_view.js"),
+        script: format!("viewMeshes(document.querySelector(\".mesh-view\"), {data});\n"),
+    }
+}
+
+fn to_json(shown: &Shown) -> Value {
+    let colouring = |colouring: &Colouring| {
+        let Colouring { name, unit, limit, colours } = colouring;
+        json!({ "name": name, "unit": unit, "colours": colours, "labels": [format!("−{limit}"), "0", format!("+{limit}")] })
+    };
+    json!({
+        "meshes": shown.meshes.iter().map(|mesh| mesh_to_json(mesh, &shown.colourings)).collect::<Vec<_>>(),
+        "colourings": shown.colourings.iter().map(colouring).collect::<Vec<_>>(),
+        "scenes": shown.scenes.iter().map(|scene| scene_to_json(scene, &shown.meshes)).collect::<Vec<_>>(),
+    })
+}
+
+fn mesh_to_json(shown: &ShownMesh, colourings: &[Colouring]) -> Value {
+    let mesh = &shown.mesh;
+    let Bounds { low, high } = bounds(mesh.vertices.iter());
+    // All axes are divided by the longest edge.
+    let span = (high - low).max().max(1e-3);
+    let place = |x: f64, axis: usize| ((x - low[axis]) / span * 65535.0).round().clamp(0.0, 65535.0) as u16;
+    let places: Vec<u8> = mesh
+        .vertices
+        .iter()
+        .flat_map(|vertex| [0, 1, 2].map(|axis| place(vertex[axis], axis)))
+        .flat_map(u16::to_le_bytes)
+        .collect();
+    let wide = mesh.vertices.len() > NARROW;
+    let corners = mesh.triangles.iter().flatten();
+    let corners: Vec<u8> = match wide {
+        true => corners.flat_map(|corner| corner.to_le_bytes()).collect(),
+        false => corners.flat_map(|corner| (*corner as u16).to_le_bytes()).collect(),
+    };
+    let values = colourings.iter().zip(&shown.values);
+    let values: Vec<String> = values
+        .map(|(scale, values)| base64(&values.iter().map(|value| level(*value, scale.limit)).collect::<Vec<_>>()))
+        .collect();
+    json!({
+        "name": shown.name, "low": rounded(&low), "span": thousandths(span), "wide": wide,
+        "places": base64(&places), "corners": base64(&corners), "values": values,
+    })
+}
+
+/// 1 to 255 from -limit to limit; 0 for no value.
+fn level(value: f64, limit: f64) -> u8 {
+    if value.is_nan() { 0 } else { (128.0 + 127.0 * (value / limit).clamp(-1.0, 1.0)).round() as u8 }
+}
+
+fn scene_to_json(scene: &Scene, meshes: &[ShownMesh]) -> Value {
+    let centre = match scene.bodies.as_slice() {
+        [(mesh, pose)] => {
+            let Bounds { low, high } = bounds(meshes.get(*mesh).iter().flat_map(|shown| &shown.mesh.vertices));
+            pose.transform_point(&(0.5 * (low + high)))
+        }
+        bodies => bodies.iter().map(|(_, pose)| pose.position).sum::<Vec3>() / bodies.len().max(1) as f64,
+    };
+    let reach = |(mesh, pose): &(usize, Pose)| {
+        let vertices = meshes.get(*mesh).map_or(&[][..], |shown| &shown.mesh.vertices);
+        vertices.iter().map(|vertex| (pose.transform_point(vertex) - centre).norm()).fold(0.0, f64::max)
+    };
+    let radius = scene.bodies.iter().map(reach).fold(1.0, f64::max);
+    let body = |(mesh, pose): &(usize, Pose)| {
+        let [w, x, y, z] = pose.wxyz().map(|part| (part * 1e6).round() / 1e6);
+        let at = rounded(&pose.position);
+        json!([mesh, at[0], at[1], at[2], w, x, y, z])
+    };
+    json!({
+        "name": scene.name, "centre": rounded(&centre), "radius": thousandths(radius),
+        "bodies": scene.bodies.iter().map(body).collect::<Vec<_>>(),
+    })
+}
+
+struct Bounds {
+    low: Vec3,
+    high: Vec3,
+}
+
+fn bounds<'a>(vertices: impl Iterator<Item = &'a Vec3>) -> Bounds {
+    let around = |both: Option<Bounds>, vertex: &Vec3| {
+        let Bounds { low, high } = both.unwrap_or(Bounds { low: *vertex, high: *vertex });
+        Some(Bounds { low: low.inf(vertex), high: high.sup(vertex) })
+    };
+    vertices.fold(None, around).unwrap_or(Bounds { low: Vec3::zeros(), high: Vec3::zeros() })
+}
+
+fn rounded(place: &Vec3) -> [f64; 3] {
+    [0, 1, 2].map(|axis| thousandths(place[axis]))
+}
+
+fn thousandths(x: f64) -> f64 {
+    (x * 1e3).round() / 1e3
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_keep_their_sign_and_nothing_stays_nothing() {
+        assert_eq!([-9.0, -5.0, 0.0, 5.0, f64::NAN].map(|value| level(value, 5.0)), [1, 1, 128, 255, 0]);
+    }
+
+    #[test]
+    fn positions_are_kept_to_a_part_in_65535_of_the_longest_edge() {
+        let vertices = vec![Vec3::new(-1.0, 2.0, 0.0), Vec3::new(3.0, 2.5, 0.0), Vec3::new(0.3, 2.1, 1.0)];
+        let mesh = TriangleMesh { vertices, triangles: vec![[0, 1, 2]] };
+        let json = mesh_to_json(&ShownMesh { name: "a".into(), mesh, values: vec![] }, &[]);
+        assert_eq!((json["span"].as_f64(), json["low"][1].as_f64()), (Some(4.0), Some(2.0)));
+        // 0.325 of 65535 is 21299 (0x5333), 0.025 is 1638 (0x0666), a quarter is 16384 (0x4000); low byte first.
+        let expected = [0, 0, 0, 0, 0, 0, 0xff, 0xff, 0x00, 0x20, 0, 0, 0x33, 0x53, 0x66, 0x06, 0x00, 0x40];
+        assert_eq!(json["places"], base64(&expected));
+        assert_eq!(json["corners"], base64(&[0, 0, 1, 0, 2, 0]));
+    }
+}

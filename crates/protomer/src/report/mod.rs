@@ -1,0 +1,86 @@
+//! A directory of results as one HTML page that needs nothing else: figures with the numbers behind them, shapes to turn,
+//! lattices that move, conditions, provenance, and what failed.
+//!
+//! ```text
+//! directory --kind--> what it holds --monte_carlo, lattice, framework, training--> sections --page--> report.html
+//! ```
+//!
+//! | module | one idea |
+//! |---|---|
+//! | `kind` | what a directory holds |
+//! | `monte_carlo`, `lattice`, `framework`, `training` | the sections of each kind |
+//! | `traces` | the logs of simulations as a figure |
+//! | `scenes` | which bodies are shown, and where they stand |
+//! | `mesh_view` | meshes as data for the viewer |
+//! | `figures`, `data` | pictures inlined, tables folded with a link to save them |
+//! | `provenance` | version, hashes, seed, how it ended |
+//! | `page`, `html` | the page around the sections, and its bits of markup |
+//!
+//! The same directory gives the same bytes. Nothing is loaded: the page carries a policy that forbids its browser to.
+
+mod data;
+mod figures;
+mod framework;
+mod html;
+mod kind;
+mod lattice;
+mod mesh_view;
+mod monte_carlo;
+mod page;
+mod provenance;
+mod scenes;
+mod traces;
+mod training;
+
+use crate::framework::directory::write_one;
+use anyhow::{Result, bail};
+use kind::Kind;
+use page::Page;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// What is asked for.
+#[derive(Debug, Clone, Default)]
+pub struct Request {
+    /// The page; `report.html` in the directory where `None`.
+    pub output: Option<PathBuf>,
+    /// The assembly of a sweep or a simulation, where the directory does not know it.
+    pub assembly: Option<PathBuf>,
+    /// Replace a page that is there.
+    pub force: bool,
+}
+
+/// A page that was written.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Written {
+    /// Where it is.
+    pub page: PathBuf,
+    /// Its size.
+    pub bytes: usize,
+    /// Titles of its sections.
+    pub sections: Vec<String>,
+}
+
+/// Writes the page of a directory.
+///
+/// # Errors
+/// If the directory holds nothing that can be shown, a file of it is damaged, the page is there already, or the disk does
+/// not take it.
+pub fn report(directory: &Path, request: &Request) -> Result<Written> {
+    let page = request.output.clone().unwrap_or_else(|| directory.join("report.html"));
+    let contents = page_of(directory, request.assembly.as_deref())?;
+    let html = contents.to_html();
+    write_one(&page, &html, request.force)?;
+    Ok(Written { page, bytes: html.len(), sections: contents.titles() })
+}
+
+fn page_of(directory: &Path, assembly: Option<&Path>) -> Result<Page> {
+    match kind::of(directory)? {
+        Kind::MonteCarlo(settings) => monte_carlo::page(directory, &settings, assembly),
+        _ if assembly.is_some() => bail!("{} has no assembly; leave out --assembly", directory.display()),
+        Kind::Lattice(settings) => lattice::page_of_run(directory, &settings),
+        Kind::LatticeSweep(settings) => lattice::page_of_sweep(directory, &settings),
+        Kind::Framework => framework::page(directory),
+        Kind::Training(settings) => training::page(directory, &settings),
+    }
+}
