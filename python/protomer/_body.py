@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import _protomer, _verbs
+from . import _protomer
+from ._verbs import ingest as _ingest
 from .results import _axes
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ class Body(_protomer.Body):
     def from_structure(cls, path: str | os.PathLike[str], **settings: Any) -> Body:
         """The body of a structure file (PDB, mmCIF, PQR); `settings` are the keywords of `protomer.ingest`."""
         with tempfile.TemporaryDirectory() as folder:
-            _verbs.ingest([path], output=folder, **settings)
+            _ingest([path], output=folder, **settings)
             written = sorted(_FilePath(folder).rglob("*.body"))
             if len(written) != 1:
                 raise _protomer.ProtomerError(f"{path}: {len(written)} bodies; use protomer.ingest for several")

@@ -89,8 +89,14 @@ class SweepResult(Result):
     def plot(self, ax: Axes | None = None) -> Axes:
         """Radius of gyration against salt with the spread of the replicas, on a logarithmic axis of salt."""
         ax = _axes(ax)
+        from matplotlib.ticker import LogLocator, NullFormatter
+
         ax.errorbar(self.salt_molar * 1000.0, self.r_g_angstrom, yerr=self.r_g_sd_angstrom, marker="o", capsize=3)
         ax.set_xscale("log")
+        # 20, 50, 100 as they are: less than two decades would otherwise be labelled so densely that nothing can be read.
+        ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        ax.xaxis.set_major_formatter("{x:g}")
+        ax.xaxis.set_minor_formatter(NullFormatter())
         ax.set_xlabel("salt (mM)")
         ax.set_ylabel("radius of gyration (Å)")
         return ax

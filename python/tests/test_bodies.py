@@ -1,9 +1,13 @@
 """Bodies as arrays."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import protomer as pm
+
+BPTI = Path(__file__).resolve().parents[2] / "data" / "structures" / "5pti.cif.gz"
 
 TETRAHEDRON = np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [0.0, 3.0, 0.0], [0.0, 0.0, 3.0]])
 FACES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
@@ -20,6 +24,13 @@ def test_a_body_is_arrays_in_angstrom_and_e(bodies):
     assert np.einsum("ij,ij->", a, np.cross(b, c)) / 6 == pytest.approx(body.volume_angstrom3, rel=1e-9)
     assert np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2 == pytest.approx(body.area_angstrom2, rel=1e-9)
     assert "plus" in repr(body) and "<table>" in body._repr_html_()
+
+
+def test_a_body_comes_from_a_structure_without_leaving_files(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    body = pm.Body.from_structure(BPTI, ph=7.4, name="bpti")
+    assert body.name == "bpti" and body.net_charge_e == pytest.approx(5.79, abs=0.05)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_body_of_arrays_comes_back_from_its_file(tmp_path):

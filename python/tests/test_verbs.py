@@ -54,6 +54,17 @@ def test_results_show_their_fields():
         result.nothing
 
 
+def test_a_sweep_labels_its_salts_readably():
+    matplotlib = pytest.importorskip("matplotlib", reason="matplotlib is not installed")
+    matplotlib.use("Agg")
+    rows = [{"salt_M": salt, "r_g_mean_angstrom": 20.0, "r_g_sd_angstrom": 1.0} for salt in [0.03, 0.3]]
+    axes = pm.SweepResult({"salts": rows}).plot()
+    axes.figure.canvas.draw()
+    low, high = axes.get_xlim()
+    labels = [label.get_text() for label in axes.get_xticklabels(which="both") if low <= label.get_position()[0] <= high]
+    assert [label for label in labels if label] == ["50", "100", "200"]
+
+
 def test_errors_are_exceptions_of_their_kind(ring, tmp_path):
     broken = tmp_path / "broken.pdb"
     broken.write_text("ATOM      1  N   ALA A   1      11.104   x.134  -6.504  1.00  0.00           N\n")
