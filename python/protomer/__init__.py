@@ -24,6 +24,7 @@ from ._verbs import *  # noqa: F403
 from ._verbs import __all__ as _verb_names
 from ._body import Body
 from ._cluster import sweep
+from ._sets import VoxelSet
 from .results import PotentialResult, Result, SweepResult, TrainResult
 
 __all__ = [
@@ -39,6 +40,7 @@ __all__ = [
     "StoppedError",
     "SweepResult",
     "TrainResult",
+    "VoxelSet",
     "__version__",
     *_verb_names,
 ]

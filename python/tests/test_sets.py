@@ -1,0 +1,46 @@
+"""Sets of voxels as a dataset."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+import protomer as pm
+from conftest import BPTI
+
+zarr = pytest.importorskip("zarr", reason="zarr is not installed")
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("set")
+    (folder / "set.csv").write_text(f"file,label,cluster,name\n{BPTI},b,c,one\n{BPTI},a,c,two\n")
+    pm.voxelize(manifest=folder / "set.csv", output=folder / "set.zarr", size=32, spacing="fit", seed=3)
+    return folder / "set.zarr"
+
+
+def test_samples_are_grids_with_the_number_of_their_class(path):
+    samples = pm.VoxelSet(path)
+    assert len(samples) == 2 and samples.classes == ["a", "b"] and samples.names == ["one", "two"]
+    (first, label), (second, other) = samples
+    assert first.shape == (3, 32, 32, 32) and first.dtype == np.float32 and (label, other) == (1, 0)
+    assert not np.array_equal(first, second), "two random orientations are one"
+    shape, potential, hydropathy = first
+    assert shape.sum() > 100 and not potential[shape == 0].any() and np.abs(hydropathy).max() <= 4.5
+    only = pm.VoxelSet(path, channels=["potential", "shape"], transform=lambda grid: grid[0].sum())
+    assert only[-1][0] == pytest.approx(float(samples.grid(1)[1].sum()))
+    with pytest.raises(IndexError):
+        samples[2]
+    with pytest.raises(ValueError, match="no channel 'colour'"):
+        pm.VoxelSet(path, channels=["colour"])
+
+
+def test_workers_of_a_loader_can_have_it(path):
+    samples = pickle.loads(pickle.dumps(pm.VoxelSet(path)))
+    np.testing.assert_array_equal(samples.grid(0), pm.VoxelSet(path).grid(0))
+
+
+def test_a_loader_of_torch_takes_it_as_it_is(path):
+    torch = pytest.importorskip("torch", reason="torch is not installed; it is not required")
+    grids, labels = next(iter(torch.utils.data.DataLoader(pm.VoxelSet(path), batch_size=2)))
+    assert tuple(grids.shape) == (2, 3, 32, 32, 32) and labels.tolist() == [1, 0]
