@@ -72,7 +72,8 @@ known = [training.baselines[name].balanced_accuracy for name in baselines]
 figure, axes = plt.subplots(figsize=(8, 3.2), layout="constrained")
 colours = ["#0072B2"] * len(rows) + ["0.5"] * len(known)
 bars = axes.barh([*names, *baselines.values()], scores + known, xerr=errors + [0] * len(known), color=colours)
-axes.bar_label(bars, fmt="%.2f", label_type="center", color="white")
+for bar, score in zip(bars, scores + known):
+    axes.text(0.01, bar.get_y() + bar.get_height() / 2, f"{score:.2f}", va="center", color="white")
 axes.axvline(0.5, color="black", linestyle="--", linewidth=1)
 axes.invert_yaxis()
 axes.set(xlabel="balanced accuracy on the test part", xlim=(0, 1.05));
