@@ -34,6 +34,30 @@ pub fn write_atomically(path: &Path, write: impl FnOnce(&mut dyn Write) -> std::
     sync_folder(path)
 }
 
+/// Removes from a folder what [`write_atomically`] left there when its process was killed. The caller sees to it that
+/// nobody writes into the folder meanwhile; folders within it are left alone.
+///
+/// # Errors
+/// [`IoError::File`] if the folder cannot be read or a file cannot be removed.
+pub fn remove_abandoned(folder: &Path) -> Result<()> {
+    let entries = fs::read_dir(folder).map_err(IoError::at(folder, "read"))?;
+    for entry in entries {
+        let entry = entry.map_err(IoError::at(folder, "read"))?;
+        if is_temporary(&entry.file_name().to_string_lossy()) {
+            fs::remove_file(entry.path()).map_err(IoError::at(&entry.path(), "remove"))?;
+        }
+    }
+    Ok(())
+}
+
+/// Whether this is a name of [`Temporary`]: `.NAME.PID-N.partial`.
+fn is_temporary(name: &str) -> bool {
+    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    let middle = name.strip_prefix('.').and_then(|name| name.strip_suffix(".partial"));
+    let tag = middle.and_then(|middle| middle.rsplit_once('.')).map(|(_, tag)| tag);
+    tag.and_then(|tag| tag.split_once('-')).is_some_and(|(process, number)| is_number(process) && is_number(number))
+}
+
 /// Removed when dropped, unless it was renamed.
 struct Temporary {
     path: PathBuf,
@@ -104,6 +128,17 @@ mod tests {
             assert_eq!(fs::read_to_string(&path).unwrap(), content);
         }
         assert_eq!(entries(folder.path()), ["file"]);
+    }
+
+    #[test]
+    fn what_a_killed_process_left_is_removed_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let (left, _file) = Temporary::create(&folder.path().join("checkpoint.bin")).unwrap();
+        let others = [".notes.partial", "run.12-0.partial", ".run.12-.partial", "log.csv"];
+        others.iter().for_each(|name| fs::write(folder.path().join(name), "").unwrap());
+        remove_abandoned(folder.path()).unwrap();
+        assert!(!left.path.exists());
+        assert!(others.iter().all(|name| folder.path().join(name).exists()));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::keys;
 use anyhow::{Context, Result, bail};
-use protomer_io::atomic::write_atomically;
+use protomer_io::atomic::{remove_abandoned, write_atomically};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::fs::{File, TryLockError};
@@ -62,6 +62,7 @@ impl ResultsDirectory {
             require_ours(path, layout)?;
         }
         let mut directory = Self { path: path.to_owned(), settings_are_new: false, _lock: lock(path, Hold::Alone)? };
+        remove_abandoned(path)?;
         if start_anew {
             directory.remove_results(layout)?;
         }

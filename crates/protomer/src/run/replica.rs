@@ -8,6 +8,7 @@ use super::trajectory::Trajectory;
 use super::{Engine, RunSettings};
 use crate::interaction::Interaction;
 use anyhow::{Context, Result, bail};
+use protomer_io::atomic::remove_abandoned;
 use protomer_mc::Statistics;
 use protomer_mc::{Outcome, Simulation};
 use std::ops::ControlFlow;
@@ -74,6 +75,7 @@ pub struct ReplicaCounts {
 pub fn run_replica(task: &ReplicaTask<'_>, execution: &Execution, advanced: &dyn Fn(u64)) -> Result<ReplicaEnd> {
     std::fs::create_dir_all(&task.directory)
         .with_context(|| format!("cannot make the directory {}", task.directory.display()))?;
+    remove_abandoned(&task.directory)?;
     if let Some(counts) = finished(task)? {
         advanced(task.settings.total_sweeps());
         return Ok(ReplicaEnd::Finished(counts));
