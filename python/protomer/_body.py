@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
+import warnings
 from pathlib import Path as _FilePath
 from typing import TYPE_CHECKING, Any
 
@@ -60,11 +61,15 @@ class Body(_protomer.Body):
     def from_structure(cls, path: str | os.PathLike[str], **settings: Any) -> Body:
         """The body of a structure file (PDB, mmCIF, PQR); `settings` are the keywords of `protomer.ingest`."""
         with tempfile.TemporaryDirectory() as folder:
-            _ingest([path], output=folder, **settings)
-            written = sorted(_FilePath(folder).rglob("*.body"))
-            if len(written) != 1:
-                raise _protomer.ProtomerError(f"{path}: {len(written)} bodies; use protomer.ingest for several")
-            return cls.read(written[0])
+            with warnings.catch_warnings():
+                warnings.filterwarnings("ignore", message="some of the inputs failed")
+                files = _ingest(path, output=folder, **settings).files
+            for file in files:
+                if file["error"]:
+                    raise _protomer.ProtomerError(file["error"])
+            if len(files) != 1:
+                raise _protomer.ProtomerError(f"{path}: {len(files)} structures; use protomer.ingest for several")
+            return cls.read(files[0]["body"])
 
     @classmethod
     def from_universe(cls, atoms: Any, **settings: Any) -> Body:

@@ -57,7 +57,8 @@ def _flag(flag: str, value: object) -> list[str]:
     return [f"{flag}={word}" for word in _words(value)]
 
 
-_REPEATED = frozenset({"--part", "--chain", "--model"})
+# Flags that are given once for each value; all others take a list with commas.
+_REPEATED = frozenset({"--part"})
 
 
 def _words(value: object) -> list[str]:

@@ -9,12 +9,15 @@ from __future__ import annotations
 
 import inspect
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from . import _verbs
 from ._call import Path
 from .results import SweepResult
+
+PARTS_PER_THREAD = 4
+"""Enough that workers end at about the same time; parts without a simulation cost next to nothing."""
 
 
 def sweep(
@@ -38,7 +41,7 @@ def sweep(
     client
         A `distributed.Client`, or the address of a scheduler ("tcp://host:8786"); None: this machine
     parts
-        Tasks to make of the sweep; one per simulation if left out
+        Tasks to make of the sweep; four for each thread of the workers if left out
     retries
         How often a task is tried again after its worker was lost
     progress
@@ -49,9 +52,7 @@ def sweep(
     if client is None:
         return _verbs.sweep(assembly, output=output, progress=progress, **settings)
     assembly, output = os.path.abspath(assembly), os.path.abspath(output)
-    count = parts or _simulations(settings)
-    if count > 1:
-        _run_parts(client, assembly, output, settings, count, retries, progress)
+    _run_parts(client, assembly, output, settings, parts, retries, progress)
     # Everything is there; this writes the table and the figure.
     return _verbs.sweep(assembly, output=output, **settings)
 
@@ -69,22 +70,12 @@ def _with_the_keywords_of(verb: Callable[..., Any]) -> None:
 _with_the_keywords_of(_verbs.sweep)
 
 
-def _simulations(settings: Mapping[str, Any]) -> int:
-    """Simulations that these settings ask for, as far as they tell; more parts than simulations do no harm."""
-    salt = settings.get("salt")
-    if isinstance(salt, str):
-        salts = int(salt.split("/")[1]) if "/" in salt else salt.count(",") + 1
-    else:
-        salts = len(salt) if isinstance(salt, Sequence) else 1
-    return salts * int(settings.get("replicas") or 3)
-
-
 def _run_parts(
     client: Any,
     assembly: str,
     output: str,
     settings: Mapping[str, Any],
-    count: int,
+    parts: int | None,
     retries: int,
     progress: Callable[[int, int, str], None] | None,
 ) -> None:
@@ -94,6 +85,7 @@ def _run_parts(
     if owned:
         client = Client(client)
     try:
+        count = parts or PARTS_PER_THREAD * max(1, sum(client.nthreads().values()))
         # One thread each: workers bring the parallelism.
         shared = {"threads": 1, **settings}
         numbers = range(1, count + 1)

@@ -17,7 +17,7 @@ def files(folder):
     return {
         str(path.relative_to(folder)): path.read_bytes()
         for path in folder.rglob("*")
-        if path.is_file() and path.name != ".lock" and not path.name.endswith(".partial")
+        if path.is_file() and path.name != ".lock"
     }
 
 

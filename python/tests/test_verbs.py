@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import protomer as pm
+from conftest import BPTI
 
 SHORT = {"salt": ["30mM", "300mM"], "replicas": 2, "sweeps": 20, "equilibration": 10, "seed": 7}
 
@@ -45,6 +46,13 @@ def test_a_sweep_is_that_of_the_command_line_byte_for_byte(ring, tmp_path):
     assert result.r_g_angstrom.shape == (2,) and np.all(result.r_g_angstrom > 0)
     done, total, unit = heard[-1]
     assert 0 < done <= total and unit == "sweeps"
+
+
+def test_lists_reach_the_program():
+    with pytest.raises(pm.ConfigError, match="'speed' for '--part"):
+        pm.bench(part=["charges", "speed"])
+    with pytest.raises(pm.ProtomerError, match="chain Y"):
+        pm.Body.from_structure(BPTI, chain=["A", "Y"])
 
 
 def test_results_show_their_fields():

@@ -200,7 +200,7 @@ impl IngestArgs {
     }
 
     fn say(&self, outcome: &FileOutcome, global: &Global) {
-        if let Some(error) = &outcome.error {
+        if let Some(error) = outcome.error.as_ref().filter(|_| !output::is_captured()) {
             output::note(&format!("error: {error}"));
         }
         for warning in &outcome.warnings {

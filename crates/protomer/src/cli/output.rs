@@ -17,6 +17,11 @@ pub fn captured<T>(work: impl FnOnce() -> T) -> (T, String) {
     (result, CAPTURED.replace(outer).unwrap_or_default())
 }
 
+/// Whether a program listens, which reads answers and not notes.
+pub fn is_captured() -> bool {
+    CAPTURED.with_borrow(Option::is_some)
+}
+
 /// Whether a program listens: then the text is its, and true is returned.
 fn capture(text: &str) -> bool {
     CAPTURED.with_borrow_mut(|captured| {
