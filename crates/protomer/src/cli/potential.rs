@@ -4,8 +4,8 @@ use super::{Global, Outcome, output};
 use crate::potential::{PotentialReport, potential_of_file, read_places, volume};
 use crate::quantity;
 use anyhow::{Result, bail};
-use clap::Args;
-use protomer_field::{Medium, SolveSettings};
+use clap::{Args, ValueEnum};
+use protomer_field::{Boundary, Medium, SolveSettings};
 use protomer_io::atomic::write_atomically;
 use protomer_io::volume::{dx::write_dx, mrc::write_mrc, write_volume_npz};
 use protomer_kernel::Conditions;
@@ -26,6 +26,9 @@ pub struct PotentialArgs {
     /// From the atoms to the faces of the grid at least, Å.
     #[arg(long, default_value_t = 10.0, allow_negative_numbers = true)]
     margin: f64,
+    /// Potential on the faces of the grid.
+    #[arg(long, value_enum, default_value_t = BoundaryValues::ScreenedAtoms)]
+    boundary: BoundaryValues,
     /// Temperature, K.
     #[arg(long, default_value_t = 298.15, allow_negative_numbers = true)]
     temperature: f64,
@@ -52,6 +55,14 @@ pub struct PotentialArgs {
     output: Option<PathBuf>,
 }
 
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum BoundaryValues {
+    /// The sum of the atoms' Debye-Hückel potentials, each alone in the solvent.
+    ScreenedAtoms,
+    /// From a solve on a coarse grid twice as large: hardly depends on the margin.
+    CoarseGrid,
+}
+
 impl PotentialArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
         let name = self.output.as_ref().map(|path| path.display().to_string());
@@ -69,8 +80,15 @@ impl PotentialArgs {
             probe_angstrom: self.probe,
             ion_radius_angstrom: self.ion_radius,
         };
-        let settings =
-            SolveSettings { spacing_angstrom: self.spacing, margin_angstrom: self.margin, ..SolveSettings::default() };
+        let settings = SolveSettings {
+            spacing_angstrom: self.spacing,
+            margin_angstrom: self.margin,
+            boundary: match self.boundary {
+                BoundaryValues::ScreenedAtoms => Boundary::ScreenedAtoms,
+                BoundaryValues::CoarseGrid => Boundary::CoarseGrid,
+            },
+            ..SolveSettings::default()
+        };
         let places = self.points.as_ref().map(|path| read_places(path)).transpose()?;
         let (potential, report) =
             potential_of_file(&self.input, &medium, &settings, !self.no_error_estimate, places.as_deref())?;
