@@ -241,6 +241,7 @@ def potential(
     salt: Number,
     spacing: Number | None = None,
     margin: Number | None = None,
+    boundary: Literal["screened-atoms", "coarse-grid"] | None = None,
     temperature: Number | None = None,
     inner_permittivity: Number | None = None,
     outer_permittivity: Number | None = None,
@@ -266,6 +267,8 @@ def potential(
         Grid spacing, Å [default: 0.5]
     margin
         From the atoms to the faces of the grid at least, Å [default: 10]
+    boundary
+        Potential on the faces of the grid [default: screened-atoms]
     temperature
         Temperature, K [default: 298.15]
     inner_permittivity
@@ -297,6 +300,7 @@ def potential(
             "--salt": salt,
             "--spacing": spacing,
             "--margin": margin,
+            "--boundary": boundary,
             "--temperature": temperature,
             "--inner-permittivity": inner_permittivity,
             "--outer-permittivity": outer_permittivity,
