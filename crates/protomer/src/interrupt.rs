@@ -8,13 +8,14 @@ use std::time::{Duration, Instant};
 #[derive(Debug, Clone, Default)]
 pub struct Interrupt {
     requested: Arc<AtomicBool>,
+    after_failure: Arc<AtomicBool>,
     deadline: Option<Instant>,
 }
 
 impl Interrupt {
     /// An interrupt that comes by itself after `limit`, if there is one.
     pub fn after(limit: Option<Duration>) -> Self {
-        Self { requested: Arc::default(), deadline: limit.map(|limit| Instant::now() + limit) }
+        Self { deadline: limit.map(|limit| Instant::now() + limit), ..Self::default() }
     }
 
     /// The same request, and a limit of its own besides.
@@ -26,6 +27,23 @@ impl Interrupt {
     /// Asks the work to stop at its next step.
     pub fn request(&self) {
         self.requested.store(true, Ordering::Relaxed);
+    }
+
+    /// Asks the other parts of the work to stop at their next step, because one of them has failed.
+    pub fn request_after_failure(&self) {
+        self.after_failure.store(true, Ordering::Relaxed);
+        self.request();
+    }
+
+    /// What asked, as in "stopped by *the time limit*".
+    pub fn reason(&self) -> &'static str {
+        if self.after_failure.load(Ordering::Relaxed) {
+            "the failure of another part"
+        } else if self.requested.load(Ordering::Relaxed) {
+            "a signal"
+        } else {
+            "the time limit"
+        }
     }
 
     /// Whether the work should stop now.

@@ -78,7 +78,7 @@ fn is_simulation(path: &Path) -> bool {
 /// # Errors
 /// For settings or a start that make no sense, a directory that holds another sweep or that another process works in,
 /// and a disk that takes no more. The first simulation that fails stops the others at their next sweep; what they did
-/// is kept.
+/// is kept, and `run.json` says what happened.
 pub fn run_sweep(
     engine: &Engine,
     settings: &RunSettings,
@@ -88,21 +88,24 @@ pub fn run_sweep(
 ) -> Result<SweepEnd> {
     let interactions = interactions(engine, settings)?;
     let identity = identity(engine, settings)?;
-    let record = |exit_reason| record(engine, directory, &identity, exit_reason);
+    let record = |exit_reason: &str| record(engine, directory, &identity, exit_reason);
     let continues = |present: &RunSettings| continues(directory, present, settings, &identity);
     let entered = ResultsDirectory::enter(directory, LAYOUT, settings, execution.start_anew, continues)?;
-    if entered.settings_are_new() {
+    // A finished sweep stays one, whatever becomes of a second look at it; one that is to be longer is finished no more.
+    let was_done = !entered.settings_are_new() && read_record(directory)?.is_some_and(|present| present.is_done());
+    if !was_done {
         record("running").write(directory)?;
     }
     let work = Work { engine, settings, interactions: &interactions, identity: &identity, directory };
-    let Some(counts) = work.simulate(&tasks(settings), Hold::Alone, execution, advanced)? else {
-        record("stopped").write(directory)?;
-        return Ok(SweepEnd::Stopped);
-    };
-    let result = collect(engine, settings, &interactions, directory, &counts)?;
-    write_results(&result, directory)?;
-    record("done").write(directory)?;
-    Ok(SweepEnd::Finished(Box::new(result)))
+    let end = work.to_the_end(execution, advanced);
+    match &end {
+        Ok(SweepEnd::Finished(_)) => record("done").write(directory)?,
+        Ok(SweepEnd::Stopped) => record("stopped").stopped_by(&execution.interrupt).write(directory)?,
+        Err(_) if was_done => {}
+        // The error is what counts; on a full disk there may be no room for the record either.
+        Err(error) => drop(record(&format!("{error:#}")).write(directory)),
+    }
+    end
 }
 
 /// Runs or continues the simulations of one part of a sweep, while other processes do other parts in the same directory.
@@ -151,6 +154,16 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
+    /// Simulates everything, and writes the table and the figure.
+    fn to_the_end(&self, execution: &Execution, advanced: &(dyn Fn(u64) + Sync)) -> Result<SweepEnd> {
+        let Some(counts) = self.simulate(&tasks(self.settings), Hold::Alone, execution, advanced)? else {
+            return Ok(SweepEnd::Stopped);
+        };
+        let result = collect(self.engine, self.settings, self.interactions, self.directory, &counts)?;
+        write_results(&result, self.directory)?;
+        Ok(SweepEnd::Finished(Box::new(result)))
+    }
+
     /// Runs these simulations; none if they were stopped. The first that fails stops the others.
     fn simulate(
         &self,
@@ -163,7 +176,7 @@ impl Work<'_> {
             let salt = self.settings.salt_molar[salt_index];
             let end = self.simulate_one(salt_index, replica, hold, execution, advanced);
             if end.is_err() {
-                execution.interrupt.request();
+                execution.interrupt.request_after_failure();
             }
             end.with_context(|| format!("salt {salt} M, replica {replica}"))
         };

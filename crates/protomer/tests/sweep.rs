@@ -316,16 +316,6 @@ fn two_processes_do_not_work_in_one_directory() {
     assert!(message(&output).contains("another process"), "{}", message(&output));
 }
 
-/// Runs the command with files limited to this many blocks, so that writing beyond fails as on a full disk.
-#[cfg(unix)]
-fn run_limited(place: &Workplace, blocks: u32, command: &str) -> std::process::Output {
-    // The signal is ignored so that the write returns an error, as a full disk does.
-    let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" {command}");
-    let mut shell = Command::new("sh");
-    common::cleaned(&mut shell);
-    shell.args(["-c", &script, env!("CARGO_BIN_EXE_protomer")]).current_dir(place.path(".")).output().unwrap()
-}
-
 #[cfg(unix)]
 #[test]
 fn a_full_disk_is_an_error_and_costs_nothing() {
@@ -333,18 +323,69 @@ fn a_full_disk_is_an_error_and_costs_nothing() {
     is_ok(&place.run(&format!("{SWEEP} -o whole")));
     let whole = results(&place.path("whole"));
     let command = format!("{SWEEP} --checkpoint-every 0.005 -o full");
-    let output = run_limited(&place, 16, &command);
+    let output = place.run_limited(16, &command);
     let said = message(&output);
     assert_eq!(output.status.code(), Some(1), "{said}");
     assert!(said.contains("cannot write") && said.contains("full/salt_0"), "{said}");
+    // The records say the same to whoever looks later.
+    let ends = [exit_reasons(&place.path("full"), ""), exit_reasons(&place.path("full"), "replica_")];
+    assert!(ends.iter().all(|ends| ends.iter().any(|end| end.contains("cannot write"))), "{ends:?}");
     is_ok(&place.run(&command));
     assert_same(&whole, &results(&place.path("full")));
     // Nothing of a finished sweep is lost when its table and figure cannot be written again.
-    let output = run_limited(&place, 1, &command);
+    let output = place.run_limited(1, &command);
     assert_eq!(output.status.code(), Some(1), "{}", message(&output));
     let mut after = contents(&place.path("full"));
     after.remove(".lock");
     assert_same(&whole, &after);
+}
+
+/// How the runs ended whose directory's name begins with this; the sweep itself where it is empty.
+fn exit_reasons(directory: &Path, name: &str) -> Vec<String> {
+    let files = contents(directory);
+    let of_run = |path: &str| match name {
+        "" => path == "run.json",
+        name => path.contains(&format!("/{name}")) && path.ends_with("run.json"),
+    };
+    let reason = |bytes: &Vec<u8>| {
+        let record: serde_json::Value = serde_json::from_slice(bytes).unwrap();
+        record["exit_reason"].as_str().unwrap().to_owned()
+    };
+    files.iter().filter(|(path, _)| of_run(path)).map(|(_, bytes)| reason(bytes)).collect()
+}
+
+#[test]
+fn a_start_that_fails_leaves_its_reason_and_can_be_tried_again() {
+    let place = Workplace::new();
+    let short = SWEEP.replace("--sweeps 1500", "--sweeps 50");
+    is_ok(&place.run(&format!("{short} --energy certified -o whole")));
+    let output = place.run(&format!("{short} --energy certified --memory-limit 1kB --threads 1 -o small"));
+    assert_eq!(output.status.code(), Some(1));
+    let small = place.path("small");
+    let reasons = exit_reasons(&small, "replica_");
+    assert!(reasons.iter().any(|reason| reason.contains("--memory-limit")), "{reasons:?}");
+    assert!(exit_reasons(&small, "")[0].contains("salt 0.05 M, replica 0"), "{:?}", exit_reasons(&small, ""));
+    is_ok(&place.run(&format!("{short} --energy certified -o small")));
+    assert_same(&results(&place.path("whole")), &results(&small));
+}
+
+#[test]
+fn a_stopped_sweep_knows_what_stopped_it() {
+    let place = Workplace::new();
+    assert_eq!(place.run(&format!("{SWEEP} -o run --time-limit 0")).status.code(), Some(3));
+    for file in ["run/run.json", "run/salt_0.050000M/replica_0/run.json"] {
+        let record: serde_json::Value = serde_json::from_slice(&std::fs::read(place.path(file)).unwrap()).unwrap();
+        assert_eq!(
+            (&record["exit_reason"], &record["details"]["stopped_by"]),
+            (&"stopped".into(), &"the time limit".into())
+        );
+    }
+    // A sweep at work does not say that it was stopped.
+    let mut child = spawn_until_saved(&place, &format!("{SWEEP} --threads 1 --checkpoint-every 0.005 -o run"), "run");
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert_eq!(exit_reasons(&place.path("run"), ""), ["running"]);
+    assert!(exit_reasons(&place.path("run"), "replica_").contains(&"running".to_owned()));
 }
 
 /// The columns of a CSV file by name.

@@ -10,7 +10,7 @@ use super::mover::Mover;
 use super::settings::LatticeSettings;
 use super::start::{Begun, begin, time_step};
 use super::trajectory::Trajectory;
-use crate::run::{Execution, Log, LogMark, check_log, read_checkpoint, read_record, write_checkpoint};
+use crate::run::{Execution, Log, LogMark, RunRecord, check_log, read_checkpoint, read_record, write_checkpoint};
 use anyhow::{Context, Result, bail};
 use protomer_crystal::lattice::State;
 use serde::{Deserialize, Serialize};
@@ -117,23 +117,24 @@ pub fn run_lattice(
     let mut run = Run::open(settings, path, identity, begun, mover, time_step)?;
     advanced(run.progress.steps);
     let outcome = run.advance(total, execution, advanced);
-    run.save()?;
-    let (reason, end) = match outcome {
-        Ok(true) => ("done".to_owned(), Ok(LatticeEnd::Finished(run.result()))),
-        Ok(false) => ("stopped".to_owned(), Ok(LatticeEnd::Stopped)),
-        Err(error) => {
+    let saved = run.save();
+    let (record, end) = match (outcome, saved) {
+        (Ok(true), Ok(())) => (run.record("done")?, Ok(LatticeEnd::Finished(run.result()))),
+        (Ok(false), Ok(())) => (run.record("stopped")?.stopped_by(&execution.interrupt), Ok(LatticeEnd::Stopped)),
+        (Err(error), Ok(())) => {
             let context = format!(
                 "step {} (the last good state, t = {}, is kept in {})",
                 run.progress.steps + 1,
                 run.state.time,
                 path.join(CHECKPOINT).display()
             );
-            (format!("{error:#}"), Err(error.context(context)))
+            (run.record(&format!("{error:#}"))?, Err(error.context(context)))
         }
+        (Ok(_), Err(error)) | (Err(error), Err(_)) => (run.record(&format!("{error:#}"))?, Err(error)),
     };
-    let details = serde_json::to_value(run.result()).context("run.json")?;
-    record("lattice run", &run.identity, &reason, details).write(path)?;
-    end
+    let written = record.write(path);
+    // An error of the run is what counts; on a full disk there may be no room for the record either.
+    end.and_then(|end| written.map(|()| end))
 }
 
 /// The result of a run that is done already.
@@ -290,6 +291,11 @@ impl<'a> Run<'a> {
         write_checkpoint(&self.path.join(CHECKPOINT), KIND, &checkpoint)?;
         self.saved = Instant::now();
         Ok(())
+    }
+
+    fn record(&mut self, exit_reason: &str) -> Result<RunRecord> {
+        let details = serde_json::to_value(self.result()).context("run.json")?;
+        Ok(record("lattice run", &self.identity, exit_reason, details))
     }
 
     fn result(&mut self) -> LatticeResult {

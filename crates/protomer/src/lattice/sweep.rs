@@ -13,7 +13,7 @@ use super::start::network;
 use super::sweep_figures;
 use super::sweep_table::{ConditionRow, RunRow, conditions_to_csv, runs_to_csv};
 use super::trajectory::read_states;
-use crate::run::Execution;
+use crate::run::{Execution, read_record};
 use anyhow::{Context, Result, bail};
 use protomer_crystal::analysis::synchronisation::{Synchronisation, staggered};
 use protomer_io::atomic::write_atomically;
@@ -115,7 +115,7 @@ pub fn tasks(settings: &LatticeSettings, directory: &Path) -> Result<Vec<Task>> 
 ///
 /// # Errors
 /// For settings that make no sense, a directory that holds another sweep, and the first run that fails; the others stop at
-/// their next step then, and what they did is kept.
+/// their next step then, what they did is kept, and `run.json` says what happened.
 pub fn run_sweep(
     settings: &LatticeSettings,
     path: &Path,
@@ -126,7 +126,29 @@ pub fn run_sweep(
     let identity = identity(settings)?;
     let folders: Vec<String> = folders(settings);
     let results: Vec<&str> = RESULTS.iter().copied().chain(folders.iter().map(String::as_str)).collect();
-    let _mine = enter(path, settings, "a sweep", &results, execution.start_anew)?;
+    let entered = enter(path, settings, "a sweep", &results, execution.start_anew)?;
+    // A finished sweep stays one, whatever becomes of a second look at it.
+    let was_done = !entered.settings_are_new() && read_record(path)?.is_some_and(|present| present.is_done());
+    let end = to_the_end(settings, &tasks, path, execution, advanced);
+    let record = |exit_reason: &str| record("lattice sweep", &identity, exit_reason, serde_json::Value::Null);
+    match &end {
+        Ok(LatticeSweepEnd::Finished(_)) => record("done").write(path)?,
+        Ok(LatticeSweepEnd::Stopped) => record("stopped").stopped_by(&execution.interrupt).write(path)?,
+        Err(_) if was_done => {}
+        // The error is what counts; on a full disk there may be no room for the record either.
+        Err(error) => drop(record(&format!("{error:#}")).write(path)),
+    }
+    end
+}
+
+/// Runs everything, and writes the tables and the figures.
+fn to_the_end(
+    settings: &LatticeSettings,
+    tasks: &[Task],
+    path: &Path,
+    execution: &Execution,
+    advanced: &(dyn Fn() + Sync),
+) -> Result<LatticeSweepEnd> {
     // The folders are gone already where a new start was asked for.
     let execution = Execution { start_anew: false, ..execution.clone() };
     let ends: Vec<Result<LatticeEnd>> = tasks
@@ -139,7 +161,7 @@ pub fn run_sweep(
                 .with_context(|| format!("cannot make the directory {}", task.directory.display()))?;
             let end = run_lattice(&task.settings, &task.directory, &execution, &|_| {});
             if end.is_err() {
-                execution.interrupt.request();
+                execution.interrupt.request_after_failure();
             }
             advanced();
             end.with_context(|| task.directory.display().to_string())
@@ -151,13 +173,9 @@ pub fn run_sweep(
         LatticeEnd::Stopped => None,
     };
     let results: Option<Vec<LatticeResult>> = ends.into_iter().map(finished).collect();
-    let Some(results) = results else {
-        record("lattice sweep", &identity, "stopped", serde_json::Value::Null).write(path)?;
-        return Ok(LatticeSweepEnd::Stopped);
-    };
-    let (sweep, series) = collect(settings, &tasks, &results)?;
+    let Some(results) = results else { return Ok(LatticeSweepEnd::Stopped) };
+    let (sweep, series) = collect(settings, tasks, &results)?;
     write_results(&sweep, &series, path)?;
-    record("lattice sweep", &identity, "done", serde_json::Value::Null).write(path)?;
     Ok(LatticeSweepEnd::Finished(Box::new(sweep)))
 }
 

@@ -71,7 +71,7 @@ pub struct ReplicaCounts {
 ///
 /// # Errors
 /// For an overlapping start, a directory that belongs to another run, a disk that takes no more, or an energy that is
-/// not finite.
+/// not finite. `run.json` of the simulation then says what happened and after how many sweeps.
 pub fn run_replica(task: &ReplicaTask<'_>, execution: &Execution, advanced: &dyn Fn(u64)) -> Result<ReplicaEnd> {
     std::fs::create_dir_all(&task.directory)
         .with_context(|| format!("cannot make the directory {}", task.directory.display()))?;
@@ -80,16 +80,28 @@ pub fn run_replica(task: &ReplicaTask<'_>, execution: &Execution, advanced: &dyn
         advanced(task.settings.total_sweeps());
         return Ok(ReplicaEnd::Finished(counts));
     }
-    let mut run = Run::open(task)?;
+    let mut run = Run::open(task).inspect_err(|error| task.record_failed_start(error))?;
+    // What an earlier process said of its end no longer holds.
+    task.record("running", run.details()).write(&task.directory)?;
     advanced(run.simulation.sweep());
-    let outcome = run.advance(execution, advanced)?;
-    run.save()?;
-    let counts = acceptance(run.simulation.statistics());
-    let (end, reason) = match outcome {
-        Outcome::Finished => (ReplicaEnd::Finished(counts), "done"),
-        Outcome::Stopped => (ReplicaEnd::Stopped, "stopped"),
+    let outcome = match run.advance(execution, advanced).and_then(|outcome| run.save().map(|()| outcome)) {
+        Ok(outcome) => outcome,
+        Err(error) => {
+            // The error is what counts; on a full disk there may be no room for the record either.
+            let _ = task.record(&format!("{error:#}"), run.details()).write(&task.directory);
+            return Err(error);
+        }
     };
-    task.record(reason, &run.simulation, counts)?.write(&task.directory)?;
+    let (end, record) = match outcome {
+        Outcome::Finished => {
+            let counts = acceptance(run.simulation.statistics());
+            (ReplicaEnd::Finished(counts), task.record("done", run.details()))
+        }
+        Outcome::Stopped => {
+            (ReplicaEnd::Stopped, task.record("stopped", run.details()).stopped_by(&execution.interrupt))
+        }
+    };
+    record.write(&task.directory)?;
     Ok(end)
 }
 
@@ -128,23 +140,25 @@ impl ReplicaTask<'_> {
         self.salt_index * self.settings.replicas + self.replica
     }
 
-    fn record(&self, reason: &str, simulation: &Simulation, counts: ReplicaCounts) -> Result<RunRecord> {
-        Ok(RunRecord {
+    fn record(&self, reason: &str, details: serde_json::Value) -> RunRecord {
+        RunRecord {
             version: env!("CARGO_PKG_VERSION").into(),
             verb: "simulate".into(),
             identity: self.identity.into(),
             input_sha256: self.engine.assembly().sha256.clone(),
             exit_reason: reason.into(),
-            details: serde_json::json!({
-                "replica": self.replica,
-                "medium": self.interaction,
-                "sweeps_done": simulation.sweep(),
-                "acceptance": counts,
-                "step_sizes": simulation.step_sizes(),
-                "statistics": simulation.statistics(),
-                "native_contacts": simulation.native_contacts(),
-            }),
-        })
+            details,
+        }
+    }
+
+    /// Keeps the reason why a simulation could not begin. A directory that holds anything of an earlier process is left
+    /// alone: what is wrong with it can be seen there only.
+    fn record_failed_start(&self, error: &anyhow::Error) {
+        if matches!(read_record(&self.directory), Ok(None)) && !self.path(CHECKPOINT).exists() {
+            let details = serde_json::json!({ "replica": self.replica, "medium": self.interaction, "sweeps_done": 0 });
+            // The error is what counts, also where its record cannot be written.
+            let _ = self.record(&format!("{error:#}"), details).write(&self.directory);
+        }
     }
 }
 
@@ -242,6 +256,20 @@ impl<'a> Run<'a> {
             energy_kt: observables.energy_kt,
             cluster_moved: if moves == 0 { 0.0 } else { bodies as f64 / moves as f64 },
         }
+    }
+
+    /// What the record says besides how it ended.
+    fn details(&self) -> serde_json::Value {
+        let simulation = &self.simulation;
+        serde_json::json!({
+            "replica": self.task.replica,
+            "medium": self.task.interaction,
+            "sweeps_done": simulation.sweep(),
+            "acceptance": acceptance(simulation.statistics()),
+            "step_sizes": simulation.step_sizes(),
+            "statistics": simulation.statistics(),
+            "native_contacts": simulation.native_contacts(),
+        })
     }
 
     /// Everything on the disk, the checkpoint last: it vouches for the rest.

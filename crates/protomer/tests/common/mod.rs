@@ -59,6 +59,16 @@ impl Workplace {
     pub fn run(&self, arguments: &str) -> Output {
         self.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).output().unwrap()
     }
+
+    /// Runs it with files limited to this many blocks, so that writing beyond fails as on a full disk.
+    #[cfg(unix)]
+    pub fn run_limited(&self, blocks: u32, arguments: &str) -> Output {
+        // The signal is ignored so that the write returns an error, as a full disk does.
+        let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" {arguments}");
+        let mut shell = Command::new("sh");
+        cleaned(&mut shell);
+        shell.args(["-c", &script, env!("CARGO_BIN_EXE_protomer")]).current_dir(self.folder.path()).output().unwrap()
+    }
 }
 
 /// Nothing of the tester's own environment may change what is tested.
