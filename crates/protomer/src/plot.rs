@@ -6,20 +6,39 @@
 //! | module | one idea |
 //! |---|---|
 //! | `layout` | where everything goes and what is drawn |
+//! | `text` | subscripts, superscripts, and what becomes of a text that is too long |
 //! | `ticks` | which values an axis marks, and how they are written |
+//! | `source` | a figure inside its own SVG, so that it can be drawn again |
 //! | `canvas` | lines, markers and text on SVG or pixels |
 
 mod canvas;
 mod layout;
+mod source;
+mod text;
 mod ticks;
 
 use anyhow::{Result, bail};
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// Width of a figure in pixels of the PNG and units of the SVG.
 pub const WIDTH: u32 = 1200;
 /// Height of a figure in pixels of the PNG and units of the SVG.
 pub const HEIGHT: u32 = 800;
+
+/// What a figure is drawn on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Shape {
+    width: u32,
+    height: u32,
+    /// Texts that are too long may shrink down to this part of their size, before they are broken into lines.
+    least_shrunk: f64,
+}
+
+/// Height of a panel on a narrow screen.
+const NARROW_PANEL_HEIGHT: f64 = 210.0;
+/// For files, and for screens that are wide enough.
+const WIDE: Shape = Shape { width: WIDTH, height: HEIGHT, least_shrunk: 0.8 };
 
 /// A figure of panels stacked on a common x axis.
 ///
@@ -36,7 +55,8 @@ pub const HEIGHT: u32 = 800;
 /// assert!(figure.to_svg()?.starts_with("<svg"));
 /// # Ok::<(), anyhow::Error>(())
 /// ```
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Figure {
     /// Title; may be empty.
     pub title: String,
@@ -49,7 +69,8 @@ pub struct Figure {
 }
 
 /// One panel.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Panel {
     /// The y axis.
     pub y: Axis,
@@ -58,7 +79,8 @@ pub struct Panel {
 }
 
 /// An axis.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Axis {
     /// Quantity and unit.
     pub label: String,
@@ -69,7 +91,8 @@ pub struct Axis {
 }
 
 /// Points of one colour.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Series {
     /// Name in the legend.
     pub name: String,
@@ -82,13 +105,15 @@ pub struct Series {
 }
 
 /// A point with its error.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Point {
     /// Abscissa.
     pub x: f64,
     /// Ordinate.
     pub y: f64,
     /// Half the length of the error bar.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<f64>,
 }
 
@@ -111,14 +136,34 @@ impl Axis {
 }
 
 impl Figure {
-    /// The text of an SVG file.
+    /// The text of an SVG file, which holds the figure itself as well: [`Figure::from_svg`] finds it.
     ///
     /// # Errors
     /// If a value cannot be drawn: an x or a range that is not finite, a value outside a stated range or at or below
     /// zero on a logarithmic axis, no point at all.
     pub fn to_svg(&self) -> Result<String> {
         self.check()?;
-        canvas::draw_svg(|canvas| layout::draw(self, canvas))
+        source::within(&canvas::draw_svg(WIDE, |canvas| layout::draw(self, canvas))?, self)
+    }
+
+    /// The same as [`Figure::to_svg`], drawn for a narrow screen, with larger letters against its width, and nothing besides.
+    ///
+    /// # Errors
+    /// As [`Figure::to_svg`].
+    pub fn to_narrow_svg(&self) -> Result<String> {
+        self.check()?;
+        let shape = Shape { width: 520, height: 0, least_shrunk: 1.0 };
+        let height = layout::height_for(self, shape, NARROW_PANEL_HEIGHT)?.round() as u32;
+        let shape = Shape { height, ..shape };
+        canvas::draw_svg(shape, |canvas| layout::draw(self, canvas))
+    }
+
+    /// The figure inside an SVG file, and the file without it; `None` where there is none.
+    ///
+    /// # Errors
+    /// If it is damaged.
+    pub fn from_svg(svg: &str) -> Result<Option<(Self, String)>> {
+        source::take(svg)
     }
 
     /// The bytes of a PNG file of [`WIDTH`] x [`HEIGHT`] pixels.
@@ -127,7 +172,7 @@ impl Figure {
     /// As [`Figure::to_svg`].
     pub fn to_png(&self) -> Result<Vec<u8>> {
         self.check()?;
-        canvas::draw_png(|canvas| layout::draw(self, canvas))
+        canvas::draw_png(WIDE, |canvas| layout::draw(self, canvas))
     }
 
     /// Writes an SVG file; it appears under its name only when complete.
@@ -273,6 +318,29 @@ mod tests {
         // One faint circle for each replica, and markers of the first series with a halo.
         let replicas: usize = figure.panels.iter().flat_map(|p| &p.series).map(|s| s.replicas.len()).sum();
         assert_eq!(svg.matches("opacity=\"0.4\"").count(), replicas);
+    }
+
+    #[test]
+    fn an_svg_holds_its_figure_which_can_be_drawn_narrow() {
+        let mut figure = example();
+        figure.caption += " <&>\"";
+        let svg = figure.to_svg().unwrap();
+        let (found, bare) = Figure::from_svg(&svg).unwrap().unwrap();
+        assert_eq!(found, figure);
+        assert_eq!(Figure::from_svg(&bare).unwrap(), None);
+        assert!(bare.len() < svg.len() && bare.starts_with("<svg") && bare.trim_end().ends_with("</svg>"));
+        let narrow = figure.to_narrow_svg().unwrap();
+        assert!(narrow.starts_with("<svg width=\"520\" height=") && !narrow.contains("metadata"));
+        // All its letters are larger than 8 pixels on a screen of 390, of which the figure has 344.
+        let sizes =
+            narrow.split("font-size=\"").skip(1).map(|rest| rest.split('"').next().unwrap().parse::<f64>().unwrap());
+        assert!(sizes.clone().count() > 20 && sizes.clone().all(|size| size / 3.0 * 344.0 / 520.0 >= 8.0));
+        // Gaps are not drawn and not kept.
+        figure.panels[0].series[0].points[0].y = f64::NAN;
+        figure.panels[0].series[0].points[1].error = Some(f64::INFINITY);
+        let (found, _) = Figure::from_svg(&figure.to_svg().unwrap()).unwrap().unwrap();
+        assert_eq!(found.panels[0].series[0].points.len(), figure.panels[0].series[0].points.len() - 1);
+        assert!(Figure::from_svg(&svg.replace("\"panels\"", "\"pannels\"")).is_err());
     }
 
     #[test]

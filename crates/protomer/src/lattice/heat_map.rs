@@ -3,7 +3,6 @@
 use crate::base64::base64;
 use anyhow::{Context, Result};
 use protomer_io::atomic::write_atomically;
-use std::fmt::Write;
 use std::path::Path;
 
 /// A matrix to be shown.
@@ -38,32 +37,33 @@ fn to_svg(title: &str, maps: &[HeatMap], columns: usize) -> Result<String> {
          font-family=\"sans-serif\" font-size=\"15\">\n<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n\
          <text x=\"{MARGIN}\" y=\"30\" font-size=\"20\">{title}</text>\n"
     );
-    let mut picture = |x: usize, y: usize, w: usize, h: usize, png: &[u8]| {
-        // Writing into a string cannot fail.
-        let _ = writeln!(
-            svg,
-            "<image x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" preserveAspectRatio=\"none\" \
-             style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{}\"/>",
-            base64(png)
-        );
-    };
-    let mut words = String::new();
     for (index, map) in maps.iter().enumerate() {
-        let (x, y) = (MARGIN + index % columns * step, 2 * MARGIN + index / columns * step);
-        picture(x, y, EDGE, EDGE, &png(map.size, map.size, &map.values)?);
-        let _ = writeln!(words, "<text x=\"{x}\" y=\"{}\">{}</text>", y - 8, map.title);
+        let (x, y) = (index % columns * step, MARGIN + index / columns * step);
+        let inside = picture([MARGIN, MARGIN], [EDGE, EDGE], &png(map.size, map.size, &map.values)?)
+            + &format!("<text x=\"{MARGIN}\" y=\"{}\">{}</text>\n", MARGIN - 8, map.title);
+        svg += &part([x, y], [MARGIN + EDGE, MARGIN + EDGE], &inside);
     }
     let scale: Vec<f64> = (0..100).map(|k| f64::from(k) / 99.0).collect();
-    let y = height - MARGIN;
-    picture(MARGIN + 20, y, EDGE - 40, 16, &png(100, 1, &scale)?);
-    let _ = writeln!(
-        words,
-        "<text x=\"{MARGIN}\" y=\"{}\">0</text><text x=\"{}\" y=\"{}\">1</text>",
-        y + 14,
-        MARGIN + EDGE - 14,
-        y + 14
-    );
-    Ok(format!("{svg}{words}</svg>\n"))
+    let inside = picture([MARGIN + 20, 0], [EDGE - 40, 16], &png(100, 1, &scale)?)
+        + &format!("<text x=\"{MARGIN}\" y=\"14\">0</text><text x=\"{}\" y=\"14\">1</text>\n", MARGIN + EDGE - 14);
+    svg += &part([0, height - MARGIN], [MARGIN + EDGE, 20], &inside);
+    Ok(svg + "</svg>\n")
+}
+
+/// A drawing of its own within the drawing, which a page may put elsewhere.
+fn part([x, y]: [usize; 2], [width, height]: [usize; 2], inside: &str) -> String {
+    format!(
+        "<svg class=\"part\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">\n\
+         {inside}</svg>\n"
+    )
+}
+
+fn picture([x, y]: [usize; 2], [width, height]: [usize; 2], png: &[u8]) -> String {
+    format!(
+        "<image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" preserveAspectRatio=\"none\" \
+         style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{}\"/>\n",
+        base64(png)
+    )
 }
 
 /// From dark blue over green to yellow, ever lighter.

@@ -3,7 +3,8 @@
 //! Both are drawn several times too large, because the drawing library has whole coordinates: the SVG is scaled by its
 //! view box, the pixels are averaged, which also smooths their edges.
 
-use super::{HEIGHT, WIDTH};
+use super::Shape;
+use super::text::runs;
 use ab_glyph::{Font, FontRef, GlyphId, PxScale, ScaleFont, point};
 use anyhow::{Context, Result, anyhow};
 use plotters::prelude::{BitMapBackend, DrawingBackend, SVGBackend};
@@ -12,7 +13,6 @@ use plotters::style::{Color, FontTransform, IntoFont, RGBAColor, TextStyle};
 
 /// How many times too large.
 const OVERSIZE: u32 = 3;
-const SIZE: (u32, u32) = (WIDTH * OVERSIZE, HEIGHT * OVERSIZE);
 
 /// Where the registered typeface is missing, a viewer of the SVG takes the next one of the list.
 const TYPEFACE: &str = "DejaVu Sans, Verdana, Helvetica, Arial, sans-serif";
@@ -63,6 +63,8 @@ pub(super) enum Direction {
 
 /// What the layout draws on; positions and lengths are in units of the figure, y downward.
 pub(super) trait Canvas {
+    /// Its size, and what may be done to long texts.
+    fn shape(&self) -> Shape;
     fn line(&mut self, points: &[[f64; 2]], width: f64, colour: Rgb) -> Result<()>;
     fn disc(&mut self, centre: [f64; 2], radius: f64, colour: Rgb, opacity: f64) -> Result<()>;
     fn polygon(&mut self, corners: &[[f64; 2]], colour: Rgb) -> Result<()>;
@@ -120,56 +122,6 @@ fn run_width(text: &str, size: f64) -> Result<f64> {
     Ok(Typeset::new(text, size)?.width)
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Level {
-    Base,
-    Subscript,
-    Superscript,
-}
-
-impl Level {
-    /// Size and height above the baseline, in terms of the base text.
-    fn scale_and_raise(self) -> (f64, f64) {
-        match self {
-            Level::Base => (1.0, 0.0),
-            Level::Subscript => (0.72, -0.2),
-            Level::Superscript => (0.72, 0.36),
-        }
-    }
-}
-
-struct Run {
-    text: String,
-    level: Level,
-}
-
-/// `R_g` and `10^{-3}`: `_` and `^` lower and raise the next character or the next group in braces.
-fn runs(text: &str) -> Vec<Run> {
-    let mut runs: Vec<Run> = vec![Run { text: String::new(), level: Level::Base }];
-    let mut characters = text.chars().peekable();
-    while let Some(character) = characters.next() {
-        let level = match character {
-            '_' => Level::Subscript,
-            '^' => Level::Superscript,
-            other => {
-                match runs.last_mut().filter(|run| run.level == Level::Base) {
-                    Some(run) => run.text.push(other),
-                    None => runs.push(Run { text: other.into(), level: Level::Base }),
-                }
-                continue;
-            }
-        };
-        let text = match characters.next() {
-            Some('{') => characters.by_ref().take_while(|c| *c != '}').collect(),
-            Some(single) => single.into(),
-            None => character.into(),
-        };
-        runs.push(Run { text, level });
-    }
-    runs.retain(|run| !run.text.is_empty());
-    runs
-}
-
 /// A run of text in glyphs of the built-in typeface.
 struct Typeset {
     font: FontRef<'static>,
@@ -211,39 +163,41 @@ impl Typeset {
 }
 
 /// Draws on SVG and returns its text.
-pub(super) fn draw_svg(draw: impl FnOnce(&mut dyn Canvas) -> Result<()>) -> Result<String> {
+pub(super) fn draw_svg(shape: Shape, draw: impl FnOnce(&mut dyn Canvas) -> Result<()>) -> Result<String> {
     let mut svg = String::new();
+    let size = (shape.width * OVERSIZE, shape.height * OVERSIZE);
     {
-        let backend = SVGBackend::with_string(&mut svg, SIZE);
-        let mut surface = Surface { backend, text: Text::Element };
+        let backend = SVGBackend::with_string(&mut svg, size);
+        let mut surface = Surface { backend, text: Text::Element, shape };
         draw(&mut surface)?;
         surface.backend.present().map_err(|error| anyhow!("cannot draw SVG: {error}"))?;
     }
-    let start = format!("<svg width=\"{}\" height=\"{}\"", SIZE.0, SIZE.1);
+    let start = format!("<svg width=\"{}\" height=\"{}\"", size.0, size.1);
     let begin = svg.find(&start).context("the drawing library has written an unknown kind of SVG")?;
-    Ok(format!("<svg width=\"{WIDTH}\" height=\"{HEIGHT}\"{}", &svg[begin + start.len()..]))
+    Ok(format!("<svg width=\"{}\" height=\"{}\"{}", shape.width, shape.height, &svg[begin + start.len()..]))
 }
 
 /// Draws on pixels and returns the bytes of a PNG file.
-pub(super) fn draw_png(draw: impl FnOnce(&mut dyn Canvas) -> Result<()>) -> Result<Vec<u8>> {
-    let mut pixels = vec![255; SIZE.0 as usize * SIZE.1 as usize * 3];
+pub(super) fn draw_png(shape: Shape, draw: impl FnOnce(&mut dyn Canvas) -> Result<()>) -> Result<Vec<u8>> {
+    let size = (shape.width * OVERSIZE, shape.height * OVERSIZE);
+    let mut pixels = vec![255; size.0 as usize * size.1 as usize * 3];
     {
-        let backend = BitMapBackend::with_buffer(&mut pixels, SIZE);
-        let mut surface = Surface { backend, text: Text::Pixels };
+        let backend = BitMapBackend::with_buffer(&mut pixels, size);
+        let mut surface = Surface { backend, text: Text::Pixels, shape };
         draw(&mut surface)?;
         surface.backend.present().map_err(|error| anyhow!("cannot draw pixels: {error}"))?;
     }
     let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, WIDTH, HEIGHT);
+    let mut encoder = png::Encoder::new(&mut bytes, shape.width, shape.height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
-    encoder.write_header()?.write_image_data(&average(&pixels))?;
+    encoder.write_header()?.write_image_data(&average(&pixels, shape))?;
     Ok(bytes)
 }
 
 /// Each pixel the mean of the oversized pixels it covers.
-fn average(pixels: &[u8]) -> Vec<u8> {
-    let (width, height, oversize) = (WIDTH as usize, HEIGHT as usize, OVERSIZE as usize);
+fn average(pixels: &[u8], shape: Shape) -> Vec<u8> {
+    let (width, height, oversize) = (shape.width as usize, shape.height as usize, OVERSIZE as usize);
     let mut averaged = Vec::with_capacity(width * height * 3);
     for y in 0..height {
         for x in 0..width {
@@ -273,6 +227,32 @@ enum Text {
 struct Surface<B: DrawingBackend> {
     backend: B,
     text: Text,
+    shape: Shape,
+}
+
+/// Leaves nothing behind: to learn how much room something takes.
+pub(super) struct Nowhere(pub Shape);
+
+impl Canvas for Nowhere {
+    fn shape(&self) -> Shape {
+        self.0
+    }
+
+    fn line(&mut self, _: &[[f64; 2]], _: f64, _: Rgb) -> Result<()> {
+        Ok(())
+    }
+
+    fn disc(&mut self, _: [f64; 2], _: f64, _: Rgb, _: f64) -> Result<()> {
+        Ok(())
+    }
+
+    fn polygon(&mut self, _: &[[f64; 2]], _: Rgb) -> Result<()> {
+        Ok(())
+    }
+
+    fn run(&mut self, _: &str, _: [f64; 2], _: f64, _: Rgb, _: Direction) -> Result<()> {
+        Ok(())
+    }
 }
 
 fn enlarge([x, y]: [f64; 2]) -> (i32, i32) {
@@ -289,6 +269,10 @@ fn failed(error: impl std::fmt::Display) -> anyhow::Error {
 }
 
 impl<B: DrawingBackend> Canvas for Surface<B> {
+    fn shape(&self) -> Shape {
+        self.shape
+    }
+
     fn line(&mut self, points: &[[f64; 2]], width: f64, colour: Rgb) -> Result<()> {
         let stroke = (width * f64::from(OVERSIZE)).round().max(1.0) as u32;
         let style = plotters::style::ShapeStyle { color: colour_of(colour, 1.0), filled: false, stroke_width: stroke };
@@ -362,19 +346,6 @@ impl<B: DrawingBackend> Surface<B> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn subscripts_and_superscripts_are_found() {
-        let found = |text: &str| runs(text).into_iter().map(|run| (run.text, run.level)).collect::<Vec<_>>();
-        assert_eq!(
-            found("R_g / Å"),
-            [("R".into(), Level::Base), ("g".into(), Level::Subscript), (" / Å".into(), Level::Base)]
-        );
-        assert_eq!(found("10^{−3}"), [("10".into(), Level::Base), ("−3".into(), Level::Superscript)]);
-        assert_eq!(found("plain"), [("plain".into(), Level::Base)]);
-        assert_eq!(found("_{}^"), [("^".into(), Level::Superscript)]);
-        assert!(found("").is_empty());
-    }
 
     #[test]
     fn widths_grow_with_the_text_and_its_size() {

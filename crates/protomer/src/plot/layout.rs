@@ -1,8 +1,9 @@
 //! Where everything goes: title, caption, legend, panels, axes, data.
 
 use super::canvas::{self, Align, Canvas, Direction, Rgb};
+use super::text::{Fitted, fit};
 use super::ticks::{self, Tick};
-use super::{Axis, Figure, HEIGHT, Panel, WIDTH};
+use super::{Axis, Figure, Panel, Shape};
 use anyhow::Result;
 
 const INK: Rgb = [0x22, 0x22, 0x22];
@@ -29,15 +30,20 @@ const LEGEND_SAMPLE: f64 = 46.0;
 /// Height of capital letters in em, to centre text on a line.
 const CAPITALS: f64 = 0.73;
 
+/// From line to line of a text, in em.
+const LINE: f64 = 1.2;
+
 /// Draws the whole figure.
 pub(super) fn draw(figure: &Figure, canvas: &mut dyn Canvas) -> Result<()> {
-    let (width, height) = (f64::from(WIDTH), f64::from(HEIGHT));
+    let shape = canvas.shape();
+    let (width, height) = (f64::from(shape.width), f64::from(shape.height));
     canvas.polygon(&[[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]], WHITE)?;
     let x_range = x_range(figure);
     let y_ranges: Vec<[f64; 2]> = figure.panels.iter().map(y_range).collect();
     let count = figure.panels.len() as f64;
     let top = draw_heading(figure, canvas)?;
-    let bottom = height - MARGIN - LABEL_SIZE - 10.0 - TICK_SIZE - TICK_LENGTH;
+    let x_label = fit(&figure.x.label, LABEL_SIZE, width - 2.0 * MARGIN, shape.least_shrunk)?;
+    let bottom = height - MARGIN - x_label.height(LINE) - 10.0 - TICK_SIZE - TICK_LENGTH;
     let panel_height = (bottom - top - PANEL_GAP * (count - 1.0)) / count;
     let y_ticks: Vec<Vec<Tick>> = figure
         .panels
@@ -45,7 +51,11 @@ pub(super) fn draw(figure: &Figure, canvas: &mut dyn Canvas) -> Result<()> {
         .zip(&y_ranges)
         .map(|(panel, range)| axis_ticks(&panel.y, *range, (panel_height / 55.0).round().max(2.0) as usize))
         .collect();
-    let left = MARGIN + LABEL_SIZE + 20.0 + widest_label(&y_ticks)? + TICK_LENGTH + 6.0;
+    let y_label = |panel: &Panel| fit(&panel.y.label, LABEL_SIZE, panel_height, shape.least_shrunk);
+    let y_labels = figure.panels.iter().map(y_label).collect::<Result<Vec<_>>>()?;
+    let lines = y_labels.iter().map(|label| label.lines.len()).max().unwrap_or(1);
+    let label_width = LABEL_SIZE * (1.0 + LINE * (lines.max(1) - 1) as f64);
+    let left = MARGIN + label_width + 20.0 + widest_label(&y_ticks)? + TICK_LENGTH + 6.0;
     let names = figure.series_names();
     for (index, panel) in figure.panels.iter().enumerate() {
         let panel_top = top + index as f64 * (panel_height + PANEL_GAP);
@@ -58,7 +68,8 @@ pub(super) fn draw(figure: &Figure, canvas: &mut dyn Canvas) -> Result<()> {
             y: Scale { range: y_ranges[index], log: panel.y.log },
         };
         let last = index + 1 == figure.panels.len();
-        draw_axes(figure, panel, &area, &y_ticks[index], last, canvas)?;
+        let labels = Labels { x: last.then_some(&x_label), y: &y_labels[index] };
+        draw_axes(figure, &labels, &area, &y_ticks[index], canvas)?;
         for series in &panel.series {
             let number = names.iter().position(|name| *name == series.name).unwrap_or(0);
             draw_series(series, canvas::style(number), &area, canvas)?;
@@ -67,15 +78,28 @@ pub(super) fn draw(figure: &Figure, canvas: &mut dyn Canvas) -> Result<()> {
     Ok(())
 }
 
+/// How high a figure of this width has to be, so that its panels have the height.
+pub(super) fn height_for(figure: &Figure, shape: Shape, panel_height: f64) -> Result<f64> {
+    let room = f64::from(shape.width) - 2.0 * MARGIN;
+    let x_label = fit(&figure.x.label, LABEL_SIZE, room, shape.least_shrunk)?.height(LINE);
+    let below = MARGIN + x_label + 10.0 + TICK_SIZE + TICK_LENGTH;
+    let count = figure.panels.len() as f64;
+    let panels = count * panel_height + (count - 1.0) * PANEL_GAP;
+    Ok(draw_heading(figure, &mut canvas::Nowhere(shape))? + panels + below)
+}
+
 /// Title, caption and legend; returns where the panels may begin.
 fn draw_heading(figure: &Figure, canvas: &mut dyn Canvas) -> Result<f64> {
-    let middle = f64::from(WIDTH) / 2.0;
+    let shape = canvas.shape();
+    let width = f64::from(shape.width);
     let mut y = MARGIN;
     for (text, size, colour) in [(&figure.title, TITLE_SIZE, INK), (&figure.caption, CAPTION_SIZE, PALE_INK)] {
         if !text.is_empty() {
-            let fitting = (f64::from(WIDTH) - 2.0 * MARGIN) / canvas::text_width(text, size)?;
-            y += size;
-            canvas.text(text, [middle, y], size * fitting.min(1.0), colour, Align::Centre, Direction::Right)?;
+            let fitted = fit(text, size, width - 2.0 * MARGIN, shape.least_shrunk)?;
+            for (number, line) in fitted.lines.iter().enumerate() {
+                y += if number == 0 { size } else { LINE * fitted.size };
+                canvas.text(line, [width / 2.0, y], fitted.size, colour, Align::Centre, Direction::Right)?;
+            }
             y += size * 0.45;
         }
     }
@@ -89,30 +113,31 @@ fn draw_heading(figure: &Figure, canvas: &mut dyn Canvas) -> Result<f64> {
 /// The names in centred rows above the panels, where they cover no data; returns the lower end.
 fn draw_legend(names: &[&str], top: f64, canvas: &mut dyn Canvas) -> Result<f64> {
     const SPACE: f64 = 34.0;
-    let available = f64::from(WIDTH) - 2.0 * MARGIN;
+    let width = f64::from(canvas.shape().width);
+    let available = width - 2.0 * MARGIN;
     let mut rows: Vec<(f64, Vec<(usize, f64)>)> = Vec::new();
     for (number, name) in names.iter().enumerate() {
-        let width = LEGEND_SAMPLE + 10.0 + canvas::text_width(name, LEGEND_SIZE)?;
-        match rows.last_mut().filter(|(used, _)| used + SPACE + width <= available) {
+        let length = LEGEND_SAMPLE + 10.0 + canvas::text_width(name, LEGEND_SIZE)?;
+        match rows.last_mut().filter(|(used, _)| used + SPACE + length <= available) {
             Some((used, entries)) => {
-                *used += SPACE + width;
-                entries.push((number, width));
+                *used += SPACE + length;
+                entries.push((number, length));
             }
-            None => rows.push((width, vec![(number, width)])),
+            None => rows.push((length, vec![(number, length)])),
         }
     }
     let mut y = top;
     for (used, entries) in rows {
         y += LEGEND_SIZE * 1.4;
-        let mut x = (f64::from(WIDTH) - used) / 2.0;
-        for (number, width) in entries {
+        let mut x = (width - used) / 2.0;
+        for (number, length) in entries {
             let (colour, marker) = canvas::style(number);
             let middle = y - CAPITALS * LEGEND_SIZE / 2.0;
             canvas.line(&[[x, middle], [x + LEGEND_SAMPLE, middle]], 2.5, colour)?;
             canvas.marker(marker, [x + LEGEND_SAMPLE / 2.0, middle], MARKER_RADIUS, colour)?;
             let start = [x + LEGEND_SAMPLE + 10.0, y];
             canvas.text(names[number], start, LEGEND_SIZE, INK, Align::Left, Direction::Right)?;
-            x += width + SPACE;
+            x += length + SPACE;
         }
     }
     Ok(y)
@@ -184,16 +209,22 @@ fn widest_label(ticks: &[Vec<Tick>]) -> Result<f64> {
     Ok(widest)
 }
 
-/// Grid, frame, ticks and labels; the x axis is labelled below the last panel only.
+/// The labels of the axes of a panel; the x axis is labelled below the last one only.
+struct Labels<'a> {
+    x: Option<&'a Fitted>,
+    y: &'a Fitted,
+}
+
+/// Grid, frame, ticks and labels.
 fn draw_axes(
     figure: &Figure,
-    panel: &Panel,
+    labels: &Labels<'_>,
     area: &Area,
     y_ticks: &[Tick],
-    last: bool,
     canvas: &mut dyn Canvas,
 ) -> Result<()> {
-    let x_ticks = axis_ticks(&figure.x, area.x.range, 8);
+    let shape = canvas.shape();
+    let x_ticks = axis_ticks(&figure.x, area.x.range, (f64::from(shape.width) / 150.0).round().max(4.0) as usize);
     for tick in y_ticks.iter().filter(|tick| tick.label.is_some()) {
         let y = area.y(tick.value);
         canvas.line(&[[area.left, y], [area.right, y]], 1.0, GRID)?;
@@ -215,7 +246,7 @@ fn draw_axes(
     for tick in &x_ticks {
         let x = area.x(tick.value);
         canvas.line(&[[x, area.bottom], [x, area.bottom + length(tick)]], 1.5, FRAME)?;
-        if let Some(label) = tick.label.as_ref().filter(|_| last) {
+        if let Some(label) = tick.label.as_ref().filter(|_| labels.x.is_some()) {
             let half = canvas::text_width(label, TICK_SIZE)? / 2.0;
             if x - half >= free_from {
                 let middle = [x, area.bottom + TICK_LENGTH + 5.0 + TICK_SIZE * 0.85];
@@ -228,14 +259,22 @@ fn draw_axes(
     for side in 0..4 {
         canvas.line(&[corners[side], corners[(side + 1) % 4]], 1.5, FRAME)?;
     }
-    if last {
-        let middle = [(area.left + area.right) / 2.0, f64::from(HEIGHT) - MARGIN + 4.0];
-        canvas.text(&figure.x.label, middle, LABEL_SIZE, INK, Align::Centre, Direction::Right)?;
+    if let Some(label) = labels.x {
+        let (width, lowest) = (f64::from(shape.width), f64::from(shape.height) - MARGIN + 4.0);
+        for (above, line) in label.lines.iter().rev().enumerate() {
+            // A label longer than the panel keeps off the edges.
+            let half = canvas::text_width(line, label.size)? / 2.0 + MARGIN;
+            let middle = ((area.left + area.right) / 2.0).min(width - half).max(half);
+            let place = [middle, lowest - above as f64 * LINE * label.size];
+            canvas.text(line, place, label.size, INK, Align::Centre, Direction::Right)?;
+        }
     }
-    let height = area.bottom - area.top;
-    let fitting = (height / canvas::text_width(&panel.y.label, LABEL_SIZE)?).min(1.0);
-    let middle = [MARGIN + LABEL_SIZE * CAPITALS, (area.top + area.bottom) / 2.0];
-    canvas.text(&panel.y.label, middle, LABEL_SIZE * fitting, INK, Align::Centre, Direction::Up)
+    for (number, line) in labels.y.lines.iter().enumerate() {
+        let x = MARGIN + LABEL_SIZE * CAPITALS + number as f64 * LINE * labels.y.size;
+        let middle = [x, (area.top + area.bottom) / 2.0];
+        canvas.text(line, middle, labels.y.size, INK, Align::Centre, Direction::Up)?;
+    }
+    Ok(())
 }
 
 /// Replicas behind, then line, error bars and points, each point set off by a white rim; a line of many points stands alone.

@@ -1,0 +1,128 @@
+//! Texts: subscripts and superscripts, and what becomes of one that is too long for its room.
+
+use super::canvas::text_width;
+use anyhow::Result;
+
+/// Where a part of a text stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Level {
+    Base,
+    Subscript,
+    Superscript,
+}
+
+impl Level {
+    /// Size and height above the baseline, in terms of the base text.
+    pub fn scale_and_raise(self) -> (f64, f64) {
+        match self {
+            Level::Base => (1.0, 0.0),
+            Level::Subscript => (0.72, -0.2),
+            Level::Superscript => (0.72, 0.36),
+        }
+    }
+}
+
+/// A part of a text that is drawn in one go.
+pub(super) struct Run {
+    pub text: String,
+    pub level: Level,
+}
+
+/// `R_g` and `10^{-3}`: `_` and `^` lower and raise the next character or the next group in braces.
+pub(super) fn runs(text: &str) -> Vec<Run> {
+    let mut runs: Vec<Run> = vec![Run { text: String::new(), level: Level::Base }];
+    let mut characters = text.chars().peekable();
+    while let Some(character) = characters.next() {
+        let level = match character {
+            '_' => Level::Subscript,
+            '^' => Level::Superscript,
+            other => {
+                match runs.last_mut().filter(|run| run.level == Level::Base) {
+                    Some(run) => run.text.push(other),
+                    None => runs.push(Run { text: other.into(), level: Level::Base }),
+                }
+                continue;
+            }
+        };
+        let text = match characters.next() {
+            Some('{') => characters.by_ref().take_while(|c| *c != '}').collect(),
+            Some(single) => single.into(),
+            None => character.into(),
+        };
+        runs.push(Run { text, level });
+    }
+    runs.retain(|run| !run.text.is_empty());
+    runs
+}
+
+/// A text in lines, all of one size.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Fitted {
+    pub lines: Vec<String>,
+    pub size: f64,
+}
+
+impl Fitted {
+    /// From the top of the first line to the baseline of the last; `line` from line to line in em.
+    pub fn height(&self, line: f64) -> f64 {
+        self.size * (1.0 + line * self.lines.len().saturating_sub(1) as f64)
+    }
+}
+
+/// A text that is too long is made smaller, down to the part `least` of its size; where that does not do, it is broken
+/// between words.
+pub(super) fn fit(text: &str, size: f64, room: f64, least: f64) -> Result<Fitted> {
+    let fitting = room / text_width(text, size)?;
+    if fitting >= least {
+        return Ok(Fitted { lines: vec![text.to_owned()], size: size * fitting.min(1.0) });
+    }
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        let longer = lines.last().map(|line| format!("{line} {word}"));
+        match longer {
+            Some(longer) if text_width(&longer, size)? <= room => {
+                lines.pop();
+                lines.push(longer);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    let widths = lines.iter().map(|line| text_width(line, size)).collect::<Result<Vec<f64>>>()?;
+    // A single word may still be too long.
+    let widest = widths.into_iter().fold(room, f64::max);
+    Ok(Fitted { lines, size: size * room / widest })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn subscripts_and_superscripts_are_found() {
+        let found = |text: &str| runs(text).into_iter().map(|run| (run.text, run.level)).collect::<Vec<_>>();
+        assert_eq!(
+            found("R_g / Å"),
+            [("R".into(), Level::Base), ("g".into(), Level::Subscript), (" / Å".into(), Level::Base)]
+        );
+        assert_eq!(found("10^{−3}"), [("10".into(), Level::Base), ("−3".into(), Level::Superscript)]);
+        assert_eq!(found("plain"), [("plain".into(), Level::Base)]);
+        assert_eq!(found("_{}^"), [("^".into(), Level::Superscript)]);
+        assert!(found("").is_empty());
+    }
+
+    #[test]
+    fn long_texts_shrink_a_little_or_are_broken() {
+        let text = "error bars: standard error of five replicas";
+        let room = text_width(text, 20.0).unwrap();
+        let shown = |room: f64, least: f64| fit(text, 20.0, room, least).unwrap();
+        assert_eq!(shown(2.0 * room, 0.8), Fitted { lines: vec![text.into()], size: 20.0 });
+        assert_eq!(shown(0.9 * room, 0.8).lines, [text]);
+        assert!((shown(0.9 * room, 0.8).size - 18.0).abs() < 1e-9);
+        let broken = shown(0.6 * room, 0.8);
+        assert_eq!((broken.lines.len(), broken.size, broken.lines.join(" ")), (2, 20.0, text.to_owned()));
+        assert_eq!(shown(0.9 * room, 1.0).lines.len(), 2);
+        // Every line fits, also where a word is longer than the room.
+        let narrow = shown(0.1 * room, 1.0);
+        assert!(narrow.lines.iter().all(|line| text_width(line, narrow.size).unwrap() <= 0.1 * room * 1.001));
+    }
+}
