@@ -2334,9 +2334,10 @@ def report(
     Parameters
     ----------
     directory
-        Directory of a simulation, a sweep, a lattice run or sweep, a framework, or a training
+        Directory of a simulation, a sweep, a lattice run or sweep, a framework, a training or a search; or a
+        set of voxels
     output
-        The page [default: report.html in the directory]
+        The page [default: report.html in the directory; SET.zarr.report.html beside a set of voxels]
     assembly
         Assembly file of a sweep or simulation, if it is no longer where it was
     threads

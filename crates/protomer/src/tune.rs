@@ -32,7 +32,7 @@ const FIGURE: &str = "trials.svg";
 const LAYOUT: Layout = Layout {
     settings: "settings.toml",
     holds: "a search",
-    results: &["trials.csv", FIGURE, "best.toml", "trials"],
+    results: &["trials.csv", FIGURE, "best.toml", "trials", "report.html"],
     is_result: |_| false,
 };
 

@@ -40,7 +40,7 @@ fn the_tables_of_the_paper_are_reproduced() {
     assert_eq!((simulated, formulas, rows.len()), (18, 18, 42));
     for row in &rows {
         let unconverged = row.mechanism == "mixed" && [45.0, 135.0].contains(&row.theta_deg) && row.method == "emuda";
-        assert_eq!(unconverged, row.note.is_some_and(|note| note.contains("not converged")));
+        assert_eq!(unconverged, row.note.as_ref().is_some_and(|note| note.contains("not converged")));
         for value in &row.values {
             let what = format!("{} {} {} {}: {value:?}", row.table, row.mechanism, row.theta_deg, row.method);
             if unconverged {

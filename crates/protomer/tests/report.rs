@@ -57,7 +57,8 @@ fn a_sweep_has_its_curve_bodies_conditions_and_simulations() {
     let (html, sections) = page(&place, "sweep");
     assert_eq!(sections, ["Status", "Results", "Bodies", "Conditions", "Simulations", "Provenance"]);
     carries(&html, &place.path("sweep/sweep.csv"));
-    assert_eq!(html.matches("<svg").count(), 2, "curve and traces");
+    assert_eq!(html.matches("<svg").count(), 4, "curve and traces, each for wide and for narrow screens");
+    assert!(!html.contains("metadata"), "what a figure is drawn from is not carried along");
     assert!(html.contains("nothing failed and nothing is missing"));
     let record: serde_json::Value = serde_json::from_str(&read(&place.path("sweep/run.json"))).unwrap();
     assert_eq!(record["details"]["assembly"], "../ring.json");
@@ -70,7 +71,7 @@ fn a_sweep_has_its_curve_bodies_conditions_and_simulations() {
     is_ok(&place.run("simulate ring.json --salt 80mM --cutoff 30A --sweeps 20 --equilibration 5 --quiet -o one"));
     let (html, sections) = page(&place, "one");
     assert_eq!(sections[1..3], ["Results", "Bodies"]);
-    assert_eq!(html.matches("<svg").count(), 1, "a curve through one point is left out");
+    assert_eq!(html.matches("<svg").count(), 2, "a curve through one point is left out");
     assert!(html.contains("Simulation: one") && html.contains("radius of gyration"));
 }
 
@@ -174,9 +175,11 @@ fn a_stopped_sweep_says_what_is_not_done() {
     let place = Workplace::new();
     assert_eq!(place.run(&format!("{SWEEP} --time-limit 0")).status.code(), Some(3));
     let (html, _) = page(&place, "sweep");
-    for text in
-        ["It was stopped before its end", "There is no result yet", "50 mM, replica 1: stopped after 1 of 80 sweeps"]
-    {
+    for text in [
+        "It was stopped by the time limit before its end",
+        "There is no result yet",
+        "50 mM, replica 1: stopped by the time limit after 1 of 80 sweeps",
+    ] {
         assert!(html.contains(text), "{text} is not on the page");
     }
     assert!(!html.contains("nothing failed"));
@@ -192,6 +195,40 @@ fn a_stopped_sweep_says_what_is_not_done() {
     // What was shown of the unfinished one goes when the work starts anew.
     is_ok(&place.run(&format!("{SWEEP} --force")));
     assert!(!place.path("sweep/report.html").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_failed_sweep_says_why() {
+    let place = Workplace::new();
+    let sweep = SWEEP.replace("--sweeps 60", "--sweeps 4000 --checkpoint-every 0.005");
+    assert_eq!(place.run_limited(16, &sweep).status.code(), Some(1));
+    let (html, _) = page(&place, "sweep");
+    let said: Vec<&str> = html.lines().filter(|line| line.starts_with("<li>")).collect();
+    assert!(said.iter().any(|line| line.contains("It failed: salt 0.") && line.contains("cannot write")), "{said:?}");
+    let of_replica = |line: &&str| line.contains("mM, replica") && line.contains("of 4020 sweeps: cannot write");
+    assert!(said.iter().any(of_replica), "{said:?}");
+    assert!(html.contains("<td>failed</td>"));
+    // A damaged checkpoint is left alone, and the sweep's own record says what is wrong with it.
+    let damaged = place.path("sweep/salt_0.050000M/replica_0/checkpoint.bin");
+    std::fs::write(&damaged, "damaged").unwrap();
+    assert_eq!(place.run(&sweep).status.code(), Some(1));
+    assert!(page(&place, "sweep").0.contains("It failed: salt 0.05 M, replica 0: "));
+    std::fs::remove_file(&damaged).unwrap();
+    is_ok(&place.run(&sweep));
+    assert!(page(&place, "sweep").0.contains("nothing failed and nothing is missing"));
+
+    let settings = "rows = 4\ncolumns = 4\nsteps = 300\ntrajectory_every = 1\n[sweep]\nr0 = [0.1, 0.2]\n";
+    std::fs::write(place.path("sweep.toml"), settings).unwrap();
+    let lattices = "lattice sweep sweep.toml --threads 1 -q -o lattices";
+    assert_eq!(place.run_limited(40, lattices).status.code(), Some(1));
+    let (html, _) = page(&place, "lattices");
+    let said: Vec<&str> = html.lines().filter(|line| line.starts_with("<li>")).collect();
+    assert!(said.iter().any(|line| line.contains("It failed: lattices/r0_0.1_kappa_0")), "{said:?}");
+    let of_run = |line: &&str| line.contains("r0 = 0.1, κ = 0, seed 1: failed after") && line.contains("cannot write");
+    assert!(said.iter().any(of_run), "{said:?}");
+    is_ok(&place.run(lattices));
+    assert!(page(&place, "lattices").0.contains("nothing failed and nothing is missing"));
 }
 
 #[test]
@@ -219,7 +256,7 @@ fn lattices_frameworks_and_trainings_have_pages_too() {
     carries(&html, &place.path("lattices/lattice.csv"));
     carries(&html, &place.path("lattices/runs.csv"));
     std::fs::remove_dir_all(place.path("lattices/r0_0.2_kappa_0/seed_2")).unwrap();
-    assert!(page(&place, "lattices").0.contains("r0 = 0.2, κ = 0, seed 2: not begun, or killed"));
+    assert!(page(&place, "lattices").0.contains("r0 = 0.2, κ = 0, seed 2: no record; it was not begun"));
 
     is_ok(&place.run("framework honeycomb --theta 60 --kh 50 --ks 10000 --load y --stress 20GPa,40GPa -q -o pulled"));
     let (html, sections) = page(&place, "pulled");
@@ -227,7 +264,8 @@ fn lattices_frameworks_and_trainings_have_pages_too() {
     for table in ["polar.csv", "stiffness.csv", "curve.csv"] {
         carries(&html, &place.path(&format!("pulled/{table}")));
     }
-    assert_eq!(html.matches("<svg").count(), 3, "polar plot, drawing, curve");
+    assert_eq!(html.matches("<svg").count(), 5, "polar plot and curve in two shapes, drawing");
+    assert!(html.contains("<div class=\"narrow\">\n<p>honeycomb"), "the drawing's texts stand below it");
 
     is_ok(&place.run("train --control orientation --short --epochs 3 -q -o training"));
     let (html, sections) = page(&place, "training");
@@ -235,6 +273,85 @@ fn lattices_frameworks_and_trainings_have_pages_too() {
     carries(&html, &place.path("training/history.csv"));
     std::fs::remove_file(place.path("training/metrics.json")).unwrap();
     assert!(page(&place, "training").0.contains("The training is not at its end"));
+}
+
+#[test]
+fn tables_of_networks_have_a_page() {
+    let place = Workplace::new();
+    is_ok(&place.run("framework tables -q -o tables"));
+    let (html, sections) = page(&place, "tables");
+    assert_eq!(sections, ["Status", "Results", "How to read the tables", "Provenance"]);
+    // Every number that is printed, as the terminal shows it, and every one computed, digit for digit.
+    let rows: serde_json::Value = serde_json::from_str(&read(&place.path("tables/tables.json"))).unwrap();
+    let values: Vec<&serde_json::Value> =
+        rows.as_array().unwrap().iter().flat_map(|row| row["values"].as_array().unwrap()).collect();
+    assert_eq!(values.len(), 168);
+    for value in values {
+        let printed = value["printed"].as_str().unwrap();
+        assert!(html.contains(&format!(" | {printed} ")), "{printed}");
+        assert!(html.contains(&format!(",{},{printed},", value["computed"])), "{value}");
+    }
+    std::fs::write(place.path("tables/tables.json"), "[{\"table\": 2}]").unwrap();
+    assert!(message(&place.run("report tables --force")).contains("tables.json"));
+}
+
+/// Sixteen times one protein in two classes, and a file that is not there.
+fn voxels(place: &Workplace) {
+    let structure = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/structures/5pti.cif.gz");
+    let mut manifest = "file,label,cluster,name\n".to_owned();
+    for number in 0..16 {
+        let label = if number % 2 == 0 { "even" } else { "odd" };
+        manifest += &format!("{},{label},c{},s{number}\n", structure.display(), number / 2);
+    }
+    manifest += "missing.pdb,odd,c,<gone>\n";
+    std::fs::write(place.path("set.csv"), manifest).unwrap();
+}
+
+const VOXELIZE: &str = "voxelize --manifest set.csv -o set.zarr --size 24 --spacing 2 --channels shape,potential --potential debye-hueckel -q";
+
+#[test]
+fn a_set_of_voxels_and_a_search_have_pages_too() {
+    let place = Workplace::new();
+    voxels(&place);
+    assert_eq!(place.run(&format!("{VOXELIZE} --time-limit 0")).status.code(), Some(3));
+    assert!(message(&place.run("report set.zarr")).contains("not complete yet"));
+    is_ok(&place.run(VOXELIZE));
+    let before = common::contents(&place.path("set.zarr"));
+    let output = place.run("report set.zarr");
+    is_ok(&output);
+    assert!(String::from_utf8_lossy(&output.stdout).starts_with("set.zarr.report.html: Status, Samples, "));
+    assert_eq!(common::contents(&place.path("set.zarr")), before, "nothing is added to the group");
+    let html = read(&place.path("set.zarr.report.html"));
+    assert!(html.contains("1 of 17 structures were left out (unreadable: 1)."));
+    assert!(html.contains("<td>&lt;gone&gt;</td><td>odd</td><td>unreadable</td>"));
+    // label, samples, clusters, left out; the first cluster; the channel that is 1 everywhere.
+    assert!(html.contains("<td>odd</td><td>8</td><td>8</td><td>1</td>"), "labels");
+    assert!(html.contains("<td>c0</td><td>2</td><td>even, odd</td>"), "clusters");
+    assert!(html.contains("<td>1</td><td>1</td><td>0</td><td>1</td><td>as it is</td>"), "channels");
+    assert!(html.contains("arcsinh(x / ") && html.contains("2 Å") && html.contains("debye-hueckel"));
+    // The occupied voxels that the page has are those of the set.
+    let group: serde_json::Value = serde_json::from_str(&read(&place.path("set.zarr/zarr.json"))).unwrap();
+    let attributes = &group["attributes"];
+    for key in ["identity", "manifest_sha256", "made_by"] {
+        assert!(html.contains(attributes[key].as_str().unwrap()), "{key}");
+    }
+    let set = protomer::voxel_set::VoxelSet::open(&place.path("set.zarr")).unwrap();
+    let voxels: usize = (0..16).map(|sample| set.reader().voxels(sample)).sum();
+    assert!(html.contains(&format!("<dd>{voxels}, {} per sample</dd>", voxels / 16)));
+    assert_eq!(html.matches("s15,odd,c7,").count(), 1, "the table of samples");
+
+    is_ok(&place.run("tune set.zarr --least-samples 5 --trials 3 --epochs 3 -q -o search"));
+    let (html, sections) = page(&place, "search");
+    assert_eq!(sections, ["Status", "Best settings", "Trials", "Conditions", "Provenance"]);
+    carries(&html, &place.path("search/trials.csv"));
+    assert_eq!(html.matches("<svg").count(), 2);
+    let best = read(&place.path("search/trials.csv")).lines().nth(1).unwrap().split(',').next().unwrap().to_owned();
+    assert!(html.contains(&format!("<dt>trial</dt><dd>{best}</dd>")) && html.contains("best.toml"));
+    assert!(html.contains("nothing failed and nothing is missing"));
+    std::fs::remove_file(place.path("search/best.toml")).unwrap();
+    assert!(page(&place, "search").0.contains("The search is not at its end"));
+    std::fs::remove_file(place.path("search/trials.csv")).unwrap();
+    assert!(page(&place, "search").0.contains("There is no table yet"));
 }
 
 #[test]

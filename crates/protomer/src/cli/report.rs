@@ -10,9 +10,9 @@ use std::path::PathBuf;
 /// needs nothing else and loads nothing.
 #[derive(Debug, Args)]
 pub struct ReportArgs {
-    /// Directory of a simulation, a sweep, a lattice run or sweep, a framework, or a training.
+    /// Directory of a simulation, a sweep, a lattice run or sweep, a framework, a training or a search; or a set of voxels.
     directory: PathBuf,
-    /// The page [default: report.html in the directory].
+    /// The page [default: report.html in the directory; SET.zarr.report.html beside a set of voxels].
     #[arg(short, long)]
     output: Option<PathBuf>,
     /// Assembly file of a sweep or simulation, if it is no longer where it was.

@@ -6,7 +6,8 @@
 use anyhow::Result;
 use protomer_crystal::framework::analytic::{AxialModuli, Honeycomb};
 use protomer_crystal::framework::{Elasticity, Moduli, build, gpa_per_kcal_mol_angstrom3};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// N_A behind the simulated columns, 1/mol.
 pub const AVOGADRO_OF_SIMULATION: f64 = 6.022e23;
@@ -14,7 +15,7 @@ pub const AVOGADRO_OF_SIMULATION: f64 = 6.022e23;
 pub const AVOGADRO_OF_FORMULAS: f64 = 6.023e23;
 
 /// How a computed value stands to the printed one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Agreement {
     /// The same to the last printed digit.
@@ -26,14 +27,15 @@ pub enum Agreement {
 }
 
 /// A number of the paper.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Value {
     /// `e_y_gpa`, `e_z_gpa`, `nu_yz` or `nu_zy`.
-    pub quantity: &'static str,
+    pub quantity: Cow<'static, str>,
     /// As computed.
     pub computed: f64,
     /// As printed.
-    pub printed: &'static str,
+    pub printed: Cow<'static, str>,
     /// How the two agree.
     pub agreement: Agreement,
     /// Printed over computed, less one.
@@ -41,16 +43,17 @@ pub struct Value {
 }
 
 /// A row of a table.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Row {
     /// 2, 3 or 4.
     pub table: u32,
     /// `hinging`, `stretching` or `mixed`.
-    pub mechanism: &'static str,
+    pub mechanism: Cow<'static, str>,
     /// θ, degrees.
     pub theta_deg: f64,
     /// `emuda` or `am`.
-    pub method: &'static str,
+    pub method: Cow<'static, str>,
     /// Cells of the simulated box along both axes.
     pub cells: usize,
     /// N_A, 1/mol.
@@ -58,7 +61,7 @@ pub struct Row {
     /// The four numbers.
     pub values: Vec<Value>,
     /// What is known of the printed row.
-    pub note: Option<&'static str>,
+    pub note: Option<Cow<'static, str>>,
 }
 
 const UNCONVERGED: &str = "the simulation of the paper was not converged here";
@@ -159,13 +162,13 @@ fn simulated(table: u32, mechanism: &'static str, theta_deg: f64, cells: usize, 
     let unconverged = mechanism == "mixed" && [45.0, 135.0].contains(&theta_deg);
     Ok(Row {
         table,
-        mechanism,
+        mechanism: mechanism.into(),
         theta_deg,
-        method: "emuda",
+        method: "emuda".into(),
         cells,
         avogadro_per_mol: AVOGADRO_OF_SIMULATION,
         values: values([modulus(0), modulus(1), ratio(0, 1), ratio(1, 0)], printed),
-        note: unconverged.then_some(UNCONVERGED),
+        note: unconverged.then_some(UNCONVERGED.into()),
     })
 }
 
@@ -179,13 +182,13 @@ fn by_formula(table: u32, mechanism: &'static str, theta_deg: f64, printed: &Pri
     };
     Row {
         table,
-        mechanism,
+        mechanism: mechanism.into(),
         theta_deg,
-        method: "am",
+        method: "am".into(),
         cells: 1,
         avogadro_per_mol: AVOGADRO_OF_FORMULAS,
         values: values([e_y_gpa, e_z_gpa, nu_yz, nu_zy], printed),
-        note: (mechanism == "hinging").then_some(WHOLE),
+        note: (mechanism == "hinging").then_some(WHOLE.into()),
     }
 }
 
@@ -201,7 +204,13 @@ fn values(computed: [f64; 4], printed: &Printed) -> Vec<Value> {
         } else {
             Agreement::Off
         };
-        Value { quantity, computed, printed, agreement, deviation: number / computed - 1.0 }
+        Value {
+            quantity: quantity.into(),
+            computed,
+            printed: (*printed).into(),
+            agreement,
+            deviation: number / computed - 1.0,
+        }
     };
     QUANTITIES.into_iter().zip(computed).zip(printed).map(one).collect()
 }
@@ -220,13 +229,15 @@ pub fn describe(rows: &[Row]) -> Vec<(String, Vec<Vec<String>>)> {
             let mut lines = vec![heading.map(str::to_owned).to_vec()];
             for row in rows.iter().filter(|row| row.table == table) {
                 let mut line = vec![
-                    row.mechanism.to_owned(),
+                    row.mechanism.to_string(),
                     row.theta_deg.to_string(),
                     row.method.to_uppercase(),
                     format!("{0} x {0}", row.cells),
                 ];
                 line.extend(row.values.iter().map(describe_value));
-                line.push(row.note.map_or("", |note| if note == UNCONVERGED { "(a)" } else { "(b)" }).to_owned());
+                line.push(
+                    row.note.as_deref().map_or("", |note| if note == UNCONVERGED { "(a)" } else { "(b)" }).to_owned(),
+                );
                 lines.push(line);
             }
             (title(table).to_owned(), lines)

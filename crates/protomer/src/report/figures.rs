@@ -1,4 +1,4 @@
-//! Pictures inside the page.
+//! Pictures inside the page, in a shape for wide screens and in one for phones.
 
 use super::html::escape;
 use crate::plot::Figure;
@@ -10,7 +10,8 @@ use std::path::Path;
 /// # Errors
 /// If it cannot be drawn.
 pub fn drawn(figure: &Figure, below: &str) -> Result<String> {
-    Ok(around(&figure.to_svg()?, &figure.title, below))
+    let Some((_, svg)) = Figure::from_svg(&figure.to_svg()?)? else { bail!("a figure without its source") };
+    Ok(around(&in_both_shapes(&svg, figure)?, &figure.title, below))
 }
 
 /// A figure of the directory, with what stands below it; nothing where it is not there.
@@ -26,14 +27,54 @@ pub fn of_file(directory: &Path, name: &str, title: &str, below: &str) -> Result
     if !stands_by_itself(&svg) {
         bail!("{} is no figure that protomer wrote; make it again, or move it away", path.display());
     }
-    Ok(around(&svg, title, below))
+    let found = Figure::from_svg(&svg).with_context(|| path.display().to_string())?;
+    let html = match found {
+        Some((figure, svg)) => in_both_shapes(&svg, &figure)?,
+        None if svg.contains(PART) => in_parts(&svg),
+        None => with_texts_below(&svg),
+    };
+    Ok(around(&html, title, below))
 }
 
-fn around(svg: &str, title: &str, below: &str) -> String {
+/// More texts than these are those of axes, which say nothing elsewhere.
+const MOST_TEXTS: usize = 4;
+/// Where a part of a drawing begins that stands by itself.
+const PART: &str = "<svg class=\"part\"";
+
+/// The figure as it is, and as it is drawn for a narrow screen; one of the two is shown.
+fn in_both_shapes(svg: &str, figure: &Figure) -> Result<String> {
+    let narrow = figure.to_narrow_svg()?;
+    Ok(format!("<div class=\"wide\">{}</div><div class=\"narrow\">{}</div>", svg.trim_end(), narrow.trim_end()))
+}
+
+/// As many parts to a row as there is room for.
+fn in_parts(svg: &str) -> String {
+    let part = |text: &str| Some(format!("{PART}{}</svg>\n", text.split_once("</svg>")?.0));
+    let parts: String = svg.split(PART).skip(1).filter_map(part).collect();
+    format!("<div class=\"parts\">\n{parts}</div>")
+}
+
+/// A drawing whose texts would be too small on a narrow screen, where they stand below it instead, if they are few.
+fn with_texts_below(svg: &str) -> String {
+    let texts = svg.split("<text").skip(1).filter_map(|rest| rest.split_once('>')?.1.split_once("</text>"));
+    let lines: Vec<String> = texts.map(|(text, _)| format!("<p>{}</p>\n", without_tags(text))).collect();
+    if lines.len() > MOST_TEXTS {
+        return svg.trim_end().to_owned();
+    }
+    format!("<div class=\"drawing\">{}</div><div class=\"narrow\">\n{}</div>", svg.trim_end(), lines.concat())
+}
+
+/// What stands between the tags.
+fn without_tags(text: &str) -> String {
+    let mut pieces = text.split('<');
+    let first = pieces.next().unwrap_or_default().to_owned();
+    pieces.fold(first, |text, piece| text + piece.split_once('>').map_or("", |(_, rest)| rest))
+}
+
+fn around(html: &str, title: &str, below: &str) -> String {
     format!(
-        "<figure>\n<div class=\"figure\" role=\"img\" aria-label=\"{}\" tabindex=\"0\">{}</div>\n{below}</figure>\n",
-        escape(title),
-        svg.trim_end()
+        "<figure>\n<div class=\"figure\" role=\"img\" aria-label=\"{}\">{html}</div>\n{below}</figure>\n",
+        escape(title)
     )
 }
 
@@ -68,5 +109,21 @@ mod tests {
             assert!(!stands_by_itself(&svg(bad)), "{bad}");
         }
         assert!(!stands_by_itself("<html></html>"));
+    }
+
+    #[test]
+    fn texts_of_a_drawing_stand_below_it_without_tags() {
+        let html = with_texts_below(
+            "<svg><text x=\"1\">a &lt; b</text><g/><text><tspan fill=\"red\">c</tspan> d</text></svg>",
+        );
+        assert!(html.contains("<p>a &lt; b</p>\n<p>c d</p>"), "{html}");
+    }
+
+    #[test]
+    fn parts_are_taken_out_of_their_drawing() {
+        let html =
+            in_parts("<svg><text>all</text><svg class=\"part\" x=\"1\">a</svg>\n<svg class=\"part\">b</svg></svg>");
+        assert_eq!(html.matches("</svg>").count(), 2);
+        assert!(html.contains("<svg class=\"part\" x=\"1\">a</svg>") && !html.contains("all"), "{html}");
     }
 }

@@ -26,11 +26,16 @@ pub fn definitions(rows: &[(&str, String)]) -> String {
     format!("<dl>\n{}</dl>\n", rows.iter().map(row).collect::<String>())
 }
 
-/// A table; its first column heads the rows.
+/// A cell of more letters may be broken into lines.
+const LONG_CELL: usize = 28;
+
+/// A table.
 pub fn table(columns: &[String], rows: &[Vec<String>]) -> String {
-    let cells = |row: &[String], tag: &str| -> String {
-        row.iter().map(|cell| format!("<{tag}>{}</{tag}>", escape(cell))).collect()
+    let cell = |cell: &String, tag: &str| {
+        let class = if cell.chars().count() > LONG_CELL { " class=\"long\"" } else { "" };
+        format!("<{tag}{class}>{}</{tag}>", escape(cell))
     };
+    let cells = |row: &[String], tag: &str| -> String { row.iter().map(|text| cell(text, tag)).collect() };
     let body: String = rows.iter().map(|row| format!("<tr>{}</tr>\n", cells(row, "td"))).collect();
     format!(
         "<div class=\"scroll\"><table>\n<thead><tr>{}</tr></thead>\n<tbody>\n{body}</tbody>\n</table></div>\n",

@@ -78,13 +78,13 @@ pub fn page_of_sweep(directory: &Path, settings: &LatticeSettings) -> Result<Pag
     let mut rows = Vec::new();
     for task in &tasks {
         let record = read_record(&task.directory)?;
-        let ended =
-            record.as_ref().map_or_else(|| "not begun, or killed".to_owned(), |record| record.exit_reason.clone());
         let [r0, kappa] = [task.settings.r0, task.settings.kappa].map(|x| significant(x, 6));
-        if ended != "done" {
-            problems.push(format!("r0 = {r0}, κ = {kappa}, seed {}: {ended}", task.settings.seed));
+        let steps = record.as_ref().and_then(|record| record.details.get("steps")?.as_u64());
+        let progress = steps.map_or_else(String::new, |steps| format!(" after {steps} steps"));
+        if let Some(problem) = provenance::problem_of_part(record.as_ref(), &progress) {
+            problems.push(format!("r0 = {r0}, κ = {kappa}, seed {}: {problem}", task.settings.seed));
         }
-        rows.push(vec![r0, kappa, task.settings.seed.to_string(), ended]);
+        rows.push(vec![r0, kappa, task.settings.seed.to_string(), provenance::ended(record.as_ref()).to_owned()]);
     }
     let playable = tasks.iter().find_map(|task| animation(&task.directory, &task.settings).ok());
     match playable {

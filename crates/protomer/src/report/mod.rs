@@ -2,13 +2,14 @@
 //! lattices that move, conditions, provenance, and what failed.
 //!
 //! ```text
-//! directory --kind--> what it holds --monte_carlo, lattice, framework, training--> sections --page--> report.html
+//! directory --kind--> what it holds --monte_carlo, lattice, framework, training, ...--> sections --page--> report.html
 //! ```
 //!
 //! | module | one idea |
 //! |---|---|
 //! | `kind` | what a directory holds |
-//! | `monte_carlo`, `lattice`, `framework`, `training` | the sections of each kind |
+//! | `monte_carlo`, `lattice`, `framework`, `framework_tables`, `training`, `tune`, `voxel_set` | the sections of each kind |
+//! | `voxel_channels` | what is in the channels of a set |
 //! | `traces` | the logs of simulations as a figure |
 //! | `scenes` | which bodies are shown, and where they stand |
 //! | `mesh_view` | meshes as data for the viewer |
@@ -21,6 +22,7 @@
 mod data;
 mod figures;
 mod framework;
+mod framework_tables;
 mod html;
 mod kind;
 mod lattice;
@@ -31,6 +33,9 @@ mod provenance;
 mod scenes;
 mod traces;
 mod training;
+mod tune;
+mod voxel_channels;
+mod voxel_set;
 
 use crate::framework::directory::write_one;
 use anyhow::{Result, bail};
@@ -42,7 +47,7 @@ use std::path::{Path, PathBuf};
 /// What is asked for.
 #[derive(Debug, Clone, Default)]
 pub struct Request {
-    /// The page; `report.html` in the directory where `None`.
+    /// The page; `report.html` in the directory where `None`, beside it for a set of voxels.
     pub output: Option<PathBuf>,
     /// The assembly of a sweep or a simulation, where the directory does not know it.
     pub assembly: Option<PathBuf>,
@@ -67,20 +72,32 @@ pub struct Written {
 /// If the directory holds nothing that can be shown, a file of it is damaged, the page is there already, or the disk does
 /// not take it.
 pub fn report(directory: &Path, request: &Request) -> Result<Written> {
-    let page = request.output.clone().unwrap_or_else(|| directory.join("report.html"));
-    let contents = page_of(directory, request.assembly.as_deref())?;
+    let kind = kind::of(directory)?;
+    let page = request.output.clone().unwrap_or_else(|| default_page(directory, &kind));
+    let contents = page_of(directory, &kind, request.assembly.as_deref())?;
     let html = contents.to_html();
     write_one(&page, &html, request.force)?;
     Ok(Written { page, bytes: html.len(), sections: contents.titles() })
 }
 
-fn page_of(directory: &Path, assembly: Option<&Path>) -> Result<Page> {
-    match kind::of(directory)? {
-        Kind::MonteCarlo(settings) => monte_carlo::page(directory, &settings, assembly),
+/// `report.html` in the directory; a zarr group is to hold nothing else, so its page lies beside it: `SET.zarr.report.html`.
+fn default_page(directory: &Path, kind: &Kind) -> PathBuf {
+    match kind {
+        Kind::VoxelSet => directory.with_file_name(provenance::name(directory) + ".report.html"),
+        _ => directory.join("report.html"),
+    }
+}
+
+fn page_of(directory: &Path, kind: &Kind, assembly: Option<&Path>) -> Result<Page> {
+    match kind {
+        Kind::MonteCarlo(settings) => monte_carlo::page(directory, settings, assembly),
         _ if assembly.is_some() => bail!("{} has no assembly; leave out --assembly", directory.display()),
-        Kind::Lattice(settings) => lattice::page_of_run(directory, &settings),
-        Kind::LatticeSweep(settings) => lattice::page_of_sweep(directory, &settings),
+        Kind::Lattice(settings) => lattice::page_of_run(directory, settings),
+        Kind::LatticeSweep(settings) => lattice::page_of_sweep(directory, settings),
         Kind::Framework => framework::page(directory),
-        Kind::Training(settings) => training::page(directory, &settings),
+        Kind::FrameworkTables => framework_tables::page(directory),
+        Kind::Training(settings) => training::page(directory, settings),
+        Kind::Tune(settings) => tune::page(directory, settings),
+        Kind::VoxelSet => voxel_set::page(directory),
     }
 }

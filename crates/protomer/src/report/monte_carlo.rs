@@ -165,19 +165,12 @@ impl Simulation {
     }
 
     fn problem(&self, settings: &RunSettings) -> Option<String> {
-        let which = format!("{} mM, replica {}", millimolar(self.salt_molar), self.replica);
-        match &self.record {
-            None => Some(format!("{which}: no record; it was not begun, or was killed before its end")),
-            Some(record) if record.exit_reason != "done" || self.sweeps_done() < settings.total_sweeps() => {
-                Some(format!(
-                    "{which}: {} after {} of {} sweeps",
-                    record.exit_reason,
-                    self.sweeps_done(),
-                    settings.total_sweeps()
-                ))
-            }
-            Some(_) => None,
-        }
+        let progress = format!(" after {} of {} sweeps", self.sweeps_done(), settings.total_sweeps());
+        let problem = provenance::problem_of_part(self.record.as_ref(), &progress).or_else(|| {
+            // Finished, and to be longer since.
+            (self.sweeps_done() < settings.total_sweeps()).then(|| format!("not at its end{progress}"))
+        });
+        problem.map(|problem| format!("{} mM, replica {}: {problem}", millimolar(self.salt_molar), self.replica))
     }
 }
 
@@ -192,7 +185,7 @@ fn simulations_section(simulations: &[Simulation], settings: &RunSettings) -> Se
         vec![
             millimolar(simulation.salt_molar),
             simulation.replica.to_string(),
-            simulation.record.as_ref().map_or_else(|| "–".into(), |record| record.exit_reason.clone()),
+            provenance::ended(simulation.record.as_ref()).to_owned(),
             format!("{} of {}", simulation.sweeps_done(), settings.total_sweeps()),
             accepted("translation_acceptance"),
             accepted("rotation_acceptance"),

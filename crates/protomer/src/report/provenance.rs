@@ -6,6 +6,8 @@ use crate::run::RunRecord;
 use anyhow::{Context, Result};
 use std::path::Path;
 
+const NOTE: &str = "Equal settings on equal input give equal results.";
+
 /// The section of a directory with this file of settings; `more` is told besides.
 ///
 /// # Errors
@@ -16,6 +18,19 @@ pub fn section(
     record: Option<&RunRecord>,
     more: Vec<(&str, String)>,
 ) -> Result<Section> {
+    let path = directory.join(settings);
+    let text = std::fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
+    let folded = folded_text(settings, &text);
+    Ok(Section::new("Provenance", rows(directory, record, more) + &folded + &paragraph(NOTE)))
+}
+
+/// The section of a directory that has no file of settings, but perhaps says them elsewhere: a heading and the text.
+pub fn without_file(directory: &Path, settings: Option<(&str, &str)>, more: Vec<(&str, String)>) -> Section {
+    let folded = settings.map_or_else(String::new, |(title, text)| folded_text(title, text));
+    Section::new("Provenance", rows(directory, None, more) + &folded + &paragraph(NOTE))
+}
+
+fn rows(directory: &Path, record: Option<&RunRecord>, more: Vec<(&str, String)>) -> String {
     let mut rows = vec![("directory", name(directory))];
     if let Some(record) = record {
         rows.push(("program", format!("protomer {}", record.version)));
@@ -28,10 +43,7 @@ pub fn section(
     }
     rows.extend(more);
     rows.push(("page made by", format!("protomer {}", env!("CARGO_PKG_VERSION"))));
-    let path = directory.join(settings);
-    let text = std::fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
-    let note = "Equal settings on equal input give equal results.";
-    Ok(Section::new("Provenance", definitions(&rows) + &folded_text(settings, &text) + &paragraph(note)))
+    definitions(&rows)
 }
 
 /// The last part of the path, which says the same wherever the directory lies.
@@ -45,14 +57,42 @@ pub fn unfinished(record: Option<&RunRecord>) -> Option<String> {
     let Some(record) = record else {
         return Some("There is no run.json: the run did not come far enough to write one.".into());
     };
+    if let Some(error) = record.error() {
+        return Some(format!("It failed: {error}"));
+    }
     match record.exit_reason.as_str() {
         "done" => None,
-        "stopped" => Some("It was stopped before its end; the same command goes on from there.".into()),
-        "running" => Some(
-            "By its record it is still running. If no process works in the directory, it was killed or failed; the same \
-             command goes on, or says what is wrong."
+        "stopped" => {
+            let by = record.stopper().map_or_else(String::new, |stopper| format!(" by {stopper}"));
+            Some(format!("It was stopped{by} before its end; the same command goes on from there."))
+        }
+        _ => Some(
+            "By its record it is still running. If no process works in the directory, it was killed; the same command goes on."
                 .into(),
         ),
-        reason => Some(format!("It failed: {reason}")),
+    }
+}
+
+/// How a part ended, in a word for a table.
+pub fn ended(record: Option<&RunRecord>) -> &str {
+    match record {
+        None => "–",
+        Some(record) if record.error().is_some() => "failed",
+        Some(record) => &record.exit_reason,
+    }
+}
+
+/// What kept a part from its end, as in "50 mM, replica 1: *stopped by a signal after 3 of 9 sweeps*"; nothing if it came
+/// to it. `progress` says how far it is by its record.
+pub fn problem_of_part(record: Option<&RunRecord>, progress: &str) -> Option<String> {
+    let Some(record) = record else { return Some("no record; it was not begun, or was killed before its end".into()) };
+    if let Some(error) = record.error() {
+        return Some(format!("failed{progress}: {error}"));
+    }
+    match (record.exit_reason.as_str(), record.stopper()) {
+        ("done", _) => None,
+        ("stopped", Some(stopper)) => Some(format!("stopped by {stopper}{progress}")),
+        ("stopped", None) => Some(format!("stopped{progress}")),
+        _ => Some("at work, or killed".into()),
     }
 }

@@ -156,7 +156,8 @@ fn verdict(metrics: &Metrics) -> Option<Section> {
     Some(Section::new("Control", paragraph(&control.shows) + &table(&head, &rows.collect::<Vec<_>>())))
 }
 
-fn conditions(settings: &TrainSettings, metrics: Option<&Metrics>) -> Section {
+/// The settings, as names and what they are.
+pub fn describe(settings: &TrainSettings) -> Vec<(&'static str, String)> {
     let source = match &settings.source {
         Source::Set { path, digest } => {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -166,7 +167,7 @@ fn conditions(settings: &TrainSettings, metrics: Option<&Metrics>) -> Section {
             format!("the control {}: {samples} samples of {size}³ voxels, seed {seed}", name.name())
         }
     };
-    let mut rows = vec![
+    vec![
         ("samples", source),
         ("target", format!("{:?}", settings.target).to_lowercase()),
         ("channels", settings.training.channels.join(", ")),
@@ -176,9 +177,13 @@ fn conditions(settings: &TrainSettings, metrics: Option<&Metrics>) -> Section {
             blocks.collect::<Vec<_>>().join(", ")
         }),
         ("epochs at most", settings.training.epochs.to_string()),
-        ("learning rate", settings.training.learning_rate.to_string()),
+        ("learning rate", significant(settings.training.learning_rate, 6)),
         ("batch", settings.training.batch.to_string()),
-    ];
+    ]
+}
+
+fn conditions(settings: &TrainSettings, metrics: Option<&Metrics>) -> Section {
+    let mut rows = describe(settings);
     let mut left_out = String::new();
     if let Some(metrics) = metrics {
         let parts = &metrics.samples;
