@@ -1,78 +1,75 @@
-"""Report pages in a headless Chromium: drawn to the end, a clean console, nothing asked of the network."""
+"""Report pages in a headless Chromium: drawn to the end, a clean console, nothing asked of the network, no sideways scroll,
+letters that can be read on a phone, bodies that follow keys, wheel and fingers."""
 
 import json
-import re
-import shutil
-import subprocess
 
 import pytest
 
-from conftest import sphere_mesh_off
+from chromium import BINARY, Chromium
+from conftest import ROOT, sphere_mesh_off
 
-BROWSER = next(filter(None, map(shutil.which, ["chromium", "chromium-browser", "google-chrome"])), None)
-pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium here; install the package chromium")
+pytestmark = pytest.mark.skipif(BINARY is None, reason="no Chromium here; install the package chromium")
 
-# Without a window the browser makes frames when it likes, in virtual time often none.
-FRAMES = "<script>window.requestAnimationFrame = draw => setTimeout(() => draw(performance.now()), 16);</script>"
+PHONE, DESK = 390, 1280
+SMALLEST_LETTERS = 8.0
 
-# Runs after the page's own script: how much of each canvas is painted, in how many colours, and what was loaded; then it
-# turns and zooms the bodies.
-PROBE = """
-<script>
-window.addEventListener("load", async () => {
-  const later = () => new Promise(done => setTimeout(done, 500));
-  const paint = () => Array.from(document.querySelectorAll("canvas"), canvas => {
-    const copy = document.createElement("canvas");
-    [copy.width, copy.height] = [canvas.width, canvas.height];
-    const pen = copy.getContext("2d");
-    pen.drawImage(canvas, 0, 0);
-    const pixels = new Uint32Array(pen.getImageData(0, 0, copy.width, copy.height).data.buffer);
-    const shown = pixels.filter(pixel => pixel >>> 24);
-    return { share: shown.length / pixels.length, colours: new Set(shown).size, sum: pixels.reduce((a, b) => (31 * a + b) >>> 0, 7) };
-  });
-  const found = { wide: document.documentElement.scrollWidth - document.documentElement.clientWidth };
-  await later();
-  found.painted = paint();
-  const view = document.querySelector(".mesh-view canvas");
-  if (view) {
-    view.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowLeft" }));
-    await later();
-    found.turned = paint();
-    view.dispatchEvent(new WheelEvent("wheel", { deltaY: 400, cancelable: true }));
-    await later();
-    found.zoomed = paint();
-  }
-  found.loaded = performance.getEntriesByType("resource").map(entry => entry.name);
-  document.body.dataset.probe = JSON.stringify(found);
-});
-</script>
+# How much of each canvas is painted, in how many colours.
+PAINT = """
+Array.from(document.querySelectorAll("canvas"), canvas => {
+  const copy = document.createElement("canvas");
+  [copy.width, copy.height] = [canvas.width, canvas.height];
+  const pen = copy.getContext("2d");
+  pen.drawImage(canvas, 0, 0);
+  const pixels = new Uint32Array(pen.getImageData(0, 0, copy.width, copy.height).data.buffer);
+  const shown = pixels.filter(pixel => pixel >>> 24);
+  return { share: shown.length / pixels.length, colours: new Set(shown).size, sum: pixels.reduce((a, b) => (31 * a + b) >>> 0, 7) };
+})
 """
 
+# The sizes on the screen, in pixels, of the letters in figures.
+LETTERS = """
+Array.from(document.querySelectorAll(".figure svg text"))
+  .filter(text => text.getClientRects().length > 0)
+  .map(text => { const to = text.getScreenCTM(); return parseFloat(getComputedStyle(text).fontSize) * Math.hypot(to.a, to.b); })
+"""
 
-def look(page, width=1280):
-    """The probe's findings, whether the page's script came to its end, and the lines of the console."""
-    flags = ["--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-    flags += ["--host-resolver-rules=MAP * ~NOTFOUND", "--no-first-run", "--disable-background-networking"]
-    flags += ["--enable-logging=stderr", "--virtual-time-budget=8000", f"--window-size={width},900", "--dump-dom"]
-    with_probe = page.with_name("probe.html")
-    html = page.read_text().replace("<head>", "<head>" + FRAMES).replace("</body>", PROBE + "</body>")
-    with_probe.write_text(html)
-    process = subprocess.run([BROWSER, *flags, with_probe.as_uri()], capture_output=True, text=True, timeout=180)
-    found = re.search(r'data-probe="([^"]*)"', process.stdout)
-    assert found, process.stderr[-2000:]
-    console = [line for line in process.stderr.splitlines() if "CONSOLE" in line]
-    ready = re.search(r'<html[^>]*data-ready="yes"', process.stdout) is not None
-    return json.loads(found[1].replace("&quot;", '"')), ready, console
+# Width of the content, of the room for it, and of the screen.
+SIDEWAYS = "[document.documentElement.scrollWidth, document.documentElement.clientWidth, innerWidth]"
 
 
-def clean(page, width=1280):
-    """Looks at a page that must be without fault, and returns the probe's findings."""
-    probe, ready, console = look(page, width)
-    assert ready, console
-    assert console == []
-    assert probe["loaded"] == []
-    assert probe["wide"] <= 0, f"at a width of {width} the page is {probe['wide']} pixels too wide"
-    return probe
+@pytest.fixture(scope="module")
+def chromium(tmp_path_factory):
+    browser = Chromium(tmp_path_factory.mktemp("profile"))
+    yield browser
+    browser.close()
+
+
+def visit(chromium, file, width=DESK):
+    return chromium.open(file, width, height=844 if width == PHONE else 900, phone=width == PHONE)
+
+
+def is_clean(page, width):
+    """What holds for every page."""
+    assert page.complaints() == []
+    assert page.requests() == []
+    assert page.evaluate("performance.getEntriesByType('resource').length") == 0
+    assert page.evaluate("document.documentElement.dataset.ready") == "yes"
+    content, room, screen = page.evaluate(SIDEWAYS)
+    assert screen == width and content <= room, f"at a width of {width} the page has {content} pixels, room for {room}"
+    letters = page.evaluate(LETTERS)
+    if width == PHONE and letters:
+        assert min(letters) >= SMALLEST_LETTERS, f"letters of {min(letters):.1f} pixels"
+    figures = "Array.from(document.querySelectorAll('.figure')).every(f => f.scrollWidth <= f.clientWidth)"
+    assert page.evaluate(figures), "a figure is wider than its place"
+
+
+def looked_at(chromium, file, width):
+    """Opens a page that must be without fault, and closes it again."""
+    page = visit(chromium, file, width)
+    is_clean(page, width)
+    painted = page.evaluate(PAINT)
+    page.close()
+    return painted
 
 
 @pytest.fixture(scope="module")
@@ -94,39 +91,116 @@ def sweep(tmp_path_factory, protomer):
     return folder / "sweep" / "report.html"
 
 
-@pytest.mark.parametrize("width", [1280, 390])
-def test_a_sweep_shows_its_bodies(sweep, width):
-    probe = clean(sweep, width)
-    (bodies,), (turned,), (zoomed,) = probe["painted"], probe["turned"], probe["zoomed"]
+@pytest.mark.parametrize("width", [DESK, PHONE])
+def test_a_sweep_shows_its_bodies(chromium, sweep, width):
+    page = visit(chromium, sweep, width)
+    is_clean(page, width)
+    (bodies,) = page.evaluate(PAINT)
     # A ball fills much of the canvas, in the shades of its potential.
     assert 0.15 < bodies["share"] < 0.9 and bodies["colours"] > 100
+    page.evaluate("document.querySelector('.mesh-view canvas').dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowLeft' }))")
+    page.pause()
+    (turned,) = page.evaluate(PAINT)
     assert turned["sum"] != bodies["sum"], "the arrow key turns"
+    page.evaluate("document.querySelector('.mesh-view canvas').dispatchEvent(new WheelEvent('wheel', { deltaY: 400 }))")
+    page.pause()
+    (zoomed,) = page.evaluate(PAINT)
     assert zoomed["share"] < 0.6 * bodies["share"], "the wheel zooms"
+    page.close()
 
 
-def test_a_lattice_moves(tmp_path, protomer):
+def test_fingers_turn_and_zoom_the_bodies_and_leave_the_page_where_it_is(chromium, sweep):
+    page = visit(chromium, sweep, PHONE)
+    page.evaluate("document.querySelector('.mesh-view canvas').scrollIntoView({ block: 'center', behavior: 'instant' })")
+    page.pause()
+    at = page.evaluate("(r => [r.x + r.width / 2, r.y + r.height / 2])(document.querySelector('.mesh-view canvas').getBoundingClientRect())")
+    place = page.evaluate("scrollY")
+    line = lambda start, end: [(at[0] + start + (end - start) * k / 8, at[1] + 0.3 * (start + (end - start) * k / 8)) for k in range(9)]
+    (before,) = page.evaluate(PAINT)
+    page.touch(line(-60, 60))
+    (turned,) = page.evaluate(PAINT)
+    assert turned["sum"] != before["sum"], "one finger turns"
+    assert abs(turned["share"] - before["share"]) < 0.1 * before["share"], "one finger does not zoom: a ball stays as large"
+    page.touch(line(-100, -30), line(100, 30))
+    (smaller,) = page.evaluate(PAINT)
+    assert smaller["share"] < 0.6 * turned["share"], "two fingers that close in make it smaller"
+    page.touch(line(-30, -100), line(30, 100))
+    (larger,) = page.evaluate(PAINT)
+    assert larger["share"] > 1.5 * smaller["share"], "two fingers that part make it larger"
+    assert page.evaluate("scrollY") == place, "the page stays where it is"
+    assert page.evaluate("visualViewport.scale") == 1
+    # Beside the picture a finger scrolls the page, as everywhere.
+    page.evaluate("document.querySelector('#results h2').scrollIntoView({ block: 'start', behavior: 'instant' })")
+    page.pause()
+    place = page.evaluate("scrollY")
+    page.touch([(195, 600 - 40 * k) for k in range(9)])
+    page.wait(f"scrollY > {place} + 50")
+    page.close()
+
+
+@pytest.mark.parametrize("width", [DESK, PHONE])
+def test_lattices_move_and_their_figures_can_be_read(chromium, tmp_path, protomer, width):
     protomer("lattice", "run", "--ns", 4, "--steps", 100, "--trajectory-every", 10, "-o", tmp_path / "run", "-q", parse=False)
     protomer("report", tmp_path / "run", "-q", parse=False)
-    wheel, squares = clean(tmp_path / "run" / "report.html")["painted"]
+    wheel, squares = looked_at(chromium, tmp_path / "run" / "report.html", width)
     assert wheel["share"] == 1 and wheel["colours"] > 50
     assert squares["share"] > 0.1 and squares["colours"] >= 3
+    settings = "rows = 4\ncolumns = 4\nsteps = 60\ntrajectory_every = 10\n[sweep]\nr0 = [0.1, 0.2]\nkappa = [0.0, 0.5]\nseeds = [1, 2]\n"
+    (tmp_path / "sweep.toml").write_text(settings)
+    protomer("lattice", "sweep", tmp_path / "sweep.toml", "-o", tmp_path / "sweep", "-q", parse=False)
+    protomer("report", tmp_path / "sweep", "-q", parse=False)
+    assert len(looked_at(chromium, tmp_path / "sweep" / "report.html", width)) == 2
 
 
-def test_a_network_and_a_training_are_readable(tmp_path, protomer):
-    protomer("framework", "honeycomb", "--theta", 60, "--kh", 50, "--ks", 10000, "-o", tmp_path / "net", "-q", parse=False)
-    protomer("train", "--control", "orientation", "--short", "--epochs", 2, "-o", tmp_path / "training", "-q", parse=False)
-    for name in ["net", "training"]:
-        protomer("report", tmp_path / name, "-q", parse=False)
-        assert clean(tmp_path / name / "report.html", width=390)["painted"] == []
+@pytest.fixture(scope="module")
+def other_pages(tmp_path_factory, protomer):
+    """Pages without anything that moves."""
+    folder = tmp_path_factory.mktemp("others")
+    structure = ROOT / "data" / "structures" / "5pti.cif.gz"
+    rows = [f"{structure},{['even', 'odd'][k % 2]},c{k},s{k}" for k in range(16)] + [f"{folder}/missing.pdb,odd,c16,gone"]
+    (folder / "set.csv").write_text("\n".join(["file,label,cluster,name", *rows]) + "\n")
+    honeycomb = ["honeycomb", "--theta", 60, "--kh", 50, "--ks", 10000, "--load", "y", "--stress", "20GPa,40GPa"]
+    for arguments in [
+        ["framework", *honeycomb, "-o", folder / "net"],
+        ["framework", "tables", "-o", folder / "tables"],
+        ["train", "--control", "orientation", "--short", "--epochs", 2, "-o", folder / "training"],
+        ["voxelize", "--manifest", folder / "set.csv", "-o", folder / "set.zarr", "--size", 24, "--spacing", 2,
+         "--potential", "debye-hueckel"],
+        ["tune", folder / "set.zarr", "--least-samples", 5, "--trials", 3, "--epochs", 3, "-o", folder / "search"],
+    ]:
+        protomer(*arguments, "-q", parse=False)
+    for name in ["net", "tables", "training", "set.zarr", "search"]:
+        protomer("report", folder / name, "-q", parse=False)
+    return folder
+
+
+@pytest.mark.parametrize("width", [DESK, PHONE])
+@pytest.mark.parametrize("name", ["net/report", "tables/report", "training/report", "set.zarr.report", "search/report"])
+def test_other_pages_are_readable(chromium, other_pages, name, width):
+    assert looked_at(chromium, other_pages / f"{name}.html", width) == []
 
 
 @pytest.mark.parametrize(
     ("fault", "complaint"),
-    [('<img src="https://example.org/a.png">', "Content Security Policy"), ("<script>throw new Error('broken')</script>", "broken")],
+    [
+        ('<img src="https://example.org/a.png">', "Content Security Policy"),
+        ("<script>throw new Error('broken')</script>", "broken"),
+        ('<p style="width: 2000px">wide</p>', "pixels, room for"),
+        ('<div class="figure"><svg viewBox="0 0 900 90"><text y="50" font-size="12">small</text></svg></div>', "letters of"),
+    ],
 )
-def test_a_faulty_page_is_noticed(sweep, tmp_path, fault, complaint):
+def test_a_faulty_page_is_noticed(chromium, sweep, tmp_path, fault, complaint):
     """What the checks above look for is there to be found."""
     faulty = tmp_path / "faulty.html"
     faulty.write_text(sweep.read_text().replace("</main>", fault + "</main>"))
-    _, _, console = look(faulty)
-    assert any(complaint in line for line in console), console
+    page = visit(chromium, faulty, PHONE)
+    with pytest.raises(AssertionError, match=complaint):
+        is_clean(page, PHONE)
+    page.close()
+
+
+def test_a_view_that_does_not_follow_fingers_is_noticed(chromium, sweep, tmp_path):
+    deaf = tmp_path / "deaf.html"
+    deaf.write_text(sweep.read_text().replace("canvas.onpointermove", "canvas.nobody"))
+    with pytest.raises(AssertionError, match="one finger turns"):
+        test_fingers_turn_and_zoom_the_bodies_and_leave_the_page_where_it_is(chromium, deaf)
