@@ -40,7 +40,25 @@ def test_workers_of_a_loader_can_have_it(path):
     np.testing.assert_array_equal(samples.grid(0), pm.VoxelSet(path).grid(0))
 
 
-def test_a_loader_of_torch_takes_it_as_it_is(path):
+@pytest.mark.parametrize("start", [None, "fork", "spawn"])
+def test_a_loader_of_torch_takes_it_as_it_is(path, start):
     torch = pytest.importorskip("torch", reason="torch is not installed; it is not required")
-    grids, labels = next(iter(torch.utils.data.DataLoader(pm.VoxelSet(path), batch_size=2)))
-    assert tuple(grids.shape) == (2, 3, 32, 32, 32) and labels.tolist() == [1, 0]
+    samples = pm.VoxelSet(path)
+    # Read before there are workers: what zarr keeps open must not stop those that are forked.
+    expected = np.stack([samples.grid(0), samples.grid(1)])
+    workers = {} if start is None else {"num_workers": 2, "multiprocessing_context": start, "timeout": 120}
+    batches = list(torch.utils.data.DataLoader(samples, batch_size=1, **workers))
+    assert [labels.tolist() for _, labels in batches] == [[1], [0]]
+    grids = torch.cat([grids for grids, _ in batches])
+    assert grids.dtype == torch.float32 and tuple(grids.shape) == (2, 3, 32, 32, 32)
+    np.testing.assert_array_equal(grids.numpy(), expected)
+
+
+def test_a_loader_of_torch_shuffles_and_transforms(path):
+    torch = pytest.importorskip("torch", reason="torch is not installed; it is not required")
+    samples = pm.VoxelSet(path, channels=["shape"], transform=torch.from_numpy)
+    loader = torch.utils.data.DataLoader(samples, batch_size=2, shuffle=True, generator=torch.Generator().manual_seed(0))
+    (grids, labels), *none = list(loader)
+    assert not none and grids.shape == (2, 1, 32, 32, 32) and sorted(labels.tolist()) == [0, 1]
+    first = labels.tolist().index(1)
+    np.testing.assert_array_equal(grids[first].numpy(), pm.VoxelSet(path, channels=["shape"]).grid(0))
