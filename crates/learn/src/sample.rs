@@ -107,6 +107,10 @@ pub trait SampleSource: Sync {
     /// # Errors
     /// [`LearnError::Sample`] names a sample that cannot be read; training may leave it out.
     fn voxels(&self, sample: usize) -> Result<SparseGrid>;
+    /// How the voxels were made, in the words of what made them: a network is for voxels made alike.
+    fn made_with(&self) -> Option<&serde_json::Value> {
+        None
+    }
 }
 
 /// Samples in memory.

@@ -107,7 +107,7 @@ impl Scores {
 }
 
 /// The class of the largest probability, the first of equals.
-pub(crate) fn most_probable(probabilities: &[f64]) -> usize {
+pub fn most_probable(probabilities: &[f64]) -> usize {
     let mut best = 0;
     for (class, p) in probabilities.iter().enumerate() {
         if *p > probabilities[best] {

@@ -93,6 +93,10 @@ impl SampleSource for View<'_> {
         &self.descriptions
     }
 
+    fn made_with(&self) -> Option<&serde_json::Value> {
+        self.source.made_with()
+    }
+
     fn voxels(&self, sample: usize) -> Result<SparseGrid> {
         let missing = || LearnError::Sample { name: format!("{sample}"), reason: "there is no such sample".into() };
         let grid = self.source.voxels(*self.samples.get(sample).ok_or_else(missing)?)?;

@@ -10,6 +10,7 @@ use std::path::Path;
 pub struct VoxelSet {
     reader: SetReader,
     descriptions: Vec<Description>,
+    files: Vec<String>,
 }
 
 impl VoxelSet {
@@ -20,6 +21,7 @@ impl VoxelSet {
     pub fn open(path: &Path) -> Result<Self> {
         let reader = open_set(path)?;
         let samples = set::samples_of(&reader).with_context(|| path.display().to_string())?;
+        let files = samples.iter().map(|sample| sample.file.clone()).collect();
         let describe = |sample: set::SampleRecord| Description {
             name: sample.name,
             label: sample.label,
@@ -31,7 +33,12 @@ impl VoxelSet {
             net_charge_e: sample.properties.net_charge_e,
             composition: sample.properties.composition,
         };
-        Ok(Self { descriptions: samples.into_iter().map(describe).collect(), reader })
+        Ok(Self { descriptions: samples.into_iter().map(describe).collect(), reader, files })
+    }
+
+    /// The file of each sample, as the manifest names it.
+    pub fn files(&self) -> &[String] {
+        &self.files
     }
 
     /// The reader below, with attributes and columns.
@@ -51,6 +58,10 @@ impl SampleSource for VoxelSet {
 
     fn descriptions(&self) -> &[Description] {
         &self.descriptions
+    }
+
+    fn made_with(&self) -> Option<&serde_json::Value> {
+        self.reader.attributes().get("settings")
     }
 
     fn voxels(&self, sample: usize) -> protomer_learn::Result<SparseGrid> {

@@ -260,6 +260,7 @@ impl Training<'_> {
             log_prior,
             logit_adjustment: self.settings.logit_adjustment,
             temperature: 1.0,
+            made_with: self.source.made_with().cloned(),
         };
         let progress = Progress {
             fingerprint: self.fingerprint(),

@@ -39,6 +39,9 @@ pub struct ModelCard {
     pub logit_adjustment: f64,
     /// Temperature of its probabilities, 1 if never calibrated.
     pub temperature: f64,
+    /// How the voxels it was trained on were made, where that is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub made_with: Option<serde_json::Value>,
 }
 
 /// How to predict.

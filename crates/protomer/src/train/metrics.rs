@@ -8,7 +8,7 @@ use protomer_learn::bootstrap::{Interval, bootstrap};
 use protomer_learn::permutation::permute_labels;
 use protomer_learn::sample::Description;
 use protomer_learn::scaling::Quarantined;
-use protomer_learn::scores::{ReliabilityBin, Scores};
+use protomer_learn::scores::{ReliabilityBin, Scores, most_probable};
 use protomer_learn::split::{Split, family_weights};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -266,14 +266,9 @@ impl Predictions<'_> {
             let (Some(known), Some(label)) = (self.descriptions.get(*sample), self.labels.get(*sample)) else {
                 continue;
             };
-            let mut best = 0;
-            for (class, probability) in p.iter().enumerate() {
-                if *probability > p[best] {
-                    best = class;
-                }
-            }
+            let best = name(most_probable(p)).into();
             let fixed: [Cell; 4] =
-                [known.name.as_str().into(), known.cluster.as_str().into(), name(*label).into(), name(best).into()];
+                [known.name.as_str().into(), known.cluster.as_str().into(), name(*label).into(), best];
             table.push(fixed.into_iter().chain(p.iter().map(|p| Cell::from(*p))))?;
         }
         write_atomically(path, |file| file.write_all(table.to_csv().as_bytes()))?;
