@@ -25,7 +25,9 @@ from ._verbs import __all__ as _verb_names
 from ._body import Body
 from ._cluster import sweep
 from ._sets import VoxelSet
-from .results import PotentialResult, Result, SweepResult, TrainResult
+from ._log import read_log
+from .results import *  # noqa: F403
+from .results import __all__ as _result_names
 
 __all__ = [
     "Body",
@@ -34,13 +36,11 @@ __all__ = [
     "ConvergenceError",
     "GeometryError",
     "ParseError",
-    "PotentialResult",
     "ProtomerError",
-    "Result",
     "StoppedError",
-    "SweepResult",
-    "TrainResult",
     "VoxelSet",
     "__version__",
+    "read_log",
+    *_result_names,
     *_verb_names,
 ]

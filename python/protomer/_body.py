@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from . import _protomer
 from ._verbs import ingest as _ingest
-from .results import _axes
+from ._result import new_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -114,7 +114,7 @@ class Body(_protomer.Body):
 
     def plot(self, ax: Axes | None = None, *, axes: str = "xy") -> Axes:
         """The charges, red negative and blue positive, seen along the axis that is left out."""
-        ax = _axes(ax)
+        ax = new_axes(ax)
         first, second = ("xyz".index(letter) for letter in axes)
         positions, charges = self.charge_positions_angstrom, self.charges_e
         largest = float(np.abs(charges).max(initial=1e-9))

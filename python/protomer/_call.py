@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeAlias, TypeVar, Union
 
 from . import _protomer
-from .results import Result
+from ._result import Result
 
 Path: TypeAlias = Union[str, "os.PathLike[str]"]
 Paths: TypeAlias = Union[Path, Sequence[Path]]
@@ -43,7 +43,8 @@ def call(
     done, text = _protomer.call(words, progress)
     if not done:
         warnings.warn("some of the inputs failed; the result names them", stacklevel=3)
-    return result(json.loads(text) if text.strip() else {})
+    output: Any = flags.get("--output")
+    return result(json.loads(text) if text.strip() else {}, output)
 
 
 def _flag(flag: str, value: object) -> list[str]:

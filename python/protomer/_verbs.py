@@ -8,7 +8,21 @@ from __future__ import annotations
 from typing import Literal
 
 from ._call import Integer, Integers, Number, Numbers, Path, Paths, Progress, Text, call
-from .results import PotentialResult, Result, SweepResult, TrainResult
+from .results import (
+    BenchResult,
+    CompareResult,
+    FrameworkResult,
+    LatticeResult,
+    LatticeSweepResult,
+    PotentialResult,
+    PredictResult,
+    Result,
+    SimulationResult,
+    SweepResult,
+    TrainResult,
+    TuneResult,
+    VoxelizeResult,
+)
 
 __all__ = [
     "ingest",
@@ -656,7 +670,7 @@ def compare(
     threads: Integer | None = None,
     force: bool = False,
     progress: Progress | None = None,
-) -> Result:
+) -> CompareResult:
     """Draw several finished sweeps in one figure; the legend names the directories.
 
     Parameters
@@ -675,7 +689,7 @@ def compare(
         Called as progress(done, total, unit) while the work goes on.
     """
     return call(
-        Result,
+        CompareResult,
         ["compare"],
         [sweeps],
         {
@@ -711,7 +725,7 @@ class _Framework:
         threads: Integer | None = None,
         force: bool = False,
         progress: Progress | None = None,
-    ) -> Result:
+    ) -> FrameworkResult:
         """Elastic constants, mechanisms and deformation of a periodic network of rods and hinges: one that is
         built from a few numbers, or one of your own in a TOML file (--write shows what that looks like).
 
@@ -749,7 +763,7 @@ class _Framework:
             Called as progress(done, total, unit) while the work goes on.
         """
         return call(
-            Result,
+            FrameworkResult,
             ["framework"],
             [file],
             {
@@ -792,7 +806,7 @@ class _Framework:
         threads: Integer | None = None,
         force: bool = False,
         progress: Progress | None = None,
-    ) -> Result:
+    ) -> FrameworkResult:
         """Hexagonal honeycomb: ribs h along z, ribs l at the angle theta to them; re-entrant below 90 degrees.
 
         Parameters
@@ -837,7 +851,7 @@ class _Framework:
             Called as progress(done, total, unit) while the work goes on.
         """
         return call(
-            Result,
+            FrameworkResult,
             ["framework", "honeycomb"],
             [],
             {
@@ -884,7 +898,7 @@ class _Framework:
         threads: Integer | None = None,
         force: bool = False,
         progress: Progress | None = None,
-    ) -> Result:
+    ) -> FrameworkResult:
         """Squares that touch at corners and are turned by turns.
 
         Parameters
@@ -927,7 +941,7 @@ class _Framework:
             Called as progress(done, total, unit) while the work goes on.
         """
         return call(
-            Result,
+            FrameworkResult,
             ["framework", "rotating-squares"],
             [],
             {
@@ -973,7 +987,7 @@ class _Framework:
         threads: Integer | None = None,
         force: bool = False,
         progress: Progress | None = None,
-    ) -> Result:
+    ) -> FrameworkResult:
         """Equilateral triangles that touch at corners and are turned by turns.
 
         Parameters
@@ -1016,7 +1030,7 @@ class _Framework:
             Called as progress(done, total, unit) while the work goes on.
         """
         return call(
-            Result,
+            FrameworkResult,
             ["framework", "rotating-triangles"],
             [],
             {
@@ -1063,7 +1077,7 @@ class _Framework:
         threads: Integer | None = None,
         force: bool = False,
         progress: Progress | None = None,
-    ) -> Result:
+    ) -> FrameworkResult:
         """Arrowheads: long ribs at the outer and short ribs at the inner angle to z.
 
         Parameters
@@ -1108,7 +1122,7 @@ class _Framework:
             Called as progress(done, total, unit) while the work goes on.
         """
         return call(
-            Result,
+            FrameworkResult,
             ["framework", "arrowhead"],
             [],
             {
@@ -1157,7 +1171,7 @@ class _Framework:
         threads: Integer | None = None,
         force: bool = False,
         progress: Progress | None = None,
-    ) -> Result:
+    ) -> FrameworkResult:
         """The lattice of squares whose corners are joined by rods.
 
         Parameters
@@ -1204,7 +1218,7 @@ class _Framework:
             Called as progress(done, total, unit) while the work goes on.
         """
         return call(
-            Result,
+            FrameworkResult,
             ["framework", "rod-lattice"],
             [],
             {
@@ -1250,7 +1264,7 @@ class _Framework:
         threads: Integer | None = None,
         force: bool = False,
         progress: Progress | None = None,
-    ) -> Result:
+    ) -> FrameworkResult:
         """Face-centred cubic net of nearest-neighbour rods.
 
         Parameters
@@ -1289,7 +1303,7 @@ class _Framework:
             Called as progress(done, total, unit) while the work goes on.
         """
         return call(
-            Result,
+            FrameworkResult,
             ["framework", "fcc"],
             [],
             {
@@ -1332,7 +1346,7 @@ class _Framework:
         threads: Integer | None = None,
         force: bool = False,
         progress: Progress | None = None,
-    ) -> Result:
+    ) -> FrameworkResult:
         """Diamond net of nearest-neighbour rods, hinged between all rods at a node.
 
         Parameters
@@ -1373,7 +1387,7 @@ class _Framework:
             Called as progress(done, total, unit) while the work goes on.
         """
         return call(
-            Result,
+            FrameworkResult,
             ["framework", "diamond"],
             [],
             {
@@ -1578,7 +1592,7 @@ def simulate(
     threads: Integer | None = None,
     force: bool = False,
     progress: Progress | None = None,
-) -> Result:
+) -> SimulationResult:
     """Run one simulation of an assembly at one salt concentration. The same command continues it.
 
     Parameters
@@ -1636,7 +1650,7 @@ def simulate(
         Called as progress(done, total, unit) while the work goes on.
     """
     return call(
-        Result,
+        SimulationResult,
         ["simulate"],
         [assembly],
         {
@@ -1862,7 +1876,7 @@ class _Lattice:
         threads: Integer | None = None,
         force: bool = False,
         progress: Progress | None = None,
-    ) -> Result:
+    ) -> LatticeResult:
         """Run one lattice. The same command continues it.
 
         Parameters
@@ -1925,7 +1939,7 @@ class _Lattice:
             Called as progress(done, total, unit) while the work goes on.
         """
         return call(
-            Result,
+            LatticeResult,
             ["lattice", "run"],
             [config],
             {
@@ -1993,7 +2007,7 @@ class _Lattice:
         threads: Integer | None = None,
         force: bool = False,
         progress: Progress | None = None,
-    ) -> Result:
+    ) -> LatticeSweepResult:
         """Run lattices of several rod lengths and κ, once per seed, on all threads: tables with error bars and
         figures. The same command continues a sweep that was stopped.
 
@@ -2063,7 +2077,7 @@ class _Lattice:
             Called as progress(done, total, unit) while the work goes on.
         """
         return call(
-            Result,
+            LatticeSweepResult,
             ["lattice", "sweep"],
             [config],
             {
@@ -2516,7 +2530,7 @@ def tune(
     threads: Integer | None = None,
     force: bool = False,
     progress: Progress | None = None,
-) -> Result:
+) -> TuneResult:
     """Search for the network that predicts best: blocks, kernels, channels, learning rate. The same command
     continues it.
 
@@ -2562,7 +2576,7 @@ def tune(
         Called as progress(done, total, unit) while the work goes on.
     """
     return call(
-        Result,
+        TuneResult,
         ["tune"],
         [set],
         {
@@ -2609,7 +2623,7 @@ def voxelize(
     threads: Integer | None = None,
     force: bool = False,
     progress: Progress | None = None,
-) -> Result:
+) -> VoxelizeResult:
     """Turn the structures of a manifest into a set of sparse voxel grids, a zarr v3 group: surface, potential,
     hydropathy.
 
@@ -2655,7 +2669,7 @@ def voxelize(
         Called as progress(done, total, unit) while the work goes on.
     """
     return call(
-        Result,
+        VoxelizeResult,
         ["voxelize"],
         [],
         {
@@ -2739,7 +2753,7 @@ def bench(
     threads: Integer | None = None,
     force: bool = False,
     progress: Progress | None = None,
-) -> Result:
+) -> BenchResult:
     """Measure trial moves per CPU-second on an assembly, from the state it is in, and hash the decisions made.
     Without an assembly: measure on states that the program makes itself, and print a table of each energy
     mode's rate against the number of charges, of the parts of a move, of the cost against the number of
@@ -2786,7 +2800,7 @@ def bench(
         Called as progress(done, total, unit) while the work goes on.
     """
     return call(
-        Result,
+        BenchResult,
         ["bench"],
         [assembly],
         {

@@ -1,104 +1,203 @@
-"""What verbs answer: the fields of their JSON as attributes, lists of numbers as arrays."""
+"""What verbs answer, with what of it can be drawn.
+
+Every `plot(ax=None)` draws into axes of matplotlib, new ones if none are given, and returns them.
+"""
 
 from __future__ import annotations
 
-import html
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ._log import read_log
+from ._result import Result, new_axes, numbers
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+__all__ = [
+    "BenchResult",
+    "CompareResult",
+    "FrameworkResult",
+    "LatticeResult",
+    "LatticeSweepResult",
+    "PotentialResult",
+    "PredictResult",
+    "Result",
+    "SimulationResult",
+    "SweepResult",
+    "TrainResult",
+    "TuneResult",
+    "VoxelizeResult",
+]
 
-class Result:
-    """The fields that `--json` prints.
+Numbers = NDArray[np.float64]
 
-    Numbers and text are attributes, objects are results themselves, and lists of numbers are NumPy arrays (null is NaN).
-    `to_dict()` gives the plain values.
-    """
 
-    def __init__(self, fields: dict[str, Any] | list[Any]) -> None:
-        self._fields = fields if isinstance(fields, dict) else {"items": fields}
+class SimulationResult(Result):
+    """Averages of one simulation."""
 
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        try:
-            return _value(self._fields[name])
-        except KeyError:
-            known = ", ".join(self._fields)
-            raise AttributeError(f"{type(self).__name__} has no {name!r}; it has {known}") from None
+    @property
+    def log(self) -> dict[str, NDArray[Any]]:
+        """The columns of its log, one entry per sampled sweep, (T,) each."""
+        return read_log(self._file(""))
 
-    def __getitem__(self, name: str) -> Any:
-        return _value(self._fields[name])
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._fields)
-
-    def __dir__(self) -> list[str]:
-        return [*super().__dir__(), *self._fields]
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Result) and self._fields == other._fields
-
-    __hash__ = None  # type: ignore[assignment]
-
-    def __repr__(self) -> str:
-        shown = ", ".join(f"{name}={_short(value)}" for name, value in self._fields.items())
-        return f"{type(self).__name__}({shown})"
-
-    def _repr_html_(self) -> str:
-        row = "<tr><th style='text-align:left'>{}</th><td style='text-align:left'>{}</td></tr>"
-        rows = (row.format(html.escape(name), html.escape(_short(value))) for name, value in self._fields.items())
-        return f"<table><caption>{type(self).__name__}</caption>{''.join(rows)}</table>"
-
-    def to_dict(self) -> dict[str, Any]:
-        """The plain values, as JSON has them."""
-        return self._fields
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Radius of gyration of the bodies' centres, Å, against the sweep, with its mean."""
+        log = self.log
+        ax = new_axes(ax)
+        ax.plot(log["sweep"], log["r_g_angstrom"])
+        ax.axhline(self._fields["r_g_angstrom"]["mean"], color="0.5", linestyle="--")
+        ax.set_xlabel("sweep")
+        ax.set_ylabel("radius of gyration (Å)")
+        return ax
 
 
 class SweepResult(Result):
     """Stability against salt: one entry per salt concentration."""
 
-    def _column(self, name: str) -> NDArray[np.float64]:
-        return _array([row[name] for row in self._fields["salts"]])
+    def _column(self, name: str) -> Numbers:
+        return numbers([row[name] for row in self._fields["salts"]])
 
     @property
-    def salt_molar(self) -> NDArray[np.float64]:
+    def salt_molar(self) -> Numbers:
         """Salt concentrations, mol/L, (S,)."""
         return self._column("salt_M")
 
     @property
-    def r_g_angstrom(self) -> NDArray[np.float64]:
+    def r_g_angstrom(self) -> Numbers:
         """Mean radius of gyration of the bodies' centres over the replicas, Å, (S,)."""
         return self._column("r_g_mean_angstrom")
 
     @property
-    def r_g_sd_angstrom(self) -> NDArray[np.float64]:
+    def r_g_sd_angstrom(self) -> Numbers:
         """Standard deviation of it between replicas, Å, (S,)."""
         return self._column("r_g_sd_angstrom")
 
     @property
-    def native_contacts(self) -> NDArray[np.float64]:
-        """Surviving fraction of the contacts at the start, (S,)."""
+    def r_g_se_angstrom(self) -> Numbers:
+        """Standard error of it from the replicas' own, which are corrected for autocorrelation, Å, (S,)."""
+        return self._column("r_g_se_angstrom")
+
+    @property
+    def native_contacts(self) -> Numbers:
+        """Surviving fraction of the contacts at the start, (S,); NaN where there were none."""
         return self._column("native_contacts_mean")
 
-    def plot(self, ax: Axes | None = None) -> Axes:
-        """Radius of gyration against salt with the spread of the replicas, on a logarithmic axis of salt."""
-        ax = _axes(ax)
-        from matplotlib.ticker import LogLocator, NullFormatter
+    @property
+    def native_contacts_sd(self) -> Numbers:
+        """Standard deviation of it between replicas, (S,)."""
+        return self._column("native_contacts_sd")
 
-        ax.errorbar(self.salt_molar * 1000.0, self.r_g_angstrom, yerr=self.r_g_sd_angstrom, marker="o", capsize=3)
-        ax.set_xscale("log")
-        # 20, 50, 100 as they are: less than two decades would otherwise be labelled so densely that nothing can be read.
-        ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        ax.xaxis.set_major_formatter("{x:g}")
-        ax.xaxis.set_minor_formatter(NullFormatter())
-        ax.set_xlabel("salt (mM)")
+    @property
+    def largest_cluster(self) -> Numbers:
+        """Mean number of bodies in the largest cluster, (S,)."""
+        return self._column("largest_cluster_mean")
+
+    @property
+    def largest_cluster_sd(self) -> Numbers:
+        """Standard deviation of it between replicas, (S,)."""
+        return self._column("largest_cluster_sd")
+
+    def plot(
+        self, ax: Axes | None = None, *, quantity: Literal["r_g", "native_contacts", "largest_cluster"] = "r_g"
+    ) -> Axes:
+        """A quantity against salt with the spread between replicas: radius of gyration (Å), contacts or cluster."""
+        columns = {
+            "r_g": ("r_g_mean_angstrom", "r_g_sd_angstrom", "radius of gyration (Å)"),
+            "native_contacts": ("native_contacts_mean", "native_contacts_sd", "native contacts left"),
+            "largest_cluster": ("largest_cluster_mean", "largest_cluster_sd", "bodies in the largest cluster"),
+        }
+        mean, deviation, label = columns[quantity]
+        ax = new_axes(ax)
+        ax.errorbar(self.salt_molar * 1000.0, self._column(mean), yerr=self._column(deviation), marker="o", capsize=3)
+        ax.set_ylabel(label)
+        return _against_salt(ax, self.salt_molar)
+
+
+class CompareResult(Result):
+    """Several sweeps side by side."""
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Radius of gyration against salt with the spread between replicas, a line for each sweep."""
+        ax = new_axes(ax)
+        salts = [numbers(sweep["salt_M"]) for sweep in self._fields["sweeps"]]
+        for sweep, salt in zip(self._fields["sweeps"], salts):
+            mean, deviation = numbers(sweep["r_g_mean_angstrom"]), numbers(sweep["r_g_sd_angstrom"])
+            ax.errorbar(salt * 1000.0, mean, yerr=deviation, marker="o", capsize=3, label=sweep["name"])
         ax.set_ylabel("radius of gyration (Å)")
+        ax.legend()
+        return _against_salt(ax, np.concatenate(salts))
+
+
+class LatticeResult(Result):
+    """One run of a lattice of squares; lengths, times and energies in its units."""
+
+    @property
+    def log(self) -> dict[str, NDArray[Any]]:
+        """The columns of its log, one entry per logged step, (T,) each."""
+        return read_log(self._file("log.csv"))
+
+    def plot(self, ax: Axes | None = None, *, quantity: str = "angle_spread") -> Axes:
+        """A column of the log against time: `angle_spread` (rad), `strain_xx`, `checkerboard_fraction`, ..."""
+        log = self.log
+        if quantity not in log:
+            raise ValueError(f"the log has no column {quantity!r}; it has {', '.join(log)}")
+        ax = new_axes(ax)
+        ax.plot(log["time"], log[quantity])
+        ax.set_xlabel("time")
+        ax.set_ylabel(quantity.replace("_", " "))
+        return ax
+
+
+class LatticeSweepResult(Result):
+    """Lattices of several rod lengths and κ: one entry of `conditions` for each."""
+
+    def plot(self, ax: Axes | None = None, *, quantity: str = "poisson_ratio") -> Axes:
+        """An estimate of the conditions against the length of the rods, a line for each κ, with its standard error."""
+        rows = self._fields["conditions"]
+        known = [name for name, value in rows[0].items() if isinstance(value, dict)]
+        if quantity not in known:
+            raise ValueError(f"the conditions have no estimate {quantity!r}; they have {', '.join(known)}")
+        ax = new_axes(ax)
+        for kappa in sorted({row["kappa"] for row in rows}):
+            own = sorted((row for row in rows if row["kappa"] == kappa), key=lambda row: float(row["r0"]))
+            r0 = numbers([row["r0"] for row in own])
+            mean, error = (numbers([row[quantity][key] for row in own]) for key in ("mean", "error"))
+            ax.errorbar(r0, mean, yerr=error, marker="o", capsize=3, label=f"κ = {kappa:g}")
+        ax.set_xlabel("length of the rods r₀")
+        ax.set_ylabel(quantity.replace("_", " "))
+        ax.legend()
+        return ax
+
+
+class FrameworkResult(Result):
+    """Elastic constants of a network of rods and hinges."""
+
+    def plot(self, ax: Axes | None = None, *, quantity: Literal["e", "nu"] = "e") -> Axes:
+        """Young's modulus (GPa), or the size of Poisson's ratio, against the direction of the load in the plane from y.
+
+        Negative ratios are drawn with dashes. `ax` must be polar.
+        """
+        rows = self._fields["polar"]
+        if not rows:
+            raise ValueError("a network in three dimensions has no directions in a plane; see c_gpa")
+        ax = new_axes(ax, subplot_kw={"projection": "polar"})
+        if ax.name != "polar":
+            raise ValueError('the axes are not polar; make them with subplot_kw={"projection": "polar"}')
+        # Half a turn brings every direction back to itself.
+        angle = np.deg2rad(np.concatenate([numbers([row["angle_deg"] for row in rows]) + turn for turn in (0.0, 180.0)]))
+        angle = np.append(angle, angle[0] + 2.0 * np.pi)
+        if quantity == "e":
+            values = numbers([row["e_gpa"] for row in rows])
+            ax.plot(angle, np.append(np.tile(values, 2), values[0]), label="E (GPa)")
+        else:
+            values = numbers([row["nu"] for row in rows])
+            around = np.append(np.tile(values, 2), values[0])
+            ax.plot(angle, np.where(around >= 0.0, around, np.nan), label="ν")
+            ax.plot(angle, np.where(around < 0.0, -around, np.nan), linestyle="--", label="-ν")
+        ax.legend()
         return ax
 
 
@@ -106,45 +205,167 @@ class PotentialResult(Result):
     """A solved Poisson-Boltzmann equation."""
 
     @property
-    def potentials_kt_per_e(self) -> NDArray[np.float64]:
+    def potentials_kt_per_e(self) -> Numbers:
         """The potential at the points asked for, kT/e, (P,); NaN outside the grid."""
-        return _array(self._fields.get("potentials_kT_per_e") or [])
+        return numbers(self._fields.get("potentials_kT_per_e") or [])
+
+    def plot(self, ax: Axes | None = None, *, kind: Literal["histogram", "line"] = "histogram") -> Axes:
+        """The potentials at the points asked for, kT/e: how often which, or point after point."""
+        potentials = self.potentials_kt_per_e
+        if potentials.size == 0:
+            raise ValueError("no points were asked for; call pm.potential with points=")
+        ax = new_axes(ax)
+        if kind == "line":
+            ax.plot(np.arange(1, potentials.size + 1), potentials, marker="o")
+            ax.set_xlabel("point")
+            ax.set_ylabel("potential (kT/e)")
+            return ax
+        ax.hist(potentials[np.isfinite(potentials)], bins="auto")
+        ax.set_xlabel("potential (kT/e)")
+        ax.set_ylabel("points")
+        return ax
+
+
+class VoxelizeResult(Result):
+    """A set of voxels made of structures."""
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """How many structures became samples, and how many were left out for which reason."""
+        reasons = [exclusion["reason"] for exclusion in self._fields["excluded"]]
+        counts = {"samples": self._fields["samples"], **{name: reasons.count(name) for name in sorted(set(reasons))}}
+        ax = new_axes(ax)
+        ax.bar(list(counts), list(counts.values()))
+        ax.set_ylabel("structures")
+        return ax
 
 
 class TrainResult(Result):
     """Scores of a training beside those of what knows nothing of the voxels."""
 
+    @property
+    def history(self) -> dict[str, NDArray[Any]]:
+        """The columns of `history.csv`, one entry per epoch, (E,) each; losses in nats."""
+        return read_log(self._file("history.csv"))
 
-def _axes(ax: Axes | None) -> Axes:
-    if ax is not None:
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Balanced accuracy on the test part with its 95 % interval, beside the baselines and guessing."""
+        ax = new_axes(ax)
+        accuracy = self._fields["balanced_accuracy"]
+        interval = self._fields["bootstrap_95"]["balanced_accuracy"]
+        reach = [[max(accuracy - interval["low"], 0.0)], [max(interval["high"] - accuracy, 0.0)]]
+        baselines = self._fields["baselines"]
+        ax.bar(["network"], [accuracy], yerr=reach, capsize=3)
+        names = [name.replace("_", " ") for name in baselines]
+        ax.bar(names, [baselines[name]["balanced_accuracy"] for name in baselines], color="0.7")
+        ax.axhline(1.0 / len(self._fields["classes"]), color="0.3", linestyle="--")
+        ax.set_ylim(0.0, 1.0)
+        ax.set_ylabel("balanced accuracy")
+        ax.tick_params(axis="x", rotation=30)
         return ax
-    try:
-        import matplotlib.pyplot as plt
-    except ImportError as error:
-        raise ImportError("plots need matplotlib: pip install 'protomer[plot]'") from error
-    return plt.subplots()[1]
+
+    def plot_history(self, ax: Axes | None = None) -> Axes:
+        """Losses of the training and of the validation part, nats, against the epoch; the line is the epoch that was kept."""
+        history = self.history
+        ax = new_axes(ax)
+        for part in ("training", "validation"):
+            ax.plot(history["epoch"], history[f"{part}_loss_nats"], label=part)
+        ax.axvline(self._fields["best_epoch"], color="0.5", linestyle="--")
+        ax.set_xlabel("epoch")
+        ax.set_ylabel("loss (nats)")
+        ax.legend()
+        return ax
 
 
-def _array(values: list[Any]) -> NDArray[np.float64]:
-    return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
+class TuneResult(Result):
+    """Trials of a search, best first."""
+
+    @property
+    def validation_loss_nats(self) -> Numbers:
+        """Smallest loss of each trial on the validation part, nats, (N,); NaN where it diverged."""
+        return numbers([trial["validation_loss_nats"] for trial in self._fields["trials"]])
+
+    @property
+    def learning_rate(self) -> Numbers:
+        """Learning rate of each trial, (N,)."""
+        return numbers([trial["settings"]["training"]["learning_rate"] for trial in self._fields["trials"]])
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Smallest loss of each trial on the validation part, nats, against its learning rate."""
+        ax = new_axes(ax)
+        ax.plot(self.learning_rate, self.validation_loss_nats, marker="o", linestyle="none")
+        ax.set_xscale("log")
+        ax.set_xlabel("learning rate")
+        ax.set_ylabel("validation loss (nats)")
+        return ax
 
 
-def _is_number(value: Any) -> bool:
-    return value is None or (isinstance(value, (int, float)) and not isinstance(value, bool))
+class PredictResult(Result):
+    """Predictions for the samples of a set, one entry per sample that could be read."""
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the samples, N of them."""
+        return [sample["name"] for sample in self._fields["samples"]]
+
+    @property
+    def predicted(self) -> list[str]:
+        """The most probable class of each sample, N of them."""
+        return [sample["predicted"] for sample in self._fields["samples"]]
+
+    @property
+    def probabilities(self) -> Numbers:
+        """Probability of each class for each sample, (N, C), in the order of `classes`."""
+        return np.array([sample["probabilities"] for sample in self._fields["samples"]], dtype=np.float64)
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """How many samples of each true class were predicted as which; a row of its own for those of unknown class."""
+        classes: list[str] = self._fields["classes"]
+        samples = self._fields["samples"]
+        rows = [*classes, "unknown"] if any(sample["class"] is None for sample in samples) else classes
+        counts = np.zeros((len(rows), len(classes)))
+        for sample in samples:
+            counts[rows.index(sample["class"] or "unknown"), classes.index(sample["predicted"])] += 1
+        ax = new_axes(ax)
+        ax.imshow(counts, cmap="Blues")
+        for (row, column), count in np.ndenumerate(counts):
+            ax.text(column, row, f"{count:.0f}", ha="center", va="center")
+        ax.set_xticks(range(len(classes)), classes)
+        ax.set_yticks(range(len(rows)), rows)
+        ax.set_xlabel("predicted")
+        ax.set_ylabel("class")
+        return ax
 
 
-def _value(value: Any) -> Any:
-    if isinstance(value, dict):
-        return Result(value)
-    if not isinstance(value, list) or not value:
-        return value
-    if all(_is_number(item) for item in value) and any(item is not None for item in value):
-        return _array(value) if any(item is None for item in value) else np.array(value)
-    if all(isinstance(item, list) and item and all(map(_is_number, item)) for item in value):
-        return np.array(value, dtype=np.float64) if len({len(item) for item in value}) == 1 else value
-    return [Result(item) if isinstance(item, dict) else item for item in value]
+class BenchResult(Result):
+    """Speeds of the engine."""
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Trial moves per CPU-second against the charges of a body, a line for each way to compute energies."""
+        rows = self._fields.get("charges") or []
+        if not rows:
+            raise ValueError('only the table of charges can be drawn; call pm.bench without an assembly, with part=["charges"]')
+        ax = new_axes(ax)
+        for energy in dict.fromkeys(row["energy"] for row in rows):
+            own = [row for row in rows if row["energy"] == energy]
+            rates = [row["moves_per_cpu_second"] for row in own]
+            ax.plot([row["charges"] for row in own], rates, marker="o", label=energy)
+        ax.set_xscale("log")
+        ax.set_yscale("log")
+        ax.set_xlabel("charges of a body")
+        ax.set_ylabel("trial moves per CPU-second")
+        ax.legend()
+        return ax
 
 
-def _short(value: Any, length: int = 80) -> str:
-    text = repr(value)
-    return text if len(text) <= length else f"{text[: length - 1]}…"
+def _against_salt(ax: Axes, salt_molar: Numbers) -> Axes:
+    """The axis of salt, logarithmic unless there is none somewhere."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    if np.all(salt_molar > 0.0):
+        ax.set_xscale("log")
+        # 20, 50, 100 as they are: less than two decades would otherwise be labelled so densely that nothing can be read.
+        ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        ax.xaxis.set_major_formatter("{x:g}")
+        ax.xaxis.set_minor_formatter(NullFormatter())
+    ax.set_xlabel("salt (mM)")
+    return ax

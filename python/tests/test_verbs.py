@@ -46,6 +46,9 @@ def test_a_sweep_is_that_of_the_command_line_byte_for_byte(ring, tmp_path):
     assert result.r_g_angstrom.shape == (2,) and np.all(result.r_g_angstrom > 0)
     done, total, unit = heard[-1]
     assert 0 < done <= total and unit == "sweeps"
+    both = pm.compare([tmp_path / "python", tmp_path / "shell"], output=tmp_path / "both.svg")
+    assert [curve.name for curve in both.sweeps] == ["python", "shell"]
+    np.testing.assert_array_equal(both.sweeps[1].r_g_sd_angstrom, result.r_g_sd_angstrom)
 
 
 def test_lists_reach_the_program():

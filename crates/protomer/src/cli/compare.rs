@@ -1,7 +1,7 @@
 //! `protomer compare`: several sweeps in one figure.
 
-use super::{Global, Outcome};
-use crate::compare::figure;
+use super::{Global, Outcome, output};
+use crate::compare::{CompareReport, figure, read_curves};
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
@@ -22,11 +22,15 @@ pub struct CompareArgs {
 
 impl CompareArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
-        let figure = figure(&self.sweeps, &self.title)?;
+        let curves = read_curves(&self.sweeps)?;
+        let figure = figure(&curves, &self.title);
         match self.output.extension().and_then(|ending| ending.to_str()) {
             Some("png") => figure.write_png(&self.output)?,
             Some("svg") => figure.write_svg(&self.output)?,
             _ => bail!("{} ends in neither .png nor .svg", self.output.display()),
+        }
+        if global.json {
+            output::json(&CompareReport::of(&self.output, &curves))?;
         }
         global.say(&format!("figure: {}", self.output.display()));
         Ok(Outcome::Done)

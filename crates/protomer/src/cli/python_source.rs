@@ -10,9 +10,25 @@ use std::path::PathBuf;
 const LEFT_OUT: [&str; 3] = ["completions", "man", "help"];
 /// Flags that a function has no use for: it returns what `--json` prints.
 const NOT_FOR_FUNCTIONS: [&str; 6] = ["json", "quiet", "verbose", "no_progress", "help", "version"];
-/// Verbs whose results have a class of their own.
-const RESULTS: [(&str, &str); 3] =
-    [("sweep", "SweepResult"), ("train", "TrainResult"), ("potential", "PotentialResult")];
+/// Verbs whose results have a class of their own; a star stands for the verb and all verbs within it.
+const RESULTS: [(&str, &str); 12] = [
+    ("bench", "BenchResult"),
+    ("compare", "CompareResult"),
+    ("framework *", "FrameworkResult"),
+    ("lattice run", "LatticeResult"),
+    ("lattice sweep", "LatticeSweepResult"),
+    ("potential", "PotentialResult"),
+    ("predict", "PredictResult"),
+    ("simulate", "SimulationResult"),
+    ("sweep", "SweepResult"),
+    ("train", "TrainResult"),
+    ("tune", "TuneResult"),
+    ("voxelize", "VoxelizeResult"),
+];
+/// The class of all other results.
+const PLAIN: &str = "Result";
+/// Verbs within a starred one that answer otherwise.
+const PLAIN_VERBS: [&str; 1] = ["framework tables"];
 /// Words that Python keeps for itself.
 const KEYWORDS: [&str; 6] = ["from", "lambda", "in", "is", "class", "global"];
 const WIDTH: usize = 110;
@@ -27,7 +43,6 @@ from __future__ import annotations
 from typing import Literal
 
 from ._call import Integer, Integers, Number, Numbers, Path, Paths, Progress, Text, call
-from .results import PotentialResult, Result, SweepResult, TrainResult
 "#;
 
 /// The text of `python/protomer/_verbs.py`.
@@ -37,6 +52,10 @@ pub fn python_functions() -> String {
     let verbs: Vec<&Command> =
         cli.get_subcommands().filter(|verb| !LEFT_OUT.contains(&verb.get_name()) && !verb.is_hide_set()).collect();
     let mut text = HEAD.to_owned();
+    let mut classes: Vec<&str> = RESULTS.iter().map(|(_, class)| *class).chain([PLAIN]).collect();
+    classes.sort_unstable();
+    let classes: Vec<String> = classes.iter().map(|class| format!("    {class},\n")).collect();
+    let _ = writeln!(text, "from .results import (\n{})", classes.concat());
     let names: Vec<String> = verbs.iter().map(|verb| format!("    \"{}\",\n", verb.get_name())).collect();
     let _ = write!(text, "\n__all__ = [\n{}]\n", names.concat());
     for verb in verbs {
@@ -139,7 +158,7 @@ fn write_function(text: &mut String, command: &Command, path: &[&str], name: &st
     flags.sort_by_key(|arg| !arg.is_required_set());
     let placed: Vec<Parameter> = placed.into_iter().map(Parameter::of).collect();
     let flags: Vec<Parameter> = flags.into_iter().map(Parameter::of).collect();
-    let result = RESULTS.iter().find(|(verb, _)| [*verb] == path).map_or("Result", |(_, class)| class);
+    let result = class_of(path);
     let _ = writeln!(text, "{indent}def {name}(");
     if !indent.is_empty() {
         let _ = writeln!(text, "{indent}    self,");
@@ -163,6 +182,15 @@ fn write_function(text: &mut String, command: &Command, path: &[&str], name: &st
         let _ = writeln!(text, "{inner}        \"{}\": {name},", flag.as_deref().unwrap_or_default());
     }
     let _ = writeln!(text, "{inner}    }},\n{inner}    progress,\n{inner})");
+}
+
+/// The class of what a verb answers.
+fn class_of(path: &[&str]) -> &'static str {
+    let verb = path.join(" ");
+    let first = path.first().copied().unwrap_or_default();
+    let is_meant = |name: &str| name == verb || name.strip_suffix(" *").is_some_and(|starred| starred == first);
+    let class = RESULTS.iter().find(|(name, _)| is_meant(name)).map_or(PLAIN, |(_, class)| class);
+    if PLAIN_VERBS.contains(&verb.as_str()) { PLAIN } else { class }
 }
 
 fn about(command: &Command) -> String {

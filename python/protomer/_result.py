@@ -1,0 +1,108 @@
+"""What every result is: the fields of a verb's JSON as attributes, lists of numbers as arrays."""
+
+from __future__ import annotations
+
+import html
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+class Result:
+    """The fields that `--json` prints.
+
+    Numbers and text are attributes, objects are results themselves, and lists of numbers are NumPy arrays (null is NaN).
+    `to_dict()` gives the plain values.
+    """
+
+    def __init__(self, fields: dict[str, Any] | list[Any], output: str | os.PathLike[str] | None = None) -> None:
+        self._fields: dict[str, Any] = fields if isinstance(fields, dict) else {"items": fields}
+        # Absolute: the working directory may change.
+        self._output = None if output is None else Path(output).absolute()
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        try:
+            return _value(self._fields[name])
+        except KeyError:
+            known = ", ".join(self._fields)
+            raise AttributeError(f"{type(self).__name__} has no {name!r}; it has {known}") from None
+
+    def __getitem__(self, name: str) -> Any:
+        return _value(self._fields[name])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._fields)
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self._fields]
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Result) and self._fields == other._fields
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        shown = ", ".join(f"{name}={_short(value)}" for name, value in self._fields.items())
+        return f"{type(self).__name__}({shown})"
+
+    def _repr_html_(self) -> str:
+        row = "<tr><th style='text-align:left'>{}</th><td style='text-align:left'>{}</td></tr>"
+        rows = (row.format(html.escape(name), html.escape(_short(value))) for name, value in self._fields.items())
+        return f"<table><caption>{type(self).__name__}</caption>{''.join(rows)}</table>"
+
+    def to_dict(self) -> dict[str, Any]:
+        """The plain values, as JSON has them."""
+        return self._fields
+
+    def _file(self, name: str) -> Path:
+        """A file of the directory that the verb wrote into."""
+        if self._output is None:
+            raise ValueError(f"this {type(self).__name__} knows no directory; call the verb with output=")
+        return self._output / name
+
+
+def new_axes(ax: Axes | None, **settings: Any) -> Axes:
+    """The axes themselves, or new ones in a figure of their own."""
+    if ax is not None:
+        return ax
+    try:
+        import matplotlib.pyplot as plt
+    except ImportError as error:
+        raise ImportError("plots need matplotlib: pip install 'protomer[plot]'") from error
+    axes: Axes = plt.subplots(**settings)[1]
+    return axes
+
+
+def numbers(values: list[Any]) -> NDArray[np.float64]:
+    """Numbers as an array; None is NaN."""
+    return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
+
+
+def _is_number(value: Any) -> bool:
+    return value is None or (isinstance(value, (int, float)) and not isinstance(value, bool))
+
+
+def _value(value: Any) -> Any:
+    if isinstance(value, dict):
+        return Result(value)
+    if not isinstance(value, list) or not value:
+        return value
+    if all(_is_number(item) for item in value) and any(item is not None for item in value):
+        return numbers(value) if any(item is None for item in value) else np.array(value)
+    if all(isinstance(item, list) and item and all(map(_is_number, item)) for item in value):
+        return np.array(value, dtype=np.float64) if len({len(item) for item in value}) == 1 else value
+    return [Result(item) if isinstance(item, dict) else item for item in value]
+
+
+def _short(value: Any, length: int = 80) -> str:
+    text = repr(value)
+    return text if len(text) <= length else f"{text[: length - 1]}…"

@@ -1,0 +1,61 @@
+"""Train and tune on a small set, with what they draw."""
+
+import numpy as np
+import pytest
+
+import protomer as pm
+from conftest import BPTI
+
+SMALL = {"least_samples": 1, "fractions": [0.5, 0.25, 0.25]}
+PROTEASE = BPTI.with_name("4e43.pdb.gz")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """With `set.zarr`: two structures, four orientations each."""
+    folder = tmp_path_factory.mktemp("learning")
+    rows = [f"{BPTI},inhibitor,i{n},inhibitor{n}\n{PROTEASE},protease,p{n},protease{n}\n" for n in range(4)]
+    (folder / "set.csv").write_text("file,label,cluster,name\n" + "".join(rows))
+    made = {"size": 32, "spacing": 2, "potential": "debye-hueckel"}
+    pm.voxelize(manifest=folder / "set.csv", output=folder / "set.zarr", **made)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def trained(folder):
+    return pm.train(folder / "set.zarr", **SMALL, widths="4", groups=0, epochs=3, output=folder / "run")
+
+
+def axes_of(result, plot="plot"):
+    matplotlib = pytest.importorskip("matplotlib", reason="matplotlib is not installed")
+    matplotlib.use("Agg")
+    return getattr(result, plot)()
+
+
+def test_a_training_draws_scores_beside_baselines(trained):
+    axes = axes_of(trained)
+    names = [label.get_text() for label in axes.get_xticklabels()]
+    assert names[0] == "network" and set(names[1:]) == {name.replace("_", " ") for name in trained.baselines}
+    heights = dict(zip(names, (bar.get_height() for bar in axes.patches)))
+    assert heights["network"] == trained.balanced_accuracy and heights["prior"] == trained.baselines.prior.balanced_accuracy
+    assert axes.get_ylabel() == "balanced accuracy" and axes.lines[-1].get_ydata()[0] == 0.5
+
+
+def test_a_training_draws_its_learning_curve(trained):
+    history = trained.history
+    assert history["epoch"].tolist() == [1, 2, 3]
+    axes = axes_of(trained, "plot_history")
+    training, validation, best = axes.lines
+    np.testing.assert_array_equal(training.get_ydata(), history["training_loss_nats"])
+    np.testing.assert_array_equal(validation.get_ydata(), history["validation_loss_nats"])
+    assert best.get_xdata()[0] == trained.best_epoch == 1 + np.argmin(history["validation_loss_nats"])
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("epoch", "loss (nats)")
+
+
+def test_a_search_draws_its_trials(folder):
+    search = pm.tune(folder / "set.zarr", **SMALL, trials=3, epochs=1, channels=["shape"], output=folder / "search")
+    axes = axes_of(search)
+    assert search.validation_loss_nats.shape == (3,) and np.all(np.diff(search.validation_loss_nats) >= 0)
+    drawn = axes.lines[0].get_xydata()
+    np.testing.assert_array_equal(drawn, np.column_stack([search.learning_rate, search.validation_loss_nats]))
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("learning rate", "validation loss (nats)")
