@@ -40,6 +40,7 @@ __all__ = [
     "lattice",
     "report",
     "train",
+    "predict",
     "tune",
     "voxelize",
     "merge",
@@ -2502,6 +2503,46 @@ def train(
             "--seed": seed,
             "--time-limit": time_limit,
             "--checkpoint-every": checkpoint_every,
+            "--threads": threads,
+            "--force": force,
+        },
+        progress,
+    )
+
+
+def predict(
+    run: Path,
+    set: Path,
+    *,
+    output: Path | None = None,
+    threads: Integer | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> PredictResult:
+    """Apply a network that 'protomer train' has made to every sample of a set of voxels: class and
+    probabilities, and scores where the labels are known.
+
+    Parameters
+    ----------
+    run
+        Directory of a finished training
+    set
+        Set of voxels (zarr), made by 'protomer voxelize' like the one of the training
+    output
+        Table to write (CSV); left out, it goes to the standard output
+    threads
+        Threads to use; 0 means all [default: 0]
+    force
+        Overwrite results that are already there
+    progress
+        Called as progress(done, total, unit) while the work goes on.
+    """
+    return call(
+        PredictResult,
+        ["predict"],
+        [run, set],
+        {
+            "--output": output,
             "--threads": threads,
             "--force": force,
         },

@@ -1,4 +1,4 @@
-"""Train and tune on a small set, with what they draw."""
+"""Train, tune and predict on a small set, with what they draw."""
 
 import numpy as np
 import pytest
@@ -59,3 +59,23 @@ def test_a_search_draws_its_trials(folder):
     drawn = axes.lines[0].get_xydata()
     np.testing.assert_array_equal(drawn, np.column_stack([search.learning_rate, search.validation_loss_nats]))
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("learning rate", "validation loss (nats)")
+
+
+def test_a_prediction_has_a_row_per_sample(folder, trained):
+    prediction = pm.predict(folder / "run", folder / "set.zarr", output=folder / "predictions.csv")
+    assert prediction.names[:2] == ["inhibitor0", "protease0"] and prediction.probabilities.shape == (8, 2)
+    np.testing.assert_allclose(prediction.probabilities.sum(axis=1), 1.0)
+    most = prediction.probabilities.argmax(axis=1)
+    assert prediction.predicted == [prediction.classes[place] for place in most]
+    assert prediction.scores.log_loss_nats == trained.log_loss_nats
+    table = pm.read_log(folder / "predictions.csv")
+    np.testing.assert_array_equal(table["p_protease"], prediction.probabilities[:, 1])
+    axes = axes_of(prediction)
+    counts = np.array(axes.images[0].get_array())
+    assert counts.sum() == 8 and counts.sum(axis=1).tolist() == [4, 4]
+    assert counts[1, 0] == prediction.predicted[1::2].count("inhibitor")
+    assert [label.get_text() for label in axes.get_yticklabels()] == ["inhibitor", "protease"]
+    with pytest.raises(pm.ProtomerError, match="--force"):
+        pm.predict(folder / "run", folder / "set.zarr", output=folder / "predictions.csv")
+    with pytest.raises(pm.ProtomerError, match="such as .*run"):
+        pm.predict(folder, folder / "set.zarr")

@@ -24,6 +24,7 @@
 //! | [`mod@bench`], [`cpu_time`] | trial moves per CPU-second |
 //! | [`energy_tables`], [`disk_cache`] | tables of certified energies, shared, bounded in memory, kept on the disk |
 //! | [`train`], [`tune`], [`tune_figure`] | networks trained and searched for, in their directories |
+//! | [`mod@predict`] | a trained network applied to a set |
 //! | [`mod@report`] | a directory of results as one page |
 //! | [`quantity`], [`keys`], [`interrupt`], [`plot`] | what several of them need |
 //! | `cli` | the command line, one file per verb (feature `cli`) |
@@ -52,6 +53,7 @@ pub mod lattice;
 pub mod own_body;
 pub mod plot;
 pub mod potential;
+pub mod predict;
 pub mod quantity;
 pub mod report;
 pub mod run;

@@ -18,6 +18,7 @@ mod medium;
 mod merge;
 mod output;
 mod potential;
+mod predict;
 mod python_source;
 mod report;
 mod simulate;
@@ -95,6 +96,7 @@ enum Verb {
     Lattice(lattice::LatticeArgs),
     Report(report::ReportArgs),
     Train(Box<train::TrainArgs>),
+    Predict(predict::PredictArgs),
     Tune(Box<tune::TuneArgs>),
     Voxelize(voxelize::VoxelizeArgs),
     Merge(merge::MergeArgs),
@@ -159,6 +161,7 @@ impl Verb {
             Verb::Lattice(args) => args.run(global),
             Verb::Report(args) => args.run(global),
             Verb::Train(args) => args.run(global),
+            Verb::Predict(args) => args.run(global),
             Verb::Tune(args) => args.run(global),
             Verb::Voxelize(args) => args.run(global),
             Verb::Merge(args) => args.run(global),

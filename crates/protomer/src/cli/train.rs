@@ -243,14 +243,14 @@ impl TrainArgs {
             (None, Some(path)) => {
                 let (source, set) = open_set(path)?;
                 let mut settings = match &self.config {
-                    None => TrainSettings::of_set(source, channels_of(&*set))?,
+                    None => TrainSettings::of_set(source, channels_of(&set))?,
                     Some(path) => TrainSettings { source, ..TrainSettings::read(path)? },
                 };
                 self.task.override_in(&mut settings)?;
                 self.network.override_in(&mut settings)?;
                 let job = Job { settings, ablation_seeds: seeds };
                 let bar = global.progress(job.epochs(), "epochs");
-                let end = run_job(&job, &*set, &self.output, &execution, &|epochs| bar.inc(epochs))?;
+                let end = run_job(&job, &set, &self.output, &execution, &|epochs| bar.inc(epochs))?;
                 bar.finish_and_clear();
                 end
             }

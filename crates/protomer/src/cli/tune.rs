@@ -39,7 +39,7 @@ impl TuneArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
         let execution = self.execution.execution(global)?;
         let (source, set) = open_set(&self.set)?;
-        let mut base = TrainSettings::of_set(source, channels_of(&*set))?;
+        let mut base = TrainSettings::of_set(source, channels_of(&set))?;
         self.task.override_in(&mut base)?;
         base.training.seed = self.seed;
         let settings = TuneSettings {
@@ -50,7 +50,7 @@ impl TuneArgs {
             base,
         };
         let bar = global.progress(settings.total_epochs(), "epochs");
-        let end = tune_in(&settings, &*set, &self.output, &execution, &|epochs| bar.inc(epochs))?;
+        let end = tune_in(&settings, &set, &self.output, &execution, &|epochs| bar.inc(epochs))?;
         bar.finish_and_clear();
         let TuneEnd::Finished(trials) = end else {
             global.say(&format!("stopped; the same command continues {}", self.output.display()));

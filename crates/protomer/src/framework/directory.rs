@@ -99,7 +99,11 @@ pub fn write_one(path: &Path, text: &str, force: bool) -> Result<()> {
     Ok(write_atomically(path, |file| file.write_all(text.as_bytes()))?)
 }
 
-fn refuse_to_overwrite(path: &Path, force: bool) -> Result<()> {
+/// Refuses a file that is there already, unless `force` is given.
+///
+/// # Errors
+/// If it is.
+pub fn refuse_to_overwrite(path: &Path, force: bool) -> Result<()> {
     if path.exists() && !force {
         bail!("{} is already there; choose another name, or overwrite it with --force", path.display());
     }

@@ -30,6 +30,6 @@ pub use control::{ControlReport, ExperimentReport};
 pub use figure::learning_curve;
 pub use job::{ControlRun, Job, TrainEnd, run_control, run_job};
 pub use metrics::{BaselineScores, Intervals, Metrics, Parts, Predictions};
-pub use run::{Prepared, advance, check, train_in};
+pub use run::{MODEL, Prepared, SETTINGS, advance, check, train_in};
 pub use settings::{Source, SplitBy, TrainSettings, blocks};
 pub use source::{channels_of, open_set, samples_of};

@@ -26,13 +26,16 @@ use std::time::Instant;
 
 /// The state from which a training goes on bit for bit.
 const CHECKPOINT: &str = "checkpoint.bin";
-const MODEL: &str = "model.safetensors";
+/// The trained network, with its scaling and its classes.
+pub const MODEL: &str = "model.safetensors";
+/// What was trained on what.
+pub const SETTINGS: &str = "settings.toml";
 const HISTORY: &str = "history.csv";
 const PREDICTIONS: &str = "predictions.csv";
 const CURVE: &str = "learning_curve.svg";
 /// The directory of a training and its ablation.
 const LAYOUT: Layout = Layout {
-    settings: "settings.toml",
+    settings: SETTINGS,
     holds: "a training",
     results: &[
         super::metrics::FILE_NAME,

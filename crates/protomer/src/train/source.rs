@@ -19,7 +19,7 @@ pub fn samples_of(source: &Source) -> Result<Box<dyn SampleSource>> {
         Source::Set { path, digest } => {
             let (found, set) = open_set(path)?;
             match found {
-                Source::Set { digest: present, .. } if present == *digest => Ok(set),
+                Source::Set { digest: present, .. } if present == *digest => Ok(Box::new(set)),
                 _ => bail!("{} has changed since; train in another directory", path.display()),
             }
         }
@@ -31,7 +31,7 @@ pub fn samples_of(source: &Source) -> Result<Box<dyn SampleSource>> {
 ///
 /// # Errors
 /// If it cannot be read, or has no samples.
-pub fn open_set(path: &Path) -> Result<(Source, Box<dyn SampleSource>)> {
+pub fn open_set(path: &Path) -> Result<(Source, VoxelSet)> {
     let set = VoxelSet::open(path)?;
     let reader = set.reader();
     if reader.is_empty() {
@@ -41,7 +41,7 @@ pub fn open_set(path: &Path) -> Result<(Source, Box<dyn SampleSource>)> {
     let known = (reader.size(), reader.channels(), reader.attributes(), set.descriptions(), voxels);
     let digest = sha256_hex(&serde_json::to_vec(&known).context("the set cannot be summed up")?);
     let path = path.canonicalize().with_context(|| format!("cannot read {}", path.display()))?;
-    Ok((Source::Set { path, digest }, Box::new(set)))
+    Ok((Source::Set { path, digest }, set))
 }
 
 /// Names of the channels of a set.

@@ -1,0 +1,86 @@
+//! Whether a set has the voxels a network is for.
+
+use anyhow::{Result, bail};
+use protomer_learn::SampleSource;
+use protomer_learn::training::ModelCard;
+use serde::Serialize;
+use serde_json::{Map, Value};
+use std::path::Path;
+
+/// What changes nothing about the meaning of a voxel: the random rotations, and which structures are left out.
+const INDIFFERENT: [&str; 2] = ["seed", "most_incomplete"];
+
+/// A condition under which the voxels of a set were made otherwise than those of the training.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Difference {
+    /// The setting of `protomer voxelize`.
+    pub setting: String,
+    /// Its value for the training.
+    pub trained_on: Value,
+    /// Its value for this set.
+    pub set: Value,
+}
+
+/// How the voxels of a set differ from those of the training, where a network can still be applied. A model that does not
+/// say how its voxels were made is taken at its channels and size.
+///
+/// # Errors
+/// If channels, size or spacing are other ones.
+pub fn differences(card: &ModelCard, set: &dyn SampleSource, path: &Path) -> Result<Vec<Difference>> {
+    let shown = path.display();
+    let trained_channels = &card.scaling.channels;
+    if set.channels() != trained_channels {
+        bail!(
+            "the network was trained on voxels with the channels {}, {shown} has {}; make the set anew with voxelize \
+             --channels {}",
+            trained_channels.join(", "),
+            set.channels().join(", "),
+            trained_channels.join(",")
+        );
+    }
+    if set.size() != card.size {
+        let (trained, size) = (card.size, set.size());
+        bail!(
+            "the network was trained on grids of {trained}³ voxels, {shown} has {size}³; make the set anew with voxelize \
+             --size {trained}"
+        );
+    }
+    let (Some(Value::Object(trained)), Some(Value::Object(present))) = (&card.made_with, set.made_with()) else {
+        return Ok(Vec::new());
+    };
+    let differences = between(trained, present);
+    if let Some(Difference { trained_on, set, .. }) = differences.iter().find(|found| found.setting == "spacing") {
+        let with_unit = |value: &Value| format!("{}{}", plain(value), if value.is_number() { " Å" } else { "" });
+        bail!(
+            "the network was trained on voxels with the spacing {}, {shown} has {}; make the set anew with voxelize \
+             --spacing {}",
+            with_unit(trained_on),
+            with_unit(set),
+            plain(trained_on)
+        );
+    }
+    Ok(differences)
+}
+
+fn between(trained: &Map<String, Value>, present: &Map<String, Value>) -> Vec<Difference> {
+    let of = |map: &Map<String, Value>, key: &str| map.get(key).cloned().unwrap_or_default();
+    let mut keys: Vec<&String> = trained.keys().chain(present.keys()).collect();
+    keys.sort();
+    keys.dedup();
+    let differ = |key: &&String| trained.get(*key) != present.get(*key) && !INDIFFERENT.contains(&key.as_str());
+    let of_key =
+        |key: &String| Difference { setting: key.clone(), trained_on: of(trained, key), set: of(present, key) };
+    keys.into_iter().filter(differ).map(of_key).collect()
+}
+
+/// Text without its quotes.
+fn plain(value: &Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
+}
+
+impl Difference {
+    /// A line for a reader.
+    pub fn line(&self) -> String {
+        format!("{}: {} here, {} in the training", self.setting, plain(&self.set), plain(&self.trained_on))
+    }
+}
