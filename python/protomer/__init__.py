@@ -23,7 +23,6 @@ from ._protomer import (
 from ._verbs import *  # noqa: F403
 from ._verbs import __all__ as _verb_names
 from ._body import Body
-from ._cluster import sweep
 from ._sets import VoxelSet
 from ._log import read_log
 from .results import *  # noqa: F403

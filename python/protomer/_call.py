@@ -22,6 +22,8 @@ Integers: TypeAlias = Union[Integer, Sequence[Integer]]
 Text: TypeAlias = Union[str, float, Sequence[Union[str, float]]]
 """Text as on the command line; sequences are joined with commas."""
 Progress: TypeAlias = Callable[[int, int, str], None]
+Client: TypeAlias = Any
+"""A `distributed.Client`, or text: the address of a scheduler, or "local"."""
 
 R = TypeVar("R", bound=Result)
 
@@ -32,14 +34,21 @@ def call(
     places: Sequence[object],
     flags: Mapping[str, object],
     progress: Progress | None,
+    client: Client | None = None,
+    parts: int | None = None,
 ) -> R:
-    """Runs a verb and wraps what it answers."""
+    """Runs a verb and wraps what it answers; with a client, workers have done most of it before."""
     words = list(verb)
     for flag, value in flags.items():
         words += _flag(flag, value)
     placed = [word for value in places for word in _words(value)]
     if placed:
         words += ["--", *placed]
+    if client is not None:
+        from . import _cluster
+
+        _cluster.share_out(words, client, parts, progress)
+        progress = None
     done, text = _protomer.call(words, progress)
     if not done:
         warnings.warn("some of the inputs failed; the result names them", stacklevel=3)

@@ -1,106 +1,182 @@
-"""A sweep on many machines: parts of it as tasks of Dask.
+"""Work on many machines: the parts of a command as tasks of Dask.
 
-Every task is `sweep(..., shard="i/n")` in the same directory, which all workers must see. The directory is the protocol: what a
-lost worker had finished stays, what it was at goes on from its checkpoint, and the last call collects the parts. So the result
-is the local one, bit for bit.
+Every task is the same command with `--shard i/n`, on files that all workers see. The files are the protocol: what a lost worker
+had finished stays, and what it was at goes on from where it was saved. Once everything is there the command itself, without
+`--shard`, finds it done and collects it. So the result is the local one, byte for byte.
 """
 
 from __future__ import annotations
 
-import inspect
-import os
-from collections.abc import Callable, Mapping
-from typing import Any
+import json
+import shutil
+import socket
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import CancelledError
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
 
-from . import _verbs
-from ._call import Path
-from .results import SweepResult
+from . import _protomer
+from ._protomer import ConfigError, ProtomerError, StoppedError, __version__
 
 PARTS_PER_THREAD = 4
-"""Enough that workers end at about the same time; parts without a simulation cost next to nothing."""
+"""Enough that workers end at about the same time; parts that find nothing to do cost next to nothing."""
+SECONDS_TO_ANSWER = 10
+LOCAL = "local"
+"""In place of an address: a scheduler and workers of this machine, for as long as the command runs."""
+
+Progress = Callable[[int, int, str], None]
+_FOR_PEOPLE = frozenset(["json", "quiet", "verbose", "no-progress", "scheduler"])
+"""Flags that a part of a command has no use for."""
 
 
-def sweep(
-    assembly: Path,
-    *,
-    output: Path,
-    client: Any | None = None,
-    parts: int | None = None,
-    retries: int = 3,
-    progress: Callable[[int, int, str], None] | None = None,
-    **settings: Any,
-) -> SweepResult:
-    """Simulate an assembly at several salt concentrations: here, or on the workers of a Dask client.
+class Command(NamedTuple):
+    """A command taken apart, with paths from the root."""
 
-    Parameters
-    ----------
-    assembly
-        Assembly file
-    output
-        Directory of the results; with a client, one that all workers see under this path
-    client
-        A `distributed.Client`, or the address of a scheduler ("tcp://host:8786"); None: this machine
-    parts
-        Tasks to make of the sweep; four for each thread of the workers if left out
-    retries
-        How often a task is tried again after its worker was lost
-    progress
-        Called as progress(done, total, unit): sweeps here, parts with a client
-    settings
-        What follows, as on the command line
+    verb: list[str]
+    flags: list[tuple[str, str | None]]
+    places: list[str]
+
+    @classmethod
+    def of(cls, words: Sequence[str]) -> Command:
+        """The command that these words mean; ConfigError if they mean none."""
+        return cls(*_protomer.take_apart(words))
+
+    def has(self, name: str) -> bool:
+        """Whether a flag was given."""
+        return any(flag == name for flag, _ in self.flags)
+
+    def value(self, name: str) -> str:
+        """The value of a flag that was given."""
+        return next(value for flag, value in self.flags if flag == name and value is not None)
+
+    def words(self, **others: str) -> list[str]:
+        """The words of it for a program, with other values for some flags."""
+        kept = [(flag, value) for flag, value in self.flags if flag not in others and flag not in _FOR_PEOPLE]
+        flags = [f"--{flag}" if value is None else f"--{flag}={value}" for flag, value in [*kept, *others.items()]]
+        return [*self.verb, *flags, "--", *self.places]
+
+
+class Workers:
+    """The workers of a client, and how they are to be used."""
+
+    def __init__(self, client: Any, parts: int | None, progress: Progress | None) -> None:
+        self._client, self._parts, self._progress = client, parts, progress
+
+    def parts(self, begun: int | None = None) -> int:
+        """Into how many parts to divide: as asked for, as an earlier call did, or by the threads of the workers."""
+        return self._parts or begun or PARTS_PER_THREAD * max(1, sum(self._client.nthreads().values()))
+
+    def run(self, commands: Sequence[Sequence[str]]) -> list[Any]:
+        """Runs commands, each as a task; returns what they answer, in the order in which they end."""
+        from distributed import KilledWorker, as_completed
+
+        tasks = [self._client.submit(_run, words, __version__, pure=False) for words in commands]
+        answers: list[Any] = []
+        try:
+            for task in as_completed(tasks, loop=self._client.loop):
+                answers.append(task.result())
+                if isinstance(answers[-1], ProtomerError) and not isinstance(answers[-1], StoppedError):
+                    raise answers[-1]
+                if self._progress is not None:
+                    self._progress(len(answers), len(tasks), "parts")
+        except KilledWorker as error:
+            raise ProtomerError(f"a part lost its worker too often, perhaps for want of memory: {error}") from error
+        except CancelledError as error:
+            raise ProtomerError(f"the scheduler was lost; the same command goes on: {error}") from error
+        finally:
+            self._client.cancel(tasks)
+        for answer in answers:
+            if isinstance(answer, StoppedError):
+                raise answer
+        return answers
+
+
+def share_out(words: Sequence[str], client: Any, parts: int | None = None, progress: Progress | None = None) -> None:
+    """Has workers do everything of a command but what it does itself once all is there.
+
+    `client` is a `distributed.Client`, the address of a scheduler, or "local".
     """
-    if client is None:
-        return _verbs.sweep(assembly, output=output, progress=progress, **settings)
-    assembly, output = os.path.abspath(assembly), os.path.abspath(output)
-    _run_parts(client, assembly, output, settings, parts, retries, progress)
-    # Everything is there; this writes the table and the figure.
-    return _verbs.sweep(assembly, output=output, **settings)
+    command = Command.of(words)
+    if command.has("shard"):
+        raise ConfigError("--shard is one part; leave it out, the scheduler gets all of them")
+    with _connected(client) as connected:
+        _SHARED_OUT[command.verb[0]](command, Workers(connected, parts, progress))
 
 
-def _with_the_keywords_of(verb: Callable[..., Any]) -> None:
-    """Shows the settings where a reader looks for them: in the signature and in help()."""
-    here, there = inspect.signature(sweep), inspect.signature(verb)
-    own = [parameter for parameter in here.parameters.values() if parameter.kind is not inspect.Parameter.VAR_KEYWORD]
-    settings = [parameter for name, parameter in there.parameters.items() if name not in here.parameters]
-    sweep.__signature__ = here.replace(parameters=[*own, *settings])  # type: ignore[attr-defined]
-    described = (verb.__doc__ or "").split("----------\n", 1)[-1]
-    sweep.__doc__ = f"{inspect.cleandoc(sweep.__doc__ or '')}\n\n{inspect.cleandoc(described)}"
+def _sweep(command: Command, workers: Workers) -> None:
+    workers.run(_parts(command, workers.parts()))
 
 
-_with_the_keywords_of(_verbs.sweep)
+def _voxelize(command: Command, workers: Workers) -> None:
+    output = Path(command.value("output"))
+    if output.exists() and not command.has("force"):
+        return  # The command itself says whether it is this set.
+    folder = output.with_name(f"{output.name}.parts")
+    # Parts are files: where some are, it goes on with as many.
+    begun = [int(path.name.partition("-of-")[2].split(".")[0]) for path in folder.glob("*-of-*.zarr*")]
+    count = workers.parts(max(begun, default=None))
+    sets = [str(folder / f"{number}-of-{count}.zarr") for number in range(1, count + 1)]
+    workers.run(_parts(command, count, sets))
+    _protomer.call(["merge", f"--output={output}", *(["--force"] if command.has("force") else []), "--", *sets])
+    shutil.rmtree(folder)
 
 
-def _run_parts(
-    client: Any,
-    assembly: str,
-    output: str,
-    settings: Mapping[str, Any],
-    parts: int | None,
-    retries: int,
-    progress: Callable[[int, int, str], None] | None,
-) -> None:
-    from distributed import Client, as_completed
+_SHARED_OUT = {"sweep": _sweep, "voxelize": _voxelize}
+"""How to divide what each verb does; what is left to do is the verb itself."""
 
-    owned = isinstance(client, str)
-    if owned:
-        client = Client(client)
+
+def _parts(command: Command, count: int, outputs: Sequence[str] = ()) -> list[list[str]]:
+    """The words of every part, perhaps with outputs of their own."""
+    # One thread each: workers bring the parallelism.
+    threads = {} if command.has("threads") else {"threads": "1"}
+    own = [{"output": output} for output in outputs] or [{}] * count
+    return [command.words(shard=f"{n}/{count}", **threads, **part) for n, part in enumerate(own, start=1)]
+
+
+def _run(words: list[str], version: str) -> Any:
+    """A command on a worker: what it answers, or its error, which Dask would shout about."""
+    if version != __version__:
+        return ProtomerError(f"a worker has protomer {__version__}, and it was called by {version}; install the same there")
     try:
-        count = parts or PARTS_PER_THREAD * max(1, sum(client.nthreads().values()))
-        # One thread each: workers bring the parallelism.
-        shared = {"threads": 1, **settings}
-        numbers = range(1, count + 1)
-        futures = [
-            client.submit(_part, assembly, output, f"{n}/{count}", shared, pure=False, retries=retries) for n in numbers
-        ]
-        for done, future in enumerate(as_completed(futures), start=1):
-            future.result()
-            if progress is not None:
-                progress(done, count, "parts")
-    finally:
-        if owned:
-            client.close()
+        return json.loads(_protomer.call(words)[1])
+    except ProtomerError as error:
+        return error
 
 
-def _part(assembly: str, output: str, shard: str, settings: Mapping[str, Any]) -> int:
-    """One part, on a worker; simulations that were done already cost nothing."""
-    return int(_verbs.sweep(assembly, output=output, shard=shard, **settings)["simulations"])
+@contextmanager
+def _connected(client: Any) -> Iterator[Any]:
+    try:
+        from distributed import Client, LocalCluster
+    except ImportError as error:
+        raise ImportError("work on many machines needs Dask: pip install 'protomer[cluster]'") from error
+    if not isinstance(client, str):
+        yield client
+    elif client == LOCAL:
+        with LocalCluster(threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as connected:
+            yield connected
+    else:
+        _reach(client)
+        with Client(client, timeout=SECONDS_TO_ANSWER) as connected:
+            if not connected.nthreads():
+                print(f"waiting for workers: 'dask worker {client}' starts one", file=sys.stderr)
+            yield connected
+
+
+def _reach(address: str) -> None:
+    """Waits until something answers at an address. A client of Dask that fails at that can neither be closed nor left alone."""
+    scheme, _, place = address.rpartition("://")
+    host, _, port = place.rpartition(":")
+    if not host or not port.isdigit():
+        raise ConfigError(f"'{address}' is no address of a scheduler; give one such as tcp://host:8786, or {LOCAL}")
+    end = time.monotonic() + SECONDS_TO_ANSWER
+    while scheme in ("", "tcp", "tls"):
+        try:
+            return socket.create_connection((host.strip("[]"), int(port)), SECONDS_TO_ANSWER).close()
+        except OSError as error:
+            if time.monotonic() > end:
+                start = "'dask scheduler' starts one, 'dask worker ADDRESS' its workers"
+                raise ProtomerError(f"no Dask scheduler answers at {address} ({error}); {start}") from error
+        time.sleep(0.1)

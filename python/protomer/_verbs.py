@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from ._call import Integer, Integers, Number, Numbers, Path, Paths, Progress, Text, call
+from ._call import Client, Integer, Integers, Number, Numbers, Path, Paths, Progress, Text, call
 from .results import (
     BenchResult,
     CompareResult,
@@ -1711,6 +1711,8 @@ def sweep(
     cutoff: Number | None = None,
     threads: Integer | None = None,
     force: bool = False,
+    client: Client | None = None,
+    parts: int | None = None,
     progress: Progress | None = None,
 ) -> SweepResult:
     """Simulate an assembly at several salt concentrations, several replicas each: radius of gyration and
@@ -1772,6 +1774,11 @@ def sweep(
         Threads to use; 0 means all [default: 0]
     force
         Overwrite results that are already there
+    client
+        A `distributed.Client`, the address of a Dask scheduler such as "tcp://host:8786", or "local" for
+        workers on this machine: they do the work, and must see files and folders under the same paths
+    parts
+        Parts to make of it with a client [default: four for each thread of the workers]
     progress
         Called as progress(done, total, unit) while the work goes on.
     """
@@ -1807,6 +1814,8 @@ def sweep(
             "--force": force,
         },
         progress,
+        client=client,
+        parts=parts,
     )
 
 
@@ -2663,6 +2672,8 @@ def voxelize(
     time_limit: Number | None = None,
     threads: Integer | None = None,
     force: bool = False,
+    client: Client | None = None,
+    parts: int | None = None,
     progress: Progress | None = None,
 ) -> VoxelizeResult:
     """Turn the structures of a manifest into a set of sparse voxel grids, a zarr v3 group: surface, potential,
@@ -2706,6 +2717,11 @@ def voxelize(
         Threads to use; 0 means all [default: 0]
     force
         Overwrite results that are already there
+    client
+        A `distributed.Client`, the address of a Dask scheduler such as "tcp://host:8786", or "local" for
+        workers on this machine: they do the work, and must see files and folders under the same paths
+    parts
+        Parts to make of it with a client [default: four for each thread of the workers]
     progress
         Called as progress(done, total, unit) while the work goes on.
     """
@@ -2734,6 +2750,8 @@ def voxelize(
             "--force": force,
         },
         progress,
+        client=client,
+        parts=parts,
     )
 
 

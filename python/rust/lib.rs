@@ -17,7 +17,7 @@ mod _protomer {
         CheckpointError, ConfigError, ConvergenceError, GeometryError, ParseError, ProtomerError, StoppedError,
     };
     #[pymodule_export]
-    use crate::verbs::{call, main};
+    use crate::verbs::{call, main, take_apart};
     use pyo3::prelude::*;
 
     #[pymodule_init]

@@ -1,7 +1,7 @@
 //! Calling a verb: on a thread of its own, while this one listens to Ctrl-C and tells of progress.
 
 use crate::errors::{StoppedError, exception};
-use protomer::cli::{Answer, Host, Outcome};
+use protomer::cli::{Answer, Command, Host, Outcome};
 use protomer::interrupt::Interrupt;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -82,4 +82,12 @@ fn join(py: Python<'_>, thread: Call) -> PyResult<anyhow::Result<Answer>> {
 #[pyfunction]
 pub fn main(py: Python<'_>, words: Vec<OsString>) -> u8 {
     py.detach(|| protomer::cli::run(std::iter::once("protomer".into()).chain(words)))
+}
+
+/// A command taken apart: verb, flags and their values (switches have none), places. Paths are made absolute.
+#[pyfunction]
+#[allow(clippy::type_complexity, reason = "a tuple of lists is what Python unpacks")]
+pub fn take_apart(words: Vec<String>) -> PyResult<(Vec<String>, Vec<(String, Option<String>)>, Vec<String>)> {
+    let Command { verb, flags, places } = Command::of(&words).map_err(|error| exception(&error.into()))?;
+    Ok((verb, flags, places))
 }

@@ -4,6 +4,7 @@ mod assemble;
 mod bench;
 mod body;
 mod candidates;
+mod command;
 mod compare;
 mod execution;
 mod fetch;
@@ -21,6 +22,7 @@ mod potential;
 mod predict;
 mod python_source;
 mod report;
+mod scheduler;
 mod simulate;
 mod surface;
 mod sweep;
@@ -37,6 +39,7 @@ use std::ffi::OsString;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+pub use command::Command;
 pub use host::{Answer, Host, Progress, ProgressListener, UsageError, call};
 pub use python_source::python_functions;
 

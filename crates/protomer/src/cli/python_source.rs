@@ -9,7 +9,19 @@ use std::path::PathBuf;
 /// Verbs for shells only.
 const LEFT_OUT: [&str; 3] = ["completions", "man", "help"];
 /// Flags that a function has no use for: it returns what `--json` prints.
-const NOT_FOR_FUNCTIONS: [&str; 6] = ["json", "quiet", "verbose", "no_progress", "help", "version"];
+const NOT_FOR_FUNCTIONS: [&str; 7] = ["json", "quiet", "verbose", "no_progress", "scheduler", "help", "version"];
+/// A verb with this flag can be shared by many machines: its function has the keywords of [`SHARED`] as well.
+const SHARED_BY: &str = "shard";
+/// Keywords, what they are, what they mean.
+const SHARED: [(&str, &str, &str); 2] = [
+    (
+        "client",
+        "Client",
+        "A `distributed.Client`, the address of a Dask scheduler such as \"tcp://host:8786\", or \"local\" for workers on this \
+         machine: they do the work, and must see files and folders under the same paths",
+    ),
+    ("parts", "int", "Parts to make of it with a client [default: four for each thread of the workers]"),
+];
 /// Verbs whose results have a class of their own; a star stands for the verb and all verbs within it.
 const RESULTS: [(&str, &str); 12] = [
     ("bench", "BenchResult"),
@@ -42,7 +54,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from ._call import Integer, Integers, Number, Numbers, Path, Paths, Progress, Text, call
+from ._call import Client, Integer, Integers, Number, Numbers, Path, Paths, Progress, Text, call
 "#;
 
 /// The text of `python/protomer/_verbs.py`.
@@ -116,6 +128,17 @@ impl Parameter {
         }
     }
 
+    fn for_functions((name, annotation, help): (&str, &str, &str)) -> Self {
+        Self {
+            name: name.into(),
+            flag: None,
+            annotation: annotation.into(),
+            required: false,
+            is_switch: false,
+            help: help.into(),
+        }
+    }
+
     fn declaration(&self) -> String {
         let Self { name, annotation, .. } = self;
         match (self.is_switch, self.required) {
@@ -170,9 +193,17 @@ fn write_function(text: &mut String, command: &Command, path: &[&str], name: &st
     for parameter in &flags {
         let _ = writeln!(text, "{indent}    {},", parameter.declaration());
     }
+    let shared: Vec<Parameter> = if flags.iter().any(|flag| flag.name == SHARED_BY) {
+        SHARED.into_iter().map(Parameter::for_functions).collect()
+    } else {
+        Vec::new()
+    };
+    for parameter in &shared {
+        let _ = writeln!(text, "{indent}    {},", parameter.declaration());
+    }
     let _ = writeln!(text, "{indent}    progress: Progress | None = None,\n{indent}) -> {result}:");
     let inner = format!("{indent}    ");
-    let known: Vec<&Parameter> = placed.iter().chain(&flags).collect();
+    let known: Vec<&Parameter> = placed.iter().chain(&flags).chain(&shared).collect();
     write_docstring(text, &about(command), &known, &inner);
     let words: Vec<String> = path.iter().map(|word| format!("\"{word}\"")).collect();
     let places: Vec<&str> = placed.iter().map(|parameter| parameter.name.as_str()).collect();
@@ -181,7 +212,11 @@ fn write_function(text: &mut String, command: &Command, path: &[&str], name: &st
     for Parameter { name, flag, .. } in &flags {
         let _ = writeln!(text, "{inner}        \"{}\": {name},", flag.as_deref().unwrap_or_default());
     }
-    let _ = writeln!(text, "{inner}    }},\n{inner}    progress,\n{inner})");
+    let _ = writeln!(text, "{inner}    }},\n{inner}    progress,");
+    for Parameter { name, .. } in &shared {
+        let _ = writeln!(text, "{inner}    {name}={name},");
+    }
+    let _ = writeln!(text, "{inner})");
 }
 
 /// The class of what a verb answers.

@@ -1,6 +1,7 @@
 //! `protomer sweep`: stability against salt.
 
 use super::medium::MediumArgs;
+use super::scheduler::SchedulerArgs;
 use super::simulate::RunArgs;
 use super::{Global, Outcome, output};
 use crate::assembly_file::Assembly;
@@ -29,6 +30,8 @@ pub struct SweepArgs {
     #[arg(long, value_parser = Shard::parse, default_value = "1/1")]
     shard: Shard,
     #[command(flatten)]
+    scheduler: SchedulerArgs,
+    #[command(flatten)]
     run: RunArgs,
     #[command(flatten)]
     medium: MediumArgs,
@@ -36,6 +39,7 @@ pub struct SweepArgs {
 
 impl SweepArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
+        self.scheduler.check()?;
         let settings = self.settings()?;
         let assembly = Assembly::read(&self.assembly)?;
         global.say(&format!(

@@ -1,5 +1,6 @@
 //! `protomer voxelize`: structures to a set of voxel grids.
 
+use super::scheduler::SchedulerArgs;
 use super::{Global, Outcome, interrupt_saying, output};
 use crate::quantity;
 use crate::shard::Shard;
@@ -58,6 +59,8 @@ pub struct VoxelizeArgs {
     /// Only a part of the manifest, such as 2/8; `protomer merge` joins the parts.
     #[arg(long, value_parser = Shard::parse, default_value = "1/1")]
     shard: Shard,
+    #[command(flatten)]
+    scheduler: SchedulerArgs,
     /// Stop after this many minutes; the same command goes on from there.
     #[arg(long, allow_negative_numbers = true)]
     time_limit: Option<f64>,
@@ -95,6 +98,7 @@ enum PotentialName {
 
 impl VoxelizeArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
+        self.scheduler.check()?;
         let settings = self.settings();
         settings.check()?;
         let manifest = Manifest::read(&self.manifest)?;
