@@ -124,7 +124,14 @@ def _voxelize(command: Command, workers: Workers) -> None:
     shutil.rmtree(folder)
 
 
-_SHARED_OUT = {"sweep": _sweep, "voxelize": _voxelize}
+def _tune(command: Command, workers: Workers) -> None:
+    parts = _parts(command, workers.parts())
+    # A part ends where others have to come as far, and goes on in the next round. A single part is the whole search.
+    while not all(answer.get("finished", True) for answer in workers.run(parts)):
+        pass
+
+
+_SHARED_OUT = {"sweep": _sweep, "tune": _tune, "voxelize": _voxelize}
 """How to divide what each verb does; what is left to do is the verb itself."""
 
 

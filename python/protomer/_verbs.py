@@ -2567,6 +2567,7 @@ def tune(
     epochs: Integer | None = None,
     seed: Integer | None = None,
     vary_channels: bool = False,
+    shard: Text | None = None,
     target: Literal["label", "space-group", "crystal-system", "point-group", "polar"] | None = None,
     least_samples: Integer | None = None,
     channels: Text | None = None,
@@ -2579,6 +2580,8 @@ def tune(
     checkpoint_every: Number | None = None,
     threads: Integer | None = None,
     force: bool = False,
+    client: Client | None = None,
+    parts: int | None = None,
     progress: Progress | None = None,
 ) -> TuneResult:
     """Search for the network that predicts best: blocks, kernels, channels, learning rate. The same command
@@ -2598,6 +2601,9 @@ def tune(
         Seed of draws, split, weights, order and rotations [default: 1]
     vary_channels
         Try subsets of the channels as well
+    shard
+        Only a part of the trials, such as 2/8, beside other processes in the same directory, until other
+        parts have to come as far; the command without it collects them [default: 1/1]
     target
         What is to be predicted [default: label]
     least_samples
@@ -2622,6 +2628,11 @@ def tune(
         Threads to use; 0 means all [default: 0]
     force
         Overwrite results that are already there
+    client
+        A `distributed.Client`, the address of a Dask scheduler such as "tcp://host:8786", or "local" for
+        workers on this machine: they do the work, and must see files and folders under the same paths
+    parts
+        Parts to make of it with a client [default: four for each thread of the workers]
     progress
         Called as progress(done, total, unit) while the work goes on.
     """
@@ -2635,6 +2646,7 @@ def tune(
             "--epochs": epochs,
             "--seed": seed,
             "--vary-channels": vary_channels,
+            "--shard": shard,
             "--target": target,
             "--least-samples": least_samples,
             "--channels": channels,
@@ -2649,6 +2661,8 @@ def tune(
             "--force": force,
         },
         progress,
+        client=client,
+        parts=parts,
     )
 
 

@@ -112,6 +112,20 @@ def test_a_set_goes_on_with_the_parts_of_an_earlier_call(manifest, tmp_path, cli
     assert pm.voxelize(**{**voxelize, "seed": 4}, force=True).samples == 6
 
 
+def test_a_search_on_workers_is_the_local_one(tmp_path, cluster, client):
+    manifest = tmp_path / "manifest.csv"
+    rows = [f"{BPTI},{'odd' if n % 2 else 'even'},c{n},s{n}" for n in range(16)]
+    manifest.write_text("\n".join(["file,label,cluster,name", *rows]) + "\n")
+    pm.voxelize(manifest=manifest, **VOXELS, output=tmp_path / "set.zarr")
+    search = {"trials": 4, "epochs": 3, "least_samples": 5, "checkpoint_every": 0}
+    local = pm.tune(tmp_path / "set.zarr", **search, output=tmp_path / "local")
+    kill = KillOne(cluster)
+    remote = pm.tune(tmp_path / "set.zarr", **search, output=tmp_path / "remote", client=client, parts=3, progress=kill)
+    assert kill.seen and remote.trials[0].to_dict() == local.trials[0].to_dict()
+    assert [trial.epochs for trial in remote.trials] == [3, 3, 1, 1]
+    assert files(tmp_path / "remote") == files(tmp_path / "local")
+
+
 def test_the_command_line_uses_a_scheduler(ring, manifest, tmp_path, cluster):
     words = ["--salt=30mM,300mM", "--replicas=2", "--sweeps=20", "--equilibration=10", "--seed=7", "-o"]
     here = command("sweep", ring, *words, tmp_path / "here")

@@ -65,5 +65,7 @@ pub mod sweep_table;
 pub mod train;
 pub mod tune;
 pub mod tune_figure;
+mod tune_records;
+mod tune_table;
 pub mod voxel_set;
 pub mod voxelize;

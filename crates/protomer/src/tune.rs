@@ -5,21 +5,25 @@
 //! at for the one that wins.
 //!
 //! ```text
-//! DIR/settings.toml  trials.csv  trials.svg  best.toml  trials/0007.bin   a checkpoint each
+//! DIR/settings.toml  trials.csv  trials.svg  best.toml
+//! DIR/trials/0007.bin  trials/0007-3.toml   a checkpoint each, and what it had reached at each rung
 //! ```
 
-use crate::run::{Execution, Layout, ResultsDirectory};
+use crate::run::{Execution, Hold, Layout, ResultsDirectory};
+use crate::shard::Shard;
 use crate::train::{Prepared, TrainSettings, advance, blocks, check};
 use crate::tune_figure;
+use crate::tune_records::{Records, Standing};
+use crate::tune_table::write_table;
 use anyhow::{Context, Result, bail};
 use protomer_io::atomic::write_atomically;
-use protomer_io::csv::{Cell, Table};
 use protomer_kernel::random::CounterRng;
 use protomer_learn::LearnError;
 use protomer_learn::sample::SampleSource;
 use protomer_learn::training::EpochRecord;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 use std::path::Path;
 
 /// Of so many trials one goes on.
@@ -28,6 +32,11 @@ const KEPT_ONE_OF: usize = 3;
 const DRAW: u8 = 90;
 /// The figure of a search.
 const FIGURE: &str = "trials.svg";
+/// How many of so many trials go on.
+pub(crate) fn kept(trials: usize) -> usize {
+    trials.div_ceil(KEPT_ONE_OF)
+}
+
 /// Files and folders of a search.
 const LAYOUT: Layout = Layout {
     settings: "settings.toml",
@@ -76,7 +85,30 @@ pub enum TuneEnd {
     Stopped,
 }
 
+/// How a part of a search ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ShardEnd {
+    /// No trial of the search is left to be trained.
+    Finished,
+    /// Other parts have to train theirs before it is known who goes on.
+    Waiting,
+    /// It was asked to stop; the same command goes on.
+    Stopped,
+}
+
 impl TuneSettings {
+    /// All trials before the first epoch.
+    fn draw(&self, size: usize) -> Result<Vec<Trial>> {
+        if self.trials == 0 || self.epochs == 0 {
+            bail!("{} trials of {} epochs; give at least one of each", self.trials, self.epochs);
+        }
+        let trial = |number| {
+            let settings = self.trial(number, size)?;
+            Ok(Trial { number, epochs: 0, validation_loss_nats: None, validation_balanced_accuracy: None, settings })
+        };
+        (0..self.trials).map(trial).collect()
+    }
+
     /// The settings of a trial: 2 to 4 blocks that double in width from 4, 8, 16 or 32; kernels 3 or 5 in the first block,
     /// 3 elsewhere; learning rate from 3·10⁻⁴ to 10⁻² on a logarithmic scale; with or without normalisation. Always the
     /// same for the same seed and number.
@@ -112,7 +144,7 @@ impl TuneSettings {
         let mut rungs = vec![self.epochs.max(1)];
         let mut left = self.trials;
         while left > 1 && rungs[0] > 1 {
-            left = left.div_ceil(KEPT_ONE_OF);
+            left = kept(left);
             rungs.insert(0, (rungs[0] / KEPT_ONE_OF).max(1));
         }
         rungs.dedup();
@@ -124,7 +156,7 @@ impl TuneSettings {
         let (mut left, mut before, mut total) = (self.trials, 0, 0);
         for rung in self.rungs() {
             total += left * (rung - before);
-            (left, before) = (left.div_ceil(KEPT_ONE_OF), rung);
+            (left, before) = (kept(left), rung);
         }
         total as u64
     }
@@ -141,57 +173,140 @@ pub fn tune_in(
     execution: &Execution,
     advanced: &(dyn Fn(u64) + Sync),
 ) -> Result<TuneEnd> {
-    if settings.trials == 0 || settings.epochs == 0 {
-        bail!("{} trials of {} epochs; give at least one of each", settings.trials, settings.epochs);
+    let trials = settings.draw(set.size())?;
+    let prepared = prepare(settings, &trials, set)?;
+    let same = |present: &TuneSettings| Ok(present == settings);
+    let _mine = ResultsDirectory::enter(path, LAYOUT, settings, execution.start_anew, same)?;
+    let search = Search { settings, trials, records: Records::open(path)?, execution, advanced };
+    search.records.tidy()?;
+    let tell = |standing: &Standing| write_table(standing.running.iter().chain(&standing.ended), path);
+    if search.train(&prepared, Shard::WHOLE, Hold::Alone, &tell)? == ShardEnd::Stopped {
+        return Ok(TuneEnd::Stopped);
     }
-    let prepared = Prepared::new(&settings.base, set)?;
-    let start = |number: usize| {
-        let settings = settings.trial(number, set.size())?;
-        check(&settings, &prepared)?;
-        Ok(Trial { number, epochs: 0, validation_loss_nats: None, validation_balanced_accuracy: None, settings })
-    };
-    let mut running = (0..settings.trials).map(start).collect::<Result<Vec<Trial>>>()?;
-    let _mine =
-        ResultsDirectory::enter(path, LAYOUT, settings, execution.start_anew, |present| Ok(present == settings))?;
-    let folder = path.join("trials");
-    std::fs::create_dir_all(&folder).with_context(|| format!("cannot make the directory {}", folder.display()))?;
-    let (mut ended, mut before) = (Vec::new(), 0);
-    for rung in settings.rungs() {
-        let go_on = |trial: &Trial| {
-            let file = folder.join(format!("{:04}.bin", trial.number));
-            match advance(&trial.settings, &prepared, &file, before..rung, execution, advanced) {
-                Ok(Some(trained)) => Ok(Some(trial.after(&trained.history, rung))),
-                Ok(None) => Ok(None),
-                // Settings under which training diverges have lost; the search goes on.
-                Err(error) if matches!(error.downcast_ref(), Some(LearnError::Diverged(_))) => {
-                    Ok(Some(Trial { validation_loss_nats: None, validation_balanced_accuracy: None, ..trial.clone() }))
-                }
-                Err(error) => Err(error.context(format!("trial {}", trial.number))),
-            }
-        };
-        let done = running.par_iter().map(go_on).collect::<Result<Vec<_>>>()?;
-        let Some(mut trials) = done.into_iter().collect::<Option<Vec<Trial>>>() else {
-            return Ok(TuneEnd::Stopped);
-        };
-        trials.sort_by(|a, b| a.loss().total_cmp(&b.loss()).then(a.number.cmp(&b.number)));
-        let kept = if rung == settings.epochs { trials.len() } else { trials.len().div_ceil(KEPT_ONE_OF) };
-        // Losers of later rounds stand before those of earlier ones.
-        ended.splice(0..0, trials.split_off(kept));
-        (running, before) = (trials, rung);
-        write_table(&running, &ended, path)?;
-    }
-    running.append(&mut ended);
-    let Some(best) = running.first().filter(|best| best.validation_loss_nats.is_some()) else {
+    let mut standing = search.standing()?;
+    tell(&standing)?;
+    let mut trials = standing.running;
+    trials.append(&mut standing.ended);
+    let Some(best) = trials.first().filter(|best| best.validation_loss_nats.is_some()) else {
         bail!("every trial diverged; choose other --channels or another --scaling");
     };
-    tune_figure::figure(&running, &settings.base.training.channels).write_svg(&path.join(FIGURE))?;
+    tune_figure::figure(&trials, &settings.base.training.channels).write_svg(&path.join(FIGURE))?;
     let text = toml::to_string_pretty(&best.settings).context("best.toml")?;
     write_atomically(&path.join("best.toml"), |out| out.write_all(text.as_bytes()))?;
-    Ok(TuneEnd::Finished(running))
+    Ok(TuneEnd::Finished(trials))
+}
+
+/// Trains the trials of one part, while other processes train those of other parts in the same directory, for as long as it is
+/// known who goes on. Called again and again for all parts until all are finished, it leaves [`tune_in`] nothing to train.
+///
+/// # Errors
+/// As [`tune_in`].
+pub fn tune_shard(
+    settings: &TuneSettings,
+    set: &dyn SampleSource,
+    path: &Path,
+    shard: Shard,
+    execution: &Execution,
+    advanced: &(dyn Fn(u64) + Sync),
+) -> Result<ShardEnd> {
+    if execution.start_anew {
+        bail!(
+            "a part of a search cannot start anew, other parts may be at work; remove the directory, or leave out --force"
+        );
+    }
+    let trials = settings.draw(set.size())?;
+    let _ours = ResultsDirectory::share(path, LAYOUT, settings, |present| Ok(present == settings))?;
+    let search = Search { settings, trials, records: Records::open(path)?, execution, advanced };
+    let standing = search.standing()?;
+    if standing.rung.is_none() {
+        return Ok(ShardEnd::Finished);
+    }
+    // To prepare a set is to read all of it.
+    if !standing.behind.iter().any(|place| shard.has(*place)) {
+        return Ok(ShardEnd::Waiting);
+    }
+    search.train(&prepare(settings, &search.trials, set)?, shard, Hold::Shared, &|_| Ok(()))
+}
+
+/// The set as all trials see it, once it is known that each can begin.
+fn prepare<'a>(settings: &TuneSettings, trials: &[Trial], set: &'a dyn SampleSource) -> Result<Prepared<'a>> {
+    let prepared = Prepared::new(&settings.base, set)?;
+    trials.iter().try_for_each(|trial| check(&trial.settings, &prepared))?;
+    Ok(prepared)
+}
+
+/// A search in its directory.
+struct Search<'a> {
+    settings: &'a TuneSettings,
+    trials: Vec<Trial>,
+    records: Records,
+    execution: &'a Execution,
+    advanced: &'a (dyn Fn(u64) + Sync),
+}
+
+impl Search<'_> {
+    fn standing(&self) -> Result<Standing> {
+        self.records.standing(self.settings, &self.trials)
+    }
+
+    /// Trains the trials of a part rung after rung, until others have to reach one; `tell` hears after each.
+    fn train(
+        &self,
+        prepared: &Prepared,
+        shard: Shard,
+        hold: Hold,
+        tell: &dyn Fn(&Standing) -> Result<()>,
+    ) -> Result<ShardEnd> {
+        let mut standing = self.standing()?;
+        (self.advanced)(standing.epochs);
+        while let Some(epochs) = standing.rung {
+            let mine: Vec<&Trial> = standing
+                .behind
+                .iter()
+                .filter(|place| shard.has(**place))
+                .filter_map(|place| standing.running.get(*place))
+                .collect();
+            if mine.is_empty() {
+                return Ok(ShardEnd::Waiting);
+            }
+            let one = |trial: &&Trial| {
+                self.train_one(trial, prepared, epochs.clone(), hold).with_context(|| format!("trial {}", trial.number))
+            };
+            if mine.par_iter().map(one).collect::<Result<Vec<bool>>>()?.contains(&false) {
+                return Ok(ShardEnd::Stopped);
+            }
+            standing = self.standing()?;
+            tell(&standing)?;
+        }
+        Ok(ShardEnd::Finished)
+    }
+
+    /// Trains a trial to the end of the epochs and records it; false if it was asked to stop.
+    fn train_one(&self, trial: &Trial, prepared: &Prepared, epochs: Range<usize>, hold: Hold) -> Result<bool> {
+        // Where the search is shared, a process that was given up for lost may still be at work.
+        let _mine = if hold == Hold::Shared { Some(self.records.hold(trial)?) } else { None };
+        let rung = epochs.end;
+        if self.records.of(trial, rung)?.is_some() {
+            return Ok(true);
+        }
+        let file = self.records.checkpoint(trial);
+        let reached = match advance(&trial.settings, prepared, &file, epochs, self.execution, self.advanced) {
+            Ok(Some(trained)) => trial.after(&trained.history, rung),
+            Ok(None) => return Ok(false),
+            // Settings under which training diverges have lost; the search goes on.
+            Err(error) if matches!(error.downcast_ref(), Some(LearnError::Diverged(_))) => {
+                Trial { validation_loss_nats: None, validation_balanced_accuracy: None, ..trial.clone() }
+            }
+            Err(error) => return Err(error),
+        };
+        self.records.keep(&reached, rung)?;
+        Ok(true)
+    }
 }
 
 impl Trial {
-    fn loss(&self) -> f64 {
+    /// What trials are compared by.
+    pub(crate) fn loss(&self) -> f64 {
         self.validation_loss_nats.unwrap_or(f64::INFINITY)
     }
 
@@ -209,39 +324,6 @@ impl Trial {
             ..self.clone()
         }
     }
-}
-
-/// `trials.csv`: one row per trial, best first.
-fn write_table(running: &[Trial], ended: &[Trial], path: &Path) -> Result<()> {
-    let columns = [
-        "trial",
-        "epochs",
-        "validation_loss_nats",
-        "validation_balanced_accuracy",
-        "widths",
-        "kernels",
-        "groups",
-        "learning_rate",
-        "channels",
-    ];
-    let mut table = Table::new(columns);
-    for trial in running.iter().chain(ended) {
-        let TrainSettings { blocks, training, .. } = &trial.settings;
-        let join = |values: Vec<usize>| values.iter().map(usize::to_string).collect::<Vec<_>>().join("-");
-        table.push([
-            trial.number.into(),
-            trial.epochs.into(),
-            trial.validation_loss_nats.into(),
-            trial.validation_balanced_accuracy.into(),
-            Cell::from(join(blocks.iter().map(|block| block.width).collect()).as_str()),
-            join(blocks.iter().map(|block| block.kernel).collect()).as_str().into(),
-            blocks.first().and_then(|block| block.groups).unwrap_or(0).into(),
-            training.learning_rate.into(),
-            training.channels.join("+").as_str().into(),
-        ])?;
-    }
-    write_atomically(&path.join("trials.csv"), |out| out.write_all(table.to_csv().as_bytes()))?;
-    Ok(())
 }
 
 #[cfg(test)]

@@ -34,10 +34,10 @@ fn place() -> Workplace {
 /// Four trials, two of which see three epochs, one of them nine.
 const SEARCH: &str = "tune set.zarr --least-samples 5 --trials 4 --epochs 9 --checkpoint-every 0 -q";
 
-/// The results of a search by name, without its lock.
+/// The results of a search by name, without its locks.
 fn results(place: &Workplace, name: &str) -> BTreeMap<String, Vec<u8>> {
     let mut files = contents(&place.path(name));
-    files.remove(".lock");
+    files.retain(|name, _| !name.ends_with(".lock"));
     files
 }
 
@@ -122,11 +122,46 @@ fn what_came_after_a_rung_does_not_decide_who_goes_on_from_it() {
     for file in files {
         std::fs::remove_file(place.path(&format!("search/{file}"))).unwrap();
     }
+    for record in whole.keys().filter(|name| name.starts_with("trials/") && name.ends_with(".toml")) {
+        std::fs::remove_file(place.path("search").join(record)).unwrap();
+    }
     is_ok(&place.run("tune set.zarr --least-samples 5 --trials 4 --epochs 9 -q -o search"));
     let again = results(&place, "search");
     for file in files {
         assert!(again[file] == whole[file], "{file} differs");
     }
+}
+
+#[test]
+fn parts_that_wait_for_each_other_leave_the_files_of_one_search() {
+    let place = place();
+    is_ok(&place.run(&format!("{SEARCH} -o whole")));
+    let mut finished = vec![];
+    // Rungs at one, three and nine epochs; the first round is never the last.
+    for _round in 0..3 {
+        assert!(!finished.contains(&true));
+        assert!(!place.path("parts/trials.csv").exists());
+        let part = |part: usize| -> bool {
+            let output = place.run(&format!("{SEARCH} --shard {part}/3 --json -o parts"));
+            is_ok(&output);
+            let printed: Value = serde_json::from_slice(&output.stdout).unwrap();
+            printed["finished"].as_bool().unwrap()
+        };
+        finished = (1..=3).map(part).collect();
+    }
+    assert_eq!(finished, [true; 3]);
+    let trained = |name: &str| -> BTreeMap<String, Vec<u8>> {
+        results(&place, name).into_iter().filter(|(name, _)| name.starts_with("trials/")).collect()
+    };
+    assert!(trained("parts") == trained("whole"));
+    is_ok(&place.run(&format!("{SEARCH} -o parts")));
+    assert!(results(&place, "parts") == results(&place, "whole"));
+    let anew = place.run(&format!("{SEARCH} --shard 1/3 --force -o parts"));
+    assert!(message(&anew).contains("cannot start anew"), "{}", message(&anew));
+    let held = std::fs::File::open(place.path("parts/.lock")).unwrap();
+    held.lock_shared().unwrap();
+    let collected = place.run(&format!("{SEARCH} -o parts"));
+    assert!(message(&collected).contains("another process works in"), "{}", message(&collected));
 }
 
 #[test]

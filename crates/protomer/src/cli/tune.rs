@@ -1,10 +1,12 @@
 //! `protomer tune`: a random search for the shape of the network, with early stopping of the losers.
 
 use super::execution::ExecutionArgs;
+use super::scheduler::SchedulerArgs;
 use super::train::TaskArgs;
 use super::{Global, Outcome, output};
+use crate::shard::Shard;
 use crate::train::{TrainSettings, channels_of, open_set};
-use crate::tune::{Trial, TuneEnd, TuneSettings, tune_in};
+use crate::tune::{ShardEnd, Trial, TuneEnd, TuneSettings, tune_in, tune_shard};
 use anyhow::Result;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -29,6 +31,12 @@ pub struct TuneArgs {
     /// Directory of the results.
     #[arg(short, long)]
     output: PathBuf,
+    /// Only a part of the trials, such as 2/8, beside other processes in the same directory, until other parts have to come as
+    /// far; the command without it collects them.
+    #[arg(long, value_parser = Shard::parse, default_value = "1/1")]
+    shard: Shard,
+    #[command(flatten)]
+    scheduler: SchedulerArgs,
     #[command(flatten)]
     task: TaskArgs,
     #[command(flatten)]
@@ -37,6 +45,7 @@ pub struct TuneArgs {
 
 impl TuneArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
+        self.scheduler.check()?;
         let execution = self.execution.execution(global)?;
         let (source, set) = open_set(&self.set)?;
         let mut base = TrainSettings::of_set(source, channels_of(&set))?;
@@ -50,6 +59,11 @@ impl TuneArgs {
             base,
         };
         let bar = global.progress(settings.total_epochs(), "epochs");
+        if !self.shard.is_whole() {
+            let end = tune_shard(&settings, &set, &self.output, self.shard, &execution, &|epochs| bar.inc(epochs))?;
+            bar.finish_and_clear();
+            return self.report_shard(end, global);
+        }
         let end = tune_in(&settings, &set, &self.output, &execution, &|epochs| bar.inc(epochs))?;
         bar.finish_and_clear();
         let TuneEnd::Finished(trials) = end else {
@@ -57,6 +71,25 @@ impl TuneArgs {
             return Ok(Outcome::Stopped);
         };
         report(global, &trials, &self.set, &self.output)?;
+        Ok(Outcome::Done)
+    }
+
+    fn report_shard(&self, end: ShardEnd, global: &Global) -> Result<Outcome> {
+        let Shard { index, of } = self.shard;
+        let state = match end {
+            ShardEnd::Stopped => {
+                global.say(&format!("stopped; the same command continues part {index} of {of}"));
+                return Ok(Outcome::Stopped);
+            }
+            ShardEnd::Waiting => "waits for the others; then the same command goes on",
+            ShardEnd::Finished => "all trials are done; without --shard: the table",
+        };
+        if global.json {
+            let finished = end == ShardEnd::Finished;
+            output::json(&serde_json::json!({ "shard": index, "of": of, "finished": finished }))?;
+        } else {
+            global.say(&format!("part {index} of {of}: {state}"));
+        }
         Ok(Outcome::Done)
     }
 }

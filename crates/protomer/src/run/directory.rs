@@ -178,7 +178,16 @@ fn remove(path: &Path) -> Result<()> {
 /// # Errors
 /// If another process holds it, or the disk refuses.
 pub fn lock(path: &Path, hold: Hold) -> Result<File> {
-    let file = File::create(path.join(LOCK)).with_context(|| format!("cannot write into {}", path.display()))?;
+    lock_file(&path.join(LOCK), hold)
+}
+
+/// Locks what a file of its own stands for, as [`lock`] does a directory.
+///
+/// # Errors
+/// As [`lock`].
+pub fn lock_file(file: &Path, hold: Hold) -> Result<File> {
+    let path = file.parent().unwrap_or(file);
+    let file = File::create(file).with_context(|| format!("cannot write into {}", path.display()))?;
     let held = match hold {
         Hold::Alone => file.try_lock(),
         Hold::Shared => file.try_lock_shared(),

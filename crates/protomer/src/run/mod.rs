@@ -12,8 +12,8 @@ mod settings;
 mod trajectory;
 
 pub(crate) use checkpoint_file::{read_checkpoint, write_checkpoint};
-pub(crate) use directory::lock;
 pub use directory::{Hold, Layout, ResultsDirectory, refuse};
+pub(crate) use directory::{lock, lock_file};
 pub use engine::{Engine, require_room, yukawa};
 pub use execution::Execution;
 pub(crate) use log::{Log, LogMark, check_log, complete_lines, read_text};
