@@ -14,7 +14,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -121,7 +121,10 @@ def _voxelize(command: Command, workers: Workers) -> None:
     sets = [str(folder / f"{number}-of-{count}.zarr") for number in range(1, count + 1)]
     workers.run(_parts(command, count, sets))
     _protomer.call(["merge", f"--output={output}", *(["--force"] if command.has("force") else []), "--", *sets])
-    shutil.rmtree(folder)
+    for path in sets:
+        shutil.rmtree(path)
+    with suppress(OSError):  # Whatever else lies there is not ours.
+        folder.rmdir()
 
 
 def _tune(command: Command, workers: Workers) -> None:
