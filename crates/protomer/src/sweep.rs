@@ -121,15 +121,10 @@ pub fn run_shard(
     execution: &Execution,
     advanced: &(dyn Fn(u64) + Sync),
 ) -> Result<ShardEnd> {
-    if execution.start_anew {
-        bail!(
-            "a part of a sweep cannot start anew, other parts may be at work; remove the directory, or leave out --force"
-        );
-    }
     let interactions = interactions(engine, settings)?;
     let identity = identity(engine, settings)?;
     let continues = |present: &RunSettings| continues(directory, present, settings, &identity);
-    let entered = ResultsDirectory::share(directory, LAYOUT, settings, continues)?;
+    let entered = ResultsDirectory::share(directory, LAYOUT, settings, execution.start_anew, continues)?;
     if entered.settings_are_new() {
         record(engine, directory, &identity, "running").write(directory)?;
     }

@@ -209,13 +209,9 @@ pub fn tune_shard(
     execution: &Execution,
     advanced: &(dyn Fn(u64) + Sync),
 ) -> Result<ShardEnd> {
-    if execution.start_anew {
-        bail!(
-            "a part of a search cannot start anew, other parts may be at work; remove the directory, or leave out --force"
-        );
-    }
     let trials = settings.draw(set.size())?;
-    let _ours = ResultsDirectory::share(path, LAYOUT, settings, |present| Ok(present == settings))?;
+    let same = |present: &TuneSettings| Ok(present == settings);
+    let _ours = ResultsDirectory::share(path, LAYOUT, settings, execution.start_anew, same)?;
     let search = Search { settings, trials, records: Records::open(path)?, execution, advanced };
     let standing = search.standing()?;
     if standing.rung.is_none() {

@@ -59,7 +59,7 @@ impl ResultsDirectory {
     {
         make(path)?;
         if start_anew {
-            require_ours(path, layout)?;
+            require_ours::<S>(path, layout)?;
         }
         let mut directory = Self { path: path.to_owned(), settings_are_new: false, _lock: lock(path, Hold::Alone)? };
         remove_abandoned(path)?;
@@ -73,11 +73,23 @@ impl ResultsDirectory {
     /// Enters beside other processes that do parts of the same work; each part locks what it works on.
     ///
     /// # Errors
-    /// As [`enter`](Self::enter); also while a process has the directory alone.
-    pub fn share<S>(path: &Path, layout: Layout, settings: &S, continues: impl Fn(&S) -> Result<bool>) -> Result<Self>
+    /// As [`enter`](Self::enter); also while a process has the directory alone, and if it is to `start_anew`.
+    pub fn share<S>(
+        path: &Path,
+        layout: Layout,
+        settings: &S,
+        start_anew: bool,
+        continues: impl Fn(&S) -> Result<bool>,
+    ) -> Result<Self>
     where
         S: Serialize + DeserializeOwned + PartialEq,
     {
+        if start_anew {
+            bail!(
+                "a part of {} cannot start anew, other parts may be at work; remove the directory, or leave out --force",
+                layout.holds
+            );
+        }
         make(path)?;
         let mut directory = Self { path: path.to_owned(), settings_are_new: false, _lock: lock(path, Hold::Shared)? };
         directory.settings_are_new = directory.claim(layout, settings, continues)?;
@@ -147,9 +159,14 @@ pub fn refuse<T>(path: &Path, layout: Layout, what_differs: &str) -> Result<T> {
     )
 }
 
-/// Refuses a directory that holds something, but no results of this kind.
-fn require_ours(path: &Path, layout: Layout) -> Result<()> {
-    let foreign = !path.join(layout.settings).exists() && entries(path)?.iter().any(|entry| !entry.ends_with(LOCK));
+/// Refuses a directory that holds something, but no results of this kind. Other kinds may have a settings file of that name.
+fn require_ours<S: DeserializeOwned>(path: &Path, layout: Layout) -> Result<()> {
+    let file = path.join(layout.settings);
+    let foreign = if file.exists() {
+        std::fs::read_to_string(&file).map_or(true, |text| keys::from_toml::<S>(&file, &text).is_err())
+    } else {
+        entries(path)?.iter().any(|entry| !entry.ends_with(LOCK))
+    };
     if foreign {
         bail!("{} does not hold {}, so --force leaves it alone; choose another", path.display(), layout.holds);
     }
@@ -241,6 +258,9 @@ mod tests {
         let settings = Settings { seed: 1, length: 1 };
         let foreign = ResultsDirectory::enter(folder.path(), LAYOUT, &settings, true, |_| Ok(true)).unwrap_err();
         assert!(foreign.to_string().contains("leaves it alone"));
+        std::fs::write(path.join("settings.toml"), "widths = [1, 2]").unwrap();
+        assert!(enter(2, 2, true).unwrap_err().to_string().contains("leaves it alone"));
+        std::fs::write(path.join("settings.toml"), "seed = 2\nlength = 2").unwrap();
         let held = enter(2, 2, false).unwrap();
         assert!(enter(2, 2, false).unwrap_err().to_string().contains("another process"));
         drop(held);
