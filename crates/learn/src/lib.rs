@@ -18,6 +18,7 @@
 //! | [`network`] | blocks, global pooling, a linear layer |
 //! | [`loss`] | cross entropy |
 //! | [`optimiser`] | Adam |
+//! | [`device`] | where networks are computed |
 //! | [`training`] | the loop, its checkpoints, and trained models |
 //! | [`scores`], [`calibration`] | how good probabilities are, and how honest |
 //! | [`baselines`], [`logistic`] | what is predicted without a network |
@@ -33,6 +34,7 @@ pub mod bootstrap;
 pub mod calibration;
 pub mod controls;
 pub mod convolution;
+pub mod device;
 mod error;
 pub mod logistic;
 pub mod loss;

@@ -227,8 +227,8 @@ fn robust_scale(mut values: Vec<f32>) -> f64 {
     [deviation, mean_size].into_iter().find(|scale| *scale > 0.0).unwrap_or(1.0)
 }
 
-/// The median, the upper of the two in the middle for an even count; zero for none.
-fn median(values: &mut [f32]) -> f32 {
+/// The median, the upper of the two in the middle for an even count; zero for none. The values are left in another order.
+pub fn median(values: &mut [f32]) -> f32 {
     if values.is_empty() {
         return 0.0;
     }

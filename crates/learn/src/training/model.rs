@@ -184,6 +184,18 @@ impl Model {
         pack(&tensors.collect::<Vec<_>>(), &self.card)
     }
 
+    /// The same model on a device.
+    ///
+    /// # Errors
+    /// [`LearnError::Tensor`] if the device takes no more.
+    pub fn to_device(&self, device: &Device) -> Result<Self> {
+        let network = Network::new(&self.card.network, 0, device)?;
+        for (name, weights) in self.network.parameters() {
+            network.set_parameter(name, &weights.as_detached_tensor())?;
+        }
+        Ok(Self { network, card: self.card.clone() })
+    }
+
     /// A model from the bytes that [`Model::to_bytes`] gave.
     ///
     /// # Errors

@@ -25,7 +25,7 @@ impl ExecutionArgs {
             bail!("--checkpoint-every is {} seconds; give zero or more", self.checkpoint_every);
         };
         let interrupt = interrupt_on_signals(global, self.time_limit)?;
-        Ok(Execution { interrupt, checkpoint_interval, start_anew: global.force })
+        Ok(Execution { interrupt, checkpoint_interval, start_anew: global.force, ..Execution::default() })
     }
 }
 

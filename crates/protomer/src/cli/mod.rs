@@ -6,6 +6,7 @@ mod body;
 mod candidates;
 mod command;
 mod compare;
+mod device;
 mod execution;
 mod fetch;
 mod framework;

@@ -1,5 +1,6 @@
 //! `protomer predict`: a trained network applied to a set.
 
+use super::device::DeviceArgs;
 use super::{Global, Outcome, output};
 use crate::framework::directory::{refuse_to_overwrite, write_one};
 use crate::predict::{PredictReport, predict};
@@ -18,6 +19,8 @@ pub struct PredictArgs {
     /// Table to write (CSV); left out, it goes to the standard output.
     #[arg(short, long)]
     output: Option<PathBuf>,
+    #[command(flatten)]
+    device: DeviceArgs,
 }
 
 impl PredictArgs {
@@ -28,7 +31,7 @@ impl PredictArgs {
         let bar = global.progress(0, "samples");
         let (begin, advanced) = (|count| bar.set_length(count), |count| bar.inc(count));
         let stop = || global.host.interrupt.as_ref().is_some_and(|interrupt| interrupt.is_requested());
-        let report = predict(&self.run, &self.set, &begin, &advanced, &stop)?;
+        let report = predict(&self.run, &self.set, &self.device.open()?, &begin, &advanced, &stop)?;
         bar.finish_and_clear();
         if let Some(path) = &self.output {
             write_one(path, &report.table()?.to_csv(), global.force)?;

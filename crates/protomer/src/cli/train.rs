@@ -1,7 +1,9 @@
 //! `protomer train`: one network, or a control, in its directory; and the flags that `tune` shares with it.
 
+use super::device::DeviceArgs;
 use super::execution::{ExecutionArgs, override_with};
 use super::{Global, Outcome, output};
+use crate::run::Execution;
 use crate::train::{
     ControlRun, Job, Metrics, SplitBy, TrainEnd, TrainSettings, blocks, channels_of, open_set, run_control, run_job,
 };
@@ -205,12 +207,14 @@ pub struct TrainArgs {
     #[command(flatten)]
     network: NetworkArgs,
     #[command(flatten)]
+    device: DeviceArgs,
+    #[command(flatten)]
     execution: ExecutionArgs,
 }
 
 impl TrainArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
-        let execution = self.execution.execution(global)?;
+        let execution = Execution { device: self.device.open()?, ..self.execution.execution(global)? };
         // With a set in the place of a control, clap does not look at what --short requires.
         if self.short && self.control.is_none() {
             bail!("--short is the short form of a control; give --control NAME as well, or leave --short out");

@@ -1,9 +1,11 @@
 //! `protomer tune`: a random search for the shape of the network, with early stopping of the losers.
 
+use super::device::DeviceArgs;
 use super::execution::ExecutionArgs;
 use super::scheduler::SchedulerArgs;
 use super::train::TaskArgs;
 use super::{Global, Outcome, output};
+use crate::run::Execution;
 use crate::shard::Shard;
 use crate::train::{TrainSettings, channels_of, open_set};
 use crate::tune::{ShardEnd, Trial, TuneEnd, TuneSettings, tune_in, tune_shard};
@@ -40,13 +42,15 @@ pub struct TuneArgs {
     #[command(flatten)]
     task: TaskArgs,
     #[command(flatten)]
+    device: DeviceArgs,
+    #[command(flatten)]
     execution: ExecutionArgs,
 }
 
 impl TuneArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
         self.scheduler.check()?;
-        let execution = self.execution.execution(global)?;
+        let execution = Execution { device: self.device.open()?, ..self.execution.execution(global)? };
         let (source, set) = open_set(&self.set)?;
         let mut base = TrainSettings::of_set(source, channels_of(&set))?;
         self.task.override_in(&mut base)?;

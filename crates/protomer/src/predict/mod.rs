@@ -23,15 +23,15 @@ pub use truth::{Part, Truth};
 
 use crate::train::open_set;
 use anyhow::{Result, bail};
-use protomer_learn::SampleSource;
 use protomer_learn::scaling::Quarantined;
 use protomer_learn::training::{Model, PredictionSettings, Predictions};
+use protomer_learn::{Device, SampleSource};
 use std::path::Path;
 
 /// Samples between two looks at whether to stop: a multiple of the grids at a time.
 const CHUNK: usize = 64;
 
-/// Predicts the class of every sample of a set. `begin` hears how many samples there are, `advanced` how many more are
+/// Predicts the class of every sample of a set, on a device. `begin` hears how many samples there are, `advanced` how many more are
 /// done; `stop` is asked every so often.
 ///
 /// # Errors
@@ -40,11 +40,13 @@ const CHUNK: usize = 64;
 pub fn predict(
     run: &Path,
     set_path: &Path,
+    device: &Device,
     begin: &dyn Fn(u64),
     advanced: &dyn Fn(u64),
     stop: &dyn Fn() -> bool,
 ) -> Result<PredictReport> {
-    let trained = Trained::read(run)?;
+    let mut trained = Trained::read(run)?;
+    trained.model = trained.model.to_device(device)?;
     let (source, set) = open_set(set_path)?;
     let differences = fit::differences(&trained.model.card, &set, set_path)?;
     let truth = Truth::of(&trained, &source, &set)?;

@@ -130,12 +130,17 @@ pub fn check(settings: &TrainSettings, prepared: &Prepared) -> Result<()> {
         bail!("epochs is 0; give 1 or more");
     }
     let network = settings.network(prepared.classes.names.len());
-    Ok(training(prepared, &network, &settings.training).check()?)
+    Ok(training(prepared, &network, &settings.training, Device::Cpu).check()?)
 }
 
-fn training<'a>(prepared: &'a Prepared, network: &'a NetworkSettings, settings: &'a TrainingSettings) -> Training<'a> {
+fn training<'a>(
+    prepared: &'a Prepared,
+    network: &'a NetworkSettings,
+    settings: &'a TrainingSettings,
+    device: Device,
+) -> Training<'a> {
     let Prepared { view, classes, split, .. } = prepared;
-    Training { source: view, classes, split, network, settings, device: Device::Cpu }
+    Training { source: view, classes, split, network, settings, device }
 }
 
 /// Trains to the end of a range of epochs, going on from a checkpoint file where there is one; `advanced` hears of as many
@@ -160,7 +165,7 @@ pub fn advance(
     let to_here = TrainingSettings { epochs: epochs.end, ..settings.training.clone() };
     let mut keeper =
         Keeper { path: checkpoint, execution, advanced, latest: None, saved: Instant::now(), failed: None, epochs: 0 };
-    let trained = training(prepared, &network, &to_here).run(present.as_deref(), &mut keeper);
+    let trained = training(prepared, &network, &to_here, execution.device.clone()).run(present.as_deref(), &mut keeper);
     // What was reached is kept, also where training failed.
     keeper.save()?;
     if let Some(error) = keeper.failed.take() {
