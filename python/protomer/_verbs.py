@@ -2411,6 +2411,7 @@ def train(
     batch: Integer | None = None,
     learning_rate: Number | None = None,
     seed: Integer | None = None,
+    device: Text | None = None,
     time_limit: Number | None = None,
     checkpoint_every: Number | None = None,
     threads: Integer | None = None,
@@ -2471,6 +2472,9 @@ def train(
         Learning rate after the warm-up [default: 0.001]
     seed
         Seed of split, weights, order and rotations [default: 1]
+    device
+        Where the network is computed: cpu, cuda, or cuda:1 for the second NVIDIA device. CUDA needs a build
+        with --features cuda [default: cpu]
     time_limit
         Stop (resumably, exit code 3) after this many minutes
     checkpoint_every
@@ -2510,6 +2514,7 @@ def train(
             "--batch": batch,
             "--learning-rate": learning_rate,
             "--seed": seed,
+            "--device": device,
             "--time-limit": time_limit,
             "--checkpoint-every": checkpoint_every,
             "--threads": threads,
@@ -2524,6 +2529,7 @@ def predict(
     set: Path,
     *,
     output: Path | None = None,
+    device: Text | None = None,
     threads: Integer | None = None,
     force: bool = False,
     progress: Progress | None = None,
@@ -2539,6 +2545,9 @@ def predict(
         Set of voxels (zarr), made by 'protomer voxelize' like the one of the training
     output
         Table to write (CSV); left out, it goes to the standard output
+    device
+        Where the network is computed: cpu, cuda, or cuda:1 for the second NVIDIA device. CUDA needs a build
+        with --features cuda [default: cpu]
     threads
         Threads to use; 0 means all [default: 0]
     force
@@ -2552,6 +2561,7 @@ def predict(
         [run, set],
         {
             "--output": output,
+            "--device": device,
             "--threads": threads,
             "--force": force,
         },
@@ -2576,6 +2586,7 @@ def tune(
     scaling: Literal["robust", "raw", "box-standardised"] | None = None,
     permutations: Integer | None = None,
     rotations: bool = False,
+    device: Text | None = None,
     time_limit: Number | None = None,
     checkpoint_every: Number | None = None,
     threads: Integer | None = None,
@@ -2620,6 +2631,9 @@ def tune(
         Exchanges of labels in the permutation test [default: 1000]
     rotations
         Average predictions over the 24 rotations of the cube: 24 times the work
+    device
+        Where the network is computed: cpu, cuda, or cuda:1 for the second NVIDIA device. CUDA needs a build
+        with --features cuda [default: cpu]
     time_limit
         Stop (resumably, exit code 3) after this many minutes
     checkpoint_every
@@ -2655,6 +2669,7 @@ def tune(
             "--scaling": scaling,
             "--permutations": permutations,
             "--rotations": rotations,
+            "--device": device,
             "--time-limit": time_limit,
             "--checkpoint-every": checkpoint_every,
             "--threads": threads,

@@ -79,6 +79,13 @@ pub fn build_body(name: &str, source: Source<'_>, bytes: &[u8], settings: &BodyS
     Ok(built)
 }
 
+/// What of a file and of what was selected from it deserves a line to the user.
+pub fn structure_warnings(structure: &Structure, report: &SelectionReport) -> Vec<String> {
+    let mut warnings = reader_warnings(structure);
+    warnings.extend(selection_warnings(report));
+    warnings
+}
+
 fn reader_warnings(structure: &Structure) -> Vec<String> {
     let warnings = &structure.warnings;
     let mut messages = warnings.messages.clone();

@@ -82,6 +82,7 @@ impl Place {
                     middle_angstrom: [0.0; 3],
                     composition: known.composition,
                 },
+                warnings: Vec::new(),
             }
         };
         let content = SetContent { samples: grids.iter().enumerate().map(record).collect(), excluded: Vec::new() };

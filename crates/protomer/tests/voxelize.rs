@@ -11,6 +11,7 @@ use protomer::voxelize::structure::Reason;
 use protomer::voxelize::{Fit, Spacing, State, VoxelizeReport, VoxelizeSettings, voxelize, work_path};
 use protomer_field::voxels::{Channel, Orientation, PotentialModel};
 use protomer_learn::SampleSource;
+use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -131,6 +132,44 @@ fn a_manifest_becomes_a_set_with_its_exclusions() {
             assert!(grid.values[2 * shell..].iter().all(|value| (value - 1.8).abs() < 1e-3));
         }
     }
+}
+
+#[test]
+fn a_set_says_what_values_its_channels_have_and_what_of_its_files_is_odd() {
+    let place = Place::new();
+    let gap = peptide(["ALA", "GLY", "ALA", "ALA", "GLY"], 1.75);
+    let gap: Vec<&str> = gap.lines().filter(|line| !line.contains("CB  ALA A   3")).collect();
+    std::fs::write(place.path("two.pdb"), gap.join("\n")).unwrap();
+    let report = place.make("a.zarr", Shard::WHOLE, &settings());
+    assert_eq!(report.warnings["two"], ["ALA A:3 lacks CB"]);
+    assert!(!report.warnings.contains_key("one"), "{:?}", report.warnings);
+    assert_eq!(place.make("a.zarr", Shard::WHOLE, &settings()).warnings, report.warnings);
+    let set = VoxelSet::open(&place.path("a.zarr")).unwrap();
+    let attributes = set.reader().attributes();
+    assert_eq!(attributes["warnings"], serde_json::to_value(&report.warnings).unwrap());
+    // Two clusters are too few to split.
+    let statistics = &attributes["statistics"];
+    assert_eq!((&statistics["over"], &statistics["samples"]), (&json!("all samples"), &json!([0, 1, 2])));
+    let potentials = (0..3).flat_map(|sample| {
+        let grid = set.voxels(sample).unwrap();
+        grid.values[grid.index.len()..2 * grid.index.len()].iter().map(|value| f64::from(*value)).collect::<Vec<_>>()
+    });
+    let mut potentials: Vec<f64> = potentials.collect();
+    potentials.sort_by(f64::total_cmp);
+    let count = potentials.len() as f64;
+    let mean = potentials.iter().sum::<f64>() / count;
+    let deviation = (potentials.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt();
+    let found = &statistics["channels"]["potential"];
+    let close = |name: &str, expected: f64| {
+        let value = found[name].as_f64().unwrap();
+        assert!((value - expected).abs() < 1e-9 * (1.0 + expected.abs()), "{name} {value} {expected}");
+    };
+    close("voxels", count);
+    close("mean", mean);
+    close("standard_deviation", deviation);
+    close("median", potentials[potentials.len() / 2]);
+    close("minimum", potentials[0]);
+    close("maximum", potentials[potentials.len() - 1]);
 }
 
 #[test]

@@ -101,13 +101,6 @@ pub struct Voxels {
     pub values: Vec<Vec<f32>>,
 }
 
-impl Voxels {
-    /// The first channel that holds a value that is not finite.
-    pub fn not_finite(&self) -> Option<usize> {
-        self.values.iter().position(|values| values.iter().any(|value| !value.is_finite()))
-    }
-}
-
 /// Turns atoms and moves the middle of the box about their spheres to the origin. Returns that middle, in turned coordinates:
 /// a place p of the file lies at R p - middle.
 ///

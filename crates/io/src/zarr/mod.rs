@@ -24,4 +24,4 @@ pub mod read;
 pub mod write;
 
 pub use read::{SetReader, StoredSample};
-pub use write::SetWriter;
+pub use write::{SetWriter, as_stored};

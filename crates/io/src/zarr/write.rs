@@ -73,6 +73,11 @@ fn failed(array: &str, cause: &str) -> IoError {
     IoError::unwritable(format!("array {array}: {cause}"), "make sure that the disk has room and may be written to")
 }
 
+/// The value that a set keeps for this one: rounded to half precision, infinite beyond ± 65504.
+pub fn as_stored(value: f32) -> f32 {
+    f16::from_f32(value).to_f32()
+}
+
 impl SetWriter {
     /// Begins a set in a folder that is new or empty, for grids of `size`³ voxels with `voxels` occupied ones in all samples
     /// together. `implied` are those of the channels that are 1 in every occupied voxel and so need no array.
@@ -134,7 +139,7 @@ impl SetWriter {
             return Err(bad(cause));
         }
         for (channel, values) in self.stored.iter_mut().zip(values) {
-            if let Some(value) = values.iter().find(|value| !f16::from_f32(**value).is_finite()) {
+            if let Some(value) = values.iter().find(|value| !as_stored(**value).is_finite()) {
                 return Err(bad(format!("channel {} holds {value}, more than half precision can", channel.name)));
             }
             channel.push(values.iter().map(|value| f16::from_f32(*value)))?;

@@ -9,6 +9,7 @@ use crate::voxelize::{Spacing, State, VoxelizeReport, VoxelizeSettings, voxelize
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use protomer_field::voxels::{Channel, Orientation, PotentialModel};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// Turn the structures of a manifest into a set of sparse voxel grids, a zarr v3 group: surface, potential, hydropathy.
@@ -112,6 +113,9 @@ impl VoxelizeArgs {
         for excluded in report.excluded.iter().filter(|_| report.state == State::Written) {
             global.say(&format!("left out: {}: {}", excluded.name, excluded.detail));
         }
+        if report.state == State::Written {
+            tell_warnings(global, &report.warnings);
+        }
         if global.json {
             output::json(&report)?;
         } else if !global.quiet {
@@ -148,6 +152,23 @@ impl VoxelizeArgs {
             hydropathy_reach_angstrom: self.hydropathy_reach,
             most_incomplete: self.most_incomplete,
         }
+    }
+}
+
+/// Lines of warnings on the terminal; all are in the set.
+const SHOWN_WARNINGS: usize = 10;
+
+fn tell_warnings(global: &Global, warnings: &BTreeMap<String, Vec<String>>) {
+    let lines = || warnings.iter().flat_map(|(name, of)| of.iter().map(move |warning| (name, warning)));
+    for (name, warning) in lines().take(SHOWN_WARNINGS) {
+        global.say(&format!("warning: {name}: {warning}"));
+    }
+    let count = lines().count();
+    if count > SHOWN_WARNINGS {
+        let structures = warnings.len();
+        global.say(&format!(
+            "{count} warnings of {structures} structures in all; the set's attribute 'warnings' has them"
+        ));
     }
 }
 

@@ -11,12 +11,14 @@
 //! | [`structure`] | one structure to one sample, or the reason why not |
 //! | [`work`] | finished samples, kept until all are done |
 //! | [`set`] | samples to a zarr group |
+//! | [`statistics`] | what values its channels have in the training part |
 //! | [`mod@merge`] | several sets to one |
 
 pub mod manifest;
 pub mod merge;
 pub mod set;
 pub mod settings;
+pub mod statistics;
 pub mod structure;
 pub mod work;
 
@@ -30,6 +32,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use set::{Exclusion, SetContent};
 pub use settings::{Fit, Spacing, VoxelizeSettings};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use structure::Outcome;
@@ -68,6 +71,8 @@ pub struct VoxelizeReport {
     pub read_ms_per_sample: Option<f64>,
     /// Structures left out.
     pub excluded: Vec<Exclusion>,
+    /// What of the files of samples a careful user should know, by the sample's name; ten lines of each at most.
+    pub warnings: BTreeMap<String, Vec<String>>,
     /// Wall time, s.
     pub seconds: f64,
 }
@@ -105,13 +110,16 @@ pub fn voxelize(
         bytes: set::bytes_on_disk(output),
         read_ms_per_sample: None,
         excluded,
+        warnings: BTreeMap::new(),
         seconds: start.elapsed().as_secs_f64(),
     };
     match set::state_of(output, &identity)? {
         set::OnDisk::Same(reader) => {
             let excluded = set::exclusions(&reader)?;
             let voxels = (0..reader.len()).map(|sample| reader.voxels(sample) as u64).sum();
-            return Ok(report(State::NothingToDo, excluded, reader.len(), voxels, entries.len()));
+            let warnings = set::warnings_of(&set::samples_of(&reader)?);
+            let report = report(State::NothingToDo, excluded, reader.len(), voxels, entries.len());
+            return Ok(VoxelizeReport { warnings, ..report });
         }
         set::OnDisk::Other if !force => {
             bail!("{} holds another set; overwrite it with --force or name another output", output.display())
@@ -159,7 +167,7 @@ pub fn voxelize(
     })?;
     work.remove()?;
     let report = report(State::Written, excluded, samples, voxels, taken_over);
-    Ok(VoxelizeReport { read_ms_per_sample, ..report })
+    Ok(VoxelizeReport { read_ms_per_sample, warnings: set::warnings_of(&content.samples), ..report })
 }
 
 /// The work file of a set.

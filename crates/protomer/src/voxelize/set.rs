@@ -2,6 +2,7 @@
 
 use super::manifest::Entry;
 use super::settings::VoxelizeSettings;
+use super::statistics::Gathering;
 use super::structure::{Properties, Reason, Sample, letters};
 use anyhow::{Context, Result, anyhow, bail};
 use protomer_field::voxels::{Channel, Voxels};
@@ -9,6 +10,7 @@ use protomer_io::atomic::sha256_hex;
 use protomer_io::zarr::{SetReader, SetWriter};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 
@@ -68,6 +70,8 @@ pub struct SampleRecord {
     pub voxels: usize,
     /// What is known of it.
     pub properties: Properties,
+    /// What of its file a careful user should know.
+    pub warnings: Vec<String>,
 }
 
 impl SampleRecord {
@@ -85,6 +89,7 @@ impl SampleRecord {
             key: key.to_owned(),
             voxels: sample.voxels.index.len(),
             properties: sample.properties.clone(),
+            warnings: sample.warnings.clone(),
         }
     }
 }
@@ -234,11 +239,18 @@ pub fn attributes(
             "sha256": words(|sample| &sample.sha256),
         },
         "excluded": serde_json::to_value(&content.excluded)?,
+        "warnings": warnings_of(&content.samples),
     });
     match value {
         Value::Object(map) => Ok(map),
         _ => bail!("the attributes are no object"),
     }
+}
+
+/// The warnings of each sample that has any, by its name.
+pub fn warnings_of(samples: &[SampleRecord]) -> BTreeMap<String, Vec<String>> {
+    let warned = samples.iter().filter(|sample| !sample.warnings.is_empty());
+    warned.map(|sample| (sample.name.clone(), sample.warnings.clone())).collect()
 }
 
 /// Names of the columns of numbers.
@@ -291,6 +303,9 @@ pub fn samples_of(reader: &SetReader) -> Result<Vec<SampleRecord>> {
     };
     let (names, files, hashes) = (words("name")?, words("file")?, words("sha256")?);
     let (labels, clusters, families) = (words("label")?, words("cluster")?, words("family")?);
+    let warnings = reader.attributes().get("warnings").cloned().unwrap_or_else(|| json!({}));
+    let mut warnings: BTreeMap<String, Vec<String>> =
+        serde_json::from_value(warnings).context("the attribute 'warnings' is damaged; make the set again")?;
     let mut samples = Vec::with_capacity(reader.len());
     for sample in 0..reader.len() {
         let row = reader.row(sample);
@@ -316,6 +331,7 @@ pub fn samples_of(reader: &SetReader) -> Result<Vec<SampleRecord>> {
                 middle_angstrom: std::array::from_fn(|n| at(12 + n)),
                 composition: std::array::from_fn(|n| at(15 + n)),
             },
+            warnings: warnings.remove(names.get(sample).map_or("", String::as_str)).unwrap_or_default(),
         });
     }
     Ok(samples)
@@ -329,14 +345,17 @@ pub fn write(
     folder: &Path,
     settings: &VoxelizeSettings,
     content: &SetContent,
-    attributes: Map<String, Value>,
+    mut attributes: Map<String, Value>,
     voxels: &mut dyn FnMut(usize) -> Result<Voxels>,
 ) -> Result<()> {
     let channels: Vec<String> = settings.channels.iter().map(|channel| channel.name().to_owned()).collect();
     let implied = settings.implied_channels();
     let mut writer = SetWriter::create(folder, settings.size, &channels, &implied, content.voxels())?;
+    let mut statistics = Gathering::new(settings, &content.samples);
     for (number, sample) in content.samples.iter().enumerate() {
-        let Voxels { index, values } = voxels(number)?;
+        let voxels = voxels(number)?;
+        statistics.add(number, &voxels);
+        let Voxels { index, values } = voxels;
         let stored: Vec<&[f32]> = channels
             .iter()
             .zip(&values)
@@ -345,6 +364,7 @@ pub fn write(
             .collect();
         writer.push(&index, &stored).with_context(|| sample.name.clone())?;
     }
+    attributes.insert("statistics".into(), serde_json::to_value(statistics.finish())?);
     let rows: Vec<f64> = content.samples.iter().flat_map(row).collect();
     Ok(writer.finish(&columns(), &rows, attributes)?)
 }

@@ -3,17 +3,19 @@
 use super::manifest::Entry;
 use super::settings::{Spacing, VoxelizeSettings};
 use crate::input::InputFile;
-use anyhow::{Result, anyhow};
+use anyhow::{Result, anyhow, bail};
 use protomer_body::chemistry::residue_names::modified_residue;
 use protomer_body::chemistry::{AminoAcid, ChargedSites, SiteSettings, build_sites, sites_of_points};
 use protomer_body::structure::{Format, SelectionSettings, Structure};
+use protomer_body::structure_warnings;
 use protomer_field::voxels::channels::{bounds, pose};
 use protomer_field::voxels::lattice::SPACING_RANGE_ANGSTROM;
 use protomer_field::voxels::orientation::principal_axes;
-use protomer_field::voxels::{Lattice, VoxelAtom, Voxels, voxelise};
+use protomer_field::voxels::{Channel, Lattice, VoxelAtom, Voxels, voxelise};
 use protomer_field::{ChargedSphere, FieldError};
 use protomer_io::atomic::sha256_hex;
 use protomer_io::points::read_points;
+use protomer_io::zarr::as_stored;
 use protomer_kernel::Vec3;
 use serde::{Deserialize, Serialize};
 
@@ -56,6 +58,8 @@ pub struct Sample {
     pub properties: Properties,
     /// Its voxels.
     pub voxels: Voxels,
+    /// What of the file a careful user should know: residues nobody knows, atoms that are missing.
+    pub warnings: Vec<String>,
 }
 
 /// What is known of a structure besides its voxels.
@@ -80,6 +84,9 @@ pub struct Properties {
     pub composition: [f64; 20],
 }
 
+/// Warnings of one structure that are kept.
+const MOST_WARNINGS: usize = 10;
+
 /// An error that excludes a structure.
 struct Excluded(Reason, anyhow::Error);
 
@@ -94,7 +101,7 @@ pub fn voxelize_structure(entry: &Entry, settings: &VoxelizeSettings) -> Outcome
 }
 
 fn sample(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Sample> {
-    let (sites, incomplete) = read(entry, settings)?;
+    let Content { sites, incomplete, warnings } = read(entry, settings)?;
     let amino_acids: Vec<AminoAcid> = sites.residues.iter().filter_map(|residue| amino_acid(&residue.name)).collect();
     if amino_acids.is_empty() {
         let error = anyhow!("none of the {} residues is an amino acid", sites.residues.len());
@@ -126,10 +133,7 @@ fn sample(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Sample> {
         };
         Excluded(reason, error.into())
     })?;
-    if let Some(channel) = voxels.not_finite() {
-        let name = settings.channels.get(channel).map_or("", |channel| channel.name());
-        return Err(Excluded(Reason::Potential, anyhow!("the channel {name} holds values that are not finite")));
-    }
+    check_values(&voxels, &settings.channels).map_err(|error| Excluded(Reason::Potential, error))?;
     let properties = Properties {
         residues: amino_acids.len(),
         radius_of_gyration_angstrom: radius_of_gyration(&positions),
@@ -140,16 +144,34 @@ fn sample(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Sample> {
         middle_angstrom: middle.into(),
         composition: composition(&amino_acids),
     };
-    Ok(Sample { properties, voxels })
+    Ok(Sample { properties, voxels, warnings })
 }
 
-/// Charged sites, and how many residues lack heavy atoms.
-fn read(entry: &Entry, settings: &VoxelizeSettings) -> Checked<(ChargedSites, usize)> {
+/// Whether a set can keep the values.
+fn check_values(voxels: &Voxels, channels: &[Channel]) -> Result<()> {
+    for (channel, values) in channels.iter().zip(&voxels.values) {
+        if let Some(value) = values.iter().find(|value| !as_stored(**value).is_finite()) {
+            bail!("the channel {} holds {value}; a set keeps finite values up to ± 65504", channel.name());
+        }
+    }
+    Ok(())
+}
+
+/// What a file holds.
+struct Content {
+    sites: ChargedSites,
+    /// Residues that lack heavy atoms.
+    incomplete: usize,
+    warnings: Vec<String>,
+}
+
+fn read(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Content> {
     let unreadable = |error: anyhow::Error| Excluded(Reason::Unreadable, error);
     let file = InputFile::read(&entry.path).map_err(unreadable)?;
     if Format::of_name(&file.name) == Some(Format::Pqr) {
         let points = read_points(&file.name, &file.bytes).map_err(|error| unreadable(error.into()))?;
-        return Ok((sites_of_points(&points).map_err(|error| unreadable(error.into()))?, 0));
+        let sites = sites_of_points(&points).map_err(|error| unreadable(error.into()))?;
+        return Ok(Content { sites, incomplete: 0, warnings: Vec::new() });
     }
     let structure = Structure::read(&file.name, &file.bytes).map_err(|error| unreadable(error.into()))?;
     // With these settings a selection fails only if nothing is left without nucleic acids, ligands and water.
@@ -157,7 +179,17 @@ fn read(entry: &Entry, settings: &VoxelizeSettings) -> Checked<(ChargedSites, us
     let selection = selection.map_err(|error| Excluded(Reason::NoProtein, error.into()))?;
     let site_settings = SiteSettings { ph: settings.ph, ..SiteSettings::default() };
     let sites = build_sites(&selection, &site_settings).map_err(|error| Excluded(Reason::Failed, error.into()))?;
-    Ok((sites, selection.report.incomplete.len()))
+    let warnings = at_most(MOST_WARNINGS, structure_warnings(&structure, &selection.report));
+    Ok(Content { sites, incomplete: selection.report.incomplete.len(), warnings })
+}
+
+/// The first warnings, and how many more there are.
+fn at_most(most: usize, mut warnings: Vec<String>) -> Vec<String> {
+    if let Some(more @ 1..) = warnings.len().checked_sub(most) {
+        warnings.truncate(most);
+        warnings.push(format!("and {more} more"));
+    }
+    warnings
 }
 
 fn amino_acid(name: &str) -> Option<AminoAcid> {

@@ -40,6 +40,7 @@ struct Header {
     properties: Option<Properties>,
     excluded: Option<(Reason, String)>,
     channels: usize,
+    warnings: Vec<String>,
 }
 
 impl WorkFile {
@@ -138,12 +139,18 @@ fn scan(file: &mut File) -> Result<(Records, u64)> {
 }
 
 fn encode(key: &str, outcome: &Outcome) -> Result<Vec<u8>> {
-    let (properties, excluded, voxels) = match outcome {
-        Outcome::Sample(sample) => (Some(sample.properties.clone()), None, Some(&sample.voxels)),
-        Outcome::Excluded { reason, detail } => (None, Some((*reason, detail.clone())), None),
+    let (sample, excluded) = match outcome {
+        Outcome::Sample(sample) => (Some(sample), None),
+        Outcome::Excluded { reason, detail } => (None, Some((*reason, detail.clone()))),
     };
-    let channels = voxels.map_or(0, |voxels| voxels.values.len());
-    let header = Header { key: key.to_owned(), properties, excluded, channels };
+    let voxels = sample.map(|sample| &sample.voxels);
+    let header = Header {
+        key: key.to_owned(),
+        properties: sample.map(|sample| sample.properties.clone()),
+        excluded,
+        channels: voxels.map_or(0, |voxels| voxels.values.len()),
+        warnings: sample.map(|sample| sample.warnings.clone()).unwrap_or_default(),
+    };
     let mut container = Container::new(KIND, serde_json::to_value(header)?);
     if let Some(voxels) = voxels {
         let count = voxels.index.len();
@@ -164,7 +171,8 @@ fn decode(name: &str, bytes: &[u8]) -> Result<(String, Outcome)> {
             let channel = |channel| container.f32(name, &format!("channel_{channel}"), &[Some(index.len())]);
             let values = (0..header.channels).map(|number| Ok(channel(number)?.to_vec()));
             let values = values.collect::<Result<Vec<_>>>()?;
-            Outcome::Sample(Box::new(Sample { properties, voxels: Voxels { index, values } }))
+            let voxels = Voxels { index, values };
+            Outcome::Sample(Box::new(Sample { properties, voxels, warnings: header.warnings }))
         }
         (None, Some((reason, detail))) => Outcome::Excluded { reason, detail },
         _ => bail!("{name}: a record is neither a sample nor an exclusion"),
@@ -189,7 +197,7 @@ mod tests {
             composition: [0.05; 20],
         };
         let voxels = Voxels { index: vec![1, 5], values: vec![vec![1.0; 2], vec![seed, -seed]] };
-        Outcome::Sample(Box::new(Sample { properties, voxels }))
+        Outcome::Sample(Box::new(Sample { properties, voxels, warnings: vec!["it lacks CB".into()] }))
     }
 
     #[test]
