@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr)]
 
 use protomer_body::surface::{Arrangement, ImplicitSolid, SesSolid};
+use protomer_field::surface::solvent_excluded;
 use protomer_field::voxels::channels::pose;
 use protomer_field::voxels::hydropathy::HydropathyMap;
 use protomer_field::voxels::shell::occupied;
@@ -103,13 +104,13 @@ fn shells_have_no_holes_and_are_as_thick_as_a_voxel() {
         let mut atoms = clump(seed, 60);
         pose(&mut atoms, &CounterRng::new(seed, 1, 0).rotation());
         let solid = solid_of(&atoms);
-        let lattice = Lattice::new(40, [0.5, 0.8, 1.0, 1.5][seed as usize % 4]).unwrap();
+        let lattice = Lattice::new(40, [0.5, 0.8, 1.0, 1.5, 2.0][seed as usize % 5]).unwrap();
         let (size, half) = (lattice.size(), 0.5 * lattice.spacing_angstrom());
         let found = occupied(&lattice, &solid);
         // The twin: every voxel of the lattice, one by one.
         let all = 0..size.pow(3) as u32;
         let distance = |index: &u32| solid.signed_distance(&lattice.centre(*index));
-        assert_eq!(found.shell, all.clone().filter(|index| distance(index).abs() <= half).collect::<Vec<u32>>());
+        assert_eq!(found.shell, all.clone().filter(|index| distance(index).abs() < half).collect::<Vec<u32>>());
         assert_eq!(found.inside, all.filter(|index| distance(index) < 0.0).collect::<Vec<u32>>());
         let has = |list: &[u32], index: u32| list.binary_search(&index).is_ok();
         for (at, step) in [(0, 1), (1, size as u32), (2, (size * size) as u32)] {
@@ -121,6 +122,19 @@ fn shells_have_no_holes_and_are_as_thick_as_a_voxel() {
                 }
             }
         }
+    }
+}
+
+/// Distances are cut off at 1 Å: half of the largest voxel.
+#[test]
+fn shells_of_the_largest_voxels_are_shells() {
+    for (seed, probe) in [(1, 1.4), (2, 0.5)] {
+        let mut atoms = clump(seed, 200);
+        pose(&mut atoms, &CounterRng::new(seed, 1, 0).rotation());
+        let spheres: Vec<_> = atoms.iter().map(|atom| atom.sphere).collect();
+        let solid = solvent_excluded(&spheres, probe).unwrap();
+        let shell = |spacing| occupied(&Lattice::new(40, spacing).unwrap(), &solid).shell.len() as f64;
+        assert!((shell(2.0) / shell(1.98) - 1.0).abs() < 0.1, "{} {}", shell(2.0), shell(1.98));
     }
 }
 
