@@ -17,7 +17,7 @@ use protomer_learn::scores::Scores;
 use protomer_learn::split::{Split, family_weights};
 use protomer_learn::targets::Classes;
 use protomer_learn::training::{
-    EpochRecord, Model, Observer, Outcome, PredictionSettings, StepReport, Trained, Training, TrainingSettings,
+    EpochRecord, Observer, Outcome, PredictionSettings, StepReport, Trained, Training, TrainingSettings,
 };
 use protomer_learn::view::View;
 use std::ops::{ControlFlow, Range};
@@ -114,8 +114,15 @@ impl<'a> Prepared<'a> {
         };
         let split =
             Split { training: part(&split.training), validation: part(&split.validation), test: part(&split.test) };
-        if split.training.is_empty() || split.validation.is_empty() || split.test.is_empty() {
-            bail!("too few samples can be read; the first that cannot is {:?}", quarantined.first());
+        for (part, samples) in [("training", &split.training), ("validation", &split.validation), ("test", &split.test)]
+        {
+            if samples.is_empty() {
+                let why = quarantined.first().map_or_else(
+                    || "give it a share with --fractions, or take more clusters".to_owned(),
+                    |bad| format!("{} samples cannot be used, such as {}: {}", quarantined.len(), bad.name, bad.reason),
+                );
+                bail!("the {part} part has no samples: {why}");
+            }
         }
         Ok(Self { view, descriptions, classes, split, quarantined })
     }
@@ -266,7 +273,7 @@ fn write_results(settings: &TrainSettings, prepared: &Prepared, trained: Trained
     let Trained { mut model, history, best_epoch, .. } = trained;
     let how = PredictionSettings { rotations: settings.rotations, ..PredictionSettings::default() };
     let weights = family_weights(descriptions);
-    let temperature = calibrate(&mut model, prepared, &weights, how)?;
+    let temperature = model.calibrate(view, &split.validation, &classes.labels, Some(&weights), how)?;
     let predicted = model.predict(view, &split.test, how)?;
     let predictions = Predictions {
         descriptions,
@@ -306,18 +313,6 @@ fn write_results(settings: &TrainSettings, prepared: &Prepared, trained: Trained
     }
     metrics.write(path)?;
     Ok(metrics)
-}
-
-/// Sets the temperature of a model from the validation part. Where no sample of it is predicted wrong, any lower temperature
-/// looks better, and one mistake on the test part would cost without bound: the temperature then stays 1.
-fn calibrate(model: &mut Model, prepared: &Prepared, weights: &[f64], how: PredictionSettings) -> Result<f64> {
-    let Prepared { view, classes, split, .. } = prepared;
-    let predicted = model.predict(view, &split.validation, how)?;
-    let truth: Vec<usize> = predicted.samples.iter().filter_map(|i| classes.labels.get(*i).copied()).collect();
-    if Scores::of(&predicted.probabilities, &truth, classes.names.len(), None)?.accuracy == 1.0 {
-        return Ok(1.0);
-    }
-    Ok(model.calibrate(view, &split.validation, &classes.labels, Some(weights), how)?)
 }
 
 /// `history.csv`: one row per epoch.
