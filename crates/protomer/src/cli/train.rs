@@ -58,6 +58,9 @@ pub struct TaskArgs {
     /// What stays together in the split [default: cluster].
     #[arg(long, value_enum)]
     split_by: Option<SplitBy>,
+    /// Seed of the split [default: that of --seed, or the one a configuration names].
+    #[arg(long)]
+    split_seed: Option<u64>,
     /// Shares of training, validation and test [default: 0.7,0.15,0.15].
     #[arg(long, value_delimiter = ',', allow_negative_numbers = true)]
     fractions: Option<Vec<f64>>,
@@ -81,6 +84,7 @@ impl TaskArgs {
             settings.training.channels.clone_from(channels);
         }
         override_with(&mut settings.split_by, self.split_by);
+        settings.split_seed = self.split_seed.or(settings.split_seed);
         if let Some(shares) = &self.fractions {
             let [training, validation, test] = shares[..] else {
                 bail!("--fractions has {} shares; give three, such as 0.7,0.15,0.15", shares.len())
@@ -151,7 +155,7 @@ struct NetworkArgs {
     /// Learning rate after the warm-up [default: 0.001].
     #[arg(long, allow_negative_numbers = true)]
     learning_rate: Option<f64>,
-    /// Seed of split, weights, order and rotations [default: 1].
+    /// Seed of weights, order and rotations, and of the split without --split-seed [default: 1].
     #[arg(long)]
     seed: Option<u64>,
 }

@@ -102,7 +102,7 @@ impl<'a> Prepared<'a> {
         let labelled = view.descriptions().iter().zip(&classes.labels);
         let descriptions: Vec<Description> =
             labelled.map(|(known, class)| Description { label: name(class), ..known.clone() }).collect();
-        let seed = settings.training.seed;
+        let seed = settings.split_seed.unwrap_or(settings.training.seed);
         let split = match settings.split_by {
             SplitBy::Cluster => Split::grouped(&descriptions, seed, settings.fractions)?,
             SplitBy::Sample => Split::random(&descriptions, seed, settings.fractions)?,
