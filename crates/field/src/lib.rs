@@ -1,4 +1,4 @@
-//! Grids around proteins: electrostatic potentials.
+//! Grids around proteins: electrostatic potentials, and voxels for learning.
 //!
 //! ```text
 //! spheres with charges --dielectric--> permittivity and salt on a grid --operator, multigrid, solve--> potential, energy
