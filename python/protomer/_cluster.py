@@ -161,7 +161,8 @@ def _connected(client: Any) -> Iterator[Any]:
     try:
         from distributed import Client, LocalCluster
     except ImportError as error:
-        raise ImportError("work on many machines needs Dask: pip install 'protomer[cluster]'") from error
+        advice = "pip install './python[cluster]' from the root of the project"
+        raise ImportError(f"work on many machines needs Dask: {advice}") from error
     if not isinstance(client, str):
         yield client
     elif client == LOCAL:

@@ -77,7 +77,7 @@ def new_axes(ax: Axes | None, **settings: Any) -> Axes:
     try:
         import matplotlib.pyplot as plt
     except ImportError as error:
-        raise ImportError("plots need matplotlib: pip install 'protomer[plot]'") from error
+        raise ImportError("plots need matplotlib: pip install './python[plot]' from the root of the project") from error
     axes: Axes = plt.subplots(**settings)[1]
     return axes
 

@@ -17,7 +17,7 @@ class VoxelSet:
 
     A map-style dataset: `torch.utils.data.DataLoader(VoxelSet("set.zarr"), batch_size=8)` takes it as it is, and torch is not
     needed for anything else. Samples are read one by one, so a set may be larger than memory. Needs zarr
-    (`pip install 'protomer[sets]'`).
+    (`pip install './python[sets]'` from the root of the project).
 
     Parameters
     ----------
@@ -54,8 +54,10 @@ class VoxelSet:
         self._numbers = {label: number for number, label in enumerate(self.classes)}
 
     def _open(self) -> None:
-        import zarr
-
+        try:
+            import zarr
+        except ImportError as error:
+            raise ImportError("sets need zarr: pip install './python[sets]' from the root of the project") from error
         # Types of what a group holds are known only when it is open.
         group: Any = zarr.open_group(self._path, mode="r")
         self._group = group

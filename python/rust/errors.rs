@@ -14,8 +14,18 @@ use pyo3::prelude::*;
 create_exception!(protomer, ProtomerError, PyValueError, "What a verb could not do: where, what, and what to do.");
 create_exception!(protomer, ParseError, ProtomerError, "A file that cannot be understood; has `path` and `line`.");
 create_exception!(protomer, ConfigError, ProtomerError, "An argument or a setting that makes no sense.");
-create_exception!(protomer, GeometryError, ProtomerError, "Bodies that overlap, meshes that bound no solid.");
-create_exception!(protomer, ConvergenceError, ProtomerError, "A solve that did not come to an end.");
+create_exception!(
+    protomer,
+    GeometryError,
+    ProtomerError,
+    "Bodies that overlap, meshes that bound no solid, networks that contradict themselves."
+);
+create_exception!(
+    protomer,
+    ConvergenceError,
+    ProtomerError,
+    "A solve, a step or a minimisation that did not come to its end."
+);
 create_exception!(protomer, CheckpointError, ProtomerError, "A checkpoint that belongs to something else.");
 create_exception!(protomer, StoppedError, ProtomerError, "Stopped before the end; the same call goes on.");
 
@@ -50,11 +60,34 @@ pub fn exception(error: &anyhow::Error) -> PyErr {
         if let Some(LearnError::Settings(_)) = cause.downcast_ref() {
             return ConfigError::new_err(message);
         }
-        if cause.is::<KernelError>() || cause.is::<CrystalError>() {
-            return GeometryError::new_err(message);
+        match kernel_error(cause) {
+            Some(KernelError::OutOfRange { .. } | KernelError::BoxTooSmall { .. }) => {
+                return ConfigError::new_err(message);
+            }
+            Some(_) => return GeometryError::new_err(message),
+            None => {}
+        }
+        match cause.downcast_ref() {
+            Some(CrystalError::BadSetting { .. }) => return ConfigError::new_err(message),
+            Some(CrystalError::StepTooLarge { .. } | CrystalError::Jammed { .. } | CrystalError::NoMinimum(_)) => {
+                return ConvergenceError::new_err(message);
+            }
+            Some(_) => return GeometryError::new_err(message),
+            None => {}
         }
     }
     ProtomerError::new_err(message)
+}
+
+/// The error of a kernel that this is, or that another crate passes on as its own.
+fn kernel_error<'a>(cause: &'a (dyn std::error::Error + 'static)) -> Option<&'a KernelError> {
+    if let Some(McError::Kernel(error)) = cause.downcast_ref() {
+        return Some(error);
+    }
+    if let Some(BodyError::Kernel(error)) = cause.downcast_ref() {
+        return Some(error);
+    }
+    cause.downcast_ref()
 }
 
 /// With the place as attributes.

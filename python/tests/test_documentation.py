@@ -20,4 +20,8 @@ def test_the_code_of_a_page_runs(page, tmp_path, monkeypatch):
     names = {}
     for block in blocks:
         exec(compile(block, page, "exec"), names)
-    assert (names["sweep"].r_g_angstrom > 0).all()
+    # What the pages say of it: an assembly that holds at 30 mM, and at 300 mM does not.
+    sweep = names["sweep"]
+    assert list(sweep.salt_molar) == [0.03, 0.3]
+    assert sweep.native_contacts[0] > 0.9 > sweep.native_contacts[1]
+    assert sweep.r_g_angstrom[0] < sweep.r_g_angstrom[1]

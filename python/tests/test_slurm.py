@@ -1,8 +1,10 @@
 """The templates for Slurm arrays, run as their tasks would be."""
 
 import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import protomer as pm
@@ -11,14 +13,17 @@ ROOT = Path(__file__).resolve().parents[2]
 TEMPLATES = ROOT / "docs" / "cluster"
 
 
+def begin(template, task, tasks, *words):
+    """Starts a task of an array."""
+    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+    variables = {"SLURM_ARRAY_TASK_ID": str(task), "SLURM_ARRAY_TASK_COUNT": str(tasks), "PATH": path}
+    command = ["bash", str(TEMPLATES / template), *map(str, words)]
+    return subprocess.Popen(command, env={**os.environ, **variables}, stderr=subprocess.PIPE, text=True)
+
+
 def array(template, tasks, *words):
     """Runs the tasks of an array, all at once."""
-    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
-    running = []
-    for task in range(1, tasks + 1):
-        variables = {"SLURM_ARRAY_TASK_ID": str(task), "SLURM_ARRAY_TASK_COUNT": str(tasks), "PATH": path}
-        command = ["bash", str(TEMPLATES / template), *map(str, words)]
-        running.append(subprocess.Popen(command, env={**os.environ, **variables}, stderr=subprocess.PIPE, text=True))
+    running = [begin(template, task, tasks, *words) for task in range(1, tasks + 1)]
     for process in running:
         _, errors = process.communicate(timeout=300)
         assert process.returncode == 0, errors
@@ -46,3 +51,19 @@ def test_the_tasks_of_an_array_make_a_set(tmp_path):
         manifest=manifest, output=tmp_path / "whole.zarr", size=32, spacing="fit", channels=["shape"]
     )
     assert merged.samples == whole.samples > 1
+
+
+def test_the_signal_before_the_time_is_up_stops_a_task_resumably(ring, tmp_path):
+    for template in TEMPLATES.glob("*.slurm"):
+        # Without the B Slurm signals the steps of a job only, and there are none.
+        assert "#SBATCH --signal=B:TERM@" in template.read_text(), template.name
+    words = ["--salt=30mM", "--replicas=1", "--sweeps=10000000", "--equilibration=0"]
+    task = begin("sweep.slurm", 1, 1, ring, tmp_path / "sweep", *words)
+    log = tmp_path / "sweep" / "salt_0.030000M" / "replica_0" / "log.csv"
+    deadline = time.monotonic() + 60
+    while not log.exists() and time.monotonic() < deadline:
+        time.sleep(0.05)
+    # To the shell of the script, which protomer has become.
+    task.send_signal(signal.SIGTERM)
+    _, errors = task.communicate(timeout=60)
+    assert task.returncode == 3, errors

@@ -84,6 +84,15 @@ def test_errors_are_exceptions_of_their_kind(ring, tmp_path):
     assert caught.value.line == 1 and caught.value.path.endswith("broken.pdb")
     with pytest.raises(pm.ConfigError, match="--replicas"):
         pm.sweep(ring, **{**SHORT, "replicas": "many"}, output=tmp_path / "sweep")
+    with pytest.raises(pm.ConfigError, match="temperature"):
+        pm.inspect(ring, salt="100mM", temperature=500)
+    with pytest.raises(pm.ConfigError, match="box"):
+        pm.simulate(ring, salt="100mM", cutoff="300A", output=tmp_path / "wide")
+    with pytest.raises(pm.ConvergenceError, match="too large"):
+        pm.lattice.run(ns=4, r0=0.01, velocities="random", speed=50, dt=0.5, time=5, output=tmp_path / "lattice")
+    pm.framework.rotating_squares(side=2, angle=25, ks=1000, kh=0, write=tmp_path / "squares.toml")
+    with pytest.raises(pm.ConvergenceError, match="no minimum"):
+        pm.framework(tmp_path / "squares.toml", load="y", stress="1GPa")
     with pytest.raises(pm.ProtomerError, match="nowhere.json"):
         pm.inspect("nowhere.json", salt=0.1)
     assert issubclass(pm.ParseError, ValueError)

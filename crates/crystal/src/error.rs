@@ -20,6 +20,9 @@ pub enum CrystalError {
     /// A state that does not fit the network.
     #[error("{0}")]
     BadState(String),
+    /// A minimum of the energy that was not found.
+    #[error("{0}")]
+    NoMinimum(String),
     /// Rods that cannot all keep their lengths independently of each other.
     #[error(
         "rod {rod} depends on the others at t = {time}: the rods over-constrain the squares; remove rods, or turn the \

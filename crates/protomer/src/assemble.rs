@@ -2,6 +2,7 @@
 
 use crate::assembly_file::{AssemblyFile, BodyEntry, Placement};
 use crate::body_file;
+use crate::run::refuse_set;
 use anyhow::{Context, Result, bail};
 use protomer_body::assembly::{self, Expansion, Recipe, expand_until_free};
 use protomer_body::{Body, BodySettings, Source, build_body_of_selection};
@@ -215,6 +216,7 @@ pub struct StructureSettings {
 /// # Errors
 /// Without `relax`, chains that overlap as hard bodies are an error that lists the pairs.
 pub fn assemble_structure(input: &Path, folder: &Path, settings: &StructureSettings) -> Result<StructureAssembly> {
+    refuse_set(folder)?;
     let file = crate::input::InputFile::read(input)?;
     let structure = protomer_body::structure::Structure::read(&file.name, &file.bytes)?;
     let selection = structure.select(&settings.body.selection).with_context(|| file.name.clone())?;

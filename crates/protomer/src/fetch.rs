@@ -1,5 +1,6 @@
 //! Downloading an entry from the Protein Data Bank, only when asked to.
 
+use crate::run::refuse_set;
 use anyhow::{Context, Result, bail};
 use protomer_io::atomic::write_atomically;
 use std::io::Read;
@@ -19,6 +20,7 @@ const LARGEST_DOWNLOAD_BYTES: u64 = 1 << 30;
 /// For a malformed entry name, an entry the server does not have, a broken connection, and a full disk.
 pub fn fetch(entry: &str, base: &str, folder: &Path, force: bool) -> Result<PathBuf> {
     let entry = checked_entry(entry)?;
+    refuse_set(folder)?;
     let path = folder.join(format!("{entry}.cif.gz"));
     if path.exists() && !force {
         return Ok(path);

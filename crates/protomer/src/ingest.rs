@@ -2,6 +2,7 @@
 
 use crate::body_file;
 use crate::input::{InputFile, stem};
+use crate::run::refuse_set;
 use anyhow::{Context, Result, bail};
 use protomer_body::structure::{Format, SelectionReport};
 use protomer_body::{Body, BodyError, BodySettings, BuiltBody, Source, build_body, build_body_of_points};
@@ -101,6 +102,7 @@ pub fn ingest_files(
     settings: &IngestSettings,
     advanced: &(dyn Fn() + Sync),
 ) -> Result<Vec<FileOutcome>> {
+    refuse_set(folder)?;
     std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
     let names = body_names(files, settings)?;
     let jobs: Vec<(&PathBuf, String)> = files.iter().zip(names).collect();

@@ -23,10 +23,11 @@
 //! | [`mod@voxelize`], [`voxel_set`] | structures to sparse voxel grids, and these as samples |
 //! | [`mod@bench`], [`cpu_time`] | trial moves per CPU-second |
 //! | [`energy_tables`], [`disk_cache`] | tables of certified energies, shared, bounded in memory, kept on the disk |
-//! | [`train`], [`tune`], [`tune_figure`] | networks trained and searched for, in their directories |
+//! | [`train`] | networks trained in their directories |
+//! | [`tune`], `tune_records`, `tune_table`, [`tune_figure`] | networks searched for: the search, what is kept of each trial, tables, figure |
 //! | [`mod@predict`] | a trained network applied to a set |
 //! | [`mod@report`] | a directory of results as one page |
-//! | [`quantity`], [`keys`], [`interrupt`], [`plot`] | what several of them need |
+//! | [`quantity`], [`keys`], [`interrupt`], [`plot`], `base64` | what several of them need |
 //! | `cli` | the command line, one file per verb (feature `cli`) |
 
 pub mod assemble;

@@ -8,7 +8,7 @@
 use crate::interaction::Interaction;
 use crate::run::{
     Engine, Execution, Hold, Layout, ReplicaCounts, ReplicaEnd, ReplicaTask, ResultsDirectory, RunRecord, RunSettings,
-    lock, read_log, read_record, refuse, run_replica, salt_label,
+    SWEEP, lock, read_log, read_record, refuse, run_replica, salt_label,
 };
 use crate::shard::Shard;
 use crate::sweep_figure;
@@ -31,7 +31,7 @@ pub enum ShardEnd {
 /// The directory of a sweep.
 const LAYOUT: Layout = Layout {
     settings: "run.toml",
-    holds: "a sweep",
+    holds: SWEEP,
     results: &["run.json", "sweep.csv", "sweep.json", "sweep.svg", "sweep.png", "report.html"],
     is_result: is_simulation,
 };

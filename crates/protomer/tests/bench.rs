@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Workplace, is_ok};
+use common::{TemporaryFolder, is_ok};
 use protomer::bench::suite::{Part, SuiteResult, SuiteSettings, rows, run_suite};
 use protomer::energy_tables::EnergyTables;
 use protomer::interaction::{Interaction, Medium};
@@ -109,7 +109,7 @@ fn an_interrupt_leaves_what_was_measured() {
 
 #[test]
 fn the_command_prints_one_table_or_one_json_object() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     let output = place.run("bench --part charges --charges 15 --moves 20 --json");
     is_ok(&output);
     let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -133,7 +133,7 @@ fn the_command_prints_one_table_or_one_json_object() {
 
 #[test]
 fn an_assembly_gives_its_keys_and_equal_hashes() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     let bench = |energy: &str| -> serde_json::Value {
         let output =
             place.run(&format!("bench ring.json --debye 3A --cutoff 30A --moves 500 --json --energy {energy}"));

@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::Workplace;
+use common::TemporaryFolder;
 use protomer::body_file;
 use protomer_kernel::random::CounterRng;
 use sha2::{Digest, Sha256};
@@ -98,7 +98,7 @@ fn damaged(content: &[u8], random: &mut CounterRng) -> Vec<u8> {
 
 /// Reads this many damaged files; returns how many of them are bodies all the same.
 fn fuzz(inputs: u64, seed: u64) -> u64 {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     let valid = std::fs::read(place.path("a.body")).unwrap();
     let content = &valid[..valid.len() - CHECKSUM];
     assert_eq!(sign(content.to_vec()), valid, "the test signs as the writer does");

@@ -4,12 +4,12 @@
 
 mod common;
 
-use common::{Workplace, contents, is_ok, message};
+use common::{TemporaryFolder, contents, is_ok, message};
 use std::process::{Command, Output, Stdio};
 
 const BENCH: &str = "bench ring.json --debye 9.6A --cutoff 30A --moves 100 --json --energy certified";
 
-fn command(place: &Workplace, arguments: &str) -> Command {
+fn command(place: &TemporaryFolder, arguments: &str) -> Command {
     let mut command = place.command(arguments);
     command.env("PROTOMER_CACHE_DIR", place.path("cache"));
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -25,7 +25,7 @@ fn result(output: &Output) -> (bool, String) {
 
 #[test]
 fn the_second_process_computes_no_tables_and_decides_alike() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     let run = || command(&place, BENCH).output().unwrap();
     let cold = run();
     let kept = contents(&place.path("cache"));
@@ -40,7 +40,7 @@ fn the_second_process_computes_no_tables_and_decides_alike() {
 
 #[test]
 fn a_changed_byte_is_said_and_mended() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     let run = |more: &str| command(&place, &format!("{BENCH}{more}")).output().unwrap();
     let cold = run("");
     let kept = contents(&place.path("cache"));
@@ -64,7 +64,7 @@ fn a_changed_byte_is_said_and_mended() {
 
 #[test]
 fn without_the_cache_nothing_is_read_or_written() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     let output = command(&place, &format!("{BENCH} --no-cache")).output().unwrap();
     assert!(!result(&output).0);
     assert!(!place.path("cache").exists());
@@ -72,7 +72,7 @@ fn without_the_cache_nothing_is_read_or_written() {
 
 #[test]
 fn a_folder_that_is_none_is_a_warning() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     std::fs::write(place.path("cache"), "a file").unwrap();
     let output = command(&place, BENCH).output().unwrap();
     assert!(!result(&output).0);
@@ -81,7 +81,7 @@ fn a_folder_that_is_none_is_a_warning() {
 
 #[test]
 fn processes_at_once_do_each_other_no_harm() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     let running: Vec<_> = (0..4).map(|_| command(&place, BENCH).spawn().unwrap()).collect();
     let outputs: Vec<Output> = running.into_iter().map(|child| child.wait_with_output().unwrap()).collect();
     for output in &outputs {

@@ -127,7 +127,7 @@ fn describe(words: &[String], page: &mut String) {
 fn the_reference_holds_the_help_of_every_verb() {
     let mut page =
         "# Command line\n\nThe output of `--help`, verb by verb. Exit codes: 0 done, 1 error, 2 usage, 3 stopped \
-                    early on request and resumable.\n"
+                    early on request and resumable, 130 ended at once by a second Ctrl-C or SIGTERM.\n"
             .to_owned();
     describe(&[], &mut page);
     check_or_update(&root().join("docs/reference/cli.md"), &page).unwrap();

@@ -4,12 +4,12 @@
 
 mod common;
 
-use common::{CHARGES, Workplace, is_ok, message};
+use common::{CHARGES, TemporaryFolder, is_ok, message};
 use std::path::Path;
 
 #[test]
 fn certified_energies_hold_the_sum() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     let inspect = |energy: &str| -> (f64, f64) {
         let output = place.run(&format!("inspect ring.json --debye 9.6A --cutoff 30A --json --energy {energy}"));
         is_ok(&output);
@@ -28,7 +28,7 @@ fn certified_energies_hold_the_sum() {
 
 #[test]
 fn a_tolerance_without_approximate_energies_is_refused() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     for verb in ["inspect", "bench"] {
         for energy in ["direct", "certified", "none"] {
             let output = place.run(&format!("{verb} ring.json --debye 3A --tolerance 1e-3 --energy {energy}"));
@@ -40,7 +40,7 @@ fn a_tolerance_without_approximate_energies_is_refused() {
     }
 }
 
-fn inspect(place: &Workplace, assembly: &str) -> serde_json::Value {
+fn inspect(place: &TemporaryFolder, assembly: &str) -> serde_json::Value {
     let output = place.run(&format!("inspect {assembly} --bjerrum 7.0A --debye 9.6A --cutoff 48A --json"));
     is_ok(&output);
     serde_json::from_slice(&output.stdout).unwrap()
@@ -48,7 +48,7 @@ fn inspect(place: &Workplace, assembly: &str) -> serde_json::Value {
 
 #[test]
 fn the_energy_of_two_bodies_is_the_sum_over_their_charges() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     // The second body stands a quarter turn about z from the first one: (x, y, z) becomes (-y, x, z).
     let half = std::f64::consts::FRAC_1_SQRT_2;
     std::fs::write(
@@ -83,7 +83,7 @@ fn the_benchmark_state_has_its_stated_energy() {
         eprintln!("skipped: {} is not there", shared.display());
         return;
     }
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     std::fs::copy(shared.join("cluster16.json"), place.path("cluster16.json")).unwrap();
     for name in ["a", "b"] {
         let (mesh, charges) = (shared.join("bumpy_1620.off"), shared.join(format!("charges_{name}.xyzq")));

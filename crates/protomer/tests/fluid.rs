@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::Workplace;
+use common::TemporaryFolder;
 use protomer::assemble::BodyFiles;
 use protomer::fluid::fluid;
 use protomer_body::assembly::Placement;
@@ -12,7 +12,7 @@ use protomer_kernel::{Pose, Vec3};
 
 const BOX_ANGSTROM: [f64; 3] = [70.0, 60.0, 80.0];
 
-fn cubes(place: &Workplace) -> BodyFiles {
+fn cubes(place: &TemporaryFolder) -> BodyFiles {
     BodyFiles::read(&[place.path("a.body"), place.path("b.body")]).unwrap()
 }
 
@@ -28,7 +28,7 @@ fn images((kind, pose): &Placement) -> Vec<Placement> {
 
 #[test]
 fn no_body_overlaps_any_image_of_another() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     let files = cubes(&place);
     let mut met_across_the_border = 0;
     for seed in 0..20 {
@@ -51,7 +51,7 @@ fn no_body_overlaps_any_image_of_another() {
 
 #[test]
 fn places_and_orientations_are_uniform() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     let files = cubes(&place);
     let (mut low, mut up, mut bodies) = ([0.0; 3], [0.0; 3], 0.0);
     for seed in 0..400 {
@@ -75,7 +75,7 @@ fn places_and_orientations_are_uniform() {
 
 #[test]
 fn the_seed_decides() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     let files = cubes(&place);
     let made = |seed| fluid(&files, &[3, 2], BOX_ANGSTROM, seed).unwrap();
     assert_eq!(made(5), made(5));
@@ -84,7 +84,7 @@ fn the_seed_decides() {
 
 #[test]
 fn a_full_box_and_a_small_box_are_errors() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     let files = cubes(&place);
     let refused = |counts: &[usize], edge| fluid(&files, counts, [edge; 3], 1).unwrap_err().to_string();
     assert!(refused(&[50, 0], 40.0).contains("no room for body"));

@@ -145,7 +145,7 @@ fn a_displaced_network_relaxes_to_what_it_was() {
 
 #[test]
 fn results_are_written_once() {
-    let place = common::Workplace::new();
+    let place = common::TemporaryFolder::new();
     let command = "framework honeycomb --theta 60 --kh 50 --ks 10000 --load y --stress 10GPa,20GPa -q -o out";
     common::is_ok(&place.run(command));
     let files = common::contents(&place.path("out"));

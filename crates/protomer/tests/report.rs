@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{CHARGES, Workplace, is_ok, message};
+use common::{CHARGES, TemporaryFolder, is_ok, message};
 use std::path::Path;
 use std::process::Command;
 
@@ -19,7 +19,7 @@ fn read(path: &Path) -> String {
 }
 
 /// Makes the page of a directory and checks what holds for every page; returns the page and its sections.
-fn page(place: &Workplace, directory: &str) -> (String, Vec<String>) {
+fn page(place: &TemporaryFolder, directory: &str) -> (String, Vec<String>) {
     let output = place.run(&format!("report {directory} --json --force"));
     is_ok(&output);
     let written: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -52,7 +52,7 @@ fn carries(html: &str, table: &Path) {
 
 #[test]
 fn a_sweep_has_its_curve_bodies_conditions_and_simulations() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     is_ok(&place.run(SWEEP));
     let (html, sections) = page(&place, "sweep");
     assert_eq!(sections, ["Status", "Results", "Bodies", "Conditions", "Simulations", "Provenance"]);
@@ -97,7 +97,7 @@ fn from_base64(text: &str) -> Vec<u8> {
 
 #[test]
 fn the_viewer_has_the_shapes_and_the_potential_of_every_charge() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     is_ok(&place.run(SWEEP));
     let viewed = viewed(&page(&place, "sweep").0);
     let names = |key: &str| -> Vec<String> {
@@ -139,7 +139,7 @@ fn the_viewer_has_the_shapes_and_the_potential_of_every_charge() {
 
 #[test]
 fn bodies_that_are_gone_are_taken_from_the_trajectory_and_the_page_says_so() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     is_ok(&place.run(SWEEP));
     std::fs::rename(place.path("a.body"), place.path("moved.body")).unwrap();
     let (html, sections) = page(&place, "sweep");
@@ -172,7 +172,7 @@ fn bodies_that_are_gone_are_taken_from_the_trajectory_and_the_page_says_so() {
 
 #[test]
 fn a_stopped_sweep_says_what_is_not_done() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     assert_eq!(place.run(&format!("{SWEEP} --time-limit 0")).status.code(), Some(3));
     let (html, _) = page(&place, "sweep");
     for text in [
@@ -200,7 +200,7 @@ fn a_stopped_sweep_says_what_is_not_done() {
 #[cfg(unix)]
 #[test]
 fn a_failed_sweep_says_why() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     let sweep = SWEEP.replace("--sweeps 60", "--sweeps 4000 --checkpoint-every 0.005");
     assert_eq!(place.run_limited(16, &sweep).status.code(), Some(1));
     let (html, _) = page(&place, "sweep");
@@ -233,7 +233,7 @@ fn a_failed_sweep_says_why() {
 
 #[test]
 fn lattices_frameworks_and_trainings_have_pages_too() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     let lattice = "lattice run --rows 4 --columns 4 --velocities random --steps 60 --log-every 5";
     is_ok(&place.run(&format!("{lattice} --trajectory-every 10 -q -o run")));
     let (html, sections) = page(&place, "run");
@@ -277,7 +277,7 @@ fn lattices_frameworks_and_trainings_have_pages_too() {
 
 #[test]
 fn tables_of_networks_have_a_page() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     is_ok(&place.run("framework tables -q -o tables"));
     let (html, sections) = page(&place, "tables");
     assert_eq!(sections, ["Status", "Results", "How to read the tables", "Provenance"]);
@@ -296,7 +296,7 @@ fn tables_of_networks_have_a_page() {
 }
 
 /// Sixteen times one protein in two classes, and a file that is not there.
-fn voxels(place: &Workplace) {
+fn voxels(place: &TemporaryFolder) {
     let structure = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/structures/5pti.cif.gz");
     let mut manifest = "file,label,cluster,name\n".to_owned();
     for number in 0..16 {
@@ -311,7 +311,7 @@ const VOXELIZE: &str = "voxelize --manifest set.csv -o set.zarr --size 24 --spac
 
 #[test]
 fn a_set_of_voxels_and_a_search_have_pages_too() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     voxels(&place);
     assert_eq!(place.run(&format!("{VOXELIZE} --time-limit 0")).status.code(), Some(3));
     assert!(message(&place.run("report set.zarr")).contains("not complete yet"));
@@ -356,7 +356,7 @@ fn a_set_of_voxels_and_a_search_have_pages_too() {
 
 #[test]
 fn what_is_no_result_is_refused_and_nothing_is_overwritten_unasked() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     is_ok(&place.run(SWEEP));
     let refused = |arguments: &str| {
         let output = place.run(arguments);
@@ -381,7 +381,7 @@ fn what_is_no_result_is_refused_and_nothing_is_overwritten_unasked() {
 
 #[test]
 fn the_scripts_are_small_and_parse() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     is_ok(&place.run(SWEEP));
     is_ok(&place.run("lattice run --rows 3 --columns 3 --steps 20 --trajectory-every 10 -q -o run"));
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");

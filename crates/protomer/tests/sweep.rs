@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Workplace, contents, is_ok, message};
+use common::{TemporaryFolder, contents, is_ok, message};
 use protomer::run::RunSettings;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -32,7 +32,7 @@ fn assert_same(a: &BTreeMap<String, Vec<u8>>, b: &BTreeMap<String, Vec<u8>>) {
 }
 
 /// Starts the command and waits until it has written a checkpoint below `directory`, or has ended.
-fn spawn_until_saved(place: &Workplace, command: &str, directory: &str) -> Child {
+fn spawn_until_saved(place: &TemporaryFolder, command: &str, directory: &str) -> Child {
     let checkpoints = || {
         // Files come and go while the process works.
         let salts = ["salt_0.050000M", "salt_0.300000M"];
@@ -49,7 +49,7 @@ fn spawn_until_saved(place: &Workplace, command: &str, directory: &str) -> Child
 
 /// Starts the command and ends it by a signal after its first checkpoint.
 #[cfg(unix)]
-fn stop(place: &Workplace, command: &str, directory: &str) {
+fn stop(place: &TemporaryFolder, command: &str, directory: &str) {
     let mut child = spawn_until_saved(place, command, directory);
     // The process may just have ended by itself; then there is nobody to hear the signal.
     let _ = Command::new("sh").args(["-c", "kill -TERM \"$0\" 2>&1", &child.id().to_string()]).output();
@@ -73,7 +73,7 @@ fn a_killed_sweep_with_approximate_energies_goes_on_too() {
 
 /// Kills a sweep again and again, each time so long after its next checkpoint, then lets it end.
 fn is_killed_and_goes_on(energy: &str, milliseconds: &[u64]) {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     is_ok(&place.run(&format!("{SWEEP} --energy {energy} --threads 1 -o whole")));
     let whole = results(&place.path("whole"));
     let mut caught_at_work = 0;
@@ -97,7 +97,7 @@ fn is_killed_and_goes_on(energy: &str, milliseconds: &[u64]) {
 
 #[test]
 fn parts_in_many_processes_make_the_same_sweep_and_a_killed_one_costs_its_own() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     is_ok(&place.run(&format!("{SWEEP} -o whole")));
     let part = |number: usize| format!("{SWEEP} --checkpoint-every 0.005 -o parts --shard {number}/3");
     let mut others = [2, 3].map(|number| place.command(&part(number)).spawn().unwrap());
@@ -123,7 +123,7 @@ fn parts_in_many_processes_make_the_same_sweep_and_a_killed_one_costs_its_own() 
 
 #[test]
 fn certified_energies_make_the_trajectories_of_the_direct_sum() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     for energy in ["direct", "certified"] {
         is_ok(&place.run(&format!("{SWEEP} --energy {energy} -o {energy}")));
     }
@@ -141,7 +141,7 @@ fn certified_energies_make_the_trajectories_of_the_direct_sum() {
 
 #[test]
 fn a_tolerance_belongs_to_approximate_energies_and_to_the_run() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     let short = SWEEP.replace("--sweeps 1500", "--sweeps 50");
     let refused = |command: &str, words: &[&str]| {
         let output = place.run(command);
@@ -171,7 +171,7 @@ fn a_tolerance_belongs_to_approximate_energies_and_to_the_run() {
 
 #[test]
 fn a_time_limit_stops_resumably() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     is_ok(&place.run(&format!("{SWEEP} -o whole")));
     let command = format!("{SWEEP} -o limited");
     assert_eq!(place.run(&format!("{command} --time-limit 0")).status.code(), Some(3));
@@ -185,7 +185,7 @@ fn a_time_limit_stops_resumably() {
 
 #[test]
 fn a_finished_sweep_can_be_run_on() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     let longer = SWEEP.replace("--sweeps 1500", "--sweeps 1800");
     assert_ne!(longer, SWEEP);
     is_ok(&place.run(&format!("{longer} -o whole")));
@@ -200,7 +200,7 @@ fn a_finished_sweep_can_be_run_on() {
 #[cfg(unix)]
 #[test]
 fn a_signal_stops_resumably_also_after_the_time_limit() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     is_ok(&place.run(&format!("{SWEEP} -o whole")));
     let command = format!("{SWEEP} --threads 1 --checkpoint-every 0.005 -o signalled");
     stop(&place, &command, "signalled");
@@ -212,7 +212,7 @@ fn a_signal_stops_resumably_also_after_the_time_limit() {
 #[cfg(unix)]
 #[test]
 fn what_was_tampered_with_is_refused_and_left_alone() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     let command = format!("{SWEEP} --threads 1 --checkpoint-every 0.005 -o run");
     stop(&place, &command, "run");
     let replica = "run/salt_0.050000M/replica_0";
@@ -249,7 +249,7 @@ fn what_was_tampered_with_is_refused_and_left_alone() {
 
 #[test]
 fn a_shortened_trajectory_is_refused_and_left_alone() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     let command = "simulate ring.json --salt 50mM --cutoff 30A --sweeps 100000000 --equilibration 0 --trajectory-every 5 \
                    -o run --time-limit 0.01";
     assert_eq!(place.run(command).status.code(), Some(3));
@@ -265,7 +265,7 @@ fn a_shortened_trajectory_is_refused_and_left_alone() {
 
 #[test]
 fn force_removes_the_results_of_protomer_and_nothing_else() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     std::fs::create_dir(place.path("mine")).unwrap();
     std::fs::write(place.path("mine/thesis.tex"), "years of work").unwrap();
     let output = place.run(&format!("{SWEEP} -o mine --force"));
@@ -290,7 +290,7 @@ fn force_removes_the_results_of_protomer_and_nothing_else() {
 
 #[test]
 fn other_input_in_the_same_directory_is_refused() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     is_ok(&place.run(&format!("{SWEEP} -o run")));
     let text = std::fs::read_to_string(place.path("ring.json")).unwrap();
     std::fs::write(place.path("ring.json"), text.replace("[12, 0, 0]", "[12.5, 0, 0]")).unwrap();
@@ -303,7 +303,7 @@ fn other_input_in_the_same_directory_is_refused() {
 
 #[test]
 fn two_processes_do_not_work_in_one_directory() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     let long = "simulate ring.json --salt 50mM --cutoff 30A --sweeps 100000000 -o run";
     let mut first = place.command(long).spawn().unwrap();
     while !place.path("run/run.json").exists() {
@@ -320,7 +320,7 @@ fn two_processes_do_not_work_in_one_directory() {
 #[cfg(unix)]
 #[test]
 fn a_full_disk_is_an_error_and_costs_nothing() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     is_ok(&place.run(&format!("{SWEEP} -o whole")));
     let whole = results(&place.path("whole"));
     let command = format!("{SWEEP} --checkpoint-every 0.005 -o full");
@@ -357,7 +357,7 @@ fn exit_reasons(directory: &Path, name: &str) -> Vec<String> {
 
 #[test]
 fn a_start_that_fails_leaves_its_reason_and_can_be_tried_again() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     let short = SWEEP.replace("--sweeps 1500", "--sweeps 50");
     is_ok(&place.run(&format!("{short} --energy certified -o whole")));
     let output = place.run(&format!("{short} --energy certified --memory-limit 1kB --threads 1 -o small"));
@@ -372,7 +372,7 @@ fn a_start_that_fails_leaves_its_reason_and_can_be_tried_again() {
 
 #[test]
 fn a_stopped_sweep_knows_what_stopped_it() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     assert_eq!(place.run(&format!("{SWEEP} -o run --time-limit 0")).status.code(), Some(3));
     for file in ["run/run.json", "run/salt_0.050000M/replica_0/run.json"] {
         let record: serde_json::Value = serde_json::from_slice(&std::fs::read(place.path(file)).unwrap()).unwrap();
@@ -416,7 +416,7 @@ fn sample_deviation(values: &[f64]) -> f64 {
 
 #[test]
 fn the_table_holds_the_averages_of_the_logs() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     is_ok(&place.run(&format!("{SWEEP} -o run")));
     let table = columns(&place.path("run/sweep.csv"));
     assert_eq!(table["salt_M"], [0.05, 0.3]);
@@ -450,7 +450,7 @@ fn the_table_holds_the_averages_of_the_logs() {
 
 #[test]
 fn the_settings_file_of_a_run_is_a_configuration_that_continues_it() {
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     is_ok(&place.run(&format!("{SWEEP} -o first")));
     is_ok(&place.run("sweep ring.json --config first/run.toml -o second --quiet"));
     is_ok(&place.run("sweep ring.json --config first/run.toml -o first --quiet"));

@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::{Workplace, contents, is_ok, message};
+use common::{TemporaryFolder, contents, is_ok, message};
 use protomer::run::Execution;
 use protomer::train::{Source, TrainSettings};
 use protomer::tune::{Trial, TuneEnd, TuneSettings, tune_in};
@@ -16,8 +16,8 @@ use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 /// One protein in two classes under many names: there is nothing to learn, but something to search.
-fn place() -> Workplace {
-    let place = Workplace::new();
+fn place() -> TemporaryFolder {
+    let place = TemporaryFolder::new();
     let data = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data").canonicalize().unwrap();
     std::os::unix::fs::symlink(data, place.path("data")).unwrap();
     let mut manifest = "file,label,cluster,name\n".to_owned();
@@ -35,7 +35,7 @@ fn place() -> Workplace {
 const SEARCH: &str = "tune set.zarr --least-samples 5 --trials 4 --epochs 9 --checkpoint-every 0 -q";
 
 /// The results of a search by name, without its locks.
-fn results(place: &Workplace, name: &str) -> BTreeMap<String, Vec<u8>> {
+fn results(place: &TemporaryFolder, name: &str) -> BTreeMap<String, Vec<u8>> {
     let mut files = contents(&place.path(name));
     files.retain(|name, _| !name.ends_with(".lock"));
     files
@@ -198,7 +198,7 @@ fn a_trial_that_diverges_has_lost() {
     let source = Source::Control { name: Control::Charge, variant: Variant::Usual, samples: 40, size: 8, seed: 1 };
     let mut base = TrainSettings::of_set(source, vec!["shape".into(), "potential".into()]).unwrap();
     base.training.scaling = ScalingMode::Raw;
-    let place = Workplace::new();
+    let place = TemporaryFolder::new();
     let search = |trials: usize| {
         let settings = TuneSettings { trials, epochs: 2, seed: 1, vary_channels: false, base: base.clone() };
         let path = place.path(&format!("search{trials}"));

@@ -4,6 +4,7 @@
 
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// What this machine compiles for: packages for others need not be on it.
@@ -122,5 +123,106 @@ fn licences_are_permissive() {
     for package in metadata()["packages"].as_array().unwrap() {
         let licence = package["license"].as_str().unwrap_or("none stated");
         assert!(permits(licence), "{} is under '{licence}', which deny.toml does not list", package["name"]);
+    }
+}
+
+/// A row of the architecture's table of crates.
+struct Row {
+    folder: PathBuf,
+    /// The names before, and within, each pair of parentheses.
+    modules: BTreeMap<String, BTreeSet<String>>,
+    needs: String,
+}
+
+/// Names between backticks, each with those in the parentheses after it.
+fn modules_of(cell: &str) -> BTreeMap<String, BTreeSet<String>> {
+    let (mut modules, mut last, mut is_inner) = (BTreeMap::<String, BTreeSet<String>>::new(), String::new(), false);
+    for (place, part) in cell.split('`').enumerate() {
+        if place % 2 == 0 {
+            let bracket = part.rfind(['(', ')']);
+            is_inner = bracket.map_or(is_inner, |at| part[at..].starts_with('('));
+        } else if is_inner {
+            modules.get_mut(&last).unwrap().insert(part.to_owned());
+        } else {
+            last = part.to_owned();
+            modules.insert(last.clone(), BTreeSet::new());
+        }
+    }
+    modules
+}
+
+fn rows() -> Vec<Row> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let text = include_str!("../../../ARCHITECTURE.md");
+    let table = text.lines().skip_while(|line| !line.starts_with("| crate |")).skip(2);
+    table
+        .take_while(|line| line.starts_with('|'))
+        .map(|line| {
+            let [_, folder, _, modules, needs, _] = line.split('|').map(str::trim).collect::<Vec<_>>()[..] else {
+                panic!("a row of ARCHITECTURE.md has other columns: {line}")
+            };
+            let (folder, needs) = (root.join(folder.trim_matches('`')), needs.to_owned());
+            Row { folder, modules: modules_of(modules), needs }
+        })
+        .collect()
+}
+
+/// Names of the `mod` lines of a library, less its errors.
+fn modules_in(library: &Path) -> BTreeSet<String> {
+    let text = std::fs::read_to_string(library).unwrap();
+    let names = text.lines().filter_map(|line| line.trim_start_matches("pub ").strip_prefix("mod ")?.strip_suffix(';'));
+    names.filter(|name| *name != "error").map(str::to_owned).collect()
+}
+
+/// Names of the files with this ending in a folder, less those that Rust or Python ask for.
+fn files_in(folder: &Path, ending: &str) -> BTreeSet<String> {
+    let names = folder.read_dir().unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let stems = names.filter_map(|name| name.strip_suffix(ending).map(str::to_owned));
+    stems.filter(|stem| stem != "lib" && !stem.starts_with("__")).collect()
+}
+
+#[test]
+fn the_architecture_lists_the_modules_that_there_are() {
+    assert_eq!(
+        modules_of("`a` (of `b` `c`), `d` (E)"),
+        BTreeMap::from([
+            ("a".to_owned(), BTreeSet::from(["b".to_owned(), "c".to_owned()])),
+            ("d".to_owned(), BTreeSet::new()),
+        ])
+    );
+    let rows = rows();
+    assert_eq!(rows.len(), 9, "a crate has no row, or a row no crate");
+    for Row { folder, modules, .. } in rows {
+        let name = folder.display();
+        if folder.ends_with("python") {
+            assert_eq!(modules["rust"], files_in(&folder.join("rust"), ".rs"), "{name}");
+            assert_eq!(modules["protomer"], files_in(&folder.join("protomer"), ".py"), "{name}");
+            continue;
+        }
+        let listed: BTreeSet<String> = modules.keys().cloned().collect();
+        assert_eq!(listed, modules_in(&folder.join("src/lib.rs")), "{name}");
+        for (module, inner) in modules.iter().filter(|(_, inner)| !inner.is_empty()) {
+            assert_eq!(*inner, modules_in(&folder.join("src").join(module).join("mod.rs")), "{name}: {module}");
+        }
+    }
+}
+
+#[test]
+fn the_architecture_lists_the_arrows_that_there_are() {
+    let rows = rows();
+    let dependencies = dependencies(&metadata());
+    let short = |package: &str| package.trim_start_matches("protomer-").to_owned();
+    let crates: BTreeSet<String> = dependencies.keys().map(|name| short(name)).collect();
+    for Row { folder, needs, .. } in rows {
+        let name = folder.file_name().unwrap().to_str().unwrap();
+        let (_, needed) = dependencies.iter().find(|(package, _)| short(package) == name).unwrap();
+        let ours: BTreeSet<String> =
+            needed.iter().map(|need| short(need)).filter(|need| crates.contains(need)).collect();
+        let listed = match needs.as_str() {
+            "-" => BTreeSet::new(),
+            "all" => crates.iter().filter(|other| *other != name && *other != "python").cloned().collect(),
+            some => some.split(", ").map(str::to_owned).collect(),
+        };
+        assert_eq!(ours, listed, "{name}");
     }
 }

@@ -59,7 +59,7 @@ pub struct Loaded {
 /// The minimum of a network's energy from where it stands: at fixed cell, or with the cell free and under a load.
 ///
 /// # Errors
-/// As [`Framework::check`]; [`CrystalError::BadState`] if the minimum is not reached: a load that the network cannot bear, or
+/// As [`Framework::check`]; [`CrystalError::NoMinimum`] if the minimum is not reached: a load that the network cannot bear, or
 /// a mechanism that it drives without end.
 pub fn minimise(framework: &Framework, free_cell: bool, load: Option<Load>) -> Result<Loaded> {
     let energy = NetworkEnergy::new(framework)?;
@@ -145,7 +145,7 @@ fn minimise_from(
                     break;
                 }
                 None if shift > 1e6 => {
-                    return Err(CrystalError::BadState(format!(
+                    return Err(CrystalError::NoMinimum(format!(
                         "no minimum is found: a force of {force:.2e} kcal/mol/Å and {stress:.2e} kcal/mol on the cell remain; \
                          load the network in smaller steps, or see whether a mechanism gives way"
                     )));
@@ -154,7 +154,7 @@ fn minimise_from(
             }
         }
     }
-    Err(CrystalError::BadState(format!(
+    Err(CrystalError::NoMinimum(format!(
         "no minimum is found in {MOST_STEPS} steps; load the network in smaller steps, or see whether a mechanism gives way"
     )))
 }

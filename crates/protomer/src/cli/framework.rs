@@ -7,6 +7,7 @@ use crate::framework::report::{Analytic, Relax, Report, Settings, analyse};
 use crate::framework::{directory, network_file, tables};
 use crate::keys::nearest;
 use crate::quantity::length_angstrom;
+use crate::run::{ELASTIC_CONSTANTS, TABLES};
 use anyhow::{Context, Result, bail};
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, ValueEnum};
@@ -155,7 +156,7 @@ impl FrameworkArgs {
         }
         if let Some(folder) = &args.output {
             let files = directory::files(&report, &placed, loaded.as_ref())?;
-            directory::write(folder, &files, global.force)?;
+            directory::write(folder, ELASTIC_CONSTANTS, &files, global.force)?;
         }
         if global.json {
             output::json(&report)?;
@@ -194,7 +195,7 @@ impl FrameworkArgs {
                 ("tables.json".to_owned(), (serde_json::to_string_pretty(&rows)? + "\n").into_bytes()),
                 ("tables.txt".to_owned(), (text.clone() + "\n").into_bytes()),
             ];
-            directory::write(folder, &files, global.force)?;
+            directory::write(folder, TABLES, &files, global.force)?;
         }
         if global.json {
             output::json(&rows)?;

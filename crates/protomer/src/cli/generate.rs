@@ -1,6 +1,7 @@
 //! `protomer completions` and `protomer man`: made from the same table as the flags.
 
 use super::{Cli, Outcome};
+use crate::run::refuse_set;
 use anyhow::Result;
 use clap::{Args, CommandFactory};
 use std::io::Write;
@@ -32,6 +33,7 @@ impl CompletionsArgs {
 
 impl ManArgs {
     pub(super) fn run(&self) -> Result<Outcome> {
+        refuse_set(&self.output)?;
         std::fs::create_dir_all(&self.output)?;
         clap_mangen::generate_to(Cli::command(), &self.output)?;
         Ok(Outcome::Done)

@@ -5,6 +5,7 @@ use super::drawing::{self, LoadedNetwork};
 use super::figure::polar_figure;
 use super::network_file;
 use super::report::Report;
+use crate::run::refuse_other;
 use anyhow::{Context, Result, bail};
 use protomer_crystal::framework::Framework;
 use protomer_io::atomic::write_atomically;
@@ -75,11 +76,14 @@ fn stiffness_table(report: &Report) -> Result<Table> {
     Ok(table)
 }
 
-/// Writes files into a folder, which is made if need be; each appears under its name only when complete.
+/// Writes files into a folder, which is made if need be; each appears under its name only when complete. `holds` is the
+/// kind of result they are.
 ///
 /// # Errors
-/// If one of them is there already and `force` is not given, or the disk does not take it.
-pub fn write(folder: &Path, files: &[NamedFile], force: bool) -> Result<()> {
+/// If one of them is there already and `force` is not given, the folder holds another kind of result, or the disk does not
+/// take it.
+pub fn write(folder: &Path, holds: &str, files: &[NamedFile], force: bool) -> Result<()> {
+    refuse_other(folder, holds)?;
     for (name, _) in files {
         refuse_to_overwrite(&folder.join(name), force)?;
     }

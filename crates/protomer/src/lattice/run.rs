@@ -10,7 +10,9 @@ use super::mover::Mover;
 use super::settings::LatticeSettings;
 use super::start::{Begun, begin, time_step};
 use super::trajectory::Trajectory;
-use crate::run::{Execution, Log, LogMark, RunRecord, check_log, read_checkpoint, read_record, write_checkpoint};
+use crate::run::{
+    Execution, LATTICE_RUN, Log, LogMark, RunRecord, check_log, read_checkpoint, read_record, write_checkpoint,
+};
 use anyhow::{Context, Result, bail};
 use protomer_crystal::lattice::State;
 use serde::{Deserialize, Serialize};
@@ -108,7 +110,7 @@ pub fn run_lattice(
     // Before the directory is touched: a start that makes no sense leaves nothing behind.
     let time_step = time_step(settings, &begun)?;
     let mover = Mover::new(settings, Arc::new(begun.network.clone()), &begun.state)?;
-    let _mine = enter(path, settings, "a run", &RESULTS, execution.start_anew)?;
+    let _mine = enter(path, settings, LATTICE_RUN, &RESULTS, execution.start_anew)?;
     let total = settings.total_steps(time_step);
     if let Some(result) = finished(path, &identity, total)? {
         advanced(total);

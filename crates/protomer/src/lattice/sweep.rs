@@ -13,7 +13,7 @@ use super::start::network;
 use super::sweep_figures;
 use super::sweep_table::{ConditionRow, RunRow, conditions_to_csv, runs_to_csv};
 use super::trajectory::read_states;
-use crate::run::{Execution, read_record};
+use crate::run::{Execution, LATTICE_SWEEP, read_record};
 use anyhow::{Context, Result, bail};
 use protomer_crystal::analysis::synchronisation::{Synchronisation, staggered};
 use protomer_io::atomic::write_atomically;
@@ -126,7 +126,7 @@ pub fn run_sweep(
     let identity = identity(settings)?;
     let folders: Vec<String> = folders(settings);
     let results: Vec<&str> = RESULTS.iter().copied().chain(folders.iter().map(String::as_str)).collect();
-    let entered = enter(path, settings, "a sweep", &results, execution.start_anew)?;
+    let entered = enter(path, settings, LATTICE_SWEEP, &results, execution.start_anew)?;
     // A finished sweep stays one, whatever becomes of a second look at it.
     let was_done = !entered.settings_are_new() && read_record(path)?.is_some_and(|present| present.is_done());
     let end = to_the_end(settings, &tasks, path, execution, advanced);

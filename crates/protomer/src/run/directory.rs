@@ -1,5 +1,6 @@
 //! A directory of results: whose it is, who works in it, and what of it may be removed.
 
+use super::contents::refuse_other;
 use crate::keys;
 use anyhow::{Context, Result, bail};
 use protomer_io::atomic::{remove_abandoned, write_atomically};
@@ -16,7 +17,8 @@ const LOCK: &str = ".lock";
 pub struct Layout<'a> {
     /// The file of the resolved settings; also what tells a directory of this kind from any other.
     pub settings: &'static str,
-    /// What the directory holds, as in "holds *a sweep* with other settings".
+    /// What the directory holds, as in "holds *a sweep* with other settings": one of the kinds of `contents`, for which
+    /// anything else there is another one.
     pub holds: &'static str,
     /// Every other file and folder that is written beside the settings.
     pub results: &'a [&'a str],
@@ -57,7 +59,7 @@ impl ResultsDirectory {
     where
         S: Serialize + DeserializeOwned + PartialEq,
     {
-        make(path)?;
+        make(path, layout)?;
         if start_anew {
             require_ours::<S>(path, layout)?;
         }
@@ -90,7 +92,7 @@ impl ResultsDirectory {
                 layout.holds
             );
         }
-        make(path)?;
+        make(path, layout)?;
         let mut directory = Self { path: path.to_owned(), settings_are_new: false, _lock: lock(path, Hold::Shared)? };
         directory.settings_are_new = directory.claim(layout, settings, continues)?;
         Ok(directory)
@@ -140,10 +142,12 @@ impl ResultsDirectory {
     }
 }
 
-fn make(path: &Path) -> Result<()> {
+/// Makes the directory if need be. Nothing is put into one that holds another kind of result, not even a lock.
+fn make(path: &Path, layout: Layout) -> Result<()> {
     if path.is_file() {
         bail!("{} is a file; give a directory for the results", path.display());
     }
+    refuse_other(path, layout.holds)?;
     std::fs::create_dir_all(path).with_context(|| format!("cannot make the directory {}", path.display()))
 }
 

@@ -195,6 +195,13 @@ impl RunSettings {
                 bail!("{name} is 0; it must be at least 1");
             }
         }
+        if self.sweeps < self.log_every {
+            bail!(
+                "sweeps is {} and log_every {}, so the log would have no row; raise --sweeps, or lower --log-every",
+                self.sweeps,
+                self.log_every
+            );
+        }
         let gap = self.contact_gap_angstrom;
         if !(gap.is_finite() && gap > 0.0) {
             bail!("contact_gap_angstrom is {gap}; it must be positive");

@@ -10,7 +10,6 @@
 //! |---|---|
 //! | `settings` | what is trained, on what, and how |
 //! | `source` | where samples come from |
-//! | `directory` | whose directory it is |
 //! | `run` | one training: the loop, checkpoints, results |
 //! | `job` | a training with its ablation; a control with its experiments |
 //! | `metrics` | scores beside baselines |

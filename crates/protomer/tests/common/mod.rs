@@ -23,11 +23,11 @@ pub const CHARGES: [&[[f64; 4]]; 2] =
     [&[[0.0, 0.0, 0.0, 4.0], [3.0, 0.0, 0.0, 1.0]], &[[0.0, 0.0, 0.0, -4.0], [0.0, 3.0, 0.0, -0.5]]];
 
 /// A folder that is removed at the end.
-pub struct Workplace {
+pub struct TemporaryFolder {
     folder: tempfile::TempDir,
 }
 
-impl Workplace {
+impl TemporaryFolder {
     /// With `a.body`, `b.body` and `ring.json` in it.
     pub fn new() -> Self {
         let place = Self { folder: tempfile::tempdir().unwrap() };

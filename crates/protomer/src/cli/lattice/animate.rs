@@ -2,6 +2,7 @@
 
 use super::super::{Global, Outcome, output};
 use crate::lattice::animation::Animation;
+use crate::run::refuse_set;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use protomer_io::atomic::write_atomically;
@@ -31,6 +32,7 @@ impl AnimateArgs {
         let html = animation.to_html();
         write_atomically(&page, |file| file.write_all(html.as_bytes()))?;
         if let Some(folder) = &self.frames {
+            refuse_set(folder)?;
             std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
             for frame in 0..animation.len() {
                 let path = folder.join(format!("frame_{frame:05}.svg"));
