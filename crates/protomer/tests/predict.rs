@@ -86,7 +86,7 @@ impl Place {
             }
         };
         let content = SetContent { samples: grids.iter().enumerate().map(record).collect(), excluded: Vec::new() };
-        let known = attributes(settings, "", name, &content).unwrap();
+        let known = attributes(settings, &[], name, &content).unwrap();
         std::fs::create_dir(self.path(name)).unwrap();
         let mut voxels = |sample: usize| {
             let SparseGrid { index, values, .. } = &grids[sample];
