@@ -65,7 +65,8 @@ pub fn joined(all: impl Iterator<Item = Origin>) -> Vec<Origin> {
         }
     }
     for manifest in &mut manifests {
-        manifest.parts.sort();
+        // 2/16 before 10/16.
+        manifest.parts.sort_by_key(|part| (part.len(), part.clone()));
         if manifest.structures.is_some() && manifest.missing() == 0 {
             manifest.parts = vec!["1/1".to_owned()];
         }
@@ -109,5 +110,24 @@ impl Missing {
             self.structures,
             self.parts.join(", ")
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_of_a_manifest_come_together_in_their_order() {
+        let part = |index| Origin::new("0123456789abcdef", 40, Shard { index, of: 16 }, 3);
+        let other = Origin::new("f", 2, Shard::WHOLE, 2);
+        let manifests = joined([part(10), other.clone(), part(2)].into_iter());
+        assert_eq!((manifests.len(), &manifests[1]), (2, &other));
+        assert_eq!((manifests[0].parts.join(" "), manifests[0].missing()), ("2/16 10/16".into(), 34));
+        let lines: Vec<String> = Missing::of(&manifests).iter().map(Missing::line).collect();
+        assert!(lines.len() == 1 && lines[0].contains("0123456789ab... are missing: 34 of 40 structures"), "{lines:?}");
+        // A set of an earlier version does not say how many there are: nothing can be missing of it.
+        let unknown = Origin { structures: None, parts: Vec::new(), ..part(1) };
+        assert_eq!(Missing::of(&joined([unknown].into_iter())), []);
     }
 }
