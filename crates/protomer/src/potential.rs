@@ -63,7 +63,7 @@ pub fn spheres_of_file(path: &Path) -> Result<(String, Vec<ChargedSphere>)> {
     Ok((file.name, spheres.collect()))
 }
 
-/// Points to look at: x y z on each line, Å; `#` begins a comment.
+/// Points to look at: x y z on each line, Å; further numbers are passed over, `#` begins a comment.
 ///
 /// # Errors
 /// Names the line.
@@ -71,16 +71,27 @@ pub fn read_places(path: &Path) -> Result<Vec<Vec3>> {
     let file = InputFile::read(path)?;
     let text = std::str::from_utf8(&file.bytes).with_context(|| format!("{} is not text", file.name))?;
     let mut places = Vec::new();
-    for (number, line) in text.lines().enumerate() {
+    for (number, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
         let line = line.split('#').next().unwrap_or_default();
-        let numbers: Vec<f64> = line.split_whitespace().map_while(|word| word.parse().ok()).collect();
-        match (line.split_whitespace().count(), &numbers[..]) {
-            (0, _) => {}
-            (3.., [x, y, z, ..]) => places.push(Vec3::new(*x, *y, *z)),
-            _ => bail!("{}, line {}: '{line}' is not a point; give x y z in Å", file.name, number + 1),
+        let words: Vec<&str> = line.split_whitespace().collect();
+        if words.is_empty() {
+            continue;
         }
+        let Some(place) = place(&words) else {
+            let line = line.trim();
+            bail!("{}, line {}: '{line}' is not a point; give x y z in Å, three finite numbers", file.name, number + 1)
+        };
+        places.push(place);
     }
     Ok(places)
+}
+
+/// Three finite numbers, perhaps with others behind: other programs write x y z and the potential.
+fn place(words: &[&str]) -> Option<Vec3> {
+    let number = |word: &&str| word.parse::<f64>().ok().filter(|number| number.is_finite());
+    let numbers = words.iter().map(number).collect::<Option<Vec<f64>>>()?;
+    let [x, y, z, ..] = numbers[..] else { return None };
+    Some(Vec3::new(x, y, z))
 }
 
 /// The potential of the atoms of a file on a grid, and what is known of it.
@@ -197,4 +208,26 @@ fn peak_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     Some(line.split_whitespace().next()?.parse::<u64>().ok()? * 1024)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn a_line_of_points_holds_three_finite_numbers_or_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("places.txt");
+        let read = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            read_places(&path)
+        };
+        assert_eq!(read("\u{feff}1 2 3\n\n# none\n-1e1 0 0.5 # one\n").unwrap().len(), 2);
+        assert_eq!(read("1 2 3 -0.25\n").unwrap(), [Vec3::new(1.0, 2.0, 3.0)]);
+        for line in ["1 2 3 hello", "nan 0 0", "0 inf 0", "1 2", "hello"] {
+            let message = read(&format!("0 0 0\n{line}\n")).unwrap_err().to_string();
+            assert!(message.contains(&format!("line 2: '{line}'")), "{message}");
+        }
+    }
 }

@@ -3,7 +3,8 @@
 use super::figure::learning_curve;
 use super::job::TrainEnd;
 use super::metrics::{Metrics, Predictions};
-use super::settings::{SplitBy, TrainSettings};
+use super::settings::{Source, SplitBy, TrainSettings};
+use super::trained_on::{TRAINED_ON, TrainedOn};
 use crate::run::{Execution, Layout, ResultsDirectory};
 use anyhow::{Context, Result, bail};
 use protomer_io::atomic::write_atomically;
@@ -44,6 +45,7 @@ const LAYOUT: Layout = Layout {
         PREDICTIONS,
         CURVE,
         CHECKPOINT,
+        TRAINED_ON,
         "ablation.csv",
         "ablation",
         "report.html",
@@ -257,6 +259,10 @@ pub fn train_in(
     let epochs = settings.training.epochs;
     if let Some(metrics) = Metrics::read(path)? {
         advanced(epochs as u64);
+        // Earlier versions did not write it.
+        if TrainedOn::read(path)?.is_none() {
+            note_samples(settings, &prepared, path)?;
+        }
         return Ok(TrainEnd::Finished(Box::new(metrics)));
     }
     let checkpoint = path.join(CHECKPOINT);
@@ -265,6 +271,14 @@ pub fn train_in(
     };
     let metrics = write_results(settings, &prepared, trained, path)?;
     Ok(TrainEnd::Finished(Box::new(metrics)))
+}
+
+/// Writes down which structures the network has seen; a control has none.
+fn note_samples(settings: &TrainSettings, prepared: &Prepared, path: &Path) -> Result<()> {
+    match settings.source {
+        Source::Set { .. } => TrainedOn::of(prepared).write(path),
+        Source::Control { .. } => Ok(()),
+    }
 }
 
 /// Calibrates, predicts the test part, and writes everything down; the metrics last, as they say that all is done.
@@ -311,6 +325,7 @@ fn write_results(settings: &TrainSettings, prepared: &Prepared, trained: Trained
         );
         learning_curve(&title, &caption, &history, prior, classes.names.len()).write_svg(&path.join(CURVE))?;
     }
+    note_samples(settings, prepared, path)?;
     metrics.write(path)?;
     Ok(metrics)
 }
