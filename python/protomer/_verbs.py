@@ -254,6 +254,7 @@ def potential(
     input: Path,
     *,
     salt: Number,
+    model: Literal["poisson-boltzmann", "debye-hueckel"] | None = None,
     spacing: Number | None = None,
     margin: Number | None = None,
     boundary: Literal["screened-atoms", "coarse-grid"] | None = None,
@@ -261,6 +262,7 @@ def potential(
     inner_permittivity: Number | None = None,
     outer_permittivity: Number | None = None,
     ion_radius: Number | None = None,
+    surface: Literal["solvent-excluded", "van-der-waals", "solvent-accessible"] | None = None,
     probe: Number | None = None,
     points: Path | None = None,
     no_error_estimate: bool = False,
@@ -269,15 +271,17 @@ def potential(
     force: bool = False,
     progress: Progress | None = None,
 ) -> PotentialResult:
-    """Solve the linearised Poisson-Boltzmann equation around a structure or PQR: potential in kT/e and solvation
-    energy. The dielectric boundary is the solvent-excluded surface.
+    """Solve the linearised Poisson-Boltzmann equation around a structure, PQR or body: potential in kT/e and
+    solvation energy.
 
     Parameters
     ----------
     input
-        Structure or PQR file, perhaps gzipped
+        Structure, PQR or body file, perhaps gzipped
     salt
         Concentration of a 1:1 salt, such as 100mM or 0.1M
+    model
+        How the potential is found [default: poisson-boltzmann]
     spacing
         Grid spacing, Å [default: 0.5]
     margin
@@ -292,6 +296,8 @@ def potential(
         Relative permittivity of the solvent; that of water at the temperature if left out
     ion_radius
         Ions keep their centres this far from the atoms, Å; 0: up to the surface [default: 2]
+    surface
+        The dielectric boundary [default: solvent-excluded]
     probe
         Probe radius of the surface, Å [default: 1.4]
     points
@@ -313,6 +319,7 @@ def potential(
         [input],
         {
             "--salt": salt,
+            "--model": model,
             "--spacing": spacing,
             "--margin": margin,
             "--boundary": boundary,
@@ -320,6 +327,7 @@ def potential(
             "--inner-permittivity": inner_permittivity,
             "--outer-permittivity": outer_permittivity,
             "--ion-radius": ion_radius,
+            "--surface": surface,
             "--probe": probe,
             "--points": points,
             "--no-error-estimate": no_error_estimate,
@@ -2398,6 +2406,7 @@ def train(
     least_samples: Integer | None = None,
     channels: Text | None = None,
     split_by: Literal["cluster", "sample"] | None = None,
+    split_seed: Integer | None = None,
     fractions: Numbers | None = None,
     scaling: Literal["robust", "raw", "box-standardised"] | None = None,
     permutations: Integer | None = None,
@@ -2408,6 +2417,7 @@ def train(
     average_only: bool = False,
     epochs: Integer | None = None,
     patience: Integer | None = None,
+    logit_adjustment: Number | None = None,
     batch: Integer | None = None,
     learning_rate: Number | None = None,
     seed: Integer | None = None,
@@ -2446,6 +2456,8 @@ def train(
         Channels the network sees, separated by commas [default: all]
     split_by
         What stays together in the split [default: cluster]
+    split_seed
+        Seed of the split [default: that of --seed, or the one a configuration names]
     fractions
         Shares of training, validation and test [default: 0.7,0.15,0.15]
     scaling
@@ -2466,12 +2478,15 @@ def train(
         Passes over the training part, at most [default: 50]
     patience
         Epochs without a smaller validation loss after which training ends; 0 for never [default: 10]
+    logit_adjustment
+        τ: 0 learns the classes as common as they are; 1 as if all were equally common, with their shares put
+        back into the predictions [default: 0]
     batch
         Samples per step [default: 8]
     learning_rate
         Learning rate after the warm-up [default: 0.001]
     seed
-        Seed of split, weights, order and rotations [default: 1]
+        Seed of weights, order and rotations, and of the split without --split-seed [default: 1]
     device
         Where the network is computed: cpu, cuda, or cuda:1 for the second NVIDIA device. CUDA needs a build
         with --features cuda [default: cpu]
@@ -2501,6 +2516,7 @@ def train(
             "--least-samples": least_samples,
             "--channels": channels,
             "--split-by": split_by,
+            "--split-seed": split_seed,
             "--fractions": fractions,
             "--scaling": scaling,
             "--permutations": permutations,
@@ -2511,6 +2527,7 @@ def train(
             "--average-only": average_only,
             "--epochs": epochs,
             "--patience": patience,
+            "--logit-adjustment": logit_adjustment,
             "--batch": batch,
             "--learning-rate": learning_rate,
             "--seed": seed,
@@ -2582,6 +2599,7 @@ def tune(
     least_samples: Integer | None = None,
     channels: Text | None = None,
     split_by: Literal["cluster", "sample"] | None = None,
+    split_seed: Integer | None = None,
     fractions: Numbers | None = None,
     scaling: Literal["robust", "raw", "box-standardised"] | None = None,
     permutations: Integer | None = None,
@@ -2623,6 +2641,8 @@ def tune(
         Channels the network sees, separated by commas [default: all]
     split_by
         What stays together in the split [default: cluster]
+    split_seed
+        Seed of the split [default: that of --seed, or the one a configuration names]
     fractions
         Shares of training, validation and test [default: 0.7,0.15,0.15]
     scaling
@@ -2665,6 +2685,7 @@ def tune(
             "--least-samples": least_samples,
             "--channels": channels,
             "--split-by": split_by,
+            "--split-seed": split_seed,
             "--fractions": fractions,
             "--scaling": scaling,
             "--permutations": permutations,

@@ -7,6 +7,7 @@ use protomer_learn::device::DeviceChoice;
 
 /// Where networks are computed.
 #[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Run")]
 pub struct DeviceArgs {
     /// Where the network is computed: cpu, cuda, or cuda:1 for the second NVIDIA device. CUDA needs a build with --features
     /// cuda.
