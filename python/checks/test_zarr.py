@@ -86,3 +86,80 @@ def test_voxels_lie_where_the_atoms_are(tmp_path, protomer):
             require_voxels_at_atoms(solid, wrong, spacing)
     with pytest.raises(AssertionError):
         require_voxels_at_atoms(solid, posed, 1.0)
+
+
+def require_hydropathy(values, centres, residues, reach=5.0):
+    """Values are means over residues with an atom within reach (Å) of the centres; residues: (index, atoms)."""
+    near = np.stack([((centres[:, None] - atoms[None]) ** 2).sum(-1).min(1) <= reach**2 for _, atoms in residues], 1)
+    known = near.any(1)
+    assert known.mean() > 0.99
+    expected = (near * [index for index, _ in residues]).sum(1)[known] / near.sum(1)[known]
+    assert np.abs(values[known] - expected).max() < 3e-3
+
+
+def test_hydropathy_is_the_mean_of_the_residues_near_by(tmp_path, protomer):
+    """Against the scale as printed by its authors and gemmi's atoms."""
+    scale = dict(zip("ARNDCQEGHILKMFPSTWYV", (1.8, -4.5, -3.5, -3.5, 2.5, -3.5, -3.5, -0.4, -3.2, 4.5, 3.8, -3.9, 1.9, 2.8, -1.6,
+                                              -0.8, -0.7, -0.9, -1.3, 4.2)))
+    _, group = make(tmp_path, protomer)
+    row = dict(zip(group["properties"].attrs["columns"], group["properties"][0]))
+    rotation = rotation_matrix([row[f"rotation_{axis}"] for axis in "wxyz"])
+    middle = np.array([row[f"middle_{axis}_angstrom"] for axis in "xyz"])
+    structure = gemmi.read_structure(str(STRUCTURE))
+    structure.setup_entities()
+    structure.remove_alternative_conformations()
+    structure.remove_hydrogens()
+    structure.remove_ligands_and_waters()
+    letter = lambda residue: gemmi.find_tabulated_residue(residue.name).one_letter_code.upper()
+    places = lambda residue: np.array([atom.pos.tolist() for atom in residue]) @ rotation.T - middle
+    residues = [(scale[letter(residue)], places(residue)) for chain in structure[0] for residue in chain]
+    size = group.attrs["size"]
+    begin, end = group["offsets"][0], group["offsets"][1]
+    z, y, x = np.unravel_index(group["index"][begin:end].astype(np.int64), (size, size, size))
+    centres = (np.stack([x, y, z], 1) - (size - 1) / 2) * row["spacing_angstrom"]
+    values = group["hydropathy"][begin:end].astype(float)
+    require_hydropathy(values, centres, residues)
+    # It must notice the opposite sign, another reach, and axes in the other order.
+    for wrong in ((-values, centres, residues), (values, centres, residues, 4.0), (values, centres[:, ::-1], residues)):
+        with pytest.raises(AssertionError):
+            require_hydropathy(*wrong)
+
+
+def require_statistics(known, values):
+    """The attribute's figures are those of the values."""
+    for name, of in values.items():
+        found = known["channels"][name]
+        middle = np.sort(of)[len(of) // 2]
+        deviation = np.sort(np.abs(of - middle))[len(of) // 2]
+        expected = {"voxels": len(of), "mean": of.mean(), "standard_deviation": of.std(), "median": middle,
+                    "median_deviation": deviation, "minimum": of.min(), "maximum": of.max()}
+        assert found == pytest.approx(expected, rel=1e-6, abs=1e-6)
+
+
+def test_statistics_are_those_of_the_samples_they_name(tmp_path, protomer):
+    _, group = make(tmp_path, protomer)
+    statistics = group.attrs["statistics"]
+    # Two samples of one cluster cannot be split.
+    assert statistics["over"] == "all samples" and statistics["samples"] == [0, 1]
+    values = {name: group[name][:].astype(float) for name in ("potential", "hydropathy")}
+    require_statistics(statistics, values)
+    begin, end = group["offsets"][0], group["offsets"][1]
+    for wrong in ({"potential": values["hydropathy"]}, {"potential": values["potential"][begin:end]}):
+        with pytest.raises(AssertionError):
+            require_statistics(statistics, wrong)
+
+
+def test_a_loader_of_pytorch_gives_batches(tmp_path, protomer):
+    torch = pytest.importorskip("torch", reason="torch is not installed; it is not required")
+    _, group = make(tmp_path, protomer)
+
+    class Voxels(torch.utils.data.Dataset):
+        def __len__(self):
+            return len(group["offsets"]) - 1
+
+        def __getitem__(self, sample):
+            return torch.from_numpy(dense(group, sample)), sample
+
+    grids, numbers = next(iter(torch.utils.data.DataLoader(Voxels(), batch_size=2)))
+    assert grids.dtype == torch.float32 and tuple(grids.shape) == (2, 3, 64, 64, 64) and numbers.tolist() == [0, 1]
+    assert np.array_equal(grids[1].numpy(), dense(group, 1))

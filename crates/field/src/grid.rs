@@ -4,6 +4,9 @@ use crate::{FieldError, Result};
 use protomer_kernel::Vec3;
 use serde::Serialize;
 
+/// No machine holds more; below it no number of points overflows.
+const MOST_POINTS: f64 = 1e13;
+
 /// A regular grid of points. Values on it are stored with x running fastest, then y, then z.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Grid {
@@ -20,7 +23,8 @@ impl Grid {
     /// along each axis, centred on it.
     ///
     /// # Errors
-    /// [`FieldError::BadSetting`] for a spacing that is not positive.
+    /// [`FieldError::BadSetting`] for a spacing that is not positive, [`FieldError::BadInput`] for more points than any machine
+    /// holds.
     pub fn around(low: &Vec3, high: &Vec3, spacing_angstrom: f64, multiple: usize) -> Result<Self> {
         if !(spacing_angstrom.is_finite() && spacing_angstrom > 0.0) {
             return Err(FieldError::BadSetting {
@@ -30,6 +34,14 @@ impl Grid {
             });
         }
         let extent = high - low;
+        let points = extent.iter().map(|length| length / spacing_angstrom + 1.0).product::<f64>();
+        if points.is_nan() || points > MOST_POINTS {
+            return Err(FieldError::BadInput(format!(
+                "a box of {:.0} x {:.0} x {:.0} Å at a spacing of {spacing_angstrom} Å has {points:.1e} points: look for atoms \
+                 far from the others, or use a larger spacing",
+                extent.x, extent.y, extent.z
+            )));
+        }
         let cells = |axis: usize| {
             let needed = (extent[axis] / spacing_angstrom - 1e-9).ceil().max(1.0) as usize;
             needed.div_ceil(multiple) * multiple

@@ -1,4 +1,4 @@
-//! Grids around proteins: electrostatic potentials, and voxels for learning.
+//! Grids around proteins: electrostatic potentials, and voxels for networks.
 //!
 //! ```text
 //! spheres with charges --dielectric--> permittivity and salt on a grid --operator, multigrid, solve--> potential, energy
@@ -7,6 +7,7 @@
 //! | module | one idea |
 //! |---|---|
 //! | [`grid`] | points in space, and values between them |
+//! | [`surface`] | what separates the solute from the solvent |
 //! | [`dielectric`] | what the medium is at every edge and point of a grid |
 //! | [`debye_huckel`] | screened charges in a uniform medium: boundary values, and the cheap alternative |
 //! | `point_charges` | sums over charges, in vectors |
@@ -29,8 +30,11 @@ mod multigrid;
 mod operator;
 mod point_charges;
 pub mod poisson_boltzmann;
+pub mod surface;
 pub mod voxels;
 
 pub use error::{FieldError, Result};
 pub use grid::{Grid, ScalarField};
 pub use poisson_boltzmann::{Boundary, ChargedSphere, Medium, Potential, SolveSettings, solve};
+pub use surface::SurfaceDefinition;
+pub use voxels::PotentialModel;

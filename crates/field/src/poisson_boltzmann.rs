@@ -3,7 +3,7 @@
 //! -∇·ε∇φ + ε_out κ² λ φ = 4π l ρ,
 //!
 //! with φ in kT/e, ρ in e/Å³, l = e²/(4π ε₀ kT) the Bjerrum length of the vacuum, and λ = 1 where ions go. The dielectric
-//! boundary is the solvent-excluded surface of the spheres.
+//! boundary is the solvent-excluded surface of the spheres, or another ([`SurfaceDefinition`]).
 //!
 //! Charges are points. Inside the surface the Coulomb potential φ_C = l/ε_in Σ q/r is taken out, so what is solved for is the
 //! reaction field u = φ - φ_C inside and φ outside, both smooth; on edges that meet the surface φ_C appears as a source
@@ -18,12 +18,14 @@ use crate::dielectric::{DielectricMap, LARGEST_SPACING_ANGSTROM};
 use crate::grid::{Grid, ScalarField, interpolate, interpolate_cubically};
 use crate::operator::Operator;
 use crate::point_charges::{PointCharges, Source};
+use crate::surface::{SurfaceDefinition, bounds, surface_of};
 use crate::{FieldError, Result};
-use protomer_body::surface::{Arrangement, ImplicitSolid, SesSolid};
+use protomer_body::surface::ImplicitSolid;
 use protomer_kernel::units::NUMBER_DENSITY_PER_MOLAR;
 use protomer_kernel::{Conditions, Vec3};
 use rayon::prelude::*;
 use std::f64::consts::PI;
+use std::ops::RangeInclusive;
 
 /// An atom: a sphere with a charge at its centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,6 +45,8 @@ pub struct Medium {
     pub conditions: Conditions,
     /// Relative permittivity inside the surface.
     pub inner_permittivity: f64,
+    /// Which surface that is.
+    pub surface: SurfaceDefinition,
     /// Radius of the solvent's molecules, Å.
     pub probe_angstrom: f64,
     /// Ions keep their centres this far from the spheres, Å; zero: up to the surface.
@@ -50,9 +54,15 @@ pub struct Medium {
 }
 
 impl Medium {
-    /// Proteins in this solvent: permittivity 2 inside, a probe of 1.4 Å, ions of 2 Å.
+    /// Proteins in this solvent: permittivity 2 inside the solvent-excluded surface of a probe of 1.4 Å, ions of 2 Å.
     pub fn new(conditions: Conditions) -> Self {
-        Self { conditions, inner_permittivity: 2.0, probe_angstrom: 1.4, ion_radius_angstrom: 2.0 }
+        Self {
+            conditions,
+            inner_permittivity: 2.0,
+            surface: SurfaceDefinition::SolventExcluded,
+            probe_angstrom: 1.4,
+            ion_radius_angstrom: 2.0,
+        }
     }
 
     /// l = e²/(4π ε₀ kT), Å.
@@ -157,51 +167,38 @@ pub struct Potential {
 /// would be needed; [`FieldError::NotConverged`] if the iteration fails.
 pub fn solve(spheres: &[ChargedSphere], medium: &Medium, settings: &SolveSettings) -> Result<Potential> {
     check(spheres, medium, settings)?;
-    let solid = surface(spheres, medium)?;
-    let (low, high) = bounds(spheres);
-    let margin = Vec3::repeat(settings.margin_angstrom);
-    let fine = Grid::around(&(low - margin), &(high + margin), settings.spacing_angstrom, CELLS_MULTIPLE)?;
-    let needed = fine.len().saturating_mul(BYTES_PER_POINT);
-    if needed > settings.memory_limit_bytes {
-        return Err(FieldError::TooLarge {
-            points: fine.len(),
-            needed_bytes: needed,
-            allowed_bytes: settings.memory_limit_bytes,
-        });
-    }
+    let solid = surface_of(spheres, medium)?;
+    check_charges(spheres, &*solid)?;
+    let fine = grid_around(spheres, settings)?;
     if settings.boundary == Boundary::ScreenedAtoms {
         let atoms = Superposition::new(spheres, &Medium { ion_radius_angstrom: 0.0, ..*medium });
-        return solve_on(fine, spheres, medium, &solid, settings, |place| atoms.at(place));
+        return solve_on(fine, spheres, medium, &*solid, settings, |place| atoms.at(place));
     }
+    let (low, high) = bounds(spheres.iter());
+    let margin = Vec3::repeat(settings.margin_angstrom);
     let extent = high - low + 2.0 * margin;
     let larger = 0.5 * (COARSE_EXTENT - 1.0) * extent;
     let spacing =
         (COARSE_SPACING * settings.spacing_angstrom).min(COARSEST_SPACING_ANGSTROM.max(settings.spacing_angstrom));
     let coarse = Grid::around(&(low - margin - larger), &(high + margin + larger), spacing, CELLS_MULTIPLE)?;
+    check_memory(&coarse, settings)?;
     let size = 0.25 * (high - low).sum() / 1.5;
     let far = Superposition::of_solute(spheres, medium, size);
-    let wide = solve_on(coarse, spheres, medium, &solid, settings, |place| far.at(place))?;
-    solve_on(fine, spheres, medium, &solid, settings, |place| wide.reduced.at(place).unwrap_or(0.0))
+    let wide = solve_on(coarse, spheres, medium, &*solid, settings, |place| far.at(place))?;
+    solve_on(fine, spheres, medium, &*solid, settings, |place| wide.reduced.at(place).unwrap_or(0.0))
 }
 
 fn check(spheres: &[ChargedSphere], medium: &Medium, settings: &SolveSettings) -> Result<()> {
     if spheres.is_empty() {
         return Err(FieldError::BadInput("there are no atoms; give at least one".into()));
     }
-    let ranges = [
-        ("spacing", settings.spacing_angstrom, 0.05..=LARGEST_SPACING_ANGSTROM, "0.05 to 1.1 Å"),
-        ("margin", settings.margin_angstrom, 1.0..=1000.0, "1 to 1000 Å"),
-        ("tolerance", settings.relative_tolerance, 1e-12..=1e-2, "1e-12 to 1e-2"),
+    check_settings(settings)?;
+    check_ranges([
         ("inner permittivity", medium.inner_permittivity, 1.0..=1000.0, "1 to 1000"),
         ("outer permittivity", medium.conditions.relative_permittivity, 1.0..=1000.0, "1 to 1000"),
         ("probe", medium.probe_angstrom, 0.1..=20.0, "0.1 to 20 Å"),
         ("ion radius", medium.ion_radius_angstrom, 0.0..=20.0, "0 to 20 Å"),
-    ];
-    for (setting, value, range, requirement) in ranges {
-        if !range.contains(&value) {
-            return Err(FieldError::BadSetting { setting, value, requirement });
-        }
-    }
+    ])?;
     for (index, sphere) in spheres.iter().enumerate() {
         let numbers = [sphere.centre.x, sphere.centre.y, sphere.centre.z, sphere.radius_angstrom, sphere.charge_e];
         if numbers.iter().any(|x| !x.is_finite()) || sphere.radius_angstrom < 0.0 {
@@ -211,44 +208,68 @@ fn check(spheres: &[ChargedSphere], medium: &Medium, settings: &SolveSettings) -
     Ok(())
 }
 
-/// The surface, of the atoms that have a radius; charges must be inside.
-fn surface(spheres: &[ChargedSphere], medium: &Medium) -> Result<SesSolid> {
-    let solid_atoms: Vec<&ChargedSphere> = spheres.iter().filter(|sphere| sphere.radius_angstrom > 0.0).collect();
-    let centres: Vec<Vec3> = solid_atoms.iter().map(|sphere| sphere.centre).collect();
-    let radii: Vec<f64> = solid_atoms.iter().map(|sphere| sphere.radius_angstrom).collect();
-    if centres.is_empty() {
-        return Err(FieldError::BadInput(
-            "no atom has a radius, so there is no surface; give radii (a PQR has them)".into(),
-        ));
+fn check_settings(settings: &SolveSettings) -> Result<()> {
+    check_ranges([
+        ("spacing", settings.spacing_angstrom, 0.05..=LARGEST_SPACING_ANGSTROM, "0.05 to 1.1 Å"),
+        ("margin", settings.margin_angstrom, 1.0..=1000.0, "1 to 1000 Å"),
+        ("tolerance", settings.relative_tolerance, 1e-12..=1e-2, "1e-12 to 1e-2"),
+    ])
+}
+
+fn check_ranges<const N: usize>(ranges: [(&'static str, f64, RangeInclusive<f64>, &'static str); N]) -> Result<()> {
+    for (setting, value, range, requirement) in ranges {
+        if !range.contains(&value) {
+            return Err(FieldError::BadSetting { setting, value, requirement });
+        }
     }
-    let solid = SesSolid::new(&Arrangement::new(&centres, &radii, medium.probe_angstrom)?);
+    Ok(())
+}
+
+/// The grid on which spheres are solved for.
+///
+/// # Errors
+/// [`FieldError::BadInput`] and [`FieldError::TooLarge`] for one that is too large.
+pub fn grid_around(spheres: &[ChargedSphere], settings: &SolveSettings) -> Result<Grid> {
+    check_settings(settings)?;
+    let (low, high) = bounds(spheres.iter());
+    let margin = Vec3::repeat(settings.margin_angstrom);
+    let grid = Grid::around(&(low - margin), &(high + margin), settings.spacing_angstrom, CELLS_MULTIPLE)?;
+    check_memory(&grid, settings)?;
+    Ok(grid)
+}
+
+fn check_memory(grid: &Grid, settings: &SolveSettings) -> Result<()> {
+    let (points, allowed_bytes) = (grid.len(), settings.memory_limit_bytes);
+    let needed_bytes = points.saturating_mul(BYTES_PER_POINT);
+    if needed_bytes > allowed_bytes {
+        return Err(FieldError::TooLarge { points, needed_bytes, allowed_bytes });
+    }
+    Ok(())
+}
+
+/// Refuses charges in the solvent.
+fn check_charges(spheres: &[ChargedSphere], solid: &dyn ImplicitSolid) -> Result<()> {
     for (index, sphere) in spheres.iter().enumerate().filter(|(_, sphere)| sphere.charge_e != 0.0) {
         let distance = solid.signed_distance(&sphere.centre);
         if distance >= 0.0 {
             return Err(FieldError::ChargeOutside { index, charge_e: sphere.charge_e, distance_angstrom: distance });
         }
     }
-    Ok(solid)
-}
-
-fn bounds(spheres: &[ChargedSphere]) -> (Vec3, Vec3) {
-    let start = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
-    spheres.iter().fold(start, |(low, high), sphere| {
-        let r = Vec3::repeat(sphere.radius_angstrom);
-        (low.inf(&(sphere.centre - r)), high.sup(&(sphere.centre + r)))
-    })
+    Ok(())
 }
 
 fn solve_on(
     grid: Grid,
     spheres: &[ChargedSphere],
     medium: &Medium,
-    solid: &SesSolid,
+    solid: &dyn ImplicitSolid,
     settings: &SolveSettings,
     boundary: impl Fn(&Vec3) -> f64 + Sync,
 ) -> Result<Potential> {
     let (inner, outer) = (medium.inner_permittivity, medium.conditions.relative_permittivity);
-    let gap = (medium.ion_radius_angstrom > 0.0).then(|| ion_gap(&grid, spheres, medium.ion_radius_angstrom));
+    // On a coarse grid a box can be larger than what the surface's distances tell: then the spheres themselves keep ions out.
+    let by_spheres = medium.ion_radius_angstrom > 0.0 || grid.spacing_angstrom > LARGEST_SPACING_ANGSTROM;
+    let gap = by_spheres.then(|| ion_gap(&grid, spheres, medium.ion_radius_angstrom));
     let DielectricMap { inside, edges, accessible } = DielectricMap::new(&grid, solid, inner, outer, gap.as_deref());
     drop(gap);
     let h = grid.spacing_angstrom;

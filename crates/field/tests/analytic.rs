@@ -2,8 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr)]
 
-use protomer_field::{Boundary, ChargedSphere, Medium, Potential, SolveSettings, solve};
+use protomer_field::{Boundary, ChargedSphere, Medium, Potential, SolveSettings, SurfaceDefinition, solve};
 use protomer_io::pqr::read_pqr;
+use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Conditions, Vec3};
 use std::path::{Path, PathBuf};
 
@@ -63,6 +64,32 @@ fn spheres_with_charges_off_centre_have_the_energies_of_the_series() {
         let errors = [coarse, fine].map(|e| 100.0 * (e / exact - 1.0));
         eprintln!("a = {radius} {charges:?}: {errors:.3?} %");
         assert!(errors.iter().all(|error| error.abs() < 0.5), "{errors:?}");
+    }
+}
+
+/// The error of one energy depends on where the grid cuts the sphere, by more than on the spacing; the mean over places of the
+/// grid is what a finer grid must make smaller, each time.
+#[test]
+fn errors_of_energies_fall_with_the_spacing_wherever_the_grid_lies() {
+    let mut medium = Medium::new(water(0.0));
+    medium.inner_permittivity = 1.0;
+    for (radius, charges) in [(2.0, vec![(0.0, 1.0)]), (5.0, vec![(0.0, -1.0), (3.0, 2.0)]), (4.0, vec![(2.8, 1.0)])] {
+        let exact = kirkwood_kt(&charges, radius, &medium);
+        let relative_error = |spacing_angstrom: f64, place: usize| {
+            let mut rng = CounterRng::new(1, 0, place as u64);
+            // A point without radius or charge moves the middle of the grid by half of how far it sticks out.
+            let corner = Vec3::from(std::array::from_fn(|_| radius + 2.0 * spacing_angstrom * rng.uniform()));
+            let mut spheres = sphere_with(radius, &charges);
+            spheres.push(ChargedSphere { centre: corner, radius_angstrom: 0.0, charge_e: 0.0 });
+            let settings = SolveSettings { spacing_angstrom, ..SolveSettings::default() };
+            solve(&spheres, &medium, &settings).unwrap().solvation_energy_kt / exact - 1.0
+        };
+        let places = 12;
+        let mean_square = |spacing| (0..places).map(|place| relative_error(spacing, place).powi(2)).sum::<f64>();
+        let errors = [1.1, 0.8, 0.55, 0.4].map(|spacing| (mean_square(spacing) / places as f64).sqrt());
+        eprintln!("a = {radius} {charges:?}: {:.4?} % rms", errors.map(|error| 100.0 * error));
+        assert!(errors.is_sorted_by(|coarse, fine| fine < coarse), "{errors:?}");
+        assert!(errors[3] < 0.5 * errors[0] && errors[3] < 2e-3, "{errors:?}");
     }
 }
 
@@ -237,4 +264,47 @@ fn energies_and_outside_potentials_converge_wherever_the_grid_cuts_a_sphere() {
             }
         }
     }
+}
+
+/// With the coarse grid's boundary values and ions up to the surface, too: the coarse grid's boxes are larger than its distances.
+#[test]
+fn a_coarse_boundary_without_an_ion_layer_is_right() {
+    let mut medium = Medium::new(water(0.05));
+    (medium.inner_permittivity, medium.ion_radius_angstrom) = (1.0, 0.0);
+    let radius = 10.0;
+    let ion = ChargedSphere { centre: Vec3::zeros(), radius_angstrom: radius, charge_e: 1.0 };
+    let settings = SolveSettings { spacing_angstrom: 0.8, boundary: Boundary::CoarseGrid, ..SolveSettings::default() };
+    let solved = solve(&[ion], &medium, &settings).unwrap();
+    let kappa = medium.kappa_per_angstrom();
+    for r in [12.0, 17.0, 19.0] {
+        let exact = medium.solvent_bjerrum_angstrom() * (-kappa * (r - radius)).exp() / (r * (1.0 + kappa * radius));
+        let found = solved.at(&Vec3::new(r, 0.0, 0.0)).unwrap();
+        assert!((found / exact - 1.0).abs() < 0.01, "at {r} Å {found} instead of {exact}");
+    }
+}
+
+/// A sphere alone is its own van der Waals surface, and grown by the probe the accessible one.
+#[test]
+fn surfaces_of_a_sphere_have_its_energy() {
+    let mut medium = Medium::new(water(0.0));
+    medium.inner_permittivity = 1.0;
+    let ion = ChargedSphere { centre: Vec3::zeros(), radius_angstrom: 3.0, charge_e: 1.0 };
+    let born = |radius: f64| -0.5 * medium.vacuum_bjerrum_angstrom() / radius * (1.0 - 1.0 / 78.54);
+    for (surface, radius) in [
+        (SurfaceDefinition::SolventExcluded, 3.0),
+        (SurfaceDefinition::VanDerWaals, 3.0),
+        (SurfaceDefinition::SolventAccessible, 4.4),
+    ] {
+        let energy =
+            solve(&[ion], &Medium { surface, ..medium }, &SolveSettings::default()).unwrap().solvation_energy_kt;
+        assert!((energy / born(radius) - 1.0).abs() < 0.005, "{surface:?}: {energy} instead of {}", born(radius));
+    }
+}
+
+#[test]
+fn a_box_without_end_is_refused() {
+    let atom = |x: f64| ChargedSphere { centre: Vec3::new(x, x, x), radius_angstrom: 2.0, charge_e: 1.0 };
+    let settings = SolveSettings { spacing_angstrom: 0.05, ..SolveSettings::default() };
+    let error = solve(&[atom(0.0), atom(2e7)], &Medium::new(water(0.1)), &settings).unwrap_err().to_string();
+    assert!(error.contains("far from the others"), "{error}");
 }

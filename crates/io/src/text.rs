@@ -3,8 +3,12 @@
 use crate::{IoError, Result};
 use std::borrow::Cow;
 
-/// The text in these bytes. Comments may be in any encoding; a NUL byte means that the file is no text at all.
+/// What some editors put before the first letter.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
+/// The text in these bytes, without a byte-order mark. Comments may be in any encoding; a NUL byte means that the file is no text at all.
 pub(crate) fn decode<'a>(file: &str, bytes: &'a [u8]) -> Result<Cow<'a, str>> {
+    let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
     if bytes.is_empty() {
         return Err(IoError::parse(file, 0, "the file is empty", "give a file with content"));
     }

@@ -125,3 +125,12 @@ fn more_atoms_than_the_columns_hold_stay_readable() {
     assert!(text.contains("ATOM  100001 "));
     assert_eq!(read_pqr("big.pqr", text.as_bytes()).unwrap().len(), 100_001);
 }
+
+#[test]
+fn a_byte_order_mark_is_no_part_of_the_first_line() {
+    let line = "ATOM 1 CA ALA A 5 0.0 1.0 -2.0 -0.25 1.7\n";
+    let marked = format!("\u{feff}{line}");
+    assert_eq!(read_pqr("x.pqr", marked.as_bytes()).unwrap(), read_pqr("x.pqr", line.as_bytes()).unwrap());
+    assert_eq!(read_points("x.xyzr", "\u{feff}0 0 0 1\n".as_bytes()).unwrap().len(), 1);
+    assert!(read_pqr("x.pqr", "\u{feff}".as_bytes()).unwrap_err().to_string().contains("empty"));
+}

@@ -51,6 +51,21 @@ pub fn permute_labels(
     Ok(permuted)
 }
 
+/// Share of the test part's samples in clusters that have another of their size there, whose labels can move.
+///
+/// # Errors
+/// [`LearnError::Settings`] if the split does not fit; [`LearnError::Sample`] for a sample without a cluster.
+pub fn movable_share(descriptions: &[Description], split: &Split) -> Result<f64> {
+    let test = Split { training: Vec::new(), validation: Vec::new(), test: split.test.clone() };
+    Ok(movable(&exchangeable(descriptions, descriptions.len(), &test)?))
+}
+
+fn movable(groups: &[Vec<Vec<usize>>]) -> f64 {
+    let count =
+        |least: usize| groups.iter().filter(|group| group.len() >= least).flatten().map(Vec::len).sum::<usize>() as f64;
+    count(2) / count(1).max(1.0)
+}
+
 /// Clusters that may exchange labels: those with the same number of samples in the same part.
 fn exchangeable(descriptions: &[Description], labels: usize, split: &Split) -> Result<Vec<Vec<Vec<usize>>>> {
     split.check(labels)?;
@@ -93,11 +108,7 @@ pub fn permutation_test(
         let prior = prior(&split.training, labels, None, classes).repeat(truth.len());
         Ok(Scores::of(&p, &truth, classes, None)?.nats_gained_over(&Scores::of(&prior, &truth, classes, None)?))
     };
-    let groups = exchangeable(descriptions, labels.len(), split)?;
-    let count =
-        |groups: &mut dyn Iterator<Item = &Vec<Vec<usize>>>| groups.flatten().map(Vec::len).sum::<usize>() as f64;
-    let all = count(&mut groups.iter()).max(1.0);
-    let movable = count(&mut groups.iter().filter(|group| group.len() > 1)) / all;
+    let movable = movable(&exchangeable(descriptions, labels.len(), split)?);
     let observed_nats = gained(labels)?;
     let permuted = |number: u64| gained(&permute_labels(descriptions, labels, split, seed, number)?);
     let permuted_nats = (0..permutations as u64).into_par_iter().map(permuted).collect::<Result<Vec<f64>>>()?;

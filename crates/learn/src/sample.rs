@@ -111,6 +111,10 @@ pub trait SampleSource: Sync {
     fn made_with(&self) -> Option<&serde_json::Value> {
         None
     }
+    /// SHA-256 of the file that a sample was made of, in hexadecimal; empty where there is no file, or nobody knows.
+    fn file_sha256(&self, _sample: usize) -> &str {
+        ""
+    }
 }
 
 /// Samples in memory.

@@ -13,7 +13,7 @@ const POTENTIAL_LIMIT: f64 = 4.0;
 /// The largest value of the scale of Kyte and Doolittle, J. Mol. Biol. 157, 105 (1982).
 const LARGEST_HYDROPATHY: f64 = 4.5;
 /// Medians are over at most this many values, evenly spread over the samples, to bound memory.
-const MOST_VALUES: usize = 1 << 22;
+pub const MOST_VALUES: usize = 1 << 22;
 
 /// How channels are scaled.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -111,7 +111,7 @@ fn quarantine(source: &dyn SampleSource, sample: usize, error: &LearnError) -> Q
 }
 
 impl ChannelScaling {
-    /// Scaling for the mode, from the occupied voxels of the training samples; samples that cannot be read are passed
+    /// Scaling for the mode, from the occupied voxels of the training samples, of channels of the surface those of the surface; samples that cannot be read are passed
     /// over ([`screen`] lists them).
     ///
     /// The scale of the potential is its median absolute deviation, s = median |φ - median φ|; if that is zero, the mean
@@ -203,12 +203,13 @@ impl Transform {
     }
 }
 
-/// Values of a channel in occupied voxels of the training samples, thinned evenly if they are many.
+/// Values of a channel where it means something in the training samples, thinned evenly if they are many.
 fn occupied(source: &dyn SampleSource, training: &[usize], channel: usize) -> Result<Vec<f32>> {
     let most = (MOST_VALUES / training.len().max(1)).max(1);
     let read = |sample: &usize| {
         let grid = read_checked(source, *sample).ok()?;
-        let values = grid.values.get(channel * grid.index.len()..(channel + 1) * grid.index.len())?;
+        let values: Vec<&[f32]> = grid.values.chunks(grid.index.len().max(1)).collect();
+        let values = where_defined(source.channels(), &values, channel);
         Some(values.iter().copied().step_by(values.len().div_ceil(most).max(1)).collect::<Vec<f32>>())
     };
     let samples: Vec<Vec<f32>> = training.par_iter().filter_map(read).collect();
@@ -217,6 +218,20 @@ fn occupied(source: &dyn SampleSource, training: &[usize], channel: usize) -> Re
         return Err(LearnError::Settings(reason));
     }
     Ok(samples.concat())
+}
+
+/// The values of a channel in the occupied voxels where it means something. With the channel `solid`, voxels inside are occupied as
+/// well, and channels of the surface are 0 there: left are the voxels that `shape` marks or, without it, those that are not 0.
+pub fn where_defined(channels: &[String], values: &[&[f32]], channel: usize) -> Vec<f32> {
+    let place = |name: &str| channels.iter().position(|channel| channel == name);
+    let own = values.get(channel).copied().unwrap_or_default();
+    let of_surface = place("solid").is_some_and(|solid| solid != channel) && place("shape") != Some(channel);
+    let marks = match place("shape").and_then(|shape| values.get(shape)) {
+        _ if !of_surface => return own.to_vec(),
+        Some(shape) => shape,
+        None => own,
+    };
+    own.iter().zip(marks).filter(|(_, mark)| **mark != 0.0).map(|(value, _)| *value).collect()
 }
 
 fn robust_scale(mut values: Vec<f32>) -> f64 {
@@ -268,6 +283,19 @@ mod tests {
         for (value, expected) in scaled.values.iter().zip(expected) {
             assert!((value - expected).abs() < 1e-6, "{value} {expected}");
         }
+    }
+
+    #[test]
+    fn voxels_inside_have_no_potential() {
+        let names = |list: &[&str]| list.iter().map(|name| (*name).to_owned()).collect::<Vec<String>>();
+        let (shape, solid, potential) = ([1.0, 1.0, 0.0], [0.0, 1.0, 1.0], [0.0, -2.0, 0.0]);
+        let all = names(&["shape", "solid", "potential"]);
+        let values: [&[f32]; 3] = [&shape, &solid, &potential];
+        assert_eq!(where_defined(&all, &values, 2), [0.0, -2.0]);
+        assert_eq!(where_defined(&all, &values, 0), shape);
+        assert_eq!(where_defined(&all, &values, 1), solid);
+        assert_eq!(where_defined(&names(&["solid", "potential"]), &values[1..], 1), [-2.0]);
+        assert_eq!(where_defined(&names(&["shape", "potential"]), &[&shape, &potential], 1), potential);
     }
 
     #[test]

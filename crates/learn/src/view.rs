@@ -97,6 +97,10 @@ impl SampleSource for View<'_> {
         self.source.made_with()
     }
 
+    fn file_sha256(&self, sample: usize) -> &str {
+        self.samples.get(sample).map_or("", |sample| self.source.file_sha256(*sample))
+    }
+
     fn voxels(&self, sample: usize) -> Result<SparseGrid> {
         let missing = || LearnError::Sample { name: format!("{sample}"), reason: "there is no such sample".into() };
         let grid = self.source.voxels(*self.samples.get(sample).ok_or_else(missing)?)?;

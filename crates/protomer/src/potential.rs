@@ -1,9 +1,11 @@
-//! The electrostatic potential around a structure, by the linearised Poisson-Boltzmann equation.
+//! The electrostatic potential around a structure, by the linearised Poisson-Boltzmann equation or as screened charges.
 
 use crate::input::InputFile;
 use crate::surface_of_file::read_sites;
 use anyhow::{Context, Result, bail};
-use protomer_field::{ChargedSphere, Grid, Medium, Potential, SolveSettings, solve};
+use protomer_field::debye_huckel::Superposition;
+use protomer_field::poisson_boltzmann::grid_around;
+use protomer_field::{ChargedSphere, Grid, Medium, PotentialModel, ScalarField, SolveSettings, solve};
 use protomer_io::volume::Volume;
 use protomer_kernel::Vec3;
 use serde::Serialize;
@@ -24,9 +26,12 @@ pub struct PotentialReport {
     pub atoms: usize,
     /// Sum of the charges, e.
     pub net_charge_e: f64,
-    /// Energy of moving the charges from a medium like their inside into the solvent, kJ/mol.
-    pub solvation_energy_kj_mol: f64,
-    /// How far that may be off, from a second grid, kJ/mol; absent if not asked for.
+    /// How the potential was found.
+    pub model: PotentialModel,
+    /// Energy of moving the charges from a medium like their inside into the solvent, kJ/mol; null for screened Coulomb
+    /// potentials, which know no inside.
+    pub solvation_energy_kj_mol: Option<f64>,
+    /// How far that is off, as a second grid lets expect, kJ/mol; null if not asked for.
     pub error_estimate_kj_mol: Option<f64>,
     /// The potential at the points asked for, kT/e; null outside the grid.
     #[serde(rename = "potentials_kT_per_e", skip_serializing_if = "Option::is_none")]
@@ -35,15 +40,15 @@ pub struct PotentialReport {
     pub grid: Grid,
     /// Debye length, Å; null without salt.
     pub debye_length_angstrom: Option<f64>,
-    /// Iterations of the solver.
-    pub iterations: usize,
+    /// Iterations of the solver; null if nothing was solved.
+    pub iterations: Option<usize>,
     /// Wall time, s.
     pub seconds: f64,
     /// The most memory the process has held, bytes, where the system tells.
     pub peak_bytes: Option<u64>,
 }
 
-/// The atoms of a structure or PQR file.
+/// The atoms of a structure, PQR or body file.
 ///
 /// # Errors
 /// Names the file, the line, and the remedy.
@@ -58,7 +63,7 @@ pub fn spheres_of_file(path: &Path) -> Result<(String, Vec<ChargedSphere>)> {
     Ok((file.name, spheres.collect()))
 }
 
-/// Points to look at: x y z on each line, Å; `#` begins a comment.
+/// Points to look at: x y z on each line, Å; further numbers are passed over, `#` begins a comment.
 ///
 /// # Errors
 /// Names the line.
@@ -66,19 +71,30 @@ pub fn read_places(path: &Path) -> Result<Vec<Vec3>> {
     let file = InputFile::read(path)?;
     let text = std::str::from_utf8(&file.bytes).with_context(|| format!("{} is not text", file.name))?;
     let mut places = Vec::new();
-    for (number, line) in text.lines().enumerate() {
+    for (number, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
         let line = line.split('#').next().unwrap_or_default();
-        let numbers: Vec<f64> = line.split_whitespace().map_while(|word| word.parse().ok()).collect();
-        match (line.split_whitespace().count(), &numbers[..]) {
-            (0, _) => {}
-            (3.., [x, y, z, ..]) => places.push(Vec3::new(*x, *y, *z)),
-            _ => bail!("{}, line {}: '{line}' is not a point; give x y z in Å", file.name, number + 1),
+        let words: Vec<&str> = line.split_whitespace().collect();
+        if words.is_empty() {
+            continue;
         }
+        let Some(place) = place(&words) else {
+            let line = line.trim();
+            bail!("{}, line {}: '{line}' is not a point; give x y z in Å, three finite numbers", file.name, number + 1)
+        };
+        places.push(place);
     }
     Ok(places)
 }
 
-/// Solves for the potential of the atoms of a file, at a second spacing too if its error is wanted.
+/// Three finite numbers, perhaps with others behind: other programs write x y z and the potential.
+fn place(words: &[&str]) -> Option<Vec3> {
+    let number = |word: &&str| word.parse::<f64>().ok().filter(|number| number.is_finite());
+    let numbers = words.iter().map(number).collect::<Option<Vec<f64>>>()?;
+    let [x, y, z, ..] = numbers[..] else { return None };
+    Some(Vec3::new(x, y, z))
+}
+
+/// The potential of the atoms of a file on a grid, and what is known of it.
 ///
 /// # Errors
 /// For a file that cannot be read, and as [`protomer_field::solve`].
@@ -86,48 +102,105 @@ pub fn potential_of_file(
     path: &Path,
     medium: &Medium,
     settings: &SolveSettings,
+    model: PotentialModel,
     estimate_error: bool,
     places: Option<&[Vec3]>,
-) -> Result<(Potential, PotentialReport)> {
+) -> Result<(ScalarField, PotentialReport)> {
     let start = Instant::now();
     let (file, spheres) = spheres_of_file(path)?;
-    let solved = solve(&spheres, medium, settings).with_context(|| file.clone())?;
+    let Found { field, energy_kt, error_kt, potentials_kt_per_e, iterations } = match model {
+        PotentialModel::PoissonBoltzmann => solved(&spheres, medium, settings, estimate_error, places),
+        PotentialModel::DebyeHueckel => superposed(&spheres, medium, settings, places),
+    }
+    .with_context(|| file.clone())?;
     let per_kt = medium.conditions.kilojoule_per_mol_per_kt();
-    let error_estimate_kj_mol = if estimate_error {
-        let coarser = SECOND_SPACING * settings.spacing_angstrom;
-        let finer = settings.spacing_angstrom / SECOND_SPACING;
-        let spacing_angstrom = if coarser <= COARSEST_ANGSTROM { coarser } else { finer };
-        let second = solve(&spheres, medium, &SolveSettings { spacing_angstrom, ..*settings })?;
-        Some((second.solvation_energy_kt - solved.solvation_energy_kt).abs() * per_kt)
-    } else {
-        None
-    };
     let debye = medium.conditions.debye_length_angstrom();
     let report = PotentialReport {
         file,
         atoms: spheres.iter().filter(|sphere| sphere.radius_angstrom > 0.0).count(),
         net_charge_e: spheres.iter().map(|sphere| sphere.charge_e).sum(),
-        solvation_energy_kj_mol: solved.solvation_energy_kt * per_kt,
-        error_estimate_kj_mol,
-        potentials_kt_per_e: places.map(|places| places.iter().map(|place| solved.at(place)).collect()),
-        grid: *solved.grid(),
+        model,
+        solvation_energy_kj_mol: energy_kt.map(|energy| energy * per_kt),
+        error_estimate_kj_mol: error_kt.map(|error| error * per_kt),
+        potentials_kt_per_e,
+        grid: field.grid,
         debye_length_angstrom: debye.is_finite().then_some(debye),
-        iterations: solved.iterations,
+        iterations,
         seconds: start.elapsed().as_secs_f64(),
         peak_bytes: peak_bytes(),
     };
-    Ok((solved, report))
+    Ok((field, report))
+}
+
+/// What either model finds.
+struct Found {
+    field: ScalarField,
+    energy_kt: Option<f64>,
+    error_kt: Option<f64>,
+    potentials_kt_per_e: Option<Vec<Option<f64>>>,
+    iterations: Option<usize>,
+}
+
+fn solved(
+    spheres: &[ChargedSphere],
+    medium: &Medium,
+    settings: &SolveSettings,
+    estimate_error: bool,
+    places: Option<&[Vec3]>,
+) -> Result<Found> {
+    let solved = solve(spheres, medium, settings)?;
+    let error_kt =
+        estimate_error.then(|| error_estimate_kt(spheres, medium, settings, solved.solvation_energy_kt)).transpose()?;
+    Ok(Found {
+        field: solved.field(),
+        energy_kt: Some(solved.solvation_energy_kt),
+        error_kt,
+        potentials_kt_per_e: places.map(|places| places.iter().map(|place| solved.at(place)).collect()),
+        iterations: Some(solved.iterations),
+    })
+}
+
+/// The error of an energy E(h) from that at a second spacing, as for one that falls with the square of the spacing:
+///
+/// δ = |E(s h) - E(h)| / |s² - 1|.
+///
+/// It is the size to expect: how the two grids happen to cut the surface makes single estimates too small or too large.
+fn error_estimate_kt(
+    spheres: &[ChargedSphere],
+    medium: &Medium,
+    settings: &SolveSettings,
+    energy_kt: f64,
+) -> Result<f64> {
+    let coarser = SECOND_SPACING * settings.spacing_angstrom <= COARSEST_ANGSTROM;
+    let scale = if coarser { SECOND_SPACING } else { 1.0 / SECOND_SPACING };
+    let spacing_angstrom = scale * settings.spacing_angstrom;
+    let second = solve(spheres, medium, &SolveSettings { spacing_angstrom, ..*settings })?;
+    Ok((second.solvation_energy_kt - energy_kt).abs() / (scale * scale - 1.0).abs())
+}
+
+fn superposed(
+    spheres: &[ChargedSphere],
+    medium: &Medium,
+    settings: &SolveSettings,
+    places: Option<&[Vec3]>,
+) -> Result<Found> {
+    let superposition = Superposition::new(spheres, medium);
+    let grid = grid_around(spheres, settings)?;
+    let at = |place: &Vec3| grid.locate(place).map(|_| superposition.at(place));
+    Ok(Found {
+        field: superposition.on(grid),
+        energy_kt: None,
+        error_kt: None,
+        potentials_kt_per_e: places.map(|places| places.iter().map(at).collect()),
+        iterations: None,
+    })
 }
 
 /// The potential as a volume for a file.
-pub fn volume(potential: &Potential) -> Volume {
-    let field = potential.field();
-    Volume {
-        shape: field.grid.shape,
-        origin_angstrom: field.grid.origin_angstrom,
-        spacing_angstrom: field.grid.spacing_angstrom,
-        values: field.values,
-    }
+pub fn volume(field: ScalarField) -> Volume {
+    let ScalarField { grid, values } = field;
+    let Grid { shape, origin_angstrom, spacing_angstrom } = grid;
+    Volume { shape, origin_angstrom, spacing_angstrom, values }
 }
 
 /// The most memory this process has held.
@@ -135,4 +208,26 @@ fn peak_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     Some(line.split_whitespace().next()?.parse::<u64>().ok()? * 1024)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn a_line_of_points_holds_three_finite_numbers_or_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("places.txt");
+        let read = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            read_places(&path)
+        };
+        assert_eq!(read("\u{feff}1 2 3\n\n# none\n-1e1 0 0.5 # one\n").unwrap().len(), 2);
+        assert_eq!(read("1 2 3 -0.25\n").unwrap(), [Vec3::new(1.0, 2.0, 3.0)]);
+        for line in ["1 2 3 hello", "nan 0 0", "0 inf 0", "1 2", "hello"] {
+            let message = read(&format!("0 0 0\n{line}\n")).unwrap_err().to_string();
+            assert!(message.contains(&format!("line 2: '{line}'")), "{message}");
+        }
+    }
 }

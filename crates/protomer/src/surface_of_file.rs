@@ -1,5 +1,6 @@
 //! The solvent-excluded surface of a file, without charges.
 
+use crate::body_file;
 use crate::input::InputFile;
 use anyhow::{Context, Result};
 use protomer_body::chemistry::{SiteSettings, build_sites, sites_of_points};
@@ -43,7 +44,7 @@ pub struct SurfaceReport {
     pub cavities: usize,
 }
 
-/// The surface of a structure, PQR or `.xyzr` file, in the coordinates of the file.
+/// The surface of a structure, PQR, `.xyzr` or body file, in the coordinates of the file.
 ///
 /// # Errors
 /// Names the file, the line, and the remedy.
@@ -72,9 +73,14 @@ pub fn surface_of_file(path: &Path, settings: &SurfaceSettings) -> Result<(Trian
     Ok((mesh.map_vertices(|vertex| vertex + origin), report))
 }
 
-/// The sites about their centroid, and the centroid.
+/// The sites of a structure, PQR, `.xyzr` or body file about an origin, and that origin in the coordinates of the file (of a
+/// body: of the file that it was made from).
 pub(crate) fn read_sites(file: &InputFile) -> Result<(Vec<Site>, Vec3)> {
     let plain = file.name.strip_suffix(".gz").unwrap_or(&file.name);
+    if plain.ends_with(".body") {
+        let body = body_file::from_bytes(&file.name, &file.bytes)?;
+        return Ok((body.sites, body.provenance.origin_angstrom));
+    }
     let charged = if plain.ends_with(".xyzr") {
         sites_of_points(&read_xyzr(&file.name, &file.bytes)?)
     } else if Format::of_name(&file.name) == Some(Format::Pqr) {

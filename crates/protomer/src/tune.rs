@@ -28,6 +28,8 @@ use std::path::Path;
 
 /// Of so many trials one goes on.
 const KEPT_ONE_OF: usize = 3;
+/// More would not end, and their settings would fill the memory.
+const MOST_TRIALS: usize = 100_000;
 /// Purpose of the random numbers that draw settings.
 const DRAW: u8 = 90;
 /// The figure of a search.
@@ -101,6 +103,9 @@ impl TuneSettings {
     fn draw(&self, size: usize) -> Result<Vec<Trial>> {
         if self.trials == 0 || self.epochs == 0 {
             bail!("{} trials of {} epochs; give at least one of each", self.trials, self.epochs);
+        }
+        if self.trials > MOST_TRIALS {
+            bail!("{} trials; give at most {MOST_TRIALS}", self.trials);
         }
         let trial = |number| {
             let settings = self.trial(number, size)?;

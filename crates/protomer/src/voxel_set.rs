@@ -11,6 +11,7 @@ pub struct VoxelSet {
     reader: SetReader,
     descriptions: Vec<Description>,
     files: Vec<String>,
+    hashes: Vec<String>,
 }
 
 impl VoxelSet {
@@ -22,6 +23,7 @@ impl VoxelSet {
         let reader = open_set(path)?;
         let samples = set::samples_of(&reader).with_context(|| path.display().to_string())?;
         let files = samples.iter().map(|sample| sample.file.clone()).collect();
+        let hashes = samples.iter().map(|sample| sample.sha256.clone()).collect();
         let describe = |sample: set::SampleRecord| Description {
             name: sample.name,
             label: sample.label,
@@ -33,7 +35,7 @@ impl VoxelSet {
             net_charge_e: sample.properties.net_charge_e,
             composition: sample.properties.composition,
         };
-        Ok(Self { descriptions: samples.into_iter().map(describe).collect(), reader, files })
+        Ok(Self { descriptions: samples.into_iter().map(describe).collect(), reader, files, hashes })
     }
 
     /// The file of each sample, as the manifest names it.
@@ -62,6 +64,10 @@ impl SampleSource for VoxelSet {
 
     fn made_with(&self) -> Option<&serde_json::Value> {
         self.reader.attributes().get("settings")
+    }
+
+    fn file_sha256(&self, sample: usize) -> &str {
+        self.hashes.get(sample).map_or("", String::as_str)
     }
 
     fn voxels(&self, sample: usize) -> protomer_learn::Result<SparseGrid> {

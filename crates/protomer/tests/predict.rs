@@ -67,9 +67,9 @@ impl Place {
                 name: known.name.clone(),
                 file: format!("{}.pdb", known.name),
                 label: if number % 15 == 7 { "rare".into() } else { known.label.clone() },
-                cluster: known.cluster.clone(),
+                cluster: format!("{seed} {}", known.cluster),
                 family: if number % 4 == 0 { format!("family {}", number / 12) } else { String::new() },
-                sha256: String::new(),
+                sha256: file(seed, number),
                 key: String::new(),
                 voxels: grid.index.len(),
                 properties: Properties {
@@ -86,7 +86,7 @@ impl Place {
             }
         };
         let content = SetContent { samples: grids.iter().enumerate().map(record).collect(), excluded: Vec::new() };
-        let known = attributes(settings, "", name, &content).unwrap();
+        let known = attributes(settings, &[], name, &content).unwrap();
         std::fs::create_dir(self.path(name)).unwrap();
         let mut voxels = |sample: usize| {
             let SparseGrid { index, values, .. } = &grids[sample];
@@ -95,6 +95,11 @@ impl Place {
         };
         write(&self.path(name), settings, &content, known, &mut voxels).unwrap();
     }
+}
+
+/// What stands for the hash of a structure's file.
+fn file(seed: u64, number: usize) -> String {
+    format!("{seed:032x}{number:032x}")
 }
 
 fn settings() -> VoxelizeSettings {
@@ -187,6 +192,64 @@ fn another_set_has_no_parts_and_only_labels_that_are_classes() {
     assert_eq!(place.predict("run moved.zarr")["is_training_set"], true);
 }
 
+/// The same structures in another set: made anew, they are as well known to the network as before.
+#[test]
+fn what_training_has_seen_is_not_scored_in_another_set_either() {
+    let place = Place::new();
+    place.train("-o run");
+    // Turned otherwise: another set, of the same files and clusters.
+    place.write_set("turned.zarr", 90, 1, &VoxelizeSettings { seed: 9, ..settings() });
+    let seen = json(&place.path("run/trained_on.json"));
+    let metrics = json(&place.path("run/metrics.json"));
+    let count = |part: &str| seen[part].as_array().unwrap().len() as u64;
+    assert_eq!(Some(count("training")), metrics["samples"]["training"].as_u64());
+    assert_eq!(Some(count("validation")), metrics["samples"]["validation"].as_u64());
+    let report = place.predict("run turned.zarr");
+    assert_eq!(report["is_training_set"], false);
+    let parts = place.predict("run set.zarr");
+    let pairs = || report["samples"].as_array().unwrap().iter().zip(parts["samples"].as_array().unwrap());
+    for (turned, own) in pairs().filter(|(turned, _)| turned["label"] != "rare") {
+        let expected = if own["part"] == "test" { Value::Null } else { "same-file".into() };
+        assert_eq!(turned["unscored"], expected, "{turned}");
+    }
+    let scored = pairs().filter(|(turned, own)| own["part"] == "test" && turned["label"] != "rare").count();
+    assert_eq!(report["scores"]["samples"].as_u64(), Some(scored as u64));
+    let said = String::from_utf8(place.run("predict run turned.zarr").stderr).unwrap();
+    assert!(said.contains("whose file was in the training or validation part"), "{said}");
+    let total: u64 = report["not_scored"].as_array().unwrap().iter().map(|of| of["samples"].as_u64().unwrap()).sum();
+    assert_eq!(total + scored as u64, 90);
+
+    // Other files, of which some are of clusters that were trained on.
+    let moved: Vec<Value> = seen["training"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|sample| {
+            let mut other = sample.clone();
+            other["sha256"] = "0".into();
+            other
+        })
+        .collect();
+    let others = serde_json::json!({"training": moved, "validation": []});
+    std::fs::write(place.path("run/trained_on.json"), others.to_string()).unwrap();
+    let report = place.predict("run turned.zarr");
+    let why: Vec<&Value> = report["not_scored"].as_array().unwrap().iter().map(|of| &of["why"]).collect();
+    assert_eq!(why, ["no-class", "same-cluster"]);
+
+    // Nothing is known of an older run, and nothing is scored, until the same command has written it down.
+    std::fs::remove_file(place.path("run/trained_on.json")).unwrap();
+    let report = place.predict("run turned.zarr");
+    assert!(report["scores"].is_null());
+    assert_eq!(report["not_scored"][1]["why"], "training-unknown");
+    let said = String::from_utf8(place.run("predict run turned.zarr").stderr).unwrap();
+    assert!(said.contains("no scores") && said.contains("repeat the train command"), "{said}");
+    assert!(place.predict("run set.zarr")["scores"].is_object(), "the own set needs no such file");
+    place.train("-o run");
+    assert_eq!(json(&place.path("run/trained_on.json")), seen);
+    std::fs::write(place.path("run/trained_on.json"), "{").unwrap();
+    assert!(place.complaint("run turned.zarr").contains("trained_on.json is damaged"));
+}
+
 #[test]
 fn voxels_of_another_kind_are_refused() {
     let place = Place::new();
@@ -222,7 +285,8 @@ fn a_damaged_sample_is_left_out_and_the_others_are_there() {
     for channel in ["index", "hydropathy"] {
         std::fs::write(place.path("damaged.zarr").join(channel).join("c/0"), [0; 9]).unwrap();
     }
-    assert!(place.complaint("run damaged.zarr").contains("too few samples can be read"));
+    let said = place.complaint("run damaged.zarr");
+    assert!(said.contains("the training part has no samples: 90 samples cannot be used"), "{said}");
     place.write_set("other.zarr", 3, 5, &settings());
     std::fs::write(place.path("other.zarr/index/c/0"), [0; 9]).unwrap();
     assert!(place.complaint("run other.zarr").contains("no sample of other.zarr can be read"));

@@ -87,8 +87,16 @@ fn metrics_hold_scores_beside_baselines_and_the_ablation() {
     ]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let text = String::from_utf8_lossy(&output.stdout);
-    let accuracy = text.lines().find(|line| line.starts_with("accuracy")).unwrap();
-    assert!(accuracy.contains("always the majority"), "{accuracy}");
+    let line = |start: &str| text.lines().find(|line| line.starts_with(start)).unwrap_or_else(|| panic!("{text}"));
+    let heads = ["accuracy", "balanced accuracy", "macro-F1", "top 3", "log-loss (nats)", "gained over prior"];
+    let head = text.lines().find(|line| line.contains("macro-F1")).unwrap();
+    assert!(heads.iter().all(|word| head.contains(word)), "{head}");
+    for row in ["network", "majority", "prior", "size ", "composition", "size and charge"] {
+        assert_eq!(line(row).split("  ").filter(|cell| !cell.is_empty()).count(), 7, "{text}");
+    }
+    assert!(line("95 % over clusters").contains("always the majority"), "{text}");
+    assert!(line("permutation p").contains("can move"), "{text}");
+    assert!(line("calibration").contains("Brier") && line("true").contains("positive"), "{text}");
     let metrics = metrics(&path);
     let number = |key: &str| metrics[key].as_f64().unwrap_or_else(|| panic!("{key} is missing"));
     for key in [

@@ -70,6 +70,16 @@ fn losers_stop_early_and_the_best_is_trained_as_in_the_search() {
     let history = std::fs::read_to_string(place.path("best/history.csv")).unwrap();
     let losses_again = column(&history, "validation_loss_nats");
     assert!(losses_again.contains(&column(&csv, "validation_loss_nats")[0]), "{losses_again:?} {losses:?}");
+    // With another seed its test part stays: none of it has chosen the settings.
+    let test_part = |words: &str, run: &str| {
+        is_ok(&place.run(&format!("train set.zarr --config search/best.toml --epochs 1 -q {words} -o {run}")));
+        let mut names = column(&std::fs::read_to_string(place.path(run).join("predictions.csv")).unwrap(), "name");
+        names.sort();
+        names
+    };
+    let kept = test_part("--seed 1", "first");
+    assert_eq!(test_part("--seed 5", "second"), kept);
+    assert_ne!(test_part("--seed 5 --split-seed 5", "third"), kept);
 }
 
 #[test]

@@ -81,6 +81,18 @@ impl AminoAcid {
         TABLE.iter().find(|entry| entry.1 == name || Some(entry.2) == single).map(|entry| entry.0)
     }
 
+    /// The amino acid that a residue of a file is, by its three-letter name in upper case. One letter is no name of an amino acid
+    /// there: A, C and G are nucleotides.
+    ///
+    /// ```
+    /// use protomer_body::chemistry::AminoAcid;
+    /// assert_eq!(AminoAcid::of_residue("GLU"), AminoAcid::of_name("E"));
+    /// assert_eq!(AminoAcid::of_residue("G"), None);
+    /// ```
+    pub fn of_residue(name: &str) -> Option<Self> {
+        TABLE.iter().find(|entry| entry.1 == name).map(|entry| entry.0)
+    }
+
     /// Three-letter name, upper case.
     pub fn name(self) -> &'static str {
         self.entry().1

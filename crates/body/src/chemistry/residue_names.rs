@@ -175,10 +175,7 @@ pub fn is_water(name: &str) -> bool {
 
 /// Whether the name is that of an amino acid, a modified one, a cap or a nucleotide.
 pub fn is_polymer(name: &str) -> bool {
-    name.len() > 1 && AminoAcid::of_name(name).is_some()
-        || modified_residue(name).is_some()
-        || is_cap(name)
-        || is_nucleotide(name)
+    AminoAcid::of_residue(name).is_some() || modified_residue(name).is_some() || is_cap(name) || is_nucleotide(name)
 }
 
 /// The charge of an ion by its residue name, e.

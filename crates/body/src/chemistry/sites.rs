@@ -132,7 +132,7 @@ pub fn sites_of_points(atoms: &[PointRecord]) -> Result<ChargedSites> {
 
 fn bare_residue(atom: &PointRecord) -> Residue {
     let name = atom.residue_name.as_str();
-    let amino_acid = AminoAcid::of_name(name).filter(|_| name.len() == 3);
+    let amino_acid = AminoAcid::of_residue(name);
     let parent = amino_acid.or_else(|| modified_residue(name)?.parent);
     Residue {
         chain: atom.chain.clone(),

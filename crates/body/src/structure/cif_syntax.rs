@@ -103,6 +103,11 @@ impl<'a, W: Fn(&str) -> bool, F: FnMut(&Row<'a, '_>) -> Result<()>> Parser<'a, '
             category = of_category;
             items.push(item);
         }
+        if self.ahead.is_none() {
+            let cause = format!("the loop of {category} has no values");
+            let remedy = "the file may be cut short; fetch it again, or remove the loop";
+            return Err(parse_error(self.tokens.source, loop_line, cause, remedy));
+        }
         let is_wanted = (self.wants)(&category);
         let mut values = Vec::with_capacity(items.len());
         let mut row_line = loop_line;
@@ -311,6 +316,8 @@ mod tests {
     fn what_is_cut_short_is_an_error_with_its_line() {
         for (text, line, cause) in [
             ("data_x\nloop_\n_l.x\n_l.y\n1 2\n3", 6, "1 of 2"),
+            ("data_x\nloop_\n_l.x\n_l.", 2, "no values"),
+            ("data_x\nloop_", 2, "no values"),
             ("data_x\n_a.b", 2, "no value"),
             ("data_x\n_a.b\n;never", 3, "semicolon"),
             ("data_x\n_a.b 'open\n", 2, "not closed"),

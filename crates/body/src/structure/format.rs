@@ -66,11 +66,15 @@ const PDB_RECORDS: [&str; 18] = [
     "SCALE1", "MODEL", "ATOM  ", "HETATM", "HELIX ", "DBREF ", "USER",
 ];
 
-/// The bytes as text. Bytes outside UTF-8 (old Latin-1 author names) become replacement characters.
+/// What some editors put before the first letter.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
+/// The bytes as text, without a byte-order mark. Bytes outside UTF-8 (old Latin-1 author names) become replacement characters.
 ///
 /// # Errors
 /// [`crate::BodyError::Parse`] for an empty file, a compressed one, and binary data.
 pub(crate) fn as_text<'a>(source: &str, bytes: &'a [u8]) -> Result<Cow<'a, str>> {
+    let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Err(parse_error(source, 0, "the file is empty", "fetch it again"));
     }
@@ -95,6 +99,12 @@ mod tests {
         assert_eq!(Format::detect("x", "REMARK free text\nATOM").unwrap(), Format::Pdb);
         assert_eq!(Format::detect("x.ent", "just words").unwrap(), Format::Pdb);
         assert!(Format::detect("x.txt", "just words").unwrap_err().to_string().contains("just words"));
+    }
+
+    #[test]
+    fn a_byte_order_mark_is_no_part_of_the_first_line() {
+        assert_eq!(as_text("x", b"\xef\xbb\xbfATOM").unwrap(), "ATOM");
+        assert!(as_text("x", b"\xef\xbb\xbf\n").unwrap_err().to_string().contains("empty"));
     }
 
     #[test]

@@ -2,10 +2,12 @@
 
 use super::biological_assembly::{AssemblyPart, BiologicalAssembly, MOST_OPERATORS, Operator, evaluate};
 use super::cif_syntax::{Row, read_rows};
+use super::ending::Ending;
 use super::{Atom, Model, Names, ResidueKey, Structure, UnitCell, UnobservedResidue, element, parse_error, quoted};
 use crate::Result;
 use nalgebra::Matrix3;
 use protomer_kernel::Vec3;
+use std::cell::Cell;
 use std::collections::HashMap;
 
 /// Categories that are read; the rest is skipped.
@@ -30,8 +32,36 @@ const WANTED: [&str; 14] = [
 pub(crate) fn read(source: &str, text: &str) -> Result<Structure> {
     let mut reader =
         Reader { structure: Structure { source: source.to_string(), ..Structure::default() }, ..Reader::default() };
-    read_rows(source, text, |category| WANTED.contains(&category), |row| reader.row(row))?;
+    let (atoms_are_last, is_entry) = (Cell::new(false), Cell::new(false));
+    let wants = |category: &str| {
+        atoms_are_last.set(category == "atom_site");
+        is_entry.set(is_entry.get() || OF_ENTRIES.contains(&category));
+        WANTED.contains(&category)
+    };
+    read_rows(source, text, wants, |row| reader.row(row))?;
+    reader.structure.ending = ending(text, is_entry.get(), atoms_are_last.get());
+    if let Ending::CutOff(message) = &reader.structure.ending {
+        reader.structure.warnings.add(text.lines().count(), message);
+    }
     reader.finish()
+}
+
+/// Categories that show a file to be an entry of the archive.
+const OF_ENTRIES: [&str; 3] = ["audit_conform", "database_2", "pdbx_database_status"];
+
+/// A row that is not whole is an error of the grammar. A cut between two rows shows in entries of the archive only, where a line of
+/// `#` ends every category.
+fn ending(text: &str, is_entry: bool, atoms_are_last: bool) -> Ending {
+    let is_mark = |line: &str| line.starts_with('#');
+    if text.lines().rfind(|line| !line.trim().is_empty()).is_some_and(is_mark) {
+        return Ending::Whole;
+    }
+    if is_entry && text.lines().any(|line| line.trim_end() == "#") {
+        let message = "a line of # ends every category of the file but the last: it may have been cut off; compare it with \
+                       the entry, or fetch it again; if it is whole, add a line #";
+        return Ending::CutOff(message.into());
+    }
+    if atoms_are_last { Ending::Unknown } else { Ending::Whole }
 }
 
 #[derive(Default)]
@@ -291,4 +321,41 @@ fn cell(row: &Row) -> Option<UnitCell> {
         ["length_a", "length_b", "length_c"].map(number),
         ["angle_alpha", "angle_beta", "angle_gamma"].map(number),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As the archive writes it, shortened.
+    const ENTRY: &str = "data_1ABC\n#\n_audit_conform.dict_name mmcif_pdbx.dic\n#\nloop_\n_atom_site.group_PDB\n\
+                         _atom_site.label_atom_id\n_atom_site.Cartn_x\n_atom_site.Cartn_y\n_atom_site.Cartn_z\n\
+                         _atom_site.pdbx_PDB_model_num\nATOM N 1.25 2.50 3.75 10\nATOM CA 4.25 5.50 6.75 10\n#\n";
+
+    #[test]
+    fn an_entry_that_was_cut_off_anywhere_in_its_atoms_is_known() {
+        let of = |text: &str| read("1abc.cif", text).map(|structure| (structure.ending, structure.warnings.count));
+        assert_eq!(of(ENTRY).unwrap(), (Ending::Whole, 0));
+        let whole = ENTRY.trim_end().len();
+        let atoms = ENTRY.find("ATOM").unwrap();
+        for cut in atoms..whole {
+            let found = of(&ENTRY[..cut]);
+            assert!(matches!(found, Err(_) | Ok((Ending::CutOff(_), 1))), "{cut}: {found:?}");
+        }
+        // Within a row it cannot be read at all, and the message says where and what to do.
+        let message = of(&ENTRY[..ENTRY.find(" 6.75").unwrap()]).unwrap_err().to_string();
+        assert!(
+            message.contains("1abc.cif:13:") && message.contains("4 of 6") && message.contains("fetch"),
+            "{message}"
+        );
+    }
+
+    #[test]
+    fn a_file_by_hand_needs_no_mark_of_its_end() {
+        let by_hand = ENTRY.replace("#\n", "").replace("_audit_conform.dict_name mmcif_pdbx.dic\n", "");
+        let of = |text: &str| read("own.cif", text).unwrap();
+        assert_eq!((of(&by_hand).ending, of(&by_hand).warnings.count), (Ending::Unknown, 0));
+        // Where something follows the atoms, they are all there.
+        assert_eq!(of(&format!("{by_hand}_cell.length_a 10\n")).ending, Ending::Whole);
+    }
 }

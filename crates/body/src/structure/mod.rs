@@ -16,6 +16,7 @@
 //! | `mmcif` | mmCIF categories |
 //! | [`biological_assembly`] | assemblies, their operators, and operator expressions |
 //! | `assembled` | selected residues copied by an assembly's operators |
+//! | [`mod@ending`] | whether a file is whole |
 //! | `element` | elements, and guessing them from atom names |
 //! | `residues` | atoms grouped to residues, and what kind of residue each is |
 //! | `alternates` | one conformer per residue |
@@ -29,6 +30,7 @@ mod cif_syntax;
 mod columns;
 mod completeness;
 mod element;
+pub mod ending;
 pub mod format;
 mod mmcif;
 mod pdb;
@@ -39,6 +41,7 @@ pub mod selection;
 pub use biological_assembly::{BiologicalAssembly, Operator};
 pub(crate) use completeness::mark_disulfides;
 pub use completeness::{ChainBreak, IncompleteResidue};
+pub use ending::Ending;
 pub use format::Format;
 pub use residues::{ResidueClass, ResidueKey};
 pub use selection::{MissingAtoms, SelectedResidue, Selection, SelectionReport, SelectionSettings};
@@ -61,6 +64,8 @@ pub struct Structure {
     pub assemblies: Vec<BiologicalAssembly>,
     /// What the reader put right or passed over, each with its line.
     pub warnings: Warnings,
+    /// Whether the file is whole; a file that was cut off is warned of as well.
+    pub ending: Ending,
 }
 
 /// What the head of the file says.

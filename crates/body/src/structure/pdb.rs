@@ -2,17 +2,22 @@
 //!
 //! Tolerated: lines that end early, missing occupancy, B or element, hybrid-36 and overflowing serial numbers, five-digit
 //! residue numbers, two-letter chains (columns 21-22), four-letter residue names, atoms outside MODEL ... ENDMDL.
-//! Warned of: a deposited entry (one with a HEADER) that ends without END or MASTER, as one cut off between two lines does.
-//! Files of other origin often have neither, so for them nothing can be said.
+//! Warned of, and noted as the [`Ending`]: a deposited entry (one with HEADER or SEQRES) that ends without END or MASTER, as one
+//! cut off between two lines does; a model that is not closed; a last line that stops in a word. Files of other origin often
+//! have none of these records, so for them nothing can be said.
 //! Not tolerated: a coordinate or a residue number that cannot be read, because the atom would be lost in silence.
 
 use super::columns::{Line, hybrid36};
+use super::ending::{Ending, cut_in_last_line};
 use super::{Atom, Model, Names, Structure, element, pdb_header, quoted};
 use crate::Result;
 use crate::chemistry::residue_names;
 use protomer_kernel::Vec3;
 use std::collections::HashSet;
 use std::sync::Arc;
+
+/// Records of deposited entries, which end with MASTER and END.
+const DEPOSITED: [&str; 2] = ["HEADER", "SEQRES"];
 
 /// Reads a PDB file.
 pub(crate) fn read(source: &str, text: &str) -> Result<Structure> {
@@ -32,12 +37,12 @@ pub(crate) fn read(source: &str, text: &str) -> Result<Structure> {
             "TER" => reader.end_of_polymer(),
             record if record.starts_with("HETAT") => reader.atom(&line)?,
             record => {
-                reader.has_header |= record == "HEADER";
+                reader.deposited = reader.deposited.or(DEPOSITED.into_iter().find(|name| *name == record));
                 header.read(record, &line, &mut reader.names)?;
             }
         }
     }
-    reader.finish(header, text.lines().count())
+    reader.finish(header, text)
 }
 
 /// The state between one line and the next.
@@ -46,11 +51,13 @@ struct Reader {
     names: Names,
     /// Whether atoms that follow belong to the last model.
     model_is_open: bool,
+    /// Whether a MODEL record waits for its ENDMDL.
+    awaits_endmdl: bool,
     /// Whether a TER record has ended a polymer of the chain in this model.
     ended_chains: HashSet<Arc<str>>,
     serial: i64,
-    /// Whether the file begins like a deposited entry.
-    has_header: bool,
+    /// The record that shows the file to be a deposited entry.
+    deposited: Option<&'static str>,
     /// Whether one of the two records was there with which deposited entries end.
     has_end: bool,
 }
@@ -61,9 +68,10 @@ impl Reader {
             structure: Structure { source: source.to_string(), ..Structure::default() },
             names: Names::default(),
             model_is_open: false,
+            awaits_endmdl: false,
             ended_chains: HashSet::new(),
             serial: 0,
-            has_header: false,
+            deposited: None,
             has_end: false,
         }
     }
@@ -72,6 +80,7 @@ impl Reader {
         let next = self.next_model_number();
         let number = line.field(7, 14).parse().unwrap_or(next);
         self.push_model(number);
+        self.awaits_endmdl = true;
     }
 
     fn next_model_number(&self) -> i32 {
@@ -86,6 +95,7 @@ impl Reader {
 
     fn close_model(&mut self) {
         self.model_is_open = false;
+        self.awaits_endmdl = false;
     }
 
     fn end_of_polymer(&mut self) {
@@ -158,15 +168,32 @@ impl Reader {
         }
     }
 
-    fn finish(mut self, header: pdb_header::HeaderReader, last_line: usize) -> Result<Structure> {
-        if self.has_header && !self.has_end {
-            let message = "the file has a HEADER but ends without END or MASTER: it may have been cut off; compare it with \
-                           the entry, or fetch it again";
-            self.structure.warnings.add(last_line, message);
+    fn finish(mut self, header: pdb_header::HeaderReader, text: &str) -> Result<Structure> {
+        self.structure.ending = self.ending(text);
+        if let Ending::CutOff(message) = &self.structure.ending {
+            self.structure.warnings.add(text.lines().count(), message);
         }
         self.structure.models.retain(|model| !model.atoms.is_empty());
         (self.structure.header, self.structure.assemblies) = header.finish();
         Ok(self.structure)
+    }
+
+    fn ending(&self, text: &str) -> Ending {
+        if self.has_end {
+            return Ending::Whole;
+        }
+        if let Some(record) = self.deposited {
+            return Ending::CutOff(format!(
+                "the file has a {record} but ends without END or MASTER: it may have been cut off; compare it with the \
+                 entry, or fetch it again; if it is whole, add a line END"
+            ));
+        }
+        if self.awaits_endmdl {
+            let message = "the last MODEL has no ENDMDL: the file may have been cut off; fetch it again, or, if it is \
+                           whole, add a line ENDMDL";
+            return Ending::CutOff(message.into());
+        }
+        cut_in_last_line(text).map_or(Ending::Unknown, Ending::CutOff)
     }
 }
 
@@ -248,6 +275,34 @@ mod tests {
         assert!(warnings(&format!("{header}MODEL        1\n{atoms}ENDMDL\n")).len() == 1, "further models may be lost");
         // Programs write files without HEADER and without END: nothing can be said of them.
         assert!(warnings(&atoms).is_empty() && warnings(&format!("REMARK made by a program\n{atoms}TER\n")).is_empty());
+    }
+
+    #[test]
+    fn a_file_by_hand_is_cut_off_only_where_its_text_shows_it() {
+        let atom = |number: usize| {
+            format!("ATOM  {number:>5}  CA  GLY A{number:>4}      11.104   6.134  -6.504  1.00 10.00           C  \n")
+        };
+        let atoms: String = (1..=5).map(atom).collect();
+        let ending = |text: &str| read("own.pdb", text).map(|structure| structure.ending);
+        assert_eq!(ending(&format!("{atoms}END\n")).unwrap(), Ending::Whole);
+        assert_eq!(ending(&format!("{atoms}END")).unwrap(), Ending::Whole);
+        for whole in
+            [atoms.clone(), atoms.trim_end().into(), format!("{atoms}TER"), format!("MODEL 1\n{atoms}ENDMDL\n")]
+        {
+            assert_eq!(ending(&whole).unwrap(), Ending::Unknown, "{whole}");
+        }
+        for cut in
+            [format!("SEQRES   1 A    5  GLY\n{atoms}"), format!("MODEL        1\n{atoms}"), format!("{atoms}EN")]
+        {
+            assert!(matches!(ending(&cut).unwrap(), Ending::CutOff(_)), "{cut}");
+        }
+        // Wherever the last line is cut before its last letter, either it cannot be read or that it was cut is known: the
+        // coordinate -6.5 for -6.504 is not taken.
+        let begin = atoms.len() - atom(5).len();
+        for cut in begin + 1..atoms.trim_end().len() {
+            let found = ending(&atoms[..cut]);
+            assert!(matches!(found, Err(_) | Ok(Ending::CutOff(_))), "{cut}: {found:?}");
+        }
     }
 
     #[test]

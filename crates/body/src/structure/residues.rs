@@ -76,7 +76,7 @@ impl ResidueClass {
             ResidueClass::Water
         } else if outside && !is_in_chain {
             ResidueClass::Ligand
-        } else if let Some(amino_acid) = AminoAcid::of_name(name).filter(|_| name.len() == 3) {
+        } else if let Some(amino_acid) = AminoAcid::of_residue(name) {
             ResidueClass::AminoAcid(amino_acid)
         } else if let Some(modified) = residue_names::modified_residue(name) {
             ResidueClass::Modified(modified)

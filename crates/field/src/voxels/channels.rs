@@ -6,8 +6,9 @@ use super::outer::at_surface;
 use super::shell::{Occupied, occupied};
 use crate::debye_huckel::Superposition;
 use crate::poisson_boltzmann::{ChargedSphere, Medium, SolveSettings, solve};
+use crate::surface::solvent_excluded;
 use crate::{FieldError, Result};
-use protomer_body::surface::{Arrangement, ImplicitSolid, SesSolid};
+use protomer_body::surface::{ImplicitSolid, SesSolid};
 use protomer_kernel::{Rotation, Vec3};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -126,11 +127,7 @@ pub fn pose(atoms: &mut [VoxelAtom], rotation: &Rotation) -> Vec3 {
 
 /// Lowest and highest corner of the box about the spheres, Å.
 pub fn bounds(atoms: &[VoxelAtom]) -> (Vec3, Vec3) {
-    let start = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
-    atoms.iter().fold(start, |(low, high), atom| {
-        let r = Vec3::repeat(atom.sphere.radius_angstrom);
-        (low.inf(&(atom.sphere.centre - r)), high.sup(&(atom.sphere.centre + r)))
-    })
+    crate::surface::bounds(atoms.iter().map(|atom| &atom.sphere))
 }
 
 /// The voxels of atoms that are posed already; `hydropathy` has the index of each residue.
@@ -154,7 +151,7 @@ pub fn voxelise(
         });
     }
     let spheres: Vec<ChargedSphere> = atoms.iter().map(|atom| atom.sphere).collect();
-    let solid = surface(&spheres, settings.medium.probe_angstrom)?;
+    let solid = solvent_excluded(&spheres, settings.medium.probe_angstrom)?;
     let (low, high) = bounds(atoms);
     let reach = low.amax().max(high.amax());
     if reach > 0.5 * lattice.room_angstrom() {
@@ -189,16 +186,6 @@ pub fn voxelise(
         values.push(of_channel);
     }
     Ok(Voxels { index, values })
-}
-
-fn surface(spheres: &[ChargedSphere], probe_angstrom: f64) -> Result<SesSolid> {
-    let solid = || spheres.iter().filter(|sphere| sphere.radius_angstrom > 0.0);
-    let centres: Vec<Vec3> = solid().map(|sphere| sphere.centre).collect();
-    let radii: Vec<f64> = solid().map(|sphere| sphere.radius_angstrom).collect();
-    if centres.is_empty() {
-        return Err(FieldError::BadInput("no atom has a radius, so there is no surface; give radii".into()));
-    }
-    Ok(SesSolid::new(&Arrangement::new(&centres, &radii, probe_angstrom)?))
 }
 
 /// The potential at the points of the surface nearest to the centres of these voxels, kT/e.

@@ -7,14 +7,14 @@ use rayon::prelude::*;
 /// Voxels of the surface and of the solid, ascending.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Occupied {
-    /// Voxels whose centre is at most half an edge from the surface, on either side.
+    /// Voxels whose centre is less than half an edge from the surface, on either side.
     pub shell: Vec<u32>,
     /// Voxels whose centre is inside the surface.
     pub inside: Vec<u32>,
 }
 
-/// Sorts the voxels of a lattice by the signed distance d of their centres from a solid's surface: the shell has |d| ≤ h/2,
-/// the inside d < 0.
+/// Sorts the voxels of a lattice by the signed distance d of their centres from a solid's surface: the shell has |d| < h/2,
+/// the inside d < 0. (Not ≤: at the largest spacing h/2 is where distances are cut off.)
 ///
 /// The shell has no holes: d changes by at most h between neighbours across a face, so of two such neighbours on different
 /// sides of the surface one at least is in the shell. Walls of cavities are part of it.
@@ -37,7 +37,7 @@ pub fn occupied(lattice: &Lattice, solid: &dyn ImplicitSolid) -> Occupied {
                 for &x in &columns {
                     let index = lattice.index(x, y, z);
                     let distance = solid.signed_distance(&lattice.centre(index));
-                    if distance.abs() <= half {
+                    if distance.abs() < half {
                         part.shell.push(index);
                     }
                     if distance < 0.0 {

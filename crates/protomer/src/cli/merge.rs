@@ -2,7 +2,8 @@
 
 use super::{Global, Outcome, output};
 use crate::voxelize::merge::merge;
-use anyhow::Result;
+use crate::voxelize::origin::Missing;
+use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -20,6 +21,9 @@ pub struct MergeArgs {
 impl MergeArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
         let report = merge(&self.inputs, &self.output, global.force)?;
+        for line in report.missing.iter().map(Missing::line).chain(report.manifest_warnings.iter().cloned()) {
+            global.say(&format!("warning: {line}"));
+        }
         if global.json {
             output::json(&report)?;
         } else if !global.quiet {
@@ -27,6 +31,13 @@ impl MergeArgs {
             let (set, samples, excluded) = (report.set.display(), report.samples, report.excluded);
             output::text(&format!("{set}: {samples} samples of {} sets, {excluded} left out{end}", report.sets))?;
         }
-        Ok(Outcome::Done)
+        if report.samples == 0 {
+            bail!(
+                "{} has no samples: {} structures were left out; its attribute 'excluded' says why",
+                report.set.display(),
+                report.excluded
+            );
+        }
+        Ok(if report.missing.is_empty() { Outcome::Done } else { Outcome::Partial })
     }
 }

@@ -24,6 +24,7 @@ mod predict;
 mod python_source;
 mod report;
 mod scheduler;
+mod scores;
 mod simulate;
 mod surface;
 mod sweep;

@@ -5,21 +5,23 @@ use crate::potential::{PotentialReport, potential_of_file, read_places, volume};
 use crate::quantity;
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
-use protomer_field::{Boundary, Medium, SolveSettings};
+use protomer_field::{Boundary, Medium, PotentialModel, SolveSettings, SurfaceDefinition};
 use protomer_io::atomic::write_atomically;
 use protomer_io::volume::{dx::write_dx, mrc::write_mrc, write_volume_npz};
 use protomer_kernel::Conditions;
 use std::path::PathBuf;
 
-/// Solve the linearised Poisson-Boltzmann equation around a structure or PQR: potential in kT/e and solvation energy. The
-/// dielectric boundary is the solvent-excluded surface.
+/// Solve the linearised Poisson-Boltzmann equation around a structure, PQR or body: potential in kT/e and solvation energy.
 #[derive(Debug, Args)]
 pub struct PotentialArgs {
-    /// Structure or PQR file, perhaps gzipped.
+    /// Structure, PQR or body file, perhaps gzipped.
     input: PathBuf,
     /// Concentration of a 1:1 salt, such as 100mM or 0.1M.
     #[arg(long, value_parser = quantity::salt_molar, allow_hyphen_values = true)]
     salt: f64,
+    /// How the potential is found.
+    #[arg(long, value_enum, default_value_t = Model::PoissonBoltzmann)]
+    model: Model,
     /// Grid spacing, Å.
     #[arg(long, default_value_t = 0.5, allow_negative_numbers = true)]
     spacing: f64,
@@ -41,6 +43,9 @@ pub struct PotentialArgs {
     /// Ions keep their centres this far from the atoms, Å; 0: up to the surface.
     #[arg(long, default_value_t = 2.0, allow_negative_numbers = true)]
     ion_radius: f64,
+    /// The dielectric boundary.
+    #[arg(long, value_enum, default_value_t = Surface::SolventExcluded)]
+    surface: Surface,
     /// Probe radius of the surface, Å.
     #[arg(long, default_value_t = 1.4, allow_negative_numbers = true)]
     probe: f64,
@@ -53,6 +58,24 @@ pub struct PotentialArgs {
     /// Volume file to write: .mrc, .map, .ccp4, .dx or .npz.
     #[arg(short, long)]
     output: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Model {
+    /// The linearised Poisson-Boltzmann equation.
+    PoissonBoltzmann,
+    /// The sum of the atoms' Debye-Hückel potentials in a uniform solvent: quicker, and blind to the dielectric boundary.
+    DebyeHueckel,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Surface {
+    /// Where a probe that rolls over the atoms cannot get in.
+    SolventExcluded,
+    /// The atoms themselves: crevices between them hold solvent.
+    VanDerWaals,
+    /// Where the centre of the probe gets: the atoms grown by its radius.
+    SolventAccessible,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -70,6 +93,11 @@ impl PotentialArgs {
         if let Some(name) = name.as_ref().filter(|name| !known.iter().any(|ending| name.ends_with(ending))) {
             bail!("{name} has none of the endings {}; name one of them", known.join(", "));
         }
+        let folder =
+            self.output.as_ref().and_then(|path| path.parent()).filter(|folder| !folder.as_os_str().is_empty());
+        if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+            bail!("there is no folder {} to write into; make it first", folder.display());
+        }
         let conditions = match self.outer_permittivity {
             Some(permittivity) => Conditions::with_permittivity(self.temperature, self.salt, 7.0, permittivity)?,
             None => Conditions::new(self.temperature, self.salt, 7.0)?,
@@ -77,6 +105,11 @@ impl PotentialArgs {
         let medium = Medium {
             conditions,
             inner_permittivity: self.inner_permittivity,
+            surface: match self.surface {
+                Surface::SolventExcluded => SurfaceDefinition::SolventExcluded,
+                Surface::VanDerWaals => SurfaceDefinition::VanDerWaals,
+                Surface::SolventAccessible => SurfaceDefinition::SolventAccessible,
+            },
             probe_angstrom: self.probe,
             ion_radius_angstrom: self.ion_radius,
         };
@@ -90,10 +123,15 @@ impl PotentialArgs {
             ..SolveSettings::default()
         };
         let places = self.points.as_ref().map(|path| read_places(path)).transpose()?;
-        let (potential, report) =
-            potential_of_file(&self.input, &medium, &settings, !self.no_error_estimate, places.as_deref())?;
+        let model = match self.model {
+            Model::PoissonBoltzmann => PotentialModel::PoissonBoltzmann,
+            Model::DebyeHueckel => PotentialModel::DebyeHueckel,
+        };
+        let estimate_error = !self.no_error_estimate;
+        let (field, report) =
+            potential_of_file(&self.input, &medium, &settings, model, estimate_error, places.as_deref())?;
         if let (Some(path), Some(name)) = (&self.output, name) {
-            let volume = volume(&potential);
+            let volume = volume(field);
             let bytes = if name.ends_with(".dx") {
                 write_dx("potential, kT/e", &volume).into_bytes()
             } else if name.ends_with(".npz") {
@@ -105,7 +143,7 @@ impl PotentialArgs {
         }
         if global.json {
             output::json(&report)?;
-        } else {
+        } else if !global.quiet {
             output::text(&describe(&report))?;
         }
         Ok(Outcome::Done)
@@ -113,21 +151,18 @@ impl PotentialArgs {
 }
 
 fn describe(report: &PotentialReport) -> String {
-    let error = report.error_estimate_kj_mol.map_or(String::new(), |error| format!(" ± {error:.1}"));
     let debye = report.debye_length_angstrom.map_or("no salt".into(), |debye| format!("Debye length {debye:.2} Å"));
-    let [nx, ny, nz] = report.grid.shape;
-    let mut text = format!(
-        "{} atoms, net charge {:+.2} e, {debye}\nsolvation energy {:.2}{error} kJ/mol\ngrid {nx} x {ny} x {nz} at {} Å, {} \
-         iterations, {:.2} s",
-        report.atoms,
-        report.net_charge_e,
-        report.solvation_energy_kj_mol,
-        report.grid.spacing_angstrom,
-        report.iterations,
-        report.seconds
-    );
-    for value in report.potentials_kt_per_e.iter().flatten() {
-        text.push_str(&value.map_or("\nnan".into(), |value| format!("\n{value:.6}")));
+    let mut lines = vec![format!("{} atoms, net charge {:+.2} e, {debye}", report.atoms, report.net_charge_e)];
+    if let Some(energy) = report.solvation_energy_kj_mol {
+        // Of the estimate no more than its size is worth telling.
+        let error = report.error_estimate_kj_mol.map_or(String::new(), |error| format!(", error about {error:.1e}"));
+        lines.push(format!("solvation energy {energy:.2} kJ/mol{error}"));
     }
-    text
+    let [nx, ny, nz] = report.grid.shape;
+    let iterations = report.iterations.map_or(String::new(), |count| format!(", {count} iterations"));
+    let spacing = report.grid.spacing_angstrom;
+    lines.push(format!("grid {nx} x {ny} x {nz} at {spacing} Å{iterations}, {:.2} s", report.seconds));
+    let potentials = report.potentials_kt_per_e.iter().flatten();
+    lines.extend(potentials.map(|value| value.map_or("nan".into(), |value| format!("{value:.6}"))));
+    lines.join("\n")
 }

@@ -55,6 +55,7 @@ impl TuneArgs {
         let mut base = TrainSettings::of_set(source, channels_of(&set))?;
         self.task.override_in(&mut base)?;
         base.training.seed = self.seed;
+        base.split_seed = base.split_seed.or(Some(self.seed));
         let settings = TuneSettings {
             trials: self.trials,
             epochs: self.epochs,

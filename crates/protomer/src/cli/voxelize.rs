@@ -6,7 +6,7 @@ use crate::quantity;
 use crate::shard::Shard;
 use crate::voxelize::manifest::Manifest;
 use crate::voxelize::{Spacing, State, VoxelizeReport, VoxelizeSettings, voxelize};
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use protomer_field::voxels::{Channel, Orientation, PotentialModel};
 use std::collections::BTreeMap;
@@ -116,12 +116,34 @@ impl VoxelizeArgs {
         if report.state == State::Written {
             tell_warnings(global, &report.warnings);
         }
+        for line in &report.manifest_warnings {
+            global.say(&format!("warning: {line}"));
+        }
         if global.json {
             output::json(&report)?;
         } else if !global.quiet {
             output::text(&describe(&report))?;
         }
-        Ok(if report.state == State::Stopped { Outcome::Stopped } else { Outcome::Done })
+        if report.state == State::Stopped {
+            return Ok(Outcome::Stopped);
+        }
+        self.check_samples(global, &report)?;
+        Ok(Outcome::Done)
+    }
+
+    /// A set without samples is of no use to anyone; a part without samples may be, and `protomer merge` looks again.
+    fn check_samples(&self, global: &Global, report: &VoxelizeReport) -> Result<()> {
+        if report.samples > 0 || report.structures == 0 {
+            return Ok(());
+        }
+        let (count, set) = (report.structures, report.set.display());
+        let message =
+            format!("none of the {count} structures could be used; the attribute 'excluded' of {set} says why of each");
+        if !self.shard.is_whole() {
+            global.say(&format!("warning: {message}"));
+            return Ok(());
+        }
+        bail!("{message}; correct the manifest or the files")
     }
 
     fn settings(&self) -> VoxelizeSettings {

@@ -17,9 +17,9 @@ mod trained;
 mod truth;
 
 pub use fit::Difference;
-pub use report::{PredictReport, SamplePrediction, SetScores};
+pub use report::{NotScored, PredictReport, SamplePrediction, SetScores};
 pub use trained::Trained;
-pub use truth::{Part, Truth};
+pub use truth::{Part, Truth, Unscored};
 
 use crate::train::open_set;
 use anyhow::{Result, bail};

@@ -2,7 +2,7 @@
 
 use super::fit::Difference;
 use super::trained::Trained;
-use super::truth::{Part, Truth};
+use super::truth::{Part, Truth, Unscored};
 use crate::voxel_set::VoxelSet;
 use anyhow::{Result, anyhow};
 use protomer_io::csv::{Cell, Table};
@@ -12,6 +12,7 @@ use protomer_learn::split::family_weights;
 use protomer_learn::training::Predictions;
 use protomer_learn::{Description, SampleSource};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// What a network says of one sample.
@@ -27,6 +28,8 @@ pub struct SamplePrediction {
     pub class: Option<String>,
     /// The part of the training it belonged to; none in another set than that of the training.
     pub part: Option<Part>,
+    /// Why it is not scored, in another set than that of the training.
+    pub unscored: Option<Unscored>,
     /// The most probable class.
     pub predicted: String,
     /// The probability of each class.
@@ -52,6 +55,15 @@ pub struct SetScores {
     pub nats_gained_over_prior: f64,
 }
 
+/// Samples that are not scored for one reason.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct NotScored {
+    /// Why.
+    pub why: Unscored,
+    /// How many.
+    pub samples: usize,
+}
+
 /// What a prediction came to.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PredictReport {
@@ -71,6 +83,8 @@ pub struct PredictReport {
     pub samples: Vec<SamplePrediction>,
     /// Scores, where samples with a known class are left to score.
     pub scores: Option<SetScores>,
+    /// Samples that are predicted and not scored, in another set than that of the training.
+    pub not_scored: Vec<NotScored>,
     /// Samples left out, and why.
     pub left_out: Vec<Quarantined>,
     /// Conditions under which the voxels were made otherwise than those of the training.
@@ -102,10 +116,12 @@ impl PredictReport {
                 label: known.label.clone(),
                 class: truth.classes.get(*sample).copied().flatten().map(class),
                 part: truth.parts.get(*sample).copied().flatten(),
+                unscored: truth.unscored.get(*sample).copied().flatten(),
                 predicted: class(most_probable(p)),
                 probabilities: p.to_vec(),
             });
         }
+        let not_scored = count(&samples);
         Ok(Self {
             version: env!("CARGO_PKG_VERSION").into(),
             run: run.to_owned(),
@@ -114,6 +130,7 @@ impl PredictReport {
             classes: card.classes.clone(),
             channels: card.channels.clone(),
             samples,
+            not_scored,
             scores: scores(&card.log_prior, set, truth, &predictions)?,
             left_out: predictions.quarantined,
             differences,
@@ -149,7 +166,9 @@ impl PredictReport {
             Some(scores) => {
                 lines.push(match self.is_training_set {
                     true => format!("scores of the test part of the training, {} samples", scores.samples),
-                    false => format!("scores of the samples whose class is known, {} of them", scores.samples),
+                    false => {
+                        format!("scores of the samples of known class that are new to the network, {}", scores.samples)
+                    }
                 });
                 lines.push(format!(
                     "balanced accuracy {:.3}, accuracy {:.3}, always the majority {:.3}",
@@ -160,16 +179,29 @@ impl PredictReport {
                     scores.log_loss_nats, scores.prior_log_loss_nats, scores.nats_gained_over_prior
                 ));
             }
-            None => lines.push("no scores: no label is a class of the network".into()),
+            None if self.is_training_set => lines.push("no scores: no sample of the test part can be read".into()),
+            None => lines.push("no scores: no sample is left to score".into()),
         }
+        let not_scored = self.not_scored.iter();
+        lines.extend(not_scored.map(|these| format!("not scored: {} {}", these.samples, these.why.words())));
         lines.join("\n")
     }
 }
 
-/// Scores with the weights of the training's own: a sample counts one over the number of its family's samples with a class.
+/// Samples by the reason for which they are not scored.
+fn count(samples: &[SamplePrediction]) -> Vec<NotScored> {
+    let mut counts: BTreeMap<Unscored, usize> = BTreeMap::new();
+    samples.iter().filter_map(|sample| sample.unscored).for_each(|why| *counts.entry(why).or_default() += 1);
+    counts.into_iter().map(|(why, samples)| NotScored { why, samples }).collect()
+}
+
+/// Scores with the weights of the training's own: a sample counts one over the number of its family's samples with a class; in
+/// another set, of those that are scored.
 fn scores(log_prior: &[f64], set: &VoxelSet, truth: &Truth, predictions: &Predictions) -> Result<Option<SetScores>> {
     let count = log_prior.len();
-    let labelled: Vec<usize> = (0..truth.classes.len()).filter(|sample| truth.classes[*sample].is_some()).collect();
+    let counts =
+        |sample: &usize| truth.classes[*sample].is_some() && (truth.is_training_set || truth.may_be_scored(*sample));
+    let labelled: Vec<usize> = (0..truth.classes.len()).filter(counts).collect();
     let descriptions: Vec<Description> = labelled.iter().map(|sample| set.descriptions()[*sample].clone()).collect();
     let weight_of = |sample: usize| labelled.binary_search(&sample).ok();
     let all_weights = family_weights(&descriptions);

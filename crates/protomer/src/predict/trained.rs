@@ -1,6 +1,6 @@
 //! The network of a directory, or what to do if there is none.
 
-use crate::train::{MODEL, Metrics, SETTINGS, Source, TrainSettings};
+use crate::train::{MODEL, Metrics, SETTINGS, Source, TrainSettings, TrainedOn};
 use anyhow::{Context, Result, bail};
 use protomer_learn::training::Model;
 use std::path::{Path, PathBuf};
@@ -12,6 +12,8 @@ pub struct Trained {
     pub settings: TrainSettings,
     /// The network with its scaling and classes.
     pub model: Model,
+    /// The structures it has seen; none if an earlier version trained, which did not write them down.
+    pub seen: Option<TrainedOn>,
 }
 
 impl Trained {
@@ -57,7 +59,7 @@ impl Trained {
         let bytes = std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
         let model = Model::from_bytes(&bytes)
             .with_context(|| format!("{} is damaged; train again with --force", path.display()))?;
-        Ok(Self { settings, model })
+        Ok(Self { settings, model, seen: TrainedOn::read(directory)? })
     }
 }
 

@@ -5,6 +5,7 @@ use super::page::{Page, Section};
 use super::{data, figures, provenance, voxel_channels};
 use crate::plot::{Axis, Figure, Panel, Point, Series};
 use crate::voxel_set::VoxelSet;
+use crate::voxelize::origin::{Missing, origins};
 use crate::voxelize::set::{self, Exclusion, SampleRecord};
 use crate::voxelize::structure::Reason;
 use crate::voxelize::{Fit, Spacing, VoxelizeSettings};
@@ -43,10 +44,19 @@ pub fn page(directory: &Path) -> Result<Page> {
     sections.extend(left_out(&excluded)?);
     sections.push(conditions(&settings));
     sections.push(provenance::without_file(directory, Some(("settings", &written_down)), more));
+    let mut problems = problems(&samples, &excluded);
+    let missing = |of: &Missing| {
+        let parts = of.parts.join(", ");
+        format!(
+            "{} of the {} structures of a manifest are missing; only its parts {parts} are here.",
+            of.missing, of.structures
+        )
+    };
+    problems.extend(Missing::of(&origins(reader)?).iter().map(missing));
     Ok(Page {
         title: format!("Set of voxels: {}", provenance::name(directory)),
         subtitle: format!("{} samples of {}³ voxels: {}", samples.len(), settings.size, names(&settings)),
-        problems: problems(&samples, &excluded),
+        problems,
         sections,
     })
 }

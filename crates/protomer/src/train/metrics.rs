@@ -5,7 +5,7 @@ use protomer_io::atomic::write_atomically;
 use protomer_io::csv::{Cell, Table};
 use protomer_learn::baselines::baselines;
 use protomer_learn::bootstrap::{Interval, bootstrap};
-use protomer_learn::permutation::permute_labels;
+use protomer_learn::permutation::{movable_share, permute_labels};
 use protomer_learn::sample::Description;
 use protomer_learn::scaling::Quarantined;
 use protomer_learn::scores::{ReliabilityBin, Scores, most_probable};
@@ -111,6 +111,10 @@ pub struct Metrics {
     pub permutation_p: f64,
     /// Exchanges that were tried.
     pub permutations: usize,
+    /// Share of the test part's samples whose clusters have another of their size, so that their labels can move: near 0 the
+    /// test above cannot tell anything.
+    #[serde(default)]
+    pub permutation_movable: f64,
     /// The epoch whose weights were kept.
     pub best_epoch: usize,
     /// Epochs done.
@@ -228,6 +232,7 @@ impl Predictions<'_> {
             baselines: scores,
             permutation_p: self.permutation_p()?,
             permutations: self.permutations,
+            permutation_movable: movable_share(self.descriptions, self.split)?,
             best_epoch: self.best_epoch,
             epochs: self.epochs,
             parameters: self.parameters,
@@ -287,54 +292,6 @@ fn short(scores: &Scores) -> BaselineScores {
 }
 
 impl Metrics {
-    /// Lines for a reader: the accuracy never without the majority's.
-    pub fn summary(&self) -> String {
-        let Intervals { accuracy, balanced_accuracy, nats_gained_over_prior } = &self.bootstrap_95;
-        let range = |interval: &Interval| format!("{:.3} to {:.3}", interval.low, interval.high);
-        let best =
-            |value: fn(&BaselineScores) -> f64| self.baselines.iter().max_by(|a, b| value(a.1).total_cmp(&value(b.1)));
-        let mut lines = vec![
-            format!(
-                "test part: {} samples in {} clusters, {} classes",
-                self.samples.test,
-                self.samples.test_clusters,
-                self.classes.len()
-            ),
-            format!(
-                "balanced accuracy {:.3} ({}), by guessing {:.3}",
-                self.balanced_accuracy,
-                range(balanced_accuracy),
-                1.0 / self.classes.len().max(1) as f64
-            ),
-            format!(
-                "accuracy {:.3} ({}), always the majority {:.3}",
-                self.accuracy,
-                range(accuracy),
-                self.majority_accuracy
-            ),
-            format!(
-                "log-loss {:.3} nats, prior {:.3}: gained {:+.3} ({}), permutation p {:.2}",
-                self.log_loss_nats,
-                self.prior_log_loss_nats,
-                self.nats_gained_over_prior,
-                range(nats_gained_over_prior),
-                self.permutation_p
-            ),
-        ];
-        if let Some((name, scores)) = best(|scores| -scores.log_loss_nats) {
-            lines.push(format!(
-                "best without a network: {} with {:.3} nats, balanced accuracy {:.3}",
-                name.replace('_', " "),
-                scores.log_loss_nats,
-                scores.balanced_accuracy
-            ));
-        }
-        if !self.quarantined.is_empty() {
-            lines.push(format!("{} samples left out: see quarantined in metrics.json", self.quarantined.len()));
-        }
-        lines.join("\n")
-    }
-
     /// Writes `metrics.json` into a directory.
     ///
     /// # Errors

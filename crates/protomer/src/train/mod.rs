@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! DIR/settings.toml  metrics.json  model.safetensors  history.csv  learning_curve.svg  predictions.csv  checkpoint.bin
+//! DIR/trained_on.json
 //! DIR/ablation/CHANNELS/seed_N/   a directory each    ablation.csv
 //! DIR/EXPERIMENT/                 the further experiments of a control
 //! ```
@@ -11,6 +12,7 @@
 //! | `settings` | what is trained, on what, and how |
 //! | `source` | where samples come from |
 //! | `run` | one training: the loop, checkpoints, results |
+//! | `trained_on` | which structures a network has seen |
 //! | `job` | a training with its ablation; a control with its experiments |
 //! | `metrics` | scores beside baselines |
 //! | `ablation`, `control`, `figure` | tables of channels, verdicts on controls, the learning curve |
@@ -23,6 +25,7 @@ mod metrics;
 mod run;
 mod settings;
 mod source;
+mod trained_on;
 
 pub use ablation::{Ablation, AblationRow, AblationRun, Mean, subsets};
 pub use control::{ControlReport, ExperimentReport};
@@ -32,3 +35,4 @@ pub use metrics::{BaselineScores, Intervals, Metrics, Parts, Predictions};
 pub use run::{MODEL, Prepared, SETTINGS, advance, check, train_in};
 pub use settings::{Source, SplitBy, TrainSettings, blocks};
 pub use source::{channels_of, open_set, samples_of};
+pub use trained_on::{Seen, TRAINED_ON, TrainedOn};

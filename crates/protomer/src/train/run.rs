@@ -3,7 +3,8 @@
 use super::figure::learning_curve;
 use super::job::TrainEnd;
 use super::metrics::{Metrics, Predictions};
-use super::settings::{SplitBy, TrainSettings};
+use super::settings::{Source, SplitBy, TrainSettings};
+use super::trained_on::{TRAINED_ON, TrainedOn};
 use crate::run::{Execution, Layout, ResultsDirectory};
 use anyhow::{Context, Result, bail};
 use protomer_io::atomic::write_atomically;
@@ -17,7 +18,7 @@ use protomer_learn::scores::Scores;
 use protomer_learn::split::{Split, family_weights};
 use protomer_learn::targets::Classes;
 use protomer_learn::training::{
-    EpochRecord, Model, Observer, Outcome, PredictionSettings, StepReport, Trained, Training, TrainingSettings,
+    EpochRecord, Observer, Outcome, PredictionSettings, StepReport, Trained, Training, TrainingSettings,
 };
 use protomer_learn::view::View;
 use std::ops::{ControlFlow, Range};
@@ -44,6 +45,7 @@ const LAYOUT: Layout = Layout {
         PREDICTIONS,
         CURVE,
         CHECKPOINT,
+        TRAINED_ON,
         "ablation.csv",
         "ablation",
         "report.html",
@@ -102,7 +104,7 @@ impl<'a> Prepared<'a> {
         let labelled = view.descriptions().iter().zip(&classes.labels);
         let descriptions: Vec<Description> =
             labelled.map(|(known, class)| Description { label: name(class), ..known.clone() }).collect();
-        let seed = settings.training.seed;
+        let seed = settings.split_seed.unwrap_or(settings.training.seed);
         let split = match settings.split_by {
             SplitBy::Cluster => Split::grouped(&descriptions, seed, settings.fractions)?,
             SplitBy::Sample => Split::random(&descriptions, seed, settings.fractions)?,
@@ -114,8 +116,15 @@ impl<'a> Prepared<'a> {
         };
         let split =
             Split { training: part(&split.training), validation: part(&split.validation), test: part(&split.test) };
-        if split.training.is_empty() || split.validation.is_empty() || split.test.is_empty() {
-            bail!("too few samples can be read; the first that cannot is {:?}", quarantined.first());
+        for (part, samples) in [("training", &split.training), ("validation", &split.validation), ("test", &split.test)]
+        {
+            if samples.is_empty() {
+                let why = quarantined.first().map_or_else(
+                    || "give it a share with --fractions, or take more clusters".to_owned(),
+                    |bad| format!("{} samples cannot be used, such as {}: {}", quarantined.len(), bad.name, bad.reason),
+                );
+                bail!("the {part} part has no samples: {why}");
+            }
         }
         Ok(Self { view, descriptions, classes, split, quarantined })
     }
@@ -250,6 +259,10 @@ pub fn train_in(
     let epochs = settings.training.epochs;
     if let Some(metrics) = Metrics::read(path)? {
         advanced(epochs as u64);
+        // Earlier versions did not write it.
+        if TrainedOn::read(path)?.is_none() {
+            note_samples(settings, &prepared, path)?;
+        }
         return Ok(TrainEnd::Finished(Box::new(metrics)));
     }
     let checkpoint = path.join(CHECKPOINT);
@@ -260,13 +273,21 @@ pub fn train_in(
     Ok(TrainEnd::Finished(Box::new(metrics)))
 }
 
+/// Writes down which structures the network has seen; a control has none.
+fn note_samples(settings: &TrainSettings, prepared: &Prepared, path: &Path) -> Result<()> {
+    match settings.source {
+        Source::Set { .. } => TrainedOn::of(prepared).write(path),
+        Source::Control { .. } => Ok(()),
+    }
+}
+
 /// Calibrates, predicts the test part, and writes everything down; the metrics last, as they say that all is done.
 fn write_results(settings: &TrainSettings, prepared: &Prepared, trained: Trained, path: &Path) -> Result<Metrics> {
     let Prepared { view, descriptions, classes, split, .. } = prepared;
     let Trained { mut model, history, best_epoch, .. } = trained;
     let how = PredictionSettings { rotations: settings.rotations, ..PredictionSettings::default() };
     let weights = family_weights(descriptions);
-    let temperature = calibrate(&mut model, prepared, &weights, how)?;
+    let temperature = model.calibrate(view, &split.validation, &classes.labels, Some(&weights), how)?;
     let predicted = model.predict(view, &split.test, how)?;
     let predictions = Predictions {
         descriptions,
@@ -304,20 +325,9 @@ fn write_results(settings: &TrainSettings, prepared: &Prepared, trained: Trained
         );
         learning_curve(&title, &caption, &history, prior, classes.names.len()).write_svg(&path.join(CURVE))?;
     }
+    note_samples(settings, prepared, path)?;
     metrics.write(path)?;
     Ok(metrics)
-}
-
-/// Sets the temperature of a model from the validation part. Where no sample of it is predicted wrong, any lower temperature
-/// looks better, and one mistake on the test part would cost without bound: the temperature then stays 1.
-fn calibrate(model: &mut Model, prepared: &Prepared, weights: &[f64], how: PredictionSettings) -> Result<f64> {
-    let Prepared { view, classes, split, .. } = prepared;
-    let predicted = model.predict(view, &split.validation, how)?;
-    let truth: Vec<usize> = predicted.samples.iter().filter_map(|i| classes.labels.get(*i).copied()).collect();
-    if Scores::of(&predicted.probabilities, &truth, classes.names.len(), None)?.accuracy == 1.0 {
-        return Ok(1.0);
-    }
-    Ok(model.calibrate(view, &split.validation, &classes.labels, Some(weights), how)?)
 }
 
 /// `history.csv`: one row per epoch.

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 /// Where samples come from.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Source {
     /// A set on the disk.
@@ -37,6 +37,21 @@ pub enum Source {
     },
 }
 
+/// A set is what it holds, wherever it lies: a training goes on after its set has moved, or on a machine that mounts it
+/// elsewhere.
+impl PartialEq for Source {
+    fn eq(&self, other: &Self) -> bool {
+        let control = |source: &Self| match source {
+            Self::Control { name, variant, samples, size, seed } => Some((*name, *variant, *samples, *size, *seed)),
+            Self::Set { .. } => None,
+        };
+        match (self, other) {
+            (Self::Set { digest: own, .. }, Self::Set { digest: other, .. }) => own == other,
+            _ => control(self).is_some() && control(self) == control(other),
+        }
+    }
+}
+
 /// How samples are dealt out to training, validation and test.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -59,6 +74,10 @@ pub struct TrainSettings {
     pub least_samples: usize,
     /// What stays together in the split.
     pub split_by: SplitBy,
+    /// Seed of the split; none: that of the training. What a search has found keeps the search's, so that no other seed deals
+    /// out its validation samples as test samples.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub split_seed: Option<u64>,
     /// Exchanges of labels in the permutation test.
     pub permutations: usize,
     /// Whether predictions are averaged over the 24 rotations of the cube.
@@ -69,7 +88,7 @@ pub struct TrainSettings {
     pub source: Source,
     /// Shares of the parts.
     pub fractions: Fractions,
-    /// Channels, scaling and the loop; its seed decides the split as well.
+    /// Channels, scaling and the loop.
     pub training: TrainingSettings,
     /// The blocks of the network, first to last.
     pub blocks: Vec<BlockSettings>,
@@ -116,6 +135,7 @@ impl TrainSettings {
             target: Target::Label,
             least_samples: 10,
             split_by: SplitBy::Cluster,
+            split_seed: None,
             permutations: 1000,
             rotations: false,
             pooling: GlobalPooling::AverageAndMaximum,
@@ -134,6 +154,7 @@ impl TrainSettings {
             target: Target::Label,
             least_samples: 1,
             split_by: if experiment.split_by_cluster { SplitBy::Cluster } else { SplitBy::Sample },
+            split_seed: None,
             permutations: 1000,
             rotations: false,
             pooling: network.pooling,

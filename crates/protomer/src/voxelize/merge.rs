@@ -1,8 +1,10 @@
 //! Several sets to one.
 
-use super::open_set;
+use super::identity::identity_of_content;
+use super::origin::{Missing, Origin, joined, origins};
 use super::set::{self, SampleRecord, SetContent};
 use super::settings::VoxelizeSettings;
+use super::{open_set, relatives};
 use anyhow::{Context, Result, bail};
 use protomer_field::voxels::Voxels;
 use protomer_io::zarr::SetReader;
@@ -25,12 +27,17 @@ pub struct MergeReport {
     pub voxels: u64,
     /// Bytes of the set's files.
     pub bytes: u64,
+    /// Manifests of which parts are missing.
+    pub missing: Vec<Missing>,
+    /// Relatives that are in different clusters; ten lines at most.
+    pub manifest_warnings: Vec<String>,
     /// Whether the set was there already.
     pub nothing_to_do: bool,
 }
 
 /// Joins sets of the same settings. Parts of one manifest are sorted as the manifest is, so that all parts together give the set
-/// that one run would have made, file by file; sets of different manifests follow each other as given.
+/// that one run would have made, file by file; sets of different manifests follow each other as given. That parts are missing is in
+/// the report.
 ///
 /// # Errors
 /// For sets of different settings, names that are in two of them, and files that cannot be read.
@@ -40,10 +47,13 @@ pub fn merge(inputs: &[PathBuf], output: &Path, force: bool) -> Result<MergeRepo
         bail!("there are no sets; give some")
     };
     let settings = set::settings_of(first).with_context(|| first_path.display().to_string())?;
-    let manifest = |reader: &SetReader| {
-        reader.attributes().get("manifest_sha256").and_then(|value| value.as_str()).unwrap_or_default().to_owned()
-    };
-    let one_manifest = readers.iter().all(|reader| manifest(reader) == manifest(first));
+    let of_each =
+        readers.iter().zip(inputs).map(|(reader, path)| origins(reader).with_context(|| path.display().to_string()));
+    let of_each = of_each.collect::<Result<Vec<Vec<Origin>>>>()?;
+    // A set that was merged from several manifests has no order that entries could follow.
+    let parts_of_one = of_each.iter().all(|of_one| of_one.len() == 1);
+    let manifests = joined(of_each.into_iter().flatten());
+    let one_manifest = parts_of_one && manifests.len() == 1;
     let mut samples: Vec<(usize, usize, SampleRecord)> = Vec::new();
     let mut excluded = Vec::new();
     let mut seen: HashMap<String, &PathBuf> = HashMap::new();
@@ -73,7 +83,7 @@ pub fn merge(inputs: &[PathBuf], output: &Path, force: bool) -> Result<MergeRepo
     }
     let places: Vec<(usize, usize)> = samples.iter().map(|(set, place, _)| (*set, *place)).collect();
     let content = SetContent { samples: samples.into_iter().map(|(_, _, sample)| sample).collect(), excluded };
-    let identity = set::identity_of_content(&settings, &content)?;
+    let identity = identity_of_content(&settings, &content, one_manifest)?;
     let report = |nothing_to_do| MergeReport {
         set: output.to_owned(),
         sets: inputs.len(),
@@ -81,6 +91,8 @@ pub fn merge(inputs: &[PathBuf], output: &Path, force: bool) -> Result<MergeRepo
         excluded: content.excluded.len(),
         voxels: content.voxels(),
         bytes: set::bytes_on_disk(output),
+        missing: Missing::of(&manifests),
+        manifest_warnings: relatives::of_content(&content),
         nothing_to_do,
     };
     match set::state_of(output, &identity)? {
@@ -90,8 +102,7 @@ pub fn merge(inputs: &[PathBuf], output: &Path, force: bool) -> Result<MergeRepo
         }
         set::OnDisk::Other | set::OnDisk::Nothing => {}
     }
-    let manifest = if one_manifest { manifest(first) } else { String::new() };
-    let attributes = set::attributes(&settings, &manifest, &identity, &content)?;
+    let attributes = set::attributes(&settings, &manifests, &identity, &content)?;
     set::replace(output, |folder| {
         set::write(folder, &settings, &content, attributes, &mut |sample| {
             let Some((reader, place)) = places.get(sample).and_then(|(set, place)| Some((readers.get(*set)?, *place)))

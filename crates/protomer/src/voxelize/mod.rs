@@ -11,11 +11,17 @@
 //! | [`structure`] | one structure to one sample, or the reason why not |
 //! | [`work`] | finished samples, kept until all are done |
 //! | [`set`] | samples to a zarr group |
+//! | [`identity`] | what sets and samples depend on, hashed |
+//! | [`origin`] | what a set has of its manifests, and what it lacks |
+//! | [`relatives`] | relatives in different clusters |
 //! | [`statistics`] | what values its channels have in the training part |
 //! | [`mod@merge`] | several sets to one |
 
+pub mod identity;
 pub mod manifest;
 pub mod merge;
+pub mod origin;
+pub mod relatives;
 pub mod set;
 pub mod settings;
 pub mod statistics;
@@ -27,6 +33,7 @@ use crate::interrupt::Interrupt;
 use crate::shard::Shard;
 use anyhow::{Context, Result, bail};
 use manifest::{Entry, Manifest};
+use origin::Origin;
 use protomer_io::zarr::SetReader;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -73,6 +80,8 @@ pub struct VoxelizeReport {
     pub excluded: Vec<Exclusion>,
     /// What of the files of samples a careful user should know, by the sample's name; ten lines of each at most.
     pub warnings: BTreeMap<String, Vec<String>>,
+    /// Relatives that the manifest puts into different clusters; ten lines at most.
+    pub manifest_warnings: Vec<String>,
     /// Wall time, s.
     pub seconds: f64,
 }
@@ -99,7 +108,8 @@ pub fn voxelize(
     let entries: Vec<&Entry> = manifest.entries.iter().filter(|entry| shard.has(entry.number)).collect();
     let hashes: Vec<Option<String>> =
         entries.par_iter().map(|entry| InputFile::read(&entry.path).ok().map(|file| file.sha256)).collect();
-    let identity = set::identity(settings, entries.iter().zip(&hashes).map(|(e, hash)| (*e, hash.as_deref())))?;
+    let relatives = relatives_apart(&entries, &hashes);
+    let identity = identity::identity(settings, entries.iter().zip(&hashes).map(|(e, hash)| (*e, hash.as_deref())))?;
     let report = |state, excluded: Vec<Exclusion>, samples, voxels, taken_over| VoxelizeReport {
         set: output.to_owned(),
         state,
@@ -111,6 +121,7 @@ pub fn voxelize(
         read_ms_per_sample: None,
         excluded,
         warnings: BTreeMap::new(),
+        manifest_warnings: relatives.clone(),
         seconds: start.elapsed().as_secs_f64(),
     };
     match set::state_of(output, &identity)? {
@@ -130,7 +141,7 @@ pub fn voxelize(
         std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
     }
     let work = WorkFile::open(&work_path(output))?;
-    let keys = entries.iter().zip(&hashes).map(|(entry, hash)| set::key(settings, entry, hash.as_deref()));
+    let keys = entries.iter().zip(&hashes).map(|(entry, hash)| identity::key(settings, entry, hash.as_deref()));
     let keys = keys.collect::<Result<Vec<String>>>()?;
     let pending: Vec<(&Entry, &String)> =
         entries.iter().copied().zip(&keys).filter(|(_, key)| !work.has(key)).collect();
@@ -152,7 +163,8 @@ pub fn voxelize(
     let content = collect(&entries, &hashes, &keys, &work)?;
     let voxels = content.voxels();
     let (samples, excluded) = (content.samples.len(), content.excluded.clone());
-    let attributes = set::attributes(settings, &manifest.sha256, &identity, &content)?;
+    let origin = Origin::new(&manifest.sha256, manifest.entries.len(), shard, entries.len());
+    let attributes = set::attributes(settings, &[origin], &identity, &content)?;
     let mut read_ms_per_sample = None;
     set::replace(output, |folder| {
         set::write(folder, settings, &content, attributes, &mut |sample| {
@@ -175,6 +187,15 @@ pub fn work_path(output: &Path) -> PathBuf {
     let mut name = output.file_name().unwrap_or_default().to_owned();
     name.push(".work");
     output.with_file_name(name)
+}
+
+fn relatives_apart(entries: &[&Entry], hashes: &[Option<String>]) -> Vec<String> {
+    relatives::in_several_clusters(entries.iter().zip(hashes).map(|(entry, hash)| relatives::Structure {
+        name: &entry.name,
+        cluster: &entry.cluster,
+        family: &entry.family,
+        sha256: hash.as_deref().unwrap_or_default(),
+    }))
 }
 
 /// Everything about the set but its voxels.

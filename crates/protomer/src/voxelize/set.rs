@@ -1,12 +1,13 @@
 //! Samples to a zarr group.
 
+use super::identity::fixed_conditions;
 use super::manifest::Entry;
+use super::origin::Origin;
 use super::settings::VoxelizeSettings;
 use super::statistics::Gathering;
 use super::structure::{Properties, Reason, Sample, letters};
 use anyhow::{Context, Result, anyhow, bail};
 use protomer_field::voxels::{Channel, Voxels};
-use protomer_io::atomic::sha256_hex;
 use protomer_io::zarr::{SetReader, SetWriter};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
@@ -110,52 +111,6 @@ impl SetContent {
     }
 }
 
-/// A set's identity: a hash of its settings, its structures and what the manifest says of them.
-///
-/// # Errors
-/// If the settings cannot be written down.
-pub fn identity<'a>(
-    settings: &VoxelizeSettings,
-    entries: impl Iterator<Item = (&'a Entry, Option<&'a str>)>,
-) -> Result<String> {
-    let rows: Vec<Value> = entries
-        .map(|(e, sha256)| json!([e.number, e.name, e.file, e.label, e.cluster, e.family, sha256.unwrap_or_default()]))
-        .collect();
-    identity_of_rows(settings, &rows)
-}
-
-fn identity_of_rows(settings: &VoxelizeSettings, rows: &[Value]) -> Result<String> {
-    let text = serde_json::to_string(&json!([env!("CARGO_PKG_VERSION"), settings, rows]))?;
-    Ok(sha256_hex(text.as_bytes()))
-}
-
-/// The identity of a set with this content.
-///
-/// # Errors
-/// If the settings cannot be written down.
-pub fn identity_of_content(settings: &VoxelizeSettings, content: &SetContent) -> Result<String> {
-    let samples = content
-        .samples
-        .iter()
-        .map(|e| (e.entry, json!([e.entry, e.name, e.file, e.label, e.cluster, e.family, e.sha256])));
-    let excluded = content
-        .excluded
-        .iter()
-        .map(|e| (e.entry, json!([e.entry, e.name, e.file, e.label, e.cluster, e.family, e.sha256])));
-    let mut rows: Vec<(usize, Value)> = samples.chain(excluded).collect();
-    rows.sort_by_key(|(entry, _)| *entry);
-    identity_of_rows(settings, &rows.into_iter().map(|(_, row)| row).collect::<Vec<Value>>())
-}
-
-/// What a sample depends on, hashed: settings, name and the file's bytes.
-///
-/// # Errors
-/// If the settings cannot be written down.
-pub fn key(settings: &VoxelizeSettings, entry: &Entry, sha256: Option<&str>) -> Result<String> {
-    let text = serde_json::to_string(&json!([env!("CARGO_PKG_VERSION"), settings, entry.name, sha256]))?;
-    Ok(sha256_hex(text.as_bytes()))
-}
-
 /// What is where a set is to be written.
 pub enum OnDisk {
     /// Nothing.
@@ -205,7 +160,7 @@ pub fn settings_of(reader: &SetReader) -> Result<VoxelizeSettings> {
 /// If the settings cannot be written down.
 pub fn attributes(
     settings: &VoxelizeSettings,
-    manifest_sha256: &str,
+    origins: &[Origin],
     identity: &str,
     content: &SetContent,
 ) -> Result<Map<String, Value>> {
@@ -218,16 +173,22 @@ pub fn attributes(
     };
     let meanings: Map<String, Value> =
         settings.channels.iter().map(channel).map(|(name, meaning)| (name.to_owned(), json!(meaning))).collect();
+    let manifest_sha256 = match origins {
+        [only] => only.manifest_sha256.as_str(),
+        _ => "",
+    };
     let value = json!({
         "made_by": format!("protomer {}", env!("CARGO_PKG_VERSION")),
         "identity": identity,
         "manifest_sha256": manifest_sha256,
+        "manifests": serde_json::to_value(origins)?,
         "settings": serde_json::to_value(settings)?,
         "spacing_angstrom": serde_json::to_value(settings.spacing)?,
         "conditions": {
             "salt_molar": settings.salt_molar,
             "temperature_kelvin": settings.temperature_kelvin,
             "ph": settings.ph,
+            "poisson_boltzmann": fixed_conditions(settings)?,
         },
         "channel_meanings": meanings,
         "samples": {

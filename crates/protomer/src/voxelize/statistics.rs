@@ -9,13 +9,10 @@ use super::settings::VoxelizeSettings;
 use protomer_field::voxels::{Channel, Voxels};
 use protomer_io::zarr::as_stored;
 use protomer_learn::Description;
-use protomer_learn::scaling::median;
+use protomer_learn::scaling::{MOST_VALUES, median, where_defined};
 use protomer_learn::split::{Fractions, Split};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// Medians are over at most this many values of a channel, evenly spread, to bound memory.
-const MOST_VALUES: usize = 1 << 22;
 
 /// The attribute `statistics` of a set.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -30,7 +27,7 @@ pub struct Statistics {
     pub channels: BTreeMap<String, ChannelStatistics>,
 }
 
-/// Values of a channel over occupied voxels, in its unit; none of them if there is no voxel.
+/// Values of a channel over occupied voxels (of channels of the surface: over its voxels), in its unit; none of them if there is no voxel.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct ChannelStatistics {
     /// Occupied voxels.
@@ -94,8 +91,10 @@ impl Gathering {
         if !self.samples.contains(&sample) {
             return;
         }
-        for ((_, gathered), values) in self.channels.iter_mut().zip(&voxels.values) {
-            gathered.add(values, self.most);
+        let names: Vec<String> = self.channels.iter().map(|(name, _)| name.clone()).collect();
+        let values: Vec<&[f32]> = voxels.values.iter().map(Vec::as_slice).collect();
+        for (channel, (_, gathered)) in self.channels.iter_mut().enumerate() {
+            gathered.add(&where_defined(&names, &values, channel), self.most);
         }
     }
 

@@ -6,7 +6,7 @@ use crate::input::InputFile;
 use anyhow::{Result, anyhow, bail};
 use protomer_body::chemistry::residue_names::modified_residue;
 use protomer_body::chemistry::{AminoAcid, ChargedSites, SiteSettings, build_sites, sites_of_points};
-use protomer_body::structure::{Format, SelectionSettings, Structure};
+use protomer_body::structure::{Ending, Format, SelectionSettings, Structure};
 use protomer_body::structure_warnings;
 use protomer_field::voxels::channels::{bounds, pose};
 use protomer_field::voxels::lattice::SPACING_RANGE_ANGSTROM;
@@ -25,7 +25,7 @@ use serde::{Deserialize, Serialize};
 pub enum Reason {
     /// The file is missing, damaged, or no structure file.
     Unreadable,
-    /// Too many residues lack heavy atoms.
+    /// Too many residues lack heavy atoms, or the file was cut off.
     Truncated,
     /// There is no amino acid in it.
     NoProtein,
@@ -171,20 +171,31 @@ fn read(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Content> {
     if Format::of_name(&file.name) == Some(Format::Pqr) {
         let points = read_points(&file.name, &file.bytes).map_err(|error| unreadable(error.into()))?;
         let sites = sites_of_points(&points).map_err(|error| unreadable(error.into()))?;
-        return Ok(Content { sites, incomplete: 0, warnings: Vec::new() });
+        let warnings = of_ending(&Ending::of_pqr(&String::from_utf8_lossy(&file.bytes)))?;
+        return Ok(Content { sites, incomplete: 0, warnings });
     }
     let structure = Structure::read(&file.name, &file.bytes).map_err(|error| unreadable(error.into()))?;
+    let mut warnings = of_ending(&structure.ending)?;
     // With these settings a selection fails only if nothing is left without nucleic acids, ligands and water.
     let selection = structure.select(&SelectionSettings::default());
     let selection = selection.map_err(|error| Excluded(Reason::NoProtein, error.into()))?;
     let site_settings = SiteSettings { ph: settings.ph, ..SiteSettings::default() };
     let sites = build_sites(&selection, &site_settings).map_err(|error| Excluded(Reason::Failed, error.into()))?;
-    let warnings = at_most(MOST_WARNINGS, structure_warnings(&structure, &selection.report));
-    Ok(Content { sites, incomplete: selection.report.incomplete.len(), warnings })
+    warnings.extend(structure_warnings(&structure, &selection.report));
+    Ok(Content { sites, incomplete: selection.report.incomplete.len(), warnings: at_most(MOST_WARNINGS, warnings) })
+}
+
+/// Half a protein is no sample; where nothing is known of the end, the user hears of it.
+fn of_ending(ending: &Ending) -> Checked<Vec<String>> {
+    match ending {
+        Ending::Whole => Ok(Vec::new()),
+        Ending::Unknown => Ok(vec![Ending::UNKNOWN.to_owned()]),
+        Ending::CutOff(message) => Err(Excluded(Reason::Truncated, anyhow!("{message}"))),
+    }
 }
 
 /// The first warnings, and how many more there are.
-fn at_most(most: usize, mut warnings: Vec<String>) -> Vec<String> {
+pub(super) fn at_most(most: usize, mut warnings: Vec<String>) -> Vec<String> {
     if let Some(more @ 1..) = warnings.len().checked_sub(most) {
         warnings.truncate(most);
         warnings.push(format!("and {more} more"));
@@ -193,7 +204,7 @@ fn at_most(most: usize, mut warnings: Vec<String>) -> Vec<String> {
 }
 
 fn amino_acid(name: &str) -> Option<AminoAcid> {
-    AminoAcid::of_name(name).or_else(|| modified_residue(name)?.parent)
+    AminoAcid::of_residue(name).or_else(|| modified_residue(name)?.parent)
 }
 
 /// A number that is the name's own.

@@ -1,7 +1,8 @@
 //! Finished samples, kept until all are done.
 //!
 //! One file, to which each finished structure appends a record: its length (8 bytes, little-endian) and a checksummed container.
-//! What a killed process left half-written at the end is cut off when the file is opened again.
+//! What a killed process left half-written at the end is cut off when the file is opened again. A whole record of another version is
+//! passed over: its key has another [`FORMAT`], so the sample is made again.
 
 use super::structure::{Outcome, Properties, Reason, Sample};
 use anyhow::{Context, Result, anyhow, bail};
@@ -14,6 +15,8 @@ use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+/// Number of what a record holds. Raise it with every change of [`Header`] or of the arrays.
+pub const FORMAT: u32 = 2;
 const KIND: &str = "voxel sample";
 /// A record is never longer: 512³ voxels of four channels.
 const LONGEST_RECORD_BYTES: u64 = 1 << 32;
@@ -103,7 +106,7 @@ impl WorkFile {
         let read = inner.file.seek(SeekFrom::Start(begin)).and_then(|_| inner.file.read_exact(&mut bytes));
         read.with_context(|| format!("cannot read {name}"))?;
         drop(inner);
-        Ok(decode(&name, &bytes)?.1)
+        Ok(decode(&name, &Container::from_bytes(&name, KIND, &bytes)?)?.1)
     }
 
     /// Removes the file.
@@ -131,8 +134,10 @@ fn scan(file: &mut File) -> Result<(Records, u64)> {
         }
         let mut bytes = vec![0; size as usize];
         reader.read_exact(&mut bytes)?;
-        let Ok((key, _)) = decode("", &bytes) else { break };
-        records.insert(key, (end + 8, size));
+        let Ok(container) = Container::from_bytes("", KIND, &bytes) else { break };
+        if let Ok((key, _)) = decode("", &container) {
+            records.insert(key, (end + 8, size));
+        }
         end += 8 + size;
     }
     Ok((records, end))
@@ -162,8 +167,7 @@ fn encode(key: &str, outcome: &Outcome) -> Result<Vec<u8>> {
     Ok(container.to_bytes()?)
 }
 
-fn decode(name: &str, bytes: &[u8]) -> Result<(String, Outcome)> {
-    let container = Container::from_bytes(name, KIND, bytes)?;
+fn decode(name: &str, container: &Container) -> Result<(String, Outcome)> {
     let header: Header = serde_json::from_value(container.header.clone()).with_context(|| name.to_owned())?;
     let outcome = match (header.properties, header.excluded) {
         (Some(properties), None) => {
@@ -229,5 +233,26 @@ mod tests {
         assert!(!work.has("a") && !work.has("b"));
         work.remove().unwrap();
         assert!(!path.exists());
+    }
+    #[test]
+    fn a_record_of_another_version_is_passed_over_and_hides_none_behind_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.work");
+        let mut bytes = Vec::new();
+        let mut append = |record: Vec<u8>| {
+            bytes.extend((record.len() as u64).to_le_bytes());
+            bytes.extend(record);
+        };
+        append(encode("a", &sample(0.5)).unwrap());
+        let older = serde_json::json!({"key": "b", "properties": null, "excluded": null, "channels": 0});
+        append(Container::new(KIND, older).to_bytes().unwrap());
+        append(encode("c", &sample(1.5)).unwrap());
+        std::fs::write(&path, &bytes).unwrap();
+        let work = WorkFile::open(&path).unwrap();
+        assert!(work.has("a") && !work.has("b"));
+        assert_eq!(work.get("c").unwrap(), sample(1.5));
+        work.keep("b", &sample(2.5)).unwrap();
+        drop(work);
+        assert_eq!(WorkFile::open(&path).unwrap().get("b").unwrap(), sample(2.5));
     }
 }
