@@ -157,5 +157,5 @@ def test_errors_say_what_to_do(ring, tmp_path, client, monkeypatch):
     refused = command("sweep", ring, "--salt=30mM", "--scheduler=nonsense", "-o", tmp_path / "remote")
     assert refused.returncode == 1 and "no address of a scheduler" in refused.stderr
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(ImportError, match=r"protomer\[cluster\]"):
+    with pytest.raises(ImportError, match=r"./python\[cluster\]"):
         sweep(client)
