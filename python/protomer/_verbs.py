@@ -209,13 +209,13 @@ def surface(
     force: bool = False,
     progress: Progress | None = None,
 ) -> Result:
-    """Compute the solvent-excluded surface of a structure, a PQR, or an .xyzr file (x y z radius per line):
-    mesh, exact area and volume. Cavities are kept unless told otherwise.
+    """Compute the solvent-excluded surface of a structure, a PQR, a body, or an .xyzr file (x y z radius per
+    line): mesh, exact area and volume. Cavities are kept unless told otherwise.
 
     Parameters
     ----------
     input
-        Structure, PQR or .xyzr file, perhaps gzipped
+        Structure, PQR, body or .xyzr file, perhaps gzipped
     density
         Mesh vertices per Å² [default: 1]
     probe

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 /// and volume. Cavities are kept unless told otherwise.
 #[derive(Debug, Args)]
 pub struct SurfaceArgs {
-    /// Structure, PQR or .xyzr file, perhaps gzipped.
+    /// Structure, PQR, body or .xyzr file, perhaps gzipped.
     input: PathBuf,
     /// Mesh vertices per Å².
     #[arg(long, default_value_t = 1.0)]
