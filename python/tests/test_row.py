@@ -89,9 +89,12 @@ def test_row_makes_the_local_sweep(project, tmp_path):
 
 def test_row_makes_the_local_set(project, monkeypatch):
     # The grids of the template are 8 times as large.
-    small = {**ACTIONS["voxelize"], "command": ACTIONS["voxelize"]["command"].replace("--size 64", "--size 32 --channels shape")}
+    command = ACTIONS["voxelize"]["command"]
+    assert "--size 64 --spacing 1.0" in command
+    small = {**ACTIONS["voxelize"], "command": command.replace("--size 64 --spacing 1.0", "--size 32 --spacing 1.5 --channels shape")}
     monkeypatch.setitem(ACTIONS, "voxelize", small)
     assert len(submit("voxelize", project)) == 2
     submit("merge", project)
-    whole = {"manifest": project / "manifest.csv", "size": 32, "spacing": 1.0, "channels": "shape"}
-    assert pm.voxelize(**whole, output=project / "set.zarr").state == "nothing-to-do"
+    whole = {"manifest": project / "manifest.csv", "size": 32, "spacing": 1.5, "channels": "shape"}
+    again = pm.voxelize(**whole, output=project / "set.zarr")
+    assert (again.state, again.samples) == ("nothing-to-do", 3)
