@@ -230,4 +230,19 @@ mod tests {
             assert!(message.contains(&format!("line 2: '{line}'")), "{message}");
         }
     }
+
+    #[test]
+    fn the_estimate_is_what_a_second_order_error_leaves_between_two_grids() {
+        let conditions = protomer_kernel::Conditions::with_permittivity(298.15, 0.0, 7.0, 78.54).unwrap();
+        let medium = Medium { inner_permittivity: 1.0, ..Medium::new(conditions) };
+        let ion = [ChargedSphere { centre: Vec3::zeros(), radius_angstrom: 2.0, charge_e: 1.0 }];
+        let at = |spacing_angstrom| SolveSettings { spacing_angstrom, ..SolveSettings::default() };
+        let energy = |spacing| solve(&ion, &medium, &at(spacing)).unwrap().solvation_energy_kt;
+        // c h² at both: the coarser differs by 0.96 c h², the finer by (1 - 1/1.96) c h².
+        for (spacing, second, share) in [(0.6, 0.84, 0.96), (0.9, 0.9 / 1.4, 1.0 - 1.0 / 1.96)] {
+            let expected = (energy(second) - energy(spacing)).abs() / share;
+            let estimate = error_estimate_kt(&ion, &medium, &at(spacing), energy(spacing)).unwrap();
+            assert!((estimate / expected - 1.0).abs() < 1e-9, "{estimate} {expected}");
+        }
+    }
 }

@@ -165,3 +165,20 @@ impl TrainSettings {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_set_is_what_it_holds_wherever_it_lies() {
+        let set = |path: &str, digest: &str| Source::Set { path: path.into(), digest: digest.into() };
+        let control =
+            |seed| Source::Control { name: Control::Charge, variant: Variant::Usual, samples: 10, size: 16, seed };
+        assert_eq!(set("here/a.zarr", "1"), set("there/b.zarr", "1"));
+        assert_ne!(set("here/a.zarr", "1"), set("here/a.zarr", "2"));
+        assert_eq!(control(1), control(1));
+        assert_ne!(control(1), control(2));
+        assert_ne!(set("a", "1"), control(1));
+    }
+}
