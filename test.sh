@@ -28,6 +28,10 @@ python_checks() {
 case "${1:-all}" in
 rust) rust_checks ;;
 python) python_checks ;;
-all) rust_checks && python_checks ;;
+all)
+    # Not joined by &&: within such a list an error would not end the first function.
+    rust_checks
+    python_checks
+    ;;
 *) echo "test.sh: '$1' is not one of: rust, python" >&2 && exit 2 ;;
 esac

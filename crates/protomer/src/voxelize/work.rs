@@ -15,7 +15,7 @@ use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Number of what a record holds. Raise it with every change of [`Header`] or of the arrays.
+/// Number of what a record holds. Raise it with every change of the header or of the arrays.
 pub const FORMAT: u32 = 2;
 const KIND: &str = "voxel sample";
 /// A record is never longer: 512³ voxels of four channels.
