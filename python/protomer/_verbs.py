@@ -2746,7 +2746,7 @@ def voxelize(
     seed
         Seed of the random orientations [default: 0]
     potential
-        Which potential [default: poisson-boltzmann]
+        How the potential is found; the equation is solved at 1 Å [default: poisson-boltzmann]
     salt
         Concentration of a 1:1 salt, such as 100mM or 0.1M [default: 150mM]
     temperature

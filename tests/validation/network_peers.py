@@ -21,6 +21,7 @@ from collections.abc import Callable
 SAMPLES, CHANNELS, EDGE, CLASSES = 8, 3, 32, 10
 WIDTHS = (16, 32, 64)
 OURS = "target/release/examples/benchmark_net"
+BUILD = "cargo build --release -p protomer-learn --example benchmark_net"
 
 
 def cost(work: Callable[[], object], seconds: float) -> float:
@@ -118,6 +119,8 @@ def main() -> None:
     if chosen.only:
         PEERS[chosen.only](chosen.seconds)
         return
+    if not os.path.exists(OURS):
+        sys.exit(f"{OURS} is missing; build it, from the root of the project: {BUILD}")
     one_thread = os.environ | {"OMP_NUM_THREADS": "1", "RAYON_NUM_THREADS": "1"}
     programs = {"protomer": [OURS, str(EDGE), str(SAMPLES), str(chosen.seconds)]}
     for name in PEERS:

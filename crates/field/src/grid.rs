@@ -23,8 +23,8 @@ impl Grid {
     /// along each axis, centred on it.
     ///
     /// # Errors
-    /// [`FieldError::BadSetting`] for a spacing that is not positive, [`FieldError::BadInput`] for more points than any machine
-    /// holds.
+    /// [`FieldError::BadSetting`] for a spacing that is not positive, [`FieldError::BadInput`] for more points than any
+    /// machine holds.
     pub fn around(low: &Vec3, high: &Vec3, spacing_angstrom: f64, multiple: usize) -> Result<Self> {
         if !(spacing_angstrom.is_finite() && spacing_angstrom > 0.0) {
             return Err(FieldError::BadSetting {

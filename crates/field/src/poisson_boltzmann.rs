@@ -267,7 +267,8 @@ fn solve_on(
     boundary: impl Fn(&Vec3) -> f64 + Sync,
 ) -> Result<Potential> {
     let (inner, outer) = (medium.inner_permittivity, medium.conditions.relative_permittivity);
-    // On a coarse grid a box can be larger than what the surface's distances tell: then the spheres themselves keep ions out.
+    // On a coarse grid a box can be larger than what the surface's distances tell: then the spheres themselves keep
+    // ions out.
     let by_spheres = medium.ion_radius_angstrom > 0.0 || grid.spacing_angstrom > LARGEST_SPACING_ANGSTROM;
     let gap = by_spheres.then(|| ion_gap(&grid, spheres, medium.ion_radius_angstrom));
     let DielectricMap { inside, edges, accessible } = DielectricMap::new(&grid, solid, inner, outer, gap.as_deref());

@@ -67,8 +67,8 @@ fn spheres_with_charges_off_centre_have_the_energies_of_the_series() {
     }
 }
 
-/// The error of one energy depends on where the grid cuts the sphere, by more than on the spacing; the mean over places of the
-/// grid is what a finer grid must make smaller, each time.
+/// The error of one energy depends on where the grid cuts the sphere, by more than on the spacing; the mean over places
+/// of the grid is what a finer grid must make smaller, each time.
 #[test]
 fn errors_of_energies_fall_with_the_spacing_wherever_the_grid_lies() {
     let mut medium = Medium::new(water(0.0));
@@ -266,7 +266,8 @@ fn energies_and_outside_potentials_converge_wherever_the_grid_cuts_a_sphere() {
     }
 }
 
-/// With the coarse grid's boundary values and ions up to the surface, too: the coarse grid's boxes are larger than its distances.
+/// With the coarse grid's boundary values and ions up to the surface, too: the coarse grid's boxes are larger than its
+/// distances.
 #[test]
 fn a_coarse_boundary_without_an_ion_layer_is_right() {
     let mut medium = Medium::new(water(0.05));

@@ -101,8 +101,8 @@ fn a_charged_ball_has_the_potential_of_debye_and_hueckel_on_its_surface() {
     }
 }
 
-/// Voxel sets solve at 1 Å. On the surface of a protein that is near enough for a network; by how much is said here, against
-/// 0.4 Å.
+/// Voxel sets solve at 1 Å. On the surface of a protein that is near enough for a network; by how much is said here,
+/// against 0.4 Å.
 #[test]
 fn the_potential_on_a_protein_solved_at_one_angstrom_is_that_of_a_finer_grid() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/structures/5pti.cif.gz");

@@ -31,3 +31,4 @@ pub mod volume;
 pub mod zarr;
 
 pub use error::{IoError, Result};
+pub use text::without_byte_order_mark;

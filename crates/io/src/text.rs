@@ -3,12 +3,19 @@
 use crate::{IoError, Result};
 use std::borrow::Cow;
 
-/// What some editors put before the first letter.
-const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+/// The bytes without the byte-order mark that some editors put before the first letter.
+///
+/// ```
+/// assert_eq!(protomer_io::without_byte_order_mark(b"\xef\xbb\xbfATOM"), b"ATOM");
+/// ```
+pub fn without_byte_order_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
+}
 
-/// The text in these bytes, without a byte-order mark. Comments may be in any encoding; a NUL byte means that the file is no text at all.
+/// The text in these bytes, without a byte-order mark. Comments may be in any encoding; a NUL byte means that the file
+/// is no text at all.
 pub(crate) fn decode<'a>(file: &str, bytes: &'a [u8]) -> Result<Cow<'a, str>> {
-    let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
+    let bytes = without_byte_order_mark(bytes);
     if bytes.is_empty() {
         return Err(IoError::parse(file, 0, "the file is empty", "give a file with content"));
     }

@@ -10,10 +10,12 @@ const SMALLEST: f64 = 1e-2;
 const LARGEST: f64 = 1e2;
 const HALVINGS: usize = 80;
 
-/// The temperature between 0.01 and 100 that gives these probabilities the smallest log-loss; 1 if there is none in between.
+/// The temperature between 0.01 and 100 that gives these probabilities the smallest log-loss; 1 if there is none in
+/// between.
 ///
-/// Without a mistake among the samples the loss falls with any lower temperature, and a single mistake elsewhere would cost
-/// without bound; where the probabilities say nothing of the labels, it falls with any higher one, towards equal shares.
+/// Without a mistake among the samples the loss falls with any lower temperature, and a single mistake elsewhere would
+/// cost without bound; where the probabilities say nothing of the labels, it falls with any higher one, towards equal
+/// shares.
 ///
 /// In β = 1/T the loss is convex, with the slope Σ w (⟨z⟩_β - z_label) / Σ w, z = ln p; the slope's zero is bracketed in
 /// ln β.

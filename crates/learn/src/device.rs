@@ -18,7 +18,7 @@ pub enum DeviceChoice {
     /// The processor, with the direct kernels of this crate: bit for bit the same from run to run.
     #[default]
     Cpu,
-    /// An NVIDIA device, counted from 0, with the tensor library's operations: the same to rounding.
+    /// An NVIDIA device, counted from 0, with the tensor library's operations in the place of the kernels.
     Cuda(usize),
 }
 

@@ -111,8 +111,8 @@ fn quarantine(source: &dyn SampleSource, sample: usize, error: &LearnError) -> Q
 }
 
 impl ChannelScaling {
-    /// Scaling for the mode, from the occupied voxels of the training samples, of channels of the surface those of the surface; samples that cannot be read are passed
-    /// over ([`screen`] lists them).
+    /// Scaling for the mode, from the occupied voxels of the training samples, of channels of the surface those of the
+    /// surface; samples that cannot be read are passed over ([`screen`] lists them).
     ///
     /// The scale of the potential is its median absolute deviation, s = median |φ - median φ|; if that is zero, the mean
     /// of |φ|; if that is zero too, 1.
@@ -220,8 +220,9 @@ fn occupied(source: &dyn SampleSource, training: &[usize], channel: usize) -> Re
     Ok(samples.concat())
 }
 
-/// The values of a channel in the occupied voxels where it means something. With the channel `solid`, voxels inside are occupied as
-/// well, and channels of the surface are 0 there: left are the voxels that `shape` marks or, without it, those that are not 0.
+/// The values of a channel in the occupied voxels where it means something. With the channel `solid`, voxels inside are
+/// occupied as well, and channels of the surface are 0 there: left are the voxels that `shape` marks or, without it,
+/// those that are not 0.
 pub fn where_defined(channels: &[String], values: &[&[f32]], channel: usize) -> Vec<f32> {
     let place = |name: &str| channels.iter().position(|channel| channel == name);
     let own = values.get(channel).copied().unwrap_or_default();
@@ -242,7 +243,8 @@ fn robust_scale(mut values: Vec<f32>) -> f64 {
     [deviation, mean_size].into_iter().find(|scale| *scale > 0.0).unwrap_or(1.0)
 }
 
-/// The median, the upper of the two in the middle for an even count; zero for none. The values are left in another order.
+/// The median, the upper of the two in the middle for an even count; zero for none. The values are left in another
+/// order.
 pub fn median(values: &mut [f32]) -> f32 {
     if values.is_empty() {
         return 0.0;

@@ -7,6 +7,7 @@ use protomer_field::debye_huckel::Superposition;
 use protomer_field::poisson_boltzmann::grid_around;
 use protomer_field::{ChargedSphere, Grid, Medium, PotentialModel, ScalarField, SolveSettings, solve};
 use protomer_io::volume::Volume;
+use protomer_io::without_byte_order_mark;
 use protomer_kernel::Vec3;
 use serde::Serialize;
 use std::path::Path;
@@ -69,9 +70,10 @@ pub fn spheres_of_file(path: &Path) -> Result<(String, Vec<ChargedSphere>)> {
 /// Names the line.
 pub fn read_places(path: &Path) -> Result<Vec<Vec3>> {
     let file = InputFile::read(path)?;
-    let text = std::str::from_utf8(&file.bytes).with_context(|| format!("{} is not text", file.name))?;
+    let text = std::str::from_utf8(without_byte_order_mark(&file.bytes))
+        .with_context(|| format!("{} is not text", file.name))?;
     let mut places = Vec::new();
-    for (number, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
+    for (number, line) in text.lines().enumerate() {
         let line = line.split('#').next().unwrap_or_default();
         let words: Vec<&str> = line.split_whitespace().collect();
         if words.is_empty() {

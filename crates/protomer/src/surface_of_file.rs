@@ -73,8 +73,8 @@ pub fn surface_of_file(path: &Path, settings: &SurfaceSettings) -> Result<(Trian
     Ok((mesh.map_vertices(|vertex| vertex + origin), report))
 }
 
-/// The sites of a structure, PQR, `.xyzr` or body file about an origin, and that origin in the coordinates of the file (of a
-/// body: of the file that it was made from).
+/// The sites of a structure, PQR, `.xyzr` or body file about an origin, and that origin in the coordinates of the file
+/// (of a body: of the file that it was made from).
 pub(crate) fn read_sites(file: &InputFile) -> Result<(Vec<Site>, Vec3)> {
     let plain = file.name.strip_suffix(".gz").unwrap_or(&file.name);
     if plain.ends_with(".body") {

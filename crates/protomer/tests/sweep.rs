@@ -104,7 +104,8 @@ fn parts_in_many_processes_make_the_same_sweep_and_a_killed_one_costs_its_own() 
     let mut killed = spawn_until_saved(&place, &part(1), "parts");
     killed.kill().unwrap();
     killed.wait().unwrap();
-    // While a part is at work nobody has the directory alone. The others may end at any time: this process stands for one.
+    // While a part is at work nobody has the directory alone. The others may end at any time: this process stands for
+    // one.
     let at_work = std::fs::File::open(place.path("parts/.lock")).unwrap();
     at_work.lock_shared().unwrap();
     assert!(message(&place.run(&format!("{SWEEP} -o parts"))).contains("another process"));

@@ -81,8 +81,8 @@ impl AminoAcid {
         TABLE.iter().find(|entry| entry.1 == name || Some(entry.2) == single).map(|entry| entry.0)
     }
 
-    /// The amino acid that a residue of a file is, by its three-letter name in upper case. One letter is no name of an amino acid
-    /// there: A, C and G are nucleotides.
+    /// The amino acid that a residue of a file is, by its three-letter name in upper case. One letter is no name of an
+    /// amino acid there: A, C and G are nucleotides.
     ///
     /// ```
     /// use protomer_body::chemistry::AminoAcid;

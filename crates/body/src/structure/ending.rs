@@ -1,8 +1,8 @@
 //! Whether a structure file is whole, as far as its text tells.
 //!
-//! A file that was cut off in the middle reads like one of a smaller protein. Its last line tells where it ended in a word;
-//! a deposited entry that lacks the mark with which such entries end was cut as well. Files made by hand or by programs often
-//! have no such mark: of those nothing can be known, and nothing is held against them.
+//! A file that was cut off in the middle reads like one of a smaller protein. Its last line tells where it ended in a
+//! word; a deposited entry that lacks the mark with which such entries end was cut as well. Files made by hand or by
+//! programs often have no such mark: of those nothing can be known, and nothing is held against them.
 
 /// How a structure file ends.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -50,8 +50,8 @@ fn lengths(text: &str) -> Vec<usize> {
     before.lines().filter(|line| is_atom(line)).map(|line| line.trim_end().len()).collect()
 }
 
-/// What shows that a file of fixed columns was cut in its last line: the line has no end, and is shorter than every other atom
-/// line, or stops in the name of its record. A coordinate may then have lost digits and still be a number.
+/// What shows that a file of fixed columns was cut in its last line: the line has no end, and is shorter than every
+/// other atom line, or stops in the name of its record. A coordinate may then have lost digits and still be a number.
 pub(super) fn cut_in_last_line(text: &str) -> Option<String> {
     /// Columns of the name of a record.
     const NAME: usize = 6;

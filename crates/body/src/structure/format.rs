@@ -66,15 +66,13 @@ const PDB_RECORDS: [&str; 18] = [
     "SCALE1", "MODEL", "ATOM  ", "HETATM", "HELIX ", "DBREF ", "USER",
 ];
 
-/// What some editors put before the first letter.
-const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
-
-/// The bytes as text, without a byte-order mark. Bytes outside UTF-8 (old Latin-1 author names) become replacement characters.
+/// The bytes as text, without a byte-order mark. Bytes outside UTF-8 (old Latin-1 author names) become replacement
+/// characters.
 ///
 /// # Errors
 /// [`crate::BodyError::Parse`] for an empty file, a compressed one, and binary data.
 pub(crate) fn as_text<'a>(source: &str, bytes: &'a [u8]) -> Result<Cow<'a, str>> {
-    let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
+    let bytes = protomer_io::without_byte_order_mark(bytes);
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Err(parse_error(source, 0, "the file is empty", "fetch it again"));
     }

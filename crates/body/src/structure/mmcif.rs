@@ -49,8 +49,8 @@ pub(crate) fn read(source: &str, text: &str) -> Result<Structure> {
 /// Categories that show a file to be an entry of the archive.
 const OF_ENTRIES: [&str; 3] = ["audit_conform", "database_2", "pdbx_database_status"];
 
-/// A row that is not whole is an error of the grammar. A cut between two rows shows in entries of the archive only, where a line of
-/// `#` ends every category.
+/// A row that is not whole is an error of the grammar. A cut between two rows shows in entries of the archive only,
+/// where a line of `#` ends every category.
 fn ending(text: &str, is_entry: bool, atoms_are_last: bool) -> Ending {
     let is_mark = |line: &str| line.starts_with('#');
     if text.lines().rfind(|line| !line.trim().is_empty()).is_some_and(is_mark) {

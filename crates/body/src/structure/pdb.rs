@@ -2,10 +2,10 @@
 //!
 //! Tolerated: lines that end early, missing occupancy, B or element, hybrid-36 and overflowing serial numbers, five-digit
 //! residue numbers, two-letter chains (columns 21-22), four-letter residue names, atoms outside MODEL ... ENDMDL.
-//! Warned of, and noted as the [`Ending`]: a deposited entry (one with HEADER or SEQRES) that ends without END or MASTER, as one
-//! cut off between two lines does; a model that is not closed; a last line that stops in a word. Files of other origin often
-//! have none of these records, so for them nothing can be said.
-//! Not tolerated: a coordinate or a residue number that cannot be read, because the atom would be lost in silence.
+//! Warned of, and noted as the [`Ending`]: a deposited entry (one with HEADER or SEQRES) that ends without END or
+//! MASTER, as one cut off between two lines does; a model that is not closed; a last line that stops in a word. Files
+//! of other origin often have none of these records, so for them nothing can be said. Not tolerated: a coordinate or a
+//! residue number that cannot be read, because the atom would be lost in silence.
 
 use super::columns::{Line, hybrid36};
 use super::ending::{Ending, cut_in_last_line};
@@ -296,8 +296,8 @@ mod tests {
         {
             assert!(matches!(ending(&cut).unwrap(), Ending::CutOff(_)), "{cut}");
         }
-        // Wherever the last line is cut before its last letter, either it cannot be read or that it was cut is known: the
-        // coordinate -6.5 for -6.504 is not taken.
+        // Wherever the last line is cut before its last letter, either it cannot be read or that it was cut is known:
+        // the coordinate -6.5 for -6.504 is not taken.
         let begin = atoms.len() - atom(5).len();
         for cut in begin + 1..atoms.trim_end().len() {
             let found = ending(&atoms[..cut]);

@@ -59,8 +59,8 @@ pub struct Loaded {
 /// The minimum of a network's energy from where it stands: at fixed cell, or with the cell free and under a load.
 ///
 /// # Errors
-/// As [`Framework::check`]; [`CrystalError::NoMinimum`] if the minimum is not reached: a load that the network cannot bear, or
-/// a mechanism that it drives without end.
+/// As [`Framework::check`]; [`CrystalError::NoMinimum`] if the minimum is not reached: a load that the network cannot
+/// bear, or a mechanism that it drives without end.
 pub fn minimise(framework: &Framework, free_cell: bool, load: Option<Load>) -> Result<Loaded> {
     let energy = NetworkEnergy::new(framework)?;
     minimise_from(framework, &energy, Configuration::built(framework), free_cell, load)

@@ -13,8 +13,8 @@ pub struct Occupied {
     pub inside: Vec<u32>,
 }
 
-/// Sorts the voxels of a lattice by the signed distance d of their centres from a solid's surface: the shell has |d| < h/2,
-/// the inside d < 0. (Not ≤: at the largest spacing h/2 is where distances are cut off.)
+/// Sorts the voxels of a lattice by the signed distance d of their centres from a solid's surface: the shell has |d| <
+/// h/2, the inside d < 0. (Not ≤: at the largest spacing h/2 is where distances are cut off.)
 ///
 /// The shell has no holes: d changes by at most h between neighbours across a face, so of two such neighbours on different
 /// sides of the surface one at least is in the shell. Walls of cavities are part of it.

@@ -20,6 +20,7 @@ mod medium;
 mod merge;
 mod output;
 mod potential;
+mod potential_name;
 mod predict;
 mod python_source;
 mod report;

@@ -1,17 +1,19 @@
 //! `protomer potential`: the electrostatic potential around a structure.
 
+use super::potential_name::PotentialName;
 use super::{Global, Outcome, output};
 use crate::potential::{PotentialReport, potential_of_file, read_places, volume};
 use crate::quantity;
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
-use protomer_field::{Boundary, Medium, PotentialModel, SolveSettings, SurfaceDefinition};
+use protomer_field::{Boundary, Medium, SolveSettings, SurfaceDefinition};
 use protomer_io::atomic::write_atomically;
 use protomer_io::volume::{dx::write_dx, mrc::write_mrc, write_volume_npz};
 use protomer_kernel::Conditions;
 use std::path::PathBuf;
 
-/// Solve the linearised Poisson-Boltzmann equation around a structure, PQR or body: potential in kT/e and solvation energy.
+/// Solve the linearised Poisson-Boltzmann equation around a structure, PQR or body: potential in kT/e and solvation
+/// energy.
 #[derive(Debug, Args)]
 pub struct PotentialArgs {
     /// Structure, PQR or body file, perhaps gzipped.
@@ -20,8 +22,8 @@ pub struct PotentialArgs {
     #[arg(long, value_parser = quantity::salt_molar, allow_hyphen_values = true)]
     salt: f64,
     /// How the potential is found.
-    #[arg(long, value_enum, default_value_t = Model::PoissonBoltzmann)]
-    model: Model,
+    #[arg(long, value_enum, default_value_t = PotentialName::PoissonBoltzmann)]
+    model: PotentialName,
     /// Grid spacing, Å.
     #[arg(long, default_value_t = 0.5, allow_negative_numbers = true)]
     spacing: f64,
@@ -58,14 +60,6 @@ pub struct PotentialArgs {
     /// Volume file to write: .mrc, .map, .ccp4, .dx or .npz.
     #[arg(short, long)]
     output: Option<PathBuf>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Model {
-    /// The linearised Poisson-Boltzmann equation.
-    PoissonBoltzmann,
-    /// The sum of the atoms' Debye-Hückel potentials in a uniform solvent: quicker, and blind to the dielectric boundary.
-    DebyeHueckel,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -123,10 +117,7 @@ impl PotentialArgs {
             ..SolveSettings::default()
         };
         let places = self.points.as_ref().map(|path| read_places(path)).transpose()?;
-        let model = match self.model {
-            Model::PoissonBoltzmann => PotentialModel::PoissonBoltzmann,
-            Model::DebyeHueckel => PotentialModel::DebyeHueckel,
-        };
+        let model = self.model.model();
         let estimate_error = !self.no_error_estimate;
         let (field, report) =
             potential_of_file(&self.input, &medium, &settings, model, estimate_error, places.as_deref())?;

@@ -9,8 +9,8 @@ use protomer_io::atomic::write_atomically;
 use protomer_io::mesh::{MeshFormat, write_mesh};
 use std::path::PathBuf;
 
-/// Compute the solvent-excluded surface of a structure, a PQR, a body, or an .xyzr file (x y z radius per line): mesh, exact area
-/// and volume. Cavities are kept unless told otherwise.
+/// Compute the solvent-excluded surface of a structure, a PQR, a body, or an .xyzr file (x y z radius per line): mesh,
+/// exact area and volume. Cavities are kept unless told otherwise.
 #[derive(Debug, Args)]
 pub struct SurfaceArgs {
     /// Structure, PQR, body or .xyzr file, perhaps gzipped.

@@ -145,8 +145,8 @@ struct NetworkArgs {
     /// Epochs without a smaller validation loss after which training ends; 0 for never [default: 10].
     #[arg(long)]
     patience: Option<usize>,
-    /// τ: 0 learns the classes as common as they are; 1 as if all were equally common, with their shares put back into the
-    /// predictions [default: 0].
+    /// τ: 0 learns the classes as common as they are; 1 as if all were equally common, with their shares put back into
+    /// the predictions [default: 0].
     #[arg(long, allow_negative_numbers = true)]
     logit_adjustment: Option<f64>,
     /// Samples per step [default: 8].

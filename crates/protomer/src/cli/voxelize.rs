@@ -1,5 +1,6 @@
 //! `protomer voxelize`: structures to a set of voxel grids.
 
+use super::potential_name::PotentialName;
 use super::scheduler::SchedulerArgs;
 use super::{Global, Outcome, interrupt_saying, output};
 use crate::quantity;
@@ -8,7 +9,7 @@ use crate::voxelize::manifest::Manifest;
 use crate::voxelize::{Spacing, State, VoxelizeReport, VoxelizeSettings, voxelize};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
-use protomer_field::voxels::{Channel, Orientation, PotentialModel};
+use protomer_field::voxels::{Channel, Orientation};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -36,7 +37,7 @@ pub struct VoxelizeArgs {
     /// Seed of the random orientations.
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Which potential.
+    /// How the potential is found; the equation is solved at 1 Å.
     #[arg(long, value_enum, default_value_t = PotentialName::PoissonBoltzmann)]
     potential: PotentialName,
     /// Concentration of a 1:1 salt, such as 100mM or 0.1M.
@@ -87,14 +88,6 @@ enum OrientationName {
     Principal,
     /// Not at all.
     Deposited,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum PotentialName {
-    /// The linearised Poisson-Boltzmann equation, solved at 1 Å.
-    PoissonBoltzmann,
-    /// Screened Coulomb potentials in a uniform solvent: quicker, and blind to the dielectric boundary.
-    DebyeHueckel,
 }
 
 impl VoxelizeArgs {
@@ -163,10 +156,7 @@ impl VoxelizeArgs {
                 OrientationName::Deposited => Orientation::Deposited,
             },
             seed: self.seed,
-            potential: match self.potential {
-                PotentialName::PoissonBoltzmann => PotentialModel::PoissonBoltzmann,
-                PotentialName::DebyeHueckel => PotentialModel::DebyeHueckel,
-            },
+            potential: self.potential.model(),
             salt_molar: self.salt,
             temperature_kelvin: self.temperature,
             ph: self.ph,

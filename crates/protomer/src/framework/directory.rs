@@ -80,8 +80,8 @@ fn stiffness_table(report: &Report) -> Result<Table> {
 /// kind of result they are.
 ///
 /// # Errors
-/// If one of them is there already and `force` is not given, the folder holds another kind of result, or the disk does not
-/// take it.
+/// If one of them is there already and `force` is not given, the folder holds another kind of result, or the disk does
+/// not take it.
 pub fn write(folder: &Path, holds: &str, files: &[NamedFile], force: bool) -> Result<()> {
     refuse_other(folder, holds)?;
     for (name, _) in files {

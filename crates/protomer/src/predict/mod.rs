@@ -31,8 +31,8 @@ use std::path::Path;
 /// Samples between two looks at whether to stop: a multiple of the grids at a time.
 const CHUNK: usize = 64;
 
-/// Predicts the class of every sample of a set, on a device. `begin` hears how many samples there are, `advanced` how many more are
-/// done; `stop` is asked every so often.
+/// Predicts the class of every sample of a set, on a device. `begin` hears how many samples there are, `advanced` how
+/// many more are done; `stop` is asked every so often.
 ///
 /// # Errors
 /// If the directory holds no finished training on a set, the set has other voxels than the network is for, no sample can

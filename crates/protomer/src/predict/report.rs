@@ -195,8 +195,8 @@ fn count(samples: &[SamplePrediction]) -> Vec<NotScored> {
     counts.into_iter().map(|(why, samples)| NotScored { why, samples }).collect()
 }
 
-/// Scores with the weights of the training's own: a sample counts one over the number of its family's samples with a class; in
-/// another set, of those that are scored.
+/// Scores with the weights of the training's own: a sample counts one over the number of its family's samples with a
+/// class; in another set, of those that are scored.
 fn scores(log_prior: &[f64], set: &VoxelSet, truth: &Truth, predictions: &Predictions) -> Result<Option<SetScores>> {
     let count = log_prior.len();
     let counts =

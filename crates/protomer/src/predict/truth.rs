@@ -156,8 +156,8 @@ impl<'a> Seen<'a> {
         }
     }
 
-    /// Why a sample may not be scored. Clusters are compared by name: those of another manifest may mean other structures, and then
-    /// a sample too many is left out, which is the safe side.
+    /// Why a sample may not be scored. Clusters are compared by name: those of another manifest may mean other
+    /// structures, and then a sample too many is left out, which is the safe side.
     fn why_not(&self, set: &dyn SampleSource, sample: usize) -> Option<Unscored> {
         let file = set.file_sha256(sample);
         let cluster = set.descriptions().get(sample).map_or("", |known| known.cluster.as_str());

@@ -1,7 +1,7 @@
 //! What kind of result a directory holds, told from the files in it.
 //!
-//! Several verbs have files of the same names. Without this one would write into the results of another, or take them for
-//! its own of an older version.
+//! Several verbs have files of the same names. Without this one would write into the results of another, or take them
+//! for its own of an older version.
 
 use anyhow::{Result, bail};
 use std::path::Path;

@@ -45,7 +45,8 @@ pub struct ResultsDirectory {
 
 impl ResultsDirectory {
     /// Makes the directory, or enters one whose settings `continues` accepts as those of the same work; it is asked even
-    /// where they are equal, because the work may hang on more than settings. `start_anew` removes earlier results first, and nothing else: the directory may hold its input as well.
+    /// where they are equal, because the work may hang on more than settings. `start_anew` removes earlier results first,
+    /// and nothing else: the directory may hold its input as well.
     ///
     /// # Errors
     /// If the directory holds something else, another process works in it, or the disk refuses.
@@ -163,7 +164,8 @@ pub fn refuse<T>(path: &Path, layout: Layout, what_differs: &str) -> Result<T> {
     )
 }
 
-/// Refuses a directory that holds something, but no results of this kind. Other kinds may have a settings file of that name.
+/// Refuses a directory that holds something, but no results of this kind. Other kinds may have a settings file of that
+/// name.
 fn require_ours<S: DeserializeOwned>(path: &Path, layout: Layout) -> Result<()> {
     let file = path.join(layout.settings);
     let foreign = if file.exists() {

@@ -111,8 +111,8 @@ pub struct Metrics {
     pub permutation_p: f64,
     /// Exchanges that were tried.
     pub permutations: usize,
-    /// Share of the test part's samples whose clusters have another of their size, so that their labels can move: near 0 the
-    /// test above cannot tell anything.
+    /// Share of the test part's samples whose clusters have another of their size, so that their labels can move: near
+    /// 0 the test above cannot tell anything.
     #[serde(default)]
     pub permutation_movable: f64,
     /// The epoch whose weights were kept.

@@ -74,8 +74,8 @@ pub struct TrainSettings {
     pub least_samples: usize,
     /// What stays together in the split.
     pub split_by: SplitBy,
-    /// Seed of the split; none: that of the training. What a search has found keeps the search's, so that no other seed deals
-    /// out its validation samples as test samples.
+    /// Seed of the split; none: that of the training. What a search has found keeps the search's, so that no other seed
+    /// deals out its validation samples as test samples.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub split_seed: Option<u64>,
     /// Exchanges of labels in the permutation test.

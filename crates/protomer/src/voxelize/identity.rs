@@ -1,7 +1,7 @@
 //! What sets and samples depend on, hashed: equal hashes, equal content.
 
 use super::manifest::Entry;
-use super::set::SetContent;
+use super::row::Row;
 use super::settings::VoxelizeSettings;
 use super::work::FORMAT;
 use anyhow::Result;
@@ -43,39 +43,9 @@ fn making(settings: &VoxelizeSettings) -> Result<Value> {
 ///
 /// # Errors
 /// If the settings cannot be written down.
-pub fn identity<'a>(
-    settings: &VoxelizeSettings,
-    entries: impl Iterator<Item = (&'a Entry, Option<&'a str>)>,
-) -> Result<String> {
-    let rows: Vec<Value> = entries
-        .map(|(e, sha256)| json!([e.number, e.name, e.file, e.label, e.cluster, e.family, sha256.unwrap_or_default()]))
-        .collect();
-    identity_of_rows(settings, &rows)
-}
-
-fn identity_of_rows(settings: &VoxelizeSettings, rows: &[Value]) -> Result<String> {
+pub fn identity(settings: &VoxelizeSettings, rows: &[Row]) -> Result<String> {
     let text = serde_json::to_string(&json!([making(settings)?, rows]))?;
     Ok(sha256_hex(text.as_bytes()))
-}
-
-/// The identity of a set with this content: of structures sorted as in their one manifest, or as they follow each other.
-///
-/// # Errors
-/// If the settings cannot be written down.
-pub fn identity_of_content(settings: &VoxelizeSettings, content: &SetContent, one_manifest: bool) -> Result<String> {
-    let samples = content
-        .samples
-        .iter()
-        .map(|e| (e.entry, json!([e.entry, e.name, e.file, e.label, e.cluster, e.family, e.sha256])));
-    let excluded = content
-        .excluded
-        .iter()
-        .map(|e| (e.entry, json!([e.entry, e.name, e.file, e.label, e.cluster, e.family, e.sha256])));
-    let mut rows: Vec<(usize, Value)> = samples.chain(excluded).collect();
-    if one_manifest {
-        rows.sort_by_key(|(entry, _)| *entry);
-    }
-    identity_of_rows(settings, &rows.into_iter().map(|(_, row)| row).collect::<Vec<Value>>())
 }
 
 /// What a sample depends on, hashed: settings, name and the file's bytes; and what a record of it holds.

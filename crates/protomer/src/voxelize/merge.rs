@@ -1,7 +1,8 @@
 //! Several sets to one.
 
-use super::identity::identity_of_content;
+use super::identity::identity;
 use super::origin::{Missing, Origin, joined, origins};
+use super::row::Row;
 use super::set::{self, SampleRecord, SetContent};
 use super::settings::VoxelizeSettings;
 use super::{open_set, relatives};
@@ -36,8 +37,8 @@ pub struct MergeReport {
 }
 
 /// Joins sets of the same settings. Parts of one manifest are sorted as the manifest is, so that all parts together give the set
-/// that one run would have made, file by file; sets of different manifests follow each other as given. That parts are missing is in
-/// the report.
+/// that one run would have made, file by file; sets of different manifests follow each other as given. That parts are
+/// missing is in the report.
 ///
 /// # Errors
 /// For sets of different settings, names that are in two of them, and files that cannot be read.
@@ -83,7 +84,11 @@ pub fn merge(inputs: &[PathBuf], output: &Path, force: bool) -> Result<MergeRepo
     }
     let places: Vec<(usize, usize)> = samples.iter().map(|(set, place, _)| (*set, *place)).collect();
     let content = SetContent { samples: samples.into_iter().map(|(_, _, sample)| sample).collect(), excluded };
-    let identity = identity_of_content(&settings, &content, one_manifest)?;
+    let mut rows = Row::of_content(&content);
+    if one_manifest {
+        rows.sort_by_key(|row| row.entry);
+    }
+    let identity = identity(&settings, &rows)?;
     let report = |nothing_to_do| MergeReport {
         set: output.to_owned(),
         sets: inputs.len(),
@@ -92,7 +97,7 @@ pub fn merge(inputs: &[PathBuf], output: &Path, force: bool) -> Result<MergeRepo
         voxels: content.voxels(),
         bytes: set::bytes_on_disk(output),
         missing: Missing::of(&manifests),
-        manifest_warnings: relatives::of_content(&content),
+        manifest_warnings: relatives::in_several_clusters(&rows),
         nothing_to_do,
     };
     match set::state_of(output, &identity)? {

@@ -14,6 +14,7 @@
 //! | [`identity`] | what sets and samples depend on, hashed |
 //! | [`origin`] | what a set has of its manifests, and what it lacks |
 //! | [`relatives`] | relatives in different clusters |
+//! | [`row`] | a line of a manifest, wherever it stands by now |
 //! | [`statistics`] | what values its channels have in the training part |
 //! | [`mod@merge`] | several sets to one |
 
@@ -22,6 +23,7 @@ pub mod manifest;
 pub mod merge;
 pub mod origin;
 pub mod relatives;
+pub mod row;
 pub mod set;
 pub mod settings;
 pub mod statistics;
@@ -36,6 +38,7 @@ use manifest::{Entry, Manifest};
 use origin::Origin;
 use protomer_io::zarr::SetReader;
 use rayon::prelude::*;
+use row::Row;
 use serde::Serialize;
 use set::{Exclusion, SetContent};
 pub use settings::{Fit, Spacing, VoxelizeSettings};
@@ -108,8 +111,10 @@ pub fn voxelize(
     let entries: Vec<&Entry> = manifest.entries.iter().filter(|entry| shard.has(entry.number)).collect();
     let hashes: Vec<Option<String>> =
         entries.par_iter().map(|entry| InputFile::read(&entry.path).ok().map(|file| file.sha256)).collect();
-    let relatives = relatives_apart(&entries, &hashes);
-    let identity = identity::identity(settings, entries.iter().zip(&hashes).map(|(e, hash)| (*e, hash.as_deref())))?;
+    let rows: Vec<Row> =
+        entries.iter().zip(&hashes).map(|(entry, hash)| Row::of_entry(entry, hash.as_deref())).collect();
+    let relatives = relatives::in_several_clusters(&rows);
+    let identity = identity::identity(settings, &rows)?;
     let report = |state, excluded: Vec<Exclusion>, samples, voxels, taken_over| VoxelizeReport {
         set: output.to_owned(),
         state,
@@ -187,15 +192,6 @@ pub fn work_path(output: &Path) -> PathBuf {
     let mut name = output.file_name().unwrap_or_default().to_owned();
     name.push(".work");
     output.with_file_name(name)
-}
-
-fn relatives_apart(entries: &[&Entry], hashes: &[Option<String>]) -> Vec<String> {
-    relatives::in_several_clusters(entries.iter().zip(hashes).map(|(entry, hash)| relatives::Structure {
-        name: &entry.name,
-        cluster: &entry.cluster,
-        family: &entry.family,
-        sha256: hash.as_deref().unwrap_or_default(),
-    }))
 }
 
 /// Everything about the set but its voxels.

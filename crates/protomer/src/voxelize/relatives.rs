@@ -1,32 +1,19 @@
 //! Relatives that stand in different clusters: no split by cluster can then keep them on one side.
 
-use super::set::SetContent;
+use super::row::Row;
 use super::structure::at_most;
 use std::collections::BTreeMap;
-
-/// What is looked at of a structure.
-#[derive(Debug, Clone, Copy)]
-pub struct Structure<'a> {
-    /// Its name.
-    pub name: &'a str,
-    /// Its cluster.
-    pub cluster: &'a str,
-    /// Its family; perhaps empty.
-    pub family: &'a str,
-    /// SHA-256 of its file; empty if it could not be read.
-    pub sha256: &'a str,
-}
 
 /// Lines that are kept.
 const MOST_LINES: usize = 10;
 
 /// A line for each file and each family that is in several clusters, the first few of them.
-pub fn in_several_clusters<'a>(structures: impl Iterator<Item = Structure<'a>>) -> Vec<String> {
-    let mut files: BTreeMap<&str, Vec<Structure>> = BTreeMap::new();
-    let mut families: BTreeMap<&str, Vec<Structure>> = BTreeMap::new();
-    for structure in structures {
-        files.entry(structure.sha256).or_default().push(structure);
-        families.entry(structure.family).or_default().push(structure);
+pub fn in_several_clusters(rows: &[Row]) -> Vec<String> {
+    let mut files: BTreeMap<&str, Vec<Row>> = BTreeMap::new();
+    let mut families: BTreeMap<&str, Vec<Row>> = BTreeMap::new();
+    for row in rows {
+        files.entry(row.sha256).or_default().push(*row);
+        families.entry(row.family).or_default().push(*row);
     }
     files.remove("");
     families.remove("");
@@ -39,43 +26,30 @@ pub fn in_several_clusters<'a>(structures: impl Iterator<Item = Structure<'a>>) 
 }
 
 /// The first two of a group whose clusters differ, in words.
-fn apart(group: &[Structure]) -> Option<String> {
+fn apart(group: &[Row]) -> Option<String> {
     let first = group.first()?;
-    let other = group.iter().find(|structure| structure.cluster != first.cluster)?;
+    let other = group.iter().find(|row| row.cluster != first.cluster)?;
     Some(format!(
         "'{}' and '{}' are in different clusters, '{}' and '{}'",
         first.name, other.name, first.cluster, other.cluster
     ))
 }
 
-/// The same for everything in a set and left out of it.
-pub fn of_content(content: &SetContent) -> Vec<String> {
-    let samples = content.samples.iter().map(|sample| Structure {
-        name: &sample.name,
-        cluster: &sample.cluster,
-        family: &sample.family,
-        sha256: &sample.sha256,
-    });
-    let excluded = content.excluded.iter().map(|excluded| Structure {
-        name: &excluded.name,
-        cluster: &excluded.cluster,
-        family: &excluded.family,
-        sha256: &excluded.sha256,
-    });
-    in_several_clusters(samples.chain(excluded))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn lines(structures: &[[&str; 4]]) -> Vec<String> {
-        in_several_clusters(structures.iter().map(|[name, cluster, family, sha256]| Structure {
+    fn lines(structures: &[[&'static str; 4]]) -> Vec<String> {
+        let row = |[name, cluster, family, sha256]: &[&'static str; 4]| Row {
+            entry: 0,
             name,
+            file: "",
+            label: "",
             cluster,
             family,
             sha256,
-        }))
+        };
+        in_several_clusters(&structures.iter().map(row).collect::<Vec<Row>>())
     }
 
     #[test]

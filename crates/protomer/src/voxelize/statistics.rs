@@ -27,7 +27,8 @@ pub struct Statistics {
     pub channels: BTreeMap<String, ChannelStatistics>,
 }
 
-/// Values of a channel over occupied voxels (of channels of the surface: over its voxels), in its unit; none of them if there is no voxel.
+/// Values of a channel over occupied voxels (of channels of the surface: over its voxels), in its unit; none of them if
+/// there is no voxel.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct ChannelStatistics {
     /// Occupied voxels.

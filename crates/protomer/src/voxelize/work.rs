@@ -1,8 +1,8 @@
 //! Finished samples, kept until all are done.
 //!
 //! One file, to which each finished structure appends a record: its length (8 bytes, little-endian) and a checksummed container.
-//! What a killed process left half-written at the end is cut off when the file is opened again. A whole record of another version is
-//! passed over: its key has another [`FORMAT`], so the sample is made again.
+//! What a killed process left half-written at the end is cut off when the file is opened again. A whole record of
+//! another version is passed over: its key has another [`FORMAT`], so the sample is made again.
 
 use super::structure::{Outcome, Properties, Reason, Sample};
 use anyhow::{Context, Result, anyhow, bail};
@@ -234,6 +234,7 @@ mod tests {
         work.remove().unwrap();
         assert!(!path.exists());
     }
+
     #[test]
     fn a_record_of_another_version_is_passed_over_and_hides_none_behind_it() {
         let folder = tempfile::tempdir().unwrap();
