@@ -28,10 +28,13 @@ impl Body {
     /// A copy of another body; what subclasses are made of.
     #[new]
     fn new(body: PyRef<'_, Self>) -> Self {
-        Self { body: body.body.clone() }
+        Self {
+            body: body.body.clone(),
+        }
     }
 
-    /// A body of a mesh (vertices in Å, outward counter-clockwise triangles) and point charges (Å, e).
+    /// A body of a mesh (vertices in Å, outward counter-clockwise triangles) and point charges (Å,
+    /// e).
     #[staticmethod]
     fn _from_arrays(
         name: String,
@@ -43,7 +46,10 @@ impl Body {
         let build = || -> Result<protomer_body::Body> {
             let vertices = places(&vertices, "vertices_angstrom")?;
             let triangles = corners(&triangles, vertices.len())?;
-            let mesh = TriangleMesh { vertices, triangles };
+            let mesh = TriangleMesh {
+                vertices,
+                triangles,
+            };
             mesh.topology()?;
             let mass_properties = mesh.mass_properties()?;
             let positions = places(&charge_positions, "charge_positions_angstrom")?;
@@ -62,10 +68,22 @@ impl Body {
                 residue: None,
             };
             let sites = positions.into_iter().zip(charges).map(site).collect();
-            let provenance = Provenance { source: "arrays".into(), ..Provenance::default() };
-            Ok(protomer_body::Body { name, mesh, sites, residues: Vec::new(), mass_properties, provenance })
+            let provenance = Provenance {
+                source: "arrays".into(),
+                ..Provenance::default()
+            };
+            Ok(protomer_body::Body {
+                name,
+                mesh,
+                sites,
+                residues: Vec::new(),
+                mass_properties,
+                provenance,
+            })
         };
-        Ok(Self { body: build().map_err(|error| exception(&error))? })
+        Ok(Self {
+            body: build().map_err(|error| exception(&error))?,
+        })
     }
 
     /// Writes a body file.
@@ -89,7 +107,8 @@ impl Body {
     #[getter]
     fn triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<u32>> {
         let triangles = &self.body.mesh.triangles;
-        Array2::from_shape_fn((triangles.len(), 3), |(row, corner)| triangles[row][corner]).into_pyarray(py)
+        Array2::from_shape_fn((triangles.len(), 3), |(row, corner)| triangles[row][corner])
+            .into_pyarray(py)
     }
 
     /// Positions of the charges in the body's frame, Å, (S, 3).
@@ -115,29 +134,51 @@ impl Body {
     #[getter]
     fn hydropathy<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.per_site(py, |site| {
-            let residue = site.residue.and_then(|residue| self.body.residues.get(residue as usize));
-            residue.and_then(|residue| residue.hydropathy).unwrap_or(f64::NAN)
+            let residue = site
+                .residue
+                .and_then(|residue| self.body.residues.get(residue as usize));
+            residue
+                .and_then(|residue| residue.hydropathy)
+                .unwrap_or(f64::NAN)
         })
     }
 
     /// Atom names, one per charge; empty for bare charges.
     #[getter]
     fn atom_names(&self) -> Vec<&str> {
-        self.body.sites.iter().map(|site| site.atom_name.as_str()).collect()
+        self.body
+            .sites
+            .iter()
+            .map(|site| site.atom_name.as_str())
+            .collect()
     }
 
     /// Index of each charge's residue, -1 for none, (S,).
     #[getter]
     fn residue_indices<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         let index = |site: &Site| site.residue.map_or(-1, i64::from);
-        self.body.sites.iter().map(index).collect::<Array1<i64>>().into_pyarray(py)
+        self.body
+            .sites
+            .iter()
+            .map(index)
+            .collect::<Array1<i64>>()
+            .into_pyarray(py)
     }
 
     /// Residues as (chain, number, insertion code, name).
     #[getter]
     fn residues(&self) -> Vec<(&str, i32, &str, &str)> {
         let residues = self.body.residues.iter();
-        residues.map(|r| (r.chain.as_str(), r.number, r.insertion_code.as_str(), r.name.as_str())).collect()
+        residues
+            .map(|r| {
+                (
+                    r.chain.as_str(),
+                    r.number,
+                    r.insertion_code.as_str(),
+                    r.name.as_str(),
+                )
+            })
+            .collect()
     }
 
     /// Sum of the charges, e.
@@ -161,7 +202,13 @@ impl Body {
     /// Centre of the enclosed volume, Å, (3,).
     #[getter]
     fn centroid_angstrom<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.body.mass_properties.centroid.iter().copied().collect::<Array1<f64>>().into_pyarray(py)
+        self.body
+            .mass_properties
+            .centroid
+            .iter()
+            .copied()
+            .collect::<Array1<f64>>()
+            .into_pyarray(py)
     }
 
     /// Inertia tensor of the solid about its centroid at unit density, Å⁵, (3, 3).
@@ -174,7 +221,13 @@ impl Body {
     /// The body frame's origin in the coordinates of the file it came from, Å, (3,).
     #[getter]
     fn origin_angstrom<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.body.provenance.origin_angstrom.iter().copied().collect::<Array1<f64>>().into_pyarray(py)
+        self.body
+            .provenance
+            .origin_angstrom
+            .iter()
+            .copied()
+            .collect::<Array1<f64>>()
+            .into_pyarray(py)
     }
 
     /// The file the body came from, as it was named.
@@ -185,8 +238,17 @@ impl Body {
 }
 
 impl Body {
-    fn per_site<'py>(&self, py: Python<'py>, value: impl Fn(&Site) -> f64) -> Bound<'py, PyArray1<f64>> {
-        self.body.sites.iter().map(value).collect::<Array1<f64>>().into_pyarray(py)
+    fn per_site<'py>(
+        &self,
+        py: Python<'py>,
+        value: impl Fn(&Site) -> f64,
+    ) -> Bound<'py, PyArray1<f64>> {
+        self.body
+            .sites
+            .iter()
+            .map(value)
+            .collect::<Array1<f64>>()
+            .into_pyarray(py)
     }
 }
 
@@ -196,16 +258,35 @@ fn rows<'py>(py: Python<'py>, places: &[Vec3]) -> Bound<'py, PyArray2<f64>> {
 
 fn places(array: &PyReadonlyArray2<'_, f64>, name: &str) -> Result<Vec<Vec3>> {
     let array = array.as_array();
-    ensure!(array.ncols() == 3, "{name} has the shape {:?}; give (N, 3)", array.shape());
-    ensure!(array.iter().all(|value| value.is_finite()), "{name} holds values that are no numbers; leave them out");
-    Ok(array.rows().into_iter().map(|row| Vec3::new(row[0], row[1], row[2])).collect())
+    ensure!(
+        array.ncols() == 3,
+        "{name} has the shape {:?}; give (N, 3)",
+        array.shape()
+    );
+    ensure!(
+        array.iter().all(|value| value.is_finite()),
+        "{name} holds values that are no numbers; leave them out"
+    );
+    Ok(array
+        .rows()
+        .into_iter()
+        .map(|row| Vec3::new(row[0], row[1], row[2]))
+        .collect())
 }
 
 fn corners(array: &PyReadonlyArray2<'_, u32>, vertices: usize) -> Result<Vec<[u32; 3]>> {
     let array = array.as_array();
-    ensure!(array.ncols() == 3, "triangles has the shape {:?}; give (M, 3)", array.shape());
+    ensure!(
+        array.ncols() == 3,
+        "triangles has the shape {:?}; give (M, 3)",
+        array.shape()
+    );
     if let Some(far) = array.iter().find(|corner| **corner as usize >= vertices) {
         bail!("triangles name the vertex {far} of {vertices}; count vertices from zero");
     }
-    Ok(array.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect())
+    Ok(array
+        .rows()
+        .into_iter()
+        .map(|row| [row[0], row[1], row[2]])
+        .collect())
 }

@@ -11,9 +11,24 @@ use pyo3::create_exception;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-create_exception!(protomer, ProtomerError, PyValueError, "What a verb could not do: where, what, and what to do.");
-create_exception!(protomer, ParseError, ProtomerError, "A file that cannot be understood; has `path` and `line`.");
-create_exception!(protomer, ConfigError, ProtomerError, "An argument or a setting that makes no sense.");
+create_exception!(
+    protomer,
+    ProtomerError,
+    PyValueError,
+    "What a verb could not do: where, what, and what to do."
+);
+create_exception!(
+    protomer,
+    ParseError,
+    ProtomerError,
+    "A file that cannot be understood; has `path` and `line`."
+);
+create_exception!(
+    protomer,
+    ConfigError,
+    ProtomerError,
+    "An argument or a setting that makes no sense."
+);
 create_exception!(
     protomer,
     GeometryError,
@@ -26,8 +41,18 @@ create_exception!(
     ProtomerError,
     "A solve, a step or a minimisation that did not come to its end."
 );
-create_exception!(protomer, CheckpointError, ProtomerError, "A checkpoint that belongs to something else.");
-create_exception!(protomer, StoppedError, ProtomerError, "Stopped before the end; the same call goes on.");
+create_exception!(
+    protomer,
+    CheckpointError,
+    ProtomerError,
+    "A checkpoint that belongs to something else."
+);
+create_exception!(
+    protomer,
+    StoppedError,
+    ProtomerError,
+    "Stopped before the end; the same call goes on."
+);
 
 /// The exception for an error of a verb.
 pub fn exception(error: &anyhow::Error) -> PyErr {
@@ -54,7 +79,9 @@ pub fn exception(error: &anyhow::Error) -> PyErr {
         }
         match cause.downcast_ref() {
             Some(FieldError::NotConverged { .. }) => return ConvergenceError::new_err(message),
-            Some(FieldError::BadSetting { .. } | FieldError::TooLarge { .. }) => return ConfigError::new_err(message),
+            Some(FieldError::BadSetting { .. } | FieldError::TooLarge { .. }) => {
+                return ConfigError::new_err(message);
+            }
             _ => {}
         }
         if let Some(LearnError::Settings(_)) = cause.downcast_ref() {
@@ -69,7 +96,11 @@ pub fn exception(error: &anyhow::Error) -> PyErr {
         }
         match cause.downcast_ref() {
             Some(CrystalError::BadSetting { .. }) => return ConfigError::new_err(message),
-            Some(CrystalError::StepTooLarge { .. } | CrystalError::Jammed { .. } | CrystalError::NoMinimum(_)) => {
+            Some(
+                CrystalError::StepTooLarge { .. }
+                | CrystalError::Jammed { .. }
+                | CrystalError::NoMinimum(_),
+            ) => {
                 return ConvergenceError::new_err(message);
             }
             Some(_) => return GeometryError::new_err(message),

@@ -1,5 +1,5 @@
-//! The native half of the Python package: verbs are called by their words, bodies are arrays. Everything that a user sees is
-//! in `python/protomer`.
+//! The native half of the Python package: verbs are called by their words, bodies are arrays.
+//! Everything that a user sees is in `python/protomer`.
 
 mod body;
 mod errors;
@@ -14,7 +14,8 @@ mod _protomer {
     use crate::body::Body;
     #[pymodule_export]
     use crate::errors::{
-        CheckpointError, ConfigError, ConvergenceError, GeometryError, ParseError, ProtomerError, StoppedError,
+        CheckpointError, ConfigError, ConvergenceError, GeometryError, ParseError, ProtomerError,
+        StoppedError,
     };
     #[pymodule_export]
     use crate::verbs::{call, main, take_apart};

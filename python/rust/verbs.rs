@@ -20,22 +20,28 @@ type Latest = Arc<Mutex<Option<(u64, u64, String)>>>;
 
 /// Runs `protomer WORDS --json`; returns whether everything was done, and the JSON text.
 ///
-/// `progress(done, total, unit)` is called in the calling thread. Ctrl-C stops the work at its next step and raises
-/// KeyboardInterrupt; the same call goes on from there.
+/// `progress(done, total, unit)` is called in the calling thread. Ctrl-C stops the work at its next
+/// step and raises KeyboardInterrupt; the same call goes on from there.
 #[pyfunction]
 #[pyo3(signature = (words, progress=None))]
-pub fn call(py: Python<'_>, words: Vec<String>, progress: Option<Py<PyAny>>) -> PyResult<(bool, String)> {
+pub fn call(
+    py: Python<'_>,
+    words: Vec<String>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(bool, String)> {
     let interrupt = Interrupt::default();
     let latest = Latest::default();
     let teller = Arc::clone(&latest);
     let host = Host {
-        progress: progress.is_some().then(|| -> protomer::cli::ProgressListener {
-            Arc::new(move |done, total, unit| {
-                if let Ok(mut latest) = teller.lock() {
-                    *latest = Some((done, total, unit.to_owned()));
-                }
-            })
-        }),
+        progress: progress
+            .is_some()
+            .then(|| -> protomer::cli::ProgressListener {
+                Arc::new(move |done, total, unit| {
+                    if let Ok(mut latest) = teller.lock() {
+                        *latest = Some((done, total, unit.to_owned()));
+                    }
+                })
+            }),
         interrupt: Some(interrupt.clone()),
     };
     let (ended, end) = channel();
@@ -50,19 +56,33 @@ pub fn call(py: Python<'_>, words: Vec<String>, progress: Option<Py<PyAny>>) -> 
     let answer = join(py, thread)?;
     stopped?;
     match answer {
-        Ok(Answer { outcome: Outcome::Stopped, .. }) => {
-            Err(StoppedError::new_err("stopped before the end; the same call goes on from there"))
-        }
+        Ok(Answer {
+            outcome: Outcome::Stopped,
+            ..
+        }) => Err(StoppedError::new_err(
+            "stopped before the end; the same call goes on from there",
+        )),
         Ok(Answer { outcome, json }) => Ok((outcome == Outcome::Done, json)),
         Err(error) => Err(exception(&error)),
     }
 }
 
 /// Until the work ends, or Ctrl-C or the progress function raises.
-fn listen(py: Python<'_>, end: &Mutex<Receiver<()>>, latest: &Latest, progress: Option<&Py<PyAny>>) -> PyResult<()> {
+fn listen(
+    py: Python<'_>,
+    end: &Mutex<Receiver<()>>,
+    latest: &Latest,
+    progress: Option<&Py<PyAny>>,
+) -> PyResult<()> {
     loop {
-        // Only this function holds the lock; it makes the receiver one that may be waited for without the interpreter.
-        let state = py.detach(|| end.lock().map_or(Err(RecvTimeoutError::Disconnected), |end| end.recv_timeout(PAUSE)));
+        // Only this function holds the lock; it makes the receiver one that may be waited for
+        // without the interpreter.
+        let state = py.detach(|| {
+            end.lock()
+                .map_or(Err(RecvTimeoutError::Disconnected), |end| {
+                    end.recv_timeout(PAUSE)
+                })
+        });
         py.check_signals()?;
         let news = latest.lock().ok().and_then(|mut latest| latest.take());
         if let (Some(news), Some(progress)) = (news, progress) {
@@ -75,7 +95,8 @@ fn listen(py: Python<'_>, end: &Mutex<Receiver<()>>, latest: &Latest, progress: 
 }
 
 fn join(py: Python<'_>, thread: Call) -> PyResult<anyhow::Result<Answer>> {
-    py.detach(|| thread.join()).map_err(|_| PyRuntimeError::new_err("a fault inside protomer; please report it"))
+    py.detach(|| thread.join())
+        .map_err(|_| PyRuntimeError::new_err("a fault inside protomer; please report it"))
 }
 
 /// The command line: the words after the program's name; returns the exit code.
@@ -84,10 +105,20 @@ pub fn main(py: Python<'_>, words: Vec<OsString>) -> u8 {
     py.detach(|| protomer::cli::run(std::iter::once("protomer".into()).chain(words)))
 }
 
-/// A command taken apart: verb, flags and their values (switches have none), places. Paths are made absolute.
+/// A command taken apart: verb, flags and their values (switches have none), places. Paths are made
+/// absolute.
 #[pyfunction]
-#[allow(clippy::type_complexity, reason = "a tuple of lists is what Python unpacks")]
-pub fn take_apart(words: Vec<String>) -> PyResult<(Vec<String>, Vec<(String, Option<String>)>, Vec<String>)> {
-    let Command { verb, flags, places } = Command::of(&words).map_err(|error| exception(&error.into()))?;
+#[allow(
+    clippy::type_complexity,
+    reason = "a tuple of lists is what Python unpacks"
+)]
+pub fn take_apart(
+    words: Vec<String>,
+) -> PyResult<(Vec<String>, Vec<(String, Option<String>)>, Vec<String>)> {
+    let Command {
+        verb,
+        flags,
+        places,
+    } = Command::of(&words).map_err(|error| exception(&error.into()))?;
     Ok((verb, flags, places))
 }

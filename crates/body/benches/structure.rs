@@ -1,6 +1,11 @@
 //! Reading, selecting and charging: time per file.
 
-#![allow(missing_docs, clippy::unwrap_used, clippy::print_stderr, reason = "a benchmark")]
+#![allow(
+    missing_docs,
+    clippy::unwrap_used,
+    clippy::print_stderr,
+    reason = "a benchmark"
+)]
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use flate2::read::GzDecoder;
@@ -26,9 +31,14 @@ fn read_select_charge(criterion: &mut Criterion) {
         GzDecoder::new(file).read_to_end(&mut bytes).unwrap();
         let structure = Structure::read(name, &bytes).unwrap();
         let selection = structure.select(&SelectionSettings::default()).unwrap();
-        let mut group = criterion.benchmark_group(Path::new(name).file_name().unwrap().to_string_lossy());
-        group.throughput(Throughput::Elements(structure.models[0].atoms.len() as u64)).sample_size(10);
-        group.bench_function("read", |bencher| bencher.iter(|| Structure::read(name, &bytes).unwrap()));
+        let mut group =
+            criterion.benchmark_group(Path::new(name).file_name().unwrap().to_string_lossy());
+        group
+            .throughput(Throughput::Elements(structure.models[0].atoms.len() as u64))
+            .sample_size(10);
+        group.bench_function("read", |bencher| {
+            bencher.iter(|| Structure::read(name, &bytes).unwrap())
+        });
         group.bench_function("select", |bencher| {
             bencher.iter(|| structure.select(&SelectionSettings::default()).unwrap())
         });

@@ -1,7 +1,8 @@
-//! Time for the accessible surface, the signed distance and the exact measures of a protein-like body.
+//! Time for the accessible surface, the signed distance and the exact measures of a protein-like
+//! body.
 //!
-//! `cargo bench -p protomer-body --bench surface`; the argument of the environment variable `PROTOMER_XYZR` (rows of
-//! x y z radius) replaces the synthetic globule of 1000 atoms.
+//! `cargo bench -p protomer-body --bench surface`; the argument of the environment variable
+//! `PROTOMER_XYZR` (rows of x y z radius) replaces the synthetic globule of 1000 atoms.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use protomer_body::surface::{Arrangement, ImplicitSolid, Measure, SesSolid};
@@ -15,7 +16,9 @@ fn globule(atoms: usize) -> (Vec<Vec3>, Vec<f64>) {
     let reach = (radius / spacing) as i32 + 1;
     let mut state = 7_u64;
     let mut jitter = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         (state >> 40) as f64 / (1_u64 << 24) as f64 - 0.5
     };
     let mut centres = Vec::new();
@@ -29,27 +32,47 @@ fn globule(atoms: usize) -> (Vec<Vec3>, Vec<f64>) {
             }
         }
     }
-    let radii = (0..centres.len()).map(|n| [1.7, 1.55, 1.52, 1.7][n % 4]).collect();
+    let radii = (0..centres.len())
+        .map(|n| [1.7, 1.55, 1.52, 1.7][n % 4])
+        .collect();
     (centres, radii)
 }
 
 fn read_xyzr(path: &str) -> Option<(Vec<Vec3>, Vec<f64>)> {
     let text = std::fs::read_to_string(path).ok()?;
-    let rows = text.lines().map(|line| line.split_whitespace().filter_map(|word| word.parse::<f64>().ok()).collect());
+    let rows = text.lines().map(|line| {
+        line.split_whitespace()
+            .filter_map(|word| word.parse::<f64>().ok())
+            .collect()
+    });
     let atoms = rows.filter(|row: &Vec<f64>| row.len() == 4);
-    Some(atoms.map(|row| (Vec3::new(row[0], row[1], row[2]), row[3])).unzip())
+    Some(
+        atoms
+            .map(|row| (Vec3::new(row[0], row[1], row[2]), row[3]))
+            .unzip(),
+    )
 }
 
 fn surface(criterion: &mut Criterion) {
-    let given = std::env::var("PROTOMER_XYZR").ok().and_then(|path| read_xyzr(&path));
+    let given = std::env::var("PROTOMER_XYZR")
+        .ok()
+        .and_then(|path| read_xyzr(&path));
     let (centres, radii) = given.unwrap_or_else(|| globule(1000));
-    let Ok(accessible) = Arrangement::new(&centres, &radii, 1.4) else { return };
+    let Ok(accessible) = Arrangement::new(&centres, &radii, 1.4) else {
+        return;
+    };
     let solid = SesSolid::new(&accessible);
     let mut group = criterion.benchmark_group(format!("surface_{}_atoms", centres.len()));
     group.sample_size(20);
-    group.bench_function("arrangement", |b| b.iter(|| Arrangement::new(black_box(&centres), &radii, 1.4)));
-    group.bench_function("solid", |b| b.iter(|| SesSolid::new(black_box(&accessible))));
-    group.bench_function("measure", |b| b.iter(|| Measure::new(black_box(&accessible))));
+    group.bench_function("arrangement", |b| {
+        b.iter(|| Arrangement::new(black_box(&centres), &radii, 1.4))
+    });
+    group.bench_function("solid", |b| {
+        b.iter(|| SesSolid::new(black_box(&accessible)))
+    });
+    group.bench_function("measure", |b| {
+        b.iter(|| Measure::new(black_box(&accessible)))
+    });
     let points: Vec<Vec3> = near_surface(&solid, &accessible);
     let mut next = 0;
     group.bench_function("signed_distance", |b| {

@@ -1,4 +1,5 @@
-//! The rigid body: mesh, charges, hydropathy, mass. Immutable, and shared between simulations behind an `Arc`.
+//! The rigid body: mesh, charges, hydropathy, mass. Immutable, and shared between simulations
+//! behind an `Arc`.
 
 use protomer_kernel::mesh::MassProperties;
 use protomer_kernel::{TriangleMesh, Vec3};
@@ -14,7 +15,8 @@ pub struct Body {
     pub mesh: TriangleMesh,
     /// Charge sites, one per atom.
     pub sites: Vec<Site>,
-    /// Residues, in the order of the structure file; empty for a body made from a bare mesh and charges.
+    /// Residues, in the order of the structure file; empty for a body made from a bare mesh and
+    /// charges.
     pub residues: Vec<Residue>,
     /// Volume, centroid and inertia of the solid inside the mesh.
     pub mass_properties: MassProperties,
@@ -50,7 +52,8 @@ pub struct Residue {
     pub name: String,
     /// Net charge at the body's pH, e.
     pub charge_e: f64,
-    /// Kyte-Doolittle hydropathy index (J. Mol. Biol. 157, 105 (1982)); `None` where the scale has no value.
+    /// Kyte-Doolittle hydropathy index (J. Mol. Biol. 157, 105 (1982)); `None` where the scale has
+    /// no value.
     pub hydropathy: Option<f64>,
 }
 
@@ -80,6 +83,10 @@ impl Body {
 
     /// Radius of the sphere about the body's origin that holds every charge, Å.
     pub fn charge_radius_angstrom(&self) -> f64 {
-        self.sites.iter().map(|site| site.position.norm_squared()).fold(0.0, f64::max).sqrt()
+        self.sites
+            .iter()
+            .map(|site| site.position.norm_squared())
+            .fold(0.0, f64::max)
+            .sqrt()
     }
 }

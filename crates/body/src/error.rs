@@ -33,5 +33,9 @@ pub enum BodyError {
 pub type Result<T> = std::result::Result<T, BodyError>;
 
 fn place(file: &str, line: usize) -> String {
-    if line == 0 { file.to_owned() } else { format!("{file}:{line}") }
+    if line == 0 {
+        file.to_owned()
+    } else {
+        format!("{file}:{line}")
+    }
 }

@@ -23,7 +23,7 @@ pub mod surface;
 
 pub use body::{Body, Provenance, Residue, Site};
 pub use build::{
-    BodySettings, BuiltBody, Source, SurfaceSettings, build_body, build_body_of_points, build_body_of_selection,
-    structure_warnings, surface_of_sites,
+    BodySettings, BuiltBody, Source, SurfaceSettings, build_body, build_body_of_points,
+    build_body_of_selection, structure_warnings, surface_of_sites,
 };
 pub use error::{BodyError, Result};

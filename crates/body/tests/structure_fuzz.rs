@@ -1,6 +1,13 @@
-//! Damaged files: read or refused with a message, never a panic, a hang or an allocation out of proportion.
+//! Damaged files: read or refused with a message, never a panic, a hang or an allocation out of
+//! proportion.
 
-#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, clippy::print_stderr, reason = "tests")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "tests"
+)]
 
 mod common;
 
@@ -29,17 +36,30 @@ fn digest(text: &[u8]) {
         keep_nucleic_acids: true,
         ..SelectionSettings::default()
     };
-    let assembly = structure.assemblies.first().map(|assembly| assembly.id.clone());
-    let assembled = SelectionSettings { assembly, ..SelectionSettings::default() };
+    let assembly = structure
+        .assemblies
+        .first()
+        .map(|assembly| assembly.id.clone());
+    let assembled = SelectionSettings {
+        assembly,
+        ..SelectionSettings::default()
+    };
     for (settings, charges) in [
         (SelectionSettings::default(), ChargeModel::ForceField),
         (everything, ChargeModel::Formal),
         (assembled, ChargeModel::None),
     ] {
-        let Ok(selection) = structure.select(&settings) else { continue };
+        let Ok(selection) = structure.select(&settings) else {
+            continue;
+        };
         let sites = build_sites(&selection, &SiteSettings { ph: 7.4, charges }).unwrap();
         let sum: f64 = sites.residues.iter().map(|residue| residue.charge_e).sum();
-        let scale = 1.0 + sites.residues.iter().map(|residue| residue.charge_e.abs()).sum::<f64>();
+        let scale = 1.0
+            + sites
+                .residues
+                .iter()
+                .map(|residue| residue.charge_e.abs())
+                .sum::<f64>();
         assert!((sites.net_charge_e() - sum).abs() < 1e-9 * scale);
         body_types(&selection).unwrap();
     }
@@ -90,7 +110,11 @@ fn damage(original: &[u8], rng: &mut SmallRng) -> Vec<u8> {
         let end = (at + rng.random_range(0..200)).min(text.len());
         match rng.random_range(0..8) {
             0 => text[at] = rng.random(),
-            1 => text[at] = *b" 0123456789.-ABCDH'\";_\n(),?"[..].get(rng.random_range(0..27)).unwrap_or(&b' '),
+            1 => {
+                text[at] = *b" 0123456789.-ABCDH'\";_\n(),?"[..]
+                    .get(rng.random_range(0..27))
+                    .unwrap_or(&b' ')
+            }
             2 => drop(text.drain(at..end)),
             3 => {
                 let piece = text[at..end].to_vec();
@@ -115,24 +139,42 @@ fn damage(original: &[u8], rng: &mut SmallRng) -> Vec<u8> {
 
 /// Short excerpts of real files: the head, and a stretch of the middle.
 fn seeds() -> Vec<Vec<u8>> {
-    let mut seeds: Vec<Vec<u8>> = ["1bd2_short.pdb.gz", "1bd2_short.cif.gz"].map(|name| bytes(&bundled(), name)).into();
+    let mut seeds: Vec<Vec<u8>> = ["1bd2_short.pdb.gz", "1bd2_short.cif.gz"]
+        .map(|name| bytes(&bundled(), name))
+        .into();
     let mut excerpt = |whole: &[u8], keep: &dyn Fn(&str) -> bool, most: usize| {
         let text = String::from_utf8_lossy(whole);
         let lines: Vec<&str> = text.lines().filter(|line| keep(line)).take(most).collect();
         seeds.push(lines.join("\n").into_bytes());
     };
     let protease = bytes(&bundled(), "4e43.pdb.gz");
-    let is_told = |line: &str| line.starts_with("REMARK 350") || line.starts_with("CRYST1") || line.starts_with("ATOM");
+    let is_told = |line: &str| {
+        line.starts_with("REMARK 350") || line.starts_with("CRYST1") || line.starts_with("ATOM")
+    };
     excerpt(&protease, &is_told, 160);
-    excerpt(&protease, &|line| line.starts_with("HETATM") || line.starts_with("TER"), 60);
+    excerpt(
+        &protease,
+        &|line| line.starts_with("HETATM") || line.starts_with("TER"),
+        60,
+    );
     let bpti = bytes(&bundled(), "5pti.cif.gz");
     let text = String::from_utf8_lossy(&bpti).into_owned();
     let lines: Vec<&str> = text.lines().collect();
-    let start = |prefix: &str| lines.iter().position(|line| line.starts_with(prefix)).unwrap_or(0);
+    let start = |prefix: &str| {
+        lines
+            .iter()
+            .position(|line| line.starts_with(prefix))
+            .unwrap_or(0)
+    };
     let assembly = start("_pdbx_struct_assembly.id");
     let sites = start("_atom_site.group_PDB");
-    let part: Vec<&str> =
-        [&["data_5PTI"], &lines[assembly - 1..assembly + 40], &["#", "loop_"], &lines[sites..sites + 90]].concat();
+    let part: Vec<&str> = [
+        &["data_5PTI"],
+        &lines[assembly - 1..assembly + 40],
+        &["#", "loop_"],
+        &lines[sites..sites + 90],
+    ]
+    .concat();
     seeds.push(part.join("\n").into_bytes());
     seeds.iter().for_each(|seed| digest(seed));
     seeds
@@ -224,14 +266,33 @@ fn a_hundred_megabytes_are_read_or_refused_in_seconds() {
     let cases = [
         ("one atom over and over", repeated("", line)),
         ("one row over and over", repeated(head, row)),
-        ("one residue of many atoms", numbered(head, &|i| format!("ATOM 1 C C{i} GLY A 1 11.104 6.134 -6.504\n"))),
-        ("many residues", numbered(head, &|i| format!("ATOM 1 C CA CYS A {i} 11.104 6.134 {}\n", i % 1000))),
-        ("many sulphurs in one place", numbered(head, &|i| format!("ATOM 1 S SG CYS A {i} 11.104 6.134 1\n"))),
+        (
+            "one residue of many atoms",
+            numbered(head, &|i| {
+                format!("ATOM 1 C C{i} GLY A 1 11.104 6.134 -6.504\n")
+            }),
+        ),
+        (
+            "many residues",
+            numbered(head, &|i| {
+                format!("ATOM 1 C CA CYS A {i} 11.104 6.134 {}\n", i % 1000)
+            }),
+        ),
+        (
+            "many sulphurs in one place",
+            numbered(head, &|i| format!("ATOM 1 S SG CYS A {i} 11.104 6.134 1\n")),
+        ),
         ("many models", repeated("", &format!("MODEL\n{line}"))),
         ("one line", repeated("", "ATOM  ")),
         ("semicolons", repeated("data_x\n_a.b\n;", "x;")),
         ("items", numbered("data_x\n", &|i| format!("_a.b{i} 1\n"))),
-        ("remarks", repeated("", "REMARK 350   BIOMT1   1  1.000000  0.000000  0.000000        0.00000\n")),
+        (
+            "remarks",
+            repeated(
+                "",
+                "REMARK 350   BIOMT1   1  1.000000  0.000000  0.000000        0.00000\n",
+            ),
+        ),
         ("zeros", "\0".repeat(SIZE)),
         ("blanks", " ".repeat(SIZE)),
     ];

@@ -1,6 +1,11 @@
 //! Meshes of real proteins against their exact areas and volumes (../shared/reference/surface).
 
-#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stderr, reason = "helpers of tests may panic")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stderr,
+    reason = "helpers of tests may panic"
+)]
 
 mod solids;
 
@@ -11,42 +16,93 @@ use solids::worst;
 use std::time::Instant;
 
 fn read(name: &str) -> Option<(Vec<Vec3>, Vec<f64>)> {
-    let path = format!("{}/../../../shared/reference/surface/{name}", env!("CARGO_MANIFEST_DIR"));
+    let path = format!(
+        "{}/../../../shared/reference/surface/{name}",
+        env!("CARGO_MANIFEST_DIR")
+    );
     let Ok(text) = std::fs::read_to_string(&path) else {
         eprintln!("skipped: no {path}");
         return None;
     };
-    let rows = text.lines().map(|line| line.split_whitespace().map(|x| x.parse().unwrap()).collect::<Vec<f64>>());
-    Some(rows.map(|row| (Vec3::new(row[0], row[1], row[2]), row[3])).unzip())
+    let rows = text.lines().map(|line| {
+        line.split_whitespace()
+            .map(|x| x.parse().unwrap())
+            .collect::<Vec<f64>>()
+    });
+    Some(
+        rows.map(|row| (Vec3::new(row[0], row[1], row[2]), row[3]))
+            .unzip(),
+    )
 }
 
 /// Components, genus and cavities.
 type Shape = (usize, i64, usize);
 
-/// Name, exact area and volume at probe 1.4 Å, and the shape where it is known: by construction for the small cases; for
-/// 1crn and 1aki it is the same on lattices from 0.4 Å to 0.05 Å. 4ake has walls that end in cusps, whose holes depend on
-/// the lattice at every spacing down to 0.05 Å (genus 0 to 2, and once in a while one more piece); its five cavities do not.
+/// Name, exact area and volume at probe 1.4 Å, and the shape where it is known: by construction for
+/// the small cases; for 1crn and 1aki it is the same on lattices from 0.4 Å to 0.05 Å. 4ake has
+/// walls that end in cusps, whose holes depend on the lattice at every spacing down to 0.05 Å
+/// (genus 0 to 2, and once in a while one more piece); its five cavities do not.
 type Case = (&'static str, f64, f64, Option<Shape>);
 
 const CASES: [Case; 10] = [
     ("s1.xyzr", 36.31681108, 20.57952628, Some((1, 0, 0))),
-    ("s2a_overlap.xyzr", 57.53365247, 35.79288044, Some((1, 0, 0))),
-    ("s2b_singular_d5.8.xyzr", 72.9442406, 41.27369151, Some((2, 0, 0))),
-    ("s3a_equilateral_d2.8.xyzr", 85.59082136, 61.75072336, Some((1, 0, 0))),
-    ("s3b_equilateral_d5.0_cutconcave.xyzr", 120.03076417, 67.22084206, Some((1, 1, 0))),
-    ("s4_square_ring_genus1.xyzr", 156.95359458, 92.83641939, Some((1, 1, 0))),
+    (
+        "s2a_overlap.xyzr",
+        57.53365247,
+        35.79288044,
+        Some((1, 0, 0)),
+    ),
+    (
+        "s2b_singular_d5.8.xyzr",
+        72.9442406,
+        41.27369151,
+        Some((2, 0, 0)),
+    ),
+    (
+        "s3a_equilateral_d2.8.xyzr",
+        85.59082136,
+        61.75072336,
+        Some((1, 0, 0)),
+    ),
+    (
+        "s3b_equilateral_d5.0_cutconcave.xyzr",
+        120.03076417,
+        67.22084206,
+        Some((1, 1, 0)),
+    ),
+    (
+        "s4_square_ring_genus1.xyzr",
+        156.95359458,
+        92.83641939,
+        Some((1, 1, 0)),
+    ),
     ("s4_tetra.xyzr", 106.80553576, 82.23627732, Some((1, 0, 0))),
-    ("1crn_heavy.xyzr", 2319.06488988, 4664.89728464, Some((2, 0, 1))),
-    ("1aki_heavy.xyzr", 5821.03138074, 15113.46707688, Some((4, 0, 3))),
+    (
+        "1crn_heavy.xyzr",
+        2319.06488988,
+        4664.89728464,
+        Some((2, 0, 1)),
+    ),
+    (
+        "1aki_heavy.xyzr",
+        5821.03138074,
+        15113.46707688,
+        Some((4, 0, 3)),
+    ),
     ("4ake_heavy.xyzr", 10885.97612133, 25028.75531596, None),
 ];
 
 #[test]
 fn reference_surfaces_have_their_exact_area_and_volume_and_the_right_topology() {
     for (name, area_angstrom2, volume_angstrom3, shape) in CASES {
-        let Some((centres, radii)) = read(name) else { return };
+        let Some((centres, radii)) = read(name) else {
+            return;
+        };
         for density in [0.5, 1.0, 2.0, 4.0] {
-            let settings = MeshSettings { density_per_angstrom2: density, ..MeshSettings::default() };
+            let settings = MeshSettings {
+                density_per_angstrom2: density,
+                ..MeshSettings::default()
+            };
             let start = Instant::now();
             let surface = solvent_excluded_surface(&centres, &radii, 1.4, &settings).unwrap();
             let (mesh, topology) = (&surface.mesh, surface.topology);
@@ -61,18 +117,31 @@ fn reference_surfaces_have_their_exact_area_and_volume_and_the_right_topology() 
                 worst(mesh),
                 start.elapsed()
             );
-            assert!(area.abs() < 0.01 && volume.abs() < 0.002, "{name} {density}");
+            assert!(
+                area.abs() < 0.01 && volume.abs() < 0.002,
+                "{name} {density}"
+            );
             let found = (topology.components, topology.genus, topology.cavities);
-            assert!(shape.is_none_or(|shape| shape == found), "{name}: {found:?}");
+            assert!(
+                shape.is_none_or(|shape| shape == found),
+                "{name}: {found:?}"
+            );
             assert!(worst(mesh).0 > 1e-6);
             let wanted = density * area_angstrom2;
             let outside = surface.clone().without_cavities().unwrap();
             assert_eq!(outside.topology.cavities, 0);
-            assert_eq!(outside.topology.components, topology.components - topology.cavities);
-            assert!(outside.relative_area_error().abs() < 0.01 && outside.relative_volume_error().abs() < 0.002);
+            assert_eq!(
+                outside.topology.components,
+                topology.components - topology.cavities
+            );
+            assert!(
+                outside.relative_area_error().abs() < 0.01
+                    && outside.relative_volume_error().abs() < 0.002
+            );
             assert!(worst(&outside.mesh).0 > 1e-6);
             assert!(
-                wanted < 120.0 * topology.components as f64 || (mesh.vertices.len() as f64 / wanted - 1.0).abs() < 0.25
+                wanted < 120.0 * topology.components as f64
+                    || (mesh.vertices.len() as f64 / wanted - 1.0).abs() < 0.25
             );
         }
     }
@@ -80,14 +149,17 @@ fn reference_surfaces_have_their_exact_area_and_volume_and_the_right_topology() 
 
 #[test]
 fn a_protein_turned_has_the_same_mesh() {
-    let Some((centres, radii)) = read("1crn_heavy.xyzr") else { return };
+    let Some((centres, radii)) = read("1crn_heavy.xyzr") else {
+        return;
+    };
     let mut dice = Dice(1);
     let mut counts = Vec::new();
     for _ in 0..20 {
         let mut angle = || std::f64::consts::TAU * dice.unit();
         let turn = protomer_kernel::Rotation::from_euler_angles(angle(), angle(), angle());
         let centres: Vec<Vec3> = centres.iter().map(|centre| turn * centre).collect();
-        let surface = solvent_excluded_surface(&centres, &radii, 1.4, &MeshSettings::default()).unwrap();
+        let surface =
+            solvent_excluded_surface(&centres, &radii, 1.4, &MeshSettings::default()).unwrap();
         counts.push((surface.topology, surface.mesh.vertices.len()));
     }
     assert!(counts.iter().all(|count| *count == counts[0]), "{counts:?}");
@@ -96,9 +168,14 @@ fn a_protein_turned_has_the_same_mesh() {
 fn assert_clusters_are_meshed(seeds: std::ops::Range<u64>) {
     for seed in seeds {
         let atoms = cluster(seed, 3 + (seed % 58) as usize);
-        let (centres, radii): (Vec<Vec3>, Vec<f64>) = atoms.iter().map(|&(x, y, z, r)| (Vec3::new(x, y, z), r)).unzip();
+        let (centres, radii): (Vec<Vec3>, Vec<f64>) = atoms
+            .iter()
+            .map(|&(x, y, z, r)| (Vec3::new(x, y, z), r))
+            .unzip();
         let surface = solvent_excluded_surface(&centres, &radii, 1.4, &MeshSettings::default());
-        let mesh = surface.unwrap_or_else(|error| panic!("{seed}: {error}")).mesh;
+        let mesh = surface
+            .unwrap_or_else(|error| panic!("{seed}: {error}"))
+            .mesh;
         mesh.topology().unwrap();
         assert!(worst(&mesh).0 > 1e-6, "{seed}: {:?}", worst(&mesh));
     }
@@ -116,24 +193,42 @@ fn a_thousand_awkward_clusters_give_valid_excluded_surfaces() {
 }
 
 fn shape(surface: &Surface) -> Shape {
-    (surface.topology.components, surface.topology.genus, surface.topology.cavities)
+    (
+        surface.topology.components,
+        surface.topology.genus,
+        surface.topology.cavities,
+    )
 }
 
 #[test]
 fn proteins_have_their_settled_topology_however_they_are_turned() {
-    for (name, cavities, settled) in [("1aki_heavy.xyzr", 3, Some((4, 0, 3))), ("4ake_heavy.xyzr", 5, None)] {
-        let Some((centres, radii)) = read(name) else { return };
+    for (name, cavities, settled) in [
+        ("1aki_heavy.xyzr", 3, Some((4, 0, 3))),
+        ("4ake_heavy.xyzr", 5, None),
+    ] {
+        let Some((centres, radii)) = read(name) else {
+            return;
+        };
         let mut dice = Dice(3);
         let mut shapes = Vec::new();
         for _ in 0..3 {
             let mut angle = || std::f64::consts::TAU * dice.unit();
             let turn = protomer_kernel::Rotation::from_euler_angles(angle(), angle(), angle());
             let turned: Vec<Vec3> = centres.iter().map(|centre| turn * centre).collect();
-            let surface = solvent_excluded_surface(&turned, &radii, 1.4, &MeshSettings::default()).unwrap();
+            let surface =
+                solvent_excluded_surface(&turned, &radii, 1.4, &MeshSettings::default()).unwrap();
             shapes.push(shape(&surface));
         }
-        assert!(shapes.iter().all(|shape| *shape == shapes[0] && shape.2 == cavities), "{name}: {shapes:?}");
-        assert!(settled.is_none_or(|settled| settled == shapes[0]), "{name}: {shapes:?}");
+        assert!(
+            shapes
+                .iter()
+                .all(|shape| *shape == shapes[0] && shape.2 == cavities),
+            "{name}: {shapes:?}"
+        );
+        assert!(
+            settled.is_none_or(|settled| settled == shapes[0]),
+            "{name}: {shapes:?}"
+        );
     }
 }
 
@@ -141,10 +236,18 @@ fn proteins_have_their_settled_topology_however_they_are_turned() {
 #[test]
 #[ignore = "reason: slow; run by name"]
 fn the_topology_of_proteins_converges_with_the_lattice() {
-    for (name, settled) in [("1crn_heavy.xyzr", (2, 0, 1)), ("1aki_heavy.xyzr", (4, 0, 3))] {
-        let Some((centres, radii)) = read(name) else { return };
+    for (name, settled) in [
+        ("1crn_heavy.xyzr", (2, 0, 1)),
+        ("1aki_heavy.xyzr", (4, 0, 3)),
+    ] {
+        let Some((centres, radii)) = read(name) else {
+            return;
+        };
         for base_spacing_angstrom in [0.4, 0.3, 0.2, 0.1] {
-            let settings = MeshSettings { base_spacing_angstrom, ..MeshSettings::default() };
+            let settings = MeshSettings {
+                base_spacing_angstrom,
+                ..MeshSettings::default()
+            };
             let surface = solvent_excluded_surface(&centres, &radii, 1.4, &settings).unwrap();
             assert_eq!(shape(&surface), settled, "{name} {base_spacing_angstrom}");
         }

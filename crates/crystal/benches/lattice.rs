@@ -1,12 +1,13 @@
-//! Collision-free steps of open square lattices per second of processor time on one core, and where the time goes:
+//! Collision-free steps of open square lattices per second of processor time on one core, and where
+//! the time goes:
 //!
 //! ```text
 //! cargo bench -p protomer-crystal --bench lattice [-- sizes...]
 //! ```
 //!
-//! The start is the open coherent state with angular velocities U(-1, 1), projected onto the rods and scaled so that the
-//! rod that turns fastest turns by 0.005 in a step: every size is resolved alike. Times are the best of several blocks of
-//! a quarter of a second or more.
+//! The start is the open coherent state with angular velocities U(-1, 1), projected onto the rods
+//! and scaled so that the rod that turns fastest turns by 0.005 in a step: every size is resolved
+//! alike. Times are the best of several blocks of a quarter of a second or more.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
@@ -20,10 +21,14 @@ const STEP: f64 = 1e-3;
 const BLOCKS: usize = 4;
 const TURN_PER_STEP: f64 = 0.005;
 
-/// Processor time of this thread in seconds; where the system does not tell, the time since `origin`.
+/// Processor time of this thread in seconds; where the system does not tell, the time since
+/// `origin`.
 fn thread_seconds(origin: Instant) -> f64 {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-    let nanoseconds = text.split_whitespace().next().and_then(|word| word.parse::<f64>().ok());
+    let nanoseconds = text
+        .split_whitespace()
+        .next()
+        .and_then(|word| word.parse::<f64>().ok());
     nanoseconds.map_or_else(|| origin.elapsed().as_secs_f64(), |count| 1e-9 * count)
 }
 
@@ -33,7 +38,10 @@ fn main() {
     if !arguments.iter().any(|argument| argument == "--bench") {
         return;
     }
-    let mut sizes: Vec<usize> = arguments.iter().filter_map(|argument| argument.parse().ok()).collect();
+    let mut sizes: Vec<usize> = arguments
+        .iter()
+        .filter_map(|argument| argument.parse().ok())
+        .collect();
     if sizes.is_empty() {
         sizes = vec![10, 32, 100, 316];
     }
@@ -42,7 +50,8 @@ fn main() {
         "size steps/s corrections/step | ms: step factor+J solve violations | fill per rod, multiplications, fronts | worst rod, worst J v"
     );
     for size in sizes {
-        let network = Network::lattice(size, size, 0.136, Square::default(), Edges::Open, FRAC_PI_4).unwrap();
+        let network =
+            Network::lattice(size, size, 0.136, Square::default(), Edges::Open, FRAC_PI_4).unwrap();
         let network = Arc::new(network);
         let mut state = State::coherent(&network, FRAC_PI_4);
         let mut dynamics = Dynamics::new(network.clone(), Vec::new(), &state).unwrap();
@@ -51,8 +60,13 @@ fn main() {
             velocity[2] = rng.uniform_in(-1.0, 1.0);
         }
         dynamics.project_velocities(&mut state.velocities);
-        let rate = dynamics.rods().largest_turning_rate(&state.positions, &state.velocities);
-        state.velocities.iter_mut().for_each(|velocity| *velocity *= TURN_PER_STEP / STEP / rate);
+        let rate = dynamics
+            .rods()
+            .largest_turning_rate(&state.positions, &state.velocities);
+        state
+            .velocities
+            .iter_mut()
+            .for_each(|velocity| *velocity *= TURN_PER_STEP / STEP / rate);
         dynamics.prepare(&state).unwrap();
         for _ in 0..3 {
             dynamics.step(&mut state, STEP).unwrap();

@@ -6,23 +6,45 @@ mod common;
 
 use common::two_squares;
 use protomer_crystal::Result;
-use protomer_crystal::analysis::lyapunov::{CollisionFlow, LyapunovSettings, RodFlow, maximal_exponent};
+use protomer_crystal::analysis::lyapunov::{
+    CollisionFlow, LyapunovSettings, RodFlow, maximal_exponent,
+};
 use protomer_crystal::analysis::modes::{ModeEnergies, Modes, OutOf, orientational_spread};
 use protomer_crystal::analysis::spread::FirstMaximum;
-use protomer_crystal::analysis::strain::{biot_strain, centres, corners, deformation_gradient, poisson_ratio};
+use protomer_crystal::analysis::strain::{
+    biot_strain, centres, corners, deformation_gradient, poisson_ratio,
+};
 use protomer_crystal::analysis::synchronisation::{Synchronisation, angles, staggered};
 use protomer_crystal::lattice::{
-    AngularVelocities, Coherence, CollisionSettings, Dynamics, Edges, Engine, Force, Network, Square, Start, State,
+    AngularVelocities, Coherence, CollisionSettings, Dynamics, Edges, Engine, Force, Network,
+    Square, Start, State,
 };
 use std::f64::consts::{FRAC_PI_4, PI};
 use std::sync::Arc;
 
 fn lattice(size: usize, rod_length: f64) -> Arc<Network> {
-    Arc::new(Network::lattice(size, size, rod_length, Square::default(), Edges::Open, FRAC_PI_4).unwrap())
+    Arc::new(
+        Network::lattice(
+            size,
+            size,
+            rod_length,
+            Square::default(),
+            Edges::Open,
+            FRAC_PI_4,
+        )
+        .unwrap(),
+    )
 }
 
 fn one_square() -> Network {
-    Network { rows: 1, columns: 1, squares: vec![Square::default()], rods: Vec::new(), cell: None, places: None }
+    Network {
+        rows: 1,
+        columns: 1,
+        squares: vec![Square::default()],
+        rods: Vec::new(),
+        cell: None,
+        places: None,
+    }
 }
 
 /// The cat map, (x, y) → (2x + y, x + y) mod 1, has λ = ln((3 + √5)/2) everywhere.
@@ -34,13 +56,32 @@ fn the_cat_map_has_its_exponent() {
         state.velocities = vec![0.0; 3];
         Ok(())
     };
-    let mut state = State { time: 0.0, positions: vec![0.12, 0.41, 0.0], velocities: vec![0.0; 3] };
-    let settings = LyapunovSettings { interval: 1.0, ..LyapunovSettings::default() };
-    let found = maximal_exponent(&one_square(), &mut cat.clone(), &mut cat.clone(), &mut state, &settings).unwrap();
-    assert!((found.exponent - (1.5 + 0.5 * 5.0f64.sqrt()).ln()).abs() < 1e-6, "{}", found.exponent);
+    let mut state = State {
+        time: 0.0,
+        positions: vec![0.12, 0.41, 0.0],
+        velocities: vec![0.0; 3],
+    };
+    let settings = LyapunovSettings {
+        interval: 1.0,
+        ..LyapunovSettings::default()
+    };
+    let found = maximal_exponent(
+        &one_square(),
+        &mut cat.clone(),
+        &mut cat.clone(),
+        &mut state,
+        &settings,
+    )
+    .unwrap();
+    assert!(
+        (found.exponent - (1.5 + 0.5 * 5.0f64.sqrt()).ln()).abs() < 1e-6,
+        "{}",
+        found.exponent
+    );
 }
 
-/// Away from the top of a hill, ẍ = k² x, all trajectories part as exp(k t); in a valley, ẍ = -k² x, none do.
+/// Away from the top of a hill, ẍ = k² x, all trajectories part as exp(k t); in a valley, ẍ = -k²
+/// x, none do.
 #[test]
 fn hill_and_valley_have_their_exponents() {
     struct Hill(f64);
@@ -52,25 +93,42 @@ fn hill_and_valley_have_their_exponents() {
     }
     let network = Arc::new(one_square());
     let run = |stiffness: f64, intervals: usize| {
-        let mut state = State { time: 0.0, positions: vec![1e-6, 0.0, 0.0], velocities: vec![0.0; 3] };
+        let mut state = State {
+            time: 0.0,
+            positions: vec![1e-6, 0.0, 0.0],
+            velocities: vec![0.0; 3],
+        };
         let flow = |state: &State| {
-            RodFlow::new(Dynamics::new(network.clone(), vec![Box::new(Hill(stiffness))], state).unwrap(), 1e-3)
+            RodFlow::new(
+                Dynamics::new(network.clone(), vec![Box::new(Hill(stiffness))], state).unwrap(),
+                1e-3,
+            )
         };
         let (mut first, mut second) = (flow(&state), flow(&state));
-        let settings = LyapunovSettings { discarded: 20, intervals, interval: 0.25, ..LyapunovSettings::default() };
+        let settings = LyapunovSettings {
+            discarded: 20,
+            intervals,
+            interval: 0.25,
+            ..LyapunovSettings::default()
+        };
         maximal_exponent(&network, &mut first, &mut second, &mut state, &settings).unwrap()
     };
     let hill = run(1.44, 20);
     assert!((hill.exponent - 1.2).abs() < 1e-4, "{}", hill.exponent);
     // The free directions part linearly: ln(T)/T.
     let valley = run(-1.44, 2000);
-    assert!(valley.exponent.abs() < 2.0 * 500.0f64.ln() / 500.0, "{}", valley.exponent);
+    assert!(
+        valley.exponent.abs() < 2.0 * 500.0f64.ln() / 500.0,
+        "{}",
+        valley.exponent
+    );
 }
 
-/// Two squares and a rod in one line that turn about their middle: centrifugal forces hold the line, and neighbours do not
-/// part faster than linearly. Folded inwards over the rod they are balanced as a pencil on its tip: with the corners at
-/// a = 1.5 from the middle and Ω = l = 1, Lagrange's equations for small angles α against the rod give
-/// α̈ = al (a² - 2al + l² + I) / (a² I) α for both turned alike and α̈ = (a - l) l / I α for both turned oppositely, so that
+/// Two squares and a rod in one line that turn about their middle: centrifugal forces hold the
+/// line, and neighbours do not part faster than linearly. Folded inwards over the rod they are
+/// balanced as a pencil on its tip: with the corners at a = 1.5 from the middle and Ω = l = 1,
+/// Lagrange's equations for small angles α against the rod give α̈ = al (a² - 2al + l² + I) / (a²
+/// I) α for both turned alike and α̈ = (a - l) l / I α for both turned oppositely, so that
 /// neighbours part at rates between √(7/6) and √(3/2).
 #[test]
 fn a_turning_line_of_squares_is_regular_and_a_folded_one_is_not() {
@@ -81,24 +139,58 @@ fn a_turning_line_of_squares_is_regular_and_a_folded_one_is_not() {
         let x = 1.5 + outwards;
         let positions = vec![-x, 0.0, turned + PI - FRAC_PI_4, x, 0.0, turned - FRAC_PI_4];
         let velocities = vec![0.0, -x, 1.0, 0.0, x, 1.0];
-        let mut state = State { time: 0.0, positions, velocities };
-        let flow = |state: &State| RodFlow::new(Dynamics::new(network.clone(), Vec::new(), state).unwrap(), step);
+        let mut state = State {
+            time: 0.0,
+            positions,
+            velocities,
+        };
+        let flow = |state: &State| {
+            RodFlow::new(
+                Dynamics::new(network.clone(), Vec::new(), state).unwrap(),
+                step,
+            )
+        };
         let (mut first, mut second) = (flow(&state), flow(&state));
         // The steps themselves disturb the balance by their square, so it does not last.
         let (intervals, discarded) = if outwards > 0.0 { (1000, 20) } else { (8, 16) };
-        let settings = LyapunovSettings { interval: 0.25, intervals, discarded, ..LyapunovSettings::default() };
-        maximal_exponent(&network, &mut first, &mut second, &mut state, &settings).unwrap().exponent
+        let settings = LyapunovSettings {
+            interval: 0.25,
+            intervals,
+            discarded,
+            ..LyapunovSettings::default()
+        };
+        maximal_exponent(&network, &mut first, &mut second, &mut state, &settings)
+            .unwrap()
+            .exponent
     };
     let (line, folded) = (run(1.0, 0.01), run(-1.0, 1e-3));
     eprintln!("{line} {folded}");
     assert!(line.abs() < 2.0 * 250.0f64.ln() / 250.0, "{line}");
-    assert!(folded > (7.0f64 / 6.0).sqrt() && folded < 1.5f64.sqrt() + 1e-3, "{folded}");
+    assert!(
+        folded > (7.0f64 / 6.0).sqrt() && folded < 1.5f64.sqrt() + 1e-3,
+        "{folded}"
+    );
 }
 
-fn lattice_exponent(rod_length: f64, kappa: f64, settings: &LyapunovSettings, step: f64) -> (f64, f64) {
+fn lattice_exponent(
+    rod_length: f64,
+    kappa: f64,
+    settings: &LyapunovSettings,
+    step: f64,
+) -> (f64, f64) {
     let network = lattice(2, rod_length);
-    let velocities = AngularVelocities::Uniform { largest: 1.0, sum_of_squares: Some(4.0) };
-    let mut state = Start { velocities, seed: 4, ..Start::default() }.build(&network, 0).unwrap().state;
+    let velocities = AngularVelocities::Uniform {
+        largest: 1.0,
+        sum_of_squares: Some(4.0),
+    };
+    let mut state = Start {
+        velocities,
+        seed: 4,
+        ..Start::default()
+    }
+    .build(&network, 0)
+    .unwrap()
+    .state;
     let flow = |state: &State| {
         let forces: Vec<Box<dyn Force>> = vec![Box::new(Coherence { kappa })];
         RodFlow::new(Dynamics::new(network.clone(), forces, state).unwrap(), step)
@@ -108,15 +200,38 @@ fn lattice_exponent(rod_length: f64, kappa: f64, settings: &LyapunovSettings, st
     (found.exponent, found.standard_error)
 }
 
-/// Four squares that pass through each other (no collisions) and turn at random are chaotic, and the exponent does not
-/// depend on how it is measured.
+/// Four squares that pass through each other (no collisions) and turn at random are chaotic, and
+/// the exponent does not depend on how it is measured.
 #[test]
 fn four_squares_on_rods_are_chaotic_however_it_is_measured() {
-    let base = LyapunovSettings { interval: 0.5, discarded: 40, intervals: 1200, ..LyapunovSettings::default() };
+    let base = LyapunovSettings {
+        interval: 0.5,
+        discarded: 40,
+        intervals: 1200,
+        ..LyapunovSettings::default()
+    };
     let found = [
         lattice_exponent(1.0, 0.0, &base, 0.01),
-        lattice_exponent(1.0, 0.0, &LyapunovSettings { separation: 1e-9, ..base }, 0.01),
-        lattice_exponent(1.0, 0.0, &LyapunovSettings { interval: 0.25, intervals: 2400, seed: 7, ..base }, 0.005),
+        lattice_exponent(
+            1.0,
+            0.0,
+            &LyapunovSettings {
+                separation: 1e-9,
+                ..base
+            },
+            0.01,
+        ),
+        lattice_exponent(
+            1.0,
+            0.0,
+            &LyapunovSettings {
+                interval: 0.25,
+                intervals: 2400,
+                seed: 7,
+                ..base
+            },
+            0.005,
+        ),
     ];
     eprintln!("{found:?}");
     for (exponent, error) in found {
@@ -130,27 +245,58 @@ fn four_squares_on_rods_are_chaotic_however_it_is_measured() {
 #[test]
 fn colliding_squares_are_chaotic() {
     let network = lattice(2, 0.5);
-    let velocities = AngularVelocities::Uniform { largest: 1.0, sum_of_squares: Some(4.0) };
-    let mut state = Start { velocities, seed: 4, ..Start::default() }.build(&network, 0).unwrap().state;
+    let velocities = AngularVelocities::Uniform {
+        largest: 1.0,
+        sum_of_squares: Some(4.0),
+    };
+    let mut state = Start {
+        velocities,
+        seed: 4,
+        ..Start::default()
+    }
+    .build(&network, 0)
+    .unwrap()
+    .state;
     let flow = |state: &State| {
         CollisionFlow::new(
-            Engine::new(network.clone(), Vec::new(), state, CollisionSettings::default()).unwrap(),
+            Engine::new(
+                network.clone(),
+                Vec::new(),
+                state,
+                CollisionSettings::default(),
+            )
+            .unwrap(),
             0.005,
         )
     };
     let (mut first, mut second) = (flow(&state), flow(&state));
-    let settings = LyapunovSettings { interval: 0.25, discarded: 20, intervals: 400, ..LyapunovSettings::default() };
+    let settings = LyapunovSettings {
+        interval: 0.25,
+        discarded: 20,
+        intervals: 400,
+        ..LyapunovSettings::default()
+    };
     let found = maximal_exponent(&network, &mut first, &mut second, &mut state, &settings).unwrap();
-    eprintln!("{} ± {}, {:?}", found.exponent, found.standard_error, first.engine().statistics());
+    eprintln!(
+        "{} ± {}, {:?}",
+        found.exponent,
+        found.standard_error,
+        first.engine().statistics()
+    );
     assert!(first.engine().statistics().impacts > 50);
     assert!(found.exponent > 6.0 * found.standard_error);
 }
 
-/// Poisson's ratio of a lattice that only opens and closes is -1 from its trajectory, by either points.
+/// Poisson's ratio of a lattice that only opens and closes is -1 from its trajectory, by either
+/// points.
 #[test]
 fn a_coherent_trajectory_is_auxetic() {
     let network = lattice(2, 0.5);
-    let start = Start { angle: 0.3, velocities: AngularVelocities::Checkerboard { rate: 1.0 }, ..Start::default() };
+    let start = Start {
+        angle: 0.3,
+        velocities: AngularVelocities::Checkerboard { rate: 1.0 },
+        ..Start::default()
+    };
     let mut state = start.build(&network, 0).unwrap().state;
     let mut dynamics = Dynamics::new(network.clone(), Vec::new(), &state).unwrap();
     let (mut by_centres, mut by_corners) = (Vec::new(), Vec::new());
@@ -165,28 +311,40 @@ fn a_coherent_trajectory_is_auxetic() {
             [strain[(0, 0)], strain[(1, 1)]]
         };
         by_centres.push(diagonal(&centres(&before), &centres(&state.positions)));
-        by_corners.push(diagonal(&corners(&network, &before), &corners(&network, &state.positions)));
+        by_corners.push(diagonal(
+            &corners(&network, &before),
+            &corners(&network, &state.positions),
+        ));
         sync[0].push(&angles(&state.positions)).unwrap();
-        sync[1].push(&staggered(&network, &state.positions)).unwrap();
+        sync[1]
+            .push(&staggered(&network, &state.positions))
+            .unwrap();
     }
     for strains in [&by_centres, &by_corners] {
         let found = poisson_ratio(strains, 8).unwrap();
-        assert!((found.total + 1.0).abs() < 1e-9 && (found.ordinary + 1.0).abs() < 1e-9, "{found:?}");
+        assert!(
+            (found.total + 1.0).abs() < 1e-9 && (found.ordinary + 1.0).abs() < 1e-9,
+            "{found:?}"
+        );
     }
     let [plain, staggered] = sync.map(|sync| sync.index().unwrap());
     assert!((staggered[(0, 1)].norm() - 1.0).abs() < 1e-12 && plain[(0, 1)].norm() < 0.95);
     assert!((plain[(0, 3)].norm() - 1.0).abs() < 1e-12);
 }
 
-/// From the closed state at ω_c = 1 the coherence potential keeps the squares together the better the stronger it is (fig. 12):
-/// lower and earlier first maxima of the spread.
+/// From the closed state at ω_c = 1 the coherence potential keeps the squares together the better
+/// the stronger it is (fig. 12): lower and earlier first maxima of the spread.
 #[test]
 fn stronger_coherence_gives_lower_and_earlier_maxima_of_the_spread() {
     let network = lattice(4, 0.5);
-    let start = Start { velocities: AngularVelocities::Checkerboard { rate: 1.0 }, ..Start::closed() };
+    let start = Start {
+        velocities: AngularVelocities::Checkerboard { rate: 1.0 },
+        ..Start::closed()
+    };
     let found = [30.0, 100.0, 300.0].map(|kappa| {
         let mut state = start.build(&network, 0).unwrap().state;
-        let mut dynamics = Dynamics::new(network.clone(), vec![Box::new(Coherence { kappa })], &state).unwrap();
+        let mut dynamics =
+            Dynamics::new(network.clone(), vec![Box::new(Coherence { kappa })], &state).unwrap();
         let mut first = FirstMaximum::new(0.0);
         while first.found().is_none() && state.time < 2.0 {
             dynamics.step(&mut state, 1e-3).unwrap();
@@ -202,7 +360,10 @@ fn stronger_coherence_gives_lower_and_earlier_maxima_of_the_spread() {
 #[test]
 fn a_coherent_motion_has_all_its_rotation_in_the_checkerboard_mode() {
     let network = lattice(2, 1.0);
-    let start = Start { velocities: AngularVelocities::Checkerboard { rate: 1.0 }, ..Start::default() };
+    let start = Start {
+        velocities: AngularVelocities::Checkerboard { rate: 1.0 },
+        ..Start::default()
+    };
     let mut state = start.build(&network, 0).unwrap().state;
     let mut dynamics = Dynamics::new(network.clone(), Vec::new(), &state).unwrap();
     for _ in 0..100 {

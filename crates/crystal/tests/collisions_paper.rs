@@ -1,6 +1,11 @@
 //! The paper's collision protocol: what it does, and what it leaves behind.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr)]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::print_stderr
+)]
 
 mod common;
 
@@ -26,13 +31,23 @@ fn the_ansatz_is_singular_from_four_on_and_misses_rods_at_third_order() {
             .iter()
             .map(|time| {
                 let mut sigma = vec![0.0; network.rods.len()];
-                dynamics.rods().violations(&ansatz.land(*time).positions, &mut sigma).1.abs()
+                dynamics
+                    .rods()
+                    .violations(&ansatz.land(*time).positions, &mut sigma)
+                    .1
+                    .abs()
             })
             .collect();
-        eprintln!("{size}: {equations} equations of rank {}, rods off by {errors:?}", ansatz.rank());
+        eprintln!(
+            "{size}: {equations} equations of rank {}, rods off by {errors:?}",
+            ansatz.rank()
+        );
         assert_eq!(2 * network.rods.len(), equations);
         assert_eq!(ansatz.rank(), rank);
-        assert!(errors[0] > 1e-10 && (6.5..9.0).contains(&(errors[0] / errors[1])), "{errors:?}");
+        assert!(
+            errors[0] > 1e-10 && (6.5..9.0).contains(&(errors[0] / errors[1])),
+            "{errors:?}"
+        );
     }
 }
 
@@ -43,7 +58,16 @@ fn the_printed_corner_normal_depends_on_the_observer() {
     for (index, angle) in state.positions.iter_mut().skip(2).step_by(3).enumerate() {
         *angle += 0.1 * index as f64;
     }
-    let corners = [Corner { square: 0, vertex: 2 }, Corner { square: 1, vertex: 1 }];
+    let corners = [
+        Corner {
+            square: 0,
+            vertex: 2,
+        },
+        Corner {
+            square: 1,
+            vertex: 1,
+        },
+    ];
     let normal = printed_normal(&network, &state, corners[0], corners[1]).unwrap();
     for velocity in state.velocities.chunks_exact_mut(3) {
         velocity[0] += 1.0;
@@ -58,7 +82,13 @@ fn the_protocol_leaves_overlaps_and_the_engine_does_not() {
     let network = lattice(10, 3.0 / 22.0);
     for ansatz in [false, true] {
         let mut state = random_start(&network, 1);
-        let mut paper = PaperEngine::new(network.clone(), Vec::new(), &state, PaperSettings { ansatz }).unwrap();
+        let mut paper = PaperEngine::new(
+            network.clone(),
+            Vec::new(),
+            &state,
+            PaperSettings { ansatz },
+        )
+        .unwrap();
         let mut completed = 0;
         for step in 0..if ansatz { 120 } else { 300 } {
             if let Err(error) = paper.step(&mut state, 0.01) {
@@ -78,25 +108,38 @@ fn the_protocol_leaves_overlaps_and_the_engine_does_not() {
         }
     }
     let mut state = random_start(&network, 1);
-    let mut engine = Engine::new(network, Vec::new(), &state, CollisionSettings::default()).unwrap();
+    let mut engine =
+        Engine::new(network, Vec::new(), &state, CollisionSettings::default()).unwrap();
     for _ in 0..300 {
         engine.step(&mut state, 0.01).unwrap();
     }
     assert!(engine.statistics().smallest_gap.unwrap() > -1e-10);
 }
 
-/// One contact at a time: the equality and the inequality agree, and so do the trajectories, to the tolerance of the times.
+/// One contact at a time: the equality and the inequality agree, and so do the trajectories, to the
+/// tolerance of the times.
 #[test]
 fn single_contacts_agree_with_the_engine() {
     let network = lattice(2, 1.0);
     let start = random_start(&network, 1);
     let (mut a, mut b) = (start.clone(), start.clone());
-    let mut paper = PaperEngine::new(network.clone(), Vec::new(), &a, PaperSettings { ansatz: false }).unwrap();
+    let mut paper = PaperEngine::new(
+        network.clone(),
+        Vec::new(),
+        &a,
+        PaperSettings { ansatz: false },
+    )
+    .unwrap();
     let mut engine = Engine::new(network, Vec::new(), &b, CollisionSettings::default()).unwrap();
     while engine.statistics().impacts < 3 {
         paper.step(&mut a, 0.01).unwrap();
         engine.step(&mut b, 0.01).unwrap();
-        let difference = a.positions.iter().zip(&b.positions).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let difference = a
+            .positions
+            .iter()
+            .zip(&b.positions)
+            .map(|(a, b)| (a - b).abs())
+            .fold(0.0, f64::max);
         assert!(difference < 1e-7, "{difference:e} at t = {}", a.time);
     }
     assert!(paper.statistics().collisions >= 3);

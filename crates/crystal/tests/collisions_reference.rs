@@ -1,6 +1,11 @@
 //! First contacts and elastic impacts computed elsewhere.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr)]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::print_stderr
+)]
 
 use protomer_crystal::lattice::collision::replay::{first_contact, respond};
 use protomer_crystal::lattice::{Coherence, Dynamics, Edges, Network, Square, State};
@@ -16,17 +21,28 @@ fn references() -> Vec<(String, Value)> {
         return Vec::new();
     };
     let mut files: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
-    files.retain(|path| path.extension().is_some_and(|extension| extension == "json"));
+    files.retain(|path| {
+        path.extension()
+            .is_some_and(|extension| extension == "json")
+    });
     files.sort();
     let read = |path: std::path::PathBuf| {
         let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
-        (name, serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap())
+        (
+            name,
+            serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap(),
+        )
     };
     files.into_iter().map(read).collect()
 }
 
 fn numbers(value: &Value) -> Vec<f64> {
-    value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+    value
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|x| x.as_f64().unwrap())
+        .collect()
 }
 
 fn contacts(value: &Value) -> Vec<[usize; 3]> {
@@ -41,7 +57,10 @@ fn network(reference: &Value) -> Network {
 }
 
 fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    a.iter()
+        .zip(b)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f64::max)
 }
 
 #[test]
@@ -53,7 +72,11 @@ fn impacts_give_the_reference_velocities() {
         let listed = contacts(&contact["contacts"]);
         let response = respond(&network, &positions, &velocities, &listed, 1.0).unwrap();
         let error = largest_difference(&response.velocities_after, &numbers(&contact["v_after"]));
-        eprintln!("{name}: {} listed, {} touches, v_after off by {error:.1e}", listed.len(), response.contacts.len());
+        eprintln!(
+            "{name}: {} listed, {} touches, v_after off by {error:.1e}",
+            listed.len(),
+            response.contacts.len()
+        );
         assert!(error < 1e-10, "{name}: {error:e}");
         assert!(response.impulses.iter().all(|impulse| *impulse >= 0.0));
     }
@@ -85,6 +108,9 @@ fn first_contacts_are_those_of_the_reference() {
             (found.time - time).abs()
         });
         assert!(errors[0] < 1e-4, "{name}: {errors:?}");
-        assert!((3.7..4.3).contains(&(errors[0] / errors[1])), "{name}: {errors:?}");
+        assert!(
+            (3.7..4.3).contains(&(errors[0] / errors[1])),
+            "{name}: {errors:?}"
+        );
     }
 }

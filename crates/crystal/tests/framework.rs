@@ -1,6 +1,11 @@
 //! Elastic constants against printed tables, closed formulas and finite differences.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr)]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::print_stderr
+)]
 
 use nalgebra::DMatrix;
 use protomer_crystal::framework::analytic::Honeycomb;
@@ -9,7 +14,8 @@ use protomer_crystal::framework::energy::{Configuration, NetworkEnergy};
 use protomer_crystal::framework::load::{minimise, stretch_curve};
 use protomer_crystal::framework::moduli::polar;
 use protomer_crystal::framework::{
-    Elasticity, Framework, Hinge, Load, Moduli, Neighbour, Rod, StressKind, Torsion, gpa_per_kcal_mol_angstrom3,
+    Elasticity, Framework, Hinge, Load, Moduli, Neighbour, Rod, StressKind, Torsion,
+    gpa_per_kcal_mol_angstrom3,
 };
 use protomer_kernel::random::CounterRng;
 use std::path::Path;
@@ -31,7 +37,8 @@ fn made_of(theta_deg: f64, kh: f64, ks: f64) -> Honeycomb {
 
 #[test]
 fn all_eighteen_honeycombs_are_those_of_the_reference() {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/reference/emuda/emuda_tables.json");
+    let file = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../../shared/reference/emuda/emuda_tables.json");
     let Ok(text) = std::fs::read(&file) else {
         eprintln!("skipped: {} is absent", file.display());
         return;
@@ -51,14 +58,20 @@ fn all_eighteen_honeycombs_are_those_of_the_reference() {
                 moduli.poissons[1][0].unwrap(),
             ];
             for (a, b) in ours.iter().zip(row["EMUDA_exact"].as_array().unwrap()) {
-                assert!((a / b.as_f64().unwrap() - 1.0).abs() < 1e-9, "{case} {theta}: {a} {b}");
+                assert!(
+                    (a / b.as_f64().unwrap() - 1.0).abs() < 1e-9,
+                    "{case} {theta}: {a} {b}"
+                );
             }
             assert!((moduli.shear_gpa[0].unwrap() / number("G_yz_GPa") - 1.0).abs() < 1e-9);
             for (i, line) in row["C_clamped_GPa"].as_array().unwrap().iter().enumerate() {
                 for (j, expected) in line.as_array().unwrap().iter().enumerate() {
                     let expected = expected.as_f64().unwrap();
                     let ours = elasticity.clamped_stiffness[(i, j)] * gpa();
-                    assert!((ours - expected).abs() < 1e-9 * 3e5, "{case} {theta}: {ours} {expected}");
+                    assert!(
+                        (ours - expected).abs() < 1e-9 * 3e5,
+                        "{case} {theta}: {ours} {expected}"
+                    );
                 }
             }
             let analytic = match case.as_str() {
@@ -66,9 +79,17 @@ fn all_eighteen_honeycombs_are_those_of_the_reference() {
                 "stretching" => honeycomb.stretching(gpa()),
                 _ => honeycomb.both(gpa()),
             };
-            let analytic = [analytic.e_y_gpa, analytic.e_z_gpa, analytic.nu_yz, analytic.nu_zy];
+            let analytic = [
+                analytic.e_y_gpa,
+                analytic.e_z_gpa,
+                analytic.nu_yz,
+                analytic.nu_zy,
+            ];
             for (a, b) in analytic.iter().zip(row["AM_calc"].as_array().unwrap()) {
-                assert!((a / b.as_f64().unwrap() - 1.0).abs() < 1e-9, "{case} {theta}: {a} {b}");
+                assert!(
+                    (a / b.as_f64().unwrap() - 1.0).abs() < 1e-9,
+                    "{case} {theta}: {a} {b}"
+                );
             }
             count += 1;
         }
@@ -93,12 +114,16 @@ fn compliances_add() {
         for (i, row) in stiffness.iter().enumerate() {
             for (j, expected) in row.iter().enumerate() {
                 let error = elasticity.stiffness[(i, j)] - expected;
-                assert!(error.abs() < 1e-9 * elasticity.stiffness.amax(), "{theta} {i} {j}: {error:e}");
+                assert!(
+                    error.abs() < 1e-9 * elasticity.stiffness.amax(),
+                    "{theta} {i} {j}: {error:e}"
+                );
             }
         }
         // A honeycomb that only hinges has one freedom for two strains.
         assert!(
-            honeycomb.hinging(1.0).stiffness_gpa().is_none() && honeycomb.stretching(1.0).stiffness_gpa().is_some()
+            honeycomb.hinging(1.0).stiffness_gpa().is_none()
+                && honeycomb.stretching(1.0).stiffness_gpa().is_some()
         );
     }
 }
@@ -110,7 +135,8 @@ fn supercells_are_the_same_material() {
     // The largest goes through the sparse solver.
     for counts in [[2, 2], [1, 3], [4, 4], [9, 8]] {
         let elasticity = Elasticity::of(&one.supercell(&counts).unwrap()).unwrap();
-        let error = (&elasticity.stiffness - &reference.stiffness).amax() / reference.stiffness.amax();
+        let error =
+            (&elasticity.stiffness - &reference.stiffness).amax() / reference.stiffness.amax();
         assert!(error < 1e-9, "{counts:?}: {error:e}");
     }
 }
@@ -124,7 +150,10 @@ fn rotating_polygons_shrink_alike_in_all_directions() {
         ];
         for net in nets {
             let moduli = Moduli::new(&Elasticity::of(&net).unwrap(), 1.0);
-            for ratio in [moduli.poissons[0][1].unwrap(), moduli.poissons[1][0].unwrap()] {
+            for ratio in [
+                moduli.poissons[0][1].unwrap(),
+                moduli.poissons[1][0].unwrap(),
+            ] {
                 assert!((ratio + 1.0).abs() < 2e-3, "{angle}: {ratio}");
             }
         }
@@ -136,9 +165,15 @@ fn rotating_polygons_shrink_alike_in_all_directions() {
             let elasticity = Elasticity::of(&net).unwrap();
             assert_eq!(elasticity.mechanisms.len(), 1);
             let strain = &elasticity.mechanisms[0].strain;
-            assert!((strain[0] - strain[1]).abs() < 1e-6 && strain[2].abs() < 1e-6, "{strain:?}");
+            assert!(
+                (strain[0] - strain[1]).abs() < 1e-6 && strain[2].abs() < 1e-6,
+                "{strain:?}"
+            );
             let moduli = Moduli::new(&elasticity, 1.0);
-            assert!(moduli.youngs_gpa[0].is_none() && (moduli.poissons[0][1].unwrap() + 1.0).abs() < 1e-6);
+            assert!(
+                moduli.youngs_gpa[0].is_none()
+                    && (moduli.poissons[0][1].unwrap() + 1.0).abs() < 1e-6
+            );
         }
     }
 }
@@ -151,12 +186,22 @@ fn moduli_off_the_axes_are_those_of_the_turned_network() {
     for direction in directions {
         let (sine, cosine) = (-direction.angle_deg).to_radians().sin_cos();
         let mut turned = net.clone();
-        for place in turned.nodes_angstrom.iter_mut().chain(&mut turned.cell_angstrom) {
-            *place = vec![cosine * place[0] - sine * place[1], sine * place[0] + cosine * place[1]];
+        for place in turned
+            .nodes_angstrom
+            .iter_mut()
+            .chain(&mut turned.cell_angstrom)
+        {
+            *place = vec![
+                cosine * place[0] - sine * place[1],
+                sine * place[0] + cosine * place[1],
+            ];
         }
         let moduli = Moduli::new(&Elasticity::of(&turned).unwrap(), 1.0);
         assert!((moduli.youngs_gpa[0].unwrap() / direction.youngs_gpa.unwrap() - 1.0).abs() < 1e-9);
-        assert!((moduli.poissons[0][1].unwrap() - direction.poissons.unwrap()).abs() < 1e-9, "{direction:?}");
+        assert!(
+            (moduli.poissons[0][1].unwrap() - direction.poissons.unwrap()).abs() < 1e-9,
+            "{direction:?}"
+        );
     }
 }
 
@@ -164,7 +209,12 @@ fn moduli_off_the_axes_are_those_of_the_turned_network() {
 #[test]
 fn a_mechanism_yields_only_to_loads_that_drive_it() {
     let n = |y: i32, z: i32| Neighbour::there(0, &[y, z]);
-    let rod = |to| Rod { from: 0, to, stiffness_kcal_mol_angstrom2: 5.0, rest_length_angstrom: None };
+    let rod = |to| Rod {
+        from: 0,
+        to,
+        stiffness_kcal_mol_angstrom2: 5.0,
+        rest_length_angstrom: None,
+    };
     let net = Framework {
         cell_angstrom: vec![vec![2.0, 0.0], vec![0.0, 4.0]],
         thickness_angstrom: 1.0,
@@ -177,48 +227,80 @@ fn a_mechanism_yields_only_to_loads_that_drive_it() {
     let moduli = Moduli::new(&elasticity, 1.0);
     // k (length along) / (width across), thickness 1.
     assert!(
-        (moduli.youngs_gpa[0].unwrap() - 2.5).abs() < 1e-12 && (moduli.youngs_gpa[1].unwrap() - 10.0).abs() < 1e-12
+        (moduli.youngs_gpa[0].unwrap() - 2.5).abs() < 1e-12
+            && (moduli.youngs_gpa[1].unwrap() - 10.0).abs() < 1e-12
     );
     assert!(moduli.poissons[0][1].unwrap().abs() < 1e-12 && moduli.shear_gpa[0].is_none());
     let directions = polar(&elasticity, 1.0, 4);
     assert!(directions[0].youngs_gpa.is_some() && directions[1].youngs_gpa.is_none());
-    assert!((directions[1].poissons.unwrap() - 1.0).abs() < 1e-12, "{directions:?}");
+    assert!(
+        (directions[1].poissons.unwrap() - 1.0).abs() < 1e-12,
+        "{directions:?}"
+    );
 }
 
 /// A turned network is turned back, and only turned.
 #[test]
 fn rotations_are_taken_out() {
-    for net in [build::rotating_triangles(2.0, 0.3, 5.0, 2.0).unwrap(), tetrahedral_chain()] {
-        let (energy, start) = (NetworkEnergy::new(&net).unwrap(), Configuration::built(&net));
+    for net in [
+        build::rotating_triangles(2.0, 0.3, 5.0, 2.0).unwrap(),
+        tetrahedral_chain(),
+    ] {
+        let (energy, start) = (
+            NetworkEnergy::new(&net).unwrap(),
+            Configuration::built(&net),
+        );
         let dimension = net.dimension();
         let mut strained = shaken(&net, 0.05, 2);
         strained = strained.without_rotation(&start);
         let mut turned = strained.clone();
         let (sine, cosine) = 0.4_f64.sin_cos();
-        let turn = |v: &mut [f64]| (v[0], v[1]) = (cosine * v[0] - sine * v[1], sine * v[0] + cosine * v[1]);
-        turned.nodes_angstrom.chunks_exact_mut(dimension).for_each(turn);
+        let turn = |v: &mut [f64]| {
+            (v[0], v[1]) = (cosine * v[0] - sine * v[1], sine * v[0] + cosine * v[1])
+        };
+        turned
+            .nodes_angstrom
+            .chunks_exact_mut(dimension)
+            .for_each(turn);
         turned.cell_angstrom.iter_mut().for_each(|v| turn(v));
         assert!((energy.energy(&turned) / energy.energy(&strained) - 1.0).abs() < 1e-9);
         let back = turned.without_rotation(&start);
         let pairs = back.nodes_angstrom.iter().zip(&strained.nodes_angstrom);
-        let cells = back.cell_angstrom.iter().flatten().zip(strained.cell_angstrom.iter().flatten());
+        let cells = back
+            .cell_angstrom
+            .iter()
+            .flatten()
+            .zip(strained.cell_angstrom.iter().flatten());
         assert!(pairs.chain(cells).all(|(a, b)| (a - b).abs() < 1e-12));
         // A pure strain has nothing to take out.
         let pure = shaken(&net, 0.0, 3);
         let same = pure.without_rotation(&start);
-        assert!(same.nodes_angstrom.iter().zip(&pure.nodes_angstrom).all(|(a, b)| (a - b).abs() < 1e-12));
+        assert!(
+            same.nodes_angstrom
+                .iter()
+                .zip(&pure.nodes_angstrom)
+                .all(|(a, b)| (a - b).abs() < 1e-12)
+        );
     }
 }
 
-/// Rest lengths and angles written out leave the energy as it was, wherever nodes and cell are then put.
+/// Rest lengths and angles written out leave the energy as it was, wherever nodes and cell are then
+/// put.
 #[test]
 fn rests_written_out_change_nothing() {
-    for (seed, net) in [build::rotating_triangles(2.0, 0.3, 5.0, 2.0).unwrap(), tetrahedral_chain()].iter().enumerate()
+    for (seed, net) in [
+        build::rotating_triangles(2.0, 0.3, 5.0, 2.0).unwrap(),
+        tetrahedral_chain(),
+    ]
+    .iter()
+    .enumerate()
     {
         let energy = NetworkEnergy::new(net).unwrap();
         let at = shaken(net, 0.1, seed as u64);
         let moved = at.place(&energy.with_rests(net));
-        let there = NetworkEnergy::new(&moved).unwrap().energy(&Configuration::built(&moved));
+        let there = NetworkEnergy::new(&moved)
+            .unwrap()
+            .energy(&Configuration::built(&moved));
         assert!((there / energy.energy(&at) - 1.0).abs() < 1e-12 && there > 1e-3);
     }
 }
@@ -226,24 +308,46 @@ fn rests_written_out_change_nothing() {
 #[test]
 fn cubic_nets_have_their_textbook_constants() {
     let (edge, ks) = (3.0, 7.0);
-    let fcc = Elasticity::of(&build::face_centred_cubic(edge, ks).unwrap()).unwrap().stiffness;
+    let fcc = Elasticity::of(&build::face_centred_cubic(edge, ks).unwrap())
+        .unwrap()
+        .stiffness;
     let diamond = Elasticity::of(&build::diamond(edge, ks, 0.0).unwrap()).unwrap();
-    for (i, j, of_fcc, of_diamond) in
-        [(0, 0, 2.0, 1.0 / 3.0), (0, 1, 1.0, 1.0 / 3.0), (3, 3, 1.0, 0.0), (0, 3, 0.0, 0.0), (4, 4, 1.0, 0.0)]
-    {
-        assert!((fcc[(i, j)] - of_fcc * ks / edge).abs() < 1e-12 * ks, "fcc {i} {j}: {}", fcc[(i, j)]);
-        assert!((diamond.stiffness[(i, j)] - of_diamond * ks / edge).abs() < 1e-12 * ks, "diamond {i} {j}");
+    for (i, j, of_fcc, of_diamond) in [
+        (0, 0, 2.0, 1.0 / 3.0),
+        (0, 1, 1.0, 1.0 / 3.0),
+        (3, 3, 1.0, 0.0),
+        (0, 3, 0.0, 0.0),
+        (4, 4, 1.0, 0.0),
+    ] {
+        assert!(
+            (fcc[(i, j)] - of_fcc * ks / edge).abs() < 1e-12 * ks,
+            "fcc {i} {j}: {}",
+            fcc[(i, j)]
+        );
+        assert!(
+            (diamond.stiffness[(i, j)] - of_diamond * ks / edge).abs() < 1e-12 * ks,
+            "diamond {i} {j}"
+        );
     }
     assert_eq!(diamond.mechanisms.len(), 5);
     assert!((diamond.clamped_stiffness[(3, 3)] - ks / (3.0 * edge)).abs() < 1e-12 * ks);
-    assert!(Elasticity::of(&build::diamond(edge, ks, 1.0).unwrap()).unwrap().mechanisms.is_empty());
+    assert!(
+        Elasticity::of(&build::diamond(edge, ks, 1.0).unwrap())
+            .unwrap()
+            .mechanisms
+            .is_empty()
+    );
 }
 
 fn shaken(framework: &Framework, amount: f64, seed: u64) -> Configuration {
     let mut rng = CounterRng::new(seed, 0, 0);
     let mut at = Configuration::built(framework);
-    at.nodes_angstrom.iter_mut().for_each(|x| *x += rng.uniform_in(-amount, amount));
-    let strains: Vec<f64> = (0..framework.strains()).map(|_| rng.uniform_in(-0.05, 0.05)).collect();
+    at.nodes_angstrom
+        .iter_mut()
+        .for_each(|x| *x += rng.uniform_in(-amount, amount));
+    let strains: Vec<f64> = (0..framework.strains())
+        .map(|_| rng.uniform_in(-0.05, 0.05))
+        .collect();
     at.strain(framework.dimension(), &strains);
     at
 }
@@ -253,7 +357,12 @@ fn tetrahedral_chain() -> Framework {
     let n = |node: usize, image: [i32; 3]| Neighbour::there(node, &image);
     // Any four nodes in a row, and a straight hinge over a rod and its image.
     net.torsions.push(Torsion {
-        along: [n(0, [0, 0, 0]), n(1, [0, 0, 0]), n(2, [0, 0, 0]), n(3, [0, 1, 0])],
+        along: [
+            n(0, [0, 0, 0]),
+            n(1, [0, 0, 0]),
+            n(2, [0, 0, 0]),
+            n(3, [0, 1, 0]),
+        ],
         stiffness_kcal_mol_rad2: 1.5,
         rest_angle_rad: Some(0.4),
     });
@@ -322,21 +431,38 @@ fn gradients_and_hessians_are_those_of_finite_differences() {
         for i in 0..n {
             let [low, high] = [-h, h].map(|step| energy.derivatives(&moved(Some((i, step)), None)));
             let slope = (high.energy - low.energy) / (2.0 * h);
-            assert!((slope - d.gradient[i]).abs() < 1e-7 * scale, "{index} gradient {i}: {slope} {}", d.gradient[i]);
+            assert!(
+                (slope - d.gradient[i]).abs() < 1e-7 * scale,
+                "{index} gradient {i}: {slope} {}",
+                d.gradient[i]
+            );
             for j in 0..n {
                 let slope = (high.gradient[j] - low.gradient[j]) / (2.0 * h);
-                assert!((slope - hessian[(i, j)]).abs() < 1e-7 * scale, "{index} {i} {j}: {slope} {}", hessian[(i, j)]);
+                assert!(
+                    (slope - hessian[(i, j)]).abs() < 1e-7 * scale,
+                    "{index} {i} {j}: {slope} {}",
+                    hessian[(i, j)]
+                );
             }
             for j in 0..s {
                 let slope = (high.strain_gradient[j] - low.strain_gradient[j]) / (2.0 * h);
-                assert!((slope - hessian[(i, n + j)]).abs() < 1e-7 * scale, "{index} mixed {i} {j}");
+                assert!(
+                    (slope - hessian[(i, n + j)]).abs() < 1e-7 * scale,
+                    "{index} mixed {i} {j}"
+                );
             }
         }
         for i in 0..s {
             let [low, high] = [-h, h].map(|step| energy.energy(&moved(None, Some((i, step)))));
-            assert!(((high - low) / (2.0 * h) - d.strain_gradient[i]).abs() < 1e-7 * scale, "{index} strain {i}");
+            assert!(
+                ((high - low) / (2.0 * h) - d.strain_gradient[i]).abs() < 1e-7 * scale,
+                "{index} strain {i}"
+            );
             let second = (high - 2.0 * d.energy + low) / (h * h);
-            assert!((second - d.strain_hessian[(i, i)]).abs() < 1e-4 * scale, "{index} strain {i}: {second}");
+            assert!(
+                (second - d.strain_hessian[(i, i)]).abs() < 1e-4 * scale,
+                "{index} strain {i}: {second}"
+            );
         }
     }
 }
@@ -348,7 +474,11 @@ fn small_loads_stretch_by_the_compliance() {
     let s = Elasticity::of(&net).unwrap().compliance().unwrap();
     for axis in 0..2 {
         for kind in [StressKind::Nominal, StressKind::Cauchy] {
-            let load = Load { axis, stress_kcal_mol_angstrom3: 1e-4, kind };
+            let load = Load {
+                axis,
+                stress_kcal_mol_angstrom3: 1e-4,
+                kind,
+            };
             let loaded = minimise(&net, true, Some(load)).unwrap();
             for other in 0..2 {
                 let expected = s[(other, axis)] * load.stress_kcal_mol_angstrom3;
@@ -360,21 +490,35 @@ fn small_loads_stretch_by_the_compliance() {
             }
         }
     }
-    // Far out the two kinds of stress part: this one grows wider when pulled, so a nominal stress is the smaller.
+    // Far out the two kinds of stress part: this one grows wider when pulled, so a nominal stress
+    // is the smaller.
     let net = build::honeycomb(&made_of(60.0, 50.0, 10_000.0)).unwrap();
     let loads = |kind| -> Vec<Load> {
-        (1..=5).map(|i| Load { axis: 0, stress_kcal_mol_angstrom3: 4.0 * f64::from(i), kind }).collect()
+        (1..=5)
+            .map(|i| Load {
+                axis: 0,
+                stress_kcal_mol_angstrom3: 4.0 * f64::from(i),
+                kind,
+            })
+            .collect()
     };
     let nominal = stretch_curve(&net, &loads(StressKind::Nominal)).unwrap();
     let cauchy = stretch_curve(&net, &loads(StressKind::Cauchy)).unwrap();
     let parted = nominal[4].stretch[0] / cauchy[4].stretch[0] - 1.0;
     assert!((-0.1..-0.02).contains(&parted), "{parted}");
-    assert!(nominal.windows(2).all(|pair| pair[0].stretch[0] < pair[1].stretch[0]));
+    assert!(
+        nominal
+            .windows(2)
+            .all(|pair| pair[0].stretch[0] < pair[1].stretch[0])
+    );
 }
 
 #[test]
 fn minimisation_comes_back() {
-    for net in [build::honeycomb(&made_of(120.0, 50.0, 200.0)).unwrap(), build::diamond(3.0, 5.0, 1.0).unwrap()] {
+    for net in [
+        build::honeycomb(&made_of(120.0, 50.0, 200.0)).unwrap(),
+        build::diamond(3.0, 5.0, 1.0).unwrap(),
+    ] {
         let mut moved = net.clone();
         // The rest lengths are those of the network as built, the nodes are elsewhere.
         let energy = NetworkEnergy::new(&net).unwrap();
@@ -383,19 +527,31 @@ fn minimisation_comes_back() {
             let place = |n: &Neighbour| -> Vec<f64> {
                 (0..net.dimension())
                     .map(|i| {
-                        let image =
-                            n.image.iter().zip(&net.cell_angstrom).map(|(c, v)| f64::from(*c) * v[i]).sum::<f64>();
+                        let image = n
+                            .image
+                            .iter()
+                            .zip(&net.cell_angstrom)
+                            .map(|(c, v)| f64::from(*c) * v[i])
+                            .sum::<f64>();
                         net.nodes_angstrom[n.node][i] + image
                     })
                     .collect()
             };
-            let d: f64 = place(&a).iter().zip(place(b)).map(|(x, y)| (x - y).powi(2)).sum();
+            let d: f64 = place(&a)
+                .iter()
+                .zip(place(b))
+                .map(|(x, y)| (x - y).powi(2))
+                .sum();
             rod.rest_length_angstrom = Some(d.sqrt());
         }
         moved.hinges.clear();
         let mut unhinged = moved.clone();
         let mut rng = CounterRng::new(3, 0, 0);
-        unhinged.nodes_angstrom.iter_mut().flatten().for_each(|x| *x += rng.uniform_in(-0.05, 0.05));
+        unhinged
+            .nodes_angstrom
+            .iter_mut()
+            .flatten()
+            .for_each(|x| *x += rng.uniform_in(-0.05, 0.05));
         let rest = minimise(&unhinged, false, None).unwrap();
         assert!(rest.energy_kcal_mol < 1e-15, "{}", rest.energy_kcal_mol);
         assert!(energy.energy(&Configuration::built(&net)) < 1e-25);
@@ -411,20 +567,42 @@ fn broken_networks_are_refused_with_the_reason() {
         let message = Elasticity::of(&bad).unwrap_err().to_string();
         assert!(message.contains(reason), "{message}");
     };
-    refuse(&|net| net.nodes_angstrom.push(vec![0.3, 0.3]), "node 4 has no rod");
-    refuse(&|net| net.nodes_angstrom[1] = net.nodes_angstrom[0].clone(), "rod 0 joins two places that coincide");
-    refuse(&|net| net.cell_angstrom[1] = net.cell_angstrom[0].clone(), "collapsed");
+    refuse(
+        &|net| net.nodes_angstrom.push(vec![0.3, 0.3]),
+        "node 4 has no rod",
+    );
+    refuse(
+        &|net| net.nodes_angstrom[1] = net.nodes_angstrom[0].clone(),
+        "rod 0 joins two places that coincide",
+    );
+    refuse(
+        &|net| net.cell_angstrom[1] = net.cell_angstrom[0].clone(),
+        "collapsed",
+    );
     refuse(&|net| net.rods[2].to.node = 9, "names node 9");
     refuse(&|net| net.rods[2].to.image = vec![1], "whole numbers");
-    refuse(&|net| net.rods[2].to.image = vec![i32::MIN, 0], "far enough");
-    refuse(&|net| net.rods[2].stiffness_kcal_mol_angstrom2 = -1.0, "zero or positive");
+    refuse(
+        &|net| net.rods[2].to.image = vec![i32::MIN, 0],
+        "far enough",
+    );
+    refuse(
+        &|net| net.rods[2].stiffness_kcal_mol_angstrom2 = -1.0,
+        "zero or positive",
+    );
     refuse(&|net| net.nodes_angstrom[0][0] = f64::NAN, "node 0");
     refuse(&|net| net.cell_angstrom.clear(), "2 or 3 dimensions");
     assert!(build::honeycomb(&made_of(180.0, 1.0, 1.0)).is_err());
-    assert!(build::honeycomb(&Honeycomb { h_angstrom: 0.2, ..made_of(30.0, 1.0, 1.0) }).is_err());
+    assert!(
+        build::honeycomb(&Honeycomb {
+            h_angstrom: 0.2,
+            ..made_of(30.0, 1.0, 1.0)
+        })
+        .is_err()
+    );
 }
 
-/// `cargo test --release -p protomer-crystal --test framework -- --ignored --nocapture` prints the times.
+/// `cargo test --release -p protomer-crystal --test framework -- --ignored --nocapture` prints the
+/// times.
 #[test]
 #[ignore = "a network of 1e5 nodes; run by name"]
 fn a_hundred_thousand_nodes_are_solved_sparsely() {
@@ -437,7 +615,11 @@ fn a_hundred_thousand_nodes_are_solved_sparsely() {
     let start = std::time::Instant::now();
     let large = one.supercell(&[158, 159]).unwrap();
     let elasticity = Elasticity::of(&large).unwrap();
-    eprintln!("{} nodes: {:?}", large.nodes_angstrom.len(), start.elapsed());
+    eprintln!(
+        "{} nodes: {:?}",
+        large.nodes_angstrom.len(),
+        start.elapsed()
+    );
     let reference = Elasticity::of(&one).unwrap();
     let error = (&elasticity.stiffness - &reference.stiffness).amax() / reference.stiffness.amax();
     assert!(error < 1e-8, "{error:e}");

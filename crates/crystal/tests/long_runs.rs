@@ -1,13 +1,20 @@
-//! Runs that are long, for what must hold however long they are. Run by name, `-- --ignored --nocapture`.
+//! Runs that are long, for what must hold however long they are. Run by name, `-- --ignored
+//! --nocapture`.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr)]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::print_stderr
+)]
 
 use protomer_crystal::analysis::grima::{CoherentOrbit, smallest_angle};
 use protomer_crystal::analysis::modes::Modes;
 use protomer_crystal::lattice::collision::replay::first_contact;
 use protomer_crystal::lattice::paper::{PaperEngine, PaperSettings};
 use protomer_crystal::lattice::{
-    AngularVelocities, CollisionSettings, Corner, Dynamics, Edges, Engine, Network, Square, Start, State,
+    AngularVelocities, CollisionSettings, Corner, Dynamics, Edges, Engine, Network, Square, Start,
+    State,
 };
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_4};
 use std::sync::Arc;
@@ -18,14 +25,27 @@ fn lattice(size: usize, r0: f64) -> Arc<Network> {
 
 /// The open lattice with angular velocities U(-1, 1) brought onto the rods.
 fn random_start(network: &Network, seed: u64) -> State {
-    let velocities = AngularVelocities::Uniform { largest: 1.0, sum_of_squares: None };
-    Start { velocities, seed, ..Start::default() }.build(network, 0).unwrap().state
+    let velocities = AngularVelocities::Uniform {
+        largest: 1.0,
+        sum_of_squares: None,
+    };
+    Start {
+        velocities,
+        seed,
+        ..Start::default()
+    }
+    .build(network, 0)
+    .unwrap()
+    .state
 }
 
 /// Processor time of this thread in seconds, where the system tells.
 fn thread_seconds() -> f64 {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-    text.split_whitespace().next().and_then(|word| word.parse::<f64>().ok()).map_or(f64::NAN, |count| 1e-9 * count)
+    text.split_whitespace()
+        .next()
+        .and_then(|word| word.parse::<f64>().ok())
+        .map_or(f64::NAN, |count| 1e-9 * count)
 }
 
 fn corner(positions: &[f64], corner: Corner) -> [f64; 2] {
@@ -35,7 +55,8 @@ fn corner(positions: &[f64], corner: Corner) -> [f64; 2] {
     [s[0] + angle.cos(), s[1] + angle.sin()]
 }
 
-/// The deepest corner of any square in any other, eq. 13 of the paper over √2 l: positive if there is none.
+/// The deepest corner of any square in any other, eq. 13 of the paper over √2 l: positive if there
+/// is none.
 fn smallest_height(network: &Network, positions: &[f64]) -> f64 {
     let mut smallest = f64::INFINITY;
     for striker in 0..network.squares.len() {
@@ -43,9 +64,18 @@ fn smallest_height(network: &Network, positions: &[f64]) -> f64 {
             let s = &positions[3 * target..3 * target + 3];
             let (sine, cosine) = s[2].sin_cos();
             for vertex in 1..=4 {
-                let point = corner(positions, Corner { square: striker, vertex });
+                let point = corner(
+                    positions,
+                    Corner {
+                        square: striker,
+                        vertex,
+                    },
+                );
                 let (x, y) = (point[0] - s[0], point[1] - s[1]);
-                let height = (cosine * x + sine * y).abs().max((cosine * y - sine * x).abs()) - FRAC_1_SQRT_2;
+                let height = (cosine * x + sine * y)
+                    .abs()
+                    .max((cosine * y - sine * x).abs())
+                    - FRAC_1_SQRT_2;
                 smallest = smallest.min(height);
             }
         }
@@ -53,7 +83,8 @@ fn smallest_height(network: &Network, positions: &[f64]) -> f64 {
     smallest
 }
 
-/// Rods that run through squares, their own included: the share of a rod inside, by clipping at the four sides.
+/// Rods that run through squares, their own included: the share of a rod inside, by clipping at the
+/// four sides.
 fn cut_squares(network: &Network, positions: &[f64]) -> Vec<(usize, usize)> {
     let mut cuts = Vec::new();
     for (index, rod) in network.rods.iter().enumerate() {
@@ -62,8 +93,15 @@ fn cut_squares(network: &Network, positions: &[f64]) -> Vec<(usize, usize)> {
             let s = &positions[3 * square..3 * square + 3];
             let (sine, cosine) = s[2].sin_cos();
             let (mut from, mut to) = (0.0_f64, 1.0_f64);
-            for axis in [[cosine, sine], [-sine, cosine], [-cosine, -sine], [sine, -cosine]] {
-                let outside = |p: [f64; 2]| axis[0] * (p[0] - s[0]) + axis[1] * (p[1] - s[1]) - FRAC_1_SQRT_2 + 1e-8;
+            for axis in [
+                [cosine, sine],
+                [-sine, cosine],
+                [-cosine, -sine],
+                [sine, -cosine],
+            ] {
+                let outside = |p: [f64; 2]| {
+                    axis[0] * (p[0] - s[0]) + axis[1] * (p[1] - s[1]) - FRAC_1_SQRT_2 + 1e-8
+                };
                 let (x, y) = (outside(a), outside(b));
                 match (x > 0.0, y > 0.0) {
                     (true, true) => to = -1.0,
@@ -89,7 +127,10 @@ fn a_hundred_thousand_steps_without_collisions() {
     let network = lattice(10, 3.0 / 22.0);
     let mut state = random_start(&network, 1);
     let mut dynamics = Dynamics::new(network.clone(), Vec::new(), &state).unwrap();
-    let (energy, spin) = (state.kinetic_energy(&network), state.angular_momentum(&network));
+    let (energy, spin) = (
+        state.kinetic_energy(&network),
+        state.angular_momentum(&network),
+    );
     let mut sigma = vec![0.0; network.rods.len()];
     // Rods, J v, energy from and to, momentum, angular momentum.
     let mut worst = [0.0, 0.0, f64::INFINITY, f64::NEG_INFINITY, 0.0, 0.0_f64];
@@ -101,7 +142,9 @@ fn a_hundred_thousand_steps_without_collisions() {
         let (_, violation) = dynamics.rods().violations(&state.positions, &mut sigma);
         worst[0] = worst[0].max(violation.abs());
         dynamics.rods().apply(&state.velocities, &mut sigma);
-        worst[1] = sigma.iter().fold(worst[1], |worst, rate| worst.max(rate.abs()));
+        worst[1] = sigma
+            .iter()
+            .fold(worst[1], |worst, rate| worst.max(rate.abs()));
         let change = state.kinetic_energy(&network) / energy - 1.0;
         worst[2] = worst[2].min(change);
         worst[3] = worst[3].max(change);
@@ -133,7 +176,10 @@ fn a_hundred_thousand_steps_with_collisions() {
     let mut state = random_start(&network, 1);
     let settings = CollisionSettings::default();
     let mut engine = Engine::new(network.clone(), Vec::new(), &state, settings).unwrap();
-    let (energy, spin) = (state.kinetic_energy(&network), state.angular_momentum(&network));
+    let (energy, spin) = (
+        state.kinetic_energy(&network),
+        state.angular_momentum(&network),
+    );
     let mut worst = [f64::INFINITY, f64::NEG_INFINITY, 0.0, 0.0_f64];
     let mut seconds = 0.0;
     for _ in 0..STEPS {
@@ -160,7 +206,10 @@ fn a_hundred_thousand_steps_with_collisions() {
     );
     assert!(statistics.impacts > 1000);
     assert!(statistics.largest_rod_violation < 1e-12 && statistics.largest_rod_rate < 1e-12);
-    assert!(statistics.smallest_gap.unwrap() > -1e-9 && statistics.largest_relative_energy_change < 1e-10);
+    assert!(
+        statistics.smallest_gap.unwrap() > -1e-9
+            && statistics.largest_relative_energy_change < 1e-10
+    );
     assert!(worst[2] < 1e-9 && worst[3] < 1e-9);
 }
 
@@ -170,14 +219,20 @@ fn ten_times_longer_than_the_papers_no_rod_runs_through_a_square() {
     for r0 in [1.0, 2.0] {
         let network = lattice(10, r0);
         let mut state = random_start(&network, 1);
-        let settings = CollisionSettings { rods_block: Some(true), ..CollisionSettings::default() };
+        let settings = CollisionSettings {
+            rods_block: Some(true),
+            ..CollisionSettings::default()
+        };
         let mut engine = Engine::new(network.clone(), Vec::new(), &state, settings).unwrap();
         let energy = state.kinetic_energy(&network);
         for step in 1..=10_000 {
             engine.step(&mut state, 0.01).unwrap();
             if step % 10 == 0 {
                 let height = smallest_height(&network, &state.positions);
-                assert!(height > -1e-9, "r0 = {r0}, step {step}: a corner is {height} inside a square");
+                assert!(
+                    height > -1e-9,
+                    "r0 = {r0}, step {step}: a corner is {height} inside a square"
+                );
                 let cuts = cut_squares(&network, &state.positions);
                 assert!(cuts.is_empty(), "r0 = {r0}, step {step}: {cuts:?}");
             }
@@ -188,14 +243,18 @@ fn ten_times_longer_than_the_papers_no_rod_runs_through_a_square() {
     }
 }
 
-/// How far rods as in the papers, which nothing stops, get in the same time: the test above can fail.
+/// How far rods as in the papers, which nothing stops, get in the same time: the test above can
+/// fail.
 #[test]
 #[ignore = "10^4 steps of 10 x 10"]
 fn without_rods_as_obstacles_they_run_through_squares() {
     for r0 in [1.0, 2.0] {
         let network = lattice(10, r0);
         let mut state = random_start(&network, 1);
-        let settings = CollisionSettings { rods_block: Some(false), ..CollisionSettings::default() };
+        let settings = CollisionSettings {
+            rods_block: Some(false),
+            ..CollisionSettings::default()
+        };
         let mut engine = Engine::new(network.clone(), Vec::new(), &state, settings).unwrap();
         let first = (1..=10_000).find(|_| {
             engine.step(&mut state, 0.01).unwrap();
@@ -212,11 +271,23 @@ fn coherent_two_by_two_follows_the_exact_orbit_through_contacts() {
     for r0 in [0.05, 3.0 / 22.0, 1.0, 2.0] {
         let network = lattice(2, r0);
         let velocities = AngularVelocities::Checkerboard { rate: -1.0 };
-        let start = Start { velocities, ..Start::default() }.build(&network, 0).unwrap().state;
+        let start = Start {
+            velocities,
+            ..Start::default()
+        }
+        .build(&network, 0)
+        .unwrap()
+        .state;
         let orbit = CoherentOrbit::new(2, 2, Square::default(), r0, FRAC_PI_4, -1.0).unwrap();
         let errors = [0.01, 0.005, 0.0025].map(|step| {
             let mut state = start.clone();
-            let mut engine = Engine::new(network.clone(), Vec::new(), &state, CollisionSettings::default()).unwrap();
+            let mut engine = Engine::new(
+                network.clone(),
+                Vec::new(),
+                &state,
+                CollisionSettings::default(),
+            )
+            .unwrap();
             let mut worst = [0.0_f64; 2];
             for _ in 0..(10.0 / step) as usize {
                 engine.step(&mut state, step).unwrap();
@@ -230,15 +301,23 @@ fn coherent_two_by_two_follows_the_exact_orbit_through_contacts() {
         });
         let mut dynamics = Dynamics::new(network.clone(), Vec::new(), &start).unwrap();
         let mut state = start.clone();
-        first_contact(&mut dynamics, &mut state, 1e-3, 10.0, false).unwrap().unwrap();
-        let contact = Modes::of(&network, &state.positions).checkerboard - smallest_angle(r0, 1.0).unwrap();
+        first_contact(&mut dynamics, &mut state, 1e-3, 10.0, false)
+            .unwrap()
+            .unwrap();
+        let contact =
+            Modes::of(&network, &state.positions).checkerboard - smallest_angle(r0, 1.0).unwrap();
         for (step, [angle, rate]) in [0.01, 0.005, 0.0025].iter().zip(errors) {
-            eprintln!("r0 = {r0}, step {step}, a time of 10: eq. 29a missed by {angle:.2e}, eq. 29b by {rate:.2e}");
+            eprintln!(
+                "r0 = {r0}, step {step}, a time of 10: eq. 29a missed by {angle:.2e}, eq. 29b by {rate:.2e}"
+            );
         }
         eprintln!("r0 = {r0}: angle of contact missed by {contact:.1e}");
         for which in [0, 1] {
             assert!(errors[0][which] < 1e-2);
-            assert!(errors[1][which] < 0.3 * errors[0][which] && errors[2][which] < 0.3 * errors[1][which]);
+            assert!(
+                errors[1][which] < 0.3 * errors[0][which]
+                    && errors[2][which] < 0.3 * errors[1][which]
+            );
         }
         assert!(contact.abs() < 1e-6);
     }
@@ -247,13 +326,25 @@ fn coherent_two_by_two_follows_the_exact_orbit_through_contacts() {
 #[test]
 #[ignore = "1000 steps of 10 x 10, twice, for several lattices"]
 fn the_papers_protocol_leaves_overlaps_and_events_do_not() {
-    for (r0, step) in [(0.05, 0.01), (0.05, 0.001), (3.0 / 22.0, 0.01), (3.0 / 22.0, 0.0025), (1.0, 0.01)] {
+    for (r0, step) in [
+        (0.05, 0.01),
+        (0.05, 0.001),
+        (3.0 / 22.0, 0.01),
+        (3.0 / 22.0, 0.0025),
+        (1.0, 0.01),
+    ] {
         let network = lattice(10, r0);
         let steps = (10.0_f64 / step).round() as usize;
         let start = random_start(&network, 1);
         let energy = start.kinetic_energy(&network);
         let mut state = start.clone();
-        let mut paper = PaperEngine::new(network.clone(), Vec::new(), &state, PaperSettings { ansatz: false }).unwrap();
+        let mut paper = PaperEngine::new(
+            network.clone(),
+            Vec::new(),
+            &state,
+            PaperSettings { ansatz: false },
+        )
+        .unwrap();
         let mut end = String::from("to the end");
         for _ in 0..steps {
             if let Err(error) = paper.step(&mut state, step) {
@@ -264,7 +355,10 @@ fn the_papers_protocol_leaves_overlaps_and_events_do_not() {
         let left = *paper.statistics();
         let paper_energy = state.kinetic_energy(&network) / energy - 1.0;
         let mut state = start.clone();
-        let settings = CollisionSettings { rods_block: Some(false), ..CollisionSettings::default() };
+        let settings = CollisionSettings {
+            rods_block: Some(false),
+            ..CollisionSettings::default()
+        };
         let mut engine = Engine::new(network.clone(), Vec::new(), &state, settings).unwrap();
         let mut event_end = String::from("to the end");
         for _ in 0..steps {
@@ -288,6 +382,9 @@ fn the_papers_protocol_leaves_overlaps_and_events_do_not() {
             state.kinetic_energy(&network) / energy - 1.0
         );
         assert!(kept.smallest_gap.unwrap_or(0.0) > -1e-9);
-        assert!(left.deepest_overlap > 1e3 * (-kept.smallest_gap.unwrap_or(0.0)).max(1e-9) || left.collisions == 0);
+        assert!(
+            left.deepest_overlap > 1e3 * (-kept.smallest_gap.unwrap_or(0.0)).max(1e-9)
+                || left.collisions == 0
+        );
     }
 }

@@ -8,8 +8,8 @@ mod common;
 use common::two_squares;
 use protomer_crystal::lattice::pair::{ScreenedCharges, SquareCharge, neighbours};
 use protomer_crystal::lattice::{
-    AngularVelocities, CollisionSettings, Corner, Drag, Dynamics, Edges, Engine, Force, Langevin, Network, Rod, Square,
-    Start, State,
+    AngularVelocities, CollisionSettings, Corner, Drag, Dynamics, Edges, Engine, Force, Langevin,
+    Network, Rod, Square, Start, State,
 };
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::statistics::summarize;
@@ -45,18 +45,51 @@ impl Force for Alignment {
 }
 
 fn one_square() -> (Arc<Network>, State) {
-    let network =
-        Network { rows: 1, columns: 1, squares: vec![Square::default()], rods: Vec::new(), cell: None, places: None };
-    (Arc::new(network), State { time: 0.0, positions: vec![0.0; 3], velocities: vec![0.0; 3] })
+    let network = Network {
+        rows: 1,
+        columns: 1,
+        squares: vec![Square::default()],
+        rods: Vec::new(),
+        cell: None,
+        places: None,
+    };
+    (
+        Arc::new(network),
+        State {
+            time: 0.0,
+            positions: vec![0.0; 3],
+            velocities: vec![0.0; 3],
+        },
+    )
 }
 
 fn lattice(size: usize, rod_length: f64) -> Arc<Network> {
-    Arc::new(Network::lattice(size, size, rod_length, Square::default(), Edges::Open, FRAC_PI_4).unwrap())
+    Arc::new(
+        Network::lattice(
+            size,
+            size,
+            rod_length,
+            Square::default(),
+            Edges::Open,
+            FRAC_PI_4,
+        )
+        .unwrap(),
+    )
 }
 
 fn random_start(network: &Network, seed: u64) -> State {
-    let velocities = AngularVelocities::Uniform { largest: 1.0, sum_of_squares: None };
-    Start { velocities, seed, ..Start::default() }.build(network, 0).unwrap().state
+    let velocities = AngularVelocities::Uniform {
+        largest: 1.0,
+        sum_of_squares: None,
+    };
+    Start {
+        velocities,
+        seed,
+        ..Start::default()
+    }
+    .build(network, 0)
+    .unwrap()
+    .state
 }
 
 #[test]
@@ -75,7 +108,10 @@ fn drag_without_forces_is_exact_and_takes_momentum_evenly() {
     // On rods: momentum and angular momentum decay as exp(-γ t), whatever the rods do.
     let network = lattice(3, 0.6);
     let mut state = random_start(&network, 1);
-    state.velocities.chunks_exact_mut(3).for_each(|v| v[0] += 0.3);
+    state
+        .velocities
+        .chunks_exact_mut(3)
+        .for_each(|v| v[0] += 0.3);
     let (momentum, spin) = (state.momentum(&network), state.angular_momentum(&network));
     let mut dynamics = Dynamics::new(network.clone(), Vec::new(), &state).unwrap();
     for _ in 0..200 {
@@ -86,8 +122,8 @@ fn drag_without_forces_is_exact_and_takes_momentum_evenly() {
     assert!((state.angular_momentum(&network) - kept * spin).abs() < 1e-4 * spin.abs().max(1.0));
 }
 
-/// A lattice with friction against the same with a step so short that it is exact: the error falls by 4 with half the step,
-/// for one rate and for two.
+/// A lattice with friction against the same with a step so short that it is exact: the error falls
+/// by 4 with half the step, for one rate and for two.
 #[test]
 fn drag_is_of_second_order() {
     let network = lattice(3, 0.6);
@@ -101,17 +137,23 @@ fn drag_is_of_second_order() {
             state.positions
         };
         let exact = run(1.25e-4);
-        let [coarse, fine] =
-            [4e-3, 2e-3].map(|step| run(step).iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max));
+        let [coarse, fine] = [4e-3, 2e-3].map(|step| {
+            run(step)
+                .iter()
+                .zip(&exact)
+                .map(|(a, b)| (a - b).abs())
+                .fold(0.0, f64::max)
+        });
         eprintln!("{drag:?}: {coarse:e} {fine:e} ratio {}", coarse / fine);
         assert!((3.8..4.2).contains(&(coarse / fine)));
     }
     assert!(Drag::new(-1.0, 0.0).is_err());
 }
 
-/// For a harmonic potential k/2 x² on a mass m the splitting samples the velocities exactly, ⟨v²⟩ = kT/m, and positions with
-/// ⟨x²⟩ = kT / (k (1 - h² k / 4m)), so that the error is of second order in h: the step keeps
-/// m v²/2 + k (1 - h² k / 4m) x²/2 exactly, and the half steps of friction and noise keep the distribution of v.
+/// For a harmonic potential k/2 x² on a mass m the splitting samples the velocities exactly, ⟨v²⟩ =
+/// kT/m, and positions with ⟨x²⟩ = kT / (k (1 - h² k / 4m)), so that the error is of second order
+/// in h: the step keeps m v²/2 + k (1 - h² k / 4m) x²/2 exactly, and the half steps of friction and
+/// noise keep the distribution of v.
 #[test]
 fn a_harmonic_oscillator_has_the_known_error_of_second_order() {
     for (step, seed) in [(1.0f64, 3), (0.5, 4)] {
@@ -120,7 +162,9 @@ fn a_harmonic_oscillator_has_the_known_error_of_second_order() {
         let langevin = Langevin::new(0.6, 1.5, seed, 0).unwrap();
         let (mut positions, mut velocities) = (Vec::new(), Vec::new());
         for number in 0..400_000 {
-            langevin.step(&mut dynamics, &mut state, step, number).unwrap();
+            langevin
+                .step(&mut dynamics, &mut state, step, number)
+                .unwrap();
             positions.push(0.5 * (state.positions[0].powi(2) + state.positions[1].powi(2)));
             velocities.push(state.kinetic_energy(dynamics.network()));
         }
@@ -148,7 +192,9 @@ fn kinetic_energy_is_half_kt_per_degree_of_freedom() {
         let mut energies = Vec::new();
         let mut sigma = vec![0.0; network.rods.len()];
         for number in 0..200_000 {
-            langevin.step(&mut dynamics, &mut state, 0.02, number).unwrap();
+            langevin
+                .step(&mut dynamics, &mut state, 0.02, number)
+                .unwrap();
             energies.push(state.kinetic_energy(&network));
             if number % 1000 == 0 {
                 let (_, violation) = dynamics.rods().violations(&state.positions, &mut sigma);
@@ -160,7 +206,10 @@ fn kinetic_energy_is_half_kt_per_degree_of_freedom() {
         let degrees = (3 * network.squares.len() - network.rods.len()) as f64;
         let found = summarize(&energies);
         let expected = 0.5 * degrees * kt;
-        eprintln!("{size}: {} ± {} expected {expected}", found.mean, found.standard_error);
+        eprintln!(
+            "{size}: {} ± {} expected {expected}",
+            found.mean, found.standard_error
+        );
         assert!((found.mean - expected).abs() < 3.0 * found.standard_error);
         assert!(found.standard_error < 0.01 * expected);
     }
@@ -171,7 +220,13 @@ fn kinetic_energy_is_half_kt_per_degree_of_freedom() {
 fn kinetic_energy_is_the_same_with_collisions() {
     let network = lattice(2, 0.5);
     let mut state = Start::default().build(&network, 0).unwrap().state;
-    let mut engine = Engine::new(network.clone(), Vec::new(), &state, CollisionSettings::default()).unwrap();
+    let mut engine = Engine::new(
+        network.clone(),
+        Vec::new(),
+        &state,
+        CollisionSettings::default(),
+    )
+    .unwrap();
     let langevin = Langevin::new(0.05, 1.0, 13, 0).unwrap();
     langevin.draw_velocities(engine.dynamics(), &mut state);
     let mut energies = Vec::new();
@@ -182,29 +237,39 @@ fn kinetic_energy_is_the_same_with_collisions() {
         energies.push(state.kinetic_energy(&network));
     }
     let found = summarize(&energies);
-    eprintln!("{} ± {}, {:?}", found.mean, found.standard_error, engine.statistics());
+    eprintln!(
+        "{} ± {}, {:?}",
+        found.mean,
+        found.standard_error,
+        engine.statistics()
+    );
     assert!(engine.statistics().impacts > 1000);
     assert!((found.mean - 0.2).abs() < 3.0 * found.standard_error && found.standard_error < 0.003);
 }
 
-/// Two squares and a rod of length r: with α the angles between the rod and the two arms,
-/// A = J M⁻¹ Jᵀ = 2/m + l² (sin²α + sin²α') / I = 2 + 3 (sin²α + sin²α'). Rigid rods give the distribution
-/// √A exp(-V/kT) of α and α', stiff springs would give exp(-V/kT); V = ε (1 - cos(θ - θ')).
+/// Two squares and a rod of length r: with α the angles between the rod and the two arms, A = J M⁻¹
+/// Jᵀ = 2/m + l² (sin²α + sin²α') / I = 2 + 3 (sin²α + sin²α'). Rigid rods give the distribution √A
+/// exp(-V/kT) of α and α', stiff springs would give exp(-V/kT); V = ε (1 - cos(θ - θ')).
 #[test]
 fn two_squares_on_a_rod_are_distributed_as_rigid_rods_must_be() {
     let network = two_squares([4, 3], 1.0);
     let angle = |vertex: u8| [135.0f64, 45.0, 225.0, -45.0][usize::from(vertex) - 1].to_radians();
     let (kt, strength) = (0.5, 0.6);
-    // Quadrature over the two arms' directions from the rod; θ - θ' differs from their difference by the corners' angles.
+    // Quadrature over the two arms' directions from the rod; θ - θ' differs from their difference
+    // by the corners' angles.
     let quadrature = |power: f64| {
         let count = 400;
         let (mut total, mut sums) = (0.0, [0.0; 2]);
         for a in 0..count {
             for b in 0..count {
-                let (alpha, beta) = (TAU * f64::from(a) / f64::from(count), TAU * f64::from(b) / f64::from(count));
+                let (alpha, beta) = (
+                    TAU * f64::from(a) / f64::from(count),
+                    TAU * f64::from(b) / f64::from(count),
+                );
                 let (first, second) = (alpha.sin().powi(2), beta.sin().powi(2));
                 let aligned = (alpha - angle(4) - (beta - angle(3))).cos();
-                let weight = (2.0 + 3.0 * (first + second)).powf(power) * (-strength * (1.0 - aligned) / kt).exp();
+                let weight = (2.0 + 3.0 * (first + second)).powf(power)
+                    * (-strength * (1.0 - aligned) / kt).exp();
                 total += weight;
                 sums[0] += weight * 0.5 * (first + second);
                 sums[1] += weight * aligned;
@@ -215,19 +280,32 @@ fn two_squares_on_a_rod_are_distributed_as_rigid_rods_must_be() {
     let (rigid, springs) = (quadrature(0.5), quadrature(0.0));
     let mut state = State {
         time: 0.0,
-        positions: vec![0.0, 0.0, -angle(4), 3.0, 0.0, std::f64::consts::PI - angle(3)],
+        positions: vec![
+            0.0,
+            0.0,
+            -angle(4),
+            3.0,
+            0.0,
+            std::f64::consts::PI - angle(3),
+        ],
         velocities: vec![0.0; 6],
     };
-    let mut dynamics = Dynamics::new(network.clone(), vec![Box::new(Alignment(strength))], &state).unwrap();
+    let mut dynamics =
+        Dynamics::new(network.clone(), vec![Box::new(Alignment(strength))], &state).unwrap();
     let langevin = Langevin::new(kt, 1.0, 8, 0).unwrap();
     langevin.draw_velocities(&mut dynamics, &mut state);
     let (mut series, mut weights) = ([Vec::new(), Vec::new()], Vec::new());
     for number in 0..2_500_000 {
-        langevin.step(&mut dynamics, &mut state, 0.025, number).unwrap();
+        langevin
+            .step(&mut dynamics, &mut state, 0.025, number)
+            .unwrap();
         if number % 10 == 0 {
             let s = &state.positions;
             let arms = [s[2] + angle(4), s[5] + angle(3)];
-            let along = [s[3] + arms[1].cos() - s[0] - arms[0].cos(), s[4] + arms[1].sin() - s[1] - arms[0].sin()];
+            let along = [
+                s[3] + arms[1].cos() - s[0] - arms[0].cos(),
+                s[4] + arms[1].sin() - s[1] - arms[0].sin(),
+            ];
             let squares = arms.map(|arm| (arm.cos() * along[1] - arm.sin() * along[0]).powi(2));
             series[0].push(0.5 * (squares[0] + squares[1]));
             series[1].push((s[2] - s[5]).cos());
@@ -250,19 +328,32 @@ fn two_squares_on_a_rod_are_distributed_as_rigid_rods_must_be() {
         assert!((weighted - springs[which]).abs() < 4.0 * found.standard_error);
     }
     let found = summarize(&series[0]);
-    assert!((found.mean - springs[0]).abs() > 8.0 * found.standard_error, "the test could not tell the two apart");
+    assert!(
+        (found.mean - springs[0]).abs() > 8.0 * found.standard_error,
+        "the test could not tell the two apart"
+    );
 }
 
-/// Velocities drawn at a temperature have the covariance kT P M⁻¹, with P = 1 - M⁻¹ Jᵀ (J M⁻¹ Jᵀ)⁻¹ J from dense matrices and J
-/// from differences of the rods' lengths.
+/// Velocities drawn at a temperature have the covariance kT P M⁻¹, with P = 1 - M⁻¹ Jᵀ (J M⁻¹ Jᵀ)⁻¹
+/// J from dense matrices and J from differences of the rods' lengths.
 #[test]
 fn drawn_velocities_have_the_covariance_of_the_constrained_ensemble() {
     let network = lattice(2, 0.7);
-    let mut state = Start { angle_spread: 0.3, seed: 1, ..Start::default() }.build(&network, 0).unwrap().state;
+    let mut state = Start {
+        angle_spread: 0.3,
+        seed: 1,
+        ..Start::default()
+    }
+    .build(&network, 0)
+    .unwrap()
+    .state;
     let lengths = |s: &[f64]| -> Vec<f64> {
         let corner = |c: Corner| {
             let ((sine, cosine), [x, y]) = (s[3 * c.square + 2].sin_cos(), c.direction());
-            [s[3 * c.square] + cosine * x - sine * y, s[3 * c.square + 1] + sine * x + cosine * y]
+            [
+                s[3 * c.square] + cosine * x - sine * y,
+                s[3 * c.square + 1] + sine * x + cosine * y,
+            ]
         };
         let length = |rod: &Rod| {
             let (a, b) = (corner(rod.from), corner(rod.to));
@@ -287,22 +378,34 @@ fn drawn_velocities_have_the_covariance_of_the_constrained_ensemble() {
             1.0
         }
     });
-    let coupling = (&jacobian * &inverse_mass * jacobian.transpose()).try_inverse().unwrap();
-    let kept = DMatrix::identity(12, 12) - &inverse_mass * jacobian.transpose() * coupling * &jacobian;
+    let coupling = (&jacobian * &inverse_mass * jacobian.transpose())
+        .try_inverse()
+        .unwrap();
+    let kept =
+        DMatrix::identity(12, 12) - &inverse_mass * jacobian.transpose() * coupling * &jacobian;
     let expected = kept * inverse_mass * 0.3;
     let mut dynamics = Dynamics::new(network.clone(), Vec::new(), &state).unwrap();
     let draws = 40_000;
     let mut found = DMatrix::<f64>::zeros(12, 12);
     for seed in 0..draws {
-        Langevin::new(0.3, 1.0, seed, 0).unwrap().draw_velocities(&mut dynamics, &mut state);
+        Langevin::new(0.3, 1.0, seed, 0)
+            .unwrap()
+            .draw_velocities(&mut dynamics, &mut state);
         let v = DVector::from_column_slice(&state.velocities);
         found += &v * v.transpose() / draws as f64;
     }
     for a in 0..12 {
         for b in 0..12 {
-            let error = ((expected[(a, a)] * expected[(b, b)] + expected[(a, b)].powi(2)) / draws as f64).sqrt();
+            let error = ((expected[(a, a)] * expected[(b, b)] + expected[(a, b)].powi(2))
+                / draws as f64)
+                .sqrt();
             let away = found[(a, b)] - expected[(a, b)];
-            assert!(away.abs() < 4.5 * error, "{a} {b}: {} {} ± {error}", found[(a, b)], expected[(a, b)]);
+            assert!(
+                away.abs() < 4.5 * error,
+                "{a} {b}: {} {} ± {error}",
+                found[(a, b)],
+                expected[(a, b)]
+            );
         }
     }
     assert!(Langevin::new(-1.0, 1.0, 0, 0).is_err() && Langevin::new(1.0, f64::NAN, 0, 0).is_err());
@@ -319,17 +422,31 @@ fn a_run_resumed_from_its_state_goes_on_bit_for_bit() {
         if number == 150 {
             saved = Some(serde_json::to_string(&state).unwrap());
         }
-        langevin.step(&mut dynamics, &mut state, 0.01, number).unwrap();
+        langevin
+            .step(&mut dynamics, &mut state, 0.01, number)
+            .unwrap();
     }
     let mut resumed: State = serde_json::from_str(&saved.unwrap()).unwrap();
     let mut dynamics = Dynamics::new(network.clone(), Vec::new(), &resumed).unwrap();
     for number in 150..400 {
-        langevin.step(&mut dynamics, &mut resumed, 0.01, number).unwrap();
+        langevin
+            .step(&mut dynamics, &mut resumed, 0.01, number)
+            .unwrap();
     }
     assert_eq!(state, resumed);
-    let other = Langevin { replica: 3, ..langevin };
+    let other = Langevin {
+        replica: 3,
+        ..langevin
+    };
     other.step(&mut dynamics, &mut resumed, 0.01, 400).unwrap();
-    langevin.step(&mut Dynamics::new(network, Vec::new(), &state).unwrap(), &mut state, 0.01, 400).unwrap();
+    langevin
+        .step(
+            &mut Dynamics::new(network, Vec::new(), &state).unwrap(),
+            &mut state,
+            0.01,
+            400,
+        )
+        .unwrap();
     assert_ne!(state, resumed);
 }
 
@@ -341,16 +458,29 @@ fn charges() -> Vec<SquareCharge> {
 
 #[test]
 fn charges_push_down_the_slope_of_their_energy() {
-    for (edges, cutoff) in [(Edges::Open, f64::INFINITY), (Edges::Periodic, 60.0), (Edges::Periodic, f64::INFINITY)] {
-        let square = Square { half_diagonal: 1.0, mass: 1.3, inertia: 0.4 };
+    for (edges, cutoff) in [
+        (Edges::Open, f64::INFINITY),
+        (Edges::Periodic, 60.0),
+        (Edges::Periodic, f64::INFINITY),
+    ] {
+        let square = Square {
+            half_diagonal: 1.0,
+            mass: 1.3,
+            inertia: 0.4,
+        };
         let network = Network::lattice(4, 2, 0.4, square, edges, 0.6).unwrap();
         let yukawa = Yukawa::new(7.0, 0.1, cutoff).unwrap();
-        let force = ScreenedCharges::on_every_square(&network, yukawa, 22.0, 0.8, &charges()).unwrap();
+        let force =
+            ScreenedCharges::on_every_square(&network, yukawa, 22.0, 0.8, &charges()).unwrap();
         let mut positions = State::coherent(&network, 0.6).positions;
-        positions.iter_mut().enumerate().for_each(|(k, s)| *s += 0.05 * (1.3 * k as f64).sin());
+        positions
+            .iter_mut()
+            .enumerate()
+            .for_each(|(k, s)| *s += 0.05 * (1.3 * k as f64).sin());
         let mut accelerations = vec![0.0; positions.len()];
         let energy = force.accelerate(&network, &positions, &mut accelerations);
-        // The slow twin: every charge with every other of every neighbouring square and image, from distances alone.
+        // The slow twin: every charge with every other of every neighbouring square and image, from
+        // distances alone.
         let place = |s: &[f64], square: usize, charge: &SquareCharge, image: [i32; 2]| {
             let (sine, cosine) = s[3 * square + 2].sin_cos();
             let ([x, y], cell) = (charge.position, network.cell.unwrap_or([0.0; 2]));
@@ -366,9 +496,16 @@ fn charges_push_down_the_slope_of_their_energy() {
             for pair in force.pairs() {
                 for a in &charges() {
                     for b in &charges() {
-                        let (p, q) = (place(s, pair.squares[0], a, [0; 2]), place(s, pair.squares[1], b, pair.image));
+                        let (p, q) = (
+                            place(s, pair.squares[0], a, [0; 2]),
+                            place(s, pair.squares[1], b, pair.image),
+                        );
                         let r = 22.0 * ((p[0] - q[0]).powi(2) + (p[1] - q[1]).powi(2)).sqrt();
-                        let shift = if cutoff.is_finite() { plain(cutoff) + (r - cutoff) * slope(cutoff) } else { 0.0 };
+                        let shift = if cutoff.is_finite() {
+                            plain(cutoff) + (r - cutoff) * slope(cutoff)
+                        } else {
+                            0.0
+                        };
                         if r < cutoff {
                             total += 0.8 * a.charge * b.charge * (plain(r) - shift);
                         }
@@ -386,7 +523,11 @@ fn charges_push_down_the_slope_of_their_energy() {
             };
             let slope = (moved(1e-5) - moved(-1e-5)) / 2e-5;
             let mass = if k % 3 == 2 { 0.4 } else { 1.3 };
-            assert!((slope + mass * accelerations[k]).abs() < 1e-8, "{k}: {slope} {}", mass * accelerations[k]);
+            assert!(
+                (slope + mass * accelerations[k]).abs() < 1e-8,
+                "{k}: {slope} {}",
+                mass * accelerations[k]
+            );
         }
     }
 }
@@ -397,9 +538,12 @@ fn charges_keep_energy_and_momentum() {
     let yukawa = Yukawa::new(7.0, 0.1, 45.0).unwrap();
     let drift = |step: f64| {
         let mut state = random_start(&network, 3);
-        let force = ScreenedCharges::on_every_square(&network, yukawa, 22.0, 0.5, &charges()).unwrap();
+        let force =
+            ScreenedCharges::on_every_square(&network, yukawa, 22.0, 0.5, &charges()).unwrap();
         let mut dynamics = Dynamics::new(network.clone(), vec![Box::new(force)], &state).unwrap();
-        let energy = |dynamics: &Dynamics, state: &State| state.kinetic_energy(&network) + dynamics.potential_energy();
+        let energy = |dynamics: &Dynamics, state: &State| {
+            state.kinetic_energy(&network) + dynamics.potential_energy()
+        };
         let (before, spin) = (energy(&dynamics, &state), state.angular_momentum(&network));
         let mut worst = 0.0_f64;
         for _ in 0..(2.0 / step).round() as u64 {
@@ -428,7 +572,8 @@ fn neighbours_are_the_eight_around_once_each() {
     for pair in neighbours(&periodic) {
         let [p, q] = pair.squares;
         let apart = [0, 1].map(|axis| {
-            state.positions[3 * q + axis] + f64::from(pair.image[axis]) * cell[axis] - state.positions[3 * p + axis]
+            state.positions[3 * q + axis] + f64::from(pair.image[axis]) * cell[axis]
+                - state.positions[3 * p + axis]
         });
         assert!(apart[0].hypot(apart[1]) < 1.5 * spacing, "{pair:?}");
     }

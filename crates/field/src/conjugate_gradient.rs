@@ -1,4 +1,5 @@
-//! Conjugate gradients with a preconditioner (Hestenes and Stiefel, J. Res. Natl. Bur. Stand. 49, 409 (1952)).
+//! Conjugate gradients with a preconditioner (Hestenes and Stiefel, J. Res. Natl. Bur. Stand. 49,
+//! 409 (1952)).
 
 use crate::multigrid::Multigrid;
 use crate::operator::Operator;
@@ -35,13 +36,20 @@ pub fn solve(a: &Operator, b: &[f64], x: &mut [f64], relative_tolerance: f64) ->
         let before = rz;
         rz = dot(&r, &z);
         let beta = if iteration == 0 { 0.0 } else { rz / before };
-        p.par_iter_mut().zip(&z).for_each(|(p, z)| *p = z + beta * *p);
+        p.par_iter_mut()
+            .zip(&z)
+            .for_each(|(p, z)| *p = z + beta * *p);
         a.apply(&p, &mut ap);
         let step = rz / dot(&p, &ap);
         x.par_iter_mut().zip(&p).for_each(|(x, p)| *x += step * p);
-        r.par_iter_mut().zip(&ap).for_each(|(r, ap)| *r -= step * ap);
+        r.par_iter_mut()
+            .zip(&ap)
+            .for_each(|(r, ap)| *r -= step * ap);
     }
-    Err(FieldError::NotConverged { iterations: MOST_ITERATIONS, relative_residual: (dot(&r, &r) / start).sqrt() })
+    Err(FieldError::NotConverged {
+        iterations: MOST_ITERATIONS,
+        relative_residual: (dot(&r, &r) / start).sqrt(),
+    })
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -56,7 +64,12 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
                 }
             }
             let rest = a.len() / 8 * 8;
-            lanes.iter().sum::<f64>() + a[rest..].iter().zip(&b[rest..]).map(|(a, b)| a * b).sum::<f64>()
+            lanes.iter().sum::<f64>()
+                + a[rest..]
+                    .iter()
+                    .zip(&b[rest..])
+                    .map(|(a, b)| a * b)
+                    .sum::<f64>()
         })
         .collect();
     pieces.iter().sum()

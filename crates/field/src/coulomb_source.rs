@@ -1,24 +1,29 @@
-//! The right-hand side: the Coulomb potential φ_C, taken out inside the surface, as sources where that ends.
+//! The right-hand side: the Coulomb potential φ_C, taken out inside the surface, as sources where
+//! that ends.
 //!
-//! Points inside have u = φ - φ_C for their unknown, points outside φ. The equations are balances of the fluxes through the
-//! faces of boxes about the points. An edge of length h from i inside to j outside meets the surface at Γ, a part t of the
-//! way, where u + φ_C and φ agree, and so do their fluxes. With the edge's permittivity ε, φ_C' the slope of φ_C along
-//! the edge at Γ, and φ_i = φ_C - t h φ_C' what φ_C at Γ is when extended to i, the flux of φ there is
+//! Points inside have u = φ - φ_C for their unknown, points outside φ. The equations are balances
+//! of the fluxes through the faces of boxes about the points. An edge of length h from i inside to
+//! j outside meets the surface at Γ, a part t of the way, where u + φ_C and φ agree, and so do
+//! their fluxes. With the edge's permittivity ε, φ_C' the slope of φ_C along the edge at Γ, and φ_i
+//! = φ_C - t h φ_C' what φ_C at Γ is when extended to i, the flux of φ there is
 //!
 //! F = ε (u_i + φ_i - φ_j),   of which φ_C has E = -ε_in h φ_C'.
 //!
-//! Between points inside, φ_C's part in the fluxes needs no equation: through all six faces of a box it is that of the charges
-//! in it. So what leaves through the face in the middle of a cut edge must be known exactly,
+//! Between points inside, φ_C's part in the fluxes needs no equation: through all six faces of a
+//! box it is that of the charges in it. So what leaves through the face in the middle of a cut edge
+//! must be known exactly,
 //!
 //! G = ε_in/h · flux of -∇φ_C through the face,
 //!
-//! a sum of solid angles. Where the face is inside the surface, the flux through it is F - E + G, and where it is outside, F:
+//! a sum of solid angles. Where the face is inside the surface, the flux through it is F - E + G,
+//! and where it is outside, F:
 //!
 //! b_i = E - ε φ_i,   b_j = ε φ_i + G - E   (t > ½);      b_i = G - ε φ_i,   b_j = ε φ_i   (t ≤ ½).
 //!
-//! A charge in the box of a point outside adds 4π l q/h to its b. The sum over all points then is that of the charges wherever
-//! the grid cuts the surface. With E for G it is only a quadrature of Gauss's integral on the points Γ: it misses 0.03 e of
-//! crambin at 0.35 Å, and 1 % of the potential outside a Born ion at 0.5 Å, to no order of the spacing.
+//! A charge in the box of a point outside adds 4π l q/h to its b. The sum over all points then is
+//! that of the charges wherever the grid cuts the surface. With E for G it is only a quadrature of
+//! Gauss's integral on the points Γ: it misses 0.03 e of crambin at 0.35 Å, and 1 % of the
+//! potential outside a Born ion at 0.5 Å, to no order of the spacing.
 
 use crate::grid::Grid;
 use crate::operator::Operator;
@@ -27,7 +32,8 @@ use protomer_kernel::Vec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Faces are taken this much above where they are, in spacings, so that none goes through a charge that is on the grid.
+/// Faces are taken this much above where they are, in spacings, so that none goes through a charge
+/// that is on the grid.
 const ASIDE: f64 = 1e-7;
 
 /// An edge from a point inside to one outside.
@@ -47,7 +53,8 @@ struct Crossing {
     direction: f64,
 }
 
-/// b of the charges, in units of permittivity times potential; `inner` and `outer` are ε_in and that of the solvent.
+/// b of the charges, in units of permittivity times potential; `inner` and `outer` are ε_in and
+/// that of the solvent.
 pub(crate) fn at_surface(
     grid: &Grid,
     operator: &Operator,
@@ -59,7 +66,13 @@ pub(crate) fn at_surface(
     let contributions: Vec<(Crossing, f64, f64)> = crossings(grid, operator, inside, inner, outer)
         .into_par_iter()
         .map(|crossing| {
-            let Crossing { axis, permittivity, part, direction, .. } = crossing;
+            let Crossing {
+                axis,
+                permittivity,
+                part,
+                direction,
+                ..
+            } = crossing;
             let (value, gradient) = coulomb.coulomb_with_gradient(&crossing.place);
             let slope = h * direction * gradient[axis];
             let extended = permittivity * (value - part * slope);
@@ -67,7 +80,10 @@ pub(crate) fn at_surface(
             let middle = crossing.middle + Vec3::repeat(ASIDE * h);
             let through_face = inner / h * direction * coulomb.flux(&middle, axis, h);
             let (to_inside, to_outside) = if part > 0.5 {
-                (at_crossing - extended, extended + through_face - at_crossing)
+                (
+                    at_crossing - extended,
+                    extended + through_face - at_crossing,
+                )
             } else {
                 (through_face - extended, extended)
             };
@@ -83,12 +99,21 @@ pub(crate) fn at_surface(
     right
 }
 
-/// 4π l q/h = 4π ε_in/h · strength for the charges that are nearer to a point outside than to any inside.
-fn add_charges_outside(right: &mut [f64], grid: &Grid, inside: &[bool], coulomb: &PointCharges, inner: f64) {
+/// 4π l q/h = 4π ε_in/h · strength for the charges that are nearer to a point outside than to any
+/// inside.
+fn add_charges_outside(
+    right: &mut [f64],
+    grid: &Grid,
+    inside: &[bool],
+    coulomb: &PointCharges,
+    inner: f64,
+) {
     let h = grid.spacing_angstrom;
     for (place, strength) in coulomb.sources() {
         let nearest: [usize; 3] = std::array::from_fn(|axis| {
-            let along = ((place[axis] - grid.origin_angstrom[axis]) / h - ASIDE).round().max(0.0);
+            let along = ((place[axis] - grid.origin_angstrom[axis]) / h - ASIDE)
+                .round()
+                .max(0.0);
             (along as usize).min(grid.shape[axis] - 1)
         });
         let at = grid.index(nearest[0], nearest[1], nearest[2]);
@@ -99,7 +124,13 @@ fn add_charges_outside(right: &mut [f64], grid: &Grid, inside: &[bool], coulomb:
 }
 
 /// Where ions reach into the box of a point inside, with k, they see u + φ_C there: b_i -= k φ_C.
-pub(crate) fn add_ions(right: &mut [f64], grid: &Grid, operator: &Operator, inside: &[bool], coulomb: &PointCharges) {
+pub(crate) fn add_ions(
+    right: &mut [f64],
+    grid: &Grid,
+    operator: &Operator,
+    inside: &[bool],
+    coulomb: &PointCharges,
+) {
     let [nx, ny, _] = grid.shape;
     operator.inner_rows(right, |row, start| {
         for (offset, b) in row.iter_mut().enumerate() {
@@ -112,8 +143,15 @@ pub(crate) fn add_ions(right: &mut [f64], grid: &Grid, operator: &Operator, insi
     });
 }
 
-/// All edges that cross the surface. Where along an edge it is follows from the edge's permittivity.
-fn crossings(grid: &Grid, operator: &Operator, inside: &[bool], inner: f64, outer: f64) -> Vec<Crossing> {
+/// All edges that cross the surface. Where along an edge it is follows from the edge's
+/// permittivity.
+fn crossings(
+    grid: &Grid,
+    operator: &Operator,
+    inside: &[bool],
+    inner: f64,
+    outer: f64,
+) -> Vec<Crossing> {
     let (h, strides) = (grid.spacing_angstrom, grid.strides());
     let [nx, ny, nz] = grid.shape;
     let contrast = 1.0 / inner - 1.0 / outer;
@@ -130,16 +168,31 @@ fn crossings(grid: &Grid, operator: &Operator, inside: &[bool], inner: f64, oute
                             continue;
                         }
                         let permittivity = f64::from(operator.edges[axis][at]);
-                        let part =
-                            if contrast.abs() < 1e-12 { 0.5 } else { (1.0 / permittivity - 1.0 / outer) / contrast };
+                        let part = if contrast.abs() < 1e-12 {
+                            0.5
+                        } else {
+                            (1.0 / permittivity - 1.0 / outer) / contrast
+                        };
                         let part = part.clamp(0.0, 1.0);
                         let (mut place, mut middle) = (grid.point(i, j, k), grid.point(i, j, k));
-                        let (ends, along, direction) =
-                            if inside[at] { ((at, other), part, 1.0) } else { ((other, at), 1.0 - part, -1.0) };
+                        let (ends, along, direction) = if inside[at] {
+                            ((at, other), part, 1.0)
+                        } else {
+                            ((other, at), 1.0 - part, -1.0)
+                        };
                         place[axis] += h * along;
                         middle[axis] += 0.5 * h;
                         let (inside, outside) = ends;
-                        found.push(Crossing { inside, outside, axis, permittivity, part, place, middle, direction });
+                        found.push(Crossing {
+                            inside,
+                            outside,
+                            axis,
+                            permittivity,
+                            part,
+                            place,
+                            middle,
+                            direction,
+                        });
                     }
                 }
             }
@@ -160,8 +213,14 @@ mod tests {
     #[test]
     fn the_charge_seen_from_outside_is_all_there_is() {
         let mut rng = CounterRng::new(7, 0, 0);
-        // In the small spheres every charge is near every face, and the flux exact but for rounding on faces.
-        for (radius, spacing, tolerance) in [(0.8, 0.5, 1e-9), (1.2, 1.0, 1e-9), (4.0, 0.5, 1e-3), (4.0, 2.0, 1e-3)] {
+        // In the small spheres every charge is near every face, and the flux exact but for rounding
+        // on faces.
+        for (radius, spacing, tolerance) in [
+            (0.8, 0.5, 1e-9),
+            (1.2, 1.0, 1e-9),
+            (4.0, 0.5, 1e-3),
+            (4.0, 2.0, 1e-3),
+        ] {
             let solid = SesSolid::new(&Arrangement::new(&[Vec3::zeros()], &[radius], 1.4).unwrap());
             let sources = |rng: &mut CounterRng| Source {
                 place: rng.vector_in_ball(0.98 * radius),
@@ -170,19 +229,24 @@ mod tests {
             };
             for _ in 0..20 {
                 let corner = Vec3::repeat(radius + 5.0) + rng.vector_in_ball(spacing);
-                let grid = Grid::around(&(-corner), &Vec3::repeat(radius + 5.0), spacing, 2).unwrap();
+                let grid =
+                    Grid::around(&(-corner), &Vec3::repeat(radius + 5.0), spacing, 2).unwrap();
                 let map = DielectricMap::new(&grid, &solid, 2.0, 80.0, None);
                 let operator = Operator::new(grid.shape, map.edges, vec![0.0; grid.len()]);
                 let mut charges: Vec<Source> = (0..20).map(|_| sources(&mut rng)).collect();
                 // On a point, on a face and on the corner of a box.
                 let point = grid.point(grid.shape[0] / 2, grid.shape[1] / 2, grid.shape[2] / 2);
                 for part in [Vec3::zeros(), Vec3::new(0.5, 0.0, 0.0), Vec3::repeat(0.5)] {
-                    charges.push(Source { place: point - spacing * part, ..charges[0] });
+                    charges.push(Source {
+                        place: point - spacing * part,
+                        ..charges[0]
+                    });
                 }
                 charges.retain(|charge| charge.place.norm() < 0.98 * radius);
                 let coulomb: PointCharges = charges.iter().copied().collect();
                 let right = at_surface(&grid, &operator, &map.inside, &coulomb, [2.0, 80.0]);
-                let seen = right.iter().sum::<f64>() * spacing / (4.0 * PI * 2.0) / charges.len() as f64;
+                let seen =
+                    right.iter().sum::<f64>() * spacing / (4.0 * PI * 2.0) / charges.len() as f64;
                 assert!((seen - 1.0).abs() < tolerance, "{radius} {spacing}: {seen}");
             }
         }

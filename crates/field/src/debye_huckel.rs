@@ -1,12 +1,13 @@
 //! Screened charges in a uniform medium.
 //!
-//! A sphere of radius a with charge q in a solvent has, outside its ion-free shell of radius b ≥ a (Debye and Hückel, Phys.
-//! Z. 24, 185 (1923)),
+//! A sphere of radius a with charge q in a solvent has, outside its ion-free shell of radius b ≥ a
+//! (Debye and Hückel, Phys. Z. 24, 185 (1923)),
 //!
 //! φ(r) = λ_B q exp(-κ (r - b)) / (r (1 + κ b)),
 //!
-//! in kT/e with the Bjerrum length λ_B of the solvent. For many spheres the sum of these is an approximation that ignores
-//! what they displace: good far away, where it serves as boundary value, and the cheap alternative near by.
+//! in kT/e with the Bjerrum length λ_B of the solvent. For many spheres the sum of these is an
+//! approximation that ignores what they displace: good far away, where it serves as boundary value,
+//! and the cheap alternative near by.
 
 use crate::grid::{Grid, ScalarField};
 use crate::point_charges::{PointCharges, Source};
@@ -27,24 +28,42 @@ impl Superposition {
         Self::with_reach(spheres, medium, |sphere| sphere.radius_angstrom)
     }
 
-    /// Like [`new`](Superposition::new), with all charges on one sphere around the whole: for boundary values, where a solute
-    /// is seen as one ion. `reach_angstrom` is the distance from a charge to the ions around the solute.
-    pub(crate) fn of_solute(spheres: &[ChargedSphere], medium: &Medium, reach_angstrom: f64) -> Self {
+    /// Like [`new`](Superposition::new), with all charges on one sphere around the whole: for
+    /// boundary values, where a solute is seen as one ion. `reach_angstrom` is the distance from a
+    /// charge to the ions around the solute.
+    pub(crate) fn of_solute(
+        spheres: &[ChargedSphere],
+        medium: &Medium,
+        reach_angstrom: f64,
+    ) -> Self {
         Self::with_reach(spheres, medium, |_| reach_angstrom)
     }
 
     /// Strengths are λ_B q exp(κ b) / (1 + κ b), with b from `reach` (Å) and the radius of ions.
-    fn with_reach(spheres: &[ChargedSphere], medium: &Medium, reach: impl Fn(&ChargedSphere) -> f64) -> Self {
-        let (kappa, bjerrum) = (medium.kappa_per_angstrom(), medium.solvent_bjerrum_angstrom());
-        let sources = spheres.iter().filter(|sphere| sphere.charge_e != 0.0).map(|sphere| {
-            let b = reach(sphere) + medium.ion_radius_angstrom;
-            Source {
-                place: sphere.centre,
-                strength: bjerrum * sphere.charge_e * (kappa * b).exp() / (1.0 + kappa * b),
-                least_distance_angstrom: sphere.radius_angstrom.max(1e-6),
-            }
-        });
-        Self { sources: sources.collect(), kappa }
+    fn with_reach(
+        spheres: &[ChargedSphere],
+        medium: &Medium,
+        reach: impl Fn(&ChargedSphere) -> f64,
+    ) -> Self {
+        let (kappa, bjerrum) = (
+            medium.kappa_per_angstrom(),
+            medium.solvent_bjerrum_angstrom(),
+        );
+        let sources = spheres
+            .iter()
+            .filter(|sphere| sphere.charge_e != 0.0)
+            .map(|sphere| {
+                let b = reach(sphere) + medium.ion_radius_angstrom;
+                Source {
+                    place: sphere.centre,
+                    strength: bjerrum * sphere.charge_e * (kappa * b).exp() / (1.0 + kappa * b),
+                    least_distance_angstrom: sphere.radius_angstrom.max(1e-6),
+                }
+            });
+        Self {
+            sources: sources.collect(),
+            kappa,
+        }
     }
 
     /// The potential at a place, kT/e; inside a sphere that at its surface.
@@ -56,11 +75,14 @@ impl Superposition {
     pub fn on(&self, grid: Grid) -> ScalarField {
         let plane = grid.shape[0] * grid.shape[1];
         let mut values = vec![0.0; grid.len()];
-        values.par_chunks_mut(plane).enumerate().for_each(|(k, plane)| {
-            for (n, value) in plane.iter_mut().enumerate() {
-                *value = self.at(&grid.point(n % grid.shape[0], n / grid.shape[0], k));
-            }
-        });
+        values
+            .par_chunks_mut(plane)
+            .enumerate()
+            .for_each(|(k, plane)| {
+                for (n, value) in plane.iter_mut().enumerate() {
+                    *value = self.at(&grid.point(n % grid.shape[0], n / grid.shape[0], k));
+                }
+            });
         ScalarField { grid, values }
     }
 }

@@ -17,7 +17,9 @@ pub enum FieldError {
         requirement: &'static str,
     },
     /// A grid that would not fit in memory.
-    #[error("a grid of {points} points needs {needed_bytes} bytes, more than {allowed_bytes}: use a larger spacing")]
+    #[error(
+        "a grid of {points} points needs {needed_bytes} bytes, more than {allowed_bytes}: use a larger spacing"
+    )]
     TooLarge {
         /// Grid points.
         points: usize,

@@ -19,12 +19,12 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// The smallest grid of this spacing that holds a box (lowest and highest corner, Å) and has `multiple` · n + 1 points
-    /// along each axis, centred on it.
+    /// The smallest grid of this spacing that holds a box (lowest and highest corner, Å) and has
+    /// `multiple` · n + 1 points along each axis, centred on it.
     ///
     /// # Errors
-    /// [`FieldError::BadSetting`] for a spacing that is not positive, [`FieldError::BadInput`] for more points than any
-    /// machine holds.
+    /// [`FieldError::BadSetting`] for a spacing that is not positive, [`FieldError::BadInput`] for
+    /// more points than any machine holds.
     pub fn around(low: &Vec3, high: &Vec3, spacing_angstrom: f64, multiple: usize) -> Result<Self> {
         if !(spacing_angstrom.is_finite() && spacing_angstrom > 0.0) {
             return Err(FieldError::BadSetting {
@@ -34,7 +34,10 @@ impl Grid {
             });
         }
         let extent = high - low;
-        let points = extent.iter().map(|length| length / spacing_angstrom + 1.0).product::<f64>();
+        let points = extent
+            .iter()
+            .map(|length| length / spacing_angstrom + 1.0)
+            .product::<f64>();
         if points.is_nan() || points > MOST_POINTS {
             return Err(FieldError::BadInput(format!(
                 "a box of {:.0} x {:.0} x {:.0} Å at a spacing of {spacing_angstrom} Å has {points:.1e} points: look for atoms \
@@ -48,8 +51,14 @@ impl Grid {
         };
         let shape = [cells(0) + 1, cells(1) + 1, cells(2) + 1];
         let middle = 0.5 * (low + high);
-        let origin = std::array::from_fn(|axis| middle[axis] - 0.5 * (shape[axis] - 1) as f64 * spacing_angstrom);
-        Ok(Self { origin_angstrom: origin, spacing_angstrom, shape })
+        let origin = std::array::from_fn(|axis| {
+            middle[axis] - 0.5 * (shape[axis] - 1) as f64 * spacing_angstrom
+        });
+        Ok(Self {
+            origin_angstrom: origin,
+            spacing_angstrom,
+            shape,
+        })
     }
 
     /// Number of points.
@@ -73,7 +82,11 @@ impl Grid {
     pub fn point(&self, i: usize, j: usize, k: usize) -> Vec3 {
         let h = self.spacing_angstrom;
         let o = &self.origin_angstrom;
-        Vec3::new(o[0] + h * i as f64, o[1] + h * j as f64, o[2] + h * k as f64)
+        Vec3::new(
+            o[0] + h * i as f64,
+            o[1] + h * j as f64,
+            o[2] + h * k as f64,
+        )
     }
 
     /// How far apart in a list of values neighbours along each axis are.
@@ -111,12 +124,17 @@ impl ScalarField {
     /// The trilinear interpolant; `None` outside the grid.
     pub fn at(&self, place: &Vec3) -> Option<f64> {
         let (cell, part) = self.grid.locate(place)?;
-        Some(interpolate(&part, |di, dj, dk| self.values[self.grid.index(cell[0] + di, cell[1] + dj, cell[2] + dk)]))
+        Some(interpolate(&part, |di, dj, dk| {
+            self.values[self.grid.index(cell[0] + di, cell[1] + dj, cell[2] + dk)]
+        }))
     }
 }
 
 /// Trilinear interpolation between eight corners.
-pub(crate) fn interpolate(part: &[f64; 3], mut corner: impl FnMut(usize, usize, usize) -> f64) -> f64 {
+pub(crate) fn interpolate(
+    part: &[f64; 3],
+    mut corner: impl FnMut(usize, usize, usize) -> f64,
+) -> f64 {
     let mut sum = 0.0;
     for dk in 0..2 {
         for dj in 0..2 {
@@ -132,8 +150,12 @@ pub(crate) fn interpolate(part: &[f64; 3], mut corner: impl FnMut(usize, usize, 
     sum
 }
 
-/// Interpolation by cubic polynomials through four points along each axis, for a cell that has all its neighbours.
-pub(crate) fn interpolate_cubically(part: &[f64; 3], mut point: impl FnMut(usize, usize, usize) -> f64) -> f64 {
+/// Interpolation by cubic polynomials through four points along each axis, for a cell that has all
+/// its neighbours.
+pub(crate) fn interpolate_cubically(
+    part: &[f64; 3],
+    mut point: impl FnMut(usize, usize, usize) -> f64,
+) -> f64 {
     // Lagrange's weights for points at -1, 0, 1, 2.
     let weights = part.map(|t| {
         [

@@ -18,7 +18,8 @@
 //! | [`poisson_boltzmann`] | charges in, potential and solvation energy out |
 //! | [`voxels`] | a structure as a sparse cubic grid: surface, potential, hydropathy |
 //!
-//! Lengths are in Å, charges in e, potentials in kT/e; energies in kT, and in kJ/mol where a name says so.
+//! Lengths are in Å, charges in e, potentials in kT/e; energies in kT, and in kJ/mol where a name
+//! says so.
 
 mod conjugate_gradient;
 mod coulomb_source;

@@ -1,8 +1,8 @@
 //! (A φ)_i = Σ_edges c (φ_i - φ_j) + k_i φ_i on the inner points of a grid.
 //!
-//! c is an edge's permittivity (times the spacing, with k as permittivity · κ² · h²: everything in units of the solution).
-//! Points on the grid's faces are given, not unknown: A ignores their rows, and their values are zero in what it is applied
-//! to. A is symmetric and positive definite.
+//! c is an edge's permittivity (times the spacing, with k as permittivity · κ² · h²: everything in
+//! units of the solution). Points on the grid's faces are given, not unknown: A ignores their rows,
+//! and their values are zero in what it is applied to. A is symmetric and positive definite.
 
 use rayon::prelude::*;
 use std::ops::{Mul, Sub};
@@ -27,7 +27,12 @@ impl Number for f64 {}
 
 impl Operator {
     pub fn new(shape: [usize; 3], edges: [Vec<f32>; 3], mass: Vec<f32>) -> Self {
-        let mut operator = Self { shape, edges, mass, diagonal: Vec::new() };
+        let mut operator = Self {
+            shape,
+            edges,
+            mass,
+            diagonal: Vec::new(),
+        };
         operator.diagonal = operator.sum_rows();
         operator
     }
@@ -57,14 +62,20 @@ impl Operator {
     pub fn inner_rows<T: Send>(&self, values: &mut [T], work: impl Fn(&mut [T], usize) + Sync) {
         let [nx, ny, nz] = self.shape;
         let plane = nx * ny;
-        values.par_chunks_mut(plane).enumerate().for_each(|(k, values)| {
-            if k == 0 || k + 1 == nz {
-                return;
-            }
-            for j in 1..ny - 1 {
-                work(&mut values[j * nx + 1..(j + 1) * nx - 1], k * plane + j * nx + 1);
-            }
-        });
+        values
+            .par_chunks_mut(plane)
+            .enumerate()
+            .for_each(|(k, values)| {
+                if k == 0 || k + 1 == nz {
+                    return;
+                }
+                for j in 1..ny - 1 {
+                    work(
+                        &mut values[j * nx + 1..(j + 1) * nx - 1],
+                        k * plane + j * nx + 1,
+                    );
+                }
+            });
     }
 
     /// out = A x on inner points.

@@ -1,7 +1,7 @@
 //! Sums over point charges, eight at a time.
 //!
-//! The processor's widest vectors do the same operations in the same order as the portable code: every machine finds the same
-//! bits.
+//! The processor's widest vectors do the same operations in the same order as the portable code:
+//! every machine finds the same bits.
 
 use protomer_kernel::Vec3;
 use protomer_kernel::potential::exp_of_minus;
@@ -9,7 +9,8 @@ use protomer_kernel::potential::exp_of_minus;
 /// Charges of a group.
 const LANES: usize = 8;
 
-/// Squares nearer than this many of their edges are seen under their exact solid angle, others to 10⁻³ of it.
+/// Squares nearer than this many of their edges are seen under their exact solid angle, others to
+/// 10⁻³ of it.
 const NEAR_IN_EDGES: f64 = 4.0;
 
 /// A charge, or whatever stands before a radial function, at a place.
@@ -73,7 +74,11 @@ macro_rules! vectorised {
 impl FromIterator<Source> for PointCharges {
     fn from_iter<I: IntoIterator<Item = Source>>(sources: I) -> Self {
         let sources: Vec<Source> = sources.into_iter().collect();
-        let none = Source { place: Vec3::zeros(), strength: 0.0, least_distance_angstrom: 1.0 };
+        let none = Source {
+            place: Vec3::zeros(),
+            strength: 0.0,
+            least_distance_angstrom: 1.0,
+        };
         let group = |chunk: &[Source]| {
             let at = |lane: usize| chunk.get(lane).unwrap_or(&none);
             Group {
@@ -84,7 +89,9 @@ impl FromIterator<Source> for PointCharges {
                 least: std::array::from_fn(|lane| at(lane).least_distance_angstrom),
             }
         };
-        Self { groups: sources.chunks(LANES).map(group).collect() }
+        Self {
+            groups: sources.chunks(LANES).map(group).collect(),
+        }
     }
 }
 
@@ -93,9 +100,17 @@ impl PointCharges {
     pub fn sources(&self) -> impl Iterator<Item = (Vec3, f64)> + '_ {
         let lanes = |group: &'_ Group| {
             let group = *group;
-            (0..LANES).map(move |lane| (Vec3::new(group.x[lane], group.y[lane], group.z[lane]), group.strength[lane]))
+            (0..LANES).map(move |lane| {
+                (
+                    Vec3::new(group.x[lane], group.y[lane], group.z[lane]),
+                    group.strength[lane],
+                )
+            })
         };
-        self.groups.iter().flat_map(lanes).filter(|(_, strength)| *strength != 0.0)
+        self.groups
+            .iter()
+            .flat_map(lanes)
+            .filter(|(_, strength)| *strength != 0.0)
     }
 
     vectorised!(
@@ -112,8 +127,9 @@ impl PointCharges {
     );
 
     vectorised!(
-        /// Flux of -∇ Σ s_i / r_i through a square (its middle and edge) across an axis, in the axis' direction: Σ s_i Ω_i with
-        /// the solid angle Ω_i. Of charges far away it is ∫ f = edge² (f + edge²/24 (f_xx + f_yy)), f = z/r³ at the middle.
+        /// Flux of -∇ Σ s_i / r_i through a square (its middle and edge) across an axis, in the
+        /// axis' direction: Σ s_i Ω_i with the solid angle Ω_i. Of charges far away it is ∫ f =
+        /// edge² (f + edge²/24 (f_xx + f_yy)), f = z/r³ at the middle.
         flux, flux_any, flux_avx512, flux_avx2, (middle: &Vec3, axis: usize, edge: f64) -> f64
     );
 
@@ -175,7 +191,8 @@ impl PointCharges {
 
     #[inline(always)]
     fn gradient_any(&self, place: &Vec3) -> (f64, Vec3) {
-        let (mut values, mut x, mut y, mut z) = ([0.0; LANES], [0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        let (mut values, mut x, mut y, mut z) =
+            ([0.0; LANES], [0.0; LANES], [0.0; LANES], [0.0; LANES]);
         for group in &self.groups {
             for lane in 0..LANES {
                 let inverse = 1.0 / group.distance(lane, place);
@@ -192,8 +209,8 @@ impl PointCharges {
     }
 }
 
-/// The solid angle of a square with its middle at z along its axis and x, y across, negative for negative z: the sum of
-/// ± atan(x y / (z r)) over its corners.
+/// The solid angle of a square with its middle at z along its axis and x, y across, negative for
+/// negative z: the sum of ± atan(x y / (z r)) over its corners.
 fn solid_angle([z, x, y]: [f64; 3], edge: f64) -> f64 {
     let corner = |right: f64, up: f64| {
         let (x, y) = (x + 0.5 * edge * right, y + 0.5 * edge * up);
@@ -206,7 +223,11 @@ fn solid_angle([z, x, y]: [f64; 3], edge: f64) -> f64 {
 impl Group {
     #[inline(always)]
     fn distance(&self, lane: usize, place: &Vec3) -> f64 {
-        let (dx, dy, dz) = (place.x - self.x[lane], place.y - self.y[lane], place.z - self.z[lane]);
+        let (dx, dy, dz) = (
+            place.x - self.x[lane],
+            place.y - self.y[lane],
+            place.z - self.z[lane],
+        );
         let (distance, least) = ((dx * dx + dy * dy + dz * dz).sqrt(), self.least[lane]);
         if distance > least { distance } else { least }
     }
@@ -224,7 +245,11 @@ mod tests {
         for turn in 0..60 {
             let axis = turn % 3;
             let place = rng.vector_in_ball(if turn < 30 { 1.5 } else { 8.0 });
-            let source = Source { place, strength: 1.3, least_distance_angstrom: 1e-3 };
+            let source = Source {
+                place,
+                strength: 1.3,
+                least_distance_angstrom: 1e-3,
+            };
             let charges: PointCharges = std::iter::once(source).collect();
             let middle = Vec3::new(0.1, -0.2, 0.3);
             let mut sum = 0.0;
@@ -238,7 +263,10 @@ mod tests {
             let found = charges.flux(&middle, axis, edge);
             let whole = 1.3 * edge * edge / (middle - place).norm_squared();
             assert!((found - sum).abs() < 1e-3 * whole, "{place}: {found} {sum}");
-            assert_eq!(found.to_bits(), charges.flux_any(&middle, axis, edge).to_bits());
+            assert_eq!(
+                found.to_bits(),
+                charges.flux_any(&middle, axis, edge).to_bits()
+            );
         }
     }
 
@@ -256,7 +284,8 @@ mod tests {
             let charges: PointCharges = sources.iter().copied().collect();
             for _ in 0..50 {
                 let place = rng.vector_in_ball(15.0);
-                let (mut value, mut screened, mut gradient, mut size) = (0.0, 0.0, Vec3::zeros(), 1e-300);
+                let (mut value, mut screened, mut gradient, mut size) =
+                    (0.0, 0.0, Vec3::zeros(), 1e-300);
                 for source in &sources {
                     let offset = place - source.place;
                     let r = offset.norm().max(source.least_distance_angstrom);
@@ -265,15 +294,25 @@ mod tests {
                     gradient -= offset * (source.strength / r.powi(3));
                     size += source.strength.abs() / r.powi(3) * (r * r + r + offset.norm());
                 }
-                let close = |a: f64, b: f64| assert!((a - b).abs() <= 1e-13 * size, "{count}: {a} {b}");
+                let close =
+                    |a: f64, b: f64| assert!((a - b).abs() <= 1e-13 * size, "{count}: {a} {b}");
                 close(charges.coulomb(&place), value);
                 close(charges.screened(&place, 0.1), screened);
                 let (found, slope) = charges.coulomb_with_gradient(&place);
                 close(found, value);
                 (0..3).for_each(|axis| close(slope[axis], gradient[axis]));
-                assert_eq!(charges.coulomb(&place).to_bits(), charges.coulomb_any(&place).to_bits());
-                assert_eq!(charges.screened(&place, 0.1).to_bits(), charges.screened_any(&place, 0.1).to_bits());
-                assert_eq!(charges.coulomb_with_gradient(&place), charges.gradient_any(&place));
+                assert_eq!(
+                    charges.coulomb(&place).to_bits(),
+                    charges.coulomb_any(&place).to_bits()
+                );
+                assert_eq!(
+                    charges.screened(&place, 0.1).to_bits(),
+                    charges.screened_any(&place, 0.1).to_bits()
+                );
+                assert_eq!(
+                    charges.coulomb_with_gradient(&place),
+                    charges.gradient_any(&place)
+                );
             }
         }
     }

@@ -2,14 +2,17 @@
 //!
 //! -∇·ε∇φ + ε_out κ² λ φ = 4π l ρ,
 //!
-//! with φ in kT/e, ρ in e/Å³, l = e²/(4π ε₀ kT) the Bjerrum length of the vacuum, and λ = 1 where ions go. The dielectric
-//! boundary is the solvent-excluded surface of the spheres, or another ([`SurfaceDefinition`]).
+//! with φ in kT/e, ρ in e/Å³, l = e²/(4π ε₀ kT) the Bjerrum length of the vacuum, and λ = 1 where
+//! ions go. The dielectric boundary is the solvent-excluded surface of the spheres, or another
+//! ([`SurfaceDefinition`]).
 //!
-//! Charges are points. Inside the surface the Coulomb potential φ_C = l/ε_in Σ q/r is taken out, so what is solved for is the
-//! reaction field u = φ - φ_C inside and φ outside, both smooth; on edges that meet the surface φ_C appears as a source
-//! (`coulomb_source`). One solve gives the solvation energy ½ Σ q u, without the grid's self-energy and without a reference solve.
+//! Charges are points. Inside the surface the Coulomb potential φ_C = l/ε_in Σ q/r is taken out, so
+//! what is solved for is the reaction field u = φ - φ_C inside and φ outside, both smooth; on edges
+//! that meet the surface φ_C appears as a source (`coulomb_source`). One solve gives the solvation
+//! energy ½ Σ q u, without the grid's self-energy and without a reference solve.
 //!
-//! Boundary values are the atoms' Debye-Hückel potentials, or come from a coarse grid twice as large ([`Boundary`]).
+//! Boundary values are the atoms' Debye-Hückel potentials, or come from a coarse grid twice as
+//! large ([`Boundary`]).
 
 use crate::conjugate_gradient;
 use crate::coulomb_source;
@@ -54,7 +57,8 @@ pub struct Medium {
 }
 
 impl Medium {
-    /// Proteins in this solvent: permittivity 2 inside the solvent-excluded surface of a probe of 1.4 Å, ions of 2 Å.
+    /// Proteins in this solvent: permittivity 2 inside the solvent-excluded surface of a probe of
+    /// 1.4 Å, ions of 2 Å.
     pub fn new(conditions: Conditions) -> Self {
         Self {
             conditions,
@@ -77,20 +81,24 @@ impl Medium {
 
     /// κ = (8π λ_B c)^½, 1/Å.
     pub fn kappa_per_angstrom(&self) -> f64 {
-        (8.0 * PI * self.solvent_bjerrum_angstrom() * NUMBER_DENSITY_PER_MOLAR * self.conditions.salt_molar).sqrt()
+        (8.0 * PI
+            * self.solvent_bjerrum_angstrom()
+            * NUMBER_DENSITY_PER_MOLAR
+            * self.conditions.salt_molar)
+            .sqrt()
     }
 }
 
 /// What the potential on the grid's faces is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Boundary {
-    /// The sum of the atoms' Debye-Hückel potentials, each alone in the solvent with ions up to its radius: the usual
-    /// choice. It ignores what the solute displaces: at 100 mM and a margin of 10 Å that is 1.5 % of the potential outside
-    /// crambin.
+    /// The sum of the atoms' Debye-Hückel potentials, each alone in the solvent with ions up to its
+    /// radius: the usual choice. It ignores what the solute displaces: at 100 mM and a margin of 10
+    /// Å that is 1.5 % of the potential outside crambin.
     #[default]
     ScreenedAtoms,
-    /// That of a coarse grid twice as large, on whose faces all charges are seen from one sphere around the solute: hardly
-    /// depends on the margin, and takes a second, smaller solve.
+    /// That of a coarse grid twice as large, on whose faces all charges are seen from one sphere
+    /// around the solute: hardly depends on the margin, and takes a second, smaller solve.
     CoarseGrid,
 }
 
@@ -163,46 +171,93 @@ pub struct Potential {
 /// ```
 ///
 /// # Errors
-/// [`FieldError::BadSetting`] names the setting; [`FieldError::ChargeOutside`] the charge; [`FieldError::TooLarge`] says what
-/// would be needed; [`FieldError::NotConverged`] if the iteration fails.
-pub fn solve(spheres: &[ChargedSphere], medium: &Medium, settings: &SolveSettings) -> Result<Potential> {
+/// [`FieldError::BadSetting`] names the setting; [`FieldError::ChargeOutside`] the charge;
+/// [`FieldError::TooLarge`] says what would be needed; [`FieldError::NotConverged`] if the
+/// iteration fails.
+pub fn solve(
+    spheres: &[ChargedSphere],
+    medium: &Medium,
+    settings: &SolveSettings,
+) -> Result<Potential> {
     check(spheres, medium, settings)?;
     let solid = surface_of(spheres, medium)?;
     check_charges(spheres, &*solid)?;
     let fine = grid_around(spheres, settings)?;
     if settings.boundary == Boundary::ScreenedAtoms {
-        let atoms = Superposition::new(spheres, &Medium { ion_radius_angstrom: 0.0, ..*medium });
-        return solve_on(fine, spheres, medium, &*solid, settings, |place| atoms.at(place));
+        let atoms = Superposition::new(
+            spheres,
+            &Medium {
+                ion_radius_angstrom: 0.0,
+                ..*medium
+            },
+        );
+        return solve_on(fine, spheres, medium, &*solid, settings, |place| {
+            atoms.at(place)
+        });
     }
     let (low, high) = bounds(spheres.iter());
     let margin = Vec3::repeat(settings.margin_angstrom);
     let extent = high - low + 2.0 * margin;
     let larger = 0.5 * (COARSE_EXTENT - 1.0) * extent;
-    let spacing =
-        (COARSE_SPACING * settings.spacing_angstrom).min(COARSEST_SPACING_ANGSTROM.max(settings.spacing_angstrom));
-    let coarse = Grid::around(&(low - margin - larger), &(high + margin + larger), spacing, CELLS_MULTIPLE)?;
+    let spacing = (COARSE_SPACING * settings.spacing_angstrom)
+        .min(COARSEST_SPACING_ANGSTROM.max(settings.spacing_angstrom));
+    let coarse = Grid::around(
+        &(low - margin - larger),
+        &(high + margin + larger),
+        spacing,
+        CELLS_MULTIPLE,
+    )?;
     check_memory(&coarse, settings)?;
     let size = 0.25 * (high - low).sum() / 1.5;
     let far = Superposition::of_solute(spheres, medium, size);
-    let wide = solve_on(coarse, spheres, medium, &*solid, settings, |place| far.at(place))?;
-    solve_on(fine, spheres, medium, &*solid, settings, |place| wide.reduced.at(place).unwrap_or(0.0))
+    let wide = solve_on(coarse, spheres, medium, &*solid, settings, |place| {
+        far.at(place)
+    })?;
+    solve_on(fine, spheres, medium, &*solid, settings, |place| {
+        wide.reduced.at(place).unwrap_or(0.0)
+    })
 }
 
 fn check(spheres: &[ChargedSphere], medium: &Medium, settings: &SolveSettings) -> Result<()> {
     if spheres.is_empty() {
-        return Err(FieldError::BadInput("there are no atoms; give at least one".into()));
+        return Err(FieldError::BadInput(
+            "there are no atoms; give at least one".into(),
+        ));
     }
     check_settings(settings)?;
     check_ranges([
-        ("inner permittivity", medium.inner_permittivity, 1.0..=1000.0, "1 to 1000"),
-        ("outer permittivity", medium.conditions.relative_permittivity, 1.0..=1000.0, "1 to 1000"),
+        (
+            "inner permittivity",
+            medium.inner_permittivity,
+            1.0..=1000.0,
+            "1 to 1000",
+        ),
+        (
+            "outer permittivity",
+            medium.conditions.relative_permittivity,
+            1.0..=1000.0,
+            "1 to 1000",
+        ),
         ("probe", medium.probe_angstrom, 0.1..=20.0, "0.1 to 20 Å"),
-        ("ion radius", medium.ion_radius_angstrom, 0.0..=20.0, "0 to 20 Å"),
+        (
+            "ion radius",
+            medium.ion_radius_angstrom,
+            0.0..=20.0,
+            "0 to 20 Å",
+        ),
     ])?;
     for (index, sphere) in spheres.iter().enumerate() {
-        let numbers = [sphere.centre.x, sphere.centre.y, sphere.centre.z, sphere.radius_angstrom, sphere.charge_e];
+        let numbers = [
+            sphere.centre.x,
+            sphere.centre.y,
+            sphere.centre.z,
+            sphere.radius_angstrom,
+            sphere.charge_e,
+        ];
         if numbers.iter().any(|x| !x.is_finite()) || sphere.radius_angstrom < 0.0 {
-            return Err(FieldError::BadInput(format!("atom {index} has a number that makes no sense: {numbers:?}")));
+            return Err(FieldError::BadInput(format!(
+                "atom {index} has a number that makes no sense: {numbers:?}"
+            )));
         }
     }
     Ok(())
@@ -210,16 +265,37 @@ fn check(spheres: &[ChargedSphere], medium: &Medium, settings: &SolveSettings) -
 
 fn check_settings(settings: &SolveSettings) -> Result<()> {
     check_ranges([
-        ("spacing", settings.spacing_angstrom, 0.05..=LARGEST_SPACING_ANGSTROM, "0.05 to 1.1 Å"),
-        ("margin", settings.margin_angstrom, 1.0..=1000.0, "1 to 1000 Å"),
-        ("tolerance", settings.relative_tolerance, 1e-12..=1e-2, "1e-12 to 1e-2"),
+        (
+            "spacing",
+            settings.spacing_angstrom,
+            0.05..=LARGEST_SPACING_ANGSTROM,
+            "0.05 to 1.1 Å",
+        ),
+        (
+            "margin",
+            settings.margin_angstrom,
+            1.0..=1000.0,
+            "1 to 1000 Å",
+        ),
+        (
+            "tolerance",
+            settings.relative_tolerance,
+            1e-12..=1e-2,
+            "1e-12 to 1e-2",
+        ),
     ])
 }
 
-fn check_ranges<const N: usize>(ranges: [(&'static str, f64, RangeInclusive<f64>, &'static str); N]) -> Result<()> {
+fn check_ranges<const N: usize>(
+    ranges: [(&'static str, f64, RangeInclusive<f64>, &'static str); N],
+) -> Result<()> {
     for (setting, value, range, requirement) in ranges {
         if !range.contains(&value) {
-            return Err(FieldError::BadSetting { setting, value, requirement });
+            return Err(FieldError::BadSetting {
+                setting,
+                value,
+                requirement,
+            });
         }
     }
     Ok(())
@@ -233,7 +309,12 @@ pub fn grid_around(spheres: &[ChargedSphere], settings: &SolveSettings) -> Resul
     check_settings(settings)?;
     let (low, high) = bounds(spheres.iter());
     let margin = Vec3::repeat(settings.margin_angstrom);
-    let grid = Grid::around(&(low - margin), &(high + margin), settings.spacing_angstrom, CELLS_MULTIPLE)?;
+    let grid = Grid::around(
+        &(low - margin),
+        &(high + margin),
+        settings.spacing_angstrom,
+        CELLS_MULTIPLE,
+    )?;
     check_memory(&grid, settings)?;
     Ok(grid)
 }
@@ -242,17 +323,29 @@ fn check_memory(grid: &Grid, settings: &SolveSettings) -> Result<()> {
     let (points, allowed_bytes) = (grid.len(), settings.memory_limit_bytes);
     let needed_bytes = points.saturating_mul(BYTES_PER_POINT);
     if needed_bytes > allowed_bytes {
-        return Err(FieldError::TooLarge { points, needed_bytes, allowed_bytes });
+        return Err(FieldError::TooLarge {
+            points,
+            needed_bytes,
+            allowed_bytes,
+        });
     }
     Ok(())
 }
 
 /// Refuses charges in the solvent.
 fn check_charges(spheres: &[ChargedSphere], solid: &dyn ImplicitSolid) -> Result<()> {
-    for (index, sphere) in spheres.iter().enumerate().filter(|(_, sphere)| sphere.charge_e != 0.0) {
+    for (index, sphere) in spheres
+        .iter()
+        .enumerate()
+        .filter(|(_, sphere)| sphere.charge_e != 0.0)
+    {
         let distance = solid.signed_distance(&sphere.centre);
         if distance >= 0.0 {
-            return Err(FieldError::ChargeOutside { index, charge_e: sphere.charge_e, distance_angstrom: distance });
+            return Err(FieldError::ChargeOutside {
+                index,
+                charge_e: sphere.charge_e,
+                distance_angstrom: distance,
+            });
         }
     }
     Ok(())
@@ -266,19 +359,34 @@ fn solve_on(
     settings: &SolveSettings,
     boundary: impl Fn(&Vec3) -> f64 + Sync,
 ) -> Result<Potential> {
-    let (inner, outer) = (medium.inner_permittivity, medium.conditions.relative_permittivity);
-    // On a coarse grid a box can be larger than what the surface's distances tell: then the spheres themselves keep
-    // ions out.
-    let by_spheres = medium.ion_radius_angstrom > 0.0 || grid.spacing_angstrom > LARGEST_SPACING_ANGSTROM;
+    let (inner, outer) = (
+        medium.inner_permittivity,
+        medium.conditions.relative_permittivity,
+    );
+    // On a coarse grid a box can be larger than what the surface's distances tell: then the spheres
+    // themselves keep ions out.
+    let by_spheres =
+        medium.ion_radius_angstrom > 0.0 || grid.spacing_angstrom > LARGEST_SPACING_ANGSTROM;
     let gap = by_spheres.then(|| ion_gap(&grid, spheres, medium.ion_radius_angstrom));
-    let DielectricMap { inside, edges, accessible } = DielectricMap::new(&grid, solid, inner, outer, gap.as_deref());
+    let DielectricMap {
+        inside,
+        edges,
+        accessible,
+    } = DielectricMap::new(&grid, solid, inner, outer, gap.as_deref());
     drop(gap);
     let h = grid.spacing_angstrom;
     let per_part = outer * (medium.kappa_per_angstrom() * h).powi(2);
-    let mass: Vec<f32> = accessible.par_iter().map(|part| (per_part * f64::from(*part)) as f32).collect();
+    let mass: Vec<f32> = accessible
+        .par_iter()
+        .map(|part| (per_part * f64::from(*part)) as f32)
+        .collect();
     drop(accessible);
     let operator = Operator::new(grid.shape, edges, mass);
-    let charges: Vec<ChargedSphere> = spheres.iter().copied().filter(|sphere| sphere.charge_e != 0.0).collect();
+    let charges: Vec<ChargedSphere> = spheres
+        .iter()
+        .copied()
+        .filter(|sphere| sphere.charge_e != 0.0)
+        .collect();
     let coulomb: PointCharges = charges
         .iter()
         .map(|charge| Source {
@@ -292,7 +400,10 @@ fn solve_on(
     let mut reduced = faces(&grid, boundary);
     let iterations = solve_with_faces(&operator, right, &mut reduced, settings.relative_tolerance)?;
     let mut potential = Potential {
-        reduced: ScalarField { grid, values: reduced },
+        reduced: ScalarField {
+            grid,
+            values: reduced,
+        },
         inside,
         coulomb,
         solvation_energy_kt: 0.0,
@@ -312,19 +423,27 @@ fn solve_on(
 fn faces(grid: &Grid, boundary: impl Fn(&Vec3) -> f64 + Sync) -> Vec<f64> {
     let [nx, ny, nz] = grid.shape;
     let mut values = vec![0.0; grid.len()];
-    values.par_chunks_mut(nx * ny).enumerate().for_each(|(k, plane)| {
-        for (n, value) in plane.iter_mut().enumerate() {
-            let (i, j) = (n % nx, n / nx);
-            if i == 0 || i + 1 == nx || j == 0 || j + 1 == ny || k == 0 || k + 1 == nz {
-                *value = boundary(&grid.point(i, j, k));
+    values
+        .par_chunks_mut(nx * ny)
+        .enumerate()
+        .for_each(|(k, plane)| {
+            for (n, value) in plane.iter_mut().enumerate() {
+                let (i, j) = (n % nx, n / nx);
+                if i == 0 || i + 1 == nx || j == 0 || j + 1 == ny || k == 0 || k + 1 == nz {
+                    *value = boundary(&grid.point(i, j, k));
+                }
             }
-        }
-    });
+        });
     values
 }
 
 /// Solves for the inner points with the values on the faces as they are.
-fn solve_with_faces(operator: &Operator, mut right: Vec<f64>, x: &mut [f64], tolerance: f64) -> Result<usize> {
+fn solve_with_faces(
+    operator: &Operator,
+    mut right: Vec<f64>,
+    x: &mut [f64],
+    tolerance: f64,
+) -> Result<usize> {
     // b - A (faces), then zero faces.
     let mut from_faces = vec![0.0; x.len()];
     operator.apply(x, &mut from_faces);
@@ -336,45 +455,56 @@ fn solve_with_faces(operator: &Operator, mut right: Vec<f64>, x: &mut [f64], tol
     drop(from_faces);
     let mut inner = vec![0.0; x.len()];
     let iterations = conjugate_gradient::solve(operator, &right, &mut inner, tolerance)?;
-    operator.inner_rows(x, |row, start| row.copy_from_slice(&inner[start..start + row.len()]));
+    operator.inner_rows(x, |row, start| {
+        row.copy_from_slice(&inner[start..start + row.len()])
+    });
     Ok(iterations)
 }
 
-/// How far outside the spheres grown by the radius of ions a place is, Å, to within a spacing or so.
+/// How far outside the spheres grown by the radius of ions a place is, Å, to within a spacing or
+/// so.
 fn ion_gap(grid: &Grid, spheres: &[ChargedSphere], ion_radius: f64) -> Vec<f32> {
     let h = grid.spacing_angstrom;
     let mut gap = vec![f32::MAX; grid.len()];
     let [nx, ny, _] = grid.shape;
-    gap.par_chunks_mut(nx * ny).enumerate().for_each(|(k, plane)| {
-        let z = grid.origin_angstrom[2] + h * k as f64;
-        for sphere in spheres.iter().filter(|sphere| sphere.radius_angstrom > 0.0) {
-            let radius = sphere.radius_angstrom + ion_radius;
-            let reach = radius + h;
-            let dz = z - sphere.centre.z;
-            let square = reach * reach - dz * dz;
-            if square <= 0.0 {
-                continue;
-            }
-            let range = |centre: f64, origin: f64, half: f64, points: usize| {
-                let first = ((centre - half - origin) / h).ceil().max(0.0) as usize;
-                let last = ((centre + half - origin) / h).floor().min(points as f64 - 1.0);
-                if last < 0.0 { 0..0 } else { first..last as usize + 1 }
-            };
-            for j in range(sphere.centre.y, grid.origin_angstrom[1], square.sqrt(), ny) {
-                let dy = grid.origin_angstrom[1] + h * j as f64 - sphere.centre.y;
-                let left = square - dy * dy;
-                if left <= 0.0 {
+    gap.par_chunks_mut(nx * ny)
+        .enumerate()
+        .for_each(|(k, plane)| {
+            let z = grid.origin_angstrom[2] + h * k as f64;
+            for sphere in spheres.iter().filter(|sphere| sphere.radius_angstrom > 0.0) {
+                let radius = sphere.radius_angstrom + ion_radius;
+                let reach = radius + h;
+                let dz = z - sphere.centre.z;
+                let square = reach * reach - dz * dz;
+                if square <= 0.0 {
                     continue;
                 }
-                for i in range(sphere.centre.x, grid.origin_angstrom[0], left.sqrt(), nx) {
-                    let dx = grid.origin_angstrom[0] + h * i as f64 - sphere.centre.x;
-                    let value = ((dx * dx + dy * dy + dz * dz).sqrt() - radius) as f32;
-                    let gap = &mut plane[j * nx + i];
-                    *gap = gap.min(value);
+                let range = |centre: f64, origin: f64, half: f64, points: usize| {
+                    let first = ((centre - half - origin) / h).ceil().max(0.0) as usize;
+                    let last = ((centre + half - origin) / h)
+                        .floor()
+                        .min(points as f64 - 1.0);
+                    if last < 0.0 {
+                        0..0
+                    } else {
+                        first..last as usize + 1
+                    }
+                };
+                for j in range(sphere.centre.y, grid.origin_angstrom[1], square.sqrt(), ny) {
+                    let dy = grid.origin_angstrom[1] + h * j as f64 - sphere.centre.y;
+                    let left = square - dy * dy;
+                    if left <= 0.0 {
+                        continue;
+                    }
+                    for i in range(sphere.centre.x, grid.origin_angstrom[0], left.sqrt(), nx) {
+                        let dx = grid.origin_angstrom[0] + h * i as f64 - sphere.centre.x;
+                        let value = ((dx * dx + dy * dy + dz * dz).sqrt() - radius) as f32;
+                        let gap = &mut plane[j * nx + i];
+                        *gap = gap.min(value);
+                    }
                 }
             }
-        }
-    });
+        });
     gap
 }
 
@@ -387,26 +517,43 @@ impl Potential {
     /// The reaction field φ - φ_C at a place, kT/e: cubic deep inside, trilinear near the surface.
     fn reaction_at(&self, place: &Vec3) -> f64 {
         let grid = &self.reduced.grid;
-        let Some((cell, part)) = grid.locate(place) else { return 0.0 };
+        let Some((cell, part)) = grid.locate(place) else {
+            return 0.0;
+        };
         let has_neighbours = (0..3).all(|axis| cell[axis] > 0 && cell[axis] + 2 < grid.shape[axis]);
-        let index = |di: usize, dj: usize, dk: usize| grid.index(cell[0] + di - 1, cell[1] + dj - 1, cell[2] + dk - 1);
+        let index = |di: usize, dj: usize, dk: usize| {
+            grid.index(cell[0] + di - 1, cell[1] + dj - 1, cell[2] + dk - 1)
+        };
         if has_neighbours && (0..64).all(|n| self.inside[index(n & 3, n >> 2 & 3, n >> 4)]) {
-            return interpolate_cubically(&part, |di, dj, dk| self.reduced.values[index(di, dj, dk)]);
+            return interpolate_cubically(&part, |di, dj, dk| {
+                self.reduced.values[index(di, dj, dk)]
+            });
         }
         interpolate(&part, |di, dj, dk| {
             let [i, j, k] = [cell[0] + di, cell[1] + dj, cell[2] + dk];
             let at = grid.index(i, j, k);
-            let taken = if self.inside[at] { 0.0 } else { self.coulomb.coulomb(&grid.point(i, j, k)) };
+            let taken = if self.inside[at] {
+                0.0
+            } else {
+                self.coulomb.coulomb(&grid.point(i, j, k))
+            };
             self.reduced.values[at] - taken
         })
     }
 
-    /// The potential at a place, kT/e; `None` outside the grid. Where all corners of the place's cell are outside the surface
-    /// it is interpolated, elsewhere the reaction field is, and the Coulomb potential is added.
+    /// The potential at a place, kT/e; `None` outside the grid. Where all corners of the place's
+    /// cell are outside the surface it is interpolated, elsewhere the reaction field is, and the
+    /// Coulomb potential is added.
     pub fn at(&self, place: &Vec3) -> Option<f64> {
         let grid = &self.reduced.grid;
         let (cell, part) = grid.locate(place)?;
-        let corner = |d: usize| grid.index(cell[0] + (d & 1), cell[1] + (d >> 1 & 1), cell[2] + (d >> 2));
+        let corner = |d: usize| {
+            grid.index(
+                cell[0] + (d & 1),
+                cell[1] + (d >> 1 & 1),
+                cell[2] + (d >> 2),
+            )
+        };
         if (0..8).all(|d| !self.inside[corner(d)]) {
             return Some(interpolate(&part, |di, dj, dk| {
                 self.reduced.values[grid.index(cell[0] + di, cell[1] + dj, cell[2] + dk)]
@@ -420,13 +567,16 @@ impl Potential {
         let grid = self.reduced.grid;
         let [nx, ny, _] = grid.shape;
         let mut values = self.reduced.values.clone();
-        values.par_chunks_mut(nx * ny).enumerate().for_each(|(k, plane)| {
-            for (n, value) in plane.iter_mut().enumerate() {
-                if self.inside[k * nx * ny + n] {
-                    *value += self.coulomb.coulomb(&grid.point(n % nx, n / nx, k));
+        values
+            .par_chunks_mut(nx * ny)
+            .enumerate()
+            .for_each(|(k, plane)| {
+                for (n, value) in plane.iter_mut().enumerate() {
+                    if self.inside[k * nx * ny + n] {
+                        *value += self.coulomb.coulomb(&grid.point(n % nx, n / nx, k));
+                    }
                 }
-            }
-        });
+            });
         ScalarField { grid, values }
     }
 }

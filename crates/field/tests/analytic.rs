@@ -1,15 +1,23 @@
 //! Potentials and energies with closed forms, and converged ones computed elsewhere.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr)]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::print_stderr
+)]
 
-use protomer_field::{Boundary, ChargedSphere, Medium, Potential, SolveSettings, SurfaceDefinition, solve};
+use protomer_field::{
+    Boundary, ChargedSphere, Medium, Potential, SolveSettings, SurfaceDefinition, solve,
+};
 use protomer_io::pqr::read_pqr;
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Conditions, Vec3};
 use std::path::{Path, PathBuf};
 
 fn shared() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/reference/electrostatics");
+    let folder =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/reference/electrostatics");
     if !folder.is_dir() {
         eprintln!("skipped: {} is absent", folder.display());
         return None;
@@ -17,9 +25,13 @@ fn shared() -> Option<PathBuf> {
     Some(folder)
 }
 
-/// Kirkwood's series without salt: ½ l/(ε_in a) Σ_n Σ_ij q_i q_j (z_i z_j/a²)ⁿ (n + 1)(ε_in - ε_out)/((n + 1) ε_out + n ε_in).
+/// Kirkwood's series without salt: ½ l/(ε_in a) Σ_n Σ_ij q_i q_j (z_i z_j/a²)ⁿ (n + 1)(ε_in -
+/// ε_out)/((n + 1) ε_out + n ε_in).
 fn kirkwood_kt(charges: &[(f64, f64)], radius: f64, medium: &Medium) -> f64 {
-    let (inner, outer) = (medium.inner_permittivity, medium.conditions.relative_permittivity);
+    let (inner, outer) = (
+        medium.inner_permittivity,
+        medium.conditions.relative_permittivity,
+    );
     let term = |x: f64, n: u32| {
         let m = f64::from(n);
         x.powi(n as i32) * (m + 1.0) * (inner - outer) / ((m + 1.0) * outer + m * inner)
@@ -27,17 +39,30 @@ fn kirkwood_kt(charges: &[(f64, f64)], radius: f64, medium: &Medium) -> f64 {
     let mut sum = 0.0;
     for (z, q) in charges {
         for (y, p) in charges {
-            sum += q * p * (0..200).map(|n| term(z * y / (radius * radius), n)).sum::<f64>();
+            sum += q
+                * p
+                * (0..200)
+                    .map(|n| term(z * y / (radius * radius), n))
+                    .sum::<f64>();
         }
     }
     0.5 * medium.vacuum_bjerrum_angstrom() / (inner * radius) * sum
 }
 
 fn sphere_with(radius: f64, charges: &[(f64, f64)]) -> Vec<ChargedSphere> {
-    let point =
-        |(z, q): &(f64, f64)| ChargedSphere { centre: Vec3::new(0.0, 0.0, *z), radius_angstrom: 0.01, charge_e: *q };
-    let shell = ChargedSphere { centre: Vec3::zeros(), radius_angstrom: radius, charge_e: 0.0 };
-    std::iter::once(shell).chain(charges.iter().map(point)).collect()
+    let point = |(z, q): &(f64, f64)| ChargedSphere {
+        centre: Vec3::new(0.0, 0.0, *z),
+        radius_angstrom: 0.01,
+        charge_e: *q,
+    };
+    let shell = ChargedSphere {
+        centre: Vec3::zeros(),
+        radius_angstrom: radius,
+        charge_e: 0.0,
+    };
+    std::iter::once(shell)
+        .chain(charges.iter().map(point))
+        .collect()
 }
 
 fn water(salt_molar: f64) -> Conditions {
@@ -56,40 +81,78 @@ fn spheres_with_charges_off_centre_have_the_energies_of_the_series() {
     ] {
         let exact = kirkwood_kt(&charges, radius, &medium);
         let energy = |spacing_angstrom| {
-            let settings = SolveSettings { spacing_angstrom, ..SolveSettings::default() };
-            solve(&sphere_with(radius, &charges), &medium, &settings).unwrap().solvation_energy_kt
+            let settings = SolveSettings {
+                spacing_angstrom,
+                ..SolveSettings::default()
+            };
+            solve(&sphere_with(radius, &charges), &medium, &settings)
+                .unwrap()
+                .solvation_energy_kt
         };
         let (coarse, fine) = (energy(0.7), energy(0.5));
-        // What is left depends on where the grid cuts the sphere, not smoothly on the spacing: extrapolation does not help.
+        // What is left depends on where the grid cuts the sphere, not smoothly on the spacing:
+        // extrapolation does not help.
         let errors = [coarse, fine].map(|e| 100.0 * (e / exact - 1.0));
         eprintln!("a = {radius} {charges:?}: {errors:.3?} %");
         assert!(errors.iter().all(|error| error.abs() < 0.5), "{errors:?}");
     }
 }
 
-/// The error of one energy depends on where the grid cuts the sphere, by more than on the spacing; the mean over places
-/// of the grid is what a finer grid must make smaller, each time.
+/// The error of one energy depends on where the grid cuts the sphere, by more than on the spacing;
+/// the mean over places of the grid is what a finer grid must make smaller, each time.
 #[test]
 fn errors_of_energies_fall_with_the_spacing_wherever_the_grid_lies() {
     let mut medium = Medium::new(water(0.0));
     medium.inner_permittivity = 1.0;
-    for (radius, charges) in [(2.0, vec![(0.0, 1.0)]), (5.0, vec![(0.0, -1.0), (3.0, 2.0)]), (4.0, vec![(2.8, 1.0)])] {
+    for (radius, charges) in [
+        (2.0, vec![(0.0, 1.0)]),
+        (5.0, vec![(0.0, -1.0), (3.0, 2.0)]),
+        (4.0, vec![(2.8, 1.0)]),
+    ] {
         let exact = kirkwood_kt(&charges, radius, &medium);
         let relative_error = |spacing_angstrom: f64, place: usize| {
             let mut rng = CounterRng::new(1, 0, place as u64);
-            // A point without radius or charge moves the middle of the grid by half of how far it sticks out.
-            let corner = Vec3::from(std::array::from_fn(|_| radius + 2.0 * spacing_angstrom * rng.uniform()));
+            // A point without radius or charge moves the middle of the grid by half of how far it
+            // sticks out.
+            let corner = Vec3::from(std::array::from_fn(|_| {
+                radius + 2.0 * spacing_angstrom * rng.uniform()
+            }));
             let mut spheres = sphere_with(radius, &charges);
-            spheres.push(ChargedSphere { centre: corner, radius_angstrom: 0.0, charge_e: 0.0 });
-            let settings = SolveSettings { spacing_angstrom, ..SolveSettings::default() };
-            solve(&spheres, &medium, &settings).unwrap().solvation_energy_kt / exact - 1.0
+            spheres.push(ChargedSphere {
+                centre: corner,
+                radius_angstrom: 0.0,
+                charge_e: 0.0,
+            });
+            let settings = SolveSettings {
+                spacing_angstrom,
+                ..SolveSettings::default()
+            };
+            solve(&spheres, &medium, &settings)
+                .unwrap()
+                .solvation_energy_kt
+                / exact
+                - 1.0
         };
         let places = 12;
-        let mean_square = |spacing| (0..places).map(|place| relative_error(spacing, place).powi(2)).sum::<f64>();
-        let errors = [1.1, 0.8, 0.55, 0.4].map(|spacing| (mean_square(spacing) / places as f64).sqrt());
-        eprintln!("a = {radius} {charges:?}: {:.4?} % rms", errors.map(|error| 100.0 * error));
-        assert!(errors.is_sorted_by(|coarse, fine| fine < coarse), "{errors:?}");
-        assert!(errors[3] < 0.5 * errors[0] && errors[3] < 2e-3, "{errors:?}");
+        let mean_square = |spacing| {
+            (0..places)
+                .map(|place| relative_error(spacing, place).powi(2))
+                .sum::<f64>()
+        };
+        let errors =
+            [1.1, 0.8, 0.55, 0.4].map(|spacing| (mean_square(spacing) / places as f64).sqrt());
+        eprintln!(
+            "a = {radius} {charges:?}: {:.4?} % rms",
+            errors.map(|error| 100.0 * error)
+        );
+        assert!(
+            errors.is_sorted_by(|coarse, fine| fine < coarse),
+            "{errors:?}"
+        );
+        assert!(
+            errors[3] < 0.5 * errors[0] && errors[3] < 2e-3,
+            "{errors:?}"
+        );
     }
 }
 
@@ -101,7 +164,8 @@ fn references_with_salt_are_met() {
     for case in cases.as_array().unwrap() {
         let number = |key: &str| case[key].as_f64().unwrap_or(0.0);
         let radius = number("a");
-        // The dipole's reference stops at the fourth term of its series, 20 % short: the test above has all of them.
+        // The dipole's reference stops at the fourth term of its series, 20 % short: the test above
+        // has all of them.
         let dipole = case["case"] == "kirkwood_dipole_pm8z";
         if radius < 2.0 || number("s") > 0.8 * radius || number("I") != 0.1 || dipole {
             continue;
@@ -111,7 +175,9 @@ fn references_with_salt_are_met() {
         medium.inner_permittivity = number("eps_in");
         medium.ion_radius_angstrom = number("stern");
         let spheres = sphere_with(radius, &[(number("s"), number("q"))]);
-        let energy = solve(&spheres, &medium, &SolveSettings::default()).unwrap().solvation_energy_kt;
+        let energy = solve(&spheres, &medium, &SolveSettings::default())
+            .unwrap()
+            .solvation_energy_kt;
         let error = energy * conditions.kilojoule_per_mol_per_kt() / number("dG") - 1.0;
         eprintln!(
             "{} a = {radius} s = {} stern = {}: {:+.3} %",
@@ -125,7 +191,11 @@ fn references_with_salt_are_met() {
 }
 
 fn crambin(folder: &Path) -> Vec<ChargedSphere> {
-    let atoms = read_pqr("1crn", &std::fs::read(folder.join("1crn_AMBER.pqr")).unwrap()).unwrap();
+    let atoms = read_pqr(
+        "1crn",
+        &std::fs::read(folder.join("1crn_AMBER.pqr")).unwrap(),
+    )
+    .unwrap();
     let sphere = |atom: &protomer_io::points::PointRecord| ChargedSphere {
         centre: atom.position,
         radius_angstrom: atom.radius_angstrom,
@@ -139,7 +209,10 @@ fn relative_difference(solved: &Potential, file: &Path) -> f64 {
     let text = std::fs::read_to_string(file).unwrap();
     let (mut difference, mut size) = (0.0, 0.0);
     for line in text.lines().filter(|line| !line.starts_with('#')) {
-        let x: Vec<f64> = line.split_whitespace().map(|x| x.parse().unwrap()).collect();
+        let x: Vec<f64> = line
+            .split_whitespace()
+            .map(|x| x.parse().unwrap())
+            .collect();
         let ours = solved.at(&Vec3::new(x[0], x[1], x[2])).unwrap();
         difference += (ours - x[3]).powi(2);
         size += x[3] * x[3];
@@ -151,9 +224,10 @@ fn relative_difference(solved: &Potential, file: &Path) -> f64 {
 fn the_potential_outside_a_protein_is_that_of_another_program() {
     let Some(folder) = shared() else { return };
     let spheres = crambin(&folder);
-    // The other program, at 0.25 Å, takes screened atoms for the boundary. With the same here, what is left is the
-    // discretisation and its surface; it moves by 1.3 % itself from 0.5 to 0.25 Å. With the coarse grid's boundary values, which
-    // do not depend on the margin, the difference is the error of the other's.
+    // The other program, at 0.25 Å, takes screened atoms for the boundary. With the same here, what
+    // is left is the discretisation and its surface; it moves by 1.3 % itself from 0.5 to 0.25 Å.
+    // With the coarse grid's boundary values, which do not depend on the margin, the difference is
+    // the error of the other's.
     for (salt, name, boundary, most) in [
         (0.1, "100", Boundary::ScreenedAtoms, 0.012),
         (0.3, "300", Boundary::ScreenedAtoms, 0.012),
@@ -161,8 +235,19 @@ fn the_potential_outside_a_protein_is_that_of_another_program() {
         (0.3, "300", Boundary::CoarseGrid, 0.017),
     ] {
         let medium = Medium::new(water(salt));
-        let solved = solve(&spheres, &medium, &SolveSettings { boundary, ..SolveSettings::default() }).unwrap();
-        let relative = relative_difference(&solved, &folder.join(format!("1crn_AMBER_h0.25_I{name}mM_mol_spl2.pot")));
+        let solved = solve(
+            &spheres,
+            &medium,
+            &SolveSettings {
+                boundary,
+                ..SolveSettings::default()
+            },
+        )
+        .unwrap();
+        let relative = relative_difference(
+            &solved,
+            &folder.join(format!("1crn_AMBER_h0.25_I{name}mM_mol_spl2.pot")),
+        );
         let energy = solved.solvation_energy_kt * medium.conditions.kilojoule_per_mol_per_kt();
         eprintln!(
             "{name} mM, {boundary:?}: {:.2} % rms, {energy:.1} kJ/mol, {:?}",
@@ -183,14 +268,25 @@ fn boundary_values_do_not_depend_on_the_margin() {
         .lines()
         .filter(|line| !line.starts_with('#'))
         .map(|line| {
-            let x: Vec<f64> = line.split_whitespace().map(|x| x.parse().unwrap()).collect();
+            let x: Vec<f64> = line
+                .split_whitespace()
+                .map(|x| x.parse().unwrap())
+                .collect();
             Vec3::new(x[0], x[1], x[2])
         })
         .collect();
     let potentials = |margin_angstrom, boundary| -> Vec<f64> {
-        let settings = SolveSettings { spacing_angstrom: 1.0, margin_angstrom, boundary, ..SolveSettings::default() };
+        let settings = SolveSettings {
+            spacing_angstrom: 1.0,
+            margin_angstrom,
+            boundary,
+            ..SolveSettings::default()
+        };
         let solved = solve(&spheres, &Medium::new(water(0.1)), &settings).unwrap();
-        points.iter().map(|place| solved.at(place).unwrap()).collect()
+        points
+            .iter()
+            .map(|place| solved.at(place).unwrap())
+            .collect()
     };
     let difference = |a: &[f64], b: &[f64]| {
         let size: f64 = b.iter().map(|b| b * b).sum();
@@ -208,14 +304,21 @@ fn boundary_values_do_not_depend_on_the_margin() {
 /// Kirkwood's potential outside a sphere without salt, of a charge q at s along z:
 /// Σ_n l q (2n + 1)/((n + 1) ε_out + n ε_in) sⁿ/rⁿ⁺¹ P_n(cos θ).
 fn kirkwood_outside_kt(place: &Vec3, s: f64, medium: &Medium) -> f64 {
-    let (inner, outer) = (medium.inner_permittivity, medium.conditions.relative_permittivity);
+    let (inner, outer) = (
+        medium.inner_permittivity,
+        medium.conditions.relative_permittivity,
+    );
     let r = place.norm();
     let x = place.z / r;
     let (mut legendre, mut next, mut sum) = (1.0, x, 0.0);
     for n in 0..80 {
         let m = f64::from(n);
-        sum += (2.0 * m + 1.0) / ((m + 1.0) * outer + m * inner) * s.powi(n) / r.powi(n + 1) * legendre;
-        (legendre, next) = (next, ((2.0 * m + 3.0) * x * next - (m + 1.0) * legendre) / (m + 2.0));
+        sum += (2.0 * m + 1.0) / ((m + 1.0) * outer + m * inner) * s.powi(n) / r.powi(n + 1)
+            * legendre;
+        (legendre, next) = (
+            next,
+            ((2.0 * m + 3.0) * x * next - (m + 1.0) * legendre) / (m + 2.0),
+        );
     }
     medium.vacuum_bjerrum_angstrom() * sum
 }
@@ -230,57 +333,93 @@ fn energies_and_outside_potentials_converge_wherever_the_grid_cuts_a_sphere() {
             let n = f64::from(n);
             let z = 1.0 - (n + 0.5) / 100.0;
             let (sine, angle) = ((1.0 - z * z).sqrt(), 2.399_963 * n);
-            Vec3::new(sine * angle.cos(), sine * angle.sin(), z) * (radius + 2.5 + 3.0 * (0.618 * n).fract())
+            Vec3::new(sine * angle.cos(), sine * angle.sin(), z)
+                * (radius + 2.5 + 3.0 * (0.618 * n).fract())
         })
         .collect();
     medium.inner_permittivity = 2.0;
     // Bounds in per cent: a charge in the middle; one half-way to the surface.
     for (s, energy_at_half, outside_at_half) in [(0.0, 0.1, 0.15), (1.5, 0.15, 1.0)] {
         let exact = kirkwood_kt(&[(s, 1.0)], radius, &medium);
-        let outside: Vec<f64> = places.iter().map(|place| kirkwood_outside_kt(place, s, &medium)).collect();
+        let outside: Vec<f64> = places
+            .iter()
+            .map(|place| kirkwood_outside_kt(place, s, &medium))
+            .collect();
         let size: f64 = outside.iter().map(|x| x * x).sum();
         let mut last = f64::INFINITY;
         for spacing_angstrom in [1.0, 0.7, 0.5] {
             let (mut energies, mut potentials) = (0.0_f64, 0.0_f64);
-            let offsets = [Vec3::zeros(), Vec3::new(0.37, 0.61, 0.83), Vec3::new(0.85, 0.05, 0.15)];
+            let offsets = [
+                Vec3::zeros(),
+                Vec3::new(0.37, 0.61, 0.83),
+                Vec3::new(0.85, 0.05, 0.15),
+            ];
             for offset in &offsets {
                 let mut spheres = sphere_with(radius, &[(s, 1.0)]);
                 // Not part of the surface; shifts the grid, which is centred on all.
                 let centre = Vec3::repeat(radius) + 2.0 * spacing_angstrom * offset;
-                spheres.push(ChargedSphere { centre, radius_angstrom: 0.0, charge_e: 0.0 });
-                let settings = SolveSettings { spacing_angstrom, ..SolveSettings::default() };
+                spheres.push(ChargedSphere {
+                    centre,
+                    radius_angstrom: 0.0,
+                    charge_e: 0.0,
+                });
+                let settings = SolveSettings {
+                    spacing_angstrom,
+                    ..SolveSettings::default()
+                };
                 let solved = solve(&spheres, &medium, &settings).unwrap();
                 energies += (solved.solvation_energy_kt / exact - 1.0).powi(2);
                 let found = places.iter().map(|place| solved.at(place).unwrap());
-                potentials += found.zip(&outside).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / size;
+                potentials += found
+                    .zip(&outside)
+                    .map(|(a, b)| (a - b).powi(2))
+                    .sum::<f64>()
+                    / size;
             }
             let rms = |sum: f64| 100.0 * (sum / offsets.len() as f64).sqrt();
             let (energy, potential) = (rms(energies), rms(potentials));
-            eprintln!("s = {s}, {spacing_angstrom} Å: energy {energy:.3} %, potential outside {potential:.3} %");
+            eprintln!(
+                "s = {s}, {spacing_angstrom} Å: energy {energy:.3} %, potential outside {potential:.3} %"
+            );
             assert!(potential < 0.95 * last, "{potential} after {last}");
             last = potential;
             if spacing_angstrom == 0.5 {
-                assert!(energy < energy_at_half && potential < outside_at_half, "{energy} {potential}");
+                assert!(
+                    energy < energy_at_half && potential < outside_at_half,
+                    "{energy} {potential}"
+                );
             }
         }
     }
 }
 
-/// With the coarse grid's boundary values and ions up to the surface, too: the coarse grid's boxes are larger than its
-/// distances.
+/// With the coarse grid's boundary values and ions up to the surface, too: the coarse grid's boxes
+/// are larger than its distances.
 #[test]
 fn a_coarse_boundary_without_an_ion_layer_is_right() {
     let mut medium = Medium::new(water(0.05));
     (medium.inner_permittivity, medium.ion_radius_angstrom) = (1.0, 0.0);
     let radius = 10.0;
-    let ion = ChargedSphere { centre: Vec3::zeros(), radius_angstrom: radius, charge_e: 1.0 };
-    let settings = SolveSettings { spacing_angstrom: 0.8, boundary: Boundary::CoarseGrid, ..SolveSettings::default() };
+    let ion = ChargedSphere {
+        centre: Vec3::zeros(),
+        radius_angstrom: radius,
+        charge_e: 1.0,
+    };
+    let settings = SolveSettings {
+        spacing_angstrom: 0.8,
+        boundary: Boundary::CoarseGrid,
+        ..SolveSettings::default()
+    };
     let solved = solve(&[ion], &medium, &settings).unwrap();
     let kappa = medium.kappa_per_angstrom();
     for r in [12.0, 17.0, 19.0] {
-        let exact = medium.solvent_bjerrum_angstrom() * (-kappa * (r - radius)).exp() / (r * (1.0 + kappa * radius));
+        let exact = medium.solvent_bjerrum_angstrom() * (-kappa * (r - radius)).exp()
+            / (r * (1.0 + kappa * radius));
         let found = solved.at(&Vec3::new(r, 0.0, 0.0)).unwrap();
-        assert!((found / exact - 1.0).abs() < 0.01, "at {r} Å {found} instead of {exact}");
+        assert!(
+            (found / exact - 1.0).abs() < 0.01,
+            "at {r} Å {found} instead of {exact}"
+        );
     }
 }
 
@@ -289,23 +428,45 @@ fn a_coarse_boundary_without_an_ion_layer_is_right() {
 fn surfaces_of_a_sphere_have_its_energy() {
     let mut medium = Medium::new(water(0.0));
     medium.inner_permittivity = 1.0;
-    let ion = ChargedSphere { centre: Vec3::zeros(), radius_angstrom: 3.0, charge_e: 1.0 };
+    let ion = ChargedSphere {
+        centre: Vec3::zeros(),
+        radius_angstrom: 3.0,
+        charge_e: 1.0,
+    };
     let born = |radius: f64| -0.5 * medium.vacuum_bjerrum_angstrom() / radius * (1.0 - 1.0 / 78.54);
     for (surface, radius) in [
         (SurfaceDefinition::SolventExcluded, 3.0),
         (SurfaceDefinition::VanDerWaals, 3.0),
         (SurfaceDefinition::SolventAccessible, 4.4),
     ] {
-        let energy =
-            solve(&[ion], &Medium { surface, ..medium }, &SolveSettings::default()).unwrap().solvation_energy_kt;
-        assert!((energy / born(radius) - 1.0).abs() < 0.005, "{surface:?}: {energy} instead of {}", born(radius));
+        let energy = solve(
+            &[ion],
+            &Medium { surface, ..medium },
+            &SolveSettings::default(),
+        )
+        .unwrap()
+        .solvation_energy_kt;
+        assert!(
+            (energy / born(radius) - 1.0).abs() < 0.005,
+            "{surface:?}: {energy} instead of {}",
+            born(radius)
+        );
     }
 }
 
 #[test]
 fn a_box_without_end_is_refused() {
-    let atom = |x: f64| ChargedSphere { centre: Vec3::new(x, x, x), radius_angstrom: 2.0, charge_e: 1.0 };
-    let settings = SolveSettings { spacing_angstrom: 0.05, ..SolveSettings::default() };
-    let error = solve(&[atom(0.0), atom(2e7)], &Medium::new(water(0.1)), &settings).unwrap_err().to_string();
+    let atom = |x: f64| ChargedSphere {
+        centre: Vec3::new(x, x, x),
+        radius_angstrom: 2.0,
+        charge_e: 1.0,
+    };
+    let settings = SolveSettings {
+        spacing_angstrom: 0.05,
+        ..SolveSettings::default()
+    };
+    let error = solve(&[atom(0.0), atom(2e7)], &Medium::new(water(0.1)), &settings)
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("far from the others"), "{error}");
 }

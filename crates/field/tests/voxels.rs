@@ -1,6 +1,11 @@
 //! Voxels of bodies with closed forms, and properties that hold for any.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr)]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::print_stderr
+)]
 
 use protomer_body::chemistry::{SiteSettings, build_sites};
 use protomer_body::structure::{SelectionSettings, Structure};
@@ -9,7 +14,9 @@ use protomer_field::surface::solvent_excluded;
 use protomer_field::voxels::channels::pose;
 use protomer_field::voxels::hydropathy::HydropathyMap;
 use protomer_field::voxels::shell::occupied;
-use protomer_field::voxels::{Channel, Lattice, PotentialModel, VoxelAtom, VoxelSettings, voxelise};
+use protomer_field::voxels::{
+    Channel, Lattice, PotentialModel, VoxelAtom, VoxelSettings, voxelise,
+};
 use protomer_field::{ChargedSphere, Medium, SolveSettings};
 use protomer_io::gzip::read_maybe_gzip_from;
 use protomer_kernel::random::CounterRng;
@@ -22,7 +29,14 @@ fn medium() -> Medium {
 }
 
 fn atom(centre: Vec3, radius_angstrom: f64, charge_e: f64) -> VoxelAtom {
-    VoxelAtom { sphere: ChargedSphere { centre, radius_angstrom, charge_e }, residue: None }
+    VoxelAtom {
+        sphere: ChargedSphere {
+            centre,
+            radius_angstrom,
+            charge_e,
+        },
+        residue: None,
+    }
 }
 
 /// A clump of charged atoms that touch.
@@ -32,23 +46,39 @@ fn clump(seed: u64, count: usize) -> Vec<VoxelAtom> {
     while atoms.len() < count {
         let from = atoms[rng.index(atoms.len())].sphere.centre;
         let centre = from + 1.5 * rng.unit_vector();
-        atoms.push(atom(centre, rng.uniform_in(1.4, 1.9), rng.uniform_in(-0.5, 0.5)));
+        atoms.push(atom(
+            centre,
+            rng.uniform_in(1.4, 1.9),
+            rng.uniform_in(-0.5, 0.5),
+        ));
     }
     atoms
 }
 
 fn solid_of(atoms: &[VoxelAtom]) -> SesSolid {
     let centres: Vec<Vec3> = atoms.iter().map(|atom| atom.sphere.centre).collect();
-    let radii: Vec<f64> = atoms.iter().map(|atom| atom.sphere.radius_angstrom).collect();
+    let radii: Vec<f64> = atoms
+        .iter()
+        .map(|atom| atom.sphere.radius_angstrom)
+        .collect();
     SesSolid::new(&Arrangement::new(&centres, &radii, 1.4).unwrap())
 }
 
 #[test]
 fn a_ball_is_where_its_radius_says() {
     let lattice = Lattice::new(32, 0.75).unwrap();
-    let settings = VoxelSettings { channels: vec![Channel::Shape, Channel::Solid], ..VoxelSettings::new(medium()) };
+    let settings = VoxelSettings {
+        channels: vec![Channel::Shape, Channel::Solid],
+        ..VoxelSettings::new(medium())
+    };
     let radius = 8.0;
-    let voxels = voxelise(&[atom(Vec3::zeros(), radius, 0.0)], &[], &lattice, &settings).unwrap();
+    let voxels = voxelise(
+        &[atom(Vec3::zeros(), radius, 0.0)],
+        &[],
+        &lattice,
+        &settings,
+    )
+    .unwrap();
     let found: BTreeMap<u32, [f32; 2]> = voxels
         .index
         .iter()
@@ -58,13 +88,26 @@ fn a_ball_is_where_its_radius_says() {
     let mut inside = 0.0;
     for index in 0..32_u32.pow(3) {
         let distance = lattice.centre(index).norm() - radius;
-        assert!((distance.abs() - 0.375).abs() > 1e-6 && distance.abs() > 1e-6, "a tie says nothing");
-        let expected = [f32::from(distance.abs() <= 0.375), f32::from(distance < 0.0)];
-        assert_eq!(found.get(&index).copied().unwrap_or_default(), expected, "voxel {index}");
+        assert!(
+            (distance.abs() - 0.375).abs() > 1e-6 && distance.abs() > 1e-6,
+            "a tie says nothing"
+        );
+        let expected = [
+            f32::from(distance.abs() <= 0.375),
+            f32::from(distance < 0.0),
+        ];
+        assert_eq!(
+            found.get(&index).copied().unwrap_or_default(),
+            expected,
+            "voxel {index}"
+        );
         inside += f64::from(expected[1]);
     }
     let volume = inside * 0.75_f64.powi(3);
-    assert!((volume / (4.0 / 3.0 * PI * radius.powi(3)) - 1.0).abs() < 0.01, "{volume}");
+    assert!(
+        (volume / (4.0 / 3.0 * PI * radius.powi(3)) - 1.0).abs() < 0.01,
+        "{volume}"
+    );
 }
 
 #[test]
@@ -74,55 +117,112 @@ fn a_charged_ball_has_the_potential_of_debye_and_hueckel_on_its_surface() {
     let lattice = Lattice::new(32, 1.0).unwrap();
     let on_surface = |potential, spacing_angstrom| {
         let channels = vec![Channel::Shape, Channel::Potential];
-        let settings = VoxelSettings { channels, potential, ..VoxelSettings::new(medium) };
-        let settings = VoxelSettings { solve: SolveSettings { spacing_angstrom, ..settings.solve }, ..settings };
+        let settings = VoxelSettings {
+            channels,
+            potential,
+            ..VoxelSettings::new(medium)
+        };
+        let settings = VoxelSettings {
+            solve: SolveSettings {
+                spacing_angstrom,
+                ..settings.solve
+            },
+            ..settings
+        };
         let charged = [atom(Vec3::zeros(), radius, charge)];
-        voxelise(&charged, &[], &lattice, &settings).unwrap().values.swap_remove(1)
+        voxelise(&charged, &[], &lattice, &settings)
+            .unwrap()
+            .values
+            .swap_remove(1)
     };
     // Between the ball and the ions at b: φ = λ_B q (1/r - 1/b + 1/(b (1 + κb))).
-    let (kappa, b) = (medium.kappa_per_angstrom(), radius + medium.ion_radius_angstrom);
+    let (kappa, b) = (
+        medium.kappa_per_angstrom(),
+        radius + medium.ion_radius_angstrom,
+    );
     let strength = medium.solvent_bjerrum_angstrom() * charge;
     let solved = strength * (1.0 / radius - 1.0 / b + 1.0 / (b * (1.0 + kappa * b)));
-    // A plane is fitted where φ bends by φ'' = 2 λ_B q / r³: at 1 Å that is some 2 %, the solve adds its own; both fall with
-    // the square of the spacing.
+    // A plane is fitted where φ bends by φ'' = 2 λ_B q / r³: at 1 Å that is some 2 %, the solve
+    // adds its own; both fall with the square of the spacing.
     let mut coarser = f64::INFINITY;
     for (spacing, most) in [(1.0, 0.05), (0.5, 0.025)] {
         let values = on_surface(PotentialModel::PoissonBoltzmann, spacing);
-        let errors: Vec<f64> = values.iter().map(|value| f64::from(*value) / solved - 1.0).collect();
-        let rms = (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
-        let worst = errors.iter().fold(0.0_f64, |worst, error| worst.max(error.abs()));
-        eprintln!("ball, solved at {spacing} Å: relative error of the potential {rms:.4} rms, {worst:.4} at worst");
-        assert!(errors.len() > 500 && worst < most && rms < 0.6 * coarser, "{rms} {worst}, coarser {coarser}");
+        let errors: Vec<f64> = values
+            .iter()
+            .map(|value| f64::from(*value) / solved - 1.0)
+            .collect();
+        let rms =
+            (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
+        let worst = errors
+            .iter()
+            .fold(0.0_f64, |worst, error| worst.max(error.abs()));
+        eprintln!(
+            "ball, solved at {spacing} Å: relative error of the potential {rms:.4} rms, {worst:.4} at worst"
+        );
+        assert!(
+            errors.len() > 500 && worst < most && rms < 0.6 * coarser,
+            "{rms} {worst}, coarser {coarser}"
+        );
         coarser = rms;
     }
     let screened = strength * (kappa * (b - radius)).exp() / (radius * (1.0 + kappa * b));
     for value in on_surface(PotentialModel::DebyeHueckel, 1.0) {
-        assert!((f64::from(value) / screened - 1.0).abs() < 1e-5, "{value} instead of {screened}");
+        assert!(
+            (f64::from(value) / screened - 1.0).abs() < 1e-5,
+            "{value} instead of {screened}"
+        );
     }
 }
 
-/// Voxel sets solve at 1 Å. On the surface of a protein that is near enough for a network; by how much is said here,
-/// against 0.4 Å.
+/// Voxel sets solve at 1 Å. On the surface of a protein that is near enough for a network; by how
+/// much is said here, against 0.4 Å.
 #[test]
 fn the_potential_on_a_protein_solved_at_one_angstrom_is_that_of_a_finer_grid() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/structures/5pti.cif.gz");
-    let bytes = read_maybe_gzip_from("5pti", std::fs::read(path).unwrap().as_slice(), 1 << 24).unwrap();
-    let selection = Structure::read("5pti.cif", &bytes).unwrap().select(&SelectionSettings::default()).unwrap();
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../data/structures/5pti.cif.gz"
+    );
+    let bytes =
+        read_maybe_gzip_from("5pti", std::fs::read(path).unwrap().as_slice(), 1 << 24).unwrap();
+    let selection = Structure::read("5pti.cif", &bytes)
+        .unwrap()
+        .select(&SelectionSettings::default())
+        .unwrap();
     let sites = build_sites(&selection, &SiteSettings::default()).unwrap();
-    let mut atoms: Vec<VoxelAtom> =
-        sites.sites.iter().map(|site| atom(site.position, site.radius_angstrom, site.charge_e)).collect();
+    let mut atoms: Vec<VoxelAtom> = sites
+        .sites
+        .iter()
+        .map(|site| atom(site.position, site.radius_angstrom, site.charge_e))
+        .collect();
     pose(&mut atoms, &CounterRng::new(1, 1, 0).rotation());
     let lattice = Lattice::new(64, 1.0).unwrap();
     let on_surface = |spacing_angstrom| {
-        let settings = VoxelSettings { channels: vec![Channel::Potential], ..VoxelSettings::new(medium()) };
-        let settings = VoxelSettings { solve: SolveSettings { spacing_angstrom, ..settings.solve }, ..settings };
-        voxelise(&atoms, &[], &lattice, &settings).unwrap().values.swap_remove(0)
+        let settings = VoxelSettings {
+            channels: vec![Channel::Potential],
+            ..VoxelSettings::new(medium())
+        };
+        let settings = VoxelSettings {
+            solve: SolveSettings {
+                spacing_angstrom,
+                ..settings.solve
+            },
+            ..settings
+        };
+        voxelise(&atoms, &[], &lattice, &settings)
+            .unwrap()
+            .values
+            .swap_remove(0)
     };
     let fine = on_surface(0.4);
     let mut coarser = 0.2;
     for spacing in [1.0, 0.7] {
         let values = on_surface(spacing);
-        let pairs = || values.iter().zip(&fine).map(|(a, b)| (f64::from(*a), f64::from(*b)));
+        let pairs = || {
+            values
+                .iter()
+                .zip(&fine)
+                .map(|(a, b)| (f64::from(*a), f64::from(*b)))
+        };
         let mut differences: Vec<f64> = pairs().map(|(a, b)| (a - b).abs()).collect();
         differences.sort_by(f64::total_cmp);
         let at = |share: f64| differences[(share * (differences.len() - 1) as f64) as usize];
@@ -151,15 +251,27 @@ fn shells_have_no_holes_and_are_as_thick_as_a_voxel() {
         // The twin: every voxel of the lattice, one by one.
         let all = 0..size.pow(3) as u32;
         let distance = |index: &u32| solid.signed_distance(&lattice.centre(*index));
-        assert_eq!(found.shell, all.clone().filter(|index| distance(index).abs() < half).collect::<Vec<u32>>());
-        assert_eq!(found.inside, all.filter(|index| distance(index) < 0.0).collect::<Vec<u32>>());
+        assert_eq!(
+            found.shell,
+            all.clone()
+                .filter(|index| distance(index).abs() < half)
+                .collect::<Vec<u32>>()
+        );
+        assert_eq!(
+            found.inside,
+            all.filter(|index| distance(index) < 0.0)
+                .collect::<Vec<u32>>()
+        );
         let has = |list: &[u32], index: u32| list.binary_search(&index).is_ok();
         for (at, step) in [(0, 1), (1, size as u32), (2, (size * size) as u32)] {
             for index in 0..size.pow(3) as u32 - step {
                 let coordinate = index as usize / size.pow(at) % size;
                 let next = index + step;
                 if coordinate + 1 < size && has(&found.inside, index) != has(&found.inside, next) {
-                    assert!(has(&found.shell, index) || has(&found.shell, next), "a hole at {index}");
+                    assert!(
+                        has(&found.shell, index) || has(&found.shell, next),
+                        "a hole at {index}"
+                    );
                 }
             }
         }
@@ -174,29 +286,43 @@ fn shells_of_the_largest_voxels_are_shells() {
         pose(&mut atoms, &CounterRng::new(seed, 1, 0).rotation());
         let spheres: Vec<_> = atoms.iter().map(|atom| atom.sphere).collect();
         let solid = solvent_excluded(&spheres, probe).unwrap();
-        let shell = |spacing| occupied(&Lattice::new(40, spacing).unwrap(), &solid).shell.len() as f64;
-        assert!((shell(2.0) / shell(1.98) - 1.0).abs() < 0.1, "{} {}", shell(2.0), shell(1.98));
+        let shell = |spacing| {
+            occupied(&Lattice::new(40, spacing).unwrap(), &solid)
+                .shell
+                .len() as f64
+        };
+        assert!(
+            (shell(2.0) / shell(1.98) - 1.0).abs() < 0.1,
+            "{} {}",
+            shell(2.0),
+            shell(1.98)
+        );
     }
 }
 
 #[test]
 fn hydropathy_is_the_mean_over_residues_within_reach() {
     let mut rng = CounterRng::new(9, 0, 0);
-    let values: Vec<Option<f64>> = (0..40).map(|n| (n % 7 != 0).then(|| rng.uniform_in(-4.5, 4.5))).collect();
-    let atoms: Vec<(Vec3, Option<u32>)> =
-        (0..400).map(|n| (rng.vector_in_ball(15.0), (n % 11 != 0).then_some(n % 40))).collect();
+    let values: Vec<Option<f64>> = (0..40)
+        .map(|n| (n % 7 != 0).then(|| rng.uniform_in(-4.5, 4.5)))
+        .collect();
+    let atoms: Vec<(Vec3, Option<u32>)> = (0..400)
+        .map(|n| (rng.vector_in_ball(15.0), (n % 11 != 0).then_some(n % 40)))
+        .collect();
     let reach = 3.0;
     let map = HydropathyMap::new(atoms.iter().copied(), &values, reach);
     let mut lonely = 0;
     for _ in 0..500 {
         let place = rng.vector_in_ball(18.0);
         let valued = || {
-            atoms
-                .iter()
-                .filter_map(|(at, residue)| Some(((at - place).norm(), values[(*residue)? as usize]?, *residue)))
+            atoms.iter().filter_map(|(at, residue)| {
+                Some(((at - place).norm(), values[(*residue)? as usize]?, *residue))
+            })
         };
-        let mut near: BTreeMap<Option<u32>, f64> =
-            valued().filter(|(distance, ..)| *distance <= reach).map(|(_, value, residue)| (residue, value)).collect();
+        let mut near: BTreeMap<Option<u32>, f64> = valued()
+            .filter(|(distance, ..)| *distance <= reach)
+            .map(|(_, value, residue)| (residue, value))
+            .collect();
         if near.is_empty() {
             lonely += 1;
             let nearest = valued().min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
@@ -206,7 +332,10 @@ fn hydropathy_is_the_mean_over_residues_within_reach() {
         assert!((map.at(&place).unwrap() - mean).abs() < 1e-12);
     }
     assert!(lonely > 10, "no place was far from all");
-    assert_eq!(HydropathyMap::new(atoms.into_iter(), &[], reach).at(&Vec3::zeros()), None);
+    assert_eq!(
+        HydropathyMap::new(atoms.into_iter(), &[], reach).at(&Vec3::zeros()),
+        None
+    );
 }
 
 #[test]
@@ -218,15 +347,25 @@ fn a_quarter_turn_of_the_atoms_turns_the_voxels() {
         for (number, atom) in atoms.iter_mut().enumerate() {
             atom.residue = Some(number as u32 / 8);
         }
-        let hydropathy: Vec<Option<f64>> = (0..10).map(|residue| Some(f64::from(residue) - 4.5)).collect();
+        let hydropathy: Vec<Option<f64>> = (0..10)
+            .map(|residue| Some(f64::from(residue) - 4.5))
+            .collect();
         pose(&mut atoms, rotation);
         let voxels = voxelise(&atoms, &hydropathy, &lattice, &settings).unwrap();
         let value = |at: usize| [voxels.values[1][at], voxels.values[2][at]];
-        voxels.index.iter().enumerate().map(|(at, index)| (*index, value(at))).collect::<BTreeMap<u32, [f32; 2]>>()
+        voxels
+            .index
+            .iter()
+            .enumerate()
+            .map(|(at, index)| (*index, value(at)))
+            .collect::<BTreeMap<u32, [f32; 2]>>()
     };
     let start = voxels_of(&Rotation::identity());
     for (axis, turn) in [
-        (Vec3::z_axis(), (|[x, y, z]| [31 - y, x, z]) as fn([usize; 3]) -> [usize; 3]),
+        (
+            Vec3::z_axis(),
+            (|[x, y, z]| [31 - y, x, z]) as fn([usize; 3]) -> [usize; 3],
+        ),
         (Vec3::x_axis(), |[x, y, z]| [x, 31 - z, y]),
     ] {
         let turned = voxels_of(&Rotation::from_axis_angle(&axis, FRAC_PI_2));
@@ -234,7 +373,8 @@ fn a_quarter_turn_of_the_atoms_turns_the_voxels() {
         for (index, values) in &start {
             let index = *index as usize;
             let [x, y, z] = turn([index % 32, index / 32 % 32, index / 1024]);
-            // The surface is perturbed by less than a thousandth of an Å: voxels at the very edge of the shell may differ.
+            // The surface is perturbed by less than a thousandth of an Å: voxels at the very edge
+            // of the shell may differ.
             if let Some(other) = turned.get(&lattice.index(x, y, z)) {
                 same += 1;
                 for channel in 0..2 {
@@ -242,25 +382,56 @@ fn a_quarter_turn_of_the_atoms_turns_the_voxels() {
                 }
             }
         }
-        assert!(start.len() > 200 && start.len() - same < 4 && turned.len() - same < 4, "{} {same}", start.len());
+        assert!(
+            start.len() > 200 && start.len() - same < 4 && turned.len() - same < 4,
+            "{} {same}",
+            start.len()
+        );
         assert!(worst[0] < 0.05 && worst[1] < 1e-5, "{worst:?}");
     }
 }
 
 #[test]
 fn what_makes_no_sense_is_refused() {
-    assert!(Lattice::new(4, 1.0).is_err() && Lattice::new(64, 2.5).is_err() && Lattice::new(64, f64::NAN).is_err());
+    assert!(
+        Lattice::new(4, 1.0).is_err()
+            && Lattice::new(64, 2.5).is_err()
+            && Lattice::new(64, f64::NAN).is_err()
+    );
     let lattice = Lattice::new(16, 1.0).unwrap();
     let settings = VoxelSettings::new(medium());
     let refusal = |atoms: &[VoxelAtom], settings: &VoxelSettings| {
-        voxelise(atoms, &[], &lattice, settings).unwrap_err().to_string()
+        voxelise(atoms, &[], &lattice, settings)
+            .unwrap_err()
+            .to_string()
     };
     let fits = [atom(Vec3::zeros(), 7.0, 0.0)];
     assert!(refusal(&[atom(Vec3::zeros(), 7.6, 0.0)], &settings).contains("room"));
     assert!(refusal(&[atom(Vec3::x(), 7.0, 0.0)], &settings).contains("room"));
     assert!(refusal(&[], &settings).contains("no atom"));
-    assert!(refusal(&fits, &VoxelSettings { channels: vec![], ..settings.clone() }).contains("channels"));
-    assert!(refusal(&fits, &VoxelSettings { hydropathy_reach_angstrom: 0.0, ..settings.clone() }).contains("reach"));
+    assert!(
+        refusal(
+            &fits,
+            &VoxelSettings {
+                channels: vec![],
+                ..settings.clone()
+            }
+        )
+        .contains("channels")
+    );
+    assert!(
+        refusal(
+            &fits,
+            &VoxelSettings {
+                hydropathy_reach_angstrom: 0.0,
+                ..settings.clone()
+            }
+        )
+        .contains("reach")
+    );
     assert!(refusal(&[fits[0], atom(9.0 * Vec3::x(), 0.0, 1.0)], &settings).contains("room"));
-    assert!(refusal(&[fits[0], atom(7.2 * Vec3::x(), 0.0, 1.0)], &settings).contains("outside the surface"));
+    assert!(
+        refusal(&[fits[0], atom(7.2 * Vec3::x(), 0.0, 1.0)], &settings)
+            .contains("outside the surface")
+    );
 }

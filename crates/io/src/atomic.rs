@@ -7,9 +7,10 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Writes a file so that its name always leads to a complete one, the old or the new: the content goes to a temporary
-/// file in the same folder, is flushed and synced to disk, and takes the name in one step; then the folder is synced.
-/// If anything fails, the temporary file is removed and the old file stays as it was.
+/// Writes a file so that its name always leads to a complete one, the old or the new: the content
+/// goes to a temporary file in the same folder, is flushed and synced to disk, and takes the name
+/// in one step; then the folder is synced. If anything fails, the temporary file is removed and the
+/// old file stays as it was.
 ///
 /// ```
 /// # let folder = tempfile::tempdir()?;
@@ -20,13 +21,18 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// ```
 ///
 /// # Errors
-/// [`IoError::File`] names the path and the cause (disk full, no permission, missing folder), also for an error that
-/// `write` returns.
-pub fn write_atomically(path: &Path, write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<()> {
+/// [`IoError::File`] names the path and the cause (disk full, no permission, missing folder), also
+/// for an error that `write` returns.
+pub fn write_atomically(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+) -> Result<()> {
     let (mut temporary, file) = Temporary::create(path)?;
     let mut writer = BufWriter::new(file);
     write(&mut writer).map_err(IoError::at(path, "write"))?;
-    let file = writer.into_inner().map_err(|error| IoError::at(path, "write")(error.into_error()))?;
+    let file = writer
+        .into_inner()
+        .map_err(|error| IoError::at(path, "write")(error.into_error()))?;
     file.sync_all().map_err(IoError::at(path, "write"))?;
     drop(file);
     fs::rename(&temporary.path, path).map_err(IoError::at(path, "write"))?;
@@ -34,8 +40,9 @@ pub fn write_atomically(path: &Path, write: impl FnOnce(&mut dyn Write) -> std::
     sync_folder(path)
 }
 
-/// Removes from a folder what [`write_atomically`] left there when its process was killed. The caller sees to it that
-/// nobody writes into the folder meanwhile; folders within it are left alone.
+/// Removes from a folder what [`write_atomically`] left there when its process was killed. The
+/// caller sees to it that nobody writes into the folder meanwhile; folders within it are left
+/// alone.
 ///
 /// # Errors
 /// [`IoError::File`] if the folder cannot be read or a file cannot be removed.
@@ -53,9 +60,14 @@ pub fn remove_abandoned(folder: &Path) -> Result<()> {
 /// Whether this is a name of [`Temporary`]: `.NAME.PID-N.partial`.
 fn is_temporary(name: &str) -> bool {
     let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
-    let middle = name.strip_prefix('.').and_then(|name| name.strip_suffix(".partial"));
-    let tag = middle.and_then(|middle| middle.rsplit_once('.')).map(|(_, tag)| tag);
-    tag.and_then(|tag| tag.split_once('-')).is_some_and(|(process, number)| is_number(process) && is_number(number))
+    let middle = name
+        .strip_prefix('.')
+        .and_then(|name| name.strip_suffix(".partial"));
+    let tag = middle
+        .and_then(|middle| middle.rsplit_once('.'))
+        .map(|(_, tag)| tag);
+    tag.and_then(|tag| tag.split_once('-'))
+        .is_some_and(|(process, number)| is_number(process) && is_number(number))
 }
 
 /// Removed when dropped, unless it was renamed.
@@ -69,15 +81,30 @@ impl Temporary {
     fn create(path: &Path) -> Result<(Self, File)> {
         static COUNTER: AtomicU64 = AtomicU64::new(0);
         let Some(name) = path.file_name() else {
-            let no_name = std::io::Error::new(std::io::ErrorKind::InvalidInput, "it has no file name");
+            let no_name =
+                std::io::Error::new(std::io::ErrorKind::InvalidInput, "it has no file name");
             return Err(IoError::at(path, "write")(no_name));
         };
         let number = COUNTER.fetch_add(1, Ordering::Relaxed);
-        let temporary_name = format!(".{}.{}-{number}.partial", name.to_string_lossy(), std::process::id());
+        let temporary_name = format!(
+            ".{}.{}-{number}.partial",
+            name.to_string_lossy(),
+            std::process::id()
+        );
         let temporary = path.with_file_name(temporary_name);
-        let file = OpenOptions::new().write(true).create(true).truncate(true).open(&temporary);
+        let file = OpenOptions::new()
+            .write(true)
+            .create(true)
+            .truncate(true)
+            .open(&temporary);
         let file = file.map_err(IoError::at(path, "write"))?;
-        Ok((Self { path: temporary, renamed: false }, file))
+        Ok((
+            Self {
+                path: temporary,
+                renamed: false,
+            },
+            file,
+        ))
     }
 }
 
@@ -93,8 +120,13 @@ impl Drop for Temporary {
 fn sync_folder(path: &Path) -> Result<()> {
     #[cfg(unix)]
     {
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        File::open(folder).and_then(|folder| folder.sync_all()).map_err(IoError::at(path, "sync the folder of"))?;
+        let folder = path
+            .parent()
+            .filter(|folder| !folder.as_os_str().is_empty())
+            .unwrap_or(Path::new("."));
+        File::open(folder)
+            .and_then(|folder| folder.sync_all())
+            .map_err(IoError::at(path, "sync the folder of"))?;
     }
     #[cfg(not(unix))]
     let _ = path;
@@ -108,7 +140,10 @@ fn sync_folder(path: &Path) -> Result<()> {
 /// assert_eq!(hash, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 /// ```
 pub fn sha256_hex(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    Sha256::digest(bytes)
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
 }
 
 #[cfg(test)]
@@ -116,7 +151,10 @@ mod tests {
     use super::*;
 
     fn entries(folder: &Path) -> Vec<String> {
-        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect()
+        fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+            .collect()
     }
 
     #[test]
@@ -134,8 +172,15 @@ mod tests {
     fn what_a_killed_process_left_is_removed_and_nothing_else() {
         let folder = tempfile::tempdir().unwrap();
         let (left, _file) = Temporary::create(&folder.path().join("checkpoint.bin")).unwrap();
-        let others = [".notes.partial", "run.12-0.partial", ".run.12-.partial", "log.csv"];
-        others.iter().for_each(|name| fs::write(folder.path().join(name), "").unwrap());
+        let others = [
+            ".notes.partial",
+            "run.12-0.partial",
+            ".run.12-.partial",
+            "log.csv",
+        ];
+        others
+            .iter()
+            .for_each(|name| fs::write(folder.path().join(name), "").unwrap());
         remove_abandoned(folder.path()).unwrap();
         assert!(!left.path.exists());
         assert!(others.iter().all(|name| folder.path().join(name).exists()));
@@ -151,14 +196,19 @@ mod tests {
             Err(std::io::Error::from(std::io::ErrorKind::StorageFull))
         });
         let message = error.unwrap_err().to_string();
-        assert!(message.contains("file") && message.contains("no storage space"), "{message}");
+        assert!(
+            message.contains("file") && message.contains("no storage space"),
+            "{message}"
+        );
         assert_eq!(fs::read_to_string(&path).unwrap(), "old");
         assert_eq!(entries(folder.path()), ["file"]);
     }
 
     #[test]
     fn a_missing_folder_is_named() {
-        let message = write_atomically(Path::new("/no/such/folder/x"), |_| Ok(())).unwrap_err().to_string();
+        let message = write_atomically(Path::new("/no/such/folder/x"), |_| Ok(()))
+            .unwrap_err()
+            .to_string();
         assert!(message.contains("/no/such/folder/x"), "{message}");
         assert!(write_atomically(Path::new("/"), |_| Ok(())).is_err());
     }

@@ -1,4 +1,5 @@
-//! A bounds-checked cursor over little-endian binary data: what is not there is an error, never a panic.
+//! A bounds-checked cursor over little-endian binary data: what is not there is an error, never a
+//! panic.
 
 /// The data ended before the value did.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,7 +29,10 @@ impl<'a> Cursor<'a> {
 
     /// The next `count` bytes.
     pub fn take(&mut self, count: usize) -> Result<&'a [u8], Ended> {
-        let end = self.position.checked_add(count).filter(|end| *end <= self.bytes.len());
+        let end = self
+            .position
+            .checked_add(count)
+            .filter(|end| *end <= self.bytes.len());
         match end {
             Some(end) => {
                 let taken = &self.bytes[self.position..end];

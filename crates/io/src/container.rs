@@ -1,4 +1,5 @@
-//! A versioned, self-contained, checksummed file of named arrays and one JSON header: body files and checkpoints.
+//! A versioned, self-contained, checksummed file of named arrays and one JSON header: body files
+//! and checkpoints.
 //!
 //! Layout, all numbers little-endian:
 //!
@@ -109,11 +110,17 @@ impl Values {
     }
 
     /// Reads `count` values; memory is taken only for bytes that are there.
-    fn read(code: u8, count: usize, cursor: &mut Cursor) -> std::result::Result<Option<Self>, Ended> {
+    fn read(
+        code: u8,
+        count: usize,
+        cursor: &mut Cursor,
+    ) -> std::result::Result<Option<Self>, Ended> {
         macro_rules! read {
             ($variant:ident, $number:ty) => {{
                 const SIZE: usize = size_of::<$number>();
-                let ended = Ended { at: cursor.position() };
+                let ended = Ended {
+                    at: cursor.position(),
+                };
                 let bytes = cursor.take(count.checked_mul(SIZE).ok_or(ended)?)?;
                 let number = |chunk: &[u8]| {
                     let mut array = [0; SIZE];
@@ -143,7 +150,8 @@ macro_rules! array_constructors {
                 /// An array of this shape.
                 ///
                 /// # Errors
-                /// [`IoError::Unwritable`] unless the shape has as many elements as there are values.
+                /// [`IoError::Unwritable`] unless the shape has as many elements as there are
+                /// values.
                 pub fn $name(values: Vec<$number>, shape: impl Into<Vec<usize>>) -> Result<Self> {
                     Self::new(Values::$variant(values), shape.into())
                 }
@@ -152,10 +160,12 @@ macro_rules! array_constructors {
 
         impl Container {
             $(
-                /// The values of the array of this name and shape; `None` in the shape stands for any length.
+                /// The values of the array of this name and shape; `None` in the shape stands for
+                /// any length.
                 ///
                 /// # Errors
-                /// [`IoError::Parse`] if there is no such array, or if it has another type or shape.
+                /// [`IoError::Parse`] if there is no such array, or if it has another type or
+                /// shape.
                 pub fn $name(&self, file: &str, name: &str, shape: &[Option<usize>]) -> Result<&[$number]> {
                     match self.array(file, name, shape)? {
                         Values::$variant(values) => Ok(values),
@@ -175,9 +185,14 @@ impl Array {
     /// # Errors
     /// [`IoError::Unwritable`] unless the shape has as many elements as there are values.
     pub fn new(values: Values, shape: Vec<usize>) -> Result<Self> {
-        if element_count(shape.iter().copied()) != Some(values.len()) || shape.len() > usize::from(u8::MAX) {
+        if element_count(shape.iter().copied()) != Some(values.len())
+            || shape.len() > usize::from(u8::MAX)
+        {
             let cause = format!("{} values do not fill the shape {shape:?}", values.len());
-            return Err(IoError::unwritable(cause, "give a shape whose product is the number of values"));
+            return Err(IoError::unwritable(
+                cause,
+                "give a shape whose product is the number of values",
+            ));
         }
         Ok(Self { shape, values })
     }
@@ -196,7 +211,11 @@ impl Array {
 impl Container {
     /// A container without arrays.
     pub fn new(kind: impl Into<String>, header: serde_json::Value) -> Self {
-        Self { kind: kind.into(), header, arrays: BTreeMap::new() }
+        Self {
+            kind: kind.into(),
+            header,
+            arrays: BTreeMap::new(),
+        }
     }
 
     /// Adds an array, replacing one of the same name.
@@ -211,14 +230,24 @@ impl Container {
 
     /// The arrays in the order of their names.
     pub fn arrays(&self) -> impl Iterator<Item = (&str, &Array)> {
-        self.arrays.iter().map(|(name, array)| (name.as_str(), array))
+        self.arrays
+            .iter()
+            .map(|(name, array)| (name.as_str(), array))
     }
 
     fn array(&self, file: &str, name: &str, shape: &[Option<usize>]) -> Result<&Values> {
-        let array = self.arrays.get(name).ok_or_else(|| corrupt(file, format!("array {name:?} is missing")))?;
-        let fits = |(length, expected): (&usize, &Option<usize>)| expected.is_none_or(|expected| expected == *length);
+        let array = self
+            .arrays
+            .get(name)
+            .ok_or_else(|| corrupt(file, format!("array {name:?} is missing")))?;
+        let fits = |(length, expected): (&usize, &Option<usize>)| {
+            expected.is_none_or(|expected| expected == *length)
+        };
         if array.shape.len() != shape.len() || !array.shape.iter().zip(shape).all(fits) {
-            return Err(corrupt(file, format!("array {name:?} has the unexpected shape {:?}", array.shape)));
+            return Err(corrupt(
+                file,
+                format!("array {name:?} has the unexpected shape {:?}", array.shape),
+            ));
         }
         Ok(&array.values)
     }
@@ -233,8 +262,9 @@ impl Container {
         bytes.extend_from_slice(&LAYOUT_VERSION.to_le_bytes());
         bytes.extend_from_slice(&[0; 8]); // the length, filled in below
         write_name(&mut bytes, &self.kind)?;
-        let header = serde_json::to_vec(&self.header)
-            .map_err(|error| IoError::unwritable(format!("the header is no JSON ({error})"), "use text keys"))?;
+        let header = serde_json::to_vec(&self.header).map_err(|error| {
+            IoError::unwritable(format!("the header is no JSON ({error})"), "use text keys")
+        })?;
         if header.len() > LONGEST_HEADER_BYTES {
             let cause = format!("the header has {} bytes", header.len());
             return Err(IoError::unwritable(cause, "put large data into arrays"));
@@ -245,7 +275,10 @@ impl Container {
         for (name, array) in &self.arrays {
             write_name(&mut bytes, name)?;
             bytes.extend_from_slice(&[array.values.code(), array.shape.len() as u8]);
-            array.shape.iter().for_each(|length| bytes.extend_from_slice(&(*length as u64).to_le_bytes()));
+            array
+                .shape
+                .iter()
+                .for_each(|length| bytes.extend_from_slice(&(*length as u64).to_le_bytes()));
             array.values.write(&mut bytes);
         }
         let length = (bytes.len() + CHECKSUM_BYTES) as u64;
@@ -258,49 +291,84 @@ impl Container {
     /// Reads a container of this kind. `file` is its name for error messages.
     ///
     /// # Errors
-    /// [`IoError::Parse`] says whether the file is no protomer file, newer than this program, cut, damaged, or of
-    /// another kind. Memory is only ever taken for bytes that are there.
+    /// [`IoError::Parse`] says whether the file is no protomer file, newer than this program, cut,
+    /// damaged, or of another kind. Memory is only ever taken for bytes that are there.
     pub fn from_bytes(file: &str, kind: &str, bytes: &[u8]) -> Result<Self> {
         let content = check_envelope(file, bytes)?;
         let mut cursor = Cursor::new(content);
         let container = read_content(file, &mut cursor).map_err(|unreadable| match unreadable {
-            Unreadable::Ended(ended) => {
-                corrupt(file, format!("a value is missing at byte {}", ended.at + PREFIX_BYTES))
-            }
+            Unreadable::Ended(ended) => corrupt(
+                file,
+                format!("a value is missing at byte {}", ended.at + PREFIX_BYTES),
+            ),
             Unreadable::Error(error) => error,
         })?;
         if cursor.remaining() > 0 {
-            return Err(corrupt(file, format!("{} bytes are left over", cursor.remaining())));
+            return Err(corrupt(
+                file,
+                format!("{} bytes are left over", cursor.remaining()),
+            ));
         }
         if container.kind != kind {
-            let cause = format!("it is a {} file where a {kind} file was expected", container.kind);
-            return Err(IoError::parse(file, 0, cause, format!("give a {kind} file")));
+            let cause = format!(
+                "it is a {} file where a {kind} file was expected",
+                container.kind
+            );
+            return Err(IoError::parse(
+                file,
+                0,
+                cause,
+                format!("give a {kind} file"),
+            ));
         }
         Ok(container)
     }
 }
 
-/// Checks magic, version, length and checksum; returns what lies between the length and the checksum.
+/// Checks magic, version, length and checksum; returns what lies between the length and the
+/// checksum.
 fn check_envelope<'a>(file: &str, bytes: &'a [u8]) -> Result<&'a [u8]> {
     let mut cursor = Cursor::new(bytes);
     if bytes.is_empty() || cursor.take(MAGIC.len()).ok() != Some(MAGIC.as_slice()) {
         let cause = "it is not a protomer file";
-        return Err(IoError::parse(file, 0, cause, "give a file that protomer wrote, copied in binary mode"));
+        return Err(IoError::parse(
+            file,
+            0,
+            cause,
+            "give a file that protomer wrote, copied in binary mode",
+        ));
     }
     let cut = |_| truncated(file, bytes.len(), None);
     let version = cursor.u32().map_err(cut)?;
     if version > LAYOUT_VERSION {
-        let cause = format!("its version {version} is newer than this program, which reads up to {LAYOUT_VERSION}");
-        return Err(IoError::parse(file, 0, cause, "use a newer protomer, or make the file again with this one"));
+        let cause = format!(
+            "its version {version} is newer than this program, which reads up to {LAYOUT_VERSION}"
+        );
+        return Err(IoError::parse(
+            file,
+            0,
+            cause,
+            "use a newer protomer, or make the file again with this one",
+        ));
     }
     let length = cursor.u64().map_err(cut)?;
     if length > bytes.len() as u64 {
         return Err(truncated(file, bytes.len(), Some(length)));
     }
-    let signed = bytes.len().checked_sub(CHECKSUM_BYTES).filter(|signed| *signed >= PREFIX_BYTES);
+    let signed = bytes
+        .len()
+        .checked_sub(CHECKSUM_BYTES)
+        .filter(|signed| *signed >= PREFIX_BYTES);
     let signed = signed.ok_or_else(|| truncated(file, bytes.len(), None))?;
-    if length < bytes.len() as u64 || Sha256::digest(&bytes[..signed]).as_slice() != &bytes[signed..] {
-        return Err(IoError::parse(file, 0, "its checksum differs: the file is damaged", "make it again"));
+    if length < bytes.len() as u64
+        || Sha256::digest(&bytes[..signed]).as_slice() != &bytes[signed..]
+    {
+        return Err(IoError::parse(
+            file,
+            0,
+            "its checksum differs: the file is damaged",
+            "make it again",
+        ));
     }
     Ok(&bytes[PREFIX_BYTES..signed])
 }
@@ -338,7 +406,12 @@ fn read_content(file: &str, cursor: &mut Cursor) -> std::result::Result<Containe
         for _ in 0..dimensions {
             shape.push(usize::try_from(cursor.u64()?).unwrap_or(usize::MAX));
         }
-        let bad_shape = || corrupt(file, format!("array {name:?} has the impossible shape {shape:?}"));
+        let bad_shape = || {
+            corrupt(
+                file,
+                format!("array {name:?} has the impossible shape {shape:?}"),
+            )
+        };
         let count = element_count(shape.iter().copied()).ok_or_else(bad_shape)?;
         let values = Values::read(code, count, cursor)?
             .ok_or_else(|| corrupt(file, format!("array {name:?} has the unknown type {code}")))?;
@@ -352,8 +425,12 @@ fn element_count(shape: impl Iterator<Item = usize>) -> Option<usize> {
 }
 
 fn write_name(bytes: &mut Vec<u8>, name: &str) -> Result<()> {
-    let length = u16::try_from(name.len())
-        .map_err(|_| IoError::unwritable(format!("a name is {} bytes long", name.len()), "use a shorter name"))?;
+    let length = u16::try_from(name.len()).map_err(|_| {
+        IoError::unwritable(
+            format!("a name is {} bytes long", name.len()),
+            "use a shorter name",
+        )
+    })?;
     bytes.extend_from_slice(&length.to_le_bytes());
     bytes.extend_from_slice(name.as_bytes());
     Ok(())
@@ -362,15 +439,26 @@ fn write_name(bytes: &mut Vec<u8>, name: &str) -> Result<()> {
 fn read_name(file: &str, cursor: &mut Cursor) -> std::result::Result<String, Unreadable> {
     let length = cursor.u16()?;
     let name = cursor.take(length.into())?;
-    let name = std::str::from_utf8(name).map_err(|_| corrupt(file, "a name is no UTF-8".to_owned()))?;
+    let name =
+        std::str::from_utf8(name).map_err(|_| corrupt(file, "a name is no UTF-8".to_owned()))?;
     Ok(name.to_owned())
 }
 
 fn truncated(file: &str, present: usize, expected: Option<u64>) -> IoError {
     let of = expected.map_or_else(String::new, |expected| format!(" of {expected}"));
-    IoError::parse(file, 0, format!("it is truncated at byte {present}{of}"), "copy or make it again")
+    IoError::parse(
+        file,
+        0,
+        format!("it is truncated at byte {present}{of}"),
+        "copy or make it again",
+    )
 }
 
 fn corrupt(file: &str, cause: String) -> IoError {
-    IoError::parse(file, 0, cause, "the file was not written by this version of protomer: make it again")
+    IoError::parse(
+        file,
+        0,
+        cause,
+        "the file was not written by this version of protomer: make it again",
+    )
 }

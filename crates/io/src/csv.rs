@@ -1,4 +1,5 @@
-//! Small tables as comma-separated values (RFC 4180), numbers printed so that they read back exactly.
+//! Small tables as comma-separated values (RFC 4180), numbers printed so that they read back
+//! exactly.
 
 use crate::{IoError, Result};
 use std::fmt::Write;
@@ -64,7 +65,10 @@ pub struct Table {
 impl Table {
     /// A table with these columns and no rows.
     pub fn new<S: Into<String>>(columns: impl IntoIterator<Item = S>) -> Self {
-        Self { columns: columns.into_iter().map(Into::into).collect(), rows: Vec::new() }
+        Self {
+            columns: columns.into_iter().map(Into::into).collect(),
+            rows: Vec::new(),
+        }
     }
 
     /// The column names.
@@ -84,7 +88,11 @@ impl Table {
     pub fn push(&mut self, row: impl IntoIterator<Item = Cell>) -> Result<()> {
         let row: Vec<Cell> = row.into_iter().collect();
         if row.len() != self.columns.len() {
-            let cause = format!("a row has {} cells for {} columns", row.len(), self.columns.len());
+            let cause = format!(
+                "a row has {} cells for {} columns",
+                row.len(),
+                self.columns.len()
+            );
             return Err(IoError::unwritable(cause, "give a cell for each column"));
         }
         self.rows.push(row);
@@ -130,7 +138,11 @@ fn number(value: f64) -> String {
 }
 
 fn quote(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
+    if text.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
 }
 
 #[cfg(test)]
@@ -150,9 +162,16 @@ mod tests {
     #[test]
     fn awkward_text_is_quoted() {
         let mut table = Table::new(["name", "n", "x, y"]);
-        table.push(["say \"hi\"".into(), 3usize.into(), Cell::Empty]).unwrap();
-        table.push([Cell::from(None::<f64>), (-2i64).into(), 1e-300.into()]).unwrap();
-        assert_eq!(table.to_csv(), "name,n,\"x, y\"\n\"say \"\"hi\"\"\",3,\n,-2,1e-300\n");
+        table
+            .push(["say \"hi\"".into(), 3usize.into(), Cell::Empty])
+            .unwrap();
+        table
+            .push([Cell::from(None::<f64>), (-2i64).into(), 1e-300.into()])
+            .unwrap();
+        assert_eq!(
+            table.to_csv(),
+            "name,n,\"x, y\"\n\"say \"\"hi\"\"\",3,\n,-2,1e-300\n"
+        );
         assert!(table.push([Cell::Empty]).is_err());
     }
 }

@@ -54,21 +54,42 @@ pub enum IoError {
 pub type Result<T> = std::result::Result<T, IoError>;
 
 impl IoError {
-    pub(crate) fn parse(file: &str, line: usize, cause: impl Into<String>, remedy: impl Into<String>) -> Self {
-        IoError::Parse { file: file.to_owned(), line, cause: cause.into(), remedy: remedy.into() }
+    pub(crate) fn parse(
+        file: &str,
+        line: usize,
+        cause: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Self {
+        IoError::Parse {
+            file: file.to_owned(),
+            line,
+            cause: cause.into(),
+            remedy: remedy.into(),
+        }
     }
 
     pub(crate) fn unwritable(cause: impl Into<String>, remedy: impl Into<String>) -> Self {
-        IoError::Unwritable { cause: cause.into(), remedy: remedy.into() }
+        IoError::Unwritable {
+            cause: cause.into(),
+            remedy: remedy.into(),
+        }
     }
 
     /// Turns an operating system's error into one that names the file and what was tried.
     pub(crate) fn at(path: &Path, action: &'static str) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.to_owned();
-        move |cause| IoError::File { path, action, cause }
+        move |cause| IoError::File {
+            path,
+            action,
+            cause,
+        }
     }
 }
 
 fn place(file: &str, line: usize) -> String {
-    if line == 0 { file.to_owned() } else { format!("{file}:{line}") }
+    if line == 0 {
+        file.to_owned()
+    } else {
+        format!("{file}:{line}")
+    }
 }

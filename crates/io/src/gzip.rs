@@ -8,12 +8,13 @@ use std::path::Path;
 
 const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 
-/// The content of a file, decompressed if it begins like a gzip file, whatever its name. No more than `limit_bytes` are
-/// ever held, so neither a huge file nor a small one that expands without end fills the memory.
+/// The content of a file, decompressed if it begins like a gzip file, whatever its name. No more
+/// than `limit_bytes` are ever held, so neither a huge file nor a small one that expands without
+/// end fills the memory.
 ///
 /// # Errors
-/// [`IoError::File`] if the system refuses, [`IoError::TooLarge`] beyond the limit, [`IoError::Parse`] for a damaged
-/// gzip file.
+/// [`IoError::File`] if the system refuses, [`IoError::TooLarge`] beyond the limit,
+/// [`IoError::Parse`] for a damaged gzip file.
 pub fn read_maybe_gzip(path: &Path, limit_bytes: u64) -> Result<Vec<u8>> {
     let name = path.display().to_string();
     let file = File::open(path).map_err(IoError::at(path, "open"))?;
@@ -33,7 +34,8 @@ pub fn read_maybe_gzip(path: &Path, limit_bytes: u64) -> Result<Vec<u8>> {
 /// # Errors
 /// As [`read_maybe_gzip`].
 pub fn read_maybe_gzip_from(name: &str, reader: impl Read, limit_bytes: u64) -> Result<Vec<u8>> {
-    read_bounded(name, reader, limit_bytes).map_err(|failure| failure.into_error(Path::new(name), name))
+    read_bounded(name, reader, limit_bytes)
+        .map_err(|failure| failure.into_error(Path::new(name), name))
 }
 
 enum Failure {
@@ -55,18 +57,31 @@ impl Failure {
     }
 }
 
-fn read_bounded(name: &str, mut reader: impl Read, limit_bytes: u64) -> std::result::Result<Vec<u8>, Failure> {
+fn read_bounded(
+    name: &str,
+    mut reader: impl Read,
+    limit_bytes: u64,
+) -> std::result::Result<Vec<u8>, Failure> {
     let mut start = Vec::with_capacity(2);
-    (&mut reader).take(2).read_to_end(&mut start).map_err(Failure::System)?;
+    (&mut reader)
+        .take(2)
+        .read_to_end(&mut start)
+        .map_err(Failure::System)?;
     let compressed = start == GZIP_MAGIC;
     let whole = start.as_slice().chain(reader);
     let mut content = Vec::new();
     // One byte beyond the limit tells a file that just fits from one that does not.
     let bound = limit_bytes.saturating_add(1);
     if compressed {
-        MultiGzDecoder::new(whole).take(bound).read_to_end(&mut content).map_err(Failure::Gzip)?;
+        MultiGzDecoder::new(whole)
+            .take(bound)
+            .read_to_end(&mut content)
+            .map_err(Failure::Gzip)?;
     } else {
-        whole.take(bound).read_to_end(&mut content).map_err(Failure::System)?;
+        whole
+            .take(bound)
+            .read_to_end(&mut content)
+            .map_err(Failure::System)?;
     }
     if content.len() as u64 > limit_bytes {
         return Err(Failure::TooLarge(too_large(name, limit_bytes, compressed)));
@@ -76,7 +91,12 @@ fn read_bounded(name: &str, mut reader: impl Read, limit_bytes: u64) -> std::res
 
 fn too_large(name: &str, limit_bytes: u64, compressed: bool) -> IoError {
     let remedy = "check that it is the right file, split it, or raise the limit".to_owned();
-    IoError::TooLarge { file: name.to_owned(), limit_bytes, compressed, remedy }
+    IoError::TooLarge {
+        file: name.to_owned(),
+        limit_bytes,
+        compressed,
+        remedy,
+    }
 }
 
 #[cfg(test)]
@@ -110,19 +130,50 @@ mod tests {
         let bomb = gzip(&vec![0; 10_000_000]);
         assert!(bomb.len() < 20_000);
         let error = read_maybe_gzip_from("bomb.gz", bomb.as_slice(), 1_000_000).unwrap_err();
-        assert!(matches!(error, IoError::TooLarge { compressed: true, .. }), "{error}");
-        assert!(error.to_string().contains("bomb.gz: it holds more than 1000000 bytes once decompressed"), "{error}");
+        assert!(
+            matches!(
+                error,
+                IoError::TooLarge {
+                    compressed: true,
+                    ..
+                }
+            ),
+            "{error}"
+        );
+        assert!(
+            error
+                .to_string()
+                .contains("bomb.gz: it holds more than 1000000 bytes once decompressed"),
+            "{error}"
+        );
         let error = read_maybe_gzip_from("big", std::io::repeat(b'A'), 1_000_000).unwrap_err();
-        assert!(matches!(error, IoError::TooLarge { compressed: false, .. }), "{error}");
+        assert!(
+            matches!(
+                error,
+                IoError::TooLarge {
+                    compressed: false,
+                    ..
+                }
+            ),
+            "{error}"
+        );
     }
 
     #[test]
     fn damaged_gzip_is_named() {
         let bytes = gzip(&b"some text to compress ".repeat(100));
         let error = read_maybe_gzip_from("cut.gz", &bytes[..bytes.len() - 9], 1 << 20).unwrap_err();
-        assert!(error.to_string().contains("cut.gz: the gzip data are damaged or cut"), "{error}");
+        assert!(
+            error
+                .to_string()
+                .contains("cut.gz: the gzip data are damaged or cut"),
+            "{error}"
+        );
         let missing = read_maybe_gzip(Path::new("/no/such/file"), 10).unwrap_err();
-        assert!(missing.to_string().contains("cannot open /no/such/file"), "{missing}");
+        assert!(
+            missing.to_string().contains("cannot open /no/such/file"),
+            "{missing}"
+        );
         let folder = read_maybe_gzip(Path::new("/tmp"), u64::MAX).unwrap_err();
         assert!(folder.to_string().contains("folder"), "{folder}");
     }

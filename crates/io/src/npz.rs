@@ -1,7 +1,7 @@
 //! NumPy archives: named arrays in a ZIP file, as `numpy.load` reads them.
 //!
-//! The layout of an array is that of NumPy's format version 1.0 (NEP 1): a header that is a Python dictionary, then the
-//! values in C order, little-endian.
+//! The layout of an array is that of NumPy's format version 1.0 (NEP 1): a header that is a Python
+//! dictionary, then the values in C order, little-endian.
 
 use crate::{IoError, Result};
 use std::io::{Cursor, Write};
@@ -34,8 +34,14 @@ impl NpyValues<'_> {
 
     fn bytes(&self) -> Vec<u8> {
         match self {
-            NpyValues::F32(values) => values.iter().flat_map(|value| value.to_le_bytes()).collect(),
-            NpyValues::F64(values) => values.iter().flat_map(|value| value.to_le_bytes()).collect(),
+            NpyValues::F32(values) => values
+                .iter()
+                .flat_map(|value| value.to_le_bytes())
+                .collect(),
+            NpyValues::F64(values) => values
+                .iter()
+                .flat_map(|value| value.to_le_bytes())
+                .collect(),
         }
     }
 }
@@ -75,24 +81,44 @@ pub fn write_npz(arrays: &[NamedArray]) -> Result<Vec<u8>> {
     for array in arrays {
         let expected: usize = array.shape.iter().product();
         if expected != array.values.len() {
-            let cause = format!("{} values for the shape {:?}", array.values.len(), array.shape);
+            let cause = format!(
+                "{} values for the shape {:?}",
+                array.values.len(),
+                array.shape
+            );
             return Err(refuse(array.name, cause));
         }
         let failed = |error: &dyn std::fmt::Display| refuse(array.name, error.to_string());
-        archive.start_file(format!("{}.npy", array.name), options).map_err(|error| failed(&error))?;
-        archive.write_all(&npy(array)).map_err(|error| failed(&error))?;
+        archive
+            .start_file(format!("{}.npy", array.name), options)
+            .map_err(|error| failed(&error))?;
+        archive
+            .write_all(&npy(array))
+            .map_err(|error| failed(&error))?;
     }
-    let bytes = archive.finish().map_err(|error| refuse("archive", error.to_string()))?;
+    let bytes = archive
+        .finish()
+        .map_err(|error| refuse("archive", error.to_string()))?;
     Ok(bytes.into_inner())
 }
 
 /// An array with its header, which is padded so that the values begin at a multiple of 64 bytes.
 fn npy(array: &NamedArray) -> Vec<u8> {
     const MAGIC: &[u8] = b"\x93NUMPY\x01\x00";
-    let axes: String = array.shape.iter().map(|length| format!("{length}, ")).collect();
-    let shape =
-        if array.shape.len() == 1 { axes.trim_end().to_owned() } else { axes.trim_end_matches(", ").to_owned() };
-    let header = format!("{{'descr': '{}', 'fortran_order': False, 'shape': ({shape}), }}", array.values.kind());
+    let axes: String = array
+        .shape
+        .iter()
+        .map(|length| format!("{length}, "))
+        .collect();
+    let shape = if array.shape.len() == 1 {
+        axes.trim_end().to_owned()
+    } else {
+        axes.trim_end_matches(", ").to_owned()
+    };
+    let header = format!(
+        "{{'descr': '{}', 'fortran_order': False, 'shape': ({shape}), }}",
+        array.values.kind()
+    );
     let before = MAGIC.len() + 2;
     let padded = (before + header.len() + 1).next_multiple_of(64) - before;
     let mut bytes = MAGIC.to_vec();
@@ -108,7 +134,11 @@ mod tests {
     use std::io::Read;
 
     fn array<'a>(name: &'a str, shape: &'a [usize], values: &'a [f64]) -> NamedArray<'a> {
-        NamedArray { name, shape, values: NpyValues::F64(values) }
+        NamedArray {
+            name,
+            shape,
+            values: NpyValues::F64(values),
+        }
     }
 
     #[test]
@@ -128,19 +158,35 @@ mod tests {
 
     #[test]
     fn arrays_come_back_from_the_archive() {
-        let bytes = write_npz(&[array("one", &[2], &[1.5, -2.0]), array("two", &[], &[7.0])]).unwrap();
-        assert_eq!(bytes, write_npz(&[array("one", &[2], &[1.5, -2.0]), array("two", &[], &[7.0])]).unwrap());
+        let bytes =
+            write_npz(&[array("one", &[2], &[1.5, -2.0]), array("two", &[], &[7.0])]).unwrap();
+        assert_eq!(
+            bytes,
+            write_npz(&[array("one", &[2], &[1.5, -2.0]), array("two", &[], &[7.0])]).unwrap()
+        );
         let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).unwrap();
         let mut content = Vec::new();
-        archive.by_name("one.npy").unwrap().read_to_end(&mut content).unwrap();
+        archive
+            .by_name("one.npy")
+            .unwrap()
+            .read_to_end(&mut content)
+            .unwrap();
         assert_eq!(content, npy(&array("one", &[2], &[1.5, -2.0])));
-        assert_eq!(&content[content.len() - 16..content.len() - 8], &1.5_f64.to_le_bytes());
+        assert_eq!(
+            &content[content.len() - 16..content.len() - 8],
+            &1.5_f64.to_le_bytes()
+        );
         assert_eq!(archive.len(), 2);
     }
 
     #[test]
     fn wrong_shapes_and_equal_names_are_refused() {
-        assert!(write_npz(&[array("a", &[3], &[1.0])]).unwrap_err().to_string().contains("1 values for the shape [3]"));
+        assert!(
+            write_npz(&[array("a", &[3], &[1.0])])
+                .unwrap_err()
+                .to_string()
+                .contains("1 values for the shape [3]")
+        );
         assert!(write_npz(&[array("a", &[1], &[1.0]), array("a", &[1], &[1.0])]).is_err());
     }
 }

@@ -1,4 +1,5 @@
-//! PQR: a PDB-like file with charge and radius, whitespace separated (the format of PDB2PQR and APBS):
+//! PQR: a PDB-like file with charge and radius, whitespace separated (the format of PDB2PQR and
+//! APBS):
 //!
 //! `ATOM serial name residue [chain] number x y z charge radius`
 
@@ -7,9 +8,9 @@ use crate::text::{self, Line};
 use crate::{IoError, Result};
 use std::fmt::Write;
 
-/// Reads the `ATOM` and `HETATM` records of a PQR file up to the first `ENDMDL`. The chain may be absent or glued to the
-/// residue number, an insertion code may be glued to the number, and negative coordinates may be glued to their
-/// neighbours.
+/// Reads the `ATOM` and `HETATM` records of a PQR file up to the first `ENDMDL`. The chain may be
+/// absent or glued to the residue number, an insertion code may be glued to the number, and
+/// negative coordinates may be glued to their neighbours.
 ///
 /// ```
 /// let atoms = protomer_io::pqr::read_pqr("one.pqr", b"ATOM 1 CA ALA A 52B 0.0 1.0 -2.0 -0.25 1.7\n")?;
@@ -26,11 +27,25 @@ pub fn read_pqr(name: &str, bytes: &[u8]) -> Result<Vec<PointRecord>> {
         if text.starts_with("ENDMDL") {
             break;
         }
-        let Some(fields) = text.strip_prefix("ATOM").or_else(|| text.strip_prefix("HETATM")) else { continue };
-        records.push(read_atom(&Line { file: name, number: index + 1, text: fields })?);
+        let Some(fields) = text
+            .strip_prefix("ATOM")
+            .or_else(|| text.strip_prefix("HETATM"))
+        else {
+            continue;
+        };
+        records.push(read_atom(&Line {
+            file: name,
+            number: index + 1,
+            text: fields,
+        })?);
     }
     if records.is_empty() {
-        return Err(IoError::parse(name, 0, "the file holds no ATOM records", "give a PQR file"));
+        return Err(IoError::parse(
+            name,
+            0,
+            "the file holds no ATOM records",
+            "give a PQR file",
+        ));
     }
     Ok(records)
 }
@@ -43,15 +58,19 @@ fn read_atom(line: &Line) -> Result<PointRecord> {
     let separated = separate_minus_signs(line.text);
     let tokens: Vec<&str> = separated.split_whitespace().collect();
     read_fields(line, &tokens)?.ok_or_else(|| {
-        let remedy = "write serial, name, residue, chain (or none), number, x, y, z, charge, radius";
+        let remedy =
+            "write serial, name, residue, chain (or none), number, x, y, z, charge, radius";
         line.error("the columns are not those of a PQR atom", remedy)
     })
 }
 
-/// The record in these fields, `None` if they are not laid out like one. `fields` begin with the serial number.
+/// The record in these fields, `None` if they are not laid out like one. `fields` begin with the
+/// serial number.
 fn read_fields(line: &Line, fields: &[&str]) -> Result<Option<PointRecord>> {
     let (chain, number, values) = match fields {
-        [_, _, _, chain, number, values @ ..] if values.len() >= 5 && split_number(number).is_some() => {
+        [_, _, _, chain, number, values @ ..]
+            if values.len() >= 5 && split_number(number).is_some() =>
+        {
             (*chain, *number, values)
         }
         [_, _, _, number, values @ ..] if values.len() >= 5 => match split_number(number) {
@@ -63,7 +82,9 @@ fn read_fields(line: &Line, fields: &[&str]) -> Result<Option<PointRecord>> {
         },
         _ => return Ok(None),
     };
-    let Some((residue_number, insertion_code)) = split_number(number) else { return Ok(None) };
+    let Some((residue_number, insertion_code)) = split_number(number) else {
+        return Ok(None);
+    };
     let mut values = values.iter().copied();
     Ok(Some(PointRecord {
         position: line.point(&mut values, "the atom")?,
@@ -106,18 +127,26 @@ fn separate_minus_signs(text: &str) -> String {
     separated
 }
 
-/// The text of a PQR file. Columns are aligned while they fit and stay separated by spaces when they do not (more than
-/// 99 999 atoms, long names), so that every reader that splits at spaces reads it. Positions carry 5 decimals, charges
-/// 8, radii 4. An empty atom or residue name is written as `X` and `UNK`.
+/// The text of a PQR file. Columns are aligned while they fit and stay separated by spaces when
+/// they do not (more than 99 999 atoms, long names), so that every reader that splits at spaces
+/// reads it. Positions carry 5 decimals, charges 8, radii 4. An empty atom or residue name is
+/// written as `X` and `UNK`.
 ///
 /// # Errors
 /// [`IoError::Unwritable`] for a name with a space in it or a number that is not finite.
 pub fn write_pqr(records: &[PointRecord]) -> Result<String> {
-    let mut text =
-        String::from("REMARK   1 PQR written by protomer: x y z in angstrom, charge in e, radius in angstrom\n");
+    let mut text = String::from(
+        "REMARK   1 PQR written by protomer: x y z in angstrom, charge in e, radius in angstrom\n",
+    );
     for (index, record) in records.iter().enumerate() {
         check_writable(index, record)?;
-        let or = |name: &str, otherwise: &str| if name.is_empty() { otherwise.to_owned() } else { name.to_owned() };
+        let or = |name: &str, otherwise: &str| {
+            if name.is_empty() {
+                otherwise.to_owned()
+            } else {
+                name.to_owned()
+            }
+        };
         let number = format!("{}{}", record.residue_number, record.insertion_code);
         let _ = writeln!(
             text,
@@ -139,14 +168,34 @@ pub fn write_pqr(records: &[PointRecord]) -> Result<String> {
 }
 
 fn check_writable(index: usize, record: &PointRecord) -> Result<()> {
-    let names = [&record.atom_name, &record.residue_name, &record.chain, &record.insertion_code];
-    if let Some(name) = names.into_iter().find(|name| name.contains(char::is_whitespace)) {
-        let cause = format!("atom {} has the name {name:?}, which PQR cannot hold", index + 1);
+    let names = [
+        &record.atom_name,
+        &record.residue_name,
+        &record.chain,
+        &record.insertion_code,
+    ];
+    if let Some(name) = names
+        .into_iter()
+        .find(|name| name.contains(char::is_whitespace))
+    {
+        let cause = format!(
+            "atom {} has the name {name:?}, which PQR cannot hold",
+            index + 1
+        );
         return Err(IoError::unwritable(cause, "take the spaces out"));
     }
-    let numbers = [record.position.x, record.position.y, record.position.z, record.charge_e, record.radius_angstrom];
+    let numbers = [
+        record.position.x,
+        record.position.y,
+        record.position.z,
+        record.charge_e,
+        record.radius_angstrom,
+    ];
     if numbers.iter().any(|number| !number.is_finite()) {
-        let cause = format!("atom {} has a position, charge or radius that is not finite", index + 1);
+        let cause = format!(
+            "atom {} has a position, charge or radius that is not finite",
+            index + 1
+        );
         return Err(IoError::unwritable(cause, "check the body it comes from"));
     }
     Ok(())

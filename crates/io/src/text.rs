@@ -1,4 +1,5 @@
-//! Shared by the readers of text formats: numbered lines, numbers, and the screening of binary input.
+//! Shared by the readers of text formats: numbered lines, numbers, and the screening of binary
+//! input.
 
 use crate::{IoError, Result};
 use std::borrow::Cow;
@@ -12,16 +13,26 @@ pub fn without_byte_order_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
 }
 
-/// The text in these bytes, without a byte-order mark. Comments may be in any encoding; a NUL byte means that the file
-/// is no text at all.
+/// The text in these bytes, without a byte-order mark. Comments may be in any encoding; a NUL byte
+/// means that the file is no text at all.
 pub(crate) fn decode<'a>(file: &str, bytes: &'a [u8]) -> Result<Cow<'a, str>> {
     let bytes = without_byte_order_mark(bytes);
     if bytes.is_empty() {
-        return Err(IoError::parse(file, 0, "the file is empty", "give a file with content"));
+        return Err(IoError::parse(
+            file,
+            0,
+            "the file is empty",
+            "give a file with content",
+        ));
     }
     if bytes.contains(&0) {
         let remedy = "give a file of the format its extension names";
-        return Err(IoError::parse(file, 0, "the file is binary where text was expected", remedy));
+        return Err(IoError::parse(
+            file,
+            0,
+            "the file is binary where text was expected",
+            remedy,
+        ));
     }
     Ok(String::from_utf8_lossy(bytes))
 }
@@ -44,11 +55,16 @@ pub(crate) struct Line<'a> {
 }
 
 impl<'a> Line<'a> {
-    /// The lines that are neither blank nor comments; a comment runs from `#` to the end of the line.
+    /// The lines that are neither blank nor comments; a comment runs from `#` to the end of the
+    /// line.
     pub fn significant(file: &'a str, text: &'a str) -> impl Iterator<Item = Line<'a>> {
         text.lines().enumerate().filter_map(move |(index, line)| {
             let text = line.split('#').next().unwrap_or_default().trim();
-            (!text.is_empty()).then_some(Line { file, number: index + 1, text })
+            (!text.is_empty()).then_some(Line {
+                file,
+                number: index + 1,
+                text,
+            })
         })
     }
 
@@ -63,14 +79,25 @@ impl<'a> Line<'a> {
         };
         match token.parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(value),
-            _ => Err(self.error(format!("{what} is {}", shown(token)), "write a finite number")),
+            _ => Err(self.error(
+                format!("{what} is {}", shown(token)),
+                "write a finite number",
+            )),
         }
     }
 
     /// The next three tokens as a point.
-    pub fn point<'t>(&self, tokens: &mut impl Iterator<Item = &'t str>, what: &str) -> Result<protomer_kernel::Vec3> {
+    pub fn point<'t>(
+        &self,
+        tokens: &mut impl Iterator<Item = &'t str>,
+        what: &str,
+    ) -> Result<protomer_kernel::Vec3> {
         let mut coordinate = |axis: &str| self.number(tokens.next(), &format!("{axis} of {what}"));
-        Ok(protomer_kernel::Vec3::new(coordinate("x")?, coordinate("y")?, coordinate("z")?))
+        Ok(protomer_kernel::Vec3::new(
+            coordinate("x")?,
+            coordinate("y")?,
+            coordinate("z")?,
+        ))
     }
 
     /// A whole number.
@@ -78,6 +105,11 @@ impl<'a> Line<'a> {
         let Some(token) = token else {
             return Err(self.error(format!("{what} is missing"), "complete the line"));
         };
-        token.parse().map_err(|_| self.error(format!("{what} is {}", shown(token)), "write a whole number"))
+        token.parse().map_err(|_| {
+            self.error(
+                format!("{what} is {}", shown(token)),
+                "write a whole number",
+            )
+        })
     }
 }

@@ -22,7 +22,10 @@ fn any_container() -> impl Strategy<Value = Container> {
     let number = any::<f64>().prop_filter("JSON", |x| x.is_finite());
     let arrays = prop::collection::btree_map("[a-zé/]{0,8}", any_values(), 0..5);
     (arrays, "\\PC{0,20}", number).prop_map(|(arrays, text, number)| {
-        let mut container = Container::new("body", serde_json::json!({ "text": text, "number": number }));
+        let mut container = Container::new(
+            "body",
+            serde_json::json!({ "text": text, "number": number }),
+        );
         for (name, values) in arrays {
             let length = match &values {
                 Values::F64(v) => v.len(),
@@ -33,7 +36,11 @@ fn any_container() -> impl Strategy<Value = Container> {
                 Values::I32(v) => v.len(),
                 Values::U8(v) => v.len(),
             };
-            let shape = if length % 3 == 0 { vec![length / 3, 3] } else { vec![length] };
+            let shape = if length % 3 == 0 {
+                vec![length / 3, 3]
+            } else {
+                vec![length]
+            };
             container.insert(name, Array::new(values, shape).unwrap());
         }
         container
@@ -41,7 +48,9 @@ fn any_container() -> impl Strategy<Value = Container> {
 }
 
 fn message(bytes: &[u8]) -> String {
-    Container::from_bytes("x.body", "body", bytes).unwrap_err().to_string()
+    Container::from_bytes("x.body", "body", bytes)
+        .unwrap_err()
+        .to_string()
 }
 
 /// Gives changed content a length and checksum that fit, as a hostile file would have.
@@ -57,7 +66,10 @@ fn sign(mut bytes: Vec<u8>) -> Vec<u8> {
 
 /// Cases of a property: `PROPTEST_CASES` where it is set, for long runs by hand.
 fn cases(usual: u32) -> u32 {
-    std::env::var("PROPTEST_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(usual)
+    std::env::var("PROPTEST_CASES")
+        .ok()
+        .and_then(|cases| cases.parse().ok())
+        .unwrap_or(usual)
 }
 
 proptest! {
@@ -112,7 +124,11 @@ fn each_kind_of_damage_has_its_message() {
     assert!(message(b"").contains("x.body: it is not a protomer file"));
     assert!(message(b"HEADER    HYDROLASE").contains("it is not a protomer file"));
     for length in 8..bytes.len() {
-        assert!(message(&bytes[..length]).contains("truncated at byte"), "{length}: {}", message(&bytes[..length]));
+        assert!(
+            message(&bytes[..length]).contains("truncated at byte"),
+            "{length}: {}",
+            message(&bytes[..length])
+        );
     }
     let mut newer = bytes.clone();
     newer[8] = 9;
@@ -123,8 +139,13 @@ fn each_kind_of_damage_has_its_message() {
     let mut longer = bytes.clone();
     longer.push(0);
     assert!(message(&longer).contains("checksum differs"));
-    let wrong_kind = Container::from_bytes("x", "checkpoint", &bytes).unwrap_err().to_string();
-    assert!(wrong_kind.contains("it is a body file where a checkpoint file was expected"), "{wrong_kind}");
+    let wrong_kind = Container::from_bytes("x", "checkpoint", &bytes)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        wrong_kind.contains("it is a body file where a checkpoint file was expected"),
+        "{wrong_kind}"
+    );
 }
 
 #[test]
@@ -136,7 +157,10 @@ fn an_absurd_shape_takes_no_memory() {
     let shape = bytes.len() - 8;
     for length in [u64::MAX, 1 << 60, 1 << 40] {
         bytes[shape..].copy_from_slice(&length.to_le_bytes());
-        assert!(message(&sign(bytes.clone())).contains("a value is missing at byte"), "{length}");
+        assert!(
+            message(&sign(bytes.clone())).contains("a value is missing at byte"),
+            "{length}"
+        );
     }
 }
 
@@ -145,10 +169,28 @@ fn arrays_are_asked_for_by_type_and_shape() {
     let mut container = Container::new("body", serde_json::Value::Null);
     container.insert("v", Array::f64(vec![1.0; 6], [2, 3]).unwrap());
     assert_eq!(container.f64("x", "v", &[None, Some(3)]).unwrap().len(), 6);
-    assert!(container.f64("x", "v", &[None]).unwrap_err().to_string().contains("unexpected shape [2, 3]"));
+    assert!(
+        container
+            .f64("x", "v", &[None])
+            .unwrap_err()
+            .to_string()
+            .contains("unexpected shape [2, 3]")
+    );
     assert!(container.f64("x", "v", &[Some(3), Some(2)]).is_err());
-    assert!(container.f64("x", "w", &[None]).unwrap_err().to_string().contains("array \"w\" is missing"));
-    assert!(container.u32("x", "v", &[None, None]).unwrap_err().to_string().contains("not the type u32"));
+    assert!(
+        container
+            .f64("x", "w", &[None])
+            .unwrap_err()
+            .to_string()
+            .contains("array \"w\" is missing")
+    );
+    assert!(
+        container
+            .u32("x", "v", &[None, None])
+            .unwrap_err()
+            .to_string()
+            .contains("not the type u32")
+    );
     assert!(Array::f64(vec![1.0; 5], [2, 3]).is_err());
     assert!(Array::f64(vec![], [usize::MAX, 2]).is_err());
 }

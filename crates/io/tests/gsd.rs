@@ -4,7 +4,8 @@
 use proptest::prelude::*;
 use protomer_io::gsd::trajectory::enclosing_box;
 use protomer_io::gsd::{
-    Chunk, ChunkData, GsdFile, GsdWriter, ParticleType, TrajectoryFrame, TrajectoryHeader, TrajectoryWriter,
+    Chunk, ChunkData, GsdFile, GsdWriter, ParticleType, TrajectoryFrame, TrajectoryHeader,
+    TrajectoryWriter,
 };
 use protomer_kernel::{Pose, TriangleMesh, Vec3};
 use std::path::Path;
@@ -16,8 +17,14 @@ fn header() -> TrajectoryHeader {
     };
     TrajectoryHeader {
         types: vec![
-            ParticleType { name: "positive".into(), mesh: Some(mesh) },
-            ParticleType { name: "b".into(), mesh: None },
+            ParticleType {
+                name: "positive".into(),
+                mesh: Some(mesh),
+            },
+            ParticleType {
+                name: "b".into(),
+                mesh: None,
+            },
         ],
         type_ids: vec![0, 1, 0],
         charges_e: vec![6.0, -4.5, 6.0],
@@ -30,7 +37,10 @@ fn poses(k: u64) -> Vec<Pose> {
         .map(|i| {
             let angle = 0.1 * k as f64 + i as f64;
             let quaternion = [(angle / 2.0).cos(), 0.0, 0.0, (angle / 2.0).sin()];
-            Pose::from_wxyz(Vec3::new(i as f64, 10.0 - k as f64 * 0.01, -0.5 * i as f64), quaternion)
+            Pose::from_wxyz(
+                Vec3::new(i as f64, 10.0 - k as f64 * 0.01, -0.5 * i as f64),
+                quaternion,
+            )
         })
         .collect()
 }
@@ -39,8 +49,12 @@ fn append(writer: &mut TrajectoryWriter, frames: std::ops::Range<u64>) {
     for k in frames {
         let energy = -1.5 * k as f64;
         let log = [("energy_kT", energy), ("r_g_angstrom", 50.0 + k as f64)];
-        let frame =
-            TrajectoryFrame { step: 1000 * k, box_lengths_angstrom: [90.0, 80.0, 70.0], poses: &poses(k), log: &log };
+        let frame = TrajectoryFrame {
+            step: 1000 * k,
+            box_lengths_angstrom: [90.0, 80.0, 70.0],
+            poses: &poses(k),
+            log: &log,
+        };
         writer.append(&frame).unwrap();
     }
 }
@@ -63,15 +77,30 @@ fn frames_read_back() {
     assert_eq!(step.data, ChunkData::U64(vec![99_000]));
     let position = file.chunk(42, "particles/position").unwrap().unwrap();
     assert_eq!((position.columns, position.data.len()), (3, 9));
-    let ChunkData::F32(values) = position.data else { panic!("not f32") };
+    let ChunkData::F32(values) = position.data else {
+        panic!("not f32")
+    };
     assert_eq!(values[4], (10.0 - 0.42) as f32);
     assert!(file.chunk(1, "particles/types").unwrap().is_none());
-    assert_eq!(file.chunk(7, "log/energy_kT").unwrap().unwrap().data, ChunkData::F64(vec![-10.5]));
-    let ChunkData::I8(shapes) = file.chunk(0, "particles/type_shapes").unwrap().unwrap().data else { panic!("not i8") };
+    assert_eq!(
+        file.chunk(7, "log/energy_kT").unwrap().unwrap().data,
+        ChunkData::F64(vec![-10.5])
+    );
+    let ChunkData::I8(shapes) = file
+        .chunk(0, "particles/type_shapes")
+        .unwrap()
+        .unwrap()
+        .data
+    else {
+        panic!("not i8")
+    };
     let text = String::from_utf8(shapes.iter().map(|byte| *byte as u8).collect()).unwrap();
     let mut rows = text.split('\0').filter(|row| !row.is_empty());
     let shape: serde_json::Value = serde_json::from_str(rows.next().unwrap()).unwrap();
-    assert_eq!((&shape["type"], &shape["indices"][1]), (&"Mesh".into(), &serde_json::json!([0, 1, 3])));
+    assert_eq!(
+        (&shape["type"], &shape["indices"][1]),
+        (&"Mesh".into(), &serde_json::json!([0, 1, 3]))
+    );
     assert_eq!(rows.next(), Some("{}"));
 }
 
@@ -81,12 +110,23 @@ fn a_resumed_trajectory_equals_the_uninterrupted_one_byte_for_byte() {
     let [whole, cut] = ["whole.gsd", "cut.gsd"].map(|name| folder.path().join(name));
     write(&whole, 200);
     let expected = std::fs::read(&whole).unwrap();
-    for (written, kept) in [(0, 0), (3, 0), (1, 1), (150, 20), (60, 59), (200, 137), (200, 200)] {
+    for (written, kept) in [
+        (0, 0),
+        (3, 0),
+        (1, 1),
+        (150, 20),
+        (60, 59),
+        (200, 137),
+        (200, 200),
+    ] {
         write(&cut, written);
         let mut writer = TrajectoryWriter::resume(&cut, &header(), kept).unwrap();
         assert_eq!(writer.frames(), kept);
         append(&mut writer, kept..200);
-        assert!(std::fs::read(&cut).unwrap() == expected, "{written} written, {kept} kept");
+        assert!(
+            std::fs::read(&cut).unwrap() == expected,
+            "{written} written, {kept} kept"
+        );
     }
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
 }
@@ -97,22 +137,49 @@ fn a_trajectory_that_does_not_fit_is_refused() {
     let path = folder.path().join("t.gsd");
     write(&path, 5);
     let before = std::fs::read(&path).unwrap();
-    let error = TrajectoryWriter::resume(&path, &header(), 6).unwrap_err().to_string();
-    assert!(error.contains("it holds 5 frames where the checkpoint has written 6"), "{error}");
+    let error = TrajectoryWriter::resume(&path, &header(), 6)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("it holds 5 frames where the checkpoint has written 6"),
+        "{error}"
+    );
     let mut other = header();
     other.charges_e[0] = 7.0;
-    let error = TrajectoryWriter::resume(&path, &other, 5).unwrap_err().to_string();
+    let error = TrajectoryWriter::resume(&path, &other, 5)
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("other bodies"), "{error}");
     assert!(std::fs::read(&path).unwrap() == before);
     other.charges_e.pop();
-    assert!(TrajectoryWriter::create(&path, &other).unwrap_err().to_string().contains("2 charges for 3 bodies"));
+    assert!(
+        TrajectoryWriter::create(&path, &other)
+            .unwrap_err()
+            .to_string()
+            .contains("2 charges for 3 bodies")
+    );
     other = header();
     other.type_ids[1] = 2;
-    assert!(TrajectoryWriter::create(&path, &other).unwrap_err().to_string().contains("a body is of type 2"));
+    assert!(
+        TrajectoryWriter::create(&path, &other)
+            .unwrap_err()
+            .to_string()
+            .contains("a body is of type 2")
+    );
     std::fs::write(&path, "not a trajectory").unwrap();
-    assert!(GsdFile::open(&path).unwrap_err().to_string().contains("is cut"));
+    assert!(
+        GsdFile::open(&path)
+            .unwrap_err()
+            .to_string()
+            .contains("is cut")
+    );
     std::fs::write(&path, [b'x'; 500]).unwrap();
-    assert!(GsdFile::open(&path).unwrap_err().to_string().contains("it is not a GSD file"));
+    assert!(
+        GsdFile::open(&path)
+            .unwrap_err()
+            .to_string()
+            .contains("it is not a GSD file")
+    );
 }
 
 #[test]
@@ -142,13 +209,20 @@ fn names_that_outgrow_their_list_move() {
     };
     for frame in 0..4 {
         // Chunks in an order that is not that of their names.
-        let chunks: Vec<Chunk> = (0..100 * (frame + 1)).rev().map(|i| chunk(i, frame)).collect();
+        let chunks: Vec<Chunk> = (0..100 * (frame + 1))
+            .rev()
+            .map(|i| chunk(i, frame))
+            .collect();
         writer.append_frame(&chunks).unwrap();
     }
     let mut file = GsdFile::open(&path).unwrap();
     for frame in 0..4 {
         for i in [0, 50, 99 + 100 * frame] {
-            assert_eq!(file.chunk(frame.into(), &format!("a rather long name {i}")).unwrap(), Some(chunk(i, frame)));
+            assert_eq!(
+                file.chunk(frame.into(), &format!("a rather long name {i}"))
+                    .unwrap(),
+                Some(chunk(i, frame))
+            );
         }
     }
     assert_eq!(file.frame(2).unwrap().len(), 300);
@@ -157,17 +231,37 @@ fn names_that_outgrow_their_list_move() {
 #[test]
 fn frames_that_cannot_be_written_are_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let mut writer = GsdWriter::create(&folder.path().join("x.gsd"), "test", "other", (1, 0)).unwrap();
-    let chunk = |name: &str, columns| Chunk { name: name.into(), columns, data: ChunkData::U8(vec![0; 4]) };
-    for chunks in
-        [vec![], vec![chunk("a", 3)], vec![chunk("a", 0)], vec![chunk("", 1)], vec![chunk("a", 1), chunk("a", 1)]]
-    {
+    let mut writer =
+        GsdWriter::create(&folder.path().join("x.gsd"), "test", "other", (1, 0)).unwrap();
+    let chunk = |name: &str, columns| Chunk {
+        name: name.into(),
+        columns,
+        data: ChunkData::U8(vec![0; 4]),
+    };
+    for chunks in [
+        vec![],
+        vec![chunk("a", 3)],
+        vec![chunk("a", 0)],
+        vec![chunk("", 1)],
+        vec![chunk("a", 1), chunk("a", 1)],
+    ] {
         assert!(writer.append_frame(&chunks).is_err());
     }
     assert_eq!(writer.frames(), 0);
     let mut trajectory = TrajectoryWriter::create(&folder.path().join("t.gsd"), &header()).unwrap();
-    let frame = TrajectoryFrame { step: 0, box_lengths_angstrom: [1.0; 3], poses: &poses(0)[..2], log: &[] };
-    assert!(trajectory.append(&frame).unwrap_err().to_string().contains("2 poses for 3 bodies"));
+    let frame = TrajectoryFrame {
+        step: 0,
+        box_lengths_angstrom: [1.0; 3],
+        poses: &poses(0)[..2],
+        log: &[],
+    };
+    assert!(
+        trajectory
+            .append(&frame)
+            .unwrap_err()
+            .to_string()
+            .contains("2 poses for 3 bodies")
+    );
 }
 
 #[test]
@@ -178,8 +272,13 @@ fn open_space_gets_a_box_that_holds_every_body() {
 #[test]
 #[cfg(target_os = "linux")]
 fn a_full_disk_is_named() {
-    let error = TrajectoryWriter::create(Path::new("/dev/full"), &header()).unwrap_err().to_string();
-    assert!(error.contains("cannot write /dev/full: No space left on device"), "{error}");
+    let error = TrajectoryWriter::create(Path::new("/dev/full"), &header())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("cannot write /dev/full: No space left on device"),
+        "{error}"
+    );
 }
 
 /// Writes the file that `python/checks/check_gsd.py` reads, where the environment says so.
@@ -187,13 +286,18 @@ fn a_full_disk_is_named() {
 fn the_file_for_the_python_check() {
     match std::env::var_os("PROTOMER_GSD_CHECK") {
         Some(path) => write(Path::new(&path), 300),
-        None => eprintln!("skipped: set PROTOMER_GSD_CHECK to a path to write the trajectory of check_gsd.py"),
+        None => eprintln!(
+            "skipped: set PROTOMER_GSD_CHECK to a path to write the trajectory of check_gsd.py"
+        ),
     }
 }
 
 /// Cases of a property: `PROPTEST_CASES` where it is set, for long runs by hand.
 fn cases(usual: u32) -> u32 {
-    std::env::var("PROPTEST_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(usual)
+    std::env::var("PROPTEST_CASES")
+        .ok()
+        .and_then(|cases| cases.parse().ok())
+        .unwrap_or(usual)
 }
 
 proptest! {

@@ -5,33 +5,58 @@ use proptest::prelude::*;
 use protomer_io::mesh::{MeshFormat, ply, read_mesh, write_mesh};
 use protomer_kernel::{TriangleMesh, Vec3};
 
-const FORMATS: [(MeshFormat, &str); 4] =
-    [(MeshFormat::Ply, "m.ply"), (MeshFormat::Obj, "m.obj"), (MeshFormat::Off, "m.off"), (MeshFormat::Stl, "m.stl")];
+const FORMATS: [(MeshFormat, &str); 4] = [
+    (MeshFormat::Ply, "m.ply"),
+    (MeshFormat::Obj, "m.obj"),
+    (MeshFormat::Off, "m.off"),
+    (MeshFormat::Stl, "m.stl"),
+];
 
 fn tetrahedron() -> TriangleMesh {
-    let vertices = [[0.0, 0.0, 0.0], [1.5, 0.0, 0.0], [0.0, 2.5, 0.0], [0.0, 0.0, -1e-3]].map(Vec3::from).to_vec();
-    TriangleMesh { vertices, triangles: vec![[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]] }
+    let vertices = [
+        [0.0, 0.0, 0.0],
+        [1.5, 0.0, 0.0],
+        [0.0, 2.5, 0.0],
+        [0.0, 0.0, -1e-3],
+    ]
+    .map(Vec3::from)
+    .to_vec();
+    TriangleMesh {
+        vertices,
+        triangles: vec![[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]],
+    }
 }
 
 fn any_mesh() -> impl Strategy<Value = TriangleMesh> {
     let coordinate = prop_oneof![-1e3..1e3f64, prop::num::f64::NORMAL.prop_map(|x| x % 1e30)];
-    let vertices =
-        prop::collection::vec([coordinate.clone(), coordinate.clone(), coordinate].prop_map(Vec3::from), 3..40);
+    let vertices = prop::collection::vec(
+        [coordinate.clone(), coordinate.clone(), coordinate].prop_map(Vec3::from),
+        3..40,
+    );
     vertices.prop_flat_map(|vertices| {
         let count = vertices.len() as u32;
-        prop::collection::vec([0..count, 0..count, 0..count], 1..60)
-            .prop_map(move |triangles| TriangleMesh { vertices: vertices.clone(), triangles })
+        prop::collection::vec([0..count, 0..count, 0..count], 1..60).prop_map(move |triangles| {
+            TriangleMesh {
+                vertices: vertices.clone(),
+                triangles,
+            }
+        })
     })
 }
 
 /// The corners of each triangle, which is all that STL keeps.
 fn soup(mesh: &TriangleMesh) -> Vec<[Vec3; 3]> {
-    (0..mesh.triangles.len()).map(|triangle| mesh.corners(triangle)).collect()
+    (0..mesh.triangles.len())
+        .map(|triangle| mesh.corners(triangle))
+        .collect()
 }
 
 /// Cases of a property: `PROPTEST_CASES` where it is set, for long runs by hand.
 fn cases(usual: u32) -> u32 {
-    std::env::var("PROPTEST_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(usual)
+    std::env::var("PROPTEST_CASES")
+        .ok()
+        .and_then(|cases| cases.parse().ok())
+        .unwrap_or(usual)
 }
 
 proptest! {
@@ -88,10 +113,21 @@ proptest! {
 
 fn valid_files() -> Vec<(&'static str, Vec<u8>)> {
     let mesh = tetrahedron();
-    let mut files: Vec<_> = FORMATS.iter().map(|(format, name)| (*name, write_mesh(*format, &mesh))).collect();
+    let mut files: Vec<_> = FORMATS
+        .iter()
+        .map(|(format, name)| (*name, write_mesh(*format, &mesh)))
+        .collect();
     files.push(("m.ply", ply::write_ply_ascii(&mesh).into_bytes()));
     files.push(("m.stl", ASCII_STL.as_bytes().to_vec()));
-    files.push(("m.ply", BIG_ENDIAN_HEADER.as_bytes().iter().copied().chain(big_endian_body()).collect()));
+    files.push((
+        "m.ply",
+        BIG_ENDIAN_HEADER
+            .as_bytes()
+            .iter()
+            .copied()
+            .chain(big_endian_body())
+            .collect(),
+    ));
     files
 }
 
@@ -105,7 +141,12 @@ const BIG_ENDIAN_HEADER: &str = "ply\r\nformat binary_big_endian 1.0\r\nobj_info
 
 fn big_endian_body() -> Vec<u8> {
     let mut body = Vec::new();
-    for point in [[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]] {
+    for point in [
+        [0.0f32, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [0.0, 1.0, 0.0],
+    ] {
         point.iter().for_each(|x| body.extend(x.to_be_bytes()));
         body.push(255);
     }
@@ -140,8 +181,7 @@ fn a_closed_mesh_stays_closed_through_stl() {
 
 #[test]
 fn obj_dialects_are_read() {
-    let text =
-        "# cube face\nmtllib x\nv 0 0 0 1.0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\ng a\nv 0 1 0\nf -4//1 2/3/1 \\\n 3/1 4\n";
+    let text = "# cube face\nmtllib x\nv 0 0 0 1.0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\ng a\nv 0 1 0\nf -4//1 2/3/1 \\\n 3/1 4\n";
     let mesh = read_mesh("x.OBJ", text.as_bytes()).unwrap();
     assert_eq!(mesh.triangles.len(), 2);
     assert!((mesh.area_angstrom2() - 1.0).abs() < 1e-12);
@@ -153,7 +193,10 @@ fn off_dialects_are_read() {
         "OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
         "# c\nCOFF\n\n3 1 3\n0 0 0 1 1 1 1\n1 0 0 1 1 1 1\n0 1 0 0 0 0 1\n3 0 1 2 255 0 0\n",
     ] {
-        assert_eq!(read_mesh("x.off", text.as_bytes()).unwrap().triangles, [[0, 1, 2]]);
+        assert_eq!(
+            read_mesh("x.off", text.as_bytes()).unwrap().triangles,
+            [[0, 1, 2]]
+        );
     }
 }
 
@@ -166,32 +209,104 @@ fn errors_say_where_and_what() {
         )
     };
     let cases: Vec<(&str, Vec<u8>, &str)> = vec![
-        ("m.xyz", vec![], "m.xyz: the extension does not name a mesh format"),
+        (
+            "m.xyz",
+            vec![],
+            "m.xyz: the extension does not name a mesh format",
+        ),
         ("m.ply", vec![], "m.ply: the header has no end"),
         ("m.obj", vec![], "m.obj: the file is empty"),
         ("m.obj", b"v 1 2 3\0".to_vec(), "binary where text"),
-        ("m.obj", b"v 1 2\n".to_vec(), "m.obj:1: z of a vertex is missing"),
-        ("m.obj", b"v 1 2 nan\n".to_vec(), "m.obj:1: z of a vertex is \"nan\""),
+        (
+            "m.obj",
+            b"v 1 2\n".to_vec(),
+            "m.obj:1: z of a vertex is missing",
+        ),
+        (
+            "m.obj",
+            b"v 1 2 nan\n".to_vec(),
+            "m.obj:1: z of a vertex is \"nan\"",
+        ),
         (
             "m.obj",
             b"v 0 0 0\nf 1 2 3\n".to_vec(),
             "m.obj:2: a face names vertex 1 (counted from zero), but there are 1",
         ),
-        ("m.obj", b"v 0 0 0\nf 1 1 0\n".to_vec(), "m.obj:2: a face names vertex 0"),
-        ("m.obj", b"v 0 0 0\nf 1 1\n".to_vec(), "m.obj:2: a face has 2 corners"),
-        ("m.obj", b"v 0 0 0\n".to_vec(), "m.obj: the file holds no faces"),
-        ("m.off", b"PFF\n".to_vec(), "m.off:1: the file does not begin with OFF"),
-        ("m.off", b"OFF\n9000000000000000000 1 0\n0 0 0\n".to_vec(), "m.off: the file ends before all its faces"),
-        ("m.off", b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n4 0 1 2\n".to_vec(), "m.off:6: a face has 3 of its 4 corners"),
-        ("m.ply", ply("18446744073709551615", "0 0 0\n").into(), "the file ends before the last row"),
-        ("m.ply", ply("1", "0 0 x\n").into(), "m.ply:10: in element \"vertex\": \"x\" is no number"),
-        ("m.ply", ply("1", "0 0\n").into(), "m.ply:10: in element \"vertex\": the row has too few values"),
-        ("m.ply", ply("1", "0 0 0\n3 0 0 1\n").into(), "m.ply:11: a face names vertex 1"),
-        ("m.ply", ply("1", "0 0 0\n-3 0 0 1\n").into(), "a list has -3 values"),
-        ("m.ply", b"ply\nformat ascii 2.0\nend_header\n".to_vec(), "m.ply:2: the line is not part of a PLY header"),
-        ("m.stl", b"short".to_vec(), "m.stl: the file is too short for STL"),
-        ("m.stl", vec![0xff; 100], "its header promises 4294967295 triangles"),
-        ("m.stl", b"solid\nfacet\nouter loop\nvertex 0 0 0\nendloop\n".to_vec(), "m.stl:5: a facet has 1 corners"),
+        (
+            "m.obj",
+            b"v 0 0 0\nf 1 1 0\n".to_vec(),
+            "m.obj:2: a face names vertex 0",
+        ),
+        (
+            "m.obj",
+            b"v 0 0 0\nf 1 1\n".to_vec(),
+            "m.obj:2: a face has 2 corners",
+        ),
+        (
+            "m.obj",
+            b"v 0 0 0\n".to_vec(),
+            "m.obj: the file holds no faces",
+        ),
+        (
+            "m.off",
+            b"PFF\n".to_vec(),
+            "m.off:1: the file does not begin with OFF",
+        ),
+        (
+            "m.off",
+            b"OFF\n9000000000000000000 1 0\n0 0 0\n".to_vec(),
+            "m.off: the file ends before all its faces",
+        ),
+        (
+            "m.off",
+            b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n4 0 1 2\n".to_vec(),
+            "m.off:6: a face has 3 of its 4 corners",
+        ),
+        (
+            "m.ply",
+            ply("18446744073709551615", "0 0 0\n").into(),
+            "the file ends before the last row",
+        ),
+        (
+            "m.ply",
+            ply("1", "0 0 x\n").into(),
+            "m.ply:10: in element \"vertex\": \"x\" is no number",
+        ),
+        (
+            "m.ply",
+            ply("1", "0 0\n").into(),
+            "m.ply:10: in element \"vertex\": the row has too few values",
+        ),
+        (
+            "m.ply",
+            ply("1", "0 0 0\n3 0 0 1\n").into(),
+            "m.ply:11: a face names vertex 1",
+        ),
+        (
+            "m.ply",
+            ply("1", "0 0 0\n-3 0 0 1\n").into(),
+            "a list has -3 values",
+        ),
+        (
+            "m.ply",
+            b"ply\nformat ascii 2.0\nend_header\n".to_vec(),
+            "m.ply:2: the line is not part of a PLY header",
+        ),
+        (
+            "m.stl",
+            b"short".to_vec(),
+            "m.stl: the file is too short for STL",
+        ),
+        (
+            "m.stl",
+            vec![0xff; 100],
+            "its header promises 4294967295 triangles",
+        ),
+        (
+            "m.stl",
+            b"solid\nfacet\nouter loop\nvertex 0 0 0\nendloop\n".to_vec(),
+            "m.stl:5: a facet has 1 corners",
+        ),
     ];
     for (name, bytes, expected) in cases {
         let error = read_mesh(name, &bytes).unwrap_err().to_string();
@@ -201,10 +316,17 @@ fn errors_say_where_and_what() {
 
 #[test]
 fn a_cut_file_is_an_error_wherever_it_is_cut() {
-    for (name, bytes) in valid_files().into_iter().filter(|(name, _)| *name != "m.obj" && *name != "m.off") {
+    for (name, bytes) in valid_files()
+        .into_iter()
+        .filter(|(name, _)| *name != "m.obj" && *name != "m.off")
+    {
         // The last two bytes may be a line's end and a digit that a shorter number replaces.
         for length in 0..bytes.len() - 12 {
-            assert!(read_mesh(name, &bytes[..length]).is_err(), "{name} cut at {length} of {}", bytes.len());
+            assert!(
+                read_mesh(name, &bytes[..length]).is_err(),
+                "{name} cut at {length} of {}",
+                bytes.len()
+            );
         }
     }
 }

@@ -7,26 +7,41 @@ use protomer_io::pqr::{read_pqr, write_pqr};
 use protomer_kernel::Vec3;
 
 fn any_record() -> impl Strategy<Value = PointRecord> {
-    let names = ("[A-Z][A-Z0-9']{0,4}", "[A-Z0-9]{1,5}", "[A-Za-z0-9]{0,2}", -99..1_000_000i32, "[A-Z]{0,1}");
-    let numbers = ([-9999.0..99_999.0f64, -9.0..9.0f64, -1e6..1e6f64], -10.0..10.0f64, 0.0..99.0f64);
-    (names, numbers).prop_map(|((atom_name, residue_name, chain, residue_number, insertion_code), (p, q, r))| {
-        let position = Vec3::from(p);
-        PointRecord {
-            position,
-            charge_e: q,
-            radius_angstrom: r,
-            atom_name,
-            residue_name,
-            chain,
-            residue_number,
-            insertion_code,
-        }
-    })
+    let names = (
+        "[A-Z][A-Z0-9']{0,4}",
+        "[A-Z0-9]{1,5}",
+        "[A-Za-z0-9]{0,2}",
+        -99..1_000_000i32,
+        "[A-Z]{0,1}",
+    );
+    let numbers = (
+        [-9999.0..99_999.0f64, -9.0..9.0f64, -1e6..1e6f64],
+        -10.0..10.0f64,
+        0.0..99.0f64,
+    );
+    (names, numbers).prop_map(
+        |((atom_name, residue_name, chain, residue_number, insertion_code), (p, q, r))| {
+            let position = Vec3::from(p);
+            PointRecord {
+                position,
+                charge_e: q,
+                radius_angstrom: r,
+                atom_name,
+                residue_name,
+                chain,
+                residue_number,
+                insertion_code,
+            }
+        },
+    )
 }
 
 /// Cases of a property: `PROPTEST_CASES` where it is set, for long runs by hand.
 fn cases(usual: u32) -> u32 {
-    std::env::var("PROPTEST_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(usual)
+    std::env::var("PROPTEST_CASES")
+        .ok()
+        .and_then(|cases| cases.parse().ok())
+        .unwrap_or(usual)
 }
 
 proptest! {
@@ -69,11 +84,23 @@ TER
 END
 ";
     let atoms = read_points("x.PQR.gz", text.as_bytes()).unwrap();
-    let key = |i: usize| (atoms[i].chain.as_str(), atoms[i].residue_number, atoms[i].insertion_code.as_str());
+    let key = |i: usize| {
+        (
+            atoms[i].chain.as_str(),
+            atoms[i].residue_number,
+            atoms[i].insertion_code.as_str(),
+        )
+    };
     assert_eq!(atoms.len(), 5);
     assert_eq!(
         (0..5).map(key).collect::<Vec<_>>(),
-        [("", 1, ""), ("A", 1, "A"), ("A", 2001, ""), ("1", 5, ""), ("BB", -12, "")]
+        [
+            ("", 1, ""),
+            ("A", 1, "A"),
+            ("A", 2001, ""),
+            ("1", 5, ""),
+            ("BB", -12, "")
+        ]
     );
     assert_eq!(atoms[2].position, Vec3::new(-1.0, 14.697, -111.772));
     assert_eq!(atoms[3].atom_name, "C1'");
@@ -90,37 +117,100 @@ fn only_the_first_model_is_read() {
 #[test]
 fn point_files_are_read() {
     let spheres = read_points("s.xyzr", b"# x y z r\n 1 2 3 1.5\n\n-1e0 .5 3 0 CA 7\n").unwrap();
-    assert_eq!((spheres.len(), spheres[1].position, spheres[0].radius_angstrom), (2, Vec3::new(-1.0, 0.5, 3.0), 1.5));
+    assert_eq!(
+        (
+            spheres.len(),
+            spheres[1].position,
+            spheres[0].radius_angstrom
+        ),
+        (2, Vec3::new(-1.0, 0.5, 3.0), 1.5)
+    );
     let charges = read_points("c.txt", b"1 2 3 -0.5\n1 2 3 0.25 1.0\n").unwrap();
-    assert_eq!((charges[0].charge_e, charges[1].charge_e, charges[1].radius_angstrom), (-0.5, 0.25, 1.0));
+    assert_eq!(
+        (
+            charges[0].charge_e,
+            charges[1].charge_e,
+            charges[1].radius_angstrom
+        ),
+        (-0.5, 0.25, 1.0)
+    );
 }
 
 #[test]
 fn errors_name_the_line() {
     for (name, text, expected) in [
-        ("a.pqr", "HEADER\nATOM 1 CA ALA A 1 0 0 zero 0 1\n", "a.pqr:2: z of the atom is \"zero\""),
-        ("a.pqr", "ATOM 1 CA ALA A 1 0 0 0 0 -1\n", "a.pqr:1: the radius is -1"),
-        ("a.pqr", "ATOM 1 CA ALA A 1 0 0 0 0\n", "a.pqr:1: the columns are not those of a PQR atom"),
-        ("a.pqr", "ATOM 1 CA ALA A 1 0 0 0 0 inf\n", "a.pqr:1: the radius is \"inf\""),
+        (
+            "a.pqr",
+            "HEADER\nATOM 1 CA ALA A 1 0 0 zero 0 1\n",
+            "a.pqr:2: z of the atom is \"zero\"",
+        ),
+        (
+            "a.pqr",
+            "ATOM 1 CA ALA A 1 0 0 0 0 -1\n",
+            "a.pqr:1: the radius is -1",
+        ),
+        (
+            "a.pqr",
+            "ATOM 1 CA ALA A 1 0 0 0 0\n",
+            "a.pqr:1: the columns are not those of a PQR atom",
+        ),
+        (
+            "a.pqr",
+            "ATOM 1 CA ALA A 1 0 0 0 0 inf\n",
+            "a.pqr:1: the radius is \"inf\"",
+        ),
         ("a.pqr", "REMARK\n", "a.pqr: the file holds no ATOM records"),
-        ("a.xyzr", "0 0 0 1\n\n0 0 0\n", "a.xyzr:3: the radius is missing"),
-        ("a.xyzr", "12\ncomment\n", "a.xyzr:1: y of a sphere is missing"),
-        ("a.xyzq", "0 0 0 1 1 1\n", "a.xyzq:1: there are more than five columns"),
-        ("a.xyzr", "0 0 0 1 1 CA 1\n", "a.xyzr:1: there are more than six columns"),
+        (
+            "a.xyzr",
+            "0 0 0 1\n\n0 0 0\n",
+            "a.xyzr:3: the radius is missing",
+        ),
+        (
+            "a.xyzr",
+            "12\ncomment\n",
+            "a.xyzr:1: y of a sphere is missing",
+        ),
+        (
+            "a.xyzq",
+            "0 0 0 1 1 1\n",
+            "a.xyzq:1: there are more than five columns",
+        ),
+        (
+            "a.xyzr",
+            "0 0 0 1 1 CA 1\n",
+            "a.xyzr:1: there are more than six columns",
+        ),
         ("a.xyzr", "# nothing\n", "a.xyzr: the file holds no points"),
     ] {
         let error = read_points(name, text.as_bytes()).unwrap_err().to_string();
         assert!(error.contains(expected), "{error}\nwanted: {expected}");
     }
-    let spaced = PointRecord { atom_name: "C A".into(), ..PointRecord::default() };
-    assert!(write_pqr(&[spaced]).unwrap_err().to_string().contains("C A"));
-    let infinite = PointRecord { charge_e: f64::INFINITY, ..PointRecord::default() };
+    let spaced = PointRecord {
+        atom_name: "C A".into(),
+        ..PointRecord::default()
+    };
+    assert!(
+        write_pqr(&[spaced])
+            .unwrap_err()
+            .to_string()
+            .contains("C A")
+    );
+    let infinite = PointRecord {
+        charge_e: f64::INFINITY,
+        ..PointRecord::default()
+    };
     assert!(write_pqr(&[infinite]).is_err());
 }
 
 #[test]
 fn more_atoms_than_the_columns_hold_stay_readable() {
-    let records = vec![PointRecord { residue_number: 123_456, ..PointRecord::default() }; 100_001];
+    let records = vec![
+        PointRecord {
+            residue_number: 123_456,
+            ..PointRecord::default()
+        };
+        100_001
+    ];
     let text = write_pqr(&records).unwrap();
     assert!(text.contains("ATOM  100001 "));
     assert_eq!(read_pqr("big.pqr", text.as_bytes()).unwrap().len(), 100_001);
@@ -130,7 +220,20 @@ fn more_atoms_than_the_columns_hold_stay_readable() {
 fn a_byte_order_mark_is_no_part_of_the_first_line() {
     let line = "ATOM 1 CA ALA A 5 0.0 1.0 -2.0 -0.25 1.7\n";
     let marked = format!("\u{feff}{line}");
-    assert_eq!(read_pqr("x.pqr", marked.as_bytes()).unwrap(), read_pqr("x.pqr", line.as_bytes()).unwrap());
-    assert_eq!(read_points("x.xyzr", "\u{feff}0 0 0 1\n".as_bytes()).unwrap().len(), 1);
-    assert!(read_pqr("x.pqr", "\u{feff}".as_bytes()).unwrap_err().to_string().contains("empty"));
+    assert_eq!(
+        read_pqr("x.pqr", marked.as_bytes()).unwrap(),
+        read_pqr("x.pqr", line.as_bytes()).unwrap()
+    );
+    assert_eq!(
+        read_points("x.xyzr", "\u{feff}0 0 0 1\n".as_bytes())
+            .unwrap()
+            .len(),
+        1
+    );
+    assert!(
+        read_pqr("x.pqr", "\u{feff}".as_bytes())
+            .unwrap_err()
+            .to_string()
+            .contains("empty")
+    );
 }

@@ -22,25 +22,42 @@ fn write(path: &Path, samples: &[StoredSample]) {
     for sample in samples {
         writer.push(&sample.index, &[&sample.values[1]]).unwrap();
     }
-    let rows: Vec<f64> = (0..samples.len()).flat_map(|sample| [sample as f64, 0.5 * sample as f64]).collect();
-    let list: Vec<String> = (0..samples.len()).map(|sample| format!("name{sample}")).collect();
+    let rows: Vec<f64> = (0..samples.len())
+        .flat_map(|sample| [sample as f64, 0.5 * sample as f64])
+        .collect();
+    let list: Vec<String> = (0..samples.len())
+        .map(|sample| format!("name{sample}"))
+        .collect();
     let attributes = Map::from_iter([("samples".to_owned(), json!({"name": list}))]);
-    writer.finish(&names(&["one", "two"]), &rows, attributes).unwrap();
+    writer
+        .finish(&names(&["one", "two"]), &rows, attributes)
+        .unwrap();
 }
 
 /// A sample of `count` voxels with values that half precision holds exactly.
 fn sample(count: usize, seed: u32) -> StoredSample {
     let step = (SIZE.pow(3) / count.max(1)) as u32;
-    let index: Vec<u32> = (0..count as u32).map(|n| n * step + n.wrapping_mul(seed) % step.max(1)).collect();
-    let values = index.iter().map(|n| (n.wrapping_mul(2_654_435_761).wrapping_add(seed) % 4001) as f32 / 8.0 - 250.0);
-    StoredSample { values: vec![vec![1.0; count], values.collect()], index }
+    let index: Vec<u32> = (0..count as u32)
+        .map(|n| n * step + n.wrapping_mul(seed) % step.max(1))
+        .collect();
+    let values = index
+        .iter()
+        .map(|n| (n.wrapping_mul(2_654_435_761).wrapping_add(seed) % 4001) as f32 / 8.0 - 250.0);
+    StoredSample {
+        values: vec![vec![1.0; count], values.collect()],
+        index,
+    }
 }
 
 fn files(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for entry in folder.read_dir().unwrap() {
         let path = entry.unwrap().path();
-        if path.is_dir() { found.extend(files(&path)) } else { found.push(path) }
+        if path.is_dir() {
+            found.extend(files(&path))
+        } else {
+            found.push(path)
+        }
     }
     found.sort();
     found
@@ -91,12 +108,23 @@ proptest! {
 #[test]
 fn values_are_rounded_to_half_precision_and_no_further() {
     let folder = tempfile::tempdir().unwrap();
-    let values: Vec<f32> = (0..2000).map(|n| ((n as f32) * 0.37).sin() * 30.0).collect();
+    let values: Vec<f32> = (0..2000)
+        .map(|n| ((n as f32) * 0.37).sin() * 30.0)
+        .collect();
     let index: Vec<u32> = (0..2000).collect();
-    write(folder.path(), &[StoredSample { index, values: vec![vec![1.0; 2000], values.clone()] }]);
+    write(
+        folder.path(),
+        &[StoredSample {
+            index,
+            values: vec![vec![1.0; 2000], values.clone()],
+        }],
+    );
     let back = SetReader::open(folder.path()).unwrap().sample(0).unwrap();
     for (one, two) in values.iter().zip(&back.values[1]) {
-        assert!((one - two).abs() <= one.abs() / 2048.0 + 1e-7, "{one} {two}");
+        assert!(
+            (one - two).abs() <= one.abs() / 2048.0 + 1e-7,
+            "{one} {two}"
+        );
     }
 }
 
@@ -109,7 +137,9 @@ fn a_changed_byte_is_an_error_that_names_file_and_samples_or_changes_nothing() {
         let path = folder.path().join(name);
         let whole = std::fs::read(&path).unwrap();
         let mut met = 0;
-        let places = (0..whole.len()).step_by(whole.len() / 60 + 1).chain(whole.len() - 90..whole.len());
+        let places = (0..whole.len())
+            .step_by(whole.len() / 60 + 1)
+            .chain(whole.len() - 90..whole.len());
         for place in places {
             let mut changed = whole.clone();
             changed[place] ^= 0x10;
@@ -117,10 +147,16 @@ fn a_changed_byte_is_an_error_that_names_file_and_samples_or_changes_nothing() {
             let set = SetReader::open(folder.path()).unwrap();
             for (number, sample) in samples.iter().enumerate() {
                 match set.sample(number) {
-                    Ok(back) => assert!(&back == sample, "{name}, byte {place}: sample {number} is another"),
+                    Ok(back) => assert!(
+                        &back == sample,
+                        "{name}, byte {place}: sample {number} is another"
+                    ),
                     Err(error) => {
                         let message = error.to_string();
-                        assert!(message.contains(name) && message.contains("name0 to name11"), "{message}");
+                        assert!(
+                            message.contains(name) && message.contains("name0 to name11"),
+                            "{message}"
+                        );
                         assert!(message.contains(&format!("name{number}")), "{message}");
                         met += 1;
                     }
@@ -130,12 +166,26 @@ fn a_changed_byte_is_an_error_that_names_file_and_samples_or_changes_nothing() {
         assert!(met > 100, "{name}: {met} errors");
         for damaged in [&whole[..whole.len() / 2], &[]] {
             std::fs::write(&path, damaged).unwrap();
-            let message = SetReader::open(folder.path()).unwrap().sample(3).unwrap_err().to_string();
-            assert!(message.contains(name) && message.contains("name3"), "{message}");
+            let message = SetReader::open(folder.path())
+                .unwrap()
+                .sample(3)
+                .unwrap_err()
+                .to_string();
+            assert!(
+                message.contains(name) && message.contains("name3"),
+                "{message}"
+            );
         }
         std::fs::remove_file(&path).unwrap();
-        let message = SetReader::open(folder.path()).unwrap().sample(3).unwrap_err().to_string();
-        assert!(message.contains(name) && message.contains("name3"), "{message}");
+        let message = SetReader::open(folder.path())
+            .unwrap()
+            .sample(3)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            message.contains(name) && message.contains("name3"),
+            "{message}"
+        );
         std::fs::write(&path, &whole).unwrap();
     }
 }
@@ -144,11 +194,17 @@ fn a_changed_byte_is_an_error_that_names_file_and_samples_or_changes_nothing() {
 fn the_same_samples_give_the_same_files() {
     let samples: Vec<StoredSample> = (0..20).map(|seed| sample(5000, seed + 1)).collect();
     let folders = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
-    folders.iter().for_each(|folder| write(folder.path(), &samples));
+    folders
+        .iter()
+        .for_each(|folder| write(folder.path(), &samples));
     let [one, two] = folders.each_ref().map(|folder| files(folder.path()));
     assert_eq!(one.len(), 9, "{one:?}");
     for (one, two) in one.iter().zip(&two) {
-        assert!(std::fs::read(one).unwrap() == std::fs::read(two).unwrap(), "{} differs", one.display());
+        assert!(
+            std::fs::read(one).unwrap() == std::fs::read(two).unwrap(),
+            "{} differs",
+            one.display()
+        );
     }
 }
 
@@ -166,8 +222,16 @@ fn what_a_set_cannot_hold_is_refused() {
     let create = |channels: &[&str], implied: &[&str]| {
         SetWriter::create(folder.path(), SIZE, &names(channels), &names(implied), 2)
     };
-    for (channels, implied) in [(&["a/b"][..], &[][..]), (&["index"], &[]), (&[""], &[]), (&["a"], &["b"])] {
-        assert!(create(channels, implied).is_err(), "{channels:?} {implied:?}");
+    for (channels, implied) in [
+        (&["a/b"][..], &[][..]),
+        (&["index"], &[]),
+        (&[""], &[]),
+        (&["a"], &["b"]),
+    ] {
+        assert!(
+            create(channels, implied).is_err(),
+            "{channels:?} {implied:?}"
+        );
     }
     let mut writer = create(&["a"], &[]).unwrap();
     for (index, values) in [
@@ -176,11 +240,20 @@ fn what_a_set_cannot_hold_is_refused() {
         (vec![1, 2], vec![0.0]),
         (vec![1, 2], vec![0.0, 1e5]),
     ] {
-        assert!(writer.push(&index, &[&values]).is_err(), "{index:?} {values:?}");
+        assert!(
+            writer.push(&index, &[&values]).is_err(),
+            "{index:?} {values:?}"
+        );
     }
     assert!(writer.push(&[1, 2], &[&[0.0, f32::NAN]]).is_err());
     writer.push(&[1], &[&[1.0]]).unwrap();
-    assert!(writer.finish(&[], &[], Map::new()).unwrap_err().to_string().contains("1 voxels came, 2 were promised"));
+    assert!(
+        writer
+            .finish(&[], &[], Map::new())
+            .unwrap_err()
+            .to_string()
+            .contains("1 voxels came, 2 were promised")
+    );
     assert!(SetReader::open(folder.path()).is_err(), "an unfinished set");
     assert!(SetReader::open(Path::new("/no/such/set.zarr")).is_err());
 }

@@ -1,5 +1,12 @@
-//! Rates of the overlap kernel: trial moves of hard bodies per CPU-second, and single queries against other methods.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout, clippy::print_stderr)]
+//! Rates of the overlap kernel: trial moves of hard bodies per CPU-second, and single queries
+//! against other methods.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::print_stdout,
+    clippy::print_stderr
+)]
 
 #[path = "../tests/overlap_support/mod.rs"]
 mod overlap_support;
@@ -21,7 +28,9 @@ const CEILING: f64 = 1.0;
 const STRETCH: usize = 2000;
 
 fn main() {
-    let mut criterion = Criterion::default().configure_from_args().measurement_time(Duration::from_secs(1));
+    let mut criterion = Criterion::default()
+        .configure_from_args()
+        .measurement_time(Duration::from_secs(1));
     for (name, mesh) in meshes() {
         let shape = CollisionShape::new(&mesh).unwrap();
         trial_moves(name, &shape);
@@ -34,8 +43,15 @@ fn main() {
 /// The two benchmark meshes, or a generated one where they are not at hand.
 fn meshes() -> Vec<(&'static str, TriangleMesh)> {
     let read = |name| read_off(&format!("{SHARED}/{name}.off")).map(|mesh| (name, mesh));
-    let found: Vec<_> = ["bumpy_1620", "bumpy_5120"].into_iter().filter_map(read).collect();
-    if found.is_empty() { vec![("generated_2048", bumpy_mesh(4, 1))] } else { found }
+    let found: Vec<_> = ["bumpy_1620", "bumpy_5120"]
+        .into_iter()
+        .filter_map(read)
+        .collect();
+    if found.is_empty() {
+        vec![("generated_2048", bumpy_mesh(4, 1))]
+    } else {
+        found
+    }
 }
 
 /// Trial moves of sixteen hard bodies per CPU-second, half translations, half rotations.
@@ -54,7 +70,11 @@ fn trial_moves(name: &str, shape: &CollisionShape) {
             moves += STRETCH;
         }
         let seconds = cpu_seconds() - start;
-        let Counts { tried, accepted, queries } = &chain.counts;
+        let Counts {
+            tried,
+            accepted,
+            queries,
+        } = &chain.counts;
         println!(
             "{name}: {:.0} trial moves per CPU-second; accepted {:.3} of translations, {:.3} of rotations; {:.2} queries a move",
             moves as f64 / seconds,
@@ -86,11 +106,19 @@ fn bound_quality(name: &str, shape: &CollisionShape, mesh: &TriangleMesh) {
             separation_bound(shape, shape, &pose, 10.0).unwrap() / distance(shape, shape, &pose)
         };
         let mean = poses.iter().map(share).sum::<f64>() / poses.len() as f64;
-        println!("{name}: gap {gap} Å: the bound is {:.0} % of the distance", 100.0 * mean);
+        println!(
+            "{name}: gap {gap} Å: the bound is {:.0} % of the distance",
+            100.0 * mean
+        );
     }
 }
 
-fn single_queries(criterion: &mut Criterion, name: &str, shape: &CollisionShape, mesh: &TriangleMesh) {
+fn single_queries(
+    criterion: &mut Criterion,
+    name: &str,
+    shape: &CollisionShape,
+    mesh: &TriangleMesh,
+) {
     let contacts = contacts(shape, 100);
     let (naive, parry) = (NaiveTree::new(mesh), parry_mesh(mesh));
     for gap in [0.1, 1.0, 5.0, -2.0] {
@@ -99,15 +127,21 @@ fn single_queries(criterion: &mut Criterion, name: &str, shape: &CollisionShape,
         let mut cycle = poses.iter().cycle();
         let mut next = move || black_box(cycle.next().unwrap());
         group.bench_function("overlaps", |b| b.iter(|| overlaps(shape, shape, next())));
-        group.bench_function("separation_bound", |b| b.iter(|| separation_bound(shape, shape, next(), CEILING)));
-        group.bench_function("naive descent", |b| b.iter(|| naive.intersects(&naive, next())));
-        group.bench_function("parry", |b| b.iter(|| parry_intersects(&parry, &parry, next())));
+        group.bench_function("separation_bound", |b| {
+            b.iter(|| separation_bound(shape, shape, next(), CEILING))
+        });
+        group.bench_function("naive descent", |b| {
+            b.iter(|| naive.intersects(&naive, next()))
+        });
+        group.bench_function("parry", |b| {
+            b.iter(|| parry_intersects(&parry, &parry, next()))
+        });
         group.finish();
     }
 }
 
-/// The plain way: two binary trees of boxes descended together, the larger box first, box tests by the separating axes of
-/// the faces, separating axes for the triangles.
+/// The plain way: two binary trees of boxes descended together, the larger box first, box tests by
+/// the separating axes of the faces, separating axes for the triangles.
 struct NaiveTree {
     corners: Vec<[Vec3; 3]>,
     nodes: Vec<NaiveNode>,
@@ -124,7 +158,10 @@ struct NaiveNode {
 impl NaiveTree {
     fn new(mesh: &TriangleMesh) -> Self {
         let corners = (0..mesh.triangles.len()).map(|t| mesh.corners(t)).collect();
-        let mut tree = Self { corners, nodes: Vec::new() };
+        let mut tree = Self {
+            corners,
+            nodes: Vec::new(),
+        };
         tree.build(&mut (0..mesh.triangles.len()).collect::<Vec<_>>());
         tree
     }
@@ -143,7 +180,12 @@ impl NaiveTree {
             let (left, right) = triangles.split_at_mut(triangles.len() / 2);
             [self.build(left), self.build(right)]
         };
-        self.nodes.push(NaiveNode { centre: (low + high) * 0.5, half: (high - low) * 0.5, children, is_leaf });
+        self.nodes.push(NaiveNode {
+            centre: (low + high) * 0.5,
+            half: (high - low) * 0.5,
+            children,
+            is_leaf,
+        });
         self.nodes.len() - 1
     }
 
@@ -155,12 +197,16 @@ impl NaiveTree {
             let offset = pose.transform_point(&b.centre) - a.centre;
             let apart = |offset: Vec3, reach: Vec3| (0..3).any(|k| offset[k].abs() > reach[k]);
             if apart(offset, a.half + absolute * b.half)
-                || apart(pose.rotation.transpose() * offset, b.half + absolute.transpose() * a.half)
+                || apart(
+                    pose.rotation.transpose() * offset,
+                    b.half + absolute.transpose() * a.half,
+                )
             {
                 continue;
             }
             if a.is_leaf && b.is_leaf {
-                let moved = other.corners[b.children[0]].map(|corner| pose.transform_point(&corner));
+                let moved =
+                    other.corners[b.children[0]].map(|corner| pose.transform_point(&corner));
                 if !axis_separates(&self.corners[a.children[0]], &moved) {
                     return true;
                 }
@@ -195,7 +241,8 @@ struct Counts {
     queries: usize,
 }
 
-/// A minimal chain of trial moves of equal hard bodies, with separations carried from trial to trial.
+/// A minimal chain of trial moves of equal hard bodies, with separations carried from trial to
+/// trial.
 struct Chain<'a> {
     shape: &'a CollisionShape,
     space: Boundary,
@@ -239,12 +286,18 @@ impl<'a> Chain<'a> {
         if kind == 0 {
             let length = 0.3 * self.random.random::<f64>().cbrt();
             let step = random_direction(&mut self.random) * length;
-            Pose { position: old.position + step, ..old }
+            Pose {
+                position: old.position + step,
+                ..old
+            }
         } else {
             let q = random_orientation(&mut self.random);
             let norm = q.iter().map(|x| x * x).sum::<f64>().sqrt();
             let now = old.wxyz();
-            Pose::from_wxyz(old.position, std::array::from_fn(|i| now[i] + 0.02 * q[i] / norm))
+            Pose::from_wxyz(
+                old.position,
+                std::array::from_fn(|i| now[i] + 0.02 * q[i] / norm),
+            )
         }
     }
 
@@ -252,7 +305,9 @@ impl<'a> Chain<'a> {
         let old = std::mem::replace(&mut self.poses[body], trial);
         let accepted = self.is_free(body);
         if accepted {
-            self.fresh.iter().for_each(|&(slot, carried)| self.carried[slot] = carried);
+            self.fresh
+                .iter()
+                .for_each(|&(slot, carried)| self.carried[slot] = carried);
         } else {
             self.poses[body] = old;
         }
@@ -269,13 +324,16 @@ impl<'a> Chain<'a> {
             let (i, j) = (body.min(other), body.max(other));
             let (first, second) = (&self.poses[i], &self.poses[j]);
             let displacement = self.space.displacement(&first.position, &second.position);
-            let remaining = self.carried[i * n + j].remaining_angstrom(first, second, &displacement, radii);
+            let remaining =
+                self.carried[i * n + j].remaining_angstrom(first, second, &displacement, radii);
             if remaining <= 0.0 {
                 self.doubtful.push((remaining, i, j));
             }
         }
-        // The pair most likely to overlap first: a rejected move then costs little more than one query.
-        self.doubtful.sort_unstable_by(|left, right| left.0.total_cmp(&right.0));
+        // The pair most likely to overlap first: a rejected move then costs little more than one
+        // query.
+        self.doubtful
+            .sort_unstable_by(|left, right| left.0.total_cmp(&right.0));
         for &(_, i, j) in &self.doubtful {
             let (first, second) = (&self.poses[i], &self.poses[j]);
             let displacement = self.space.displacement(&first.position, &second.position);
@@ -284,7 +342,10 @@ impl<'a> Chain<'a> {
             let Some(bound) = separation_bound(self.shape, self.shape, &pose, CEILING) else {
                 return false;
             };
-            self.fresh.push((i * n + j, CarriedBound::new(bound, first, second, &displacement)));
+            self.fresh.push((
+                i * n + j,
+                CarriedBound::new(bound, first, second, &displacement),
+            ));
         }
         true
     }
@@ -294,7 +355,11 @@ impl<'a> Chain<'a> {
 fn cpu_seconds() -> f64 {
     static START: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-    match text.split_whitespace().next().and_then(|field| field.parse::<f64>().ok()) {
+    match text
+        .split_whitespace()
+        .next()
+        .and_then(|field| field.parse::<f64>().ok())
+    {
         Some(nanoseconds) => nanoseconds * 1e-9,
         None => START.get_or_init(Instant::now).elapsed().as_secs_f64(),
     }
@@ -305,14 +370,19 @@ fn read_off(path: &str) -> Option<TriangleMesh> {
     let mut words = text.split_whitespace().skip(1);
     let mut number = || words.next().unwrap().parse::<f64>().unwrap();
     let (vertices, triangles, _) = (number() as usize, number() as usize, number());
-    let vertices = (0..vertices).map(|_| Vec3::new(number(), number(), number())).collect();
+    let vertices = (0..vertices)
+        .map(|_| Vec3::new(number(), number(), number()))
+        .collect();
     let triangles = (0..triangles)
         .map(|_| {
             number();
             [number() as u32, number() as u32, number() as u32]
         })
         .collect();
-    Some(TriangleMesh { vertices, triangles })
+    Some(TriangleMesh {
+        vertices,
+        triangles,
+    })
 }
 
 /// The numbers of the state file in order: box, then position and orientation of each body.
@@ -323,5 +393,9 @@ fn read_cluster() -> Option<Vec<Pose>> {
         .filter_map(|word| word.parse().ok())
         .collect();
     let poses = numbers[3..].chunks_exact(7);
-    Some(poses.map(|p| Pose::from_wxyz(Vec3::new(p[0], p[1], p[2]), [p[3], p[4], p[5], p[6]])).collect())
+    Some(
+        poses
+            .map(|p| Pose::from_wxyz(Vec3::new(p[0], p[1], p[2]), [p[3], p[4], p[5], p[6]]))
+            .collect(),
+    )
 }

@@ -4,7 +4,8 @@
 //! cargo bench -p protomer-kernel --bench sparse
 //! ```
 //!
-//! Nodes are coupled to their nearest and diagonal neighbours, with two unknowns each in the plane and three in space.
+//! Nodes are coupled to their nearest and diagonal neighbours, with two unknowns each in the plane
+//! and three in space.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
@@ -12,10 +13,14 @@ use protomer_kernel::random::CounterRng;
 use protomer_kernel::sparse::LdlFactor;
 use std::time::Instant;
 
-/// Processor time of this thread in seconds; where the system does not tell, the time since `origin`.
+/// Processor time of this thread in seconds; where the system does not tell, the time since
+/// `origin`.
 fn thread_seconds(origin: Instant) -> f64 {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-    let nanoseconds = text.split_whitespace().next().and_then(|word| word.parse::<f64>().ok());
+    let nanoseconds = text
+        .split_whitespace()
+        .next()
+        .and_then(|word| word.parse::<f64>().ok());
     nanoseconds.map_or_else(|| origin.elapsed().as_secs_f64(), |count| 1e-9 * count)
 }
 
@@ -24,10 +29,23 @@ fn main() {
     if !std::env::args().any(|argument| argument == "--bench") {
         return;
     }
-    println!("grid unknowns | s: prepare factor solve | fill per unknown, multiplications, fronts | residual");
-    for (size, unknowns) in [([100, 100, 1], 2), ([316, 316, 1], 2), ([12, 12, 12], 3), ([20, 20, 20], 3)] {
+    println!(
+        "grid unknowns | s: prepare factor solve | fill per unknown, multiplications, fronts | residual"
+    );
+    for (size, unknowns) in [
+        ([100, 100, 1], 2),
+        ([316, 316, 1], 2),
+        ([12, 12, 12], 3),
+        ([20, 20, 20], 3),
+    ] {
         let [columns, rows, layers] = size;
-        let place = |node: usize| [node % columns, node / columns % rows, node / (columns * rows)];
+        let place = |node: usize| {
+            [
+                node % columns,
+                node / columns % rows,
+                node / (columns * rows),
+            ]
+        };
         let nodes = columns * rows * layers;
         let mut entries = Vec::new();
         let near = |a: usize, b: usize| a.abs_diff(b) <= 1;
@@ -40,17 +58,29 @@ fn main() {
             }) {
                 for row in unknowns * here..unknowns * (here + 1) {
                     entries.extend(
-                        (unknowns * other..=row.min(unknowns * other + unknowns - 1)).map(|column| (row, column)),
+                        (unknowns * other..=row.min(unknowns * other + unknowns - 1))
+                            .map(|column| (row, column)),
                     );
                 }
             }
         }
-        let places: Vec<[f64; 3]> =
-            (0..nodes * unknowns).map(|unknown| place(unknown / unknowns).map(|x| x as f64)).collect();
+        let places: Vec<[f64; 3]> = (0..nodes * unknowns)
+            .map(|unknown| place(unknown / unknowns).map(|x| x as f64))
+            .collect();
         let mut rng = CounterRng::new(1, 0, 0);
-        let numbers: Vec<f64> =
-            entries.iter().map(|(row, column)| if row == column { 60.0 } else { rng.uniform_in(-1.0, 1.0) }).collect();
-        let b: Vec<f64> = (0..places.len()).map(|_| rng.uniform_in(-1.0, 1.0)).collect();
+        let numbers: Vec<f64> = entries
+            .iter()
+            .map(|(row, column)| {
+                if row == column {
+                    60.0
+                } else {
+                    rng.uniform_in(-1.0, 1.0)
+                }
+            })
+            .collect();
+        let b: Vec<f64> = (0..places.len())
+            .map(|_| rng.uniform_in(-1.0, 1.0))
+            .collect();
         let origin = Instant::now();
         let begin = thread_seconds(origin);
         let mut factor = LdlFactor::new(places.len(), &entries, &places);

@@ -34,11 +34,16 @@ impl Boundary {
     /// # Errors
     /// [`KernelError::OutOfRange`] unless all three lengths are positive and finite.
     pub fn periodic(lengths_angstrom: Vec3) -> Result<Self> {
-        match lengths_angstrom.iter().find(|length| !(length.is_finite() && **length > 0.0)) {
+        match lengths_angstrom
+            .iter()
+            .find(|length| !(length.is_finite() && **length > 0.0))
+        {
             None => Ok(Boundary::Periodic { lengths_angstrom }),
-            Some(&value) => {
-                Err(KernelError::OutOfRange { quantity: "box length in Å", value, requirement: "positive and finite" })
-            }
+            Some(&value) => Err(KernelError::OutOfRange {
+                quantity: "box length in Å",
+                value,
+                requirement: "positive and finite",
+            }),
         }
     }
 
@@ -50,9 +55,10 @@ impl Boundary {
     /// The shortest image of a displacement, Å.
     pub fn minimum_image(&self, displacement: Vec3) -> Vec3 {
         match self {
-            Boundary::Periodic { lengths_angstrom } => {
-                displacement.zip_map(lengths_angstrom, |d, length| d - length * (d / length).round())
-            }
+            Boundary::Periodic { lengths_angstrom } => displacement
+                .zip_map(lengths_angstrom, |d, length| {
+                    d - length * (d / length).round()
+                }),
             Boundary::Open | Boundary::SphereWall { .. } => displacement,
         }
     }
@@ -65,13 +71,15 @@ impl Boundary {
     /// Whether a body may have its origin here.
     pub fn contains(&self, position: &Vec3) -> bool {
         match self {
-            Boundary::SphereWall { radius_angstrom } => position.norm_squared() <= radius_angstrom * radius_angstrom,
+            Boundary::SphereWall { radius_angstrom } => {
+                position.norm_squared() <= radius_angstrom * radius_angstrom
+            }
             Boundary::Open | Boundary::Periodic { .. } => true,
         }
     }
 
-    /// The smallest box length, Å; infinite where there is no box. Interactions that reach further than half of it
-    /// would need more than the nearest image.
+    /// The smallest box length, Å; infinite where there is no box. Interactions that reach further
+    /// than half of it would need more than the nearest image.
     pub fn smallest_length_angstrom(&self) -> f64 {
         match self {
             Boundary::Periodic { lengths_angstrom } => lengths_angstrom.min(),
@@ -84,7 +92,9 @@ impl Boundary {
         match self {
             Boundary::Open => f64::INFINITY,
             Boundary::Periodic { lengths_angstrom } => lengths_angstrom.product(),
-            Boundary::SphereWall { radius_angstrom } => 4.0 / 3.0 * std::f64::consts::PI * radius_angstrom.powi(3),
+            Boundary::SphereWall { radius_angstrom } => {
+                4.0 / 3.0 * std::f64::consts::PI * radius_angstrom.powi(3)
+            }
         }
     }
 }

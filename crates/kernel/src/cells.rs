@@ -15,15 +15,20 @@ const FEWEST_CELLS: f64 = 4.0;
 /// [`KernelError::BoxTooSmall`] when the range exceeds half of the smallest box length.
 pub fn require_minimum_image(boundary: &Boundary, range_angstrom: f64) -> Result<()> {
     let smallest_length_angstrom = boundary.smallest_length_angstrom();
-    if smallest_length_angstrom == f64::INFINITY || 2.0 * range_angstrom <= smallest_length_angstrom {
+    if smallest_length_angstrom == f64::INFINITY || 2.0 * range_angstrom <= smallest_length_angstrom
+    {
         Ok(())
     } else {
-        Err(KernelError::BoxTooSmall { range_angstrom, smallest_length_angstrom })
+        Err(KernelError::BoxTooSmall {
+            range_angstrom,
+            smallest_length_angstrom,
+        })
     }
 }
 
-/// Points sorted into cells at least as wide as the range of interest, so that everything in range of a place lies in
-/// the 27 cells about it. Small systems, small boxes and infinite ranges fall back to "everything".
+/// Points sorted into cells at least as wide as the range of interest, so that everything in range
+/// of a place lies in the 27 cells about it. Small systems, small boxes and infinite ranges fall
+/// back to "everything".
 ///
 /// ```
 /// use protomer_kernel::{Boundary, Vec3, cells::CellList};
@@ -57,17 +62,24 @@ impl CellList {
     /// [`KernelError::BoxTooSmall`] when the range exceeds half of the smallest box length.
     pub fn new(boundary: &Boundary, range_angstrom: f64, positions: &[Vec3]) -> Result<Self> {
         require_minimum_image(boundary, range_angstrom)?;
-        let mut grid = if positions.len() > ALL_PAIRS_UP_TO { Grid::new(boundary, range_angstrom) } else { None };
+        let mut grid = if positions.len() > ALL_PAIRS_UP_TO {
+            Grid::new(boundary, range_angstrom)
+        } else {
+            None
+        };
         if let Some(grid) = &mut grid {
             for (index, position) in positions.iter().enumerate() {
                 grid.insert(index, position);
             }
         }
-        Ok(Self { count: positions.len(), grid })
+        Ok(Self {
+            count: positions.len(),
+            grid,
+        })
     }
 
-    /// Writes the indices, ascending, of every body that may lie in range of `position` into `candidates`. The order
-    /// does not depend on the history of moves.
+    /// Writes the indices, ascending, of every body that may lie in range of `position` into
+    /// `candidates`. The order does not depend on the history of moves.
     pub fn candidates(&self, position: &Vec3, candidates: &mut Vec<usize>) {
         candidates.clear();
         match &self.grid {
@@ -98,20 +110,35 @@ impl Grid {
                 if cells.min() < FEWEST_CELLS {
                     return None;
                 }
-                (lengths_angstrom.component_div(&cells), Some([cells.x as i64, cells.y as i64, cells.z as i64]))
+                (
+                    lengths_angstrom.component_div(&cells),
+                    Some([cells.x as i64, cells.y as i64, cells.z as i64]),
+                )
             }
             Boundary::Open | Boundary::SphereWall { .. } => (Vec3::repeat(range), None),
         };
-        Some(Self { boundary: *boundary, cell_lengths, cells_per_edge, members: HashMap::new() })
+        Some(Self {
+            boundary: *boundary,
+            cell_lengths,
+            cells_per_edge,
+            members: HashMap::new(),
+        })
     }
 
     fn cell(&self, position: &Vec3) -> [i64; 3] {
-        let scaled = self.boundary.wrap(position).component_div(&self.cell_lengths);
-        self.periodic([scaled.x.floor() as i64, scaled.y.floor() as i64, scaled.z.floor() as i64])
+        let scaled = self
+            .boundary
+            .wrap(position)
+            .component_div(&self.cell_lengths);
+        self.periodic([
+            scaled.x.floor() as i64,
+            scaled.y.floor() as i64,
+            scaled.z.floor() as i64,
+        ])
     }
 
-    /// The cells start at the origin and go round the box; where their number is odd, the one at the box's face goes on
-    /// behind the opposite face.
+    /// The cells start at the origin and go round the box; where their number is odd, the one at
+    /// the box's face goes on behind the opposite face.
     fn periodic(&self, cell: [i64; 3]) -> [i64; 3] {
         match self.cells_per_edge {
             Some(cells) => std::array::from_fn(|axis| cell[axis].rem_euclid(cells[axis])),
@@ -120,7 +147,10 @@ impl Grid {
     }
 
     fn insert(&mut self, index: usize, position: &Vec3) {
-        self.members.entry(self.cell(position)).or_default().push(index as u32);
+        self.members
+            .entry(self.cell(position))
+            .or_default()
+            .push(index as u32);
     }
 
     fn relocate(&mut self, index: usize, from: &Vec3, to: &Vec3) {
@@ -142,7 +172,9 @@ impl Grid {
         for dx in -1..=1 {
             for dy in -1..=1 {
                 for dz in -1..=1 {
-                    if let Some(members) = self.members.get(&self.periodic([x + dx, y + dy, z + dz])) {
+                    if let Some(members) =
+                        self.members.get(&self.periodic([x + dx, y + dy, z + dz]))
+                    {
                         candidates.extend(members.iter().map(|member| *member as usize));
                     }
                 }
@@ -171,7 +203,10 @@ mod tests {
         for _ in 0..200 {
             let centre = place();
             cells.candidates(&centre, &mut near);
-            assert!(near.windows(2).all(|pair| pair[0] < pair[1]), "ascending and unique");
+            assert!(
+                near.windows(2).all(|pair| pair[0] < pair[1]),
+                "ascending and unique"
+            );
             for (index, position) in positions.iter().enumerate() {
                 if boundary.displacement(&centre, position).norm() <= range {
                     assert!(near.contains(&index));
@@ -188,13 +223,23 @@ mod tests {
         check_against_all_pairs(Boundary::periodic(edges).unwrap(), edges, 20.0, false);
         check_against_all_pairs(Boundary::Open, edges, 8.1, true);
         check_against_all_pairs(Boundary::Open, edges, f64::INFINITY, false);
-        check_against_all_pairs(Boundary::SphereWall { radius_angstrom: 100.0 }, edges, 8.1, true);
+        check_against_all_pairs(
+            Boundary::SphereWall {
+                radius_angstrom: 100.0,
+            },
+            edges,
+            8.1,
+            true,
+        );
     }
 
     #[test]
     fn a_box_that_needs_two_images_is_refused_with_the_box_that_would_do() {
         let small = Boundary::periodic(Vec3::new(100.0, 30.0, 100.0)).unwrap();
         let message = CellList::new(&small, 20.0, &[]).unwrap_err().to_string();
-        assert!(message.contains("40") && message.contains("30"), "{message}");
+        assert!(
+            message.contains("40") && message.contains("30"),
+            "{message}"
+        );
     }
 }

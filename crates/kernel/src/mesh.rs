@@ -5,11 +5,12 @@ use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
-/// The largest coordinate of a body, Å: the overlap test's single-precision bounds are sharp enough up to here.
+/// The largest coordinate of a body, Å: the overlap test's single-precision bounds are sharp enough
+/// up to here.
 pub const LARGEST_COORDINATE_ANGSTROM: f64 = 1e6;
 
-/// A triangle mesh. A mesh that bounds a solid is closed, 2-manifold and counter-clockwise seen from outside;
-/// [`TriangleMesh::topology`] checks that.
+/// A triangle mesh. A mesh that bounds a solid is closed, 2-manifold and counter-clockwise seen
+/// from outside; [`TriangleMesh::topology`] checks that.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct TriangleMesh {
     /// Vertex positions, Å.
@@ -58,10 +59,13 @@ impl TriangleMesh {
             .sum()
     }
 
-    /// Enclosed volume by the divergence theorem, V = Σ a·(b × c) / 6, Å³; positive for an outward mesh.
+    /// Enclosed volume by the divergence theorem, V = Σ a·(b × c) / 6, Å³; positive for an outward
+    /// mesh.
     pub fn volume_angstrom3(&self) -> f64 {
         let origin = self.vertices.first().copied().unwrap_or_default();
-        (0..self.triangles.len()).map(|triangle| self.signed_tetrahedron(triangle, &origin)).sum()
+        (0..self.triangles.len())
+            .map(|triangle| self.signed_tetrahedron(triangle, &origin))
+            .sum()
     }
 
     fn signed_tetrahedron(&self, triangle: usize, origin: &Vec3) -> f64 {
@@ -71,8 +75,8 @@ impl TriangleMesh {
 
     /// Volume, centroid and inertia of the enclosed solid at unit density.
     ///
-    /// Each triangle spans a tetrahedron with the first vertex; with corners a, b, c and s = a + b + c its second
-    /// moment is V/20 (aaᵀ + bbᵀ + ccᵀ + ssᵀ).
+    /// Each triangle spans a tetrahedron with the first vertex; with corners a, b, c and s = a +
+    /// b + c its second moment is V/20 (aaᵀ + bbᵀ + ccᵀ + ssᵀ).
     ///
     /// # Errors
     /// [`KernelError::BadMesh`] if the enclosed volume is not positive.
@@ -87,34 +91,49 @@ impl TriangleMesh {
             let v = a.dot(&b.cross(&c)) / 6.0;
             volume += v;
             first_moment += s * (v / 4.0);
-            let outer = a * a.transpose() + b * b.transpose() + c * c.transpose() + s * s.transpose();
+            let outer =
+                a * a.transpose() + b * b.transpose() + c * c.transpose() + s * s.transpose();
             second_moment += outer * (v / 20.0);
         }
         if !(volume.is_finite() && volume > 0.0) {
-            return Err(KernelError::BadMesh(format!("it encloses {volume} Å³; the volume must be positive")));
+            return Err(KernelError::BadMesh(format!(
+                "it encloses {volume} Å³; the volume must be positive"
+            )));
         }
         let centroid = first_moment / volume;
         let central = second_moment - centroid * centroid.transpose() * volume;
         let inertia_angstrom5 = Matrix3::identity() * central.trace() - central;
-        Ok(MassProperties { volume_angstrom3: volume, centroid: centroid + origin, inertia_angstrom5 })
+        Ok(MassProperties {
+            volume_angstrom3: volume,
+            centroid: centroid + origin,
+            inertia_angstrom5,
+        })
     }
 
     /// Radius of the smallest sphere about the origin that holds every vertex, Å.
     pub fn radius_about_origin_angstrom(&self) -> f64 {
-        self.vertices.iter().map(Vec3::norm_squared).fold(0.0, f64::max).sqrt()
+        self.vertices
+            .iter()
+            .map(Vec3::norm_squared)
+            .fold(0.0, f64::max)
+            .sqrt()
     }
 
     /// The same mesh with every vertex moved by `transform`.
     pub fn map_vertices(&self, transform: impl Fn(&Vec3) -> Vec3) -> Self {
-        Self { vertices: self.vertices.iter().map(transform).collect(), triangles: self.triangles.clone() }
+        Self {
+            vertices: self.vertices.iter().map(transform).collect(),
+            triangles: self.triangles.clone(),
+        }
     }
 
     /// Checks that the mesh is closed and 2-manifold and counts its shells.
     ///
     /// # Errors
-    /// [`KernelError::BadMesh`] names the first defect: an index out of range, a repeated corner, an edge that is not
-    /// shared by exactly two triangles of opposite direction, a vertex whose triangles do not form one fan, a vertex
-    /// that no triangle uses, a coordinate that is not finite or out of range, an outer shell that is inside out.
+    /// [`KernelError::BadMesh`] names the first defect: an index out of range, a repeated corner,
+    /// an edge that is not shared by exactly two triangles of opposite direction, a vertex whose
+    /// triangles do not form one fan, a vertex that no triangle uses, a coordinate that is not
+    /// finite or out of range, an outer shell that is inside out.
     pub fn topology(&self) -> Result<Topology> {
         self.check_indices()?;
         let neighbours = self.edge_neighbours()?;
@@ -128,15 +147,23 @@ impl TriangleMesh {
         }
         let cavities = volumes.iter().filter(|volume| **volume < 0.0).count();
         if components > 0 && cavities == components {
-            return Err(KernelError::BadMesh("it is inside out; reverse the corner order of every triangle".into()));
+            return Err(KernelError::BadMesh(
+                "it is inside out; reverse the corner order of every triangle".into(),
+            ));
         }
         let edges = self.triangles.len() as i64 * 3 / 2;
         let euler_number = self.vertices.len() as i64 - edges + self.triangles.len() as i64;
         let genus = (2 * components as i64 - euler_number) / 2;
-        Ok(Topology { components, euler_number, genus, cavities })
+        Ok(Topology {
+            components,
+            euler_number,
+            genus,
+            cavities,
+        })
     }
 
-    /// The connected shells of a closed mesh, each as a mesh of its own, in order of their first triangle.
+    /// The connected shells of a closed mesh, each as a mesh of its own, in order of their first
+    /// triangle.
     ///
     /// # Errors
     /// [`KernelError::BadMesh`] if an edge is not shared by exactly two triangles.
@@ -168,14 +195,19 @@ impl TriangleMesh {
         }
         for (index, triangle) in self.triangles.iter().enumerate() {
             let [a, b, c] = *triangle;
-            if triangle.iter().any(|&vertex| vertex as usize >= self.vertices.len()) {
+            if triangle
+                .iter()
+                .any(|&vertex| vertex as usize >= self.vertices.len())
+            {
                 let count = self.vertices.len();
                 return Err(KernelError::BadMesh(format!(
                     "triangle {index} names a vertex beyond the {count} there are"
                 )));
             }
             if a == b || b == c || c == a {
-                return Err(KernelError::BadMesh(format!("triangle {index} uses a vertex twice")));
+                return Err(KernelError::BadMesh(format!(
+                    "triangle {index} uses a vertex twice"
+                )));
             }
         }
         Ok(())
@@ -183,12 +215,16 @@ impl TriangleMesh {
 
     /// For each triangle the triangles across its three edges.
     fn edge_neighbours(&self) -> Result<Vec<[u32; 3]>> {
-        let mut triangle_of: HashMap<(u32, u32), usize> = HashMap::with_capacity(self.triangles.len() * 3);
+        let mut triangle_of: HashMap<(u32, u32), usize> =
+            HashMap::with_capacity(self.triangles.len() * 3);
         for (triangle, corners) in self.triangles.iter().enumerate() {
             for side in 0..3 {
                 let edge = (corners[side], corners[(side + 1) % 3]);
                 if triangle_of.insert(edge, triangle).is_some() {
-                    let message = format!("edge {}-{} is used twice in the same direction", edge.0, edge.1);
+                    let message = format!(
+                        "edge {}-{} is used twice in the same direction",
+                        edge.0, edge.1
+                    );
                     return Err(KernelError::BadMesh(message));
                 }
             }
@@ -199,7 +235,9 @@ impl TriangleMesh {
             for side in 0..3 {
                 let (from, to) = (corners[side], corners[(side + 1) % 3]);
                 let Some(other) = triangle_of.get(&(to, from)) else {
-                    return Err(KernelError::BadMesh(format!("edge {from}-{to} has a triangle on one side only")));
+                    return Err(KernelError::BadMesh(format!(
+                        "edge {from}-{to} has a triangle on one side only"
+                    )));
                 };
                 neighbours[side] = *other as u32;
             }
@@ -209,12 +247,17 @@ impl TriangleMesh {
 
     /// Every vertex must be used, and its triangles must form a single closed fan.
     fn check_vertex_fans(&self) -> Result<()> {
-        let mut next_around: HashMap<(u32, u32), u32> = HashMap::with_capacity(self.triangles.len() * 3);
+        let mut next_around: HashMap<(u32, u32), u32> =
+            HashMap::with_capacity(self.triangles.len() * 3);
         let mut first: Vec<Option<u32>> = vec![None; self.vertices.len()];
         let mut valence = vec![0usize; self.vertices.len()];
         for corners in &self.triangles {
             for side in 0..3 {
-                let [centre, from, to] = [corners[side], corners[(side + 1) % 3], corners[(side + 2) % 3]];
+                let [centre, from, to] = [
+                    corners[side],
+                    corners[(side + 1) % 3],
+                    corners[(side + 2) % 3],
+                ];
                 next_around.insert((centre, from), to);
                 first[centre as usize].get_or_insert(from);
                 valence[centre as usize] += 1;
@@ -222,7 +265,9 @@ impl TriangleMesh {
         }
         for (vertex, start) in first.iter().enumerate() {
             let Some(start) = *start else {
-                return Err(KernelError::BadMesh(format!("vertex {vertex} belongs to no triangle")));
+                return Err(KernelError::BadMesh(format!(
+                    "vertex {vertex} belongs to no triangle"
+                )));
             };
             let mut turned = 0;
             let mut current = start;
@@ -234,7 +279,9 @@ impl TriangleMesh {
                 }
             }
             if turned != valence[vertex] {
-                return Err(KernelError::BadMesh(format!("vertex {vertex} joins two fans of triangles")));
+                return Err(KernelError::BadMesh(format!(
+                    "vertex {vertex} joins two fans of triangles"
+                )));
             }
         }
         Ok(())
@@ -271,10 +318,25 @@ mod tests {
     use super::*;
 
     fn unit_cube() -> TriangleMesh {
-        let vertices = (0..8).map(|i| Vec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2 & 1) as f64)).collect();
-        let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-        let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-        TriangleMesh { vertices, triangles }
+        let vertices = (0..8)
+            .map(|i| Vec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2 & 1) as f64))
+            .collect();
+        let quads = [
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+        ];
+        let triangles = quads
+            .iter()
+            .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
+            .collect();
+        TriangleMesh {
+            vertices,
+            triangles,
+        }
     }
 
     #[test]
@@ -285,7 +347,12 @@ mod tests {
         assert!((properties.volume_angstrom3 - 1.0).abs() < 1e-12);
         assert!((properties.centroid - Vec3::repeat(0.5)).norm() < 1e-12);
         assert!((properties.inertia_angstrom5 - Matrix3::identity() / 6.0).norm() < 1e-12);
-        let expected = Topology { components: 1, euler_number: 2, genus: 0, cavities: 0 };
+        let expected = Topology {
+            components: 1,
+            euler_number: 2,
+            genus: 0,
+            cavities: 0,
+        };
         assert_eq!(cube.topology(), Ok(expected));
     }
 
@@ -294,11 +361,20 @@ mod tests {
         let mut mesh = unit_cube().map_vertices(|v| v * 3.0 - Vec3::repeat(1.0));
         let mut inner = unit_cube();
         inner.triangles.iter_mut().for_each(|t| t.swap(0, 1));
-        mesh.triangles.extend(inner.triangles.iter().map(|t| t.map(|v| v + 8)));
+        mesh.triangles
+            .extend(inner.triangles.iter().map(|t| t.map(|v| v + 8)));
         mesh.vertices.extend(inner.vertices);
         let topology = mesh.topology().unwrap();
-        assert_eq!((topology.components, topology.cavities, topology.genus), (2, 1, 0));
-        let volumes: Vec<f64> = mesh.shells().unwrap().iter().map(TriangleMesh::volume_angstrom3).collect();
+        assert_eq!(
+            (topology.components, topology.cavities, topology.genus),
+            (2, 1, 0)
+        );
+        let volumes: Vec<f64> = mesh
+            .shells()
+            .unwrap()
+            .iter()
+            .map(TriangleMesh::volume_angstrom3)
+            .collect();
         assert!((volumes[0] - 27.0).abs() < 1e-12 && (volumes[1] + 1.0).abs() < 1e-12);
     }
 
@@ -306,12 +382,29 @@ mod tests {
     fn defects_are_named() {
         let mut open = unit_cube();
         open.triangles.pop();
-        assert!(open.topology().unwrap_err().to_string().contains("one side only"));
+        assert!(
+            open.topology()
+                .unwrap_err()
+                .to_string()
+                .contains("one side only")
+        );
         let mut inverted = unit_cube();
         inverted.triangles.iter_mut().for_each(|t| t.swap(0, 1));
-        assert!(inverted.topology().unwrap_err().to_string().contains("inside out"));
+        assert!(
+            inverted
+                .topology()
+                .unwrap_err()
+                .to_string()
+                .contains("inside out")
+        );
         let mut unused = unit_cube();
         unused.vertices.push(Vec3::zeros());
-        assert!(unused.topology().unwrap_err().to_string().contains("no triangle"));
+        assert!(
+            unused
+                .topology()
+                .unwrap_err()
+                .to_string()
+                .contains("no triangle")
+        );
     }
 }

@@ -22,12 +22,18 @@ pub struct Pose {
 impl Pose {
     /// The pose that leaves every point where it is.
     pub fn identity() -> Self {
-        Self { position: Vec3::zeros(), rotation: Rotation::identity() }
+        Self {
+            position: Vec3::zeros(),
+            rotation: Rotation::identity(),
+        }
     }
 
     /// A pose from a position (Å) and a quaternion, scalar first; the quaternion is normalised.
     pub fn from_wxyz(position: Vec3, [w, x, y, z]: [f64; 4]) -> Self {
-        Self { position, rotation: UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)) }
+        Self {
+            position,
+            rotation: UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)),
+        }
     }
 
     /// The orientation as a quaternion, scalar first.
@@ -48,33 +54,42 @@ impl Pose {
 
     /// First `self`, then `outer`.
     pub fn then(&self, outer: &Pose) -> Pose {
-        Pose { position: outer.transform_point(&self.position), rotation: outer.rotation * self.rotation }
+        Pose {
+            position: outer.transform_point(&self.position),
+            rotation: outer.rotation * self.rotation,
+        }
     }
 
     /// The motion that undoes this one.
     pub fn inverse(&self) -> Pose {
         let rotation = self.rotation.inverse();
-        Pose { position: -(rotation * self.position), rotation }
+        Pose {
+            position: -(rotation * self.position),
+            rotation,
+        }
     }
 }
 
-/// The pose of one body in the frame of another, with the rotation as a matrix: computed once per pair, used for many
-/// points.
+/// The pose of one body in the frame of another, with the rotation as a matrix: computed once per
+/// pair, used for many points.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct RelativePose {
-    /// Rotation matrix R: a point q of the second body stands at `R q + translation` in the first body's frame.
+    /// Rotation matrix R: a point q of the second body stands at `R q + translation` in the first
+    /// body's frame.
     pub rotation: Matrix3<f64>,
     /// Position of the second body's origin in the first body's frame, Å.
     pub translation: Vec3,
 }
 
 impl RelativePose {
-    /// The pose of `second` in the frame of `first`, where `displacement` leads from `first` to the image of `second`
-    /// meant (for an open space `second.position - first.position`), Å.
+    /// The pose of `second` in the frame of `first`, where `displacement` leads from `first` to the
+    /// image of `second` meant (for an open space `second.position - first.position`), Å.
     pub fn new(first: &Pose, second: &Pose, displacement: &Vec3) -> Self {
         let into_first = first.rotation.inverse();
         Self {
-            rotation: (into_first * second.rotation).to_rotation_matrix().into_inner(),
+            rotation: (into_first * second.rotation)
+                .to_rotation_matrix()
+                .into_inner(),
             translation: into_first * displacement,
         }
     }
@@ -82,7 +97,10 @@ impl RelativePose {
     /// The pose of the first body in the frame of the second.
     pub fn inverse(&self) -> Self {
         let rotation = self.rotation.transpose();
-        Self { rotation, translation: -(rotation * self.translation) }
+        Self {
+            rotation,
+            translation: -(rotation * self.translation),
+        }
     }
 
     /// A point of the second body in the first body's frame, Å.
@@ -96,7 +114,10 @@ mod tests {
     use super::*;
 
     fn some_pose(seed: f64) -> Pose {
-        Pose::from_wxyz(Vec3::new(seed, 2.0 - seed, seed * 3.0), [0.3 + seed, 0.4, -0.2 * seed, 0.7])
+        Pose::from_wxyz(
+            Vec3::new(seed, 2.0 - seed, seed * 3.0),
+            [0.3 + seed, 0.4, -0.2 * seed, 0.7],
+        )
     }
 
     #[test]
@@ -104,7 +125,9 @@ mod tests {
         let pose = some_pose(0.7);
         let point = Vec3::new(1.0, -2.0, 0.5);
         assert!((pose.then(&pose.inverse()).transform_point(&point) - point).norm() < 1e-12);
-        assert!((pose.inverse_transform_point(&pose.transform_point(&point)) - point).norm() < 1e-12);
+        assert!(
+            (pose.inverse_transform_point(&pose.transform_point(&point)) - point).norm() < 1e-12
+        );
     }
 
     #[test]

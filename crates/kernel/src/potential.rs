@@ -4,7 +4,8 @@ use crate::units::require;
 use crate::{Conditions, Result};
 use serde::{Deserialize, Serialize};
 
-/// The screened Coulomb potential between point charges, cut and not shifted (Ramasubramani's thesis, eq. 3.1):
+/// The screened Coulomb potential between point charges, cut and not shifted (Ramasubramani's
+/// thesis, eq. 3.1):
 ///
 /// V(r) = λ_B Z_i Z_j exp(-κ r) / r for r < r_cut, and 0 beyond.
 ///
@@ -30,8 +31,8 @@ impl Yukawa {
     /// The potential with these lengths.
     ///
     /// # Errors
-    /// [`KernelError::OutOfRange`](crate::KernelError::OutOfRange) unless the Bjerrum length and the cut-off are positive
-    /// and the inverse Debye length is zero or positive.
+    /// [`KernelError::OutOfRange`](crate::KernelError::OutOfRange) unless the Bjerrum length and
+    /// the cut-off are positive and the inverse Debye length is zero or positive.
     pub fn new(
         bjerrum_length_angstrom: f64,
         inverse_debye_length_per_angstrom: f64,
@@ -39,11 +40,25 @@ impl Yukawa {
     ) -> Result<Self> {
         let (bjerrum, kappa) = (bjerrum_length_angstrom, inverse_debye_length_per_angstrom);
         require("Bjerrum length in Å", bjerrum, "positive", bjerrum > 0.0)?;
-        require("inverse Debye length in 1/Å", kappa, "zero or positive", kappa >= 0.0)?;
+        require(
+            "inverse Debye length in 1/Å",
+            kappa,
+            "zero or positive",
+            kappa >= 0.0,
+        )?;
         if cutoff_angstrom != f64::INFINITY {
-            require("cut-off in Å", cutoff_angstrom, "positive", cutoff_angstrom > 0.0)?;
+            require(
+                "cut-off in Å",
+                cutoff_angstrom,
+                "positive",
+                cutoff_angstrom > 0.0,
+            )?;
         }
-        Ok(Self { bjerrum_length_angstrom, inverse_debye_length_per_angstrom, cutoff_angstrom })
+        Ok(Self {
+            bjerrum_length_angstrom,
+            inverse_debye_length_per_angstrom,
+            cutoff_angstrom,
+        })
     }
 
     /// The potential under these conditions.
@@ -68,9 +83,9 @@ impl Yukawa {
 
 /// exp(-y) for y >= 0 to within 2 units in the last place; below e⁻⁷⁰⁰ it stays there.
 ///
-/// With n the integer nearest to -y/ln 2 and f = -y - n ln 2, |f| <= ln(2)/2: exp(-y) = 2ⁿ exp(f), and the Taylor
-/// polynomial of degree 12 of exp(f) is in error by less than 2e-16. Only operations that every processor rounds alike, so that
-/// loops over it may be compiled for any vectors.
+/// With n the integer nearest to -y/ln 2 and f = -y - n ln 2, |f| <= ln(2)/2: exp(-y) = 2ⁿ exp(f),
+/// and the Taylor polynomial of degree 12 of exp(f) is in error by less than 2e-16. Only operations
+/// that every processor rounds alike, so that loops over it may be compiled for any vectors.
 ///
 /// ```
 /// use protomer_kernel::potential::exp_of_minus;
@@ -127,15 +142,25 @@ mod tests {
         let conditions = Conditions::new(298.15, 0.0, 7.0).unwrap();
         let coulomb = Yukawa::from_conditions(&conditions, f64::INFINITY).unwrap();
         assert_eq!(coulomb.inverse_debye_length_per_angstrom, 0.0);
-        assert_eq!(coulomb.energy_kt(1000.0), conditions.bjerrum_length_angstrom() / 1000.0);
+        assert_eq!(
+            coulomb.energy_kt(1000.0),
+            conditions.bjerrum_length_angstrom() / 1000.0
+        );
     }
 
     #[test]
     fn nonsense_is_refused() {
-        for (bjerrum, kappa, cutoff) in
-            [(0.0, 0.1, 48.0), (7.0, -0.1, 48.0), (7.0, 0.1, 0.0), (7.0, f64::NAN, 48.0), (7.0, 0.1, f64::NAN)]
-        {
-            assert!(Yukawa::new(bjerrum, kappa, cutoff).is_err(), "{bjerrum} {kappa} {cutoff}");
+        for (bjerrum, kappa, cutoff) in [
+            (0.0, 0.1, 48.0),
+            (7.0, -0.1, 48.0),
+            (7.0, 0.1, 0.0),
+            (7.0, f64::NAN, 48.0),
+            (7.0, 0.1, f64::NAN),
+        ] {
+            assert!(
+                Yukawa::new(bjerrum, kappa, cutoff).is_err(),
+                "{bjerrum} {kappa} {cutoff}"
+            );
         }
     }
 }

@@ -1,9 +1,10 @@
 //! Counter-based random numbers: the state of a run is its step number.
 //!
-//! Philox4x32-10 (Salmon, Moraes, Dror and Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC11 (2011)) turns a
-//! 64-bit key and a 128-bit counter into 128 random bits, without memory. The key is the seed; the counter is
-//! (step, replica, purpose, block). Two steps, replicas or purposes never share numbers, and what a step draws does not
-//! depend on how many numbers the steps before it drew, nor on the thread it runs on.
+//! Philox4x32-10 (Salmon, Moraes, Dror and Shaw, "Parallel random numbers: as easy as 1, 2, 3",
+//! SC11 (2011)) turns a 64-bit key and a 128-bit counter into 128 random bits, without memory. The
+//! key is the seed; the counter is (step, replica, purpose, block). Two steps, replicas or purposes
+//! never share numbers, and what a step draws does not depend on how many numbers the steps before
+//! it drew, nor on the thread it runs on.
 
 use crate::{Rotation, Vec3};
 use nalgebra::{Quaternion, UnitQuaternion};
@@ -33,8 +34,8 @@ fn philox(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
 
 /// The random numbers of one step of one replica.
 ///
-/// A stream holds 2²⁴ blocks of four 32-bit words, far more than a step draws. It implements the traits of `rand_core`,
-/// so every distribution of `rand` works on it.
+/// A stream holds 2²⁴ blocks of four 32-bit words, far more than a step draws. It implements the
+/// traits of `rand_core`, so every distribution of `rand` works on it.
 ///
 /// ```
 /// use protomer_kernel::random::CounterRng;
@@ -56,11 +57,17 @@ impl CounterRng {
         Self::for_purpose(seed, replica, step, 0)
     }
 
-    /// The stream of this seed, replica and step for one of 256 purposes, each with numbers of its own.
+    /// The stream of this seed, replica and step for one of 256 purposes, each with numbers of its
+    /// own.
     pub fn for_purpose(seed: u64, replica: u32, step: u64, purpose: u8) -> Self {
         Self {
             key: [seed as u32, (seed >> 32) as u32],
-            counter: [step as u32, (step >> 32) as u32, replica, u32::from(purpose) << PURPOSE_SHIFT],
+            counter: [
+                step as u32,
+                (step >> 32) as u32,
+                replica,
+                u32::from(purpose) << PURPOSE_SHIFT,
+            ],
             words: [0; 4],
             used: 4,
         }
@@ -117,11 +124,16 @@ impl CounterRng {
         let (sine_1, cosine_1) = (TAU * self.uniform()).sin_cos();
         let (sine_2, cosine_2) = (TAU * self.uniform()).sin_cos();
         let (near, far) = ((1.0 - u).sqrt(), u.sqrt());
-        UnitQuaternion::new_normalize(Quaternion::new(far * cosine_2, near * sine_1, near * cosine_1, far * sine_2))
+        UnitQuaternion::new_normalize(Quaternion::new(
+            far * cosine_2,
+            near * sine_1,
+            near * cosine_1,
+            far * sine_2,
+        ))
     }
 
-    /// A rotation by at most `largest_angle_rad` whose rotation vector is uniform in a ball. A rotation and its inverse
-    /// are equally likely, which is what a trial move needs.
+    /// A rotation by at most `largest_angle_rad` whose rotation vector is uniform in a ball. A
+    /// rotation and its inverse are equally likely, which is what a trial move needs.
     pub fn small_rotation(&mut self, largest_angle_rad: f64) -> Rotation {
         UnitQuaternion::from_scaled_axis(self.vector_in_ball(largest_angle_rad))
     }
@@ -155,8 +167,16 @@ mod tests {
     #[test]
     fn philox_gives_the_published_answers() {
         let cases = [
-            ([0; 4], [0; 2], [0x6627_e8d5, 0xe169_c58d, 0xbc57_ac4c, 0x9b00_dbd8]),
-            ([u32::MAX; 4], [u32::MAX; 2], [0x408f_276d, 0x41c8_3b0e, 0xa20b_c7c6, 0x6d54_51fd]),
+            (
+                [0; 4],
+                [0; 2],
+                [0x6627_e8d5, 0xe169_c58d, 0xbc57_ac4c, 0x9b00_dbd8],
+            ),
+            (
+                [u32::MAX; 4],
+                [u32::MAX; 2],
+                [0x408f_276d, 0x41c8_3b0e, 0xa20b_c7c6, 0x6d54_51fd],
+            ),
             (
                 [0x243f_6a88, 0x85a3_08d3, 0x1319_8a2e, 0x0370_7344],
                 [0xa409_3822, 0x299f_31d0],
@@ -170,7 +190,9 @@ mod tests {
 
     #[test]
     fn streams_differ_in_every_word_of_their_name() {
-        let first = |seed, replica, step, purpose| CounterRng::for_purpose(seed, replica, step, purpose).next_u64();
+        let first = |seed, replica, step, purpose| {
+            CounterRng::for_purpose(seed, replica, step, purpose).next_u64()
+        };
         let streams = [
             first(1, 0, 0, 0),
             first(1 << 32, 0, 0, 0),
@@ -197,8 +219,11 @@ mod tests {
     fn moments_of_the_shapes_are_right() {
         const DRAWS: usize = 200_000;
         let mut rng = CounterRng::new(11, 0, 0);
-        let mean = |value: &mut dyn FnMut() -> f64| (0..DRAWS).map(|_| value()).sum::<f64>() / DRAWS as f64;
-        // The error of each mean is below 1/sqrt(200 000) = 0.0022 times a standard deviation below 1.
+        let mean = |value: &mut dyn FnMut() -> f64| {
+            (0..DRAWS).map(|_| value()).sum::<f64>() / DRAWS as f64
+        };
+        // The error of each mean is below 1/sqrt(200 000) = 0.0022 times a standard deviation below
+        // 1.
         assert!((mean(&mut || rng.uniform()) - 0.5).abs() < 4e-3);
         assert!((mean(&mut || rng.index(5) as f64 / 4.0) - 0.5).abs() < 4e-3);
         assert!((mean(&mut || rng.unit_vector().x.powi(2)) - 1.0 / 3.0).abs() < 4e-3);

@@ -1,16 +1,18 @@
 //! Averages of correlated series and their errors.
 //!
-//! Successive states of a simulation resemble each other, so n samples are worth fewer independent ones. With the
-//! normalised autocorrelation function ρ(t) = ⟨δx(s) δx(s+t)⟩ / ⟨δx²⟩ and the integrated autocorrelation time
+//! Successive states of a simulation resemble each other, so n samples are worth fewer independent
+//! ones. With the normalised autocorrelation function ρ(t) = ⟨δx(s) δx(s+t)⟩ / ⟨δx²⟩ and the
+//! integrated autocorrelation time
 //!
 //! τ = 1/2 + Σ_{t ≥ 1} ρ(t)
 //!
-//! the standard error of the mean is s √(2τ / n): n / (2τ) effective samples (Sokal, in *Functional Integration*,
-//! Plenum 1997). A series without memory has τ = 1/2.
+//! the standard error of the mean is s √(2τ / n): n / (2τ) effective samples (Sokal, in *Functional
+//! Integration*, Plenum 1997). A series without memory has τ = 1/2.
 //!
-//! [`summarize`] sums ρ up to the self-consistent window M, the first with M ≥ 5 τ(M) (Madras and Sokal, J. Stat.
-//! Phys. 50, 109 (1988)); [`block_errors`] is the independent check by averaging ever larger blocks (Flyvbjerg and
-//! Petersen, J. Chem. Phys. 91, 461 (1989)). [`RunningMoments`] keeps mean and variance of a stream in constant memory.
+//! [`summarize`] sums ρ up to the self-consistent window M, the first with M ≥ 5 τ(M) (Madras and
+//! Sokal, J. Stat. Phys. 50, 109 (1988)); [`block_errors`] is the independent check by averaging
+//! ever larger blocks (Flyvbjerg and Petersen, J. Chem. Phys. 91, 461 (1989)). [`RunningMoments`]
+//! keeps mean and variance of a stream in constant memory.
 
 use serde::{Deserialize, Serialize};
 
@@ -26,10 +28,11 @@ const LONGEST_LAG: usize = 1000;
 pub struct Summary {
     /// Mean.
     pub mean: f64,
-    /// Standard deviation of single samples, unbiased for independent ones; zero for fewer than two.
+    /// Standard deviation of single samples, unbiased for independent ones; zero for fewer than
+    /// two.
     pub standard_deviation: f64,
-    /// Standard error of the mean, corrected for autocorrelation; infinite for fewer than two samples, zero for a
-    /// constant series.
+    /// Standard error of the mean, corrected for autocorrelation; infinite for fewer than two
+    /// samples, zero for a constant series.
     pub standard_error: f64,
     /// Integrated autocorrelation time τ in sampling intervals; 1/2 for independent samples.
     pub autocorrelation_time: f64,
@@ -39,8 +42,8 @@ pub struct Summary {
 
 /// Summarises a correlated series, sampled at equal intervals. An empty series has the mean NaN.
 ///
-/// The autocorrelation time is only known once the series is many times as long as it: with fewer than some 50
-/// effective samples, take the error for a lower bound.
+/// The autocorrelation time is only known once the series is many times as long as it: with fewer
+/// than some 50 effective samples, take the error for a lower bound.
 ///
 /// ```
 /// use protomer_kernel::statistics::summarize;
@@ -52,18 +55,25 @@ pub fn summarize(series: &[f64]) -> Summary {
     let autocorrelation_time = autocorrelation_time(series);
     let effective_samples = series.len() as f64 / (2.0 * autocorrelation_time);
     let standard_deviation = moments.standard_deviation();
-    // s²/n_eff underestimates by the correlation that s² itself has lost, about 2τ/n: divide it out.
+    // s²/n_eff underestimates by the correlation that s² itself has lost, about 2τ/n: divide it
+    // out.
     let lost = (1.0 - effective_samples.recip()).max(0.0);
     let standard_error = match series.len() {
         0 | 1 => f64::INFINITY,
         _ if standard_deviation == 0.0 => 0.0,
         _ => standard_deviation / (effective_samples * lost).sqrt(),
     };
-    Summary { mean: moments.mean(), standard_deviation, standard_error, autocorrelation_time, effective_samples }
+    Summary {
+        mean: moments.mean(),
+        standard_deviation,
+        standard_error,
+        autocorrelation_time,
+        effective_samples,
+    }
 }
 
-/// Integrated autocorrelation time τ = 1/2 + Σ ρ(t) in sampling intervals, at least 1/2, summed up to the first window
-/// M ≥ 5 τ(M). 1/2 for a constant series and for fewer than two samples.
+/// Integrated autocorrelation time τ = 1/2 + Σ ρ(t) in sampling intervals, at least 1/2, summed up
+/// to the first window M ≥ 5 τ(M). 1/2 for a constant series and for fewer than two samples.
 ///
 /// Its relative standard error is about √(2(2M + 1)/n).
 pub fn autocorrelation_time(series: &[f64]) -> f64 {
@@ -74,8 +84,8 @@ pub fn autocorrelation_time(series: &[f64]) -> f64 {
     if variance.is_nan() || variance <= (4.0 * f64::EPSILON * mean).powi(2) {
         return UNCORRELATED_TIME;
     }
-    // The error of the mean, 2 τ c₀ / n, is the same for averages of two samples each: where memory is too long to be
-    // summed in time linear in n, τ follows from them.
+    // The error of the mean, 2 τ c₀ / n, is the same for averages of two samples each: where memory
+    // is too long to be summed in time linear in n, τ follows from them.
     let mut samples_per_value = 1.0;
     loop {
         match windowed_time(&deviations) {
@@ -97,7 +107,10 @@ fn windowed_time(deviations: &[f64]) -> Option<f64> {
         if lag > LONGEST_LAG {
             return None;
         }
-        let products = deviations.iter().zip(&deviations[lag..]).map(|(early, late)| early * late);
+        let products = deviations
+            .iter()
+            .zip(&deviations[lag..])
+            .map(|(early, late)| early * late);
         time += products.sum::<f64>() / ((deviations.len() - lag) as f64 * variance);
         if lag as f64 >= WINDOW_IN_AUTOCORRELATION_TIMES * time {
             break;
@@ -107,11 +120,20 @@ fn windowed_time(deviations: &[f64]) -> Option<f64> {
 }
 
 fn mean_square(deviations: &[f64]) -> f64 {
-    deviations.iter().map(|deviation| deviation * deviation).sum::<f64>() / deviations.len() as f64
+    deviations
+        .iter()
+        .map(|deviation| deviation * deviation)
+        .sum::<f64>()
+        / deviations.len() as f64
 }
 
 fn pair_averages(values: &[f64]) -> Vec<f64> {
-    values.as_chunks::<2>().0.iter().map(|[first, second]| 0.5 * (first + second)).collect()
+    values
+        .as_chunks::<2>()
+        .0
+        .iter()
+        .map(|[first, second]| 0.5 * (first + second))
+        .collect()
 }
 
 /// The error that a level of blocking gives.
@@ -127,8 +149,8 @@ pub struct BlockError {
     pub uncertainty: f64,
 }
 
-/// The error of the mean at every level of blocking, from single samples to two blocks. It grows with the length of
-/// the blocks until they are independent; the plateau is the error.
+/// The error of the mean at every level of blocking, from single samples to two blocks. It grows
+/// with the length of the blocks until they are independent; the plateau is the error.
 pub fn block_errors(series: &[f64]) -> Vec<BlockError> {
     let mut levels = Vec::new();
     let mut averages = series.to_vec();
@@ -137,28 +159,37 @@ pub fn block_errors(series: &[f64]) -> Vec<BlockError> {
         let moments: RunningMoments = averages.iter().copied().collect();
         let standard_error = moments.standard_deviation() / (averages.len() as f64).sqrt();
         let uncertainty = standard_error / (2.0 * (averages.len() as f64 - 1.0)).sqrt();
-        levels.push(BlockError { block_length, blocks: averages.len(), standard_error, uncertainty });
+        levels.push(BlockError {
+            block_length,
+            blocks: averages.len(),
+            standard_error,
+            uncertainty,
+        });
         averages = pair_averages(&averages);
         block_length *= 2;
     }
     levels
 }
 
-/// The standard error by blocking: the first level that the next ones do not exceed by more than their uncertainty
-/// (of the levels with at least 16 blocks); `None` if the error still grows there, or for fewer than 32 samples.
+/// The standard error by blocking: the first level that the next ones do not exceed by more than
+/// their uncertainty (of the levels with at least 16 blocks); `None` if the error still grows
+/// there, or for fewer than 32 samples.
 pub fn block_standard_error(series: &[f64]) -> Option<f64> {
     const FEWEST_BLOCKS: usize = 16;
     let mut levels = block_errors(series);
     levels.retain(|level| level.blocks >= FEWEST_BLOCKS);
     let flat = |index: usize| {
         let here = &levels[index];
-        levels[index + 1..].iter().all(|later| later.standard_error <= here.standard_error + later.uncertainty)
+        levels[index + 1..]
+            .iter()
+            .all(|later| later.standard_error <= here.standard_error + later.uncertainty)
     };
     let plateau = (0..levels.len().saturating_sub(1)).find(|&index| flat(index))?;
     levels.get(plateau).map(|level| level.standard_error)
 }
 
-/// Mean and variance of a stream in constant memory, without cancellation (Welford, Technometrics 4, 419 (1962)).
+/// Mean and variance of a stream in constant memory, without cancellation (Welford, Technometrics
+/// 4, 419 (1962)).
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct RunningMoments {
     count: u64,
@@ -200,7 +231,11 @@ impl RunningMoments {
 
     /// Their unbiased variance; zero for fewer than two.
     pub fn variance(&self) -> f64 {
-        if self.count < 2 { 0.0 } else { self.squares / (self.count - 1) as f64 }
+        if self.count < 2 {
+            0.0
+        } else {
+            self.squares / (self.count - 1) as f64
+        }
     }
 
     /// The square root of the variance.
@@ -208,10 +243,14 @@ impl RunningMoments {
         self.variance().sqrt()
     }
 
-    /// Standard error of the mean of *independent* values, such as the averages of replicas; infinite for fewer than
-    /// two.
+    /// Standard error of the mean of *independent* values, such as the averages of replicas;
+    /// infinite for fewer than two.
     pub fn independent_standard_error(&self) -> f64 {
-        if self.count < 2 { f64::INFINITY } else { (self.variance() / self.count as f64).sqrt() }
+        if self.count < 2 {
+            f64::INFINITY
+        } else {
+            (self.variance() / self.count as f64).sqrt()
+        }
     }
 }
 
@@ -228,12 +267,16 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Normal deviates by Box and Muller over a linear congruential generator with a good multiplier (L'Ecuyer 1999).
+    /// Normal deviates by Box and Muller over a linear congruential generator with a good
+    /// multiplier (L'Ecuyer 1999).
     struct Normal(u64);
 
     impl Normal {
         fn uniform(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(3_935_559_000_370_003_845).wrapping_add(2_691_343_689_449_507_681);
+            self.0 = self
+                .0
+                .wrapping_mul(3_935_559_000_370_003_845)
+                .wrapping_add(2_691_343_689_449_507_681);
             ((self.0 >> 11) as f64 + 0.5) / (1u64 << 53) as f64
         }
 
@@ -242,7 +285,8 @@ mod tests {
         }
     }
 
-    /// x(t+1) = φ x(t) + √(1-φ²) ξ has ρ(t) = φᵗ, variance 1 and τ = 1/2 + φ/(1-φ) = (1+φ)/(2(1-φ)).
+    /// x(t+1) = φ x(t) + √(1-φ²) ξ has ρ(t) = φᵗ, variance 1 and τ = 1/2 + φ/(1-φ) =
+    /// (1+φ)/(2(1-φ)).
     fn autoregressive(phi: f64, count: usize, seed: u64) -> Vec<f64> {
         let mut normal = Normal(seed);
         let mut value = normal.next();
@@ -265,7 +309,10 @@ mod tests {
             let found = autocorrelation_time(&autoregressive(phi, count, seed));
             let relative_error = (2.0 * (2.0 * 5.0 * exact + 1.0) / count as f64).sqrt();
             // The cut at 5 τ loses about exp(-5) of the sum.
-            assert!((found / exact - 1.0).abs() < 3.0 * relative_error + 0.01, "phi {phi}: {found} for {exact}");
+            assert!(
+                (found / exact - 1.0).abs() < 3.0 * relative_error + 0.01,
+                "phi {phi}: {found} for {exact}"
+            );
         }
     }
 
@@ -277,7 +324,10 @@ mod tests {
         let series = autoregressive(phi, count, 11);
         let relative_error = (2.0 * (2.0 * 5.0 * exact + 1.0) / count as f64).sqrt();
         let found = autocorrelation_time(&series);
-        assert!((found / exact - 1.0).abs() < 3.0 * relative_error, "{found} for {exact}");
+        assert!(
+            (found / exact - 1.0).abs() < 3.0 * relative_error,
+            "{found} for {exact}"
+        );
     }
 
     #[test]
@@ -293,7 +343,10 @@ mod tests {
             }
             // Normal coverage is 0.683 and 0.954; binomial scatter of 1000 runs is 0.015 and 0.007.
             let [one, two] = within.map(|count| count as f64 / runs as f64);
-            assert!((0.638..0.728).contains(&one) && (0.933..0.975).contains(&two), "phi {phi}: {one} {two}");
+            assert!(
+                (0.638..0.728).contains(&one) && (0.933..0.975).contains(&two),
+                "phi {phi}: {one} {two}"
+            );
         }
     }
 
@@ -301,7 +354,9 @@ mod tests {
     fn naive_errors_would_not_cover() {
         let covered = (0..300)
             .filter(|seed| {
-                let moments: RunningMoments = autoregressive(0.95, 4000, 5 + seed * 1000).into_iter().collect();
+                let moments: RunningMoments = autoregressive(0.95, 4000, 5 + seed * 1000)
+                    .into_iter()
+                    .collect();
                 moments.mean().abs() < moments.independent_standard_error()
             })
             .count();
@@ -313,10 +368,16 @@ mod tests {
         let series = autoregressive(0.9, 1 << 17, 9);
         let blocked = block_standard_error(&series).unwrap();
         let exact = (2.0 * autoregressive_time(0.9) / series.len() as f64).sqrt();
-        assert!((blocked / exact - 1.0).abs() < 0.15, "{blocked} for {exact}");
+        assert!(
+            (blocked / exact - 1.0).abs() < 0.15,
+            "{blocked} for {exact}"
+        );
         assert!((summarize(&series).standard_error / exact - 1.0).abs() < 0.05);
         let levels = block_errors(&series);
-        assert_eq!((levels.len(), levels[3].block_length, levels[3].blocks), (17, 8, 1 << 14));
+        assert_eq!(
+            (levels.len(), levels[3].block_length, levels[3].blocks),
+            (17, 8, 1 << 14)
+        );
         // Too short a series has no plateau.
         assert_eq!(block_standard_error(&series[..31]), None);
     }
@@ -328,7 +389,8 @@ mod tests {
         let constant = summarize(&[0.1; 1000]);
         assert!((constant.mean - 0.1).abs() < 1e-15 && constant.standard_error < 1e-15);
         assert_eq!(constant.autocorrelation_time, 0.5);
-        // An alternating series is known better than an independent one, but is not credited for it.
+        // An alternating series is known better than an independent one, but is not credited for
+        // it.
         assert_eq!(autocorrelation_time(&[1.0, -1.0].repeat(100)), 0.5);
         assert!(block_errors(&[1.0]).is_empty());
     }

@@ -1,8 +1,8 @@
 //! Physical constants and the conditions of a simulation.
 //!
-//! Bjerrum length: λ_B = e² / (4π ε₀ ε_r k_B T).
-//! Debye length: κ⁻¹ with κ² = e² Σ c_i Z_i² / (ε_r ε₀ k_B T), which for a 1:1 salt of concentration c is
-//! κ² = 8π λ_B N_A c (Debye-Hückel; Ramasubramani's thesis, eq. 3.2).
+//! Bjerrum length: λ_B = e² / (4π ε₀ ε_r k_B T). Debye length: κ⁻¹ with κ² = e² Σ c_i Z_i² / (ε_r
+//! ε₀ k_B T), which for a 1:1 salt of concentration c is κ² = 8π λ_B N_A c (Debye-Hückel;
+//! Ramasubramani's thesis, eq. 3.2).
 
 use crate::{KernelError, Result};
 use serde::{Deserialize, Serialize};
@@ -20,7 +20,8 @@ pub const VACUUM_PERMITTIVITY_FARAD_PER_METRE: f64 = 8.854_187_818_8e-12;
 /// Particles per Å³ at a concentration of 1 mol/L.
 pub const NUMBER_DENSITY_PER_MOLAR: f64 = AVOGADRO_PER_MOL * 1e-27;
 
-/// The conditions every stage of a calculation shares, so that no two stages can disagree about the salt.
+/// The conditions every stage of a calculation shares, so that no two stages can disagree about the
+/// salt.
 ///
 /// ```
 /// use protomer_kernel::Conditions;
@@ -47,8 +48,8 @@ impl Conditions {
     /// Conditions in water: the permittivity follows from the temperature ([`water_permittivity`]).
     ///
     /// # Errors
-    /// [`KernelError::OutOfRange`] for a temperature outside 273.15-373.15 K, a negative salt concentration or a pH
-    /// that is not a number.
+    /// [`KernelError::OutOfRange`] for a temperature outside 273.15-373.15 K, a negative salt
+    /// concentration or a pH that is not a number.
     pub fn new(temperature_kelvin: f64, salt_molar: f64, ph: f64) -> Result<Self> {
         let relative_permittivity = water_permittivity(temperature_kelvin)?;
         Self::with_permittivity(temperature_kelvin, salt_molar, ph, relative_permittivity)
@@ -64,11 +65,31 @@ impl Conditions {
         ph: f64,
         relative_permittivity: f64,
     ) -> Result<Self> {
-        require("temperature in K", temperature_kelvin, "positive", temperature_kelvin > 0.0)?;
-        require("salt concentration in mol/L", salt_molar, "zero or positive", salt_molar >= 0.0)?;
+        require(
+            "temperature in K",
+            temperature_kelvin,
+            "positive",
+            temperature_kelvin > 0.0,
+        )?;
+        require(
+            "salt concentration in mol/L",
+            salt_molar,
+            "zero or positive",
+            salt_molar >= 0.0,
+        )?;
         require("pH", ph, "a finite number", true)?;
-        require("relative permittivity", relative_permittivity, "at least 1", relative_permittivity >= 1.0)?;
-        Ok(Self { temperature_kelvin, salt_molar, ph, relative_permittivity })
+        require(
+            "relative permittivity",
+            relative_permittivity,
+            "at least 1",
+            relative_permittivity >= 1.0,
+        )?;
+        Ok(Self {
+            temperature_kelvin,
+            salt_molar,
+            ph,
+            relative_permittivity,
+        })
     }
 
     /// Bjerrum length λ_B in Å: the distance at which two unit charges interact with 1 kT.
@@ -81,7 +102,9 @@ impl Conditions {
     /// Debye screening length κ⁻¹ in Å; infinite without salt.
     pub fn debye_length_angstrom(&self) -> f64 {
         let ions = NUMBER_DENSITY_PER_MOLAR * self.salt_molar;
-        (8.0 * PI * self.bjerrum_length_angstrom() * ions).sqrt().recip()
+        (8.0 * PI * self.bjerrum_length_angstrom() * ions)
+            .sqrt()
+            .recip()
     }
 
     /// The thermal energy of one mole, k_B T N_A in kJ/mol: what one kT is worth.
@@ -104,14 +127,32 @@ impl Conditions {
 /// ```
 pub fn water_permittivity(temperature_kelvin: f64) -> Result<f64> {
     let liquid = (273.15..=373.15).contains(&temperature_kelvin);
-    require("temperature of water in K", temperature_kelvin, "within 273.15 to 373.15", liquid)?;
+    require(
+        "temperature of water in K",
+        temperature_kelvin,
+        "within 273.15 to 373.15",
+        liquid,
+    )?;
     let t = temperature_kelvin - 273.15;
     Ok(87.740 + t * (-0.40008 + t * (9.398e-4 - t * 1.410e-6)))
 }
 
 /// `Ok` if `value` is finite and `holds`, otherwise the error that names the quantity.
-pub(crate) fn require(quantity: &'static str, value: f64, requirement: &'static str, holds: bool) -> Result<()> {
-    if value.is_finite() && holds { Ok(()) } else { Err(KernelError::OutOfRange { quantity, value, requirement }) }
+pub(crate) fn require(
+    quantity: &'static str,
+    value: f64,
+    requirement: &'static str,
+    holds: bool,
+) -> Result<()> {
+    if value.is_finite() && holds {
+        Ok(())
+    } else {
+        Err(KernelError::OutOfRange {
+            quantity,
+            value,
+            requirement,
+        })
+    }
 }
 
 #[cfg(test)]
@@ -122,7 +163,8 @@ mod tests {
     fn lengths_agree_with_the_textbook_values() {
         let conditions = Conditions::with_permittivity(298.15, 0.1, 7.0, 78.54).unwrap();
         assert!((conditions.bjerrum_length_angstrom() - 7.135).abs() < 2e-3);
-        // The reference electrostatics (water 78.54, 298.15 K) state kappa = 0.1039255 1/Å at 0.1 mol/L.
+        // The reference electrostatics (water 78.54, 298.15 K) state kappa = 0.1039255 1/Å at 0.1
+        // mol/L.
         assert!((conditions.debye_length_angstrom().recip() - 0.103_925_5).abs() < 2e-5);
         assert!((conditions.kilojoule_per_mol_per_kt() - 2.4789).abs() < 1e-3);
     }
@@ -135,7 +177,12 @@ mod tests {
 
     #[test]
     fn nonsense_is_refused_by_name() {
-        for (t, salt, ph) in [(-1.0, 0.1, 7.0), (298.15, -0.1, 7.0), (298.15, 0.1, f64::NAN), (500.0, 0.1, 7.0)] {
+        for (t, salt, ph) in [
+            (-1.0, 0.1, 7.0),
+            (298.15, -0.1, 7.0),
+            (298.15, 0.1, f64::NAN),
+            (500.0, 0.1, 7.0),
+        ] {
             assert!(Conditions::new(t, salt, ph).is_err(), "{t} {salt} {ph}");
         }
     }

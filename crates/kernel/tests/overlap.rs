@@ -16,11 +16,14 @@ fn perturbation(random: &mut impl rand::Rng, smallest: f64) -> f64 {
 }
 
 fn shapes_of(meshes: &[TriangleMesh]) -> Vec<CollisionShape> {
-    meshes.iter().map(|mesh| CollisionShape::new(mesh).unwrap()).collect()
+    meshes
+        .iter()
+        .map(|mesh| CollisionShape::new(mesh).unwrap())
+        .collect()
 }
 
-/// Visits `poses` poses of random pairs: one in ten anywhere, one at contact, eight at a contact perturbed by
-/// `smallest` to 1 Å.
+/// Visits `poses` poses of random pairs: one in ten anywhere, one at contact, eight at a contact
+/// perturbed by `smallest` to 1 Å.
 fn near_contacts(
     shapes: &[CollisionShape],
     poses: usize,
@@ -30,7 +33,10 @@ fn near_contacts(
 ) {
     let mut random = generator(seed);
     for _ in 0..poses.div_ceil(10) {
-        let (i, j) = (random.random_range(0..shapes.len()), random.random_range(0..shapes.len()));
+        let (i, j) = (
+            random.random_range(0..shapes.len()),
+            random.random_range(0..shapes.len()),
+        );
         let reach = shapes[i].bounding_radius_angstrom() + shapes[j].bounding_radius_angstrom();
         let distance = random.random_range(0.1..reach);
         let anywhere = random_pose(&mut random, distance);
@@ -47,16 +53,32 @@ fn compare_with_brute_force(meshes: &[TriangleMesh], poses: usize, seed: u64) {
     near_contacts(&shapes, poses, seed, 1e-9, |i, j, pose| {
         let fast = overlaps(&shapes[i], &shapes[j], pose);
         if fast != brute_force_overlaps(&meshes[i], &meshes[j], pose) {
-            // The oracle rounds: it may err within 1e-12 Å of contact, where both must be right on either side, and
-            // where every pair of triangles, decided exactly, has the last word.
-            assert_eq!(fast, distance(&shapes[i], &shapes[j], pose) == 0.0, "meshes {i} {j}, {pose:?}");
-            assert!(brute_force_overlaps(&meshes[i], &meshes[j], &pushed(pose, -1e-12)), "meshes {i} {j}, {pose:?}");
-            assert!(!brute_force_overlaps(&meshes[i], &meshes[j], &pushed(pose, 1e-12)), "meshes {i} {j}, {pose:?}");
+            // The oracle rounds: it may err within 1e-12 Å of contact, where both must be right on
+            // either side, and where every pair of triangles, decided exactly, has the last word.
+            assert_eq!(
+                fast,
+                distance(&shapes[i], &shapes[j], pose) == 0.0,
+                "meshes {i} {j}, {pose:?}"
+            );
+            assert!(
+                brute_force_overlaps(&meshes[i], &meshes[j], &pushed(pose, -1e-12)),
+                "meshes {i} {j}, {pose:?}"
+            );
+            assert!(
+                !brute_force_overlaps(&meshes[i], &meshes[j], &pushed(pose, 1e-12)),
+                "meshes {i} {j}, {pose:?}"
+            );
         }
-        assert_eq!(fast, separation_bound(&shapes[i], &shapes[j], pose, 2.0).is_none());
+        assert_eq!(
+            fast,
+            separation_bound(&shapes[i], &shapes[j], pose, 2.0).is_none()
+        );
         overlapping += usize::from(fast);
     });
-    assert!(overlapping * 5 > poses && overlapping * 5 < poses * 4, "{overlapping} of {poses} overlap");
+    assert!(
+        overlapping * 5 > poses && overlapping * 5 < poses * 4,
+        "{overlapping} of {poses} overlap"
+    );
 }
 
 #[test]
@@ -75,7 +97,9 @@ fn agrees_with_brute_force_on_a_hundred_thousand_poses() {
 #[test]
 fn agrees_with_brute_force_on_large_and_mixed_meshes() {
     // Up to 2048 triangles, and trees of different depth in one query.
-    let mut meshes: Vec<TriangleMesh> = (0..4).map(|level| bumpy_mesh(level, level as u64 + 10)).collect();
+    let mut meshes: Vec<TriangleMesh> = (0..4)
+        .map(|level| bumpy_mesh(level, level as u64 + 10))
+        .collect();
     meshes.push(bumpy_mesh(4, 14));
     meshes.push(bumpy_mesh(3, 15).map_vertices(|v| v * 0.2));
     compare_with_brute_force(&meshes, 300, 3);
@@ -84,8 +108,12 @@ fn agrees_with_brute_force_on_large_and_mixed_meshes() {
 #[test]
 fn agrees_with_an_independent_library_on_surface_intersection() {
     let meshes: Vec<TriangleMesh> = (0..4).map(|seed| bumpy_mesh(2, seed + 20)).collect();
-    let (shapes, others) = (shapes_of(&meshes), meshes.iter().map(parry_mesh).collect::<Vec<_>>());
-    // The library takes surfaces nearer than about 1e-9 Å for intersecting and rounds rotations differently.
+    let (shapes, others) = (
+        shapes_of(&meshes),
+        meshes.iter().map(parry_mesh).collect::<Vec<_>>(),
+    );
+    // The library takes surfaces nearer than about 1e-9 Å for intersecting and rounds rotations
+    // differently.
     near_contacts(&shapes, 3000, 4, 1e-6, |i, j, pose| {
         let fast = overlaps(&shapes[i], &shapes[j], pose);
         let surfaces = parry_intersects(&others[i], &others[j], pose);
@@ -109,7 +137,9 @@ fn the_distance_is_that_of_an_independent_library() {
         let pose = random_pose(&mut random, 32.0);
         let (first, second) = (parry_mesh(&meshes[i]), parry_mesh(&meshes[j]));
         let origin = parry3d_f64::math::Pose::IDENTITY;
-        let theirs = parry3d_f64::query::distance(&origin, &first, &parry_pose(&pose), &second).unwrap().distance;
+        let theirs = parry3d_f64::query::distance(&origin, &first, &parry_pose(&pose), &second)
+            .unwrap()
+            .distance;
         let ours = distance(&shapes[i], &shapes[j], &pose);
         assert!((ours - theirs).abs() < 1e-6, "{ours} {theirs}");
     }
@@ -130,14 +160,21 @@ fn a_separation_bound_never_exceeds_the_distance() {
         let truth = distance(&shapes[i], &shapes[j], &pose);
         for ceiling in [0.0, 0.3, 1.0, 5.0, 100.0] {
             let bound = separation_bound(&shapes[i], &shapes[j], &pose, ceiling).unwrap();
-            assert!((0.0..=ceiling).contains(&bound) && bound <= truth, "{bound} {truth} {ceiling}");
+            assert!(
+                (0.0..=ceiling).contains(&bound) && bound <= truth,
+                "{bound} {truth} {ceiling}"
+            );
             if ceiling == 5.0 && truth > 0.5 {
                 bounds += bound;
                 truths += truth.min(5.0);
             }
         }
     }
-    assert!(bounds > 0.25 * truths, "on the average only {} of the distance", bounds / truths);
+    assert!(
+        bounds > 0.25 * truths,
+        "on the average only {} of the distance",
+        bounds / truths
+    );
 }
 
 #[test]
@@ -153,12 +190,20 @@ fn a_carried_bound_outlives_only_motions_that_cannot_overlap() {
         let apart = random.random_range(22.0..40.0);
         let second = place(&mut random, direction * apart);
         let relative = RelativePose::new(&first, &second, &second.position);
-        let Some(bound) = separation_bound(&shape, &shape, &relative, 4.0) else { continue };
+        let Some(bound) = separation_bound(&shape, &shape, &relative, 4.0) else {
+            continue;
+        };
         let carried = CarriedBound::new(bound, &first, &second, &second.position);
         let mut jiggled = |pose: &Pose, sign: f64| {
-            let (turn, step) = (random_direction(&mut random) * 0.03, random_direction(&mut random) * 0.2);
+            let (turn, step) = (
+                random_direction(&mut random) * 0.03,
+                random_direction(&mut random) * 0.2,
+            );
             let [w, x, y, z] = pose.wxyz();
-            Pose::from_wxyz(pose.position + step, [w, x + turn.x, y + turn.y, z + turn.z].map(|q| q * sign))
+            Pose::from_wxyz(
+                pose.position + step,
+                [w, x + turn.x, y + turn.y, z + turn.z].map(|q| q * sign),
+            )
         };
         let (first, second) = (jiggled(&first, 1.0), jiggled(&second, -1.0));
         let displacement = second.position - first.position;
@@ -178,11 +223,31 @@ fn a_carried_bound_outlives_only_motions_that_cannot_overlap() {
 
 /// A box with two triangles to each face, turned inside out for a cavity.
 fn block(low: Vec3, high: Vec3, inside_out: bool) -> TriangleMesh {
-    let corner = |i: usize| Vec3::from_fn(|axis, _| if i >> axis & 1 == 1 { high[axis] } else { low[axis] });
-    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    let corner = |i: usize| {
+        Vec3::from_fn(|axis, _| {
+            if i >> axis & 1 == 1 {
+                high[axis]
+            } else {
+                low[axis]
+            }
+        })
+    };
+    let quads = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    let triangles = quads
+        .iter()
+        .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
     let turned = triangles.map(|[a, b, c]| if inside_out { [b, a, c] } else { [a, b, c] });
-    TriangleMesh { vertices: (0..8).map(corner).collect(), triangles: turned.collect() }
+    TriangleMesh {
+        vertices: (0..8).map(corner).collect(),
+        triangles: turned.collect(),
+    }
 }
 
 fn cube(half: f64) -> TriangleMesh {
@@ -193,20 +258,35 @@ fn union(first: &TriangleMesh, second: &TriangleMesh) -> TriangleMesh {
     let offset = first.vertices.len() as u32;
     let shifted = second.triangles.iter().map(|t| t.map(|v| v + offset));
     TriangleMesh {
-        vertices: first.vertices.iter().chain(&second.vertices).copied().collect(),
+        vertices: first
+            .vertices
+            .iter()
+            .chain(&second.vertices)
+            .copied()
+            .collect(),
         triangles: first.triangles.iter().copied().chain(shifted).collect(),
     }
 }
 
 fn moved_by(x: f64, y: f64, z: f64) -> RelativePose {
-    RelativePose { rotation: nalgebra::Matrix3::identity(), translation: Vec3::new(x, y, z) }
+    RelativePose {
+        rotation: nalgebra::Matrix3::identity(),
+        translation: Vec3::new(x, y, z),
+    }
 }
 
 #[track_caller]
 fn expect(first: &TriangleMesh, second: &TriangleMesh, pose: RelativePose, expected: bool) {
-    let (a, b) = (CollisionShape::new(first).unwrap(), CollisionShape::new(second).unwrap());
+    let (a, b) = (
+        CollisionShape::new(first).unwrap(),
+        CollisionShape::new(second).unwrap(),
+    );
     assert_eq!(overlaps(&a, &b, &pose), expected);
-    assert_eq!(overlaps(&b, &a, &pose.inverse()), expected, "with the bodies exchanged");
+    assert_eq!(
+        overlaps(&b, &a, &pose.inverse()),
+        expected,
+        "with the bodies exchanged"
+    );
     assert_eq!(separation_bound(&a, &b, &pose, 1.0).is_none(), expected);
 }
 
@@ -244,14 +324,24 @@ fn one_inside_the_other_is_overlap_unless_in_a_cavity() {
     expect(&filled, &cube(2.0), moved_by(0.0, 0.0, 0.0), true); // around the piece
     expect(&filled, &cube(0.5), moved_by(0.0, 0.0, 0.0), true); // in the piece
     expect(&filled, &cube(0.5), moved_by(2.5, 0.0, 0.0), false); // beside it
-    let far_piece = union(&small, &block(Vec3::new(20.0, -1.0, -1.0), Vec3::new(22.0, 1.0, 1.0), false));
+    let far_piece = union(
+        &small,
+        &block(
+            Vec3::new(20.0, -1.0, -1.0),
+            Vec3::new(22.0, 1.0, 1.0),
+            false,
+        ),
+    );
     expect(&far_piece, &cube(0.5), moved_by(21.0, 0.0, 0.0), true);
     expect(&far_piece, &cube(0.5), moved_by(10.0, 0.0, 0.0), false);
 }
 
 #[test]
 fn points_inside_are_those_the_surface_winds_around() {
-    let mesh = union(&bumpy_mesh(3, 70), &bumpy_mesh(2, 71).map_vertices(|v| v * 0.2 + Vec3::new(40.0, 0.0, 0.0)));
+    let mesh = union(
+        &bumpy_mesh(3, 70),
+        &bumpy_mesh(2, 71).map_vertices(|v| v * 0.2 + Vec3::new(40.0, 0.0, 0.0)),
+    );
     let shape = CollisionShape::new(&mesh).unwrap();
     let mut random = generator(8);
     let mut inside = 0;

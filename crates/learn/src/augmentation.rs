@@ -4,8 +4,8 @@
 
 use crate::{LearnError, Result, SparseGrid};
 
-/// A rotation that maps the cube to itself: the coordinate a of the turned grid is ± the coordinate `axes[a]` of the
-/// grid before.
+/// A rotation that maps the cube to itself: the coordinate a of the turned grid is ± the coordinate
+/// `axes[a]` of the grid before.
 ///
 /// ```
 /// use protomer_learn::{SparseGrid, augmentation::CubeRotation};
@@ -25,9 +25,18 @@ impl CubeRotation {
 
     /// All of them, the identity first.
     pub fn all() -> Vec<Self> {
-        let orders = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [1, 0, 2], [2, 1, 0]];
+        let orders = [
+            [0, 1, 2],
+            [1, 2, 0],
+            [2, 0, 1],
+            [0, 2, 1],
+            [1, 0, 2],
+            [2, 1, 0],
+        ];
         let signs = (0..8_u8).map(|bits| [bits & 1 != 0, bits & 2 != 0, bits & 4 != 0]);
-        let every = orders.into_iter().flat_map(|axes| signs.clone().map(move |reversed| Self { axes, reversed }));
+        let every = orders
+            .into_iter()
+            .flat_map(|axes| signs.clone().map(move |reversed| Self { axes, reversed }));
         every.filter(|turn| turn.determinant() == 1).collect()
     }
 
@@ -42,7 +51,8 @@ impl CubeRotation {
 
     fn determinant(&self) -> i32 {
         let m = self.matrix();
-        m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
+        m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1])
+            - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
             + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
     }
 
@@ -52,14 +62,20 @@ impl CubeRotation {
         let mut after = 0;
         for (axis, reversed) in self.axes.iter().zip(self.reversed) {
             let coordinate = before[*axis];
-            after = after * size + if reversed { size - 1 - coordinate } else { coordinate };
+            after = after * size
+                + if reversed {
+                    size - 1 - coordinate
+                } else {
+                    coordinate
+                };
         }
         after
     }
 
     /// The grid turned, its voxels ascending again. The grid must pass [`SparseGrid::check`].
     pub fn sparse(&self, grid: &SparseGrid) -> SparseGrid {
-        let turned = |(place, voxel): (usize, &u32)| (self.voxel(grid.size, *voxel as usize) as u32, place);
+        let turned =
+            |(place, voxel): (usize, &u32)| (self.voxel(grid.size, *voxel as usize) as u32, place);
         let mut order: Vec<(u32, usize)> = grid.index.iter().enumerate().map(turned).collect();
         order.sort_unstable();
         let mut values = Vec::with_capacity(grid.values.len());
@@ -67,7 +83,12 @@ impl CubeRotation {
             values.extend(order.iter().filter_map(|(_, place)| channel.get(*place)));
         }
         let index = order.into_iter().map(|(voxel, _)| voxel).collect();
-        SparseGrid { size: grid.size, channels: grid.channels, index, values }
+        SparseGrid {
+            size: grid.size,
+            channels: grid.channels,
+            index,
+            values,
+        }
     }
 
     /// Writes the turned (channel, z, y, x) over `turned`; both hold channels x size³ numbers.
@@ -77,10 +98,20 @@ impl CubeRotation {
     pub fn dense(&self, size: usize, grid: &[f32], turned: &mut [f32]) -> Result<()> {
         let voxels = size.pow(3);
         if voxels == 0 || grid.len() != turned.len() || !grid.len().is_multiple_of(voxels) {
-            let reason = format!("{} and {} numbers are no grids of {size}³", grid.len(), turned.len());
-            return Err(LearnError::Sample { name: "voxels".into(), reason });
+            let reason = format!(
+                "{} and {} numbers are no grids of {size}³",
+                grid.len(),
+                turned.len()
+            );
+            return Err(LearnError::Sample {
+                name: "voxels".into(),
+                reason,
+            });
         }
-        for (grid, turned) in grid.chunks_exact(voxels).zip(turned.chunks_exact_mut(voxels)) {
+        for (grid, turned) in grid
+            .chunks_exact(voxels)
+            .zip(turned.chunks_exact_mut(voxels))
+        {
             for (voxel, value) in grid.iter().enumerate() {
                 turned[self.voxel(size, voxel)] = *value;
             }
@@ -106,9 +137,18 @@ mod tests {
 
     /// No two voxels alike, two channels.
     fn grid(size: usize) -> SparseGrid {
-        let index: Vec<u32> = (0..size.pow(3) as u32).filter(|voxel| voxel % 3 != 1).collect();
-        let values = (0..2 * index.len()).map(|value| value as f32 + 0.5).collect();
-        SparseGrid { size, channels: 2, index, values }
+        let index: Vec<u32> = (0..size.pow(3) as u32)
+            .filter(|voxel| voxel % 3 != 1)
+            .collect();
+        let values = (0..2 * index.len())
+            .map(|value| value as f32 + 0.5)
+            .collect();
+        SparseGrid {
+            size,
+            channels: 2,
+            index,
+            values,
+        }
     }
 
     #[test]
@@ -131,7 +171,10 @@ mod tests {
     #[test]
     fn no_two_agree_on_an_asymmetric_grid() {
         let grid = grid(4);
-        let turned: Vec<_> = CubeRotation::all().iter().map(|turn| turn.sparse(&grid)).collect();
+        let turned: Vec<_> = CubeRotation::all()
+            .iter()
+            .map(|turn| turn.sparse(&grid))
+            .collect();
         for (place, first) in turned.iter().enumerate() {
             first.check().unwrap();
             assert!(turned[..place].iter().all(|second| second != first));
@@ -143,13 +186,17 @@ mod tests {
         // Coordinates from the centre, doubled to stay integers.
         for size in [3_i32, 4] {
             let centred = |voxel: i32| {
-                [voxel / (size * size), voxel / size % size, voxel % size].map(|place| 2 * place - (size - 1))
+                [voxel / (size * size), voxel / size % size, voxel % size]
+                    .map(|place| 2 * place - (size - 1))
             };
             for turn in CubeRotation::all() {
                 for voxel in 0..size.pow(3) {
                     let (before, m) = (centred(voxel), turn.matrix());
                     let expected = m.map(|row| (0..3).map(|k| row[k] * before[k]).sum::<i32>());
-                    assert_eq!(centred(turn.voxel(size as usize, voxel as usize) as i32), expected);
+                    assert_eq!(
+                        centred(turn.voxel(size as usize, voxel as usize) as i32),
+                        expected
+                    );
                 }
             }
         }
@@ -166,12 +213,20 @@ mod tests {
             turn.sparse(&grid).write_dense(&mut expected).unwrap();
             assert_eq!(turned, expected);
         }
-        assert!(CubeRotation::all()[0].dense(5, &before, &mut [0.0; 125]).is_err());
+        assert!(
+            CubeRotation::all()[0]
+                .dense(5, &before, &mut [0.0; 125])
+                .is_err()
+        );
     }
 
     #[test]
     fn an_empty_grid_stays_empty() {
-        let grid = SparseGrid { size: 4, channels: 2, ..SparseGrid::default() };
+        let grid = SparseGrid {
+            size: 4,
+            channels: 2,
+            ..SparseGrid::default()
+        };
         assert_eq!(CubeRotation::all()[7].sparse(&grid), grid);
     }
 }

@@ -1,4 +1,5 @@
-//! What can be predicted without a network: nothing counts as learnt before it beats these on the same split.
+//! What can be predicted without a network: nothing counts as learnt before it beats these on the
+//! same split.
 
 use crate::logistic::{Logistic, Table, prior};
 use crate::scores::{Scores, most_probable};
@@ -22,17 +23,20 @@ type Features = fn(&Description) -> Vec<f64>;
 
 /// The baselines on a split.
 ///
-/// * `majority`: the most frequent class of the training part, with certainty. Only its accuracies mean anything.
+/// * `majority`: the most frequent class of the training part, with certainty. Only its accuracies
+///   mean anything.
 /// * `prior`: the shares of the classes in the training part.
-/// * `size`: multinomial logistic regression on logarithms of residues, radius of gyration and extents.
+/// * `size`: multinomial logistic regression on logarithms of residues, radius of gyration and
+///   extents.
 /// * `size_and_charge`: the same with net charge, its size, and charge per residue.
 /// * `composition`: shares of the amino acids.
 ///
-/// Regressions are fitted to the training part, their ridge is chosen by the log-loss of the validation part (the
-/// largest if that is empty).
+/// Regressions are fitted to the training part, their ridge is chosen by the log-loss of the
+/// validation part (the largest if that is empty).
 ///
 /// # Errors
-/// [`LearnError::Settings`] if lengths disagree or a part is missing; a description that is not finite is named.
+/// [`LearnError::Settings`] if lengths disagree or a part is missing; a description that is not
+/// finite is named.
 pub fn baselines(
     descriptions: &[Description],
     labels: &[usize],
@@ -42,8 +46,11 @@ pub fn baselines(
 ) -> Result<Vec<Baseline>> {
     split.check(labels.len())?;
     if descriptions.len() != labels.len() || split.training.is_empty() || split.test.is_empty() {
-        let reason =
-            format!("{} samples, {} labels; training and test must not be empty", descriptions.len(), labels.len());
+        let reason = format!(
+            "{} samples, {} labels; training and test must not be empty",
+            descriptions.len(),
+            labels.len()
+        );
         return Err(LearnError::Settings(reason));
     }
     let shares = prior(&split.training, labels, weights, classes);
@@ -53,23 +60,43 @@ pub fn baselines(
     }
     let repeated = |p: &[f64]| p.repeat(split.test.len());
     let mut all = vec![
-        Baseline { name: "majority", probabilities: repeated(&majority) },
-        Baseline { name: "prior", probabilities: repeated(&shares) },
+        Baseline {
+            name: "majority",
+            probabilities: repeated(&majority),
+        },
+        Baseline {
+            name: "prior",
+            probabilities: repeated(&shares),
+        },
     ];
-    let regressions: [(&'static str, Features); 3] =
-        [("size", size), ("size_and_charge", size_and_charge), ("composition", composition)];
+    let regressions: [(&'static str, Features); 3] = [
+        ("size", size),
+        ("size_and_charge", size_and_charge),
+        ("composition", composition),
+    ];
     for (name, features_of) in regressions {
         let mut features = Vec::new();
         for description in descriptions {
             let row = features_of(description);
             if row.iter().any(|value| !value.is_finite()) {
-                let reason = format!("its description for the baseline {name} holds a number that is not finite");
-                return Err(LearnError::Sample { name: description.name.clone(), reason });
+                let reason = format!(
+                    "its description for the baseline {name} holds a number that is not finite"
+                );
+                return Err(LearnError::Sample {
+                    name: description.name.clone(),
+                    reason,
+                });
             }
             features.extend(row);
         }
-        let table = Table { features: &features, columns: features.len() / descriptions.len().max(1) };
-        all.push(Baseline { name, probabilities: regression(table, labels, classes, weights, split)? });
+        let table = Table {
+            features: &features,
+            columns: features.len() / descriptions.len().max(1),
+        };
+        all.push(Baseline {
+            name,
+            probabilities: regression(table, labels, classes, weights, split)?,
+        });
     }
     Ok(all)
 }
@@ -85,7 +112,12 @@ pub fn regression(
     weights: Option<&[f64]>,
     split: &Split,
 ) -> Result<Vec<f64>> {
-    let pick = |samples: &[usize]| samples.iter().map(|sample| labels[*sample]).collect::<Vec<_>>();
+    let pick = |samples: &[usize]| {
+        samples
+            .iter()
+            .map(|sample| labels[*sample])
+            .collect::<Vec<_>>()
+    };
     let mut best: Option<(f64, Logistic)> = None;
     for ridge in RIDGES.into_iter().rev() {
         let fit = Logistic::fit(table, &split.training, labels, weights, classes, ridge)?;
@@ -93,8 +125,10 @@ pub fn regression(
             return fit.probabilities(table, &split.test);
         }
         let p = fit.probabilities(table, &split.validation)?;
-        let chosen: Option<Vec<f64>> = weights.map(|all| split.validation.iter().map(|sample| all[*sample]).collect());
-        let loss = Scores::of(&p, &pick(&split.validation), classes, chosen.as_deref())?.log_loss_nats;
+        let chosen: Option<Vec<f64>> =
+            weights.map(|all| split.validation.iter().map(|sample| all[*sample]).collect());
+        let loss =
+            Scores::of(&p, &pick(&split.validation), classes, chosen.as_deref())?.log_loss_nats;
         if best.as_ref().is_none_or(|(least, _)| loss < *least) {
             best = Some((loss, fit));
         }
@@ -107,9 +141,15 @@ pub fn regression(
 
 /// Logarithms, with sizes that are not known (zero) kept finite.
 fn size(description: &Description) -> Vec<f64> {
-    let mut lengths = vec![description.residues, description.radius_of_gyration_angstrom];
+    let mut lengths = vec![
+        description.residues,
+        description.radius_of_gyration_angstrom,
+    ];
     lengths.extend(description.extents_angstrom);
-    lengths.into_iter().map(|length| if length < 1.0 { 0.0 } else { length.ln() }).collect()
+    lengths
+        .into_iter()
+        .map(|length| if length < 1.0 { 0.0 } else { length.ln() })
+        .collect()
 }
 
 fn size_and_charge(description: &Description) -> Vec<f64> {
@@ -130,7 +170,8 @@ mod tests {
     use crate::split::Fractions;
     use protomer_kernel::random::CounterRng;
 
-    /// The class follows the sign of the charge; size and composition say nothing. The class 2 never occurs.
+    /// The class follows the sign of the charge; size and composition say nothing. The class 2
+    /// never occurs.
     fn set() -> (Vec<Description>, Vec<usize>) {
         let mut rng = CounterRng::new(6, 0, 0);
         let sample = |number: usize| {
@@ -166,12 +207,25 @@ mod tests {
         assert!(score("size_and_charge").accuracy > 0.9);
         assert!(score("size_and_charge").nats_gained_over(&score("prior")) > 0.3);
         for name in ["size", "composition"] {
-            assert!(score(name).nats_gained_over(&score("prior")).abs() < 0.1, "{name}");
+            assert!(
+                score(name).nats_gained_over(&score("prior")).abs() < 0.1,
+                "{name}"
+            );
         }
         // The prior by its definition.
-        let prior = &all.iter().find(|baseline| baseline.name == "prior").unwrap().probabilities[..3];
-        let ones = split.training.iter().filter(|sample| labels[**sample] == 1).count() as f64;
-        assert!((prior[1] - (ones + 1.0 / 3.0) / (split.training.len() as f64 + 1.0)).abs() < 1e-12);
+        let prior = &all
+            .iter()
+            .find(|baseline| baseline.name == "prior")
+            .unwrap()
+            .probabilities[..3];
+        let ones = split
+            .training
+            .iter()
+            .filter(|sample| labels[**sample] == 1)
+            .count() as f64;
+        assert!(
+            (prior[1] - (ones + 1.0 / 3.0) / (split.training.len() as f64 + 1.0)).abs() < 1e-12
+        );
     }
 
     #[test]
@@ -182,7 +236,10 @@ mod tests {
         for sample in &split.test {
             labels[*sample] = 2;
         }
-        assert_eq!(baselines(&descriptions, &labels, 3, None, &split).unwrap(), before);
+        assert_eq!(
+            baselines(&descriptions, &labels, 3, None, &split).unwrap(),
+            before
+        );
     }
 
     #[test]
@@ -190,7 +247,12 @@ mod tests {
         let (mut descriptions, labels) = set();
         descriptions[7].net_charge_e = f64::NAN;
         let split = Split::grouped(&descriptions, 1, Fractions::default()).unwrap();
-        let error = baselines(&descriptions, &labels, 3, None, &split).unwrap_err().to_string();
-        assert!(error.contains("s7") && error.contains("size_and_charge"), "{error}");
+        let error = baselines(&descriptions, &labels, 3, None, &split)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains("s7") && error.contains("size_and_charge"),
+            "{error}"
+        );
     }
 }

@@ -20,11 +20,13 @@ pub struct Interval {
     pub high: f64,
 }
 
-/// The percentile interval of a statistic (Efron and Tibshirani, *An Introduction to the Bootstrap*, 1993, chapter 13).
+/// The percentile interval of a statistic (Efron and Tibshirani, *An Introduction to the
+/// Bootstrap*, 1993, chapter 13).
 ///
-/// Each of `replicates` draws takes as many clusters as there are, with replacement, and hands the statistic a weight
-/// for each sample: how often its cluster was drawn. The interval leaves (1 - level) / 2 of the finite values on either
-/// side. Paired differences come from a statistic that computes both numbers from the same weights.
+/// Each of `replicates` draws takes as many clusters as there are, with replacement, and hands the
+/// statistic a weight for each sample: how often its cluster was drawn. The interval leaves (1 -
+/// level) / 2 of the finite values on either side. Paired differences come from a statistic that
+/// computes both numbers from the same weights.
 ///
 /// ```
 /// use protomer_learn::bootstrap::bootstrap;
@@ -37,8 +39,8 @@ pub struct Interval {
 /// ```
 ///
 /// # Errors
-/// [`LearnError::Settings`] without clusters or replicates, for a level outside (0, 1), or if no draw gives a finite
-/// value.
+/// [`LearnError::Settings`] without clusters or replicates, for a level outside (0, 1), or if no
+/// draw gives a finite value.
 pub fn bootstrap<C: Ord>(
     clusters: &[C],
     level: f64,
@@ -47,14 +49,20 @@ pub fn bootstrap<C: Ord>(
     statistic: impl Fn(&[f64]) -> f64 + Sync,
 ) -> Result<Interval> {
     if clusters.is_empty() || replicates == 0 || !(level > 0.0 && level < 1.0) {
-        let reason = format!("{replicates} resamplings of {} samples at the level {level}", clusters.len());
+        let reason = format!(
+            "{replicates} resamplings of {} samples at the level {level}",
+            clusters.len()
+        );
         return Err(LearnError::Settings(reason));
     }
     let mut numbers: BTreeMap<&C, usize> = clusters.iter().map(|cluster| (cluster, 0)).collect();
     for (number, entry) in numbers.values_mut().enumerate() {
         *entry = number;
     }
-    let members: Vec<usize> = clusters.iter().filter_map(|cluster| numbers.get(cluster).copied()).collect();
+    let members: Vec<usize> = clusters
+        .iter()
+        .filter_map(|cluster| numbers.get(cluster).copied())
+        .collect();
     let count = numbers.len();
     let draw = |replicate: usize| {
         let mut rng = CounterRng::for_purpose(seed, 0, replicate as u64, BOOTSTRAP);
@@ -71,8 +79,14 @@ pub fn bootstrap<C: Ord>(
     values.sort_unstable_by(f64::total_cmp);
     let tail = 0.5 * (1.0 - level);
     match (quantile(&values, tail), quantile(&values, 1.0 - tail)) {
-        (Some(low), Some(high)) => Ok(Interval { estimate, low, high }),
-        _ => Err(LearnError::Settings("no resampling of the clusters gives a finite value".into())),
+        (Some(low), Some(high)) => Ok(Interval {
+            estimate,
+            low,
+            high,
+        }),
+        _ => Err(LearnError::Settings(
+            "no resampling of the clusters gives a finite value".into(),
+        )),
     }
 }
 
@@ -90,7 +104,10 @@ mod tests {
     use super::*;
 
     fn mean<'a>(values: &'a [f64]) -> impl Fn(&[f64]) -> f64 + Sync + 'a {
-        |weights| values.iter().zip(weights).map(|(v, w)| v * w).sum::<f64>() / weights.iter().sum::<f64>()
+        |weights| {
+            values.iter().zip(weights).map(|(v, w)| v * w).sum::<f64>()
+                / weights.iter().sum::<f64>()
+        }
     }
 
     #[test]
@@ -101,7 +118,10 @@ mod tests {
         let interval = bootstrap(&clusters, 0.95, 4000, 2, mean(&values)).unwrap();
         // ± 1.96 sqrt(1/12/400)
         let expected = 2.0 * 1.96 * (1.0 / 12.0 / 400.0_f64).sqrt();
-        assert!(((interval.high - interval.low) / expected - 1.0).abs() < 0.1, "{interval:?} {expected}");
+        assert!(
+            ((interval.high - interval.low) / expected - 1.0).abs() < 0.1,
+            "{interval:?} {expected}"
+        );
     }
 
     #[test]
@@ -121,7 +141,10 @@ mod tests {
         let values: Vec<f64> = (0..40).map(f64::from).collect();
         let clusters: Vec<usize> = (0..40).map(|sample| sample / 3).collect();
         let run = |threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .unwrap();
             pool.install(|| bootstrap(&clusters, 0.9, 100, 5, mean(&values)).unwrap())
         };
         assert_eq!(run(1), run(3));

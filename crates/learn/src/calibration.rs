@@ -1,7 +1,7 @@
 //! Temperature scaling: one number that makes confidence honest, fitted on the validation part.
 //!
-//! p_k(T) ∝ exp(z_k / T), with T chosen for the smallest log-loss (Guo, Pleiss, Sun and Weinberger, ICML 2017). The order
-//! of classes stays, so accuracies do not change.
+//! p_k(T) ∝ exp(z_k / T), with T chosen for the smallest log-loss (Guo, Pleiss, Sun and Weinberger,
+//! ICML 2017). The order of classes stays, so accuracies do not change.
 
 use crate::Result;
 use crate::scores::{SMALLEST_PROBABILITY, check};
@@ -10,19 +10,25 @@ const SMALLEST: f64 = 1e-2;
 const LARGEST: f64 = 1e2;
 const HALVINGS: usize = 80;
 
-/// The temperature between 0.01 and 100 that gives these probabilities the smallest log-loss; 1 if there is none in
-/// between.
+/// The temperature between 0.01 and 100 that gives these probabilities the smallest log-loss; 1 if
+/// there is none in between.
 ///
-/// Without a mistake among the samples the loss falls with any lower temperature, and a single mistake elsewhere would
-/// cost without bound; where the probabilities say nothing of the labels, it falls with any higher one, towards equal
-/// shares.
+/// Without a mistake among the samples the loss falls with any lower temperature, and a single
+/// mistake elsewhere would cost without bound; where the probabilities say nothing of the labels,
+/// it falls with any higher one, towards equal shares.
 ///
-/// In β = 1/T the loss is convex, with the slope Σ w (⟨z⟩_β - z_label) / Σ w, z = ln p; the slope's zero is bracketed in
-/// ln β.
+/// In β = 1/T the loss is convex, with the slope Σ w (⟨z⟩_β - z_label) / Σ w, z = ln p; the slope's
+/// zero is bracketed in ln β.
 ///
 /// # Errors
-/// [`LearnError::Settings`](crate::LearnError::Settings) as for [`Scores::of`](crate::scores::Scores::of).
-pub fn temperature(p: &[f64], labels: &[usize], classes: usize, weights: Option<&[f64]>) -> Result<f64> {
+/// [`LearnError::Settings`](crate::LearnError::Settings) as for
+/// [`Scores::of`](crate::scores::Scores::of).
+pub fn temperature(
+    p: &[f64],
+    labels: &[usize],
+    classes: usize,
+    weights: Option<&[f64]>,
+) -> Result<f64> {
     check(p, labels, classes, weights)?;
     let slope = |beta: f64| {
         let of = |(sample, (label, p)): (usize, (&usize, &[f64]))| {
@@ -30,7 +36,12 @@ pub fn temperature(p: &[f64], labels: &[usize], classes: usize, weights: Option<
             let mean: f64 = softened.iter().zip(p).map(|(q, p)| q * logarithm(*p)).sum();
             weights.map_or(1.0, |weights| weights[sample]) * (mean - logarithm(p[*label]))
         };
-        labels.iter().zip(p.chunks_exact(classes)).enumerate().map(of).sum::<f64>()
+        labels
+            .iter()
+            .zip(p.chunks_exact(classes))
+            .enumerate()
+            .map(of)
+            .sum::<f64>()
     };
     let (mut low, mut high) = ((1.0 / LARGEST).ln(), (1.0 / SMALLEST).ln());
     if slope(low.exp()) >= 0.0 || slope(high.exp()) <= 0.0 {
@@ -49,7 +60,10 @@ pub fn temperature(p: &[f64], labels: &[usize], classes: usize, weights: Option<
 
 /// The probabilities at a temperature.
 pub fn at_temperature(probabilities: &[f64], classes: usize, temperature: f64) -> Vec<f64> {
-    probabilities.chunks_exact(classes.max(1)).flat_map(|p| softened(p, 1.0 / temperature)).collect()
+    probabilities
+        .chunks_exact(classes.max(1))
+        .flat_map(|p| softened(p, 1.0 / temperature))
+        .collect()
 }
 
 fn logarithm(probability: f64) -> f64 {
@@ -66,7 +80,9 @@ fn softened(p: &[f64], beta: f64) -> Vec<f64> {
 /// exp(z_k) / Σ exp(z_j) in place, safe for any finite z.
 pub(crate) fn softmax(logits: &mut [f64]) {
     let largest = logits.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    logits.iter_mut().for_each(|logit| *logit = (*logit - largest).exp());
+    logits
+        .iter_mut()
+        .for_each(|logit| *logit = (*logit - largest).exp());
     let sum: f64 = logits.iter().sum();
     logits.iter_mut().for_each(|p| *p /= sum);
 }
@@ -105,7 +121,10 @@ mod tests {
         for applied in [0.4, 1.0, 2.5] {
             let (p, labels) = sharpened(applied);
             let found = temperature(&p, &labels, 4, None).unwrap();
-            assert!((found * applied - 1.0).abs() < 0.05, "{found} undoes {applied}");
+            assert!(
+                (found * applied - 1.0).abs() < 0.05,
+                "{found} undoes {applied}"
+            );
             let (before, after) = (p.clone(), at_temperature(&p, 4, found));
             let score = |p: &[f64]| Scores::of(p, &labels, 4, None).unwrap();
             assert!(score(&after).log_loss_nats <= score(&before).log_loss_nats);
@@ -120,7 +139,11 @@ mod tests {
         let (p, labels) = (&p[..400], &labels[..100]);
         let weights: Vec<f64> = (0..100).map(|sample| 1.0 + (sample % 3) as f64).collect();
         let found = temperature(p, labels, 4, Some(&weights)).unwrap();
-        let loss = |t: f64| Scores::of(&at_temperature(p, 4, t), labels, 4, Some(&weights)).unwrap().log_loss_nats;
+        let loss = |t: f64| {
+            Scores::of(&at_temperature(p, 4, t), labels, 4, Some(&weights))
+                .unwrap()
+                .log_loss_nats
+        };
         for other in [0.01, 0.5, 0.9, 0.99, 1.01, 1.1, 2.0, 100.0] {
             assert!(loss(found) < loss(found * other), "{found} x {other}");
         }
@@ -129,7 +152,13 @@ mod tests {
     #[test]
     fn where_no_temperature_is_best_it_stays_one() {
         let without_mistake = temperature(&[0.51, 0.49, 0.49, 0.51], &[0, 1], 2, None).unwrap();
-        let without_meaning = temperature(&[0.6, 0.4, 0.6, 0.4, 0.3, 0.7, 0.3, 0.7], &[0, 1, 0, 1], 2, None).unwrap();
+        let without_meaning = temperature(
+            &[0.6, 0.4, 0.6, 0.4, 0.3, 0.7, 0.3, 0.7],
+            &[0, 1, 0, 1],
+            2,
+            None,
+        )
+        .unwrap();
         assert_eq!((without_mistake, without_meaning), (1.0, 1.0));
     }
 }

@@ -18,7 +18,8 @@ pub enum DeviceChoice {
     /// The processor, with the direct kernels of this crate: bit for bit the same from run to run.
     #[default]
     Cpu,
-    /// An NVIDIA device, counted from 0, with the tensor library's operations in the place of the kernels.
+    /// An NVIDIA device, counted from 0, with the tensor library's operations in the place of the
+    /// kernels.
     Cuda(usize),
 }
 
@@ -28,16 +29,21 @@ impl DeviceChoice {
     /// # Errors
     /// [`LearnError::Settings`] if this build knows no CUDA, or there is no such device.
     pub fn open(self) -> Result<Device> {
-        let refuse = |reason: String| LearnError::Settings(format!("{self}: {reason}; or take cpu"));
+        let refuse =
+            |reason: String| LearnError::Settings(format!("{self}: {reason}; or take cpu"));
         match self {
             Self::Cpu => Ok(Device::Cpu),
-            Self::Cuda(_) if !cfg!(feature = "cuda") => {
-                Err(refuse("this program was built without CUDA; build it with --features cuda".into()))
-            }
+            Self::Cuda(_) if !cfg!(feature = "cuda") => Err(refuse(
+                "this program was built without CUDA; build it with --features cuda".into(),
+            )),
             Self::Cuda(number) => Device::new_cuda(number).map_err(|error| {
-                // The library appends where in its source it was; the first line says what is wrong.
+                // The library appends where in its source it was; the first line says what is
+                // wrong.
                 let text = error.to_string();
-                refuse(format!("no such device can be used ({})", text.lines().next().unwrap_or_default()))
+                refuse(format!(
+                    "no such device can be used ({})",
+                    text.lines().next().unwrap_or_default()
+                ))
             }),
         }
     }
@@ -61,7 +67,9 @@ impl FromStr for DeviceChoice {
             ("cpu", _) => Ok(Self::Cpu),
             ("cuda", _) => Ok(Self::Cuda(0)),
             (_, Some(Ok(number))) => Ok(Self::Cuda(number)),
-            _ => Err(LearnError::Settings(format!("'{text}' is no device; give cpu, cuda or cuda:1"))),
+            _ => Err(LearnError::Settings(format!(
+                "'{text}' is no device; give cpu, cuda or cuda:1"
+            ))),
         }
     }
 }

@@ -1,4 +1,5 @@
-//! Voxel data sets and a small three-dimensional convolutional network: what do shape, charge and hydropathy predict?
+//! Voxel data sets and a small three-dimensional convolutional network: what do shape, charge and
+//! hydropathy predict?
 //!
 //! ```text
 //! samples --split by cluster--> training, validation, test --normalised, turned--> network --> scores beside baselines
@@ -25,7 +26,8 @@
 //! | [`bootstrap`], [`permutation`] | intervals over clusters; could it be chance? |
 //! | [`controls`] | synthetic sets with known answers |
 //!
-//! This crate reads and writes no files: samples come through [`sample::SampleSource`], weights leave as tensors.
+//! This crate reads and writes no files: samples come through [`sample::SampleSource`], weights
+//! leave as tensors.
 
 pub mod augmentation;
 pub mod baselines;

@@ -3,7 +3,8 @@
 use crate::{LearnError, Result};
 use candle_core::{D, Tensor};
 
-/// The logarithms of the softmax of each row: x - log Σ exp x, with the largest of the row taken off first.
+/// The logarithms of the softmax of each row: x - log Σ exp x, with the largest of the row taken
+/// off first.
 ///
 /// # Errors
 /// [`LearnError::Tensor`] if the tensor operations fail.
@@ -12,12 +13,14 @@ pub fn log_softmax(logits: &Tensor) -> Result<Tensor> {
     Ok(shifted.broadcast_sub(&shifted.exp()?.sum_keepdim(D::Minus1)?.log()?)?)
 }
 
-/// Weighted mean of the cross entropies, nats: -Σ_i w_i log p_i\[label_i\] / Σ_i w_i, a scalar tensor.
+/// Weighted mean of the cross entropies, nats: -Σ_i w_i log p_i\[label_i\] / Σ_i w_i, a scalar
+/// tensor.
 ///
 /// `logits` is (B, classes); `labels` and `weights` hold one number per sample.
 ///
 /// # Errors
-/// [`LearnError::Settings`] if the lengths differ, a label is no class, or the weights do not sum to more than 0.
+/// [`LearnError::Settings`] if the lengths differ, a label is no class, or the weights do not sum
+/// to more than 0.
 pub fn cross_entropy(logits: &Tensor, labels: &[u32], weights: &[f32]) -> Result<Tensor> {
     let (samples, classes) = logits.dims2()?;
     let total: f32 = weights.iter().sum();
@@ -29,7 +32,9 @@ pub fn cross_entropy(logits: &Tensor, labels: &[u32], weights: &[f32]) -> Result
         )));
     }
     if let Some(label) = labels.iter().find(|label| **label as usize >= classes) {
-        return Err(LearnError::Settings(format!("label {label} among {classes} classes: labels count from 0")));
+        return Err(LearnError::Settings(format!(
+            "label {label} among {classes} classes: labels count from 0"
+        )));
     }
     if !(total > 0.0 && total.is_finite()) || weights.iter().any(|weight| *weight < 0.0) {
         return Err(LearnError::Settings(format!(
@@ -43,15 +48,19 @@ pub fn cross_entropy(logits: &Tensor, labels: &[u32], weights: &[f32]) -> Result
     Ok((chosen * Tensor::new(shares, device)?)?.sum_all()?.neg()?)
 }
 
-/// Logits with `strength` times the logarithms of the classes' shares added (Menon et al., ICLR 2021): trained through
-/// this, the plain logits favour rare classes as if all classes were equally common.
+/// Logits with `strength` times the logarithms of the classes' shares added (Menon et al., ICLR
+/// 2021): trained through this, the plain logits favour rare classes as if all classes were equally
+/// common.
 ///
 /// # Errors
 /// [`LearnError::Settings`] if there is not one share per class.
 pub fn adjust_logits(logits: &Tensor, log_prior: &[f32], strength: f64) -> Result<Tensor> {
     let (_, classes) = logits.dims2()?;
     if log_prior.len() != classes {
-        return Err(LearnError::Settings(format!("{} shares for {classes} classes: give one each", log_prior.len())));
+        return Err(LearnError::Settings(format!(
+            "{} shares for {classes} classes: give one each",
+            log_prior.len()
+        )));
     }
     let shift = (Tensor::new(log_prior, logits.device())? * strength)?;
     Ok(logits.broadcast_add(&shift)?)

@@ -1,7 +1,7 @@
 //! A small convolutional network: blocks, global pooling, one linear layer.
 //!
-//! Names and layouts of the parameters are those of PyTorch (`blocks.0.weight` is (O, C, k, k, k), `head.weight` (K, F)),
-//! so that a state dictionary written from them loads there.
+//! Names and layouts of the parameters are those of PyTorch (`blocks.0.weight` is (O, C, k, k, k),
+//! `head.weight` (K, F)), so that a state dictionary written from them loads there.
 
 use crate::block::{self, BlockParameters, BlockSettings};
 use crate::operations::{global_average_pool, global_maximum_pool};
@@ -54,7 +54,12 @@ impl NetworkSettings {
     /// [`LearnError::Settings`] says what does not.
     pub fn check(&self) -> Result<()> {
         if self.channels == 0 || self.classes < 2 || self.blocks.is_empty() {
-            let Self { channels, classes, blocks, .. } = self;
+            let Self {
+                channels,
+                classes,
+                blocks,
+                ..
+            } = self;
             let count = blocks.len();
             return Err(LearnError::Settings(format!(
                 "a network of {channels} channels, {count} blocks and {classes} classes: \
@@ -62,7 +67,9 @@ impl NetworkSettings {
             )));
         }
         self.blocks.iter().enumerate().try_for_each(|(i, block)| {
-            block.check().map_err(|error| LearnError::Settings(format!("block {i}: {error}")))
+            block
+                .check()
+                .map_err(|error| LearnError::Settings(format!("block {i}: {error}")))
         })
     }
 
@@ -90,15 +97,19 @@ pub struct Network {
 }
 
 impl Network {
-    /// A network with fresh weights: normal with variance 2 / (C k³) in the blocks (He et al., ICCV 2015), biases 0,
-    /// normalisation 1 and 0, and a small head, normal with variance 0.001 / F, so that training starts from the prior.
-    /// The weights depend on the seed alone.
+    /// A network with fresh weights: normal with variance 2 / (C k³) in the blocks (He et al., ICCV
+    /// 2015), biases 0, normalisation 1 and 0, and a small head, normal with variance 0.001 / F, so
+    /// that training starts from the prior. The weights depend on the seed alone.
     ///
     /// # Errors
     /// [`LearnError::Settings`] for a shape that makes no sense.
     pub fn new(settings: &NetworkSettings, seed: u64, device: &Device) -> Result<Self> {
         settings.check()?;
-        let mut network = Self { settings: settings.clone(), device: device.clone(), parameters: Vec::new() };
+        let mut network = Self {
+            settings: settings.clone(),
+            device: device.clone(),
+            parameters: Vec::new(),
+        };
         let mut channels = settings.channels;
         for (i, block) in settings.blocks.iter().enumerate() {
             let (width, kernel) = (block.width, block.kernel);
@@ -117,14 +128,20 @@ impl Network {
             channels = width;
         }
         let features = settings.features();
-        network.add_normal("head.weight", &[settings.classes, features], 0.001 / features as f64, seed)?;
+        network.add_normal(
+            "head.weight",
+            &[settings.classes, features],
+            0.001 / features as f64,
+            seed,
+        )?;
         network.add_constant("head.bias", settings.classes, 0.0)?;
         Ok(network)
     }
 
     fn add(&mut self, name: &str, shape: &[usize], values: Vec<f32>) -> Result<()> {
         let tensor = Tensor::from_vec(values, shape, &self.device)?;
-        self.parameters.push((name.into(), Var::from_tensor(&tensor)?));
+        self.parameters
+            .push((name.into(), Var::from_tensor(&tensor)?));
         Ok(())
     }
 
@@ -135,7 +152,9 @@ impl Network {
     fn add_normal(&mut self, name: &str, shape: &[usize], variance: f64, seed: u64) -> Result<()> {
         let mut random = CounterRng::new(seed, 0, self.parameters.len() as u64);
         let count: usize = shape.iter().product();
-        let values = (0..count).map(|_| (variance.sqrt() * normal(&mut random)) as f32).collect();
+        let values = (0..count)
+            .map(|_| (variance.sqrt() * normal(&mut random)) as f32)
+            .collect();
         self.add(name, shape, values)
     }
 
@@ -144,15 +163,18 @@ impl Network {
         &self.settings
     }
 
-    /// The logits of a batch of grids, (B, C, D, H, W), as a tensor (B, classes) that gradients flow through.
+    /// The logits of a batch of grids, (B, C, D, H, W), as a tensor (B, classes) that gradients
+    /// flow through.
     ///
     /// # Errors
-    /// [`LearnError::Settings`] for a batch of another number of channels or grids too small for the poolings.
+    /// [`LearnError::Settings`] for a batch of another number of channels or grids too small for
+    /// the poolings.
     pub fn forward(&self, batch: &Tensor) -> Result<Tensor> {
         self.run(batch, |parameter| parameter.as_tensor().clone())
     }
 
-    /// The logits as [`Network::forward`] gives them, without what a gradient would need: faster, and less memory.
+    /// The logits as [`Network::forward`] gives them, without what a gradient would need: faster,
+    /// and less memory.
     ///
     /// # Errors
     /// As for [`Network::forward`].
@@ -170,12 +192,23 @@ impl Network {
                 self.settings.channels
             )));
         }
-        let mut parameters = self.parameters.iter().map(|(_, parameter)| tensor(parameter));
-        let mut next = || parameters.next().ok_or_else(|| LearnError::Settings("the network lacks parameters".into()));
+        let mut parameters = self
+            .parameters
+            .iter()
+            .map(|(_, parameter)| tensor(parameter));
+        let mut next = || {
+            parameters
+                .next()
+                .ok_or_else(|| LearnError::Settings("the network lacks parameters".into()))
+        };
         let mut grid = batch.clone();
         for settings in &self.settings.blocks {
             let (weight, bias) = (next()?, next()?);
-            let norm = if settings.groups.is_some() { Some((next()?, next()?)) } else { None };
+            let norm = if settings.groups.is_some() {
+                Some((next()?, next()?))
+            } else {
+                None
+            };
             grid = block::forward(&grid, &BlockParameters { weight, bias, norm }, settings)?;
         }
         let mut features = global_average_pool(&grid)?;
@@ -211,12 +244,15 @@ impl Network {
         Ok(parameter.set(&value.to_device(&self.device)?)?)
     }
 
-    /// Sets the bias of the last layer to the logarithms of the classes' shares, so that training starts from the prior.
+    /// Sets the bias of the last layer to the logarithms of the classes' shares, so that training
+    /// starts from the prior.
     ///
     /// # Errors
     /// [`LearnError::Settings`] if there is not one finite number per class.
     pub fn set_head_bias(&self, log_prior: &[f32]) -> Result<()> {
-        if log_prior.len() != self.settings.classes || log_prior.iter().any(|value| !value.is_finite()) {
+        if log_prior.len() != self.settings.classes
+            || log_prior.iter().any(|value| !value.is_finite())
+        {
             return Err(LearnError::Settings(format!(
                 "{} logarithms of shares for {} classes: give one finite number per class",
                 log_prior.len(),
@@ -227,7 +263,8 @@ impl Network {
     }
 }
 
-/// A number of the standard normal distribution (Box and Muller, Ann. Math. Statist. 29 (1958), 610).
+/// A number of the standard normal distribution (Box and Muller, Ann. Math. Statist. 29 (1958),
+/// 610).
 fn normal(random: &mut CounterRng) -> f64 {
     let radius = (-2.0 * (1.0 - random.uniform()).ln()).sqrt();
     radius * (TAU * random.uniform()).cos()

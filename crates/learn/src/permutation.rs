@@ -1,4 +1,5 @@
-//! Could the score be chance? Labels are permuted between clusters and a cheap head is fitted again and again.
+//! Could the score be chance? Labels are permuted between clusters and a cheap head is fitted again
+//! and again.
 
 use crate::baselines::regression;
 use crate::logistic::{Table, prior};
@@ -20,7 +21,8 @@ pub struct PermutationTest {
     pub observed_nats: f64,
     /// The same for each permutation.
     pub permuted_nats: Vec<f64>,
-    /// (1 + permutations that do as well) / (1 + permutations): the chance of such a score if labels mean nothing.
+    /// (1 + permutations that do as well) / (1 + permutations): the chance of such a score if
+    /// labels mean nothing.
     pub p_value: f64,
     /// Share of samples in clusters that have another of their size, whose labels can move.
     pub movable: f64,
@@ -28,8 +30,9 @@ pub struct PermutationTest {
 
 /// Labels with the lists of whole clusters exchanged, among clusters of one part and one size.
 ///
-/// These exchanges form a group under which data without signal look the same, so the test is exact; each part keeps its
-/// counts of labels. A cluster alone in its size keeps its labels, which can only make the test more cautious.
+/// These exchanges form a group under which data without signal look the same, so the test is
+/// exact; each part keeps its counts of labels. A cluster alone in its size keeps its labels, which
+/// can only make the test more cautious.
 pub fn permute_labels(
     descriptions: &[Description],
     labels: &[usize],
@@ -51,48 +54,82 @@ pub fn permute_labels(
     Ok(permuted)
 }
 
-/// Share of the test part's samples in clusters that have another of their size there, whose labels can move.
+/// Share of the test part's samples in clusters that have another of their size there, whose labels
+/// can move.
 ///
 /// # Errors
-/// [`LearnError::Settings`] if the split does not fit; [`LearnError::Sample`] for a sample without a cluster.
+/// [`LearnError::Settings`] if the split does not fit; [`LearnError::Sample`] for a sample without
+/// a cluster.
 pub fn movable_share(descriptions: &[Description], split: &Split) -> Result<f64> {
-    let test = Split { training: Vec::new(), validation: Vec::new(), test: split.test.clone() };
-    Ok(movable(&exchangeable(descriptions, descriptions.len(), &test)?))
+    let test = Split {
+        training: Vec::new(),
+        validation: Vec::new(),
+        test: split.test.clone(),
+    };
+    Ok(movable(&exchangeable(
+        descriptions,
+        descriptions.len(),
+        &test,
+    )?))
 }
 
 fn movable(groups: &[Vec<Vec<usize>>]) -> f64 {
-    let count =
-        |least: usize| groups.iter().filter(|group| group.len() >= least).flatten().map(Vec::len).sum::<usize>() as f64;
+    let count = |least: usize| {
+        groups
+            .iter()
+            .filter(|group| group.len() >= least)
+            .flatten()
+            .map(Vec::len)
+            .sum::<usize>() as f64
+    };
     count(2) / count(1).max(1.0)
 }
 
 /// Clusters that may exchange labels: those with the same number of samples in the same part.
-fn exchangeable(descriptions: &[Description], labels: usize, split: &Split) -> Result<Vec<Vec<Vec<usize>>>> {
+fn exchangeable(
+    descriptions: &[Description],
+    labels: usize,
+    split: &Split,
+) -> Result<Vec<Vec<Vec<usize>>>> {
     split.check(labels)?;
     if descriptions.len() != labels {
-        return Err(LearnError::Settings(format!("{} descriptions for {labels} labels", descriptions.len())));
+        return Err(LearnError::Settings(format!(
+            "{} descriptions for {labels} labels",
+            descriptions.len()
+        )));
     }
     let mut part_of = vec![3; labels];
-    for (part, samples) in [&split.training, &split.validation, &split.test].into_iter().enumerate() {
+    for (part, samples) in [&split.training, &split.validation, &split.test]
+        .into_iter()
+        .enumerate()
+    {
         samples.iter().for_each(|sample| part_of[*sample] = part);
     }
     let mut groups = BTreeMap::<(usize, usize), Vec<Vec<usize>>>::new();
     for cluster in clusters(descriptions)? {
         for part in 0..3 {
-            let members: Vec<usize> = cluster.iter().copied().filter(|sample| part_of[*sample] == part).collect();
+            let members: Vec<usize> = cluster
+                .iter()
+                .copied()
+                .filter(|sample| part_of[*sample] == part)
+                .collect();
             if !members.is_empty() {
-                groups.entry((part, members.len())).or_default().push(members);
+                groups
+                    .entry((part, members.len()))
+                    .or_default()
+                    .push(members);
             }
         }
     }
     Ok(groups.into_values().collect())
 }
 
-/// Tests whether the features of `table` (for instance a network's, before its last layer) tell classes apart: the head
-/// is multinomial logistic regression, fitted anew for every permutation.
+/// Tests whether the features of `table` (for instance a network's, before its last layer) tell
+/// classes apart: the head is multinomial logistic regression, fitted anew for every permutation.
 ///
 /// # Errors
-/// [`LearnError::Settings`] if shapes disagree or a part is empty; [`LearnError::Sample`] for a sample without a cluster.
+/// [`LearnError::Settings`] if shapes disagree or a part is empty; [`LearnError::Sample`] for a
+/// sample without a cluster.
 pub fn permutation_test(
     table: Table,
     descriptions: &[Description],
@@ -106,15 +143,28 @@ pub fn permutation_test(
         let truth: Vec<usize> = split.test.iter().map(|sample| labels[*sample]).collect();
         let p = regression(table, labels, classes, None, split)?;
         let prior = prior(&split.training, labels, None, classes).repeat(truth.len());
-        Ok(Scores::of(&p, &truth, classes, None)?.nats_gained_over(&Scores::of(&prior, &truth, classes, None)?))
+        Ok(Scores::of(&p, &truth, classes, None)?
+            .nats_gained_over(&Scores::of(&prior, &truth, classes, None)?))
     };
     let movable = movable(&exchangeable(descriptions, labels.len(), split)?);
     let observed_nats = gained(labels)?;
-    let permuted = |number: u64| gained(&permute_labels(descriptions, labels, split, seed, number)?);
-    let permuted_nats = (0..permutations as u64).into_par_iter().map(permuted).collect::<Result<Vec<f64>>>()?;
-    let as_good = permuted_nats.iter().filter(|nats| **nats >= observed_nats).count();
+    let permuted =
+        |number: u64| gained(&permute_labels(descriptions, labels, split, seed, number)?);
+    let permuted_nats = (0..permutations as u64)
+        .into_par_iter()
+        .map(permuted)
+        .collect::<Result<Vec<f64>>>()?;
+    let as_good = permuted_nats
+        .iter()
+        .filter(|nats| **nats >= observed_nats)
+        .count();
     let p_value = (1 + as_good) as f64 / (1 + permutations) as f64;
-    Ok(PermutationTest { observed_nats, permuted_nats, p_value, movable })
+    Ok(PermutationTest {
+        observed_nats,
+        permuted_nats,
+        p_value,
+        movable,
+    })
 }
 
 #[cfg(test)]
@@ -123,7 +173,8 @@ mod tests {
     use super::*;
     use crate::split::Fractions;
 
-    /// Clusters of 1 to 3 samples with one label each; the feature follows the label with the given strength.
+    /// Clusters of 1 to 3 samples with one label each; the feature follows the label with the given
+    /// strength.
     fn set(strength: f64, seed: u64) -> (Vec<f64>, Vec<Description>, Vec<usize>) {
         let mut rng = CounterRng::new(seed, 0, 0);
         let (mut features, mut descriptions, mut labels) = (Vec::new(), Vec::new(), Vec::new());
@@ -134,7 +185,11 @@ mod tests {
                 features.extend([centre + rng.uniform_in(-0.1, 0.1), rng.uniform()]);
                 labels.push(label);
                 let (label, cluster) = (label.to_string(), cluster.to_string());
-                descriptions.push(Description { label, cluster, ..Description::default() });
+                descriptions.push(Description {
+                    label,
+                    cluster,
+                    ..Description::default()
+                });
             }
         }
         (features, descriptions, labels)
@@ -143,16 +198,25 @@ mod tests {
     fn test(strength: f64, seed: u64, permutations: usize) -> PermutationTest {
         let (features, descriptions, labels) = set(strength, seed);
         let split = Split::grouped(&descriptions, 2, Fractions::default()).unwrap();
-        let table = Table { features: &features, columns: 2 };
+        let table = Table {
+            features: &features,
+            columns: 2,
+        };
         permutation_test(table, &descriptions, &labels, 3, &split, permutations, 5).unwrap()
     }
 
     #[test]
     fn a_signal_is_found_and_its_absence_too() {
         let found = test(1.0, 1, 39);
-        assert!(found.observed_nats > 0.2 && found.p_value == 1.0 / 40.0, "{found:?}");
+        assert!(
+            found.observed_nats > 0.2 && found.p_value == 1.0 / 40.0,
+            "{found:?}"
+        );
         // Without signal p is uniform: its mean over 12 sets is 0.5 ± 0.083.
-        let mean = (0..12).map(|seed| test(0.0, 100 + seed, 19).p_value).sum::<f64>() / 12.0;
+        let mean = (0..12)
+            .map(|seed| test(0.0, 100 + seed, 19).p_value)
+            .sum::<f64>()
+            / 12.0;
         assert!((0.25..0.75).contains(&mean), "{mean}");
     }
 
@@ -162,8 +226,15 @@ mod tests {
         let split = Split::grouped(&descriptions, 2, Fractions::default()).unwrap();
         let permuted = permute_labels(&descriptions, &labels, &split, 1, 0).unwrap();
         assert_ne!(permuted, labels);
-        assert_ne!(permuted, permute_labels(&descriptions, &labels, &split, 1, 1).unwrap());
-        for (first, second) in descriptions.iter().zip(&permuted).zip(descriptions.iter().zip(&permuted).skip(1)) {
+        assert_ne!(
+            permuted,
+            permute_labels(&descriptions, &labels, &split, 1, 1).unwrap()
+        );
+        for (first, second) in descriptions
+            .iter()
+            .zip(&permuted)
+            .zip(descriptions.iter().zip(&permuted).skip(1))
+        {
             assert!(first.0.cluster != second.0.cluster || first.1 == second.1);
         }
         for part in [&split.training, &split.validation, &split.test] {

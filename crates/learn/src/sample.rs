@@ -25,7 +25,8 @@ pub struct SparseGrid {
 }
 
 impl SparseGrid {
-    /// Writes the grid as (channel, z, y, x) over `dense`, channels x size³ numbers, which need not be zero before.
+    /// Writes the grid as (channel, z, y, x) over `dense`, channels x size³ numbers, which need not
+    /// be zero before.
     ///
     /// # Errors
     /// [`LearnError::Sample`] if shapes disagree or an index lies outside.
@@ -33,11 +34,18 @@ impl SparseGrid {
         self.check()?;
         let voxels = self.size.pow(3);
         if dense.len() != self.channels * voxels {
-            return Err(damaged(format!("{} numbers of room for {} x {voxels}", dense.len(), self.channels)));
+            return Err(damaged(format!(
+                "{} numbers of room for {} x {voxels}",
+                dense.len(),
+                self.channels
+            )));
         }
         dense.fill(0.0);
         let count = self.index.len().max(1);
-        for (dense, values) in dense.chunks_exact_mut(voxels.max(1)).zip(self.values.chunks_exact(count)) {
+        for (dense, values) in dense
+            .chunks_exact_mut(voxels.max(1))
+            .zip(self.values.chunks_exact(count))
+        {
             for (index, value) in self.index.iter().zip(values) {
                 dense[*index as usize] = *value;
             }
@@ -52,23 +60,38 @@ impl SparseGrid {
     pub fn check(&self) -> Result<()> {
         let voxels = self.size.pow(3);
         if self.values.len() != self.channels * self.index.len() {
-            return Err(damaged(format!("{} values for {} voxels", self.values.len(), self.index.len())));
+            return Err(damaged(format!(
+                "{} values for {} voxels",
+                self.values.len(),
+                self.index.len()
+            )));
         }
         if self.index.windows(2).any(|pair| pair[0] >= pair[1])
-            || self.index.last().is_some_and(|last| *last as usize >= voxels)
+            || self
+                .index
+                .last()
+                .is_some_and(|last| *last as usize >= voxels)
         {
-            return Err(damaged("voxel indices do not ascend inside the grid".into()));
+            return Err(damaged(
+                "voxel indices do not ascend inside the grid".into(),
+            ));
         }
         if let Some(place) = self.values.iter().position(|value| !value.is_finite()) {
             let channel = place / self.index.len().max(1);
-            return Err(damaged(format!("channel {channel} holds {}", self.values[place])));
+            return Err(damaged(format!(
+                "channel {channel} holds {}",
+                self.values[place]
+            )));
         }
         Ok(())
     }
 }
 
 fn damaged(reason: String) -> LearnError {
-    LearnError::Sample { name: "voxels".into(), reason }
+    LearnError::Sample {
+        name: "voxels".into(),
+        reason,
+    }
 }
 
 /// What is known of a sample besides its voxels.
@@ -80,7 +103,8 @@ pub struct Description {
     pub label: String,
     /// Samples of one cluster are related and never fall on both sides of a split.
     pub cluster: String,
-    /// Copies of one crystal form share a family and are weighted down together; empty: a family of its own.
+    /// Copies of one crystal form share a family and are weighted down together; empty: a family of
+    /// its own.
     pub family: String,
     /// Residues.
     pub residues: f64,
@@ -107,11 +131,13 @@ pub trait SampleSource: Sync {
     /// # Errors
     /// [`LearnError::Sample`] names a sample that cannot be read; training may leave it out.
     fn voxels(&self, sample: usize) -> Result<SparseGrid>;
-    /// How the voxels were made, in the words of what made them: a network is for voxels made alike.
+    /// How the voxels were made, in the words of what made them: a network is for voxels made
+    /// alike.
     fn made_with(&self) -> Option<&serde_json::Value> {
         None
     }
-    /// SHA-256 of the file that a sample was made of, in hexadecimal; empty where there is no file, or nobody knows.
+    /// SHA-256 of the file that a sample was made of, in hexadecimal; empty where there is no file,
+    /// or nobody knows.
     fn file_sha256(&self, _sample: usize) -> &str {
         ""
     }
@@ -144,7 +170,10 @@ impl SampleSource for InMemory {
     }
 
     fn voxels(&self, sample: usize) -> Result<SparseGrid> {
-        let missing = || LearnError::Sample { name: format!("{sample}"), reason: "there is no such sample".into() };
+        let missing = || LearnError::Sample {
+            name: format!("{sample}"),
+            reason: "there is no such sample".into(),
+        };
         self.grids.get(sample).cloned().ok_or_else(missing)
     }
 }

@@ -1,7 +1,7 @@
 //! What to predict: space groups, or something coarser that fewer samples can teach.
 //!
-//! Proteins are chiral, so their crystals have no mirror planes or inversion: 65 of the 230 space groups remain. They
-//! are numbered as in *International Tables for Crystallography*, volume A.
+//! Proteins are chiral, so their crystals have no mirror planes or inversion: 65 of the 230 space
+//! groups remain. They are numbered as in *International Tables for Crystallography*, volume A.
 
 use crate::{LearnError, Result};
 use serde::{Deserialize, Serialize};
@@ -10,7 +10,8 @@ use std::collections::BTreeMap;
 /// The class of samples whose own is too rare.
 pub const OTHER: &str = "other";
 
-/// The 65 space groups without mirror images: number, Hermann-Mauguin symbols without spaces (the usual one first).
+/// The 65 space groups without mirror images: number, Hermann-Mauguin symbols without spaces (the
+/// usual one first).
 const SPACE_GROUPS: [(u8, &[&str]); 65] = [
     (1, &["P1", "A1", "B1", "C1", "F1", "I1"]),
     (3, &["P2", "P121", "P112", "P211"]),
@@ -18,8 +19,8 @@ const SPACE_GROUPS: [(u8, &[&str]); 65] = [
     (
         5,
         &[
-            "C2", "C121", "I2", "I121", "A2", "A121", "B2", "B112", "A112", "I112", "B211", "C211", "I211", "I1211",
-            "C1211",
+            "C2", "C121", "I2", "I121", "A2", "A121", "B2", "B112", "A112", "I112", "B211", "C211",
+            "I211", "I1211", "C1211",
         ],
     ),
     (16, &["P222"]),
@@ -98,13 +99,14 @@ pub enum Target {
     PointGroup,
     /// One of the 7 crystal systems.
     CrystalSystem,
-    /// Whether a direction differs from its opposite in every such crystal: point groups 1, 2, 3, 4 and 6.
+    /// Whether a direction differs from its opposite in every such crystal: point groups 1, 2, 3, 4
+    /// and 6.
     Polar,
 }
 
 impl Target {
-    /// The class of a label under this target; for all but [`Target::Label`] the label is a space group, by number or by
-    /// symbol.
+    /// The class of a label under this target; for all but [`Target::Label`] the label is a space
+    /// group, by number or by symbol.
     ///
     /// ```
     /// use protomer_learn::targets::Target;
@@ -134,10 +136,16 @@ impl Target {
 fn space_group(label: &str) -> Result<(u8, &'static [&'static str])> {
     // Settings (":H") and marks of screw axes ("2(1)", "2_1") do not change the group.
     let before = label.split(':').next().unwrap_or_default();
-    let plain: String = before.chars().filter(|letter| !letter.is_whitespace() && !"()_".contains(*letter)).collect();
+    let plain: String = before
+        .chars()
+        .filter(|letter| !letter.is_whitespace() && !"()_".contains(*letter))
+        .collect();
     let number = plain.parse::<u16>().ok();
     let is = |(n, symbols): &&(u8, &[&str])| {
-        number == Some(u16::from(*n)) || symbols.iter().any(|symbol| symbol.eq_ignore_ascii_case(&plain))
+        number == Some(u16::from(*n))
+            || symbols
+                .iter()
+                .any(|symbol| symbol.eq_ignore_ascii_case(&plain))
     };
     let unknown = || {
         let reason = "is no space group without mirror images; give a number of International Tables or a symbol";
@@ -184,12 +192,16 @@ pub struct Classes {
 }
 
 impl Classes {
-    /// The classes of labels under a target. Those with fewer than `least` samples become [`OTHER`] together.
+    /// The classes of labels under a target. Those with fewer than `least` samples become [`OTHER`]
+    /// together.
     ///
     /// # Errors
     /// [`LearnError::Settings`] names a label that the target does not know.
     pub fn of<S: AsRef<str>>(labels: &[S], target: Target, least: usize) -> Result<Self> {
-        let classes: Vec<String> = labels.iter().map(|label| target.of(label.as_ref())).collect::<Result<_>>()?;
+        let classes: Vec<String> = labels
+            .iter()
+            .map(|label| target.of(label.as_ref()))
+            .collect::<Result<_>>()?;
         let mut counts = BTreeMap::<&str, usize>::new();
         for class in &classes {
             *counts.entry(class).or_default() += 1;
@@ -201,14 +213,23 @@ impl Classes {
             }
         }
         // Whatever is not among the names falls to the place behind them.
-        let numbers: BTreeMap<&str, usize> = names.iter().enumerate().map(|(number, name)| (*name, number)).collect();
+        let numbers: BTreeMap<&str, usize> = names
+            .iter()
+            .enumerate()
+            .map(|(number, name)| (*name, number))
+            .collect();
         let other = names.len();
-        let labels: Vec<usize> =
-            classes.iter().map(|class| numbers.get(class.as_str()).copied().unwrap_or(other)).collect();
+        let labels: Vec<usize> = classes
+            .iter()
+            .map(|class| numbers.get(class.as_str()).copied().unwrap_or(other))
+            .collect();
         if labels.contains(&other) {
             names.push(OTHER);
         }
-        Ok(Self { names: names.into_iter().map(String::from).collect(), labels })
+        Ok(Self {
+            names: names.into_iter().map(String::from).collect(),
+            labels,
+        })
     }
 }
 
@@ -221,18 +242,46 @@ mod tests {
     #[test]
     fn the_table_has_the_known_counts() {
         let count = |target: Target, class: &str| {
-            SPACE_GROUPS.iter().filter(|(number, _)| target.of(&number.to_string()).unwrap() == class).count()
+            SPACE_GROUPS
+                .iter()
+                .filter(|(number, _)| target.of(&number.to_string()).unwrap() == class)
+                .count()
         };
-        let systems = ["triclinic", "monoclinic", "orthorhombic", "tetragonal", "trigonal", "hexagonal", "cubic"];
-        assert_eq!(systems.map(|system| count(Target::CrystalSystem, system)), [1, 3, 9, 16, 11, 12, 13]);
-        let points = ["1", "2", "222", "4", "422", "3", "32", "6", "622", "23", "432"];
-        assert_eq!(points.map(|point| count(Target::PointGroup, point)), [1, 3, 9, 6, 10, 4, 7, 6, 6, 5, 8]);
-        assert_eq!((count(Target::Polar, "polar"), count(Target::Polar, "non-polar")), (20, 45));
+        let systems = [
+            "triclinic",
+            "monoclinic",
+            "orthorhombic",
+            "tetragonal",
+            "trigonal",
+            "hexagonal",
+            "cubic",
+        ];
+        assert_eq!(
+            systems.map(|system| count(Target::CrystalSystem, system)),
+            [1, 3, 9, 16, 11, 12, 13]
+        );
+        let points = [
+            "1", "2", "222", "4", "422", "3", "32", "6", "622", "23", "432",
+        ];
+        assert_eq!(
+            points.map(|point| count(Target::PointGroup, point)),
+            [1, 3, 9, 6, 10, 4, 7, 6, 6, 5, 8]
+        );
+        assert_eq!(
+            (
+                count(Target::Polar, "polar"),
+                count(Target::Polar, "non-polar")
+            ),
+            (20, 45)
+        );
     }
 
     #[test]
     fn no_symbol_means_two_groups_and_symbols_agree_with_numbers() {
-        let all: Vec<&str> = SPACE_GROUPS.iter().flat_map(|(_, symbols)| symbols.iter().copied()).collect();
+        let all: Vec<&str> = SPACE_GROUPS
+            .iter()
+            .flat_map(|(_, symbols)| symbols.iter().copied())
+            .collect();
         assert_eq!(all.iter().collect::<BTreeSet<_>>().len(), all.len());
         for (number, symbols) in SPACE_GROUPS {
             let first = Target::SpaceGroup.of(&number.to_string()).unwrap();
@@ -244,7 +293,14 @@ mod tests {
 
     #[test]
     fn spellings_of_one_group_agree() {
-        for spelling in ["P 21 21 21", "P212121", "p 21 21 21", "P2(1)2(1)2(1)", "P2_12_12_1", "19"] {
+        for spelling in [
+            "P 21 21 21",
+            "P212121",
+            "p 21 21 21",
+            "P2(1)2(1)2(1)",
+            "P2_12_12_1",
+            "19",
+        ] {
             assert_eq!(Target::SpaceGroup.of(spelling).unwrap(), "P212121");
         }
         assert_eq!(Target::SpaceGroup.of("R 3 2 :H").unwrap(), "R32");
@@ -266,6 +322,9 @@ mod tests {
         let all = Classes::of(&labels, Target::Label, 1).unwrap();
         assert_eq!(all.names, ["a", "b", "c", "d"]);
         let named_other = Classes::of(&["other", "z", "z", "other"], Target::Label, 1).unwrap();
-        assert_eq!((named_other.names.len(), named_other.labels), (2, vec![1, 0, 0, 1]));
+        assert_eq!(
+            (named_other.names.len(), named_other.labels),
+            (2, vec![1, 0, 0, 1])
+        );
     }
 }

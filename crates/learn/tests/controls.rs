@@ -1,4 +1,5 @@
-//! The pipeline learns what it should, and nothing that it should not: the short forms of the controls.
+//! The pipeline learns what it should, and nothing that it should not: the short forms of the
+//! controls.
 
 #![allow(clippy::unwrap_used, clippy::print_stderr)]
 
@@ -13,23 +14,54 @@ const SEED: u64 = 1;
 
 /// Trains one experiment in its short form and judges it on its test part.
 fn verdict(control: Control, experiment: &Experiment) -> Verdict {
-    let Plan { samples, size, fractions, .. } = control.plan(Form::Short);
+    let Plan {
+        samples,
+        size,
+        fractions,
+        ..
+    } = control.plan(Form::Short);
     let set = control.samples(experiment.variant, samples, size, SEED);
-    let labels: Vec<&str> = set.descriptions().iter().map(|description| description.label.as_str()).collect();
+    let labels: Vec<&str> = set
+        .descriptions()
+        .iter()
+        .map(|description| description.label.as_str())
+        .collect();
     let classes = Classes::of(&labels, Target::Label, 1).unwrap();
-    let split = experiment.split(set.descriptions(), SEED, fractions).unwrap();
+    let split = experiment
+        .split(set.descriptions(), SEED, fractions)
+        .unwrap();
     let network = control.network(experiment, Form::Short);
     let settings = control.training(experiment, Form::Short, SEED);
     let trained = train(&set, &classes, &split, &network, &settings, &mut ()).unwrap();
-    let predictions = trained.model.predict(&set, &split.test, PredictionSettings::default()).unwrap();
-    let truth: Vec<usize> = split.test.iter().map(|sample| classes.labels[*sample]).collect();
-    let scores = Scores::of(&predictions.probabilities, &truth, classes.names.len(), None).unwrap();
+    let predictions = trained
+        .model
+        .predict(&set, &split.test, PredictionSettings::default())
+        .unwrap();
+    let truth: Vec<usize> = split
+        .test
+        .iter()
+        .map(|sample| classes.labels[*sample])
+        .collect();
+    let scores = Scores::of(
+        &predictions.probabilities,
+        &truth,
+        classes.names.len(),
+        None,
+    )
+    .unwrap();
     let independent = |sample: &usize| match experiment.split_by_cluster {
         true => set.descriptions()[*sample].cluster.clone(),
         false => set.descriptions()[*sample].name.clone(),
     };
-    let clusters = split.test.iter().map(independent).collect::<BTreeSet<_>>().len();
-    experiment.expected.verdict(scores.balanced_accuracy, classes.names.len(), clusters)
+    let clusters = split
+        .test
+        .iter()
+        .map(independent)
+        .collect::<BTreeSet<_>>()
+        .len();
+    experiment
+        .expected
+        .verdict(scores.balanced_accuracy, classes.names.len(), clusters)
 }
 
 /// All experiments of a control come out as it says.
@@ -37,7 +69,12 @@ fn check(control: Control) {
     for experiment in control.experiments() {
         let verdict = verdict(control, &experiment);
         eprintln!("{} {}: {verdict:?}", control.name(), experiment.name);
-        assert!(verdict.is_reached, "{} {}: {verdict:?}", control.name(), experiment.name);
+        assert!(
+            verdict.is_reached,
+            "{} {}: {verdict:?}",
+            control.name(),
+            experiment.name
+        );
     }
 }
 

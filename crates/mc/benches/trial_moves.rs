@@ -2,8 +2,9 @@
 //!
 //! `cargo bench -p protomer-mc --bench trial_moves [-- RUNS]`
 //!
-//! The bodies drift apart as they move, and moves become easy; so the benchmark makes many short runs, each from the saved
-//! state with a seed of its own, and counts the processor time of the moves alone.
+//! The bodies drift apart as they move, and moves become easy; so the benchmark makes many short
+//! runs, each from the saved state with a seed of its own, and counts the processor time of the
+//! moves alone.
 #![allow(
     clippy::expect_used,
     clippy::unwrap_used,
@@ -25,18 +26,34 @@ fn main() {
         println!("skipped: the benchmark states (../shared/bench/data) are absent");
         return;
     };
-    let runs: u32 = std::env::args().skip(1).find_map(|argument| argument.parse().ok()).unwrap_or(40);
+    let runs: u32 = std::env::args()
+        .skip(1)
+        .find_map(|argument| argument.parse().ok())
+        .unwrap_or(40);
     let yukawa = Yukawa::new(7.0, 1.0 / 9.6, 48.0).expect("lengths are positive");
     for mesh in ["bumpy_1620.off", "bumpy_5120.off"] {
         for sweeps in [20, 200] {
-            measure(&format!("hard only, {mesh}"), &system(&folder, mesh), Interaction::HardOnly, sweeps, runs);
+            measure(
+                &format!("hard only, {mesh}"),
+                &system(&folder, mesh),
+                Interaction::HardOnly,
+                sweeps,
+                runs,
+            );
         }
     }
     let charged = Interaction::YukawaDirect(yukawa);
-    measure("3000 charges, direct sum, bumpy_1620.off", &system(&folder, "bumpy_1620.off"), charged, 4, 1);
+    measure(
+        "3000 charges, direct sum, bumpy_1620.off",
+        &system(&folder, "bumpy_1620.off"),
+        charged,
+        4,
+        1,
+    );
 }
 
-/// Steps as in the benchmark's protocol: 0.3 Å and, as root mean square, the angle of a quaternion step of 0.02.
+/// Steps as in the benchmark's protocol: 0.3 Å and, as root mean square, the angle of a quaternion
+/// step of 0.02.
 fn measure(name: &str, system: &System, interaction: Interaction, sweeps: u64, runs: u32) {
     let settings = Settings {
         translation_step_angstrom: 0.3,
@@ -47,9 +64,12 @@ fn measure(name: &str, system: &System, interaction: Interaction, sweeps: u64, r
     };
     let (mut seconds, mut trials, mut accepted) = (0.0, 0, 0);
     for run in 0..runs {
-        let mut simulation = Simulation::new(system.clone(), settings, 1, run).expect("the benchmark state is valid");
+        let mut simulation = Simulation::new(system.clone(), settings, 1, run)
+            .expect("the benchmark state is valid");
         let before = cpu_seconds();
-        simulation.run_until(sweeps, &mut |_| ControlFlow::Continue(())).expect("energies are finite");
+        simulation
+            .run_until(sweeps, &mut |_| ControlFlow::Continue(()))
+            .expect("energies are finite");
         seconds += cpu_seconds() - before;
         let statistics = simulation.statistics();
         for kind in statistics.translation.iter().chain(&statistics.rotation) {
@@ -82,7 +102,11 @@ include!("../tests/common/bench_states.rs");
 
 /// Processor time of this thread.
 fn cpu_seconds() -> f64 {
-    let statistics = std::fs::read_to_string("/proc/thread-self/schedstat").expect("Linux scheduler statistics");
-    let nanoseconds = statistics.split_whitespace().next().and_then(|field| field.parse::<f64>().ok());
+    let statistics =
+        std::fs::read_to_string("/proc/thread-self/schedstat").expect("Linux scheduler statistics");
+    let nanoseconds = statistics
+        .split_whitespace()
+        .next()
+        .and_then(|field| field.parse::<f64>().ok());
     nanoseconds.expect("the first field is a time") * 1e-9
 }

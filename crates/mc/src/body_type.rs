@@ -27,7 +27,11 @@ impl BodyType {
     ///
     /// # Errors
     /// [`McError::Kernel`](crate::McError::Kernel) if the mesh does not bound a solid.
-    pub fn new(name: impl Into<String>, mesh: &TriangleMesh, charges: &[(Vec3, f64)]) -> Result<Self> {
+    pub fn new(
+        name: impl Into<String>,
+        mesh: &TriangleMesh,
+        charges: &[(Vec3, f64)],
+    ) -> Result<Self> {
         Ok(Self {
             name: name.into(),
             shape: CollisionShape::new(mesh)?,
@@ -42,7 +46,11 @@ impl BodyType {
     /// # Errors
     /// As [`BodyType::new`].
     pub fn from_body(body: &Body) -> Result<Self> {
-        let charges: Vec<(Vec3, f64)> = body.sites.iter().map(|site| (site.position, site.charge_e)).collect();
+        let charges: Vec<(Vec3, f64)> = body
+            .sites
+            .iter()
+            .map(|site| (site.position, site.charge_e))
+            .collect();
         Self::new(body.name.clone(), &body.mesh, &charges)
     }
 
@@ -51,7 +59,8 @@ impl BodyType {
         self.shape.bounding_radius_angstrom()
     }
 
-    /// Radius of the sphere about the body's origin that holds its charges, Å; zero without charges.
+    /// Radius of the sphere about the body's origin that holds its charges, Å; zero without
+    /// charges.
     pub fn charge_radius_angstrom(&self) -> f64 {
         self.charges.radius_angstrom()
     }

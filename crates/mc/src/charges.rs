@@ -2,12 +2,12 @@
 
 use protomer_kernel::Vec3;
 
-/// Charges worked on together. Sums run over this many partial sums whatever the processor, so energies have the same
-/// bits everywhere.
+/// Charges worked on together. Sums run over this many partial sums whatever the processor, so
+/// energies have the same bits everywhere.
 pub const LANES: usize = 8;
 
-/// Point charges in the body's frame, in groups of [`LANES`] near neighbours, each in its bounding sphere. Sites
-/// without charge are left out; the last group is filled with zero charges.
+/// Point charges in the body's frame, in groups of [`LANES`] near neighbours, each in its bounding
+/// sphere. Sites without charge are left out; the last group is filled with zero charges.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ChargeCloud {
     groups: Vec<ChargeGroup>,
@@ -36,8 +36,16 @@ pub struct ChargeGroup {
 impl ChargeCloud {
     /// Groups the charges (position in Å, charge in e).
     pub fn new(charges: &[(Vec3, f64)]) -> Self {
-        let mut charged: Vec<(Vec3, f64)> = charges.iter().filter(|(_, charge)| *charge != 0.0).copied().collect();
-        let radius_angstrom = charged.iter().map(|(position, _)| position.norm_squared()).fold(0.0, f64::max).sqrt();
+        let mut charged: Vec<(Vec3, f64)> = charges
+            .iter()
+            .filter(|(_, charge)| *charge != 0.0)
+            .copied()
+            .collect();
+        let radius_angstrom = charged
+            .iter()
+            .map(|(position, _)| position.norm_squared())
+            .fold(0.0, f64::max)
+            .sqrt();
         let mut groups = Vec::with_capacity(charged.len().div_ceil(LANES));
         split(&mut charged, &mut groups);
         Self {
@@ -75,21 +83,30 @@ impl ChargeCloud {
 
     /// The charges one by one: position (Å) and charge (e).
     pub fn iter(&self) -> impl Iterator<Item = (Vec3, f64)> + '_ {
-        let sites =
-            self.groups.iter().flat_map(|g| (0..LANES).map(|k| (Vec3::new(g.x[k], g.y[k], g.z[k]), g.charge_e[k])));
+        let sites = self
+            .groups
+            .iter()
+            .flat_map(|g| (0..LANES).map(|k| (Vec3::new(g.x[k], g.y[k], g.z[k]), g.charge_e[k])));
         sites.filter(|(_, charge)| *charge != 0.0)
     }
 }
 
-/// Halves the charges at the median of their longest extent, at a multiple of [`LANES`], until a group is left.
+/// Halves the charges at the median of their longest extent, at a multiple of [`LANES`], until a
+/// group is left.
 fn split(charges: &mut [(Vec3, f64)], groups: &mut Vec<ChargeGroup>) {
-    let Some(&(start, _)) = charges.first() else { return };
+    let Some(&(start, _)) = charges.first() else {
+        return;
+    };
     if charges.len() <= LANES {
         groups.push(ChargeGroup::new(charges));
         return;
     }
-    let low = charges.iter().fold(start, |low, (position, _)| low.inf(position));
-    let high = charges.iter().fold(start, |high, (position, _)| high.sup(position));
+    let low = charges
+        .iter()
+        .fold(start, |low, (position, _)| low.inf(position));
+    let high = charges
+        .iter()
+        .fold(start, |high, (position, _)| high.sup(position));
     let axis = (high - low).imax();
     let middle = charges.len().div_ceil(LANES).div_ceil(2) * LANES;
     charges.select_nth_unstable_by(middle, |a, b| a.0[axis].total_cmp(&b.0[axis]));
@@ -101,14 +118,24 @@ fn split(charges: &mut [(Vec3, f64)], groups: &mut Vec<ChargeGroup>) {
 impl ChargeGroup {
     /// A group of one to [`LANES`] charges; empty lanes repeat the first place with no charge.
     fn new(charges: &[(Vec3, f64)]) -> Self {
-        let at = |lane: usize| charges.get(lane).map_or(charges[0].0, |(position, _)| *position);
-        let centre = charges.iter().map(|(position, _)| position).sum::<Vec3>() / charges.len() as f64;
-        let farthest = charges.iter().map(|(position, _)| (position - centre).norm_squared()).fold(0.0, f64::max);
+        let at = |lane: usize| {
+            charges
+                .get(lane)
+                .map_or(charges[0].0, |(position, _)| *position)
+        };
+        let centre =
+            charges.iter().map(|(position, _)| position).sum::<Vec3>() / charges.len() as f64;
+        let farthest = charges
+            .iter()
+            .map(|(position, _)| (position - centre).norm_squared())
+            .fold(0.0, f64::max);
         Self {
             x: std::array::from_fn(|lane| at(lane).x),
             y: std::array::from_fn(|lane| at(lane).y),
             z: std::array::from_fn(|lane| at(lane).z),
-            charge_e: std::array::from_fn(|lane| charges.get(lane).map_or(0.0, |(_, charge)| *charge)),
+            charge_e: std::array::from_fn(|lane| {
+                charges.get(lane).map_or(0.0, |(_, charge)| *charge)
+            }),
             centre,
             radius_angstrom: farthest.sqrt(),
         }
@@ -124,15 +151,20 @@ mod tests {
     fn grouping_keeps_every_charge_inside_its_sphere() {
         for count in [0, 1, 7, 8, 9, 16, 17, 1003] {
             let mut rng = CounterRng::new(2, 0, count);
-            let mut charges: Vec<(Vec3, f64)> =
-                (0..count).map(|_| (rng.vector_in_ball(20.0), rng.uniform_in(-1.0, 1.0))).collect();
+            let mut charges: Vec<(Vec3, f64)> = (0..count)
+                .map(|_| (rng.vector_in_ball(20.0), rng.uniform_in(-1.0, 1.0)))
+                .collect();
             charges.push((Vec3::repeat(99.0), 0.0));
             let cloud = ChargeCloud::new(&charges);
             assert_eq!(cloud.len() as u64, count);
             assert_eq!(cloud.groups().len(), (count as usize).div_ceil(LANES));
             assert!(cloud.radius_angstrom() <= 20.0);
             let mut kept: Vec<f64> = cloud.iter().map(|(_, charge)| charge).collect();
-            let mut given: Vec<f64> = charges.iter().map(|(_, charge)| *charge).filter(|q| *q != 0.0).collect();
+            let mut given: Vec<f64> = charges
+                .iter()
+                .map(|(_, charge)| *charge)
+                .filter(|q| *q != 0.0)
+                .collect();
             kept.sort_by(f64::total_cmp);
             given.sort_by(f64::total_cmp);
             assert_eq!(kept, given);

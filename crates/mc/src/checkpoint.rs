@@ -43,14 +43,22 @@ impl Checkpoint {
     /// [`McError::ForeignCheckpoint`] if it was written from another system.
     pub(crate) fn check_system(&self, system: &System) -> Result<()> {
         let difference = if self.version != Checkpoint::VERSION {
-            format!("it has version {}, this program writes {}", self.version, Checkpoint::VERSION)
+            format!(
+                "it has version {}, this program writes {}",
+                self.version,
+                Checkpoint::VERSION
+            )
         } else if self.type_names != type_names(system) || self.poses.len() != system.len() {
             "its bodies are others".into()
         } else if self.boundary != *system.boundary() {
             "its box is another".into()
         } else if self.tuners.len() != system.types().len() {
             "it has another number of body types".into()
-        } else if self.energies.iter().any(|pair| pair.first >= pair.second || pair.second >= system.len()) {
+        } else if self
+            .energies
+            .iter()
+            .any(|pair| pair.first >= pair.second || pair.second >= system.len())
+        {
             "its energies name bodies that do not exist".into()
         } else {
             return Ok(());
@@ -61,5 +69,7 @@ impl Checkpoint {
 
 /// The type of each body, by name.
 pub(crate) fn type_names(system: &System) -> Vec<String> {
-    (0..system.len()).map(|body| system.body_type(body).name.clone()).collect()
+    (0..system.len())
+        .map(|body| system.body_type(body).name.clone())
+        .collect()
 }

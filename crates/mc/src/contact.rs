@@ -15,25 +15,38 @@ impl SurfacePoints {
         Self(ChargeCloud::new(&points))
     }
 
-    /// Whether a vertex of this surface and one of the other, which stands at `relative`, are nearer than
-    /// `distance_angstrom`. At a vertex per Å² and distances of some Å this differs from the gap between the surfaces by
-    /// less than 0.1 Å.
-    pub fn comes_within(&self, other: &SurfacePoints, relative: &RelativePose, distance_angstrom: f64) -> bool {
+    /// Whether a vertex of this surface and one of the other, which stands at `relative`, are
+    /// nearer than `distance_angstrom`. At a vertex per Å² and distances of some Å this differs
+    /// from the gap between the surfaces by less than 0.1 Å.
+    pub fn comes_within(
+        &self,
+        other: &SurfacePoints,
+        relative: &RelativePose,
+        distance_angstrom: f64,
+    ) -> bool {
         let near = |a: &ChargeGroup, b: &ChargeGroup, centre: &Vec3| {
             let reach = a.radius_angstrom + b.radius_angstrom + distance_angstrom;
-            (centre - a.centre).norm_squared() < reach * reach && groups_come_within(a, b, relative, distance_angstrom)
+            (centre - a.centre).norm_squared() < reach * reach
+                && groups_come_within(a, b, relative, distance_angstrom)
         };
         other.0.groups().iter().any(|b| {
             let centre = relative.transform_point(&b.centre);
             let reach = self.0.radius_angstrom() + b.radius_angstrom + distance_angstrom;
-            centre.norm_squared() < reach * reach && self.0.groups().iter().any(|a| near(a, b, &centre))
+            centre.norm_squared() < reach * reach
+                && self.0.groups().iter().any(|a| near(a, b, &centre))
         })
     }
 }
 
 /// Empty lanes repeat the first point, so they need no care.
-fn groups_come_within(a: &ChargeGroup, b: &ChargeGroup, relative: &RelativePose, distance: f64) -> bool {
-    let point = |group: &ChargeGroup, lane: usize| Vec3::new(group.x[lane], group.y[lane], group.z[lane]);
+fn groups_come_within(
+    a: &ChargeGroup,
+    b: &ChargeGroup,
+    relative: &RelativePose,
+    distance: f64,
+) -> bool {
+    let point =
+        |group: &ChargeGroup, lane: usize| Vec3::new(group.x[lane], group.y[lane], group.z[lane]);
     (0..LANES).any(|lane| {
         let moved = relative.transform_point(&point(b, lane));
         (0..LANES).any(|other| (point(a, other) - moved).norm_squared() < distance * distance)
@@ -56,14 +69,22 @@ mod tests {
                 triangles: Vec::new(),
             };
             let (a, b) = (cloud(40 + case % 9), cloud(60 + case % 7));
-            let pose = Pose { position: rng.unit_vector() * 24.0, rotation: rng.rotation() };
+            let pose = Pose {
+                position: rng.unit_vector() * 24.0,
+                rotation: rng.rotation(),
+            };
             let relative = RelativePose::new(&Pose::identity(), &pose, &pose.position);
             let least = a
                 .vertices
                 .iter()
-                .flat_map(|p| b.vertices.iter().map(move |q| (p - pose.transform_point(q)).norm()))
+                .flat_map(|p| {
+                    b.vertices
+                        .iter()
+                        .map(move |q| (p - pose.transform_point(q)).norm())
+                })
                 .fold(f64::INFINITY, f64::min);
-            let within = SurfacePoints::new(&a).comes_within(&SurfacePoints::new(&b), &relative, 5.0);
+            let within =
+                SurfacePoints::new(&a).comes_within(&SurfacePoints::new(&b), &relative, 5.0);
             assert_eq!(within, least < 5.0);
             near += usize::from(within);
         }

@@ -15,7 +15,8 @@ pub enum McError {
         /// Indices of the bodies, the smaller first, ascending.
         pairs: Vec<(usize, usize)>,
     },
-    /// An energy that is not a number or infinite: two charges on top of each other, or a charge that is not a number.
+    /// An energy that is not a number or infinite: two charges on top of each other, or a charge
+    /// that is not a number.
     #[error(
         "the energy of bodies {first} and {second} is {energy_kt} kT at trial move {step}; two of their charges \
          coincide, so the charges reach outside the hard surface"
@@ -44,7 +45,9 @@ pub enum McError {
         requirement: &'static str,
     },
     /// A checkpoint of another system.
-    #[error("the checkpoint does not belong to this system: {0}; start anew or use the system it was written from")]
+    #[error(
+        "the checkpoint does not belong to this system: {0}; start anew or use the system it was written from"
+    )]
     ForeignCheckpoint(String),
     /// Stored energy tables that are not those asked for, or not what was stored.
     #[error("the stored energy tables cannot be used: {0}; make them anew")]
@@ -60,7 +63,11 @@ pub type Result<T> = std::result::Result<T, McError>;
 /// The first few pairs, as a user reads them.
 fn list(pairs: &[(usize, usize)]) -> String {
     const SHOWN: usize = 12;
-    let mut text: Vec<String> = pairs.iter().take(SHOWN).map(|(i, j)| format!("({i}, {j})")).collect();
+    let mut text: Vec<String> = pairs
+        .iter()
+        .take(SHOWN)
+        .map(|(i, j)| format!("({i}, {j})"))
+        .collect();
     if pairs.len() > SHOWN {
         text.push(format!("and {} more", pairs.len() - SHOWN));
     }

@@ -8,10 +8,12 @@ use crate::sparse_rows::SparseRows;
 use crate::system::{Pair, System, Trial};
 use protomer_kernel::overlap::{CarriedBound, overlaps, separation_bound};
 
-/// A gap is looked for no further than this, Å: a pair farther apart is safe for many moves as it is.
+/// A gap is looked for no further than this, Å: a pair farther apart is safe for many moves as it
+/// is.
 const LOOK_AHEAD_ANGSTROM: f64 = 2.0;
 
-/// A gap below this, Å, is no help to a move; such a pair is only asked whether it overlaps, which is cheaper ...
+/// A gap below this, Å, is no help to a move; such a pair is only asked whether it overlaps, which
+/// is cheaper ...
 const TIGHT_ANGSTROM: f64 = 0.4;
 
 /// ... until its surfaces can have moved this far, Å, and the gap may be another.
@@ -20,7 +22,8 @@ const STALE_ANGSTROM: f64 = 2.0;
 /// Rounding in a bound, Å, taken off before it is believed.
 const ROUNDING_ANGSTROM: f64 = 1e-6;
 
-/// Finds overlaps, and remembers how far apart surfaces were. What it remembers saves time and never changes an answer.
+/// Finds overlaps, and remembers how far apart surfaces were. What it remembers saves time and
+/// never changes an answer.
 #[derive(Debug, Clone)]
 pub struct HardBodies {
     /// Row: the first body of a pair; column: the second.
@@ -38,7 +41,10 @@ struct Gap {
 impl HardBodies {
     /// Nothing is remembered yet.
     pub fn new(bodies: usize) -> Self {
-        Self { gaps: SparseRows::new(bodies), suspects: Vec::new() }
+        Self {
+            gaps: SparseRows::new(bodies),
+            suspects: Vec::new(),
+        }
     }
 
     /// Whether the trial's body would overlap one of these partners.
@@ -55,24 +61,35 @@ impl HardBodies {
             }
         }
         suspects.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let blocked = suspects.iter().any(|(_, partner)| self.meshes_overlap(&trial.pair(*partner)));
+        let blocked = suspects
+            .iter()
+            .any(|(_, partner)| self.meshes_overlap(&trial.pair(*partner)));
         self.suspects = suspects;
         blocked
     }
 
     /// Whether the two bodies of this pair overlap.
     pub fn overlap(&mut self, pair: &Pair<'_>) -> bool {
-        within_bounding_spheres(pair) && self.known_gap(pair).now_angstrom() <= 0.0 && self.meshes_overlap(pair)
+        within_bounding_spheres(pair)
+            && self.known_gap(pair).now_angstrom() <= 0.0
+            && self.meshes_overlap(pair)
     }
 
     /// What is remembered of the pair, and how far its surfaces can have moved since.
     fn known_gap(&self, pair: &Pair<'_>) -> KnownGap {
-        let Some(gap) = self.gaps.get(pair.first, pair.second) else { return KnownGap::NOTHING };
+        let Some(gap) = self.gaps.get(pair.first, pair.second) else {
+            return KnownGap::NOTHING;
+        };
         let (first, second) = pair.types();
         let radii = [first.hard_radius_angstrom(), second.hard_radius_angstrom()];
         let (first, second) = (&pair.first_pose, &pair.second_pose);
-        let remaining = gap.carried.remaining_angstrom(first, second, &pair.displacement, radii);
-        KnownGap { bound_angstrom: gap.bound_angstrom, moved_angstrom: gap.bound_angstrom - remaining }
+        let remaining = gap
+            .carried
+            .remaining_angstrom(first, second, &pair.displacement, radii);
+        KnownGap {
+            bound_angstrom: gap.bound_angstrom,
+            moved_angstrom: gap.bound_angstrom - remaining,
+        }
     }
 
     fn meshes_overlap(&mut self, pair: &Pair<'_>) -> bool {
@@ -87,7 +104,10 @@ impl HardBodies {
             Some(bound_angstrom) => {
                 let (first, second) = (&pair.first_pose, &pair.second_pose);
                 let carried = CarriedBound::new(bound_angstrom, first, second, &pair.displacement);
-                let gap = Gap { bound_angstrom, carried };
+                let gap = Gap {
+                    bound_angstrom,
+                    carried,
+                };
                 self.gaps.set(pair.first, pair.second, gap);
                 false
             }
@@ -103,7 +123,10 @@ struct KnownGap {
 }
 
 impl KnownGap {
-    const NOTHING: Self = Self { bound_angstrom: 0.0, moved_angstrom: f64::INFINITY };
+    const NOTHING: Self = Self {
+        bound_angstrom: 0.0,
+        moved_angstrom: f64::INFINITY,
+    };
 
     /// The bound that holds now, Å.
     fn now_angstrom(&self) -> f64 {
@@ -111,10 +134,14 @@ impl KnownGap {
     }
 }
 
-/// Every pair of bodies that overlaps, the smaller index first, ascending; nothing is assumed or remembered.
+/// Every pair of bodies that overlaps, the smaller index first, ascending; nothing is assumed or
+/// remembered.
 pub fn overlapping_pairs(system: &System) -> Vec<(usize, usize)> {
-    let pairs = (0..system.len()).flat_map(|first| (first + 1..system.len()).map(move |second| (first, second)));
-    pairs.filter(|&(first, second)| pair_overlaps(&system.pair(first, second))).collect()
+    let pairs = (0..system.len())
+        .flat_map(|first| (first + 1..system.len()).map(move |second| (first, second)));
+    pairs
+        .filter(|&(first, second)| pair_overlaps(&system.pair(first, second)))
+        .collect()
 }
 
 fn pair_overlaps(pair: &Pair<'_>) -> bool {

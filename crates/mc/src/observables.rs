@@ -28,38 +28,50 @@ pub struct Observables {
 ///
 /// R_g² = Σ_{i<j} w_i w_j |r_ij|² / (Σ w_i)²,
 ///
-/// the same as the mean square distance from the weighted centre. In a periodic box r_ij is the shortest image, so the
-/// value depends on the configuration only: it is the usual one while the assembly fits into half the box, and
-/// for a gas that fills the box it levels off at (1 - 1/N) (Lx² + Ly² + Lz²)/24 for equal weights.
+/// the same as the mean square distance from the weighted centre. In a periodic box r_ij is the
+/// shortest image, so the value depends on the configuration only: it is the usual one while the
+/// assembly fits into half the box, and for a gas that fills the box it levels off at (1 - 1/N)
+/// (Lx² + Ly² + Lz²)/24 for equal weights.
 pub fn r_g_angstrom(system: &System, weight: impl Fn(usize) -> f64) -> f64 {
     let (boundary, poses) = (system.boundary(), system.poses());
     let mut sum = 0.0;
     for (second, pose) in poses.iter().enumerate() {
         for (first, other) in poses[..second].iter().enumerate() {
-            let distance_squared = boundary.displacement(&other.position, &pose.position).norm_squared();
+            let distance_squared = boundary
+                .displacement(&other.position, &pose.position)
+                .norm_squared();
             sum += weight(first) * weight(second) * distance_squared;
         }
     }
     sum.sqrt() / (0..poses.len()).map(weight).sum::<f64>()
 }
 
-/// The pairs of bodies whose surfaces come nearer than `gap_angstrom`, vertex to vertex; the smaller index first,
-/// ascending.
+/// The pairs of bodies whose surfaces come nearer than `gap_angstrom`, vertex to vertex; the
+/// smaller index first, ascending.
 pub fn contacts(system: &System, gap_angstrom: f64) -> Vec<(usize, usize)> {
-    let pairs = (0..system.len()).flat_map(|first| (first + 1..system.len()).map(move |second| (first, second)));
-    pairs.filter(|&(first, second)| in_contact(&system.pair(first, second), gap_angstrom)).collect()
+    let pairs = (0..system.len())
+        .flat_map(|first| (first + 1..system.len()).map(move |second| (first, second)));
+    pairs
+        .filter(|&(first, second)| in_contact(&system.pair(first, second), gap_angstrom))
+        .collect()
 }
 
 fn in_contact(pair: &Pair<'_>, gap_angstrom: f64) -> bool {
     let (first, second) = pair.types();
     let reach = first.hard_radius_angstrom() + second.hard_radius_angstrom() + gap_angstrom;
     pair.displacement.norm_squared() < reach * reach
-        && first.surface_points.comes_within(&second.surface_points, &pair.relative(), gap_angstrom)
+        && first
+            .surface_points
+            .comes_within(&second.surface_points, &pair.relative(), gap_angstrom)
 }
 
-/// Fraction of the native contacts (ascending) that are among the present ones (ascending); `None` without native ones.
+/// Fraction of the native contacts (ascending) that are among the present ones (ascending); `None`
+/// without native ones.
 pub fn survival(native: &[(usize, usize)], present: &[(usize, usize)]) -> Option<f64> {
-    let kept = native.iter().filter(|pair| present.binary_search(pair).is_ok()).count();
+    let kept = native
+        .iter()
+        .filter(|pair| present.binary_search(pair).is_ok())
+        .count();
     (!native.is_empty()).then(|| kept as f64 / native.len() as f64)
 }
 
@@ -95,7 +107,10 @@ mod tests {
     fn clusters_and_survival_count_what_they_say() {
         let contacts = [(0, 3), (1, 2), (2, 5)];
         assert_eq!(cluster_sizes(7, &contacts), [3, 2, 1, 1]);
-        assert_eq!(survival(&[(0, 1), (1, 2), (2, 5), (3, 4)], &contacts), Some(0.5));
+        assert_eq!(
+            survival(&[(0, 1), (1, 2), (2, 5), (3, 4)], &contacts),
+            Some(0.5)
+        );
         assert_eq!(survival(&[], &contacts), None);
     }
 }

@@ -15,9 +15,11 @@ pub enum Interaction {
     HardOnly,
     /// Screened point charges, summed pair by pair.
     YukawaDirect(Yukawa),
-    /// The same, with the same decisions, by intervals; the direct sum only where they leave a decision open.
+    /// The same, with the same decisions, by intervals; the direct sum only where they leave a
+    /// decision open.
     YukawaCertified(Yukawa),
-    /// The same to within a likely error for each pair of bodies: decisions go by the intervals' middles.
+    /// The same to within a likely error for each pair of bodies: decisions go by the intervals'
+    /// middles.
     YukawaApproximate {
         /// The potential.
         yukawa: Yukawa,
@@ -33,9 +35,10 @@ impl Interaction {
             Interaction::HardOnly => Box::new(NoCharges),
             Interaction::YukawaDirect(yukawa) => Box::new(DirectSum::new(*yukawa)),
             Interaction::YukawaCertified(yukawa) => Box::new(CertifiedSum::new(*yukawa)),
-            Interaction::YukawaApproximate { yukawa, tolerance_kt } => {
-                Box::new(CertifiedSum::new(*yukawa).with_tolerance(*tolerance_kt))
-            }
+            Interaction::YukawaApproximate {
+                yukawa,
+                tolerance_kt,
+            } => Box::new(CertifiedSum::new(*yukawa).with_tolerance(*tolerance_kt)),
         }
     }
 }
@@ -58,8 +61,8 @@ pub struct Settings {
     pub rotation_fraction: f64,
     /// Geometric cluster moves in each sweep, beside one trial move per body.
     pub cluster_moves_per_sweep: u32,
-    /// Largest distance from the seed body at which the axis of a cluster move passes, Å; `None` for the diameter of
-    /// the largest body.
+    /// Largest distance from the seed body at which the axis of a cluster move passes, Å; `None`
+    /// for the diameter of the largest body.
     pub cluster_axis_reach_angstrom: Option<f64>,
     /// Two bodies are in contact when their surfaces come nearer than this, vertex to vertex, Å.
     pub contact_gap_angstrom: f64,
@@ -94,21 +97,50 @@ impl Settings {
         let (step, angle) = (self.translation_step_angstrom, self.rotation_step_rad);
         let checks = [
             ("tolerance_kt", tolerance, positive(tolerance), "positive"),
-            ("translation_step_angstrom", step, positive(step), "positive"),
-            ("rotation_step_rad", angle, positive(angle) && angle <= PI, "positive and at most π"),
+            (
+                "translation_step_angstrom",
+                step,
+                positive(step),
+                "positive",
+            ),
+            (
+                "rotation_step_rad",
+                angle,
+                positive(angle) && angle <= PI,
+                "positive and at most π",
+            ),
             (
                 "target_acceptance",
                 self.target_acceptance,
                 (0.01..=0.99).contains(&self.target_acceptance),
                 "0.01 to 0.99",
             ),
-            ("rotation_fraction", self.rotation_fraction, fraction, "0 to 1"),
-            ("cluster_axis_reach_angstrom", reach, positive(reach), "positive"),
-            ("contact_gap_angstrom", self.contact_gap_angstrom, positive(self.contact_gap_angstrom), "positive"),
+            (
+                "rotation_fraction",
+                self.rotation_fraction,
+                fraction,
+                "0 to 1",
+            ),
+            (
+                "cluster_axis_reach_angstrom",
+                reach,
+                positive(reach),
+                "positive",
+            ),
+            (
+                "contact_gap_angstrom",
+                self.contact_gap_angstrom,
+                positive(self.contact_gap_angstrom),
+                "positive",
+            ),
         ];
         match checks.into_iter().find(|check| !check.2) {
             None => Ok(()),
-            Some((setting, value, _, requirement)) => Err(McError::BadSetting { setting, value, requirement }),
+            Some((setting, value, _, requirement)) => Err(McError::BadSetting {
+                setting,
+                value,
+                requirement,
+            }),
         }
     }
 }

@@ -25,8 +25,9 @@ pub enum Outcome {
 
 /// A Monte Carlo simulation of one replica.
 ///
-/// A sweep is one trial move per body (of bodies drawn at random) and then the geometric cluster moves. Trial move s of a
-/// replica draws its random numbers from the stream (seed, replica, s), so nothing random needs to be saved.
+/// A sweep is one trial move per body (of bodies drawn at random) and then the geometric cluster
+/// moves. Trial move s of a replica draws its random numbers from the stream (seed, replica, s), so
+/// nothing random needs to be saved.
 pub struct Simulation {
     system: System,
     settings: Settings,
@@ -47,12 +48,20 @@ impl Simulation {
     ///
     /// # Errors
     /// [`McError::OverlappingStart`] lists the pairs that overlap; [`McError::BadSetting`];
-    /// [`McError::NonFiniteEnergy`]; [`KernelError::BoxTooSmall`](protomer_kernel::KernelError::BoxTooSmall).
+    /// [`McError::NonFiniteEnergy`];
+    /// [`KernelError::BoxTooSmall`](protomer_kernel::KernelError::BoxTooSmall).
     pub fn new(system: System, settings: Settings, seed: u64, replica: u32) -> Result<Self> {
-        Self::with_model(system, settings, settings.interaction.model(), seed, replica)
+        Self::with_model(
+            system,
+            settings,
+            settings.interaction.model(),
+            seed,
+            replica,
+        )
     }
 
-    /// As [`Simulation::new`], with an energy model of the caller's in the place of the one the settings name.
+    /// As [`Simulation::new`], with an energy model of the caller's in the place of the one the
+    /// settings name.
     ///
     /// # Errors
     /// As [`Simulation::new`].
@@ -74,7 +83,11 @@ impl Simulation {
             translation_angstrom: settings.translation_step_angstrom,
             rotation_rad: settings.rotation_step_rad,
         };
-        let tuners = system.types().iter().map(|_| Tuner::new(steps, largest_translation(&system))).collect();
+        let tuners = system
+            .types()
+            .iter()
+            .map(|_| Tuner::new(steps, largest_translation(&system)))
+            .collect();
         Ok(Self {
             hard: HardBodies::new(system.len()),
             statistics: Statistics::new(system.types().len()),
@@ -91,7 +104,8 @@ impl Simulation {
         })
     }
 
-    /// Goes on from a checkpoint. `system` gives the body types and the boundary; its poses are replaced.
+    /// Goes on from a checkpoint. `system` gives the body types and the boundary; its poses are
+    /// replaced.
     ///
     /// # Errors
     /// [`McError::ForeignCheckpoint`] if the checkpoint was written from another system.
@@ -148,7 +162,8 @@ impl Simulation {
         }
     }
 
-    /// Runs until `sweep` sweeps are done in all, calling the observer after each; the observer may stop the run.
+    /// Runs until `sweep` sweeps are done in all, calling the observer after each; the observer may
+    /// stop the run.
     ///
     /// # Errors
     /// [`McError::NonFiniteEnergy`] names the trial move and the pair.
@@ -172,10 +187,12 @@ impl Simulation {
         let cluster_moves = u64::from(self.settings.cluster_moves_per_sweep);
         let first_step = self.sweep * (bodies + cluster_moves);
         for step in first_step..first_step + bodies {
-            self.single_move(step).map_err(|error| at_step(error, step))?;
+            self.single_move(step)
+                .map_err(|error| at_step(error, step))?;
         }
         for step in first_step + bodies..first_step + bodies + cluster_moves {
-            self.cluster_move(step).map_err(|error| at_step(error, step))?;
+            self.cluster_move(step)
+                .map_err(|error| at_step(error, step))?;
         }
         self.sweep += 1;
         if self.sweep == self.settings.equilibration_sweeps {
@@ -184,15 +201,18 @@ impl Simulation {
         Ok(())
     }
 
-    /// Makes trial moves 0 to `moves` of this replica's stream without cluster moves or tuning between them, and tells
-    /// each decision: what a benchmark times and two energy models are compared by. Meant for a simulation about to make
-    /// its first move; sweeps are not counted.
+    /// Makes trial moves 0 to `moves` of this replica's stream without cluster moves or tuning
+    /// between them, and tells each decision: what a benchmark times and two energy models are
+    /// compared by. Meant for a simulation about to make its first move; sweeps are not counted.
     ///
     /// # Errors
     /// As [`Simulation::run_until`].
     pub fn trial_moves(&mut self, moves: u64, decided: &mut dyn FnMut(bool)) -> Result<()> {
         for step in 0..moves {
-            decided(self.single_move(step).map_err(|error| at_step(error, step))?);
+            decided(
+                self.single_move(step)
+                    .map_err(|error| at_step(error, step))?,
+            );
         }
         Ok(())
     }
@@ -202,9 +222,18 @@ impl Simulation {
         let mut rng = CounterRng::new(self.seed, self.replica, step);
         let budget_kt = -rng.uniform().ln();
         let body = rng.index(self.system.len());
-        let kind = if rng.uniform() < self.settings.rotation_fraction { Kind::Rotation } else { Kind::Translation };
+        let kind = if rng.uniform() < self.settings.rotation_fraction {
+            Kind::Rotation
+        } else {
+            Kind::Translation
+        };
         let body_type = self.system.type_index(body);
-        let proposed = single::propose(self.system.pose(body), kind, &self.tuners[body_type].steps, &mut rng);
+        let proposed = single::propose(
+            self.system.pose(body),
+            kind,
+            &self.tuners[body_type].steps,
+            &mut rng,
+        );
         let accepted = self.try_pose(body, proposed, budget_kt)?;
         self.statistics.count(kind, body_type, accepted);
         if self.sweep < self.settings.equilibration_sweeps {
@@ -218,7 +247,11 @@ impl Simulation {
         if !self.system.boundary().contains(&pose.position) {
             return Ok(false);
         }
-        let trial = Trial { system: &self.system, body, pose: self.system.tidy(pose) };
+        let trial = Trial {
+            system: &self.system,
+            body,
+            pose: self.system.tidy(pose),
+        };
         self.cells.candidates(&trial.pose.position, &mut self.near);
         self.near.retain(|partner| *partner != body);
         if self.hard.blocks(&trial, &self.near) {
@@ -237,10 +270,21 @@ impl Simulation {
     fn cluster_move(&mut self, step: u64) -> Result<()> {
         let mut rng = CounterRng::new(self.seed, self.replica, step);
         let seed_body = rng.index(self.system.len());
-        let reach = self.settings.cluster_axis_reach_angstrom.unwrap_or(self.system.hard_range_angstrom());
+        let reach = self
+            .settings
+            .cluster_axis_reach_angstrom
+            .unwrap_or(self.system.hard_range_angstrom());
         let turn = HalfTurn::random(&self.system, seed_body, reach, &mut rng);
         let (hard, energy) = (&mut self.hard, self.energy.as_mut());
-        let members = cluster::grow(&self.system, seed_body, &turn, hard, energy, &self.cells, &mut rng)?;
+        let members = cluster::grow(
+            &self.system,
+            seed_body,
+            &turn,
+            hard,
+            energy,
+            &self.cells,
+            &mut rng,
+        )?;
         let turned = |body: &usize| (*body, self.system.tidy(turn.apply(self.system.pose(*body))));
         let poses: Vec<(usize, Pose)> = members.iter().map(turned).collect();
         self.move_bodies(&poses);
@@ -250,11 +294,12 @@ impl Simulation {
         Ok(())
     }
 
-    /// Puts these bodies where they go; the poses are tidy already, so that their bits are those the energies were
-    /// computed from.
+    /// Puts these bodies where they go; the poses are tidy already, so that their bits are those
+    /// the energies were computed from.
     fn move_bodies(&mut self, poses: &[(usize, Pose)]) {
         for (body, pose) in poses {
-            self.cells.moved(*body, &self.system.pose(*body).position, &pose.position);
+            self.cells
+                .moved(*body, &self.system.pose(*body).position, &pose.position);
             self.system.set_pose(*body, *pose);
         }
     }
@@ -282,8 +327,8 @@ impl Simulation {
         self.energy.memory_bytes()
     }
 
-    /// The largest bound of a pair energy's error that was used so far, kT; zero for sums. A continued simulation counts
-    /// from where it was continued.
+    /// The largest bound of a pair energy's error that was used so far, kT; zero for sums. A
+    /// continued simulation counts from where it was continued.
     pub fn energy_error_bound_kt(&self) -> f64 {
         self.energy.error_bound_kt()
     }
@@ -326,12 +371,15 @@ impl Simulation {
 
 /// Cells wide enough for surfaces and charges alike.
 fn neighbour_cells(system: &System, energy: &dyn EnergyModel) -> Result<CellList> {
-    let range = system.hard_range_angstrom().max(energy.range_angstrom(system));
+    let range = system
+        .hard_range_angstrom()
+        .max(energy.range_angstrom(system));
     let positions: Vec<Vec3> = system.poses().iter().map(|pose| pose.position).collect();
     Ok(CellList::new(system.boundary(), range, &positions)?)
 }
 
-/// A translation beyond half of the space, or where it has no end beyond two diameters, gains nothing.
+/// A translation beyond half of the space, or where it has no end beyond two diameters, gains
+/// nothing.
 fn largest_translation(system: &System) -> f64 {
     match system.boundary() {
         Boundary::Periodic { lengths_angstrom } => 0.5 * lengths_angstrom.min(),
@@ -342,9 +390,17 @@ fn largest_translation(system: &System) -> f64 {
 
 fn at_step(error: McError, step: u64) -> McError {
     match error {
-        McError::NonFiniteEnergy { first, second, energy_kt, .. } => {
-            McError::NonFiniteEnergy { step, first, second, energy_kt }
-        }
+        McError::NonFiniteEnergy {
+            first,
+            second,
+            energy_kt,
+            ..
+        } => McError::NonFiniteEnergy {
+            step,
+            first,
+            second,
+            energy_kt,
+        },
         other => other,
     }
 }

@@ -8,12 +8,16 @@ pub(crate) struct SparseRows<T> {
 
 impl<T: Copy> SparseRows<T> {
     pub(crate) fn new(rows: usize) -> Self {
-        Self { rows: vec![Vec::new(); rows] }
+        Self {
+            rows: vec![Vec::new(); rows],
+        }
     }
 
     pub(crate) fn get(&self, row: usize, column: usize) -> Option<T> {
         let row = &self.rows[row];
-        row.binary_search_by_key(&(column as u32), |entry| entry.0).ok().map(|place| row[place].1)
+        row.binary_search_by_key(&(column as u32), |entry| entry.0)
+            .ok()
+            .map(|place| row[place].1)
     }
 
     pub(crate) fn set(&mut self, row: usize, column: usize, value: T) {
@@ -32,7 +36,9 @@ impl<T: Copy> SparseRows<T> {
     }
 
     pub(crate) fn row(&self, row: usize) -> impl Iterator<Item = (usize, T)> + '_ {
-        self.rows[row].iter().map(|(column, value)| (*column as usize, *value))
+        self.rows[row]
+            .iter()
+            .map(|(column, value)| (*column as usize, *value))
     }
 }
 
@@ -59,12 +65,20 @@ impl<T: Copy> PairTable<T> {
         self.0.remove(second, first);
     }
 
-    /// Bodies `moved` (ascending) moved as one: pairs between them and the rest take the proposed values, and none where
-    /// none is proposed; all other pairs stay.
-    pub(crate) fn take_over(&mut self, moved: &[usize], proposed: impl Iterator<Item = (usize, usize, T)>) {
+    /// Bodies `moved` (ascending) moved as one: pairs between them and the rest take the proposed
+    /// values, and none where none is proposed; all other pairs stay.
+    pub(crate) fn take_over(
+        &mut self,
+        moved: &[usize],
+        proposed: impl Iterator<Item = (usize, usize, T)>,
+    ) {
         let has_moved = |body: usize| moved.binary_search(&body).is_ok();
         for &body in moved {
-            let left: Vec<usize> = self.row(body).map(|entry| entry.0).filter(|partner| !has_moved(*partner)).collect();
+            let left: Vec<usize> = self
+                .row(body)
+                .map(|entry| entry.0)
+                .filter(|partner| !has_moved(*partner))
+                .collect();
             for partner in left {
                 self.remove(body, partner);
             }
@@ -103,7 +117,10 @@ mod tests {
         }
         table.remove(1, 2);
         table.set(1, 0, 7);
-        assert_eq!(table.pairs().collect::<Vec<_>>(), [(0, 1, 7), (0, 2, 2), (1, 3, 13)]);
+        assert_eq!(
+            table.pairs().collect::<Vec<_>>(),
+            [(0, 1, 7), (0, 2, 2), (1, 3, 13)]
+        );
         assert_eq!(table.row(1).map(|(j, _)| j).collect::<Vec<_>>(), [0, 3]);
         assert_eq!((table.get(2, 0), table.get(1, 2)), (Some(2), None));
     }
@@ -115,6 +132,9 @@ mod tests {
             table.set(i, j, 0);
         }
         table.take_over(&[0, 1], [(0, 1, 9), (1, 2, 5), (2, 3, 9)].into_iter());
-        assert_eq!(table.pairs().collect::<Vec<_>>(), [(0, 1, 0), (1, 2, 5), (2, 3, 0)]);
+        assert_eq!(
+            table.pairs().collect::<Vec<_>>(),
+            [(0, 1, 0), (1, 2, 5), (2, 3, 0)]
+        );
     }
 }

@@ -19,7 +19,12 @@ pub struct Statistics {
 impl Statistics {
     pub(crate) fn new(types: usize) -> Self {
         let none = vec![Acceptance::default(); types];
-        Self { translation: none.clone(), rotation: none, cluster_moves: 0, cluster_bodies: 0 }
+        Self {
+            translation: none.clone(),
+            rotation: none,
+            cluster_moves: 0,
+            cluster_bodies: 0,
+        }
     }
 
     pub(crate) fn count(&mut self, kind: Kind, body_type: usize, accepted: bool) {

@@ -15,17 +15,28 @@ pub struct System {
 }
 
 impl System {
-    /// Bodies, each given by the index of its type and its pose. Positions are wrapped into a periodic box.
+    /// Bodies, each given by the index of its type and its pose. Positions are wrapped into a
+    /// periodic box.
     ///
     /// # Errors
-    /// [`McError::BadSystem`] for no bodies, a type index out of range, a pose that is not finite, or an origin outside
-    /// a wall.
-    pub fn new(types: Vec<Arc<BodyType>>, bodies: &[(usize, Pose)], boundary: Boundary) -> Result<Self> {
+    /// [`McError::BadSystem`] for no bodies, a type index out of range, a pose that is not finite,
+    /// or an origin outside a wall.
+    pub fn new(
+        types: Vec<Arc<BodyType>>,
+        bodies: &[(usize, Pose)],
+        boundary: Boundary,
+    ) -> Result<Self> {
         if bodies.is_empty() {
-            return Err(McError::BadSystem("the system has no bodies; give at least one placement".into()));
+            return Err(McError::BadSystem(
+                "the system has no bodies; give at least one placement".into(),
+            ));
         }
         for (index, (kind, pose)) in bodies.iter().enumerate() {
-            let finite = pose.position.iter().chain(pose.rotation.coords.iter()).all(|number| number.is_finite());
+            let finite = pose
+                .position
+                .iter()
+                .chain(pose.rotation.coords.iter())
+                .all(|number| number.is_finite());
             let problem = if *kind >= types.len() {
                 format!("has type {kind}, but there are {} types", types.len())
             } else if !finite {
@@ -37,8 +48,12 @@ impl System {
             };
             return Err(McError::BadSystem(format!("body {index} {problem}")));
         }
-        let mut system =
-            Self { types, type_of: bodies.iter().map(|body| body.0).collect(), poses: Vec::new(), boundary };
+        let mut system = Self {
+            types,
+            type_of: bodies.iter().map(|body| body.0).collect(),
+            poses: Vec::new(),
+            boundary,
+        };
         system.poses = bodies.iter().map(|body| system.tidy(body.1)).collect();
         Ok(system)
     }
@@ -95,15 +110,24 @@ impl System {
         &self.boundary
     }
 
-    /// The pair of bodies as it stands. The smaller index is always the first, so a pair's numbers have the same bits
-    /// whichever of the two moved last.
+    /// The pair of bodies as it stands. The smaller index is always the first, so a pair's numbers
+    /// have the same bits whichever of the two moved last.
     pub fn pair(&self, body: usize, partner: usize) -> Pair<'_> {
-        Trial { system: self, body, pose: self.poses[body] }.pair(partner)
+        Trial {
+            system: self,
+            body,
+            pose: self.poses[body],
+        }
+        .pair(partner)
     }
 
     /// The largest distance of two origins at which surfaces can touch, Å.
     pub fn hard_range_angstrom(&self) -> f64 {
-        2.0 * self.types.iter().map(|kind| kind.hard_radius_angstrom()).fold(0.0, f64::max)
+        2.0 * self
+            .types
+            .iter()
+            .map(|kind| kind.hard_radius_angstrom())
+            .fold(0.0, f64::max)
     }
 }
 
@@ -123,11 +147,28 @@ impl<'a> Trial<'a> {
     pub fn pair(&self, partner: usize) -> Pair<'a> {
         let system = self.system;
         let moved_first = self.body < partner;
-        let (first, second) = if moved_first { (self.body, partner) } else { (partner, self.body) };
+        let (first, second) = if moved_first {
+            (self.body, partner)
+        } else {
+            (partner, self.body)
+        };
         let partner_pose = system.poses[partner];
-        let (first_pose, second_pose) = if moved_first { (self.pose, partner_pose) } else { (partner_pose, self.pose) };
-        let displacement = system.boundary.displacement(&first_pose.position, &second_pose.position);
-        Pair { system, first, second, first_pose, second_pose, displacement }
+        let (first_pose, second_pose) = if moved_first {
+            (self.pose, partner_pose)
+        } else {
+            (partner_pose, self.pose)
+        };
+        let displacement = system
+            .boundary
+            .displacement(&first_pose.position, &second_pose.position);
+        Pair {
+            system,
+            first,
+            second,
+            first_pose,
+            second_pose,
+            displacement,
+        }
     }
 }
 
@@ -150,12 +191,18 @@ pub struct Pair<'a> {
 impl<'a> Pair<'a> {
     /// The types of the two bodies.
     pub fn types(&self) -> (&'a BodyType, &'a BodyType) {
-        (self.system.body_type(self.first), self.system.body_type(self.second))
+        (
+            self.system.body_type(self.first),
+            self.system.body_type(self.second),
+        )
     }
 
     /// The indices of the types of the two bodies.
     pub fn type_indices(&self) -> (usize, usize) {
-        (self.system.type_index(self.first), self.system.type_index(self.second))
+        (
+            self.system.type_index(self.first),
+            self.system.type_index(self.second),
+        )
     }
 
     /// The pose of the second body in the frame of the first.

@@ -39,7 +39,12 @@ fn system() -> System {
     let kinds: Vec<Arc<BodyType>> = [1.0, -1.0]
         .iter()
         .map(|sign| {
-            let mut charge = || (rng.vector_in_ball(RADIUS_ANGSTROM - 1.5), sign * 0.07 + rng.uniform_in(-0.6, 0.6));
+            let mut charge = || {
+                (
+                    rng.vector_in_ball(RADIUS_ANGSTROM - 1.5),
+                    sign * 0.07 + rng.uniform_in(-0.6, 0.6),
+                )
+            };
             let charges: Vec<(Vec3, f64)> = (0..CHARGES).map(|_| charge()).collect();
             Arc::new(BodyType::new("ball", &mesh, &charges).unwrap())
         })
@@ -47,41 +52,75 @@ fn system() -> System {
     let bodies: Vec<(usize, Pose)> = (0..8)
         .map(|i| {
             let corner = |bit: usize| 24.0 * f64::from(u8::from(i >> bit & 1 == 1)) - 12.0;
-            (i % 2, Pose { position: Vec3::new(corner(0), corner(1), corner(2)), rotation: rng.rotation() })
+            (
+                i % 2,
+                Pose {
+                    position: Vec3::new(corner(0), corner(1), corner(2)),
+                    rotation: rng.rotation(),
+                },
+            )
         })
         .collect();
-    System::new(kinds, &bodies, Boundary::SphereWall { radius_angstrom: 34.0 }).unwrap()
+    System::new(
+        kinds,
+        &bodies,
+        Boundary::SphereWall {
+            radius_angstrom: 34.0,
+        },
+    )
+    .unwrap()
 }
 
 /// Translations, rotations and cluster moves.
 fn moves() -> Settings {
     // The model is given beside the settings, which only travel with it.
-    Settings { equilibration_sweeps: 150, ..settings(Interaction::HardOnly, 1) }
+    Settings {
+        equilibration_sweeps: 150,
+        ..settings(Interaction::HardOnly, 1)
+    }
 }
 
 /// Energy (kT), radius of gyration (Å) and contacts, from independent replicas.
 fn sample(system: &System, model: &dyn Fn() -> Box<dyn EnergyModel>, seed: u64) -> [Estimate; 3] {
     let mut samples: [Vec<f64>; 3] = Default::default();
     for replica in 0..REPLICAS {
-        let mut simulation = Simulation::with_model(system.clone(), moves(), model(), seed, replica).unwrap();
+        let mut simulation =
+            Simulation::with_model(system.clone(), moves(), model(), seed, replica).unwrap();
         let equilibration = moves().equilibration_sweeps;
-        simulation.run_until(equilibration, &mut |_| ControlFlow::Continue(())).unwrap();
+        simulation
+            .run_until(equilibration, &mut |_| ControlFlow::Continue(()))
+            .unwrap();
         let mut sums = [0.0; 3];
         let mut measure = |state: &Simulation| {
             let touching = contacts(state.system(), 4.0).len() as f64;
-            let energy: f64 = state.pair_energies().iter().map(|pair| pair.energy_kt).sum();
+            let energy: f64 = state
+                .pair_energies()
+                .iter()
+                .map(|pair| pair.energy_kt)
+                .sum();
             let values = [energy, r_g_angstrom(state.system(), |_| 1.0), touching];
-            sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+            sums.iter_mut()
+                .zip(values)
+                .for_each(|(sum, value)| *sum += value);
             ControlFlow::Continue(())
         };
-        simulation.run_until(equilibration + SWEEPS, &mut measure).unwrap();
-        samples.iter_mut().zip(sums).for_each(|(samples, sum)| samples.push(sum / SWEEPS as f64));
+        simulation
+            .run_until(equilibration + SWEEPS, &mut measure)
+            .unwrap();
+        samples
+            .iter_mut()
+            .zip(sums)
+            .for_each(|(samples, sum)| samples.push(sum / SWEEPS as f64));
     }
     samples.map(|samples| Estimate::of(&samples))
 }
 
 fn tables(system: &System) -> Vec<Arc<ChargeTable>> {
-    system.types().iter().map(|kind| Arc::new(ChargeTable::new(&kind.charges, &yukawa()))).collect()
+    system
+        .types()
+        .iter()
+        .map(|kind| Arc::new(ChargeTable::new(&kind.charges, &yukawa())))
+        .collect()
 }
 
 #[test]
@@ -91,22 +130,53 @@ fn averages_do_not_depend_on_how_energies_are_computed() {
     let certified = || CertifiedSum::with_tables(yukawa(), tables.clone());
     let direct = sample(&system, &|| Box::new(DirectSum::new(yukawa())), 61);
     let hard = sample(&system, &|| Box::new(NoCharges), 62);
-    let near = sample(&system, &|| Box::new(certified().with_tolerance(TOLERANCE_KT)), 63);
+    let near = sample(
+        &system,
+        &|| Box::new(certified().with_tolerance(TOLERANCE_KT)),
+        63,
+    );
     let certain = sample(&system, &|| Box::new(certified()), 64);
-    for (name, k, largest_error) in [("energy, kT", 0, 0.5), ("R_g, Å", 1, 0.3), ("contacts", 2, 0.15)] {
-        assert_agree(&format!("approximate {name}"), near[k], direct[k], largest_error);
-        assert_agree(&format!("certified {name}"), certain[k], direct[k], largest_error);
+    for (name, k, largest_error) in [
+        ("energy, kT", 0, 0.5),
+        ("R_g, Å", 1, 0.3),
+        ("contacts", 2, 0.15),
+    ] {
+        assert_agree(
+            &format!("approximate {name}"),
+            near[k],
+            direct[k],
+            largest_error,
+        );
+        assert_agree(
+            &format!("certified {name}"),
+            certain[k],
+            direct[k],
+            largest_error,
+        );
         let sigmas = hard[k].sigmas_from(&direct[k]);
-        assert!(sigmas > 6.0, "{name} of hard bodies is {sigmas} sigma away: charges matter to what is compared");
+        assert!(
+            sigmas > 6.0,
+            "{name} of hard bodies is {sigmas} sigma away: charges matter to what is compared"
+        );
     }
 }
 
-/// What a run leaves behind but the energies, of which certified ones are only known to lie in an interval.
+/// What a run leaves behind but the energies, of which certified ones are only known to lie in an
+/// interval.
 fn trace(mut simulation: Simulation, sweeps: u64) -> (String, u64) {
-    simulation.run_until(sweeps, &mut |_| ControlFlow::Continue(())).unwrap();
+    simulation
+        .run_until(sweeps, &mut |_| ControlFlow::Continue(()))
+        .unwrap();
     let steps = simulation.step_sizes();
     let cluster_bodies = simulation.statistics().cluster_bodies;
-    (format!("{:?} {:?} {steps:?}", simulation.system().poses(), simulation.statistics()), cluster_bodies)
+    (
+        format!(
+            "{:?} {:?} {steps:?}",
+            simulation.system().poses(),
+            simulation.statistics()
+        ),
+        cluster_bodies,
+    )
 }
 
 #[test]
@@ -114,12 +184,21 @@ fn certified_runs_are_the_direct_runs_of_the_same_seed() {
     let system = system();
     let tables = tables(&system);
     let run = |model: Box<dyn EnergyModel>, seed| {
-        trace(Simulation::with_model(system.clone(), moves(), model, seed, 0).unwrap(), 250)
+        trace(
+            Simulation::with_model(system.clone(), moves(), model, seed, 0).unwrap(),
+            250,
+        )
     };
     for seed in [64, 65] {
         let (direct, cluster_bodies) = run(Box::new(DirectSum::new(yukawa())), seed);
-        let (certified, _) = run(Box::new(CertifiedSum::with_tables(yukawa(), tables.clone())), seed);
-        assert_eq!(direct, certified, "every pose and every count to the last bit");
+        let (certified, _) = run(
+            Box::new(CertifiedSum::with_tables(yukawa(), tables.clone())),
+            seed,
+        );
+        assert_eq!(
+            direct, certified,
+            "every pose and every count to the last bit"
+        );
         assert!(cluster_bodies > 200, "rigid groups moved: {cluster_bodies}");
     }
 }

@@ -29,7 +29,10 @@ impl BodyFiles {
     /// # Errors
     /// Names the file that cannot be used.
     pub fn read(paths: &[PathBuf]) -> Result<Self> {
-        let bodies = paths.iter().map(|path| Ok(body_file::read(path)?.0)).collect::<Result<Vec<Body>>>()?;
+        let bodies = paths
+            .iter()
+            .map(|path| Ok(body_file::read(path)?.0))
+            .collect::<Result<Vec<Body>>>()?;
         Self::new(paths.to_vec(), bodies)
     }
 
@@ -37,18 +40,29 @@ impl BodyFiles {
         let prepare = |(body, path): (&Body, &PathBuf)| {
             CollisionShape::new(&body.mesh).with_context(|| path.display().to_string())
         };
-        let shapes = bodies.iter().zip(&paths).map(prepare).collect::<Result<_>>()?;
-        Ok(Self { paths, bodies, shapes })
+        let shapes = bodies
+            .iter()
+            .zip(&paths)
+            .map(prepare)
+            .collect::<Result<_>>()?;
+        Ok(Self {
+            paths,
+            bodies,
+            shapes,
+        })
     }
 
     /// The pairs of placed bodies that overlap.
     pub fn overlapping_pairs(&self, placements: &[assembly::Placement]) -> Vec<(usize, usize)> {
-        self.pairs(placements).filter(|pair| self.pair_overlaps(placements, *pair)).collect()
+        self.pairs(placements)
+            .filter(|pair| self.pair_overlaps(placements, *pair))
+            .collect()
     }
 
     /// Whether any two of the placed bodies overlap.
     pub fn any_overlap(&self, placements: &[assembly::Placement]) -> bool {
-        self.pairs(placements).any(|pair| self.pair_overlaps(placements, pair))
+        self.pairs(placements)
+            .any(|pair| self.pair_overlaps(placements, pair))
     }
 
     /// Whether a placed body overlaps the nearest image of any of the others.
@@ -58,20 +72,35 @@ impl BodyFiles {
         others: &[assembly::Placement],
         boundary: &Boundary,
     ) -> bool {
-        others.iter().any(|other| self.images_overlap(placement, other, boundary))
+        others
+            .iter()
+            .any(|other| self.images_overlap(placement, other, boundary))
     }
 
-    fn images_overlap(&self, first: &assembly::Placement, second: &assembly::Placement, boundary: &Boundary) -> bool {
+    fn images_overlap(
+        &self,
+        first: &assembly::Placement,
+        second: &assembly::Placement,
+        boundary: &Boundary,
+    ) -> bool {
         let ((kind_a, pose_a), (kind_b, pose_b)) = (first, second);
         let displacement = boundary.displacement(&pose_a.position, &pose_b.position);
-        overlaps(&self.shapes[*kind_a], &self.shapes[*kind_b], &RelativePose::new(pose_a, pose_b, &displacement))
+        overlaps(
+            &self.shapes[*kind_a],
+            &self.shapes[*kind_b],
+            &RelativePose::new(pose_a, pose_b, &displacement),
+        )
     }
 
     fn pairs(&self, placements: &[assembly::Placement]) -> impl Iterator<Item = (usize, usize)> {
         (0..placements.len()).flat_map(|second| (0..second).map(move |first| (first, second)))
     }
 
-    fn pair_overlaps(&self, placements: &[assembly::Placement], (first, second): (usize, usize)) -> bool {
+    fn pair_overlaps(
+        &self,
+        placements: &[assembly::Placement],
+        (first, second): (usize, usize),
+    ) -> bool {
         self.images_overlap(&placements[first], &placements[second], &Boundary::Open)
     }
 
@@ -87,26 +116,38 @@ impl BodyFiles {
         self.bodies.iter().map(upright).collect()
     }
 
-    /// Closes a recipe to contact and then opens it a little: neighbours around a ring move `gap_angstrom` further apart
-    /// (their distance is 2 r sin(π/n)), and so do the rings of a stack. The surfaces' gaps are at least of about this size,
-    /// larger where the recipe's contact is elsewhere.
+    /// Closes a recipe to contact and then opens it a little: neighbours around a ring move
+    /// `gap_angstrom` further apart (their distance is 2 r sin(π/n)), and so do the rings of a
+    /// stack. The surfaces' gaps are at least of about this size, larger where the recipe's contact
+    /// is elsewhere.
     ///
     /// # Errors
     /// If the recipe does not fit the bodies.
     pub fn close(&self, recipe: &Recipe, gap_angstrom: f64) -> Result<assembly::ClosedAssembly> {
         const TOLERANCE_ANGSTROM: f64 = 1e-3;
         let frames = self.upright_frames();
-        let contact = recipe.close(&frames, 0.0, TOLERANCE_ANGSTROM, |placements| self.any_overlap(placements))?;
+        let contact = recipe.close(&frames, 0.0, TOLERANCE_ANGSTROM, |placements| {
+            self.any_overlap(placements)
+        })?;
         let members = recipe.rings.first().map_or(1, Vec::len);
         let widened = match members {
             1 => 0.0,
             _ => gap_angstrom / (2.0 * (std::f64::consts::PI / members as f64).sin()),
         };
-        let opened = if recipe.rings.len() > 1 { gap_angstrom } else { 0.0 };
-        let (radius, distance) = (contact.radius_angstrom + widened, contact.ring_distance_angstrom + opened);
+        let opened = if recipe.rings.len() > 1 {
+            gap_angstrom
+        } else {
+            0.0
+        };
+        let (radius, distance) = (
+            contact.radius_angstrom + widened,
+            contact.ring_distance_angstrom + opened,
+        );
         let placements = recipe.placements(&frames, radius, distance, 0.0)?;
         if self.any_overlap(&placements) {
-            bail!("a gap of {gap_angstrom} Å brings bodies of the recipe into each other; try another gap");
+            bail!(
+                "a gap of {gap_angstrom} Å brings bodies of the recipe into each other; try another gap"
+            );
         }
         Ok(assembly::ClosedAssembly {
             placements,
@@ -130,21 +171,34 @@ impl BodyFiles {
         let names = self.names();
         let mut bodies = Vec::new();
         for (name, file) in names.iter().zip(&self.paths) {
-            bodies.push(BodyEntry { name: name.clone(), file: relative_to(file, path)? });
+            bodies.push(BodyEntry {
+                name: name.clone(),
+                file: relative_to(file, path)?,
+            });
         }
-        let placements = placements.iter().map(|(kind, pose)| Placement::new(&names[*kind], pose)).collect();
-        let file =
-            AssemblyFile { box_angstrom, wall_radius_angstrom: None, bodies, placements, provenance: Some(provenance) };
+        let placements = placements
+            .iter()
+            .map(|(kind, pose)| Placement::new(&names[*kind], pose))
+            .collect();
+        let file = AssemblyFile {
+            box_angstrom,
+            wall_radius_angstrom: None,
+            bodies,
+            placements,
+            provenance: Some(provenance),
+        };
         Ok(file)
     }
 
     /// Names by which placements call the bodies: their own, numbered where two share one.
     fn names(&self) -> Vec<String> {
         let own: Vec<&str> = self.bodies.iter().map(|body| body.name.as_str()).collect();
-        let numbered = |(index, name): (usize, &&str)| match own.iter().filter(|other| *other == name).count() {
-            1 => (*name).to_owned(),
-            _ => format!("{name}-{}", index + 1),
-        };
+        let numbered =
+            |(index, name): (usize, &&str)| match own.iter().filter(|other| *other == name).count()
+            {
+                1 => (*name).to_owned(),
+                _ => format!("{name}-{}", index + 1),
+            };
         own.iter().enumerate().map(numbered).collect()
     }
 }
@@ -156,7 +210,8 @@ impl BodyFiles {
 pub fn write_assembly(path: &Path, file: &AssemblyFile) -> Result<()> {
     let text = serde_json::to_string_pretty(file).context("the assembly cannot be written down")?;
     if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("cannot make the folder {}", folder.display()))?;
     }
     write_atomically(path, |out| writeln!(out, "{text}"))?;
     Ok(())
@@ -164,11 +219,22 @@ pub fn write_assembly(path: &Path, file: &AssemblyFile) -> Result<()> {
 
 /// The way from the folder of `from` to `file`.
 fn relative_to(file: &Path, from: &Path) -> Result<PathBuf> {
-    let folder = from.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let absolute = |path: &Path| std::path::absolute(path).with_context(|| path.display().to_string());
+    let folder = from
+        .parent()
+        .filter(|parent| !parent.as_os_str().is_empty())
+        .unwrap_or(Path::new("."));
+    let absolute =
+        |path: &Path| std::path::absolute(path).with_context(|| path.display().to_string());
     let (file, folder) = (absolute(file)?, absolute(folder)?);
-    let shared = file.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
-    let up = folder.components().skip(shared).map(|_| Component::ParentDir);
+    let shared = file
+        .components()
+        .zip(folder.components())
+        .take_while(|(a, b)| a == b)
+        .count();
+    let up = folder
+        .components()
+        .skip(shared)
+        .map(|_| Component::ParentDir);
     Ok(up.chain(file.components().skip(shared)).collect())
 }
 
@@ -211,30 +277,50 @@ pub struct StructureSettings {
     pub box_angstrom: Option<[f64; 3]>,
 }
 
-/// Takes a structure apart into bodies, one per kind of chain, and writes them with the assembly into a folder.
+/// Takes a structure apart into bodies, one per kind of chain, and writes them with the assembly
+/// into a folder.
 ///
 /// # Errors
 /// Without `relax`, chains that overlap as hard bodies are an error that lists the pairs.
-pub fn assemble_structure(input: &Path, folder: &Path, settings: &StructureSettings) -> Result<StructureAssembly> {
+pub fn assemble_structure(
+    input: &Path,
+    folder: &Path,
+    settings: &StructureSettings,
+) -> Result<StructureAssembly> {
     refuse_set(folder)?;
     let file = crate::input::InputFile::read(input)?;
     let structure = protomer_body::structure::Structure::read(&file.name, &file.bytes)?;
-    let selection = structure.select(&settings.body.selection).with_context(|| file.name.clone())?;
+    let selection = structure
+        .select(&settings.body.selection)
+        .with_context(|| file.name.clone())?;
     let types = assembly::body_types(&selection).with_context(|| file.name.clone())?;
-    std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
-    let (mut paths, mut bodies, mut placements, mut chains) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    let (mut paths, mut bodies, mut placements, mut chains) =
+        (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let mut described = Vec::new();
     for (kind, body_type) in types.into_iter().enumerate() {
         let name = format!("{}_{}", crate::input::stem(input), body_type.reference);
-        let source = Source { file: &file.name, sha256: &file.sha256 };
+        let source = Source {
+            file: &file.name,
+            sha256: &file.sha256,
+        };
         let built = build_body_of_selection(&name, source, body_type.selection, &settings.body)
             .with_context(|| format!("{}: chain {}", file.name, body_type.reference))?;
         let path = folder.join(format!("{name}.body"));
         described.push(StructureBody {
             file: path.clone(),
             reference: body_type.reference,
-            chains: body_type.copies.iter().map(|copy| copy.chain.clone()).collect(),
-            rmsd_angstrom: body_type.copies.iter().map(|copy| copy.rmsd_angstrom).collect(),
+            chains: body_type
+                .copies
+                .iter()
+                .map(|copy| copy.chain.clone())
+                .collect(),
+            rmsd_angstrom: body_type
+                .copies
+                .iter()
+                .map(|copy| copy.rmsd_angstrom)
+                .collect(),
         });
         placements.extend(body_type.copies.iter().map(|copy| (kind, copy.pose)));
         chains.extend(body_type.copies.into_iter().map(|copy| copy.chain));
@@ -252,7 +338,15 @@ pub fn assemble_structure(input: &Path, folder: &Path, settings: &StructureSetti
         "source": file.name, "source_sha256": file.sha256, "chains": chains,
         "expansion_factor": expansion.factor,
     });
-    write_assembly(&path, &files.assembly_file(&path, &expansion.placements, settings.box_angstrom, provenance)?)?;
+    write_assembly(
+        &path,
+        &files.assembly_file(
+            &path,
+            &expansion.placements,
+            settings.box_angstrom,
+            provenance,
+        )?,
+    )?;
     Ok(StructureAssembly {
         assembly: path,
         bodies: described,
@@ -271,10 +365,15 @@ fn relax(
     settings: &StructureSettings,
 ) -> Result<Expansion> {
     if settings.relax {
-        return Ok(expand_until_free(&placements, 1e-6, |placements| files.any_overlap(placements))?);
+        return Ok(expand_until_free(&placements, 1e-6, |placements| {
+            files.any_overlap(placements)
+        })?);
     }
     if !overlaps.is_empty() {
-        let pairs: Vec<String> = overlaps.iter().map(|(i, j)| format!("{}-{}", chains[*i], chains[*j])).collect();
+        let pairs: Vec<String> = overlaps
+            .iter()
+            .map(|(i, j)| format!("{}-{}", chains[*i], chains[*j]))
+            .collect();
         bail!(
             "{} pairs of chains overlap as hard bodies: {}; expand the assembly with --relax, or shrink the \
              surfaces with --offset 0.5",
@@ -282,5 +381,9 @@ fn relax(
             pairs.join(", ")
         );
     }
-    Ok(Expansion { factor: 1.0, largest_displacement_angstrom: 0.0, placements })
+    Ok(Expansion {
+        factor: 1.0,
+        largest_displacement_angstrom: 0.0,
+        placements,
+    })
 }

@@ -1,7 +1,8 @@
-//! How many trial moves per CPU-second an assembly allows, and what they decide; and the same on states made here.
+//! How many trial moves per CPU-second an assembly allows, and what they decide; and the same on
+//! states made here.
 //!
-//! Trial moves only: half translations, half rotations, of fixed small steps, from the assembly as it stands. Two energy
-//! modes that make the same decisions print the same hash.
+//! Trial moves only: half translations, half rotations, of fixed small steps, from the assembly as
+//! it stands. Two energy modes that make the same decisions print the same hash.
 //!
 //! | module | one idea |
 //! |---|---|
@@ -35,7 +36,8 @@ pub struct BenchSettings {
     pub moves: u64,
     /// How energies are computed.
     pub energy: EnergyMode,
-    /// Largest error of the energy of two bodies, kT, of approximate energies; the usual one where `None`.
+    /// Largest error of the energy of two bodies, kT, of approximate energies; the usual one where
+    /// `None`.
     pub tolerance_kt: Option<f64>,
     /// Seed of the random numbers.
     pub seed: u64,
@@ -89,7 +91,8 @@ pub struct BenchResult {
 /// Makes the moves and measures them.
 ///
 /// # Errors
-/// For a mesh that bounds no solid, an overlapping start, a box too small for the interaction, or an energy that is not finite.
+/// For a mesh that bounds no solid, an overlapping start, a box too small for the interaction, or
+/// an energy that is not finite.
 pub fn bench(
     assembly: Assembly,
     settings: &BenchSettings,
@@ -98,11 +101,19 @@ pub fn bench(
 ) -> Result<BenchResult> {
     let start = process_seconds();
     let engine = Engine::new(assembly)?.with_tables(Arc::clone(&tables));
-    let run = RunSettings { energy: settings.energy, tolerance_kt: settings.tolerance_kt, ..RunSettings::default() };
+    let run = RunSettings {
+        energy: settings.energy,
+        tolerance_kt: settings.tolerance_kt,
+        ..RunSettings::default()
+    };
     run.check()?;
     let system = engine.system()?;
     let bodies = system.len();
-    let shapes: usize = system.types().iter().map(|kind| kind.shape.memory_bytes()).sum();
+    let shapes: usize = system
+        .types()
+        .iter()
+        .map(|kind| kind.shape.memory_bytes())
+        .sum();
     let model = engine.energy_model(&run, &interaction)?;
     let mc = Settings {
         translation_step_angstrom: settings.translation_step_angstrom,
@@ -115,7 +126,11 @@ pub fn bench(
     let setup_seconds = process_seconds() - start;
     let mut watch = Stopwatch::default();
     let mut decisions = Vec::new();
-    watch.time(|| simulation.trial_moves(settings.moves, &mut |accepted| decisions.push(u8::from(accepted))))?;
+    watch.time(|| {
+        simulation.trial_moves(settings.moves, &mut |accepted| {
+            decisions.push(u8::from(accepted))
+        })
+    })?;
     let accepted = decisions.iter().filter(|decision| **decision == 1).count();
     Ok(BenchResult {
         energy: settings.energy,

@@ -43,14 +43,22 @@ pub fn write(path: &Path, body: &Body) -> Result<()> {
 /// If the file cannot be read, is damaged, or holds no valid body.
 pub fn read(path: &Path) -> Result<(Body, String)> {
     let mut bytes = Vec::new();
-    std::fs::File::open(path).and_then(|file| file.take(LARGEST_FILE_BYTES).read_to_end(&mut bytes)).with_context(
-        || format!("cannot read {}; make it with 'protomer ingest' or 'protomer body'", path.display()),
-    )?;
-    Ok((from_bytes(&path.display().to_string(), &bytes)?, sha256_hex(&bytes)))
+    std::fs::File::open(path)
+        .and_then(|file| file.take(LARGEST_FILE_BYTES).read_to_end(&mut bytes))
+        .with_context(|| {
+            format!(
+                "cannot read {}; make it with 'protomer ingest' or 'protomer body'",
+                path.display()
+            )
+        })?;
+    Ok((
+        from_bytes(&path.display().to_string(), &bytes)?,
+        sha256_hex(&bytes),
+    ))
 }
 
-/// Whether a file is there that does not hold exactly this body. The same input with the same settings gives the same
-/// bytes, so that a repeated command finds its own work and goes on.
+/// Whether a file is there that does not hold exactly this body. The same input with the same
+/// settings gives the same bytes, so that a repeated command finds its own work and goes on.
 ///
 /// # Errors
 /// If the file is there and cannot be read.
@@ -65,19 +73,31 @@ pub fn is_another(path: &Path, body: &Body) -> Result<bool> {
 fn to_bytes(body: &Body) -> Result<Vec<u8>> {
     let header = BodyHeader {
         name: body.name.clone(),
-        atom_names: body.sites.iter().map(|site| site.atom_name.clone()).collect(),
+        atom_names: body
+            .sites
+            .iter()
+            .map(|site| site.atom_name.clone())
+            .collect(),
         residues: body.residues.clone(),
         provenance: body.provenance.clone(),
     };
     let header = serde_json::to_value(header).context("the body cannot be written down")?;
     let mut container = Container::new(KIND, header);
     let (triangles, sites) = (body.mesh.triangles.len(), body.sites.len());
-    let of_sites = |value: fn(&Site) -> f64| Array::f64(body.sites.iter().map(value).collect(), [sites]);
+    let of_sites =
+        |value: fn(&Site) -> f64| Array::f64(body.sites.iter().map(value).collect(), [sites]);
     let corners = body.mesh.triangles.iter().flatten().copied().collect();
-    let residues = body.sites.iter().map(|site| site.residue.unwrap_or(NO_RESIDUE)).collect();
+    let residues = body
+        .sites
+        .iter()
+        .map(|site| site.residue.unwrap_or(NO_RESIDUE))
+        .collect();
     container.insert("vertices_angstrom", points(body.mesh.vertices.iter())?);
     container.insert("triangles", Array::u32(corners, [triangles, 3])?);
-    container.insert("positions_angstrom", points(body.sites.iter().map(|site| &site.position))?);
+    container.insert(
+        "positions_angstrom",
+        points(body.sites.iter().map(|site| &site.position))?,
+    );
     container.insert("charges_e", of_sites(|site| site.charge_e)?);
     container.insert("radii_angstrom", of_sites(|site| site.radius_angstrom)?);
     container.insert("residues", Array::u32(residues, [sites])?);
@@ -85,7 +105,9 @@ fn to_bytes(body: &Body) -> Result<Vec<u8>> {
 }
 
 fn points<'a>(points: impl Iterator<Item = &'a Vec3>) -> Result<Array> {
-    let values: Vec<f64> = points.flat_map(|point| [point.x, point.y, point.z]).collect();
+    let values: Vec<f64> = points
+        .flat_map(|point| [point.x, point.y, point.z])
+        .collect();
     let count = values.len() / 3;
     Ok(Array::f64(values, [count, 3])?)
 }
@@ -93,7 +115,8 @@ fn points<'a>(points: impl Iterator<Item = &'a Vec3>) -> Result<Array> {
 /// A body from the bytes of a file named `file`.
 ///
 /// # Errors
-/// If the bytes are damaged or hold no valid body. No input makes this panic or allocate more than it holds.
+/// If the bytes are damaged or hold no valid body. No input makes this panic or allocate more than
+/// it holds.
 pub fn from_bytes(file: &str, bytes: &[u8]) -> Result<Body> {
     let container = Container::from_bytes(file, KIND, bytes)?;
     decode(file, container).with_context(|| format!("{file} holds no valid body; make it again"))
@@ -101,17 +124,30 @@ pub fn from_bytes(file: &str, bytes: &[u8]) -> Result<Body> {
 
 fn decode(file: &str, container: Container) -> Result<Body> {
     let vertices = vectors(file, &container, "vertices_angstrom")?;
-    let triangles = container.u32(file, "triangles", &[None, Some(3)])?.as_chunks::<3>().0.to_vec();
+    let triangles = container
+        .u32(file, "triangles", &[None, Some(3)])?
+        .as_chunks::<3>()
+        .0
+        .to_vec();
     let positions = vectors(file, &container, "positions_angstrom")?;
     let charges = numbers(file, &container, "charges_e", &[None])?;
     let radii = numbers(file, &container, "radii_angstrom", &[None])?;
     let residue_of = container.u32(file, "residues", &[None])?;
     let header: BodyHeader = serde_json::from_value(container.header.clone())?;
     let count = positions.len();
-    if [charges.len(), radii.len(), residue_of.len(), header.atom_names.len()] != [count; 4] {
+    if [
+        charges.len(),
+        radii.len(),
+        residue_of.len(),
+        header.atom_names.len(),
+    ] != [count; 4]
+    {
         bail!("its arrays differ in length");
     }
-    if residue_of.iter().any(|index| *index != NO_RESIDUE && *index as usize >= header.residues.len()) {
+    if residue_of
+        .iter()
+        .any(|index| *index != NO_RESIDUE && *index as usize >= header.residues.len())
+    {
         bail!("a site names a residue that is not there");
     }
     let mut sites = Vec::with_capacity(count);
@@ -124,7 +160,10 @@ fn decode(file: &str, container: Container) -> Result<Body> {
             residue: (residue_of[index] != NO_RESIDUE).then_some(residue_of[index]),
         });
     }
-    let mesh = TriangleMesh { vertices, triangles };
+    let mesh = TriangleMesh {
+        vertices,
+        triangles,
+    };
     mesh.topology()?;
     let mass_properties = mesh.mass_properties()?;
     Ok(Body {
@@ -137,7 +176,12 @@ fn decode(file: &str, container: Container) -> Result<Body> {
     })
 }
 
-fn numbers<'a>(file: &str, container: &'a Container, name: &str, shape: &[Option<usize>]) -> Result<&'a [f64]> {
+fn numbers<'a>(
+    file: &str,
+    container: &'a Container,
+    name: &str,
+    shape: &[Option<usize>],
+) -> Result<&'a [f64]> {
     let values = container.f64(file, name, shape)?;
     if values.iter().any(|value| !value.is_finite()) {
         bail!("array '{name}' has a value that is not a finite number");
@@ -147,10 +191,18 @@ fn numbers<'a>(file: &str, container: &'a Container, name: &str, shape: &[Option
 
 fn vectors(file: &str, container: &Container, name: &str) -> Result<Vec<Vec3>> {
     let values = numbers(file, container, name, &[None, Some(3)])?;
-    if values.iter().any(|value| value.abs() > LARGEST_COORDINATE_ANGSTROM) {
+    if values
+        .iter()
+        .any(|value| value.abs() > LARGEST_COORDINATE_ANGSTROM)
+    {
         bail!("array '{name}' has a coordinate beyond {LARGEST_COORDINATE_ANGSTROM:.0} Å");
     }
-    Ok(values.as_chunks::<3>().0.iter().map(|point| Vec3::from(*point)).collect())
+    Ok(values
+        .as_chunks::<3>()
+        .0
+        .iter()
+        .map(|point| Vec3::from(*point))
+        .collect())
 }
 
 #[cfg(test)]
@@ -159,7 +211,12 @@ mod tests {
 
     /// A tetrahedron with one charged atom.
     fn example() -> Body {
-        let corners = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
+        let corners = [
+            [1.0, 1.0, 1.0],
+            [1.0, -1.0, -1.0],
+            [-1.0, 1.0, -1.0],
+            [-1.0, -1.0, 1.0],
+        ];
         let mesh = TriangleMesh {
             vertices: corners.map(Vec3::from).to_vec(),
             triangles: vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]],
@@ -192,16 +249,29 @@ mod tests {
     #[test]
     fn a_body_survives_its_file() {
         let body = example();
-        assert_eq!(from_bytes("x.body", &to_bytes(&body).unwrap()).unwrap(), body);
+        assert_eq!(
+            from_bytes("x.body", &to_bytes(&body).unwrap()).unwrap(),
+            body
+        );
     }
 
     #[test]
     fn what_is_no_body_is_refused() {
-        let checkpoint = Container::new("checkpoint", serde_json::Value::Null).to_bytes().unwrap();
-        assert!(from_bytes("x", &checkpoint).unwrap_err().to_string().contains("checkpoint"));
+        let checkpoint = Container::new("checkpoint", serde_json::Value::Null)
+            .to_bytes()
+            .unwrap();
+        assert!(
+            from_bytes("x", &checkpoint)
+                .unwrap_err()
+                .to_string()
+                .contains("checkpoint")
+        );
         let mut open = example();
         open.mesh.triangles.pop();
-        let error = format!("{:#}", from_bytes("x", &to_bytes(&open).unwrap()).unwrap_err());
+        let error = format!(
+            "{:#}",
+            from_bytes("x", &to_bytes(&open).unwrap()).unwrap_err()
+        );
         assert!(error.contains("one side only"), "{error}");
         let mut charged = example();
         charged.sites[0].charge_e = f64::NAN;

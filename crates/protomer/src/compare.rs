@@ -10,7 +10,8 @@ use std::path::{Path, PathBuf};
 pub struct SweepCurve {
     /// Name in the legend: that of the directory.
     pub name: String,
-    /// Salt (mol/L), mean and standard deviation of the radius of gyration (Å), of the surviving contacts.
+    /// Salt (mol/L), mean and standard deviation of the radius of gyration (Å), of the surviving
+    /// contacts.
     pub rows: Vec<[f64; 5]>,
 }
 
@@ -22,13 +23,28 @@ pub fn read_curve(directory: &Path) -> Result<SweepCurve> {
     let path = directory.join("sweep.json");
     let text = std::fs::read_to_string(&path)
         .with_context(|| format!("cannot read {}; finish the sweep first", path.display()))?;
-    let json: serde_json::Value = serde_json::from_str(&text).with_context(|| path.display().to_string())?;
-    const KEYS: [&str; 5] =
-        ["salt_M", "r_g_mean_angstrom", "r_g_sd_angstrom", "native_contacts_mean", "native_contacts_sd"];
-    let salts = json["salts"].as_array().with_context(|| format!("{} lists no salts", path.display()))?;
-    let rows = salts.iter().map(|row| KEYS.map(|key| row[key].as_f64().unwrap_or(f64::NAN))).collect();
+    let json: serde_json::Value =
+        serde_json::from_str(&text).with_context(|| path.display().to_string())?;
+    const KEYS: [&str; 5] = [
+        "salt_M",
+        "r_g_mean_angstrom",
+        "r_g_sd_angstrom",
+        "native_contacts_mean",
+        "native_contacts_sd",
+    ];
+    let salts = json["salts"]
+        .as_array()
+        .with_context(|| format!("{} lists no salts", path.display()))?;
+    let rows = salts
+        .iter()
+        .map(|row| KEYS.map(|key| row[key].as_f64().unwrap_or(f64::NAN)))
+        .collect();
     let absolute = std::path::absolute(directory)?;
-    let name = absolute.file_name().unwrap_or_default().to_string_lossy().replace('_', " ");
+    let name = absolute
+        .file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .replace('_', " ");
     Ok(SweepCurve { name, rows })
 }
 
@@ -73,7 +89,10 @@ impl CompareReport {
                 native_contacts_sd: column(4),
             }
         };
-        Self { figure: figure.to_owned(), sweeps: curves.iter().map(sweep).collect() }
+        Self {
+            figure: figure.to_owned(),
+            sweeps: curves.iter().map(sweep).collect(),
+        }
     }
 }
 
@@ -85,26 +104,46 @@ pub fn read_curves(directories: &[PathBuf]) -> Result<Vec<SweepCurve>> {
     if directories.is_empty() {
         bail!("name at least one sweep directory");
     }
-    directories.iter().map(|directory| read_curve(directory)).collect()
+    directories
+        .iter()
+        .map(|directory| read_curve(directory))
+        .collect()
 }
 
 /// The figure of several sweeps.
 pub fn figure(curves: &[SweepCurve], title: &str) -> Figure {
-    let log = curves.iter().flat_map(|curve| &curve.rows).all(|row| row[0] > 0.0);
-    let panel = |y: Axis, mean: usize| Panel { y, series: curves.iter().map(|curve| series(curve, mean)).collect() };
+    let log = curves
+        .iter()
+        .flat_map(|curve| &curve.rows)
+        .all(|row| row[0] > 0.0);
+    let panel = |y: Axis, mean: usize| Panel {
+        y,
+        series: curves.iter().map(|curve| series(curve, mean)).collect(),
+    };
     Figure {
         title: title.into(),
         caption: "mean and standard deviation over replicas".into(),
-        x: if log { Axis::log("salt (mM)") } else { Axis::linear("salt (mM)") },
+        x: if log {
+            Axis::log("salt (mM)")
+        } else {
+            Axis::linear("salt (mM)")
+        },
         panels: vec![
             panel(Axis::linear("radius of gyration (Å)"), 1),
-            panel(Axis::linear("native contacts left").with_range(0.0, 1.05), 3),
+            panel(
+                Axis::linear("native contacts left").with_range(0.0, 1.05),
+                3,
+            ),
         ],
     }
 }
 
 fn series(curve: &SweepCurve, mean: usize) -> Series {
-    let point = |row: &[f64; 5]| Point { x: 1e3 * row[0], y: row[mean], error: Some(row[mean + 1]) };
+    let point = |row: &[f64; 5]| Point {
+        x: 1e3 * row[0],
+        y: row[mean],
+        error: Some(row[mean + 1]),
+    };
     Series {
         name: curve.name.clone(),
         points: curve.rows.iter().map(point).collect(),

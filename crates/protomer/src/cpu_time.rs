@@ -3,7 +3,8 @@
 use std::sync::OnceLock;
 use std::time::Instant;
 
-/// Seconds the calling thread has spent on a processor; wall-clock seconds where the system does not tell.
+/// Seconds the calling thread has spent on a processor; wall-clock seconds where the system does
+/// not tell.
 pub fn thread_seconds() -> f64 {
     const NANOSECONDS: f64 = 1e-9;
     let from_system = std::fs::read_to_string("/proc/thread-self/schedstat")
@@ -15,18 +16,23 @@ pub fn thread_seconds() -> f64 {
     }
 }
 
-/// Seconds that all threads of this process, past ones too, have spent on processors, to a hundredth; wall-clock seconds
-/// where the system does not tell.
+/// Seconds that all threads of this process, past ones too, have spent on processors, to a
+/// hundredth; wall-clock seconds where the system does not tell.
 pub fn process_seconds() -> f64 {
-    // Linux counts in hundredths of a second here (USER_HZ); fields 14 and 15 of proc_pid_stat(5). The second field, a
-    // name in parentheses, may hold spaces.
+    // Linux counts in hundredths of a second here (USER_HZ); fields 14 and 15 of proc_pid_stat(5).
+    // The second field, a name in parentheses, may hold spaces.
     const TICKS_PER_SECOND: f64 = 100.0;
     const USER_TIME_AFTER_NAME: usize = 11;
-    let ticks = std::fs::read_to_string("/proc/self/stat").ok().and_then(|text| {
-        let (_, fields) = text.rsplit_once(')')?;
-        let mut times = fields.split_whitespace().skip(USER_TIME_AFTER_NAME).map(str::parse::<f64>);
-        Some(times.next()?.ok()? + times.next()?.ok()?)
-    });
+    let ticks = std::fs::read_to_string("/proc/self/stat")
+        .ok()
+        .and_then(|text| {
+            let (_, fields) = text.rsplit_once(')')?;
+            let mut times = fields
+                .split_whitespace()
+                .skip(USER_TIME_AFTER_NAME)
+                .map(str::parse::<f64>);
+            Some(times.next()?.ok()? + times.next()?.ok()?)
+        });
     ticks.map_or_else(wall_seconds, |ticks| ticks / TICKS_PER_SECOND)
 }
 
@@ -38,7 +44,8 @@ pub struct Stopwatch {
 }
 
 impl Stopwatch {
-    /// The system brings a running thread's time up to date every few milliseconds; sums below this, s, are too coarse.
+    /// The system brings a running thread's time up to date every few milliseconds; sums below
+    /// this, s, are too coarse.
     const COARSE_SECONDS: f64 = 0.05;
 
     /// Does the work and adds its time.
@@ -57,7 +64,11 @@ impl Stopwatch {
 
     /// Processor time so far, s; wall-clock time while that is too short to be told.
     pub fn seconds(&self) -> f64 {
-        if self.processor_seconds < Self::COARSE_SECONDS { self.wall_seconds } else { self.processor_seconds }
+        if self.processor_seconds < Self::COARSE_SECONDS {
+            self.wall_seconds
+        } else {
+            self.processor_seconds
+        }
     }
 }
 

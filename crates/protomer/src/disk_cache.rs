@@ -1,8 +1,9 @@
 //! Results that take long to make and are the same every time, kept in the user's cache folder.
 //!
-//! An entry is a file named by the hash of everything that shapes its content. Entries appear whole or not at all, and
-//! whoever reads one checks it, so that several programs may use one folder; removing any of them, at any time, costs
-//! time only. What was not used for longest goes first when there is no room.
+//! An entry is a file named by the hash of everything that shapes its content. Entries appear whole
+//! or not at all, and whoever reads one checks it, so that several programs may use one folder;
+//! removing any of them, at any time, costs time only. What was not used for longest goes first
+//! when there is no room.
 
 use anyhow::{Context, Result};
 use protomer_io::atomic::write_atomically;
@@ -35,16 +36,22 @@ pub struct DiskCache {
 impl DiskCache {
     /// The cache in this folder, which is made when the first entry is written.
     pub fn new(folder: impl Into<PathBuf>) -> Self {
-        Self { folder: folder.into(), limit_bytes: SIZE_LIMIT_BYTES }
+        Self {
+            folder: folder.into(),
+            limit_bytes: SIZE_LIMIT_BYTES,
+        }
     }
 
     /// The same with another limit, bytes.
     pub fn with_limit(self, limit_bytes: u64) -> Self {
-        Self { limit_bytes, ..self }
+        Self {
+            limit_bytes,
+            ..self
+        }
     }
 
-    /// The user's: `PROTOMER_CACHE_DIR`, or `protomer` in `XDG_CACHE_HOME` or in `~/.cache`; `None` without any of them, or
-    /// if the first is set to nothing.
+    /// The user's: `PROTOMER_CACHE_DIR`, or `protomer` in `XDG_CACHE_HOME` or in `~/.cache`; `None`
+    /// without any of them, or if the first is set to nothing.
     pub fn of_user() -> Option<Self> {
         Self::of(|name| std::env::var_os(name))
     }
@@ -53,10 +60,18 @@ impl DiskCache {
         if variable(FOLDER_VARIABLE).is_some_and(|value| value.is_empty()) {
             return None;
         }
-        let set = |name: &str| variable(name).filter(|value| !value.is_empty()).map(PathBuf::from);
+        let set = |name: &str| {
+            variable(name)
+                .filter(|value| !value.is_empty())
+                .map(PathBuf::from)
+        };
         let folder = set(FOLDER_VARIABLE)
             // The base directory specification: relative paths are to be ignored.
-            .or_else(|| set("XDG_CACHE_HOME").filter(|path| path.is_absolute()).map(|path| path.join("protomer")))
+            .or_else(|| {
+                set("XDG_CACHE_HOME")
+                    .filter(|path| path.is_absolute())
+                    .map(|path| path.join("protomer"))
+            })
             .or_else(|| set("HOME").map(|path| path.join(".cache").join("protomer")))?;
         Some(Self::new(folder))
     }
@@ -70,7 +85,11 @@ impl DiskCache {
     ///
     /// # Errors
     /// If there is one that cannot be opened or that `read` refuses; names the file.
-    pub fn load<T, E>(&self, key: &str, read: impl FnOnce(&mut dyn Read) -> Result<T, E>) -> Result<Option<T>>
+    pub fn load<T, E>(
+        &self,
+        key: &str,
+        read: impl FnOnce(&mut dyn Read) -> Result<T, E>,
+    ) -> Result<Option<T>>
     where
         E: std::error::Error + Send + Sync + 'static,
     {
@@ -78,11 +97,18 @@ impl DiskCache {
         let file = match File::open(&path) {
             Ok(file) => file,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-            Err(error) => return Err(error).with_context(|| format!("cannot open {}", path.display())),
+            Err(error) => {
+                return Err(error).with_context(|| format!("cannot open {}", path.display()));
+            }
         };
-        let value = read(&mut BufReader::with_capacity(1 << 16, &file)).with_context(|| path.display().to_string())?;
-        // When it was last used, where the folder takes it; otherwise its age counts from when it was written.
-        let _ = File::options().append(true).open(&path).and_then(|file| file.set_modified(SystemTime::now()));
+        let value = read(&mut BufReader::with_capacity(1 << 16, &file))
+            .with_context(|| path.display().to_string())?;
+        // When it was last used, where the folder takes it; otherwise its age counts from when it
+        // was written.
+        let _ = File::options()
+            .append(true)
+            .open(&path)
+            .and_then(|file| file.set_modified(SystemTime::now()));
         Ok(Some(value))
     }
 
@@ -90,7 +116,11 @@ impl DiskCache {
     ///
     /// # Errors
     /// If the folder or the disk does not take it.
-    pub fn store(&self, key: &str, write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<()> {
+    pub fn store(
+        &self,
+        key: &str,
+        write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+    ) -> Result<()> {
         std::fs::create_dir_all(&self.folder)
             .with_context(|| format!("cannot make the folder {}", self.folder.display()))?;
         write_atomically(&self.path(key), write)?;
@@ -98,8 +128,8 @@ impl DiskCache {
         Ok(())
     }
 
-    /// Removes entries, the one not used for longest first, until the rest is within the limit. A file that another
-    /// program removed meanwhile, or that cannot be removed, is passed over.
+    /// Removes entries, the one not used for longest first, until the rest is within the limit. A
+    /// file that another program removed meanwhile, or that cannot be removed, is passed over.
     fn make_room(&self) {
         let mut entries = files(&self.folder);
         entries.retain(|file| {
@@ -130,17 +160,30 @@ struct FoundFile {
 
 /// The entries of a folder and those being written; what does not look like either is left out.
 fn files(folder: &Path) -> Vec<FoundFile> {
-    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
+    let Ok(entries) = std::fs::read_dir(folder) else {
+        return Vec::new();
+    };
     let found = entries.flatten().filter_map(|entry| {
         let name = entry.file_name().to_string_lossy().into_owned();
         let (name, is_ours) = match name.strip_suffix(PARTIAL_ENDING) {
-            Some(partial) => (partial.trim_start_matches('.').to_owned(), partial.contains(ENDING)),
+            Some(partial) => (
+                partial.trim_start_matches('.').to_owned(),
+                partial.contains(ENDING),
+            ),
             None => (name.clone(), name.ends_with(ENDING)),
         };
         let key = name.split('.').next().unwrap_or_default();
-        let is_ours = is_ours && !key.is_empty() && key.bytes().all(|byte| byte.is_ascii_hexdigit());
-        let metadata = entry.metadata().ok().filter(|metadata| is_ours && metadata.is_file())?;
-        Some(FoundFile { path: entry.path(), bytes: metadata.len(), used: metadata.modified().ok()? })
+        let is_ours =
+            is_ours && !key.is_empty() && key.bytes().all(|byte| byte.is_ascii_hexdigit());
+        let metadata = entry
+            .metadata()
+            .ok()
+            .filter(|metadata| is_ours && metadata.is_file())?;
+        Some(FoundFile {
+            path: entry.path(),
+            bytes: metadata.len(),
+            used: metadata.modified().ok()?,
+        })
     });
     found.collect()
 }
@@ -162,7 +205,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let cache = DiskCache::new(folder.path().join("deep/er"));
         assert_eq!(load(&cache, "ab").unwrap(), None);
-        cache.store("ab", |file| file.write_all(b"content")).unwrap();
+        cache
+            .store("ab", |file| file.write_all(b"content"))
+            .unwrap();
         assert_eq!(load(&cache, "ab").unwrap().unwrap(), b"content");
         cache.store("ab", |_| Ok(())).unwrap();
         assert_eq!(load(&cache, "ab").unwrap().unwrap(), b"");
@@ -172,10 +217,15 @@ mod tests {
     fn an_entry_that_is_refused_is_named() {
         let folder = tempfile::tempdir().unwrap();
         let cache = DiskCache::new(folder.path());
-        cache.store("ab", |file| file.write_all(b"content")).unwrap();
+        cache
+            .store("ab", |file| file.write_all(b"content"))
+            .unwrap();
         let refuse = |_: &mut dyn Read| Err::<(), _>(std::io::Error::other("it is damaged"));
         let message = format!("{:#}", cache.load("ab", refuse).unwrap_err());
-        assert!(message.contains("ab.table") && message.contains("it is damaged"), "{message}");
+        assert!(
+            message.contains("ab.table") && message.contains("it is damaged"),
+            "{message}"
+        );
     }
 
     #[test]
@@ -184,7 +234,8 @@ mod tests {
         let cache = DiskCache::new(folder.path()).with_limit(25);
         let age = |path: &Path, seconds: u64| {
             let file = File::options().append(true).open(path).unwrap();
-            file.set_modified(SystemTime::now() - Duration::from_secs(seconds)).unwrap();
+            file.set_modified(SystemTime::now() - Duration::from_secs(seconds))
+                .unwrap();
         };
         for name in ["letter.table", "ab.txt", ".letter.partial"] {
             std::fs::write(folder.path().join(name), [0; 100]).unwrap();
@@ -212,14 +263,31 @@ mod tests {
     #[test]
     fn the_folder_follows_the_environment() {
         let of = |variables: &'static [(&str, &str)]| {
-            DiskCache::of(|name| variables.iter().find(|(known, _)| *known == name).map(|(_, value)| value.into()))
+            DiskCache::of(|name| {
+                variables
+                    .iter()
+                    .find(|(known, _)| *known == name)
+                    .map(|(_, value)| value.into())
+            })
         };
         let folder = |path: &str| Some(DiskCache::new(path));
         assert_eq!(of(&[]), None);
         assert_eq!(of(&[("HOME", "/home/a"), (FOLDER_VARIABLE, "")]), None);
-        assert_eq!(of(&[("HOME", "/home/a")]), folder("/home/a/.cache/protomer"));
-        assert_eq!(of(&[("HOME", "/home/a"), ("XDG_CACHE_HOME", "/c")]), folder("/c/protomer"));
-        assert_eq!(of(&[("HOME", "/home/a"), ("XDG_CACHE_HOME", "c")]), folder("/home/a/.cache/protomer"));
-        assert_eq!(of(&[("XDG_CACHE_HOME", "/c"), (FOLDER_VARIABLE, "mine")]), folder("mine"));
+        assert_eq!(
+            of(&[("HOME", "/home/a")]),
+            folder("/home/a/.cache/protomer")
+        );
+        assert_eq!(
+            of(&[("HOME", "/home/a"), ("XDG_CACHE_HOME", "/c")]),
+            folder("/c/protomer")
+        );
+        assert_eq!(
+            of(&[("HOME", "/home/a"), ("XDG_CACHE_HOME", "c")]),
+            folder("/home/a/.cache/protomer")
+        );
+        assert_eq!(
+            of(&[("XDG_CACHE_HOME", "/c"), (FOLDER_VARIABLE, "mine")]),
+            folder("mine")
+        );
     }
 }

@@ -1,5 +1,5 @@
-//! The tables of certified energies: made once per kind of body and potential, kept on the disk for the next run, shared by
-//! all threads of a run, and bounded in memory.
+//! The tables of certified energies: made once per kind of body and potential, kept on the disk for
+//! the next run, shared by all threads of a run, and bounded in memory.
 
 use crate::disk_cache::DiskCache;
 use anyhow::{Result, bail};
@@ -36,7 +36,8 @@ struct Disk {
 struct Made {
     /// By the hash of what they are made of.
     tables: HashMap<String, Arc<ChargeTable>>,
-    /// Held while a table is made, so that nobody makes it a second time and different ones are made side by side.
+    /// Held while a table is made, so that nobody makes it a second time and different ones are
+    /// made side by side.
     making: HashMap<String, Arc<Mutex<()>>>,
 }
 
@@ -50,13 +51,26 @@ impl EnergyTables {
     /// Tables that may take this much memory together, bytes.
     pub fn new(memory_limit_bytes: u64) -> Self {
         let (made, computed, loaded) = Default::default();
-        Self { memory_limit_bytes, made, disk: None, computed, loaded }
+        Self {
+            memory_limit_bytes,
+            made,
+            disk: None,
+            computed,
+            loaded,
+        }
     }
 
-    /// The same tables, looked for on the disk first and kept there. That an entry cannot be used or written stops nothing:
-    /// `warn` is told, and the table is made.
+    /// The same tables, looked for on the disk first and kept there. That an entry cannot be used
+    /// or written stops nothing: `warn` is told, and the table is made.
     pub fn with_cache(self, cache: DiskCache, warn: fn(&str)) -> Self {
-        Self { disk: Some(Disk { cache, warn, refused: AtomicBool::new(false) }), ..self }
+        Self {
+            disk: Some(Disk {
+                cache,
+                warn,
+                refused: AtomicBool::new(false),
+            }),
+            ..self
+        }
     }
 
     /// Whether there are tables and all of them came from the disk.
@@ -64,24 +78,33 @@ impl EnergyTables {
         self.computed.load(Ordering::Relaxed) == 0 && self.loaded.load(Ordering::Relaxed) > 0
     }
 
-    /// The tables of these kinds of bodies under this potential. Whoever asks for the same ones shares them; who asks while
-    /// they are being made waits. Tables that nobody uses any more are kept while there is room.
+    /// The tables of these kinds of bodies under this potential. Whoever asks for the same ones
+    /// shares them; who asks while they are being made waits. Tables that nobody uses any more are
+    /// kept while there is room.
     ///
     /// # Errors
     /// If those in use take more memory than is allowed: says how much is needed and what to do.
     pub fn of(&self, types: &[Arc<BodyType>], yukawa: &Yukawa) -> Result<Vec<Arc<ChargeTable>>> {
         let table = |kind: &Arc<BodyType>| self.table(kind, yukawa);
         std::thread::scope(|scope| {
-            let jobs: Vec<_> = types.iter().map(|kind| scope.spawn(move || table(kind))).collect();
+            let jobs: Vec<_> = types
+                .iter()
+                .map(|kind| scope.spawn(move || table(kind)))
+                .collect();
             let done = jobs.into_iter().zip(types);
             // A thread that could not finish is replaced by doing its work here.
-            done.map(|(job, kind)| job.join().unwrap_or_else(|_| table(kind))).collect()
+            done.map(|(job, kind)| job.join().unwrap_or_else(|_| table(kind)))
+                .collect()
         })
     }
 
     /// Memory of the tables that are there now, bytes.
     pub fn memory_bytes(&self) -> usize {
-        locked(&self.made).tables.values().map(|table| table.memory_bytes()).sum()
+        locked(&self.made)
+            .tables
+            .values()
+            .map(|table| table.memory_bytes())
+            .sum()
     }
 
     fn table(&self, kind: &BodyType, yukawa: &Yukawa) -> Result<Arc<ChargeTable>> {
@@ -97,7 +120,11 @@ impl EnergyTables {
     }
 
     fn load_or_make(&self, key: &str, kind: &BodyType, yukawa: &Yukawa) -> ChargeTable {
-        if let Some(table) = self.disk.as_ref().and_then(|disk| disk.load(key, kind, yukawa)) {
+        if let Some(table) = self
+            .disk
+            .as_ref()
+            .and_then(|disk| disk.load(key, kind, yukawa))
+        {
             self.loaded.fetch_add(1, Ordering::Relaxed);
             return table;
         }
@@ -112,7 +139,8 @@ impl EnergyTables {
 
 impl Disk {
     fn load(&self, key: &str, kind: &BodyType, yukawa: &Yukawa) -> Option<ChargeTable> {
-        let read = |file: &mut dyn std::io::Read| ChargeTable::read_from(file, &kind.charges, yukawa);
+        let read =
+            |file: &mut dyn std::io::Read| ChargeTable::read_from(file, &kind.charges, yukawa);
         self.cache.load(key, read).unwrap_or_else(|error| {
             (self.warn)(&format!("warning: {error:#}; they are computed"));
             None
@@ -123,14 +151,22 @@ impl Disk {
         if let Err(error) = self.cache.store(key, |file| table.write_to(file, key))
             && !self.refused.swap(true, Ordering::Relaxed)
         {
-            (self.warn)(&format!("warning: energy tables are not kept for the next run: {error:#}"));
+            (self.warn)(&format!(
+                "warning: energy tables are not kept for the next run: {error:#}"
+            ));
         }
     }
 }
 
 impl Made {
     /// Takes a new table in; if there is no room, those go that only this map still holds.
-    fn keep(&mut self, key: String, table: &Arc<ChargeTable>, body: &str, limit_bytes: u64) -> Result<()> {
+    fn keep(
+        &mut self,
+        key: String,
+        table: &Arc<ChargeTable>,
+        body: &str,
+        limit_bytes: u64,
+    ) -> Result<()> {
         let size = |table: &Arc<ChargeTable>| table.memory_bytes() as u64;
         if self.tables.values().map(size).sum::<u64>() + size(table) > limit_bytes {
             self.tables.retain(|_, table| Arc::strong_count(table) > 1);
@@ -190,7 +226,10 @@ mod tests {
     fn tables_come_back_from_the_disk() {
         let folder = tempfile::tempdir().unwrap();
         let types = two_kinds(3, 4, 1).unwrap();
-        let tables = || EnergyTables::default().with_cache(DiskCache::new(folder.path()), |line| panic!("{line}"));
+        let tables = || {
+            EnergyTables::default()
+                .with_cache(DiskCache::new(folder.path()), |line| panic!("{line}"))
+        };
         let (cold, warm) = (tables(), tables());
         let made = cold.of(&types, &yukawa(9.6)).unwrap();
         assert!(!cold.all_from_cache());
@@ -207,22 +246,38 @@ mod tests {
         let file = folder.path().join("file");
         std::fs::write(&file, "no folder").unwrap();
         let cache = DiskCache::new(file.join("cache"));
-        let tables = EnergyTables::default().with_cache(cache, |line| locked(&WARNINGS).push(line.to_owned()));
-        tables.of(&two_kinds(3, 4, 1).unwrap(), &yukawa(9.6)).unwrap();
+        let tables = EnergyTables::default()
+            .with_cache(cache, |line| locked(&WARNINGS).push(line.to_owned()));
+        tables
+            .of(&two_kinds(3, 4, 1).unwrap(), &yukawa(9.6))
+            .unwrap();
         let warnings = locked(&WARNINGS).clone();
-        assert!(warnings.iter().any(|line| line.contains("are not kept")), "{warnings:?}");
-        assert!(warnings.iter().all(|line| line.contains("file")), "{warnings:?}");
+        assert!(
+            warnings.iter().any(|line| line.contains("are not kept")),
+            "{warnings:?}"
+        );
+        assert!(
+            warnings.iter().all(|line| line.contains("file")),
+            "{warnings:?}"
+        );
     }
 
     #[test]
     fn what_is_in_use_is_bounded_and_the_rest_makes_room() {
         let types = two_kinds(3, 4, 1).unwrap();
-        let size: usize =
-            EnergyTables::default().of(&types, &yukawa(9.6)).unwrap().iter().map(|table| table.memory_bytes()).sum();
+        let size: usize = EnergyTables::default()
+            .of(&types, &yukawa(9.6))
+            .unwrap()
+            .iter()
+            .map(|table| table.memory_bytes())
+            .sum();
         let tables = EnergyTables::new(size as u64);
         let in_use = tables.of(&types, &yukawa(9.6)).unwrap();
         let message = tables.of(&types, &yukawa(9.5)).unwrap_err().to_string();
-        assert!(message.contains("--memory-limit") && message.contains("--energy direct"), "{message}");
+        assert!(
+            message.contains("--memory-limit") && message.contains("--energy direct"),
+            "{message}"
+        );
         drop(in_use);
         let tables = EnergyTables::new(size as u64 * 3 / 2);
         drop(tables.of(&types, &yukawa(9.6)).unwrap());
@@ -231,6 +286,13 @@ mod tests {
 
     #[test]
     fn bytes_read_like_memory() {
-        assert_eq!([in_units(1_250_000_000), in_units(37_200_000), in_units(640_000)], ["1.25 GB", "37 MB", "640 kB"]);
+        assert_eq!(
+            [
+                in_units(1_250_000_000),
+                in_units(37_200_000),
+                in_units(640_000)
+            ],
+            ["1.25 GB", "37 MB", "640 kB"]
+        );
     }
 }

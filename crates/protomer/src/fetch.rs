@@ -13,11 +13,12 @@ pub const RCSB_DOWNLOAD: &str = "https://files.rcsb.org/download";
 /// No entry file is larger than this, compressed.
 const LARGEST_DOWNLOAD_BYTES: u64 = 1 << 30;
 
-/// Downloads `ENTRY.cif.gz` from `base` into `folder` and returns the file's path. A file that is already there is kept
-/// unless `force` is set.
+/// Downloads `ENTRY.cif.gz` from `base` into `folder` and returns the file's path. A file that is
+/// already there is kept unless `force` is set.
 ///
 /// # Errors
-/// For a malformed entry name, an entry the server does not have, a broken connection, and a full disk.
+/// For a malformed entry name, an entry the server does not have, a broken connection, and a full
+/// disk.
 pub fn fetch(entry: &str, base: &str, folder: &Path, force: bool) -> Result<PathBuf> {
     let entry = checked_entry(entry)?;
     refuse_set(folder)?;
@@ -25,12 +26,19 @@ pub fn fetch(entry: &str, base: &str, folder: &Path, force: bool) -> Result<Path
     if path.exists() && !force {
         return Ok(path);
     }
-    let url = format!("{}/{}.cif.gz", base.trim_end_matches('/'), entry.to_uppercase());
+    let url = format!(
+        "{}/{}.cif.gz",
+        base.trim_end_matches('/'),
+        entry.to_uppercase()
+    );
     let body = download(&url)?;
     if !body.starts_with(&[0x1f, 0x8b]) {
-        bail!("{url} did not answer with a gzip file; check the base address, or download the entry by hand");
+        bail!(
+            "{url} did not answer with a gzip file; check the base address, or download the entry by hand"
+        );
     }
-    std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
     write_atomically(&path, |file| file.write_all(&body))?;
     Ok(path)
 }
@@ -44,7 +52,9 @@ fn checked_entry(entry: &str) -> Result<String> {
     if (classic || extended) && plain {
         Ok(lower)
     } else {
-        bail!("'{entry}' is not a PDB entry; give four characters such as 6MDR, or twelve such as pdb_00006mdr")
+        bail!(
+            "'{entry}' is not a PDB entry; give four characters such as 6MDR, or twelve such as pdb_00006mdr"
+        )
     }
 }
 
@@ -59,18 +69,31 @@ fn download(url: &str) -> Result<Vec<u8>> {
         .get(url)
         .header("accept-encoding", "identity")
         .call()
-        .with_context(|| format!("cannot reach {url}; check the network, or set --base to a mirror"))?;
+        .with_context(|| {
+            format!("cannot reach {url}; check the network, or set --base to a mirror")
+        })?;
     match response.status().as_u16() {
         200 => {}
         404 => bail!("{url} does not exist; check the entry's name"),
-        status => bail!("{url} answered with status {status}; try again later, or set --base to a mirror"),
+        status => {
+            bail!("{url} answered with status {status}; try again later, or set --base to a mirror")
+        }
     }
     let mut body = Vec::new();
-    let reader = response.body_mut().with_config().limit(LARGEST_DOWNLOAD_BYTES).reader();
+    let reader = response
+        .body_mut()
+        .with_config()
+        .limit(LARGEST_DOWNLOAD_BYTES)
+        .reader();
     reader
         .take(LARGEST_DOWNLOAD_BYTES)
         .read_to_end(&mut body)
-        .with_context(|| format!("the download of {url} broke off after {} bytes; try again", body.len()))?;
+        .with_context(|| {
+            format!(
+                "the download of {url} broke off after {} bytes; try again",
+                body.len()
+            )
+        })?;
     Ok(body)
 }
 
@@ -99,7 +122,9 @@ mod tests {
     }
 
     fn answer(status: &str, body: &[u8], claimed_length: usize) -> Vec<u8> {
-        let mut bytes = format!("HTTP/1.1 {status}\r\ncontent-length: {claimed_length}\r\nconnection: close\r\n\r\n");
+        let mut bytes = format!(
+            "HTTP/1.1 {status}\r\ncontent-length: {claimed_length}\r\nconnection: close\r\n\r\n"
+        );
         bytes.push_str("");
         let mut bytes = bytes.into_bytes();
         bytes.extend_from_slice(body);
@@ -129,7 +154,10 @@ mod tests {
         ];
         for (response, expected) in cases {
             let base = serve(vec![response]);
-            let error = format!("{:#}", fetch("1abc", &base, folder.path(), false).unwrap_err());
+            let error = format!(
+                "{:#}",
+                fetch("1abc", &base, folder.path(), false).unwrap_err()
+            );
             assert!(error.contains(expected), "{error}");
         }
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
@@ -138,7 +166,10 @@ mod tests {
     #[test]
     fn an_entry_is_not_a_path() {
         for entry in ["../../etc", "6MD", "6MDRX", "", "a/b?", "pdb_0000/6md"] {
-            assert!(fetch(entry, "http://127.0.0.1:1", Path::new("."), false).is_err(), "{entry}");
+            assert!(
+                fetch(entry, "http://127.0.0.1:1", Path::new("."), false).is_err(),
+                "{entry}"
+            );
         }
     }
 }

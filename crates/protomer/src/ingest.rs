@@ -1,11 +1,14 @@
-//! Structure files to body files, in parallel, each file on its own: a bad one is reported and the rest go on.
+//! Structure files to body files, in parallel, each file on its own: a bad one is reported and the
+//! rest go on.
 
 use crate::body_file;
 use crate::input::{InputFile, stem};
 use crate::run::refuse_set;
 use anyhow::{Context, Result, bail};
 use protomer_body::structure::{Format, SelectionReport};
-use protomer_body::{Body, BodyError, BodySettings, BuiltBody, Source, build_body, build_body_of_points};
+use protomer_body::{
+    Body, BodyError, BodySettings, BuiltBody, Source, build_body, build_body_of_points,
+};
 use protomer_io::atomic::write_atomically;
 use protomer_io::mesh::{MeshFormat, write_mesh};
 use protomer_io::points::{PointRecord, read_points};
@@ -95,7 +98,8 @@ pub fn describe_body(body: &Body, path: &Path) -> serde_json::Value {
 /// Ingests every file into `folder`. `advanced` is called after each.
 ///
 /// # Errors
-/// Only if the folder cannot be made or two files would make the same body; what goes wrong with a file is in its outcome.
+/// Only if the folder cannot be made or two files would make the same body; what goes wrong with a
+/// file is in its outcome.
 pub fn ingest_files(
     files: &[PathBuf],
     folder: &Path,
@@ -103,7 +107,8 @@ pub fn ingest_files(
     advanced: &(dyn Fn() + Sync),
 ) -> Result<Vec<FileOutcome>> {
     refuse_set(folder)?;
-    std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
     let names = body_names(files, settings)?;
     let jobs: Vec<(&PathBuf, String)> = files.iter().zip(names).collect();
     Ok(jobs
@@ -116,7 +121,8 @@ pub fn ingest_files(
         .collect())
 }
 
-/// One name per file. Files of the same stem (1crn.pdb and 1crn.cif) keep their endings to stay apart.
+/// One name per file. Files of the same stem (1crn.pdb and 1crn.cif) keep their endings to stay
+/// apart.
 fn body_names(files: &[PathBuf], settings: &IngestSettings) -> Result<Vec<String>> {
     if let Some(name) = &settings.name {
         return Ok(vec![name.clone()]);
@@ -125,28 +131,45 @@ fn body_names(files: &[PathBuf], settings: &IngestSettings) -> Result<Vec<String
     let names: Vec<String> = files
         .iter()
         .zip(&stems)
-        .map(|(file, stem)| match stems.iter().filter(|other| *other == stem).count() {
-            1 => stem.clone(),
-            _ => full_name(file),
-        })
+        .map(
+            |(file, stem)| match stems.iter().filter(|other| *other == stem).count() {
+                1 => stem.clone(),
+                _ => full_name(file),
+            },
+        )
         .collect();
     let mut seen = BTreeSet::new();
     match names.iter().find(|name| !seen.insert(*name)) {
-        Some(name) => bail!("two input files are called {name}; ingest them into different folders"),
+        Some(name) => {
+            bail!("two input files are called {name}; ingest them into different folders")
+        }
         None => Ok(names),
     }
 }
 
 fn full_name(file: &Path) -> String {
-    let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let name = file
+        .file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned();
     name.strip_suffix(".gz").unwrap_or(&name).replace('.', "_")
 }
 
-fn ingest_file(file: &Path, name: &str, folder: &Path, settings: &IngestSettings) -> Result<FileOutcome> {
+fn ingest_file(
+    file: &Path,
+    name: &str,
+    folder: &Path,
+    settings: &IngestSettings,
+) -> Result<FileOutcome> {
     let path = folder.join(format!("{name}.body"));
     let built = read_and_build(file, name, &settings.body)?;
     if !settings.force && body_file::is_another(&path, &built.body)? {
-        bail!("{}: {} holds another body; overwrite it with --force", file.display(), path.display());
+        bail!(
+            "{}: {} holds another body; overwrite it with --force",
+            file.display(),
+            path.display()
+        );
     }
     write_exports(&built.body, folder, name, &settings.exports)?;
     body_file::write(&path, &built.body)?;
@@ -155,7 +178,11 @@ fn ingest_file(file: &Path, name: &str, folder: &Path, settings: &IngestSettings
         status: "ok",
         body: Some(path),
         measures: Some(BodyMeasures::of(&built.body)),
-        skipped: built.selection.as_ref().map(|report| report.skipped.clone()).unwrap_or_default(),
+        skipped: built
+            .selection
+            .as_ref()
+            .map(|report| report.skipped.clone())
+            .unwrap_or_default(),
         warnings: built.warnings,
         selection: built.selection,
         error: None,
@@ -168,13 +195,18 @@ fn ingest_file(file: &Path, name: &str, folder: &Path, settings: &IngestSettings
 /// Names the file, the line or residue, and the remedy.
 pub fn read_and_build(file: &Path, name: &str, settings: &BodySettings) -> Result<BuiltBody> {
     let input = InputFile::read(file)?;
-    let source = Source { file: &input.name, sha256: &input.sha256 };
+    let source = Source {
+        file: &input.name,
+        sha256: &input.sha256,
+    };
     match Format::of_name(&input.name) {
         Some(Format::Pqr) => {
             let points = read_points(&input.name, &input.bytes)?;
-            build_body_of_points(name, source, &points, &settings.surface).with_context(|| input.name.clone())
+            build_body_of_points(name, source, &points, &settings.surface)
+                .with_context(|| input.name.clone())
         }
-        _ => build_body(name, source, &input.bytes, settings).map_err(|error| named(&input.name, error)),
+        _ => build_body(name, source, &input.bytes, settings)
+            .map_err(|error| named(&input.name, error)),
     }
 }
 
@@ -191,7 +223,10 @@ fn write_exports(body: &Body, folder: &Path, name: &str, endings: &[&str]) -> Re
         let path = folder.join(format!("{name}.{ending}"));
         let bytes = match *ending {
             "pqr" => write_pqr(&point_records(body))?.into_bytes(),
-            _ => write_mesh(MeshFormat::from_name(&path.display().to_string())?, &body.mesh),
+            _ => write_mesh(
+                MeshFormat::from_name(&path.display().to_string())?,
+                &body.mesh,
+            ),
         };
         write_atomically(&path, |file| file.write_all(&bytes))?;
     }
@@ -203,16 +238,24 @@ fn point_records(body: &Body) -> Vec<PointRecord> {
     body.sites
         .iter()
         .map(|site| {
-            let residue = site.residue.and_then(|index| body.residues.get(index as usize));
+            let residue = site
+                .residue
+                .and_then(|index| body.residues.get(index as usize));
             PointRecord {
                 position: site.position,
                 charge_e: site.charge_e,
                 radius_angstrom: site.radius_angstrom,
                 atom_name: site.atom_name.clone(),
-                residue_name: residue.map(|residue| residue.name.clone()).unwrap_or_default(),
-                chain: residue.map(|residue| residue.chain.clone()).unwrap_or_default(),
+                residue_name: residue
+                    .map(|residue| residue.name.clone())
+                    .unwrap_or_default(),
+                chain: residue
+                    .map(|residue| residue.chain.clone())
+                    .unwrap_or_default(),
                 residue_number: residue.map_or(0, |residue| residue.number),
-                insertion_code: residue.map(|residue| residue.insertion_code.clone()).unwrap_or_default(),
+                insertion_code: residue
+                    .map(|residue| residue.insertion_code.clone())
+                    .unwrap_or_default(),
             }
         })
         .collect()

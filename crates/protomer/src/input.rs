@@ -39,7 +39,9 @@ impl InputFile {
             .and_then(|file| file.take(LARGEST_INPUT_BYTES + 1).read_to_end(&mut raw))
             .with_context(|| format!("cannot read {name}"))?;
         if raw.len() as u64 > LARGEST_INPUT_BYTES {
-            bail!("{name} holds more than {LARGEST_INPUT_BYTES} bytes; give a structure, mesh or point file");
+            bail!(
+                "{name} holds more than {LARGEST_INPUT_BYTES} bytes; give a structure, mesh or point file"
+            );
         }
         let sha256 = sha256_hex(&raw);
         let bytes = if raw.starts_with(&[0x1f, 0x8b]) {
@@ -47,11 +49,16 @@ impl InputFile {
         } else {
             raw
         };
-        Ok(Self { name, bytes, sha256 })
+        Ok(Self {
+            name,
+            bytes,
+            sha256,
+        })
     }
 }
 
-/// The files that are meant by files and folders: a folder stands for the structure files in it, sorted by name.
+/// The files that are meant by files and folders: a folder stands for the structure files in it,
+/// sorted by name.
 ///
 /// # Errors
 /// For a path that does not exist and a folder without structure files.
@@ -62,16 +69,24 @@ pub fn expand(inputs: &[PathBuf]) -> Result<Vec<PathBuf>> {
             files.push(input.clone());
             continue;
         }
-        let entries = input.read_dir().with_context(|| format!("cannot read the folder {}", input.display()))?;
+        let entries = input
+            .read_dir()
+            .with_context(|| format!("cannot read the folder {}", input.display()))?;
         let mut found = Vec::new();
         for entry in entries {
-            let path = entry.with_context(|| format!("cannot read the folder {}", input.display()))?.path();
+            let path = entry
+                .with_context(|| format!("cannot read the folder {}", input.display()))?
+                .path();
             if path.is_file() && is_structure(&path) {
                 found.push(path);
             }
         }
         if found.is_empty() {
-            bail!("{} holds no structure file ({})", input.display(), STRUCTURE_ENDINGS.join(", "));
+            bail!(
+                "{} holds no structure file ({})",
+                input.display(),
+                STRUCTURE_ENDINGS.join(", ")
+            );
         }
         found.sort();
         files.extend(found);
@@ -80,14 +95,27 @@ pub fn expand(inputs: &[PathBuf]) -> Result<Vec<PathBuf>> {
 }
 
 fn is_structure(path: &Path) -> bool {
-    let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    let name = path
+        .file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .to_lowercase();
     let name = name.strip_suffix(".gz").unwrap_or(&name);
-    STRUCTURE_ENDINGS.iter().any(|ending| name.strip_suffix(ending).is_some_and(|stem| stem.ends_with('.')))
+    STRUCTURE_ENDINGS.iter().any(|ending| {
+        name.strip_suffix(ending)
+            .is_some_and(|stem| stem.ends_with('.'))
+    })
 }
 
 /// The name without folder and endings: `data/5pti.pdb.gz` is `5pti`.
 pub fn stem(path: &Path) -> String {
-    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let name = path
+        .file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned();
     let name = name.strip_suffix(".gz").unwrap_or(&name);
-    name.rsplit_once('.').map_or(name, |(stem, _)| stem).to_owned()
+    name.rsplit_once('.')
+        .map_or(name, |(stem, _)| stem)
+        .to_owned()
 }

@@ -39,8 +39,13 @@ pub struct Inspection {
 /// Looks at an assembly as it stands.
 ///
 /// # Errors
-/// If a setting makes no sense, the interaction reaches further than the box allows, or an energy is not finite.
-pub fn inspect(engine: &Engine, settings: &RunSettings, interaction: Interaction) -> Result<Inspection> {
+/// If a setting makes no sense, the interaction reaches further than the box allows, or an energy
+/// is not finite.
+pub fn inspect(
+    engine: &Engine,
+    settings: &RunSettings,
+    interaction: Interaction,
+) -> Result<Inspection> {
     settings.check()?;
     let system = engine.system()?;
     let mut model = engine.energy_model(settings, &interaction)?;
@@ -48,13 +53,17 @@ pub fn inspect(engine: &Engine, settings: &RunSettings, interaction: Interaction
     model.reset(&system)?;
     let pairs = model.pairs();
     let energy_kt = model.total_kt();
-    let gas_constant = protomer_kernel::units::BOLTZMANN_JOULE_PER_KELVIN * protomer_kernel::units::AVOGADRO_PER_MOL;
+    let gas_constant = protomer_kernel::units::BOLTZMANN_JOULE_PER_KELVIN
+        * protomer_kernel::units::AVOGADRO_PER_MOL;
     Ok(Inspection {
         bodies: system.len(),
         overlaps: overlapping_pairs(&system),
         energy_kt,
         energy_kilojoule_per_mol: energy_kt * gas_constant * interaction.temperature_kelvin * 1e-3,
-        pair_energies: pairs.iter().map(|pair| (pair.first, pair.second, pair.energy_kt)).collect(),
+        pair_energies: pairs
+            .iter()
+            .map(|pair| (pair.first, pair.second, pair.energy_kt))
+            .collect(),
         error_bound_kt_per_pair: model.error_bound_kt(),
         contacts: contacts(&system, settings.contact_gap_angstrom),
         r_g_angstrom: r_g_angstrom(&system, |_| 1.0),
@@ -68,7 +77,11 @@ impl Inspection {
     pub fn describe(&self) -> String {
         let overlaps = match self.overlaps.as_slice() {
             [] => "none".to_owned(),
-            pairs => pairs.iter().map(|(i, j)| format!("{i}-{j}")).collect::<Vec<_>>().join(", "),
+            pairs => pairs
+                .iter()
+                .map(|(i, j)| format!("{i}-{j}"))
+                .collect::<Vec<_>>()
+                .join(", "),
         };
         format!(
             "{} bodies, {} contacts, overlaps: {overlaps}\n\
@@ -96,6 +109,15 @@ pub(crate) fn error_bound(error_bound_kt_per_pair: f64) -> String {
 }
 
 /// Settings that matter to [`inspect`]: how energies are computed, and the contact gap.
-pub fn inspection_settings(energy: EnergyMode, tolerance_kt: Option<f64>, contact_gap_angstrom: f64) -> RunSettings {
-    RunSettings { energy, tolerance_kt, contact_gap_angstrom, ..RunSettings::default() }
+pub fn inspection_settings(
+    energy: EnergyMode,
+    tolerance_kt: Option<f64>,
+    contact_gap_angstrom: f64,
+) -> RunSettings {
+    RunSettings {
+        energy,
+        tolerance_kt,
+        contact_gap_angstrom,
+        ..RunSettings::default()
+    }
 }

@@ -1,11 +1,13 @@
-//! From what a user states (salt, temperature, permittivity, or the lengths themselves) to the Yukawa potential.
+//! From what a user states (salt, temperature, permittivity, or the lengths themselves) to the
+//! Yukawa potential.
 
 use anyhow::{Result, bail};
 use protomer_kernel::Conditions;
 use serde::{Deserialize, Serialize};
 
-/// The cut-off where none is stated, in Debye lengths: the potential has fallen to e⁻⁵/5 of its strength at one Debye
-/// length, and no pair of unit charges beyond it holds more than a few thousandths of a kT.
+/// The cut-off where none is stated, in Debye lengths: the potential has fallen to e⁻⁵/5 of its
+/// strength at one Debye length, and no pair of unit charges beyond it holds more than a few
+/// thousandths of a kT.
 pub const CUTOFF_IN_DEBYE_LENGTHS: f64 = 5.0;
 
 /// Everything of the medium that stays the same while the salt varies.
@@ -57,7 +59,8 @@ pub struct Interaction {
 }
 
 impl Medium {
-    /// The interaction at a salt concentration (mol/L); the salt may be left out if the Debye length is stated.
+    /// The interaction at a salt concentration (mol/L); the salt may be left out if the Debye
+    /// length is stated.
     ///
     /// # Errors
     /// Names the quantity that is missing or makes no sense.
@@ -65,23 +68,37 @@ impl Medium {
         let salt_for_length = salt_molar.unwrap_or(0.0);
         // The pH shapes the bodies, not the medium; any value serves here.
         let conditions = match self.relative_permittivity {
-            Some(permittivity) => {
-                Conditions::with_permittivity(self.temperature_kelvin, salt_for_length, 7.0, permittivity)?
-            }
+            Some(permittivity) => Conditions::with_permittivity(
+                self.temperature_kelvin,
+                salt_for_length,
+                7.0,
+                permittivity,
+            )?,
             None => Conditions::new(self.temperature_kelvin, salt_for_length, 7.0)?,
         };
-        let bjerrum_length_angstrom = self.bjerrum_length_angstrom.unwrap_or(conditions.bjerrum_length_angstrom());
+        let bjerrum_length_angstrom = self
+            .bjerrum_length_angstrom
+            .unwrap_or(conditions.bjerrum_length_angstrom());
         let debye_length_angstrom = match (self.debye_length_angstrom, salt_molar) {
             (Some(length), _) => length,
             (None, Some(salt)) => debye_length(bjerrum_length_angstrom, salt),
-            (None, None) => bail!("neither the salt nor the Debye length is known; add --salt 100mM or --debye 9.6A"),
+            (None, None) => bail!(
+                "neither the salt nor the Debye length is known; add --salt 100mM or --debye 9.6A"
+            ),
         };
         let cutoff_angstrom = match self.cutoff_angstrom {
             Some(cutoff) => cutoff,
-            None if debye_length_angstrom.is_finite() => CUTOFF_IN_DEBYE_LENGTHS * debye_length_angstrom,
-            None => bail!("without salt the interaction has no range; state one, such as --cutoff 100A"),
+            None if debye_length_angstrom.is_finite() => {
+                CUTOFF_IN_DEBYE_LENGTHS * debye_length_angstrom
+            }
+            None => {
+                bail!("without salt the interaction has no range; state one, such as --cutoff 100A")
+            }
         };
-        for (name, value) in [("Bjerrum length", bjerrum_length_angstrom), ("cut-off", cutoff_angstrom)] {
+        for (name, value) in [
+            ("Bjerrum length", bjerrum_length_angstrom),
+            ("cut-off", cutoff_angstrom),
+        ] {
             if !(value.is_finite() && value >= 0.0) {
                 bail!("the {name} is {value} Å; it must be a finite length of zero or more");
             }
@@ -91,7 +108,11 @@ impl Medium {
         }
         Ok(Interaction {
             temperature_kelvin: self.temperature_kelvin,
-            salt_molar: if self.debye_length_angstrom.is_some() { None } else { salt_molar },
+            salt_molar: if self.debye_length_angstrom.is_some() {
+                None
+            } else {
+                salt_molar
+            },
             relative_permittivity: conditions.relative_permittivity,
             bjerrum_length_angstrom,
             debye_length_angstrom,
@@ -100,10 +121,13 @@ impl Medium {
     }
 }
 
-/// κ² = 8π λ_B N_A c for a 1:1 salt, so that a stated Bjerrum length carries through to the screening.
+/// κ² = 8π λ_B N_A c for a 1:1 salt, so that a stated Bjerrum length carries through to the
+/// screening.
 fn debye_length(bjerrum_length_angstrom: f64, salt_molar: f64) -> f64 {
     let ions = protomer_kernel::units::NUMBER_DENSITY_PER_MOLAR * salt_molar;
-    (8.0 * std::f64::consts::PI * bjerrum_length_angstrom * ions).sqrt().recip()
+    (8.0 * std::f64::consts::PI * bjerrum_length_angstrom * ions)
+        .sqrt()
+        .recip()
 }
 
 impl Interaction {
@@ -114,7 +138,10 @@ impl Interaction {
 
     /// One line that says what was used.
     pub fn describe(&self) -> String {
-        let salt = self.salt_molar.map_or_else(|| "stated screening".into(), |salt| format!("{:.4} M salt", salt));
+        let salt = self.salt_molar.map_or_else(
+            || "stated screening".into(),
+            |salt| format!("{:.4} M salt", salt),
+        );
         format!(
             "{salt}, {} K, relative permittivity {:.2}, Bjerrum length {:.3} Å, Debye length {:.3} Å, cut-off {:.1} Å",
             self.temperature_kelvin,
@@ -139,7 +166,13 @@ mod tests {
             ..Medium::default()
         };
         let interaction = medium.interaction(None).unwrap();
-        assert_eq!((interaction.bjerrum_length_angstrom, interaction.debye_length_angstrom), (7.0, 9.6));
+        assert_eq!(
+            (
+                interaction.bjerrum_length_angstrom,
+                interaction.debye_length_angstrom
+            ),
+            (7.0, 9.6)
+        );
         assert_eq!(interaction.cutoff_angstrom, 48.0);
     }
 
@@ -147,14 +180,36 @@ mod tests {
     fn salt_gives_the_debye_length_of_the_kernel() {
         let interaction = Medium::default().interaction(Some(0.1)).unwrap();
         let conditions = Conditions::new(298.15, 0.1, 7.0).unwrap();
-        assert!((interaction.debye_length_angstrom - conditions.debye_length_angstrom()).abs() < 1e-12);
-        assert!((interaction.cutoff_angstrom - 5.0 * interaction.debye_length_angstrom).abs() < 1e-12);
+        assert!(
+            (interaction.debye_length_angstrom - conditions.debye_length_angstrom()).abs() < 1e-12
+        );
+        assert!(
+            (interaction.cutoff_angstrom - 5.0 * interaction.debye_length_angstrom).abs() < 1e-12
+        );
     }
 
     #[test]
     fn what_is_missing_is_named() {
-        assert!(Medium::default().interaction(None).unwrap_err().to_string().contains("--salt"));
-        assert!(Medium::default().interaction(Some(0.0)).unwrap_err().to_string().contains("--cutoff"));
-        assert!(Medium::default().interaction(Some(-0.1)).unwrap_err().to_string().contains("salt"));
+        assert!(
+            Medium::default()
+                .interaction(None)
+                .unwrap_err()
+                .to_string()
+                .contains("--salt")
+        );
+        assert!(
+            Medium::default()
+                .interaction(Some(0.0))
+                .unwrap_err()
+                .to_string()
+                .contains("--cutoff")
+        );
+        assert!(
+            Medium::default()
+                .interaction(Some(-0.1))
+                .unwrap_err()
+                .to_string()
+                .contains("salt")
+        );
     }
 }

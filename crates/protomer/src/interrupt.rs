@@ -15,7 +15,10 @@ pub struct Interrupt {
 impl Interrupt {
     /// An interrupt that comes by itself after `limit`, if there is one.
     pub fn after(limit: Option<Duration>) -> Self {
-        Self { deadline: limit.map(|limit| Instant::now() + limit), ..Self::default() }
+        Self {
+            deadline: limit.map(|limit| Instant::now() + limit),
+            ..Self::default()
+        }
     }
 
     /// The same request, and a limit of its own besides.
@@ -48,6 +51,9 @@ impl Interrupt {
 
     /// Whether the work should stop now.
     pub fn is_requested(&self) -> bool {
-        self.requested.load(Ordering::Relaxed) || self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
+        self.requested.load(Ordering::Relaxed)
+            || self
+                .deadline
+                .is_some_and(|deadline| Instant::now() >= deadline)
     }
 }

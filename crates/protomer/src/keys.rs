@@ -1,4 +1,5 @@
-//! Reading JSON and TOML with errors that name the key, the file, the line and the nearest valid key.
+//! Reading JSON and TOML with errors that name the key, the file, the line and the nearest valid
+//! key.
 
 use anyhow::{Result, anyhow};
 use serde::de::DeserializeOwned;
@@ -14,8 +15,13 @@ pub fn from_json<T: DeserializeOwned>(path: &Path, bytes: &[u8]) -> Result<T> {
         let cause = error.to_string();
         let cause = cause.split(" at line ").next().unwrap_or(&cause);
         let explained = match error.classify() {
-            Category::Eof => format!("the file ends too early ({cause}); it is empty or cut: complete it"),
-            Category::Syntax => format!("this is no JSON ({cause} at column {}); mend the line", error.column()),
+            Category::Eof => {
+                format!("the file ends too early ({cause}); it is empty or cut: complete it")
+            }
+            Category::Syntax => format!(
+                "this is no JSON ({cause} at column {}); mend the line",
+                error.column()
+            ),
             Category::Data | Category::Io => with_hint(cause),
         };
         anyhow!("{}:{}: {explained}", path.display(), error.line())
@@ -28,7 +34,9 @@ pub fn from_json<T: DeserializeOwned>(path: &Path, bytes: &[u8]) -> Result<T> {
 /// Names the file, line, and key; for an unknown key the nearest valid one.
 pub fn from_toml<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T> {
     toml::from_str(text).map_err(|error| {
-        let line = error.span().map_or(1, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
+        let line = error.span().map_or(1, |span| {
+            text[..span.start.min(text.len())].matches('\n').count() + 1
+        });
         let explained = match text.parse::<toml::Table>() {
             Ok(_) => with_hint(error.message()),
             Err(_) => format!("this is no TOML ({}); mend the line", error.message()),
@@ -53,7 +61,9 @@ fn with_hint(message: &str) -> String {
 
 /// The known word nearest to a wrong one, unless none is near.
 pub fn nearest<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let nearest = known.into_iter().min_by_key(|word| edit_distance(wrong, word))?;
+    let nearest = known
+        .into_iter()
+        .min_by_key(|word| edit_distance(wrong, word))?;
     (edit_distance(wrong, nearest) <= 1 + wrong.chars().count() / 3).then_some(nearest)
 }
 
@@ -87,10 +97,20 @@ mod tests {
 
     #[test]
     fn unknown_keys_are_named_with_line_and_nearest() {
-        let error = from_toml::<Settings>(Path::new("run.toml"), "sweeps = 3\nreplicsa = 1\n").unwrap_err().to_string();
-        assert!(error.starts_with("run.toml:2:") && error.ends_with("did you mean 'replicas'?"), "{error}");
-        let error = from_json::<Settings>(Path::new("a.json"), b"{\n\"sweps\": 1}").unwrap_err().to_string();
-        assert!(error.starts_with("a.json:2:") && error.ends_with("did you mean 'sweeps'?"), "{error}");
+        let error = from_toml::<Settings>(Path::new("run.toml"), "sweeps = 3\nreplicsa = 1\n")
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.starts_with("run.toml:2:") && error.ends_with("did you mean 'replicas'?"),
+            "{error}"
+        );
+        let error = from_json::<Settings>(Path::new("a.json"), b"{\n\"sweps\": 1}")
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.starts_with("a.json:2:") && error.ends_with("did you mean 'sweeps'?"),
+            "{error}"
+        );
     }
 
     #[test]

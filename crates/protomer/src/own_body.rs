@@ -36,13 +36,27 @@ pub fn build(own: &OwnBody) -> Result<Body> {
     let mut sites = Vec::new();
     if let Some(path) = &own.charges {
         let charges = InputFile::read(path)?;
-        sites = read_points(&charges.name, &charges.bytes)?.into_iter().map(site).collect();
+        sites = read_points(&charges.name, &charges.bytes)?
+            .into_iter()
+            .map(site)
+            .collect();
         settings.insert("charges".into(), charges.name);
         settings.insert("charges_sha256".into(), charges.sha256);
     }
-    let provenance =
-        Provenance { source: file.name, source_sha256: file.sha256, origin_angstrom: Vec3::zeros(), settings };
-    Ok(Body { name: own.name.clone(), mesh, sites, residues: Vec::new(), mass_properties, provenance })
+    let provenance = Provenance {
+        source: file.name,
+        source_sha256: file.sha256,
+        origin_angstrom: Vec3::zeros(),
+        settings,
+    };
+    Ok(Body {
+        name: own.name.clone(),
+        mesh,
+        sites,
+        residues: Vec::new(),
+        mass_properties,
+        provenance,
+    })
 }
 
 fn site(record: protomer_io::points::PointRecord) -> Site {

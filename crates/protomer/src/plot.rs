@@ -1,7 +1,8 @@
-//! Figures: points with error bars, single replicas and lines, in one panel or in several that share their x axis.
+//! Figures: points with error bars, single replicas and lines, in one panel or in several that
+//! share their x axis.
 //!
-//! A [`Figure`] is data only; [`Figure::write_svg`] and [`Figure::write_png`] draw it. Labels may have subscripts and
-//! superscripts: `R_g`, `10^{-3}`.
+//! A [`Figure`] is data only; [`Figure::write_svg`] and [`Figure::write_png`] draw it. Labels may
+//! have subscripts and superscripts: `R_g`, `10^{-3}`.
 //!
 //! | module | one idea |
 //! |---|---|
@@ -31,14 +32,19 @@ pub const HEIGHT: u32 = 800;
 struct Shape {
     width: u32,
     height: u32,
-    /// Texts that are too long may shrink down to this part of their size, before they are broken into lines.
+    /// Texts that are too long may shrink down to this part of their size, before they are broken
+    /// into lines.
     least_shrunk: f64,
 }
 
 /// Height of a panel on a narrow screen.
 const NARROW_PANEL_HEIGHT: f64 = 210.0;
 /// For files, and for screens that are wide enough.
-const WIDE: Shape = Shape { width: WIDTH, height: HEIGHT, least_shrunk: 0.8 };
+const WIDE: Shape = Shape {
+    width: WIDTH,
+    height: HEIGHT,
+    least_shrunk: 0.8,
+};
 
 /// A figure of panels stacked on a common x axis.
 ///
@@ -96,7 +102,8 @@ pub struct Axis {
 pub struct Series {
     /// Name in the legend.
     pub name: String,
-    /// The points, in the order in which a line joins them. Points whose y is not a number are left out.
+    /// The points, in the order in which a line joins them. Points whose y is not a number are left
+    /// out.
     pub points: Vec<Point>,
     /// Single measurements behind the points, drawn small and faint: (x, y).
     pub replicas: Vec<[f64; 2]>,
@@ -120,39 +127,59 @@ pub struct Point {
 impl Axis {
     /// A linear axis that fits its data.
     pub fn linear(label: impl Into<String>) -> Self {
-        Self { label: label.into(), log: false, range: None }
+        Self {
+            label: label.into(),
+            log: false,
+            range: None,
+        }
     }
 
     /// A logarithmic axis that fits its data.
     pub fn log(label: impl Into<String>) -> Self {
-        Self { label: label.into(), log: true, range: None }
+        Self {
+            label: label.into(),
+            log: true,
+            range: None,
+        }
     }
 
     /// The same axis with these ends.
     #[must_use]
     pub fn with_range(self, from: f64, to: f64) -> Self {
-        Self { range: Some([from, to]), ..self }
+        Self {
+            range: Some([from, to]),
+            ..self
+        }
     }
 }
 
 impl Figure {
-    /// The text of an SVG file, which holds the figure itself as well: [`Figure::from_svg`] finds it.
+    /// The text of an SVG file, which holds the figure itself as well: [`Figure::from_svg`] finds
+    /// it.
     ///
     /// # Errors
-    /// If a value cannot be drawn: an x or a range that is not finite, a value outside a stated range or at or below
-    /// zero on a logarithmic axis, no point at all.
+    /// If a value cannot be drawn: an x or a range that is not finite, a value outside a stated
+    /// range or at or below zero on a logarithmic axis, no point at all.
     pub fn to_svg(&self) -> Result<String> {
         self.check()?;
-        source::within(&canvas::draw_svg(WIDE, |canvas| layout::draw(self, canvas))?, self)
+        source::within(
+            &canvas::draw_svg(WIDE, |canvas| layout::draw(self, canvas))?,
+            self,
+        )
     }
 
-    /// The same as [`Figure::to_svg`], drawn for a narrow screen, with larger letters against its width, and nothing besides.
+    /// The same as [`Figure::to_svg`], drawn for a narrow screen, with larger letters against its
+    /// width, and nothing besides.
     ///
     /// # Errors
     /// As [`Figure::to_svg`].
     pub fn to_narrow_svg(&self) -> Result<String> {
         self.check()?;
-        let shape = Shape { width: 520, height: 0, least_shrunk: 1.0 };
+        let shape = Shape {
+            width: 520,
+            height: 0,
+            least_shrunk: 1.0,
+        };
         let height = layout::height_for(self, shape, NARROW_PANEL_HEIGHT)?.round() as u32;
         let shape = Shape { height, ..shape };
         canvas::draw_svg(shape, |canvas| layout::draw(self, canvas))
@@ -181,7 +208,9 @@ impl Figure {
     /// As [`Figure::to_svg`], and if the file cannot be written.
     pub fn write_svg(&self, path: &Path) -> Result<()> {
         let svg = self.to_svg()?;
-        Ok(protomer_io::atomic::write_atomically(path, |file| file.write_all(svg.as_bytes()))?)
+        Ok(protomer_io::atomic::write_atomically(path, |file| {
+            file.write_all(svg.as_bytes())
+        })?)
     }
 
     /// Writes a PNG file; it appears under its name only when complete.
@@ -190,7 +219,9 @@ impl Figure {
     /// As [`Figure::to_png`], and if the file cannot be written.
     pub fn write_png(&self, path: &Path) -> Result<()> {
         let png = self.to_png()?;
-        Ok(protomer_io::atomic::write_atomically(path, |file| file.write_all(&png))?)
+        Ok(protomer_io::atomic::write_atomically(path, |file| {
+            file.write_all(&png)
+        })?)
     }
 
     /// The names of the series in the order of their first appearance.
@@ -207,7 +238,8 @@ impl Figure {
     fn check(&self) -> Result<()> {
         for axis in self.panels.iter().map(|panel| &panel.y).chain([&self.x]) {
             if let Some([from, to]) = axis.range {
-                let valid = from.is_finite() && to.is_finite() && from < to && (!axis.log || from > 0.0);
+                let valid =
+                    from.is_finite() && to.is_finite() && from < to && (!axis.log || from > 0.0);
                 if !valid {
                     bail!("the axis {:?} cannot range from {from} to {to}", axis.label);
                 }
@@ -220,10 +252,18 @@ impl Figure {
             for [x, y] in panel.values() {
                 for (axis, value) in [(&self.x, x), (&panel.y, y)] {
                     if !value.is_finite() || (axis.log && value <= 0.0) {
-                        bail!("the value {value} cannot be drawn on the axis {:?}; use a linear axis", axis.label);
+                        bail!(
+                            "the value {value} cannot be drawn on the axis {:?}; use a linear axis",
+                            axis.label
+                        );
                     }
-                    if let Some([from, to]) = axis.range.filter(|[from, to]| value < *from || value > *to) {
-                        bail!("the value {value} lies outside the axis {:?}, {from} to {to}; widen it", axis.label);
+                    if let Some([from, to]) =
+                        axis.range.filter(|[from, to]| value < *from || value > *to)
+                    {
+                        bail!(
+                            "the value {value} lies outside the axis {:?}, {from} to {to}; widen it",
+                            axis.label
+                        );
                     }
                 }
             }
@@ -240,7 +280,9 @@ impl Panel {
     fn values(&self) -> impl Iterator<Item = [f64; 2]> {
         self.series.iter().flat_map(|series| {
             let points = series.points.iter().map(|point| [point.x, point.y]);
-            points.chain(series.replicas.iter().copied()).filter(|[_, y]| !y.is_nan())
+            points
+                .chain(series.replicas.iter().copied())
+                .filter(|[_, y]| !y.is_nan())
         })
     }
 
@@ -258,12 +300,14 @@ impl Panel {
 mod tests {
     use super::*;
 
-    /// The figure of a sweep: radius of gyration and native contacts against salt, for two arrangements.
+    /// The figure of a sweep: radius of gyration and native contacts against salt, for two
+    /// arrangements.
     fn example() -> Figure {
         let salts: &'static [f64] = &[10.0, 20.0, 50.0, 100.0, 150.0, 200.0, 300.0];
         let series = |name: &str, midpoint: f64, low: f64, high: f64| {
             let curve = |salt: f64| low + (high - low) / (1.0 + (midpoint / salt).powi(4));
-            // Replicas scatter most at the transition; the scatter is that of a golden-ratio sequence.
+            // Replicas scatter most at the transition; the scatter is that of a golden-ratio
+            // sequence.
             let replicas = |i: usize| -> Vec<f64> {
                 let width = 0.01 + 0.12 * (-(salts[i] / midpoint).ln().powi(2) * 3.0).exp();
                 (0..5)
@@ -275,12 +319,18 @@ mod tests {
                 let values = replicas(i);
                 let y = values.iter().sum::<f64>() / 5.0;
                 let variance = values.iter().map(|value| (value - y).powi(2)).sum::<f64>() / 4.0;
-                Point { x: salts[i], y, error: Some((variance / 5.0).sqrt()) }
+                Point {
+                    x: salts[i],
+                    y,
+                    error: Some((variance / 5.0).sqrt()),
+                }
             };
             Series {
                 name: name.into(),
                 points: (0..salts.len()).map(point).collect(),
-                replicas: (0..salts.len()).flat_map(|i| replicas(i).into_iter().map(move |y| [salts[i], y])).collect(),
+                replicas: (0..salts.len())
+                    .flat_map(|i| replicas(i).into_iter().map(move |y| [salts[i], y]))
+                    .collect(),
                 line: true,
             }
         };
@@ -310,13 +360,28 @@ mod tests {
     fn an_svg_holds_every_label_and_every_point() {
         let figure = example();
         let svg = figure.to_svg().unwrap();
-        assert!(svg.starts_with("<svg width=\"1200\" height=\"800\""), "{}", &svg[..100]);
+        assert!(
+            svg.starts_with("<svg width=\"1200\" height=\"800\""),
+            "{}",
+            &svg[..100]
+        );
         assert!(svg.trim_end().ends_with("</svg>"));
-        for text in ["radius\u{a0}of\u{a0}gyration\u{a0}R", "native\u{a0}contacts", ">\n10\n", ">\n300\n", "up-down"] {
+        for text in [
+            "radius\u{a0}of\u{a0}gyration\u{a0}R",
+            "native\u{a0}contacts",
+            ">\n10\n",
+            ">\n300\n",
+            "up-down",
+        ] {
             assert!(svg.contains(text), "{text}");
         }
         // One faint circle for each replica, and markers of the first series with a halo.
-        let replicas: usize = figure.panels.iter().flat_map(|p| &p.series).map(|s| s.replicas.len()).sum();
+        let replicas: usize = figure
+            .panels
+            .iter()
+            .flat_map(|p| &p.series)
+            .map(|s| s.replicas.len())
+            .sum();
         assert_eq!(svg.matches("opacity=\"0.4\"").count(), replicas);
     }
 
@@ -328,18 +393,32 @@ mod tests {
         let (found, bare) = Figure::from_svg(&svg).unwrap().unwrap();
         assert_eq!(found, figure);
         assert_eq!(Figure::from_svg(&bare).unwrap(), None);
-        assert!(bare.len() < svg.len() && bare.starts_with("<svg") && bare.trim_end().ends_with("</svg>"));
+        assert!(
+            bare.len() < svg.len()
+                && bare.starts_with("<svg")
+                && bare.trim_end().ends_with("</svg>")
+        );
         let narrow = figure.to_narrow_svg().unwrap();
         assert!(narrow.starts_with("<svg width=\"520\" height=") && !narrow.contains("metadata"));
         // All its letters are larger than 8 pixels on a screen of 390, of which the figure has 344.
-        let sizes =
-            narrow.split("font-size=\"").skip(1).map(|rest| rest.split('"').next().unwrap().parse::<f64>().unwrap());
-        assert!(sizes.clone().count() > 20 && sizes.clone().all(|size| size / 3.0 * 344.0 / 520.0 >= 8.0));
+        let sizes = narrow
+            .split("font-size=\"")
+            .skip(1)
+            .map(|rest| rest.split('"').next().unwrap().parse::<f64>().unwrap());
+        assert!(
+            sizes.clone().count() > 20
+                && sizes.clone().all(|size| size / 3.0 * 344.0 / 520.0 >= 8.0)
+        );
         // Gaps are not drawn and not kept.
         figure.panels[0].series[0].points[0].y = f64::NAN;
         figure.panels[0].series[0].points[1].error = Some(f64::INFINITY);
-        let (found, _) = Figure::from_svg(&figure.to_svg().unwrap()).unwrap().unwrap();
-        assert_eq!(found.panels[0].series[0].points.len(), figure.panels[0].series[0].points.len() - 1);
+        let (found, _) = Figure::from_svg(&figure.to_svg().unwrap())
+            .unwrap()
+            .unwrap();
+        assert_eq!(
+            found.panels[0].series[0].points.len(),
+            figure.panels[0].series[0].points.len() - 1
+        );
         assert!(Figure::from_svg(&svg.replace("\"panels\"", "\"pannels\"")).is_err());
     }
 
@@ -352,19 +431,36 @@ mod tests {
         let mut reader = decoder.read_info().unwrap();
         let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
         let info = reader.next_frame(&mut pixels).unwrap();
-        assert_eq!((info.width, info.height, info.color_type), (WIDTH, HEIGHT, png::ColorType::Rgb));
+        assert_eq!(
+            (info.width, info.height, info.color_type),
+            (WIDTH, HEIGHT, png::ColorType::Rgb)
+        );
         for colour in &canvas::PALETTE[..3] {
-            assert!(pixels.chunks_exact(3).any(|pixel| pixel == *colour), "{colour:?}");
+            assert!(
+                pixels.chunks_exact(3).any(|pixel| pixel == *colour),
+                "{colour:?}"
+            );
         }
         if let Some(path) = std::env::var_os("PROTOMER_EXAMPLE_FIGURE") {
             example().write_png(Path::new(&path)).unwrap();
-            example().write_svg(&Path::new(&path).with_extension("svg")).unwrap();
+            example()
+                .write_svg(&Path::new(&path).with_extension("svg"))
+                .unwrap();
             let panel = &mut figure.panels[0];
-            panel.series.iter_mut().for_each(|series| series.name.push_str(", with a name that is rather long"));
-            panel.y = Axis { label: panel.y.label.clone(), log: true, range: None };
+            panel
+                .series
+                .iter_mut()
+                .for_each(|series| series.name.push_str(", with a name that is rather long"));
+            panel.y = Axis {
+                label: panel.y.label.clone(),
+                log: true,
+                range: None,
+            };
             figure.x = Axis::linear("salt concentration / mM");
             figure.caption.clear();
-            figure.write_png(&Path::new(&path).with_extension("single.png")).unwrap();
+            figure
+                .write_png(&Path::new(&path).with_extension("single.png"))
+                .unwrap();
         }
     }
 
@@ -373,7 +469,13 @@ mod tests {
         let point = |x, y| Point { x, y, error: None };
         let figure = |x: Axis, points: Vec<Point>| Figure {
             x,
-            panels: vec![Panel { y: Axis::linear("R_g"), series: vec![Series { points, ..Series::default() }] }],
+            panels: vec![Panel {
+                y: Axis::linear("R_g"),
+                series: vec![Series {
+                    points,
+                    ..Series::default()
+                }],
+            }],
             ..Figure::default()
         };
         let error = |figure: Figure| figure.to_svg().unwrap_err().to_string();
@@ -384,13 +486,34 @@ mod tests {
         assert!(error(figure(Axis::linear("salt"), vec![point(f64::NAN, 1.0)])).contains("NaN"));
         assert!(error(figure(Axis::linear("salt"), vec![])).contains("no point"));
         assert!(
-            error(figure(Axis::linear("salt").with_range(2.0, 1.0), vec![point(0.0, 1.0)])).contains("cannot range")
+            error(figure(
+                Axis::linear("salt").with_range(2.0, 1.0),
+                vec![point(0.0, 1.0)]
+            ))
+            .contains("cannot range")
         );
         assert!(error(Figure::default()).contains("no panels"));
-        let outside = error(figure(Axis::linear("salt").with_range(0.0, 1.0), vec![point(2.0, 1.0)]));
-        assert!(outside.contains("value 2 lies outside the axis \"salt\", 0 to 1"), "{outside}");
+        let outside = error(figure(
+            Axis::linear("salt").with_range(0.0, 1.0),
+            vec![point(2.0, 1.0)],
+        ));
+        assert!(
+            outside.contains("value 2 lies outside the axis \"salt\", 0 to 1"),
+            "{outside}"
+        );
         // One point, and points that are all the same, still make a figure.
-        assert!(figure(Axis::log("salt"), vec![point(1.0, 0.0)]).to_svg().is_ok());
-        assert!(figure(Axis::linear("salt"), vec![point(0.0, 5.0), point(1.0, f64::NAN)]).to_png().is_ok());
+        assert!(
+            figure(Axis::log("salt"), vec![point(1.0, 0.0)])
+                .to_svg()
+                .is_ok()
+        );
+        assert!(
+            figure(
+                Axis::linear("salt"),
+                vec![point(0.0, 5.0), point(1.0, f64::NAN)]
+            )
+            .to_png()
+            .is_ok()
+        );
     }
 }

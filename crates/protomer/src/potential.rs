@@ -1,11 +1,14 @@
-//! The electrostatic potential around a structure, by the linearised Poisson-Boltzmann equation or as screened charges.
+//! The electrostatic potential around a structure, by the linearised Poisson-Boltzmann equation or
+//! as screened charges.
 
 use crate::input::InputFile;
 use crate::surface_of_file::read_sites;
 use anyhow::{Context, Result, bail};
 use protomer_field::debye_huckel::Superposition;
 use protomer_field::poisson_boltzmann::grid_around;
-use protomer_field::{ChargedSphere, Grid, Medium, PotentialModel, ScalarField, SolveSettings, solve};
+use protomer_field::{
+    ChargedSphere, Grid, Medium, PotentialModel, ScalarField, SolveSettings, solve,
+};
 use protomer_io::volume::Volume;
 use protomer_io::without_byte_order_mark;
 use protomer_kernel::Vec3;
@@ -29,13 +32,16 @@ pub struct PotentialReport {
     pub net_charge_e: f64,
     /// How the potential was found.
     pub model: PotentialModel,
-    /// Energy of moving the charges from a medium like their inside into the solvent, kJ/mol; null for screened Coulomb
-    /// potentials, which know no inside.
+    /// Energy of moving the charges from a medium like their inside into the solvent, kJ/mol; null
+    /// for screened Coulomb potentials, which know no inside.
     pub solvation_energy_kj_mol: Option<f64>,
     /// How far that is off, as a second grid lets expect, kJ/mol; null if not asked for.
     pub error_estimate_kj_mol: Option<f64>,
     /// The potential at the points asked for, kT/e; null outside the grid.
-    #[serde(rename = "potentials_kT_per_e", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        rename = "potentials_kT_per_e",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub potentials_kt_per_e: Option<Vec<Option<f64>>>,
     /// The grid.
     pub grid: Grid,
@@ -81,7 +87,11 @@ pub fn read_places(path: &Path) -> Result<Vec<Vec3>> {
         }
         let Some(place) = place(&words) else {
             let line = line.trim();
-            bail!("{}, line {}: '{line}' is not a point; give x y z in Å, three finite numbers", file.name, number + 1)
+            bail!(
+                "{}, line {}: '{line}' is not a point; give x y z in Å, three finite numbers",
+                file.name,
+                number + 1
+            )
         };
         places.push(place);
     }
@@ -92,7 +102,9 @@ pub fn read_places(path: &Path) -> Result<Vec<Vec3>> {
 fn place(words: &[&str]) -> Option<Vec3> {
     let number = |word: &&str| word.parse::<f64>().ok().filter(|number| number.is_finite());
     let numbers = words.iter().map(number).collect::<Option<Vec<f64>>>()?;
-    let [x, y, z, ..] = numbers[..] else { return None };
+    let [x, y, z, ..] = numbers[..] else {
+        return None;
+    };
     Some(Vec3::new(x, y, z))
 }
 
@@ -110,8 +122,16 @@ pub fn potential_of_file(
 ) -> Result<(ScalarField, PotentialReport)> {
     let start = Instant::now();
     let (file, spheres) = spheres_of_file(path)?;
-    let Found { field, energy_kt, error_kt, potentials_kt_per_e, iterations } = match model {
-        PotentialModel::PoissonBoltzmann => solved(&spheres, medium, settings, estimate_error, places),
+    let Found {
+        field,
+        energy_kt,
+        error_kt,
+        potentials_kt_per_e,
+        iterations,
+    } = match model {
+        PotentialModel::PoissonBoltzmann => {
+            solved(&spheres, medium, settings, estimate_error, places)
+        }
         PotentialModel::DebyeHueckel => superposed(&spheres, medium, settings, places),
     }
     .with_context(|| file.clone())?;
@@ -119,7 +139,10 @@ pub fn potential_of_file(
     let debye = medium.conditions.debye_length_angstrom();
     let report = PotentialReport {
         file,
-        atoms: spheres.iter().filter(|sphere| sphere.radius_angstrom > 0.0).count(),
+        atoms: spheres
+            .iter()
+            .filter(|sphere| sphere.radius_angstrom > 0.0)
+            .count(),
         net_charge_e: spheres.iter().map(|sphere| sphere.charge_e).sum(),
         model,
         solvation_energy_kj_mol: energy_kt.map(|energy| energy * per_kt),
@@ -151,22 +174,26 @@ fn solved(
     places: Option<&[Vec3]>,
 ) -> Result<Found> {
     let solved = solve(spheres, medium, settings)?;
-    let error_kt =
-        estimate_error.then(|| error_estimate_kt(spheres, medium, settings, solved.solvation_energy_kt)).transpose()?;
+    let error_kt = estimate_error
+        .then(|| error_estimate_kt(spheres, medium, settings, solved.solvation_energy_kt))
+        .transpose()?;
     Ok(Found {
         field: solved.field(),
         energy_kt: Some(solved.solvation_energy_kt),
         error_kt,
-        potentials_kt_per_e: places.map(|places| places.iter().map(|place| solved.at(place)).collect()),
+        potentials_kt_per_e: places
+            .map(|places| places.iter().map(|place| solved.at(place)).collect()),
         iterations: Some(solved.iterations),
     })
 }
 
-/// The error of an energy E(h) from that at a second spacing, as for one that falls with the square of the spacing:
+/// The error of an energy E(h) from that at a second spacing, as for one that falls with the square
+/// of the spacing:
 ///
 /// δ = |E(s h) - E(h)| / |s² - 1|.
 ///
-/// It is the size to expect: how the two grids happen to cut the surface makes single estimates too small or too large.
+/// It is the size to expect: how the two grids happen to cut the surface makes single estimates too
+/// small or too large.
 fn error_estimate_kt(
     spheres: &[ChargedSphere],
     medium: &Medium,
@@ -174,9 +201,20 @@ fn error_estimate_kt(
     energy_kt: f64,
 ) -> Result<f64> {
     let coarser = SECOND_SPACING * settings.spacing_angstrom <= COARSEST_ANGSTROM;
-    let scale = if coarser { SECOND_SPACING } else { 1.0 / SECOND_SPACING };
+    let scale = if coarser {
+        SECOND_SPACING
+    } else {
+        1.0 / SECOND_SPACING
+    };
     let spacing_angstrom = scale * settings.spacing_angstrom;
-    let second = solve(spheres, medium, &SolveSettings { spacing_angstrom, ..*settings })?;
+    let second = solve(
+        spheres,
+        medium,
+        &SolveSettings {
+            spacing_angstrom,
+            ..*settings
+        },
+    )?;
     Ok((second.solvation_energy_kt - energy_kt).abs() / (scale * scale - 1.0).abs())
 }
 
@@ -201,14 +239,25 @@ fn superposed(
 /// The potential as a volume for a file.
 pub fn volume(field: ScalarField) -> Volume {
     let ScalarField { grid, values } = field;
-    let Grid { shape, origin_angstrom, spacing_angstrom } = grid;
-    Volume { shape, origin_angstrom, spacing_angstrom, values }
+    let Grid {
+        shape,
+        origin_angstrom,
+        spacing_angstrom,
+    } = grid;
+    Volume {
+        shape,
+        origin_angstrom,
+        spacing_angstrom,
+        values,
+    }
 }
 
 /// The most memory this process has held.
 fn peak_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let line = status
+        .lines()
+        .find_map(|line| line.strip_prefix("VmHWM:"))?;
     Some(line.split_whitespace().next()?.parse::<u64>().ok()? * 1024)
 }
 
@@ -225,7 +274,12 @@ mod tests {
             std::fs::write(&path, text).unwrap();
             read_places(&path)
         };
-        assert_eq!(read("\u{feff}1 2 3\n\n# none\n-1e1 0 0.5 # one\n").unwrap().len(), 2);
+        assert_eq!(
+            read("\u{feff}1 2 3\n\n# none\n-1e1 0 0.5 # one\n")
+                .unwrap()
+                .len(),
+            2
+        );
         assert_eq!(read("1 2 3 -0.25\n").unwrap(), [Vec3::new(1.0, 2.0, 3.0)]);
         for line in ["1 2 3 hello", "nan 0 0", "0 inf 0", "1 2", "hello"] {
             let message = read(&format!("0 0 0\n{line}\n")).unwrap_err().to_string();
@@ -235,16 +289,34 @@ mod tests {
 
     #[test]
     fn the_estimate_is_what_a_second_order_error_leaves_between_two_grids() {
-        let conditions = protomer_kernel::Conditions::with_permittivity(298.15, 0.0, 7.0, 78.54).unwrap();
-        let medium = Medium { inner_permittivity: 1.0, ..Medium::new(conditions) };
-        let ion = [ChargedSphere { centre: Vec3::zeros(), radius_angstrom: 2.0, charge_e: 1.0 }];
-        let at = |spacing_angstrom| SolveSettings { spacing_angstrom, ..SolveSettings::default() };
-        let energy = |spacing| solve(&ion, &medium, &at(spacing)).unwrap().solvation_energy_kt;
+        let conditions =
+            protomer_kernel::Conditions::with_permittivity(298.15, 0.0, 7.0, 78.54).unwrap();
+        let medium = Medium {
+            inner_permittivity: 1.0,
+            ..Medium::new(conditions)
+        };
+        let ion = [ChargedSphere {
+            centre: Vec3::zeros(),
+            radius_angstrom: 2.0,
+            charge_e: 1.0,
+        }];
+        let at = |spacing_angstrom| SolveSettings {
+            spacing_angstrom,
+            ..SolveSettings::default()
+        };
+        let energy = |spacing| {
+            solve(&ion, &medium, &at(spacing))
+                .unwrap()
+                .solvation_energy_kt
+        };
         // c h² at both: the coarser differs by 0.96 c h², the finer by (1 - 1/1.96) c h².
         for (spacing, second, share) in [(0.6, 0.84, 0.96), (0.9, 0.9 / 1.4, 1.0 - 1.0 / 1.96)] {
             let expected = (energy(second) - energy(spacing)).abs() / share;
             let estimate = error_estimate_kt(&ion, &medium, &at(spacing), energy(spacing)).unwrap();
-            assert!((estimate / expected - 1.0).abs() < 1e-9, "{estimate} {expected}");
+            assert!(
+                (estimate / expected - 1.0).abs() < 1e-9,
+                "{estimate} {expected}"
+            );
         }
     }
 }

@@ -47,8 +47,9 @@ pub fn memory_bytes(text: &str) -> Result<u64> {
     Ok(bytes.round() as u64)
 }
 
-/// Salt concentrations in mol/L from a comma-separated list of values and ranges. A range `10mM..300mM/8` is eight
-/// values spaced evenly on a logarithmic axis; `0..100mM/5` (from zero) is spaced evenly on a linear one.
+/// Salt concentrations in mol/L from a comma-separated list of values and ranges. A range
+/// `10mM..300mM/8` is eight values spaced evenly on a logarithmic axis; `0..100mM/5` (from zero) is
+/// spaced evenly on a linear one.
 ///
 /// # Errors
 /// Says which item of the list is not understood.
@@ -76,7 +77,11 @@ fn salt_range(item: &str, first: &str, rest: &str) -> Result<Vec<f64>> {
     // A range may leave the unit to its end: 10..300mM/8.
     let unit = last.trim_start_matches(|c: char| c.is_ascii_digit() || ".-+eE".contains(c));
     let first_has_unit = first.ends_with('M');
-    let low = salt_molar(&if first_has_unit { first.to_owned() } else { format!("{first}{unit}") })?;
+    let low = salt_molar(&if first_has_unit {
+        first.to_owned()
+    } else {
+        format!("{first}{unit}")
+    })?;
     let high = salt_molar(last)?;
     let count: usize = match count.trim().parse() {
         Ok(count) if (2..=10_000).contains(&count) => count,
@@ -97,19 +102,29 @@ fn salt_range(item: &str, first: &str, rest: &str) -> Result<Vec<f64>> {
 
 /// Rounds to 1 µM, so that labels and folder names stay short.
 fn round_to_micromolar(salt_molar: f64) -> f64 {
-    if salt_molar < 1e-4 { salt_molar } else { (salt_molar * 1e6).round() / 1e6 }
+    if salt_molar < 1e-4 {
+        salt_molar
+    } else {
+        (salt_molar * 1e6).round() / 1e6
+    }
 }
 
-/// `value × unit`; each unit is its suffix and its power of ten. Powers above one are exact, so that dividing by them
-/// keeps 150mM exactly 0.15.
+/// `value × unit`; each unit is its suffix and its power of ten. Powers above one are exact, so
+/// that dividing by them keeps 150mM exactly 0.15.
 fn parse(text: &str, what: &str, units: &[(&str, i32)], example: &str) -> Result<f64> {
     let text = text.trim();
     for (suffix, power) in units {
-        let Some(number) = text.strip_suffix(suffix) else { continue };
+        let Some(number) = text.strip_suffix(suffix) else {
+            continue;
+        };
         if let Ok(value) = number.trim().parse::<f64>()
             && value.is_finite()
         {
-            return Ok(if *power < 0 { value / 10f64.powi(-power) } else { value * 10f64.powi(*power) });
+            return Ok(if *power < 0 {
+                value / 10f64.powi(-power)
+            } else {
+                value * 10f64.powi(*power)
+            });
         }
     }
     bail!("'{text}' is not {what}; write it like {example}")
@@ -139,9 +154,21 @@ mod tests {
 
     #[test]
     fn nonsense_is_refused_with_the_offending_text() {
-        for text in ["-5mM", "abc", "10mM..5mM/3", "1..2", "10mM..20mM/1", "", "nanM", "1e400M"] {
+        for text in [
+            "-5mM",
+            "abc",
+            "10mM..5mM/3",
+            "1..2",
+            "10mM..20mM/1",
+            "",
+            "nanM",
+            "1e400M",
+        ] {
             let message = salt_list(text).unwrap_err().to_string();
-            assert!(message.contains(text.split("..").next().unwrap()), "{text}: {message}");
+            assert!(
+                message.contains(text.split("..").next().unwrap()),
+                "{text}: {message}"
+            );
         }
     }
 }

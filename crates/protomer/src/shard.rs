@@ -26,7 +26,9 @@ impl Shard {
     /// # Errors
     /// Says what was typed and how it should be.
     pub fn parse(text: &str) -> Result<Self> {
-        let parts = text.split_once('/').and_then(|(index, of)| Some((index.parse().ok()?, of.parse().ok()?)));
+        let parts = text
+            .split_once('/')
+            .and_then(|(index, of)| Some((index.parse().ok()?, of.parse().ok()?)));
         match parts {
             Some((index, of)) if (1..=of).contains(&index) => Ok(Self { index, of }),
             _ => bail!("'{text}' is no part; give one such as 2/8, from 1/8 to 8/8"),

@@ -48,15 +48,25 @@ pub struct SurfaceReport {
 ///
 /// # Errors
 /// Names the file, the line, and the remedy.
-pub fn surface_of_file(path: &Path, settings: &SurfaceSettings) -> Result<(TriangleMesh, SurfaceReport)> {
+pub fn surface_of_file(
+    path: &Path,
+    settings: &SurfaceSettings,
+) -> Result<(TriangleMesh, SurfaceReport)> {
     let file = InputFile::read(path)?;
     let (sites, origin) = read_sites(&file)?;
     let surface = surface_of_sites(&sites, settings).with_context(|| file.name.clone())?;
-    let surface = if settings.keep_cavities { surface } else { surface.without_cavities()? };
+    let surface = if settings.keep_cavities {
+        surface
+    } else {
+        surface.without_cavities()?
+    };
     let (mesh, exact, topology) = (surface.mesh, surface.exact, surface.topology);
     let report = SurfaceReport {
         file: file.name,
-        atoms: sites.iter().filter(|site| site.radius_angstrom > 0.0).count(),
+        atoms: sites
+            .iter()
+            .filter(|site| site.radius_angstrom > 0.0)
+            .count(),
         probe_radius_angstrom: settings.probe_radius_angstrom,
         density_per_angstrom2: settings.density_per_angstrom2,
         ses_area_angstrom2: exact.ses_area_angstrom2(),
@@ -73,8 +83,8 @@ pub fn surface_of_file(path: &Path, settings: &SurfaceSettings) -> Result<(Trian
     Ok((mesh.map_vertices(|vertex| vertex + origin), report))
 }
 
-/// The sites of a structure, PQR, `.xyzr` or body file about an origin, and that origin in the coordinates of the file
-/// (of a body: of the file that it was made from).
+/// The sites of a structure, PQR, `.xyzr` or body file about an origin, and that origin in the
+/// coordinates of the file (of a body: of the file that it was made from).
 pub(crate) fn read_sites(file: &InputFile) -> Result<(Vec<Site>, Vec3)> {
     let plain = file.name.strip_suffix(".gz").unwrap_or(&file.name);
     if plain.ends_with(".body") {
@@ -86,7 +96,8 @@ pub(crate) fn read_sites(file: &InputFile) -> Result<(Vec<Site>, Vec3)> {
     } else if Format::of_name(&file.name) == Some(Format::Pqr) {
         sites_of_points(&read_points(&file.name, &file.bytes)?)
     } else {
-        let selection = Structure::read(&file.name, &file.bytes)?.select(&SelectionSettings::default());
+        let selection =
+            Structure::read(&file.name, &file.bytes)?.select(&SelectionSettings::default());
         selection.and_then(|selection| build_sites(&selection, &SiteSettings::default()))
     };
     let charged = charged.with_context(|| file.name.clone())?;

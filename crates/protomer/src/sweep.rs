@@ -1,4 +1,5 @@
-//! A sweep: salt concentrations × replicas, on all threads, resumable, with one table and one figure at the end.
+//! A sweep: salt concentrations × replicas, on all threads, resumable, with one table and one
+//! figure at the end.
 //!
 //! ```text
 //! DIR/run.toml  run.json  sweep.csv  sweep.json  sweep.svg  sweep.png
@@ -7,8 +8,8 @@
 
 use crate::interaction::Interaction;
 use crate::run::{
-    Engine, Execution, Hold, Layout, ReplicaCounts, ReplicaEnd, ReplicaTask, ResultsDirectory, RunRecord, RunSettings,
-    SWEEP, lock, read_log, read_record, refuse, run_replica, salt_label,
+    Engine, Execution, Hold, Layout, ReplicaCounts, ReplicaEnd, ReplicaTask, ResultsDirectory,
+    RunRecord, RunSettings, SWEEP, lock, read_log, read_record, refuse, run_replica, salt_label,
 };
 use crate::shard::Shard;
 use crate::sweep_figure;
@@ -32,7 +33,14 @@ pub enum ShardEnd {
 const LAYOUT: Layout = Layout {
     settings: "run.toml",
     holds: SWEEP,
-    results: &["run.json", "sweep.csv", "sweep.json", "sweep.svg", "sweep.png", "report.html"],
+    results: &[
+        "run.json",
+        "sweep.csv",
+        "sweep.json",
+        "sweep.svg",
+        "sweep.png",
+        "report.html",
+    ],
     is_result: is_simulation,
 };
 
@@ -73,12 +81,13 @@ fn is_simulation(path: &Path) -> bool {
     name.starts_with("salt_") && name.ends_with('M') && path.join("replica_0").is_dir()
 }
 
-/// Runs or continues a sweep in a directory. `advanced` hears how many sweeps of all simulations were done.
+/// Runs or continues a sweep in a directory. `advanced` hears how many sweeps of all simulations
+/// were done.
 ///
 /// # Errors
-/// For settings or a start that make no sense, a directory that holds another sweep or that another process works in,
-/// and a disk that takes no more. The first simulation that fails stops the others at their next sweep; what they did
-/// is kept, and `run.json` says what happened.
+/// For settings or a start that make no sense, a directory that holds another sweep or that another
+/// process works in, and a disk that takes no more. The first simulation that fails stops the
+/// others at their next sweep; what they did is kept, and `run.json` says what happened.
 pub fn run_sweep(
     engine: &Engine,
     settings: &RunSettings,
@@ -90,17 +99,28 @@ pub fn run_sweep(
     let identity = identity(engine, settings)?;
     let record = |exit_reason: &str| record(engine, directory, &identity, exit_reason);
     let continues = |present: &RunSettings| continues(directory, present, settings, &identity);
-    let entered = ResultsDirectory::enter(directory, LAYOUT, settings, execution.start_anew, continues)?;
-    // A finished sweep stays one, whatever becomes of a second look at it; one that is to be longer is finished no more.
-    let was_done = !entered.settings_are_new() && read_record(directory)?.is_some_and(|present| present.is_done());
+    let entered =
+        ResultsDirectory::enter(directory, LAYOUT, settings, execution.start_anew, continues)?;
+    // A finished sweep stays one, whatever becomes of a second look at it; one that is to be longer
+    // is finished no more.
+    let was_done = !entered.settings_are_new()
+        && read_record(directory)?.is_some_and(|present| present.is_done());
     if !was_done {
         record("running").write(directory)?;
     }
-    let work = Work { engine, settings, interactions: &interactions, identity: &identity, directory };
+    let work = Work {
+        engine,
+        settings,
+        interactions: &interactions,
+        identity: &identity,
+        directory,
+    };
     let end = work.to_the_end(execution, advanced);
     match &end {
         Ok(SweepEnd::Finished(_)) => record("done").write(directory)?,
-        Ok(SweepEnd::Stopped) => record("stopped").stopped_by(&execution.interrupt).write(directory)?,
+        Ok(SweepEnd::Stopped) => record("stopped")
+            .stopped_by(&execution.interrupt)
+            .write(directory)?,
         Err(_) if was_done => {}
         // The error is what counts; on a full disk there may be no room for the record either.
         Err(error) => drop(record(&format!("{error:#}")).write(directory)),
@@ -108,8 +128,8 @@ pub fn run_sweep(
     end
 }
 
-/// Runs or continues the simulations of one part of a sweep, while other processes do other parts in the same directory.
-/// [`run_sweep`] finds them done and writes the table and the figure.
+/// Runs or continues the simulations of one part of a sweep, while other processes do other parts
+/// in the same directory. [`run_sweep`] finds them done and writes the table and the figure.
 ///
 /// # Errors
 /// As [`run_sweep`].
@@ -124,11 +144,18 @@ pub fn run_shard(
     let interactions = interactions(engine, settings)?;
     let identity = identity(engine, settings)?;
     let continues = |present: &RunSettings| continues(directory, present, settings, &identity);
-    let entered = ResultsDirectory::share(directory, LAYOUT, settings, execution.start_anew, continues)?;
+    let entered =
+        ResultsDirectory::share(directory, LAYOUT, settings, execution.start_anew, continues)?;
     if entered.settings_are_new() {
         record(engine, directory, &identity, "running").write(directory)?;
     }
-    let work = Work { engine, settings, interactions: &interactions, identity: &identity, directory };
+    let work = Work {
+        engine,
+        settings,
+        interactions: &interactions,
+        identity: &identity,
+        directory,
+    };
     let mine: Vec<(usize, u32)> = tasks(settings)
         .into_iter()
         .enumerate()
@@ -150,11 +177,23 @@ struct Work<'a> {
 
 impl Work<'_> {
     /// Simulates everything, and writes the table and the figure.
-    fn to_the_end(&self, execution: &Execution, advanced: &(dyn Fn(u64) + Sync)) -> Result<SweepEnd> {
-        let Some(counts) = self.simulate(&tasks(self.settings), Hold::Alone, execution, advanced)? else {
+    fn to_the_end(
+        &self,
+        execution: &Execution,
+        advanced: &(dyn Fn(u64) + Sync),
+    ) -> Result<SweepEnd> {
+        let Some(counts) =
+            self.simulate(&tasks(self.settings), Hold::Alone, execution, advanced)?
+        else {
             return Ok(SweepEnd::Stopped);
         };
-        let result = collect(self.engine, self.settings, self.interactions, self.directory, &counts)?;
+        let result = collect(
+            self.engine,
+            self.settings,
+            self.interactions,
+            self.directory,
+            &counts,
+        )?;
         write_results(&result, self.directory)?;
         Ok(SweepEnd::Finished(Box::new(result)))
     }
@@ -188,12 +227,18 @@ impl Work<'_> {
         execution: &Execution,
         advanced: &(dyn Fn(u64) + Sync),
     ) -> Result<ReplicaEnd> {
-        let directory = replica_directory(self.directory, self.settings.salt_molar[salt_index], replica);
-        // Where the sweep is shared, a process that was given up for lost may still be at work here.
+        let directory = replica_directory(
+            self.directory,
+            self.settings.salt_molar[salt_index],
+            replica,
+        );
+        // Where the sweep is shared, a process that was given up for lost may still be at work
+        // here.
         let _mine = match hold {
             Hold::Shared => {
-                std::fs::create_dir_all(&directory)
-                    .with_context(|| format!("cannot make the directory {}", directory.display()))?;
+                std::fs::create_dir_all(&directory).with_context(|| {
+                    format!("cannot make the directory {}", directory.display())
+                })?;
                 Some(lock(&directory, Hold::Alone)?)
             }
             Hold::Alone => None,
@@ -214,13 +259,22 @@ impl Work<'_> {
 fn interactions(engine: &Engine, settings: &RunSettings) -> Result<Vec<Interaction>> {
     settings.check()?;
     let of_salt = |salt: &f64| settings.medium.interaction(Some(*salt));
-    let interactions = settings.salt_molar.iter().map(of_salt).collect::<Result<Vec<Interaction>>>()?;
+    let interactions = settings
+        .salt_molar
+        .iter()
+        .map(of_salt)
+        .collect::<Result<Vec<Interaction>>>()?;
     engine.check(settings, &interactions)?;
     Ok(interactions)
 }
 
 /// Whether the sweep of a directory is this one, whose length may have grown.
-fn continues(path: &Path, present: &RunSettings, settings: &RunSettings, identity: &str) -> Result<bool> {
+fn continues(
+    path: &Path,
+    present: &RunSettings,
+    settings: &RunSettings,
+    identity: &str,
+) -> Result<bool> {
     if present.without_length() != settings.without_length() {
         return Ok(false);
     }
@@ -238,21 +292,29 @@ fn continues(path: &Path, present: &RunSettings, settings: &RunSettings, identit
     Ok(true)
 }
 
-/// Every simulation of the sweep, the first replica of every salt first: an interrupted sweep has a whole curve early.
+/// Every simulation of the sweep, the first replica of every salt first: an interrupted sweep has a
+/// whole curve early.
 fn tasks(settings: &RunSettings) -> Vec<(usize, u32)> {
     let salts = 0..settings.salt_molar.len();
-    (0..settings.replicas).flat_map(|replica| salts.clone().map(move |salt| (salt, replica))).collect()
+    (0..settings.replicas)
+        .flat_map(|replica| salts.clone().map(move |salt| (salt, replica)))
+        .collect()
 }
 
 /// The directory of one simulation.
 pub fn replica_directory(directory: &Path, salt_molar: f64, replica: u32) -> PathBuf {
-    directory.join(salt_label(salt_molar)).join(format!("replica_{replica}"))
+    directory
+        .join(salt_label(salt_molar))
+        .join(format!("replica_{replica}"))
 }
 
 /// SHA-256 of everything that shapes the result but its length.
 fn identity(engine: &Engine, settings: &RunSettings) -> Result<String> {
-    let text = toml::to_string_pretty(&settings.without_length()).context("the settings cannot be written down")?;
-    Ok(sha256_hex(format!("{text}{}", engine.assembly().sha256).as_bytes()))
+    let text = toml::to_string_pretty(&settings.without_length())
+        .context("the settings cannot be written down")?;
+    Ok(sha256_hex(
+        format!("{text}{}", engine.assembly().sha256).as_bytes(),
+    ))
 }
 
 fn record(engine: &Engine, directory: &Path, identity: &str, exit_reason: &str) -> RunRecord {
@@ -290,7 +352,9 @@ fn collect(
         concentration_molar: assembly.concentration_molar(),
         box_angstrom: assembly.box_angstrom(),
         settings: settings.clone(),
-        salts: salts.map(|((salt, interaction), replicas)| SaltRow::new(*salt, interaction, replicas)).collect(),
+        salts: salts
+            .map(|((salt, interaction), replicas)| SaltRow::new(*salt, interaction, replicas))
+            .collect(),
         replicas,
     })
 }
@@ -298,7 +362,11 @@ fn collect(
 fn write_results(result: &SweepResult, directory: &Path) -> Result<()> {
     let csv = to_csv(&result.salts)?;
     let json = serde_json::to_string_pretty(result).context("the result cannot be written down")?;
-    write_atomically(&directory.join("sweep.csv"), |file| file.write_all(csv.as_bytes()))?;
-    write_atomically(&directory.join("sweep.json"), |file| writeln!(file, "{json}"))?;
+    write_atomically(&directory.join("sweep.csv"), |file| {
+        file.write_all(csv.as_bytes())
+    })?;
+    write_atomically(&directory.join("sweep.json"), |file| {
+        writeln!(file, "{json}")
+    })?;
     sweep_figure::write(result, directory)
 }

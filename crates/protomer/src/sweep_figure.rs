@@ -1,4 +1,5 @@
-//! The figure of a sweep: radius of gyration and surviving contacts against salt, with every replica.
+//! The figure of a sweep: radius of gyration and surviving contacts against salt, with every
+//! replica.
 
 use crate::plot::{Axis, Figure, Panel, Point, Series};
 use crate::sweep::SweepResult;
@@ -36,15 +37,26 @@ fn figure(result: &SweepResult) -> Figure {
             |replica| replica.native_contacts.as_ref().map(|summary| summary.mean),
         )],
     };
-    let has_contacts = result.salts.iter().all(|row| row.native_contacts_mean.is_finite());
+    let has_contacts = result
+        .salts
+        .iter()
+        .all(|row| row.native_contacts_mean.is_finite());
     // Zero salt has no place on a logarithmic axis.
     let log = result.salts.len() > 1 && result.salts.iter().all(|row| row.salt_molar > 0.0);
-    let x = if log { Axis::log("salt (mM)") } else { Axis::linear("salt (mM)") };
+    let x = if log {
+        Axis::log("salt (mM)")
+    } else {
+        Axis::linear("salt (mM)")
+    };
     Figure {
         title: "Stability against salt".into(),
         caption: caption(result),
         x,
-        panels: if has_contacts { vec![r_g, native] } else { vec![r_g] },
+        panels: if has_contacts {
+            vec![r_g, native]
+        } else {
+            vec![r_g]
+        },
     }
 }
 
@@ -52,7 +64,10 @@ fn figure(result: &SweepResult) -> Figure {
 fn caption(result: &SweepResult) -> String {
     let space = match result.box_angstrom {
         Some([x, y, z]) => {
-            format!("box {x:.0} × {y:.0} × {z:.0} Å ({:.3} mM of bodies)", 1e3 * result.concentration_molar)
+            format!(
+                "box {x:.0} × {y:.0} × {z:.0} Å ({:.3} mM of bodies)",
+                1e3 * result.concentration_molar
+            )
         }
         None => "no periodic box".into(),
     };
@@ -75,12 +90,26 @@ fn series(
     let millimolar = |row: &SaltRow| 1e3 * row.salt_molar;
     let points = result.salts.iter().map(|row| {
         let (y, deviation) = mean(row);
-        Point { x: millimolar(row), y, error: (row.replicas > 1).then_some(deviation) }
+        Point {
+            x: millimolar(row),
+            y,
+            error: (row.replicas > 1).then_some(deviation),
+        }
     });
     let replicas = result
         .salts
         .iter()
         .zip(&result.replicas)
-        .flat_map(|(row, replicas)| replicas.iter().filter_map(of_replica).map(move |y| [millimolar(row), y]));
-    Series { name: name.into(), points: points.collect(), replicas: replicas.collect(), line: true }
+        .flat_map(|(row, replicas)| {
+            replicas
+                .iter()
+                .filter_map(of_replica)
+                .map(move |y| [millimolar(row), y])
+        });
+    Series {
+        name: name.into(),
+        points: points.collect(),
+        replicas: replicas.collect(),
+        line: true,
+    }
 }

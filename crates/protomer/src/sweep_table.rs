@@ -37,7 +37,10 @@ impl ReplicaResult {
         Self {
             replica,
             r_g_angstrom: summarize(&series(|row| row.r_g_angstrom)),
-            native_contacts: native.iter().all(|x| x.is_finite()).then(|| summarize(&native)),
+            native_contacts: native
+                .iter()
+                .all(|x| x.is_finite())
+                .then(|| summarize(&native)),
             largest_cluster: summarize(&series(|row| row.largest_cluster as f64)),
             energy_kt: summarize(&series(|row| row.energy_kt)),
             counts,
@@ -46,8 +49,9 @@ impl ReplicaResult {
     }
 }
 
-/// One salt concentration, averaged over its replicas. The standard deviation is over replicas, as in the thesis'
-/// figure 3.3; the standard error combines the replicas' own, which are corrected for autocorrelation.
+/// One salt concentration, averaged over its replicas. The standard deviation is over replicas, as
+/// in the thesis' figure 3.3; the standard error combines the replicas' own, which are corrected
+/// for autocorrelation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SaltRow {
     /// Salt concentration, mol/L.
@@ -90,9 +94,14 @@ pub struct SaltRow {
 impl SaltRow {
     /// Averages over replicas.
     pub fn new(salt_molar: f64, interaction: &Interaction, replicas: &[ReplicaResult]) -> Self {
-        let of = |value: fn(&ReplicaResult) -> f64| replicas.iter().map(value).collect::<Vec<f64>>();
+        let of =
+            |value: fn(&ReplicaResult) -> f64| replicas.iter().map(value).collect::<Vec<f64>>();
         let r_g = of(|r| r.r_g_angstrom.mean);
-        let native = of(|r| r.native_contacts.as_ref().map_or(f64::NAN, |summary| summary.mean));
+        let native = of(|r| {
+            r.native_contacts
+                .as_ref()
+                .map_or(f64::NAN, |summary| summary.mean)
+        });
         let largest = of(|r| r.largest_cluster.mean);
         let energy = of(|r| r.energy_kt.mean);
         let squared_errors = of(|r| r.r_g_angstrom.standard_error.powi(2));
@@ -122,19 +131,27 @@ type Column = (&'static str, fn(&SaltRow) -> Cell);
 
 const COLUMNS: [Column; 16] = [
     ("salt_M", |row| row.salt_molar.into()),
-    ("debye_length_angstrom", |row| row.debye_length_angstrom.into()),
+    ("debye_length_angstrom", |row| {
+        row.debye_length_angstrom.into()
+    }),
     ("cutoff_angstrom", |row| row.cutoff_angstrom.into()),
     ("replicas", |row| Cell::Integer(row.replicas as i64)),
     ("r_g_mean_angstrom", |row| row.r_g_mean_angstrom.into()),
     ("r_g_sd_angstrom", |row| row.r_g_sd_angstrom.into()),
     ("r_g_se_angstrom", |row| row.r_g_se_angstrom.into()),
-    ("native_contacts_mean", |row| row.native_contacts_mean.into()),
+    ("native_contacts_mean", |row| {
+        row.native_contacts_mean.into()
+    }),
     ("native_contacts_sd", |row| row.native_contacts_sd.into()),
-    ("largest_cluster_mean", |row| row.largest_cluster_mean.into()),
+    ("largest_cluster_mean", |row| {
+        row.largest_cluster_mean.into()
+    }),
     ("largest_cluster_sd", |row| row.largest_cluster_sd.into()),
     ("energy_mean_kT", |row| row.energy_mean_kt.into()),
     ("energy_sd_kT", |row| row.energy_sd_kt.into()),
-    ("translation_acceptance", |row| row.translation_acceptance.into()),
+    ("translation_acceptance", |row| {
+        row.translation_acceptance.into()
+    }),
     ("rotation_acceptance", |row| row.rotation_acceptance.into()),
     ("cluster_moved_mean", |row| row.cluster_moved_mean.into()),
 ];

@@ -1,4 +1,5 @@
-//! `trials.svg`: what each trial of a search came to against its learning rate, by the epochs it was given.
+//! `trials.svg`: what each trial of a search came to against its learning rate, by the epochs it
+//! was given.
 
 use crate::plot::{Axis, Figure, Panel, Point, Series};
 use crate::tune::Trial;
@@ -6,7 +7,10 @@ use std::collections::BTreeSet;
 
 /// The figure of a search; trials that diverged are not in it.
 pub fn figure(trials: &[Trial], channels: &[String]) -> Figure {
-    let finite: Vec<&Trial> = trials.iter().filter(|trial| trial.validation_loss_nats.is_some()).collect();
+    let finite: Vec<&Trial> = trials
+        .iter()
+        .filter(|trial| trial.validation_loss_nats.is_some())
+        .collect();
     let epochs: BTreeSet<usize> = finite.iter().map(|trial| trial.epochs).collect();
     let series = |value: fn(&Trial) -> Option<f64>| -> Vec<Series> {
         let of_epochs = |epochs: &usize| {
@@ -14,16 +18,32 @@ pub fn figure(trials: &[Trial], channels: &[String]) -> Figure {
                 let (x, y) = (trial.settings.training.learning_rate, value(trial)?);
                 (trial.epochs == *epochs).then_some(Point { x, y, error: None })
             };
-            let name = if *epochs == 1 { "1 epoch".to_owned() } else { format!("{epochs} epochs") };
-            Series { name, points: finite.iter().filter_map(point).collect(), replicas: Vec::new(), line: false }
+            let name = if *epochs == 1 {
+                "1 epoch".to_owned()
+            } else {
+                format!("{epochs} epochs")
+            };
+            Series {
+                name,
+                points: finite.iter().filter_map(point).collect(),
+                replicas: Vec::new(),
+                line: false,
+            }
         };
         epochs.iter().map(of_epochs).collect()
     };
     let diverged = trials.len() - finite.len();
-    let note = if diverged > 0 { format!(", {diverged} of which diverged") } else { String::new() };
+    let note = if diverged > 0 {
+        format!(", {diverged} of which diverged")
+    } else {
+        String::new()
+    };
     Figure {
         title: format!("search over networks for {}", channels.join(", ")),
-        caption: format!("{} trials{note}; smallest validation loss of each", trials.len()),
+        caption: format!(
+            "{} trials{note}; smallest validation loss of each",
+            trials.len()
+        ),
         x: Axis::log("learning rate"),
         panels: vec![
             Panel {

@@ -1,7 +1,7 @@
 //! Where a search stands: which trials reached which rung, and who goes on from there.
 //!
-//! A trial that reached a rung has a record of it, and who goes on follows from the records alone. So processes that train
-//! different trials share nothing but the folder.
+//! A trial that reached a rung has a record of it, and who goes on follows from the records alone.
+//! So processes that train different trials share nothing but the folder.
 //!
 //! ```text
 //! DIR/trials/0007.bin      checkpoint
@@ -50,7 +50,8 @@ impl Records {
     /// The records of a search in a directory, which is made.
     pub fn open(path: &Path) -> Result<Self> {
         let folder = path.join("trials");
-        std::fs::create_dir_all(&folder).with_context(|| format!("cannot make the directory {}", folder.display()))?;
+        std::fs::create_dir_all(&folder)
+            .with_context(|| format!("cannot make the directory {}", folder.display()))?;
         Ok(Self { folder })
     }
 
@@ -66,7 +67,10 @@ impl Records {
 
     /// Holds a trial, for as long as the file lives.
     pub fn hold(&self, trial: &Trial) -> Result<File> {
-        lock_file(&self.folder.join(format!(".{:04}.lock", trial.number)), Hold::Alone)
+        lock_file(
+            &self.folder.join(format!(".{:04}.lock", trial.number)),
+            Hold::Alone,
+        )
     }
 
     fn path(&self, trial: &Trial, rung: usize) -> PathBuf {
@@ -75,10 +79,22 @@ impl Records {
 
     /// Writes down where a trial stands at a rung.
     pub fn keep(&self, trial: &Trial, rung: usize) -> Result<()> {
-        let Trial { epochs, validation_loss_nats, validation_balanced_accuracy, .. } = *trial;
-        let record = Record { epochs, validation_loss_nats, validation_balanced_accuracy };
-        let text = toml::to_string(&record).context("the record of a trial cannot be written down")?;
-        Ok(write_atomically(&self.path(trial, rung), |out| out.write_all(text.as_bytes()))?)
+        let Trial {
+            epochs,
+            validation_loss_nats,
+            validation_balanced_accuracy,
+            ..
+        } = *trial;
+        let record = Record {
+            epochs,
+            validation_loss_nats,
+            validation_balanced_accuracy,
+        };
+        let text =
+            toml::to_string(&record).context("the record of a trial cannot be written down")?;
+        Ok(write_atomically(&self.path(trial, rung), |out| {
+            out.write_all(text.as_bytes())
+        })?)
     }
 
     /// A trial as it stood at a rung, if it reached it.
@@ -87,28 +103,50 @@ impl Records {
         let text = match std::fs::read_to_string(&path) {
             Ok(text) => text,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-            Err(error) => return Err(error).with_context(|| format!("cannot read {}", path.display())),
+            Err(error) => {
+                return Err(error).with_context(|| format!("cannot read {}", path.display()));
+            }
         };
-        let Record { epochs, validation_loss_nats, validation_balanced_accuracy } = keys::from_toml(&path, &text)?;
-        Ok(Some(Trial { epochs, validation_loss_nats, validation_balanced_accuracy, ..trial.clone() }))
+        let Record {
+            epochs,
+            validation_loss_nats,
+            validation_balanced_accuracy,
+        } = keys::from_toml(&path, &text)?;
+        Ok(Some(Trial {
+            epochs,
+            validation_loss_nats,
+            validation_balanced_accuracy,
+            ..trial.clone()
+        }))
     }
 
     /// Where the search of these trials stands.
     pub fn standing(&self, settings: &TuneSettings, trials: &[Trial]) -> Result<Standing> {
-        let mut standing =
-            Standing { running: trials.to_vec(), ended: Vec::new(), rung: None, behind: Vec::new(), epochs: 0 };
+        let mut standing = Standing {
+            running: trials.to_vec(),
+            ended: Vec::new(),
+            rung: None,
+            behind: Vec::new(),
+            epochs: 0,
+        };
         let mut before = 0;
         for rung in settings.rungs() {
             let reached = standing.running.iter().map(|trial| self.of(trial, rung));
             let reached = reached.collect::<Result<Vec<Option<Trial>>>>()?;
-            standing.behind = (0..reached.len()).filter(|place| reached[*place].is_none()).collect();
+            standing.behind = (0..reached.len())
+                .filter(|place| reached[*place].is_none())
+                .collect();
             standing.epochs += ((reached.len() - standing.behind.len()) * (rung - before)) as u64;
             let Some(mut trials) = reached.into_iter().collect::<Option<Vec<Trial>>>() else {
                 standing.rung = Some(before..rung);
                 return Ok(standing);
             };
             trials.sort_by(|a, b| a.loss().total_cmp(&b.loss()).then(a.number.cmp(&b.number)));
-            let on = if rung == settings.epochs { trials.len() } else { kept(trials.len()) };
+            let on = if rung == settings.epochs {
+                trials.len()
+            } else {
+                kept(trials.len())
+            };
             // Losers of later rounds stand before those of earlier ones.
             standing.ended.splice(0..0, trials.split_off(on));
             (standing.running, before) = (trials, rung);

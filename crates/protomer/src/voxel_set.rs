@@ -35,7 +35,12 @@ impl VoxelSet {
             net_charge_e: sample.properties.net_charge_e,
             composition: sample.properties.composition,
         };
-        Ok(Self { descriptions: samples.into_iter().map(describe).collect(), reader, files, hashes })
+        Ok(Self {
+            descriptions: samples.into_iter().map(describe).collect(),
+            reader,
+            files,
+            hashes,
+        })
     }
 
     /// The file of each sample, as the manifest names it.
@@ -71,10 +76,16 @@ impl SampleSource for VoxelSet {
     }
 
     fn voxels(&self, sample: usize) -> protomer_learn::Result<SparseGrid> {
-        let stored = self.reader.sample(sample).map_err(|error| LearnError::Sample {
-            name: self.descriptions.get(sample).map_or_else(|| sample.to_string(), |known| known.name.clone()),
-            reason: error.to_string(),
-        })?;
+        let stored = self
+            .reader
+            .sample(sample)
+            .map_err(|error| LearnError::Sample {
+                name: self
+                    .descriptions
+                    .get(sample)
+                    .map_or_else(|| sample.to_string(), |known| known.name.clone()),
+                reason: error.to_string(),
+            })?;
         let grid = SparseGrid {
             size: self.reader.size(),
             channels: stored.values.len(),

@@ -27,7 +27,11 @@ fn small() -> SuiteSettings {
 }
 
 fn interaction() -> Interaction {
-    let medium = Medium { debye_length_angstrom: Some(9.6), cutoff_angstrom: Some(36.0), ..Medium::default() };
+    let medium = Medium {
+        debye_length_angstrom: Some(9.6),
+        cutoff_angstrom: Some(36.0),
+        ..Medium::default()
+    };
     medium.interaction(None).unwrap()
 }
 
@@ -38,32 +42,74 @@ fn tables() -> &'static EnergyTables {
 }
 
 fn run(settings: &SuiteSettings) -> SuiteResult {
-    run_suite(settings, interaction(), tables(), &Interrupt::default(), &|_| {}).unwrap()
+    run_suite(
+        settings,
+        interaction(),
+        tables(),
+        &Interrupt::default(),
+        &|_| {},
+    )
+    .unwrap()
 }
 
 /// What does not depend on the machine.
 fn decisions(result: &SuiteResult) -> Vec<String> {
-    let rates = result.charges.iter().map(|row| row.decisions_sha256.clone());
-    rates.chain(result.threads.iter().map(|row| row.decisions_sha256.clone())).collect()
+    let rates = result
+        .charges
+        .iter()
+        .map(|row| row.decisions_sha256.clone());
+    rates
+        .chain(
+            result
+                .threads
+                .iter()
+                .map(|row| row.decisions_sha256.clone()),
+        )
+        .collect()
 }
 
 #[test]
 fn a_seed_makes_the_same_decisions_and_certified_energies_decide_as_the_direct_sum() {
-    let settings = SuiteSettings { parts: vec![Part::Charges, Part::Threads], ..small() };
+    let settings = SuiteSettings {
+        parts: vec![Part::Charges, Part::Threads],
+        ..small()
+    };
     let result = run(&settings);
     assert!(result.complete);
     assert_eq!(decisions(&result), decisions(&run(&settings)));
-    assert_ne!(decisions(&result), decisions(&run(&SuiteSettings { seed: 2, ..settings.clone() })));
+    assert_ne!(
+        decisions(&result),
+        decisions(&run(&SuiteSettings {
+            seed: 2,
+            ..settings.clone()
+        }))
+    );
     for charges in settings.charges {
-        let of = |energy| result.charges.iter().find(|row| row.charges == charges && row.energy == energy).unwrap();
+        let of = |energy| {
+            result
+                .charges
+                .iter()
+                .find(|row| row.charges == charges && row.energy == energy)
+                .unwrap()
+        };
         let (direct, certified) = (of(EnergyMode::Direct), of(EnergyMode::Certified));
         assert_eq!(direct.decisions_sha256, certified.decisions_sha256);
         assert_eq!(certified.decides_as_direct, Some(true));
         assert_eq!(direct.error_bound_kt_per_pair, 0.0);
         let approximate = of(EnergyMode::Approximate);
-        let bounds = (certified.error_bound_kt_per_pair, approximate.error_bound_kt_per_pair);
-        assert!(bounds.0 > 0.0 && bounds.1 > 0.0 && bounds.1 <= settings.tolerance_kt, "{bounds:?}");
-        assert!(direct.acceptance > 0.1 && direct.acceptance < 0.9, "both answers occur: {}", direct.acceptance);
+        let bounds = (
+            certified.error_bound_kt_per_pair,
+            approximate.error_bound_kt_per_pair,
+        );
+        assert!(
+            bounds.0 > 0.0 && bounds.1 > 0.0 && bounds.1 <= settings.tolerance_kt,
+            "{bounds:?}"
+        );
+        assert!(
+            direct.acceptance > 0.1 && direct.acceptance < 0.9,
+            "both answers occur: {}",
+            direct.acceptance
+        );
     }
 }
 
@@ -72,23 +118,47 @@ fn the_tables_are_complete_and_hang_together() {
     let settings = small();
     let begun = std::cell::RefCell::new(Vec::new());
     let begin = |what: &str| begun.borrow_mut().push(what.to_owned());
-    let result = run_suite(&settings, interaction(), tables(), &Interrupt::default(), &begin).unwrap();
+    let result = run_suite(
+        &settings,
+        interaction(),
+        tables(),
+        &Interrupt::default(),
+        &begin,
+    )
+    .unwrap();
     assert_eq!(begun.borrow().len(), rows(&settings));
     assert_eq!(result.parts.len(), settings.charges.len());
     for row in &result.parts {
-        let parts =
-            row.overlap_microseconds + row.bounds_microseconds + row.refinement_microseconds + row.keeping_microseconds;
-        assert!((parts - row.move_microseconds).abs() < 1e-6 * row.move_microseconds, "{row:?}");
-        assert!(row.decided_by_energy > 0.1 && row.decided_by_energy < 1.0 && row.intervals_per_move > 1.0, "{row:?}");
+        let parts = row.overlap_microseconds
+            + row.bounds_microseconds
+            + row.refinement_microseconds
+            + row.keeping_microseconds;
+        assert!(
+            (parts - row.move_microseconds).abs() < 1e-6 * row.move_microseconds,
+            "{row:?}"
+        );
+        assert!(
+            row.decided_by_energy > 0.1
+                && row.decided_by_energy < 1.0
+                && row.intervals_per_move > 1.0,
+            "{row:?}"
+        );
     }
     for rows in result.bodies.chunks(settings.bodies.len()) {
-        let density = |row: &protomer::bench::suite::BodiesRow| row.bodies as f64 / row.box_angstrom.powi(3);
+        let density =
+            |row: &protomer::bench::suite::BodiesRow| row.bodies as f64 / row.box_angstrom.powi(3);
         assert!((density(&rows[0]) / density(&rows[1]) - 1.0).abs() < 1e-9);
         let ratio = rows[1].neighbours / rows[0].neighbours;
-        assert!(ratio > 0.5 && ratio < 2.0, "equal density, about as many neighbours: {rows:?}");
+        assert!(
+            ratio > 0.5 && ratio < 2.0,
+            "equal density, about as many neighbours: {rows:?}"
+        );
     }
     for rows in result.threads.chunks(settings.threads.len()) {
-        assert_eq!(rows[0].decisions_sha256, rows[1].decisions_sha256, "threads change nothing");
+        assert_eq!(
+            rows[0].decisions_sha256, rows[1].decisions_sha256,
+            "threads change nothing"
+        );
     }
 }
 
@@ -104,7 +174,14 @@ fn an_interrupt_leaves_what_was_measured() {
     };
     let result = run_suite(&small(), interaction(), tables(), &interrupt, &begin).unwrap();
     assert!(!result.complete);
-    assert_eq!((result.charges.len(), result.bodies.len(), result.threads.len()), (2, 0, 0));
+    assert_eq!(
+        (
+            result.charges.len(),
+            result.bodies.len(),
+            result.threads.len()
+        ),
+        (2, 0, 0)
+    );
 }
 
 #[test]
@@ -135,26 +212,42 @@ fn the_command_prints_one_table_or_one_json_object() {
 fn an_assembly_gives_its_keys_and_equal_hashes() {
     let place = TemporaryFolder::new();
     let bench = |energy: &str| -> serde_json::Value {
-        let output =
-            place.run(&format!("bench ring.json --debye 3A --cutoff 30A --moves 500 --json --energy {energy}"));
+        let output = place.run(&format!(
+            "bench ring.json --debye 3A --cutoff 30A --moves 500 --json --energy {energy}"
+        ));
         is_ok(&output);
         serde_json::from_slice(&output.stdout).unwrap()
     };
     let (direct, certified, none) = (bench("direct"), bench("certified"), bench("none"));
-    for key in ["moves_per_cpu_second", "acceptance", "setup_seconds", "memory_bytes"] {
-        assert!(direct[key].as_f64().is_some_and(f64::is_finite), "{key}: {}", direct[key]);
+    for key in [
+        "moves_per_cpu_second",
+        "acceptance",
+        "setup_seconds",
+        "memory_bytes",
+    ] {
+        assert!(
+            direct[key].as_f64().is_some_and(f64::is_finite),
+            "{key}: {}",
+            direct[key]
+        );
     }
     assert_eq!(direct["decisions_sha256"], certified["decisions_sha256"]);
     assert_ne!(direct["decisions_sha256"], none["decisions_sha256"]);
     let approximate = bench("approximate --tolerance 1e-5");
     let bound = |result: &serde_json::Value| result["error_bound_kt_per_pair"].as_f64().unwrap();
     assert!(bound(&direct) == 0.0 && bound(&certified) > 0.0 && bound(&approximate) <= 1e-5);
-    assert!(certified["memory_bytes"].as_u64() > direct["memory_bytes"].as_u64(), "the tables count");
+    assert!(
+        certified["memory_bytes"].as_u64() > direct["memory_bytes"].as_u64(),
+        "the tables count"
+    );
 }
 
 #[test]
 fn one_part_is_one_table() {
-    let settings = SuiteSettings { parts: vec![Part::Bodies], ..small() };
+    let settings = SuiteSettings {
+        parts: vec![Part::Bodies],
+        ..small()
+    };
     let result = run(&settings);
     assert!(result.charges.is_empty() && result.parts.is_empty() && result.threads.is_empty());
     assert_eq!(result.bodies.len(), rows(&settings));

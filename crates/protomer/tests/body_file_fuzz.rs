@@ -1,5 +1,5 @@
-//! The reader of body files on damaged files whose checksum is right again: never a panic, never more memory than a
-//! small multiple of the file.
+//! The reader of body files on damaged files whose checksum is right again: never a panic, never
+//! more memory than a small multiple of the file.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
 
@@ -72,12 +72,16 @@ const WORDS: [u64; 12] = [
     0x7fef_ffff_ffff_ffff, // the largest finite number
 ];
 
-/// Changes the content of a valid file somewhere. Half of the changes fall into the first kilobyte, where the header and
-/// the shapes of the first arrays are.
+/// Changes the content of a valid file somewhere. Half of the changes fall into the first kilobyte,
+/// where the header and the shapes of the first arrays are.
 fn damaged(content: &[u8], random: &mut CounterRng) -> Vec<u8> {
     let mut content = content.to_vec();
     for _ in 0..1 + random.index(4) {
-        let reach = if random.uniform() < 0.5 { content.len().min(1000) } else { content.len() };
+        let reach = if random.uniform() < 0.5 {
+            content.len().min(1000)
+        } else {
+            content.len()
+        };
         let at = random.index(reach.max(1)).min(content.len());
         let length = (1 + random.index(16)).min(content.len() - at);
         match random.index(6) {
@@ -101,24 +105,44 @@ fn fuzz(inputs: u64, seed: u64) -> u64 {
     let place = TemporaryFolder::new();
     let valid = std::fs::read(place.path("a.body")).unwrap();
     let content = &valid[..valid.len() - CHECKSUM];
-    assert_eq!(sign(content.to_vec()), valid, "the test signs as the writer does");
+    assert_eq!(
+        sign(content.to_vec()),
+        valid,
+        "the test signs as the writer does"
+    );
     let mut accepted = 0;
     for input in 0..inputs {
         let mut random = CounterRng::new(seed, 0, input);
         let changed = damaged(content, &mut random);
-        let bytes = if random.uniform() < 0.95 { sign(changed) } else { changed };
+        let bytes = if random.uniform() < 0.95 {
+            sign(changed)
+        } else {
+            changed
+        };
         LARGEST_BLOCK.store(0, Ordering::Relaxed);
         let result = std::panic::catch_unwind(|| body_file::from_bytes("x.body", &bytes));
         let largest = LARGEST_BLOCK.load(Ordering::Relaxed);
-        assert!(largest <= 64 * bytes.len() + (1 << 20), "input {input} of seed {seed}: a block of {largest} bytes");
+        assert!(
+            largest <= 64 * bytes.len() + (1 << 20),
+            "input {input} of seed {seed}: a block of {largest} bytes"
+        );
         match result.unwrap_or_else(|_| panic!("input {input} of seed {seed} panics")) {
             Err(error) => assert!(format!("{error:#}").starts_with("x.body"), "{error:#}"),
             Ok(body) => {
                 accepted += 1;
                 let volume = body.mass_properties.volume_angstrom3;
-                assert!(volume.is_finite() && volume > 0.0, "input {input} of seed {seed}: a volume of {volume}");
-                assert!(body.net_charge_e().is_finite(), "input {input} of seed {seed}: charge");
-                assert!(body.mesh_radius_angstrom().is_finite(), "input {input} of seed {seed}: radius");
+                assert!(
+                    volume.is_finite() && volume > 0.0,
+                    "input {input} of seed {seed}: a volume of {volume}"
+                );
+                assert!(
+                    body.net_charge_e().is_finite(),
+                    "input {input} of seed {seed}: charge"
+                );
+                assert!(
+                    body.mesh_radius_angstrom().is_finite(),
+                    "input {input} of seed {seed}: radius"
+                );
             }
         }
     }
@@ -128,7 +152,10 @@ fn fuzz(inputs: u64, seed: u64) -> u64 {
 #[test]
 fn damaged_body_files_give_errors() {
     let accepted = fuzz(600, 1);
-    assert!(accepted > 0 && accepted < 500, "{accepted} of 600: the damage is too hard or too soft to test anything");
+    assert!(
+        accepted > 0 && accepted < 500,
+        "{accepted} of 600: the damage is too hard or too soft to test anything"
+    );
 }
 
 #[test]

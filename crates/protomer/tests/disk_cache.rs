@@ -7,7 +7,8 @@ mod common;
 use common::{TemporaryFolder, contents, is_ok, message};
 use std::process::{Command, Output, Stdio};
 
-const BENCH: &str = "bench ring.json --debye 9.6A --cutoff 30A --moves 100 --json --energy certified";
+const BENCH: &str =
+    "bench ring.json --debye 9.6A --cutoff 30A --moves 100 --json --energy certified";
 
 fn command(place: &TemporaryFolder, arguments: &str) -> Command {
     let mut command = place.command(arguments);
@@ -20,7 +21,10 @@ fn command(place: &TemporaryFolder, arguments: &str) -> Command {
 fn result(output: &Output) -> (bool, String) {
     is_ok(output);
     let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    (found["tables_from_cache"].as_bool().unwrap(), found["decisions_sha256"].as_str().unwrap().to_owned())
+    (
+        found["tables_from_cache"].as_bool().unwrap(),
+        found["decisions_sha256"].as_str().unwrap().to_owned(),
+    )
 }
 
 #[test]
@@ -50,12 +54,20 @@ fn a_changed_byte_is_said_and_mended() {
     changed[middle] ^= 1;
     std::fs::write(place.path("cache").join(name), &changed).unwrap();
     let mended = run("");
-    assert!(message(&mended).contains(name) && message(&mended).contains("checksum"), "{}", message(&mended));
+    assert!(
+        message(&mended).contains(name) && message(&mended).contains("checksum"),
+        "{}",
+        message(&mended)
+    );
     assert_eq!(result(&mended), result(&cold));
     assert!(contents(&place.path("cache")) == kept);
     // Another body's file under this name.
     let other = kept.keys().nth(1).unwrap();
-    std::fs::copy(place.path("cache").join(other), place.path("cache").join(name)).unwrap();
+    std::fs::copy(
+        place.path("cache").join(other),
+        place.path("cache").join(name),
+    )
+    .unwrap();
     let quiet = run(" --quiet");
     assert_eq!(message(&quiet), "");
     assert_eq!(result(&quiet), result(&cold));
@@ -65,7 +77,9 @@ fn a_changed_byte_is_said_and_mended() {
 #[test]
 fn without_the_cache_nothing_is_read_or_written() {
     let place = TemporaryFolder::new();
-    let output = command(&place, &format!("{BENCH} --no-cache")).output().unwrap();
+    let output = command(&place, &format!("{BENCH} --no-cache"))
+        .output()
+        .unwrap();
     assert!(!result(&output).0);
     assert!(!place.path("cache").exists());
 }
@@ -76,19 +90,32 @@ fn a_folder_that_is_none_is_a_warning() {
     std::fs::write(place.path("cache"), "a file").unwrap();
     let output = command(&place, BENCH).output().unwrap();
     assert!(!result(&output).0);
-    assert!(message(&output).contains("warning") && message(&output).contains("cache"), "{}", message(&output));
+    assert!(
+        message(&output).contains("warning") && message(&output).contains("cache"),
+        "{}",
+        message(&output)
+    );
 }
 
 #[test]
 fn processes_at_once_do_each_other_no_harm() {
     let place = TemporaryFolder::new();
-    let running: Vec<_> = (0..4).map(|_| command(&place, BENCH).spawn().unwrap()).collect();
-    let outputs: Vec<Output> = running.into_iter().map(|child| child.wait_with_output().unwrap()).collect();
+    let running: Vec<_> = (0..4)
+        .map(|_| command(&place, BENCH).spawn().unwrap())
+        .collect();
+    let outputs: Vec<Output> = running
+        .into_iter()
+        .map(|child| child.wait_with_output().unwrap())
+        .collect();
     for output in &outputs {
         assert_eq!(message(output), "");
         assert_eq!(result(output).1, result(&outputs[0]).1);
     }
     let last = command(&place, BENCH).output().unwrap();
     assert_eq!(result(&last), (true, result(&outputs[0]).1));
-    assert_eq!(contents(&place.path("cache")).len(), 2, "no partial files stay");
+    assert_eq!(
+        contents(&place.path("cache")).len(),
+        2,
+        "no partial files stay"
+    );
 }

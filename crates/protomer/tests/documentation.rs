@@ -1,11 +1,12 @@
-//! The documentation shows what the program does: `docs/reference/cli.md` holds the help of every verb, and the commands in
-//! the `console` blocks of `docs/guide/*.md` give the output printed below them. The blocks of a page run in order in one
-//! folder of their own, which holds a link to `data`.
+//! The documentation shows what the program does: `docs/reference/cli.md` holds the help of every
+//! verb, and the commands in the `console` blocks of `docs/guide/*.md` give the output printed
+//! below them. The blocks of a page run in order in one folder of their own, which holds a link to
+//! `data`.
 //!
 //! `python/protomer/_verbs.py` holds the verbs as Python functions.
 //!
-//! `UPDATE_REFERENCE=1 cargo test -p protomer --test documentation` writes all of it anew; read the difference before
-//! committing it.
+//! `UPDATE_REFERENCE=1 cargo test -p protomer --test documentation` writes all of it anew; read the
+//! difference before committing it.
 
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
@@ -15,10 +16,17 @@ use std::process::Command;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_protomer");
 /// Variables that the help shows with their value, or that change what a command does.
-const VARIABLES: [&str; 3] = ["PROTOMER_THREADS", "PROTOMER_FETCH_BASE", "ACTION_WALLTIME_IN_MINUTES"];
+const VARIABLES: [&str; 3] = [
+    "PROTOMER_THREADS",
+    "PROTOMER_FETCH_BASE",
+    "ACTION_WALLTIME_IN_MINUTES",
+];
 
 fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../..")
+        .canonicalize()
+        .unwrap()
 }
 
 /// Writes the file anew if asked to; otherwise it must hold this text.
@@ -39,7 +47,8 @@ fn check_or_update(path: &Path, text: &str) -> Result<(), String> {
             return Err(complaint(path, line, found));
         }
     }
-    said.next().map_or(Ok(()), |found| Err(complaint(path, line + 1, found)))
+    said.next()
+        .map_or(Ok(()), |found| Err(complaint(path, line + 1, found)))
 }
 
 fn complaint(path: &Path, line: usize, found: &str) -> String {
@@ -52,7 +61,8 @@ fn complaint(path: &Path, line: usize, found: &str) -> String {
 
 /// Whether two lines say the same, up to the width of the gaps and the last digits of numbers.
 fn agree(expected: &str, found: &str, approximate: bool) -> bool {
-    let ((words, numbers), (other_words, other_numbers)) = (words_and_numbers(expected), words_and_numbers(found));
+    let ((words, numbers), (other_words, other_numbers)) =
+        (words_and_numbers(expected), words_and_numbers(found));
     let close = |(a, b): (&f64, &f64)| approximate || (a - b).abs() <= 1e-6 + 2e-3 * a.abs();
     words == other_words && numbers.iter().zip(&other_numbers).all(close)
 }
@@ -69,8 +79,13 @@ fn words_and_numbers(line: &str) -> (String, Vec<f64>) {
         if is_number && rest[length..].starts_with('.') {
             length += 1 + digits(&rest[length + 1..]);
         }
-        let exponent = rest[length..].strip_prefix('e').map_or(0, |text| usize::from(text.starts_with(['+', '-'])));
-        if is_number && rest[length..].starts_with('e') && digits(&rest[length + 1 + exponent..]) > 0 {
+        let exponent = rest[length..]
+            .strip_prefix('e')
+            .map_or(0, |text| usize::from(text.starts_with(['+', '-'])));
+        if is_number
+            && rest[length..].starts_with('e')
+            && digits(&rest[length + 1 + exponent..]) > 0
+        {
             length += 1 + exponent + digits(&rest[length + 1 + exponent..]);
         }
         match rest[..length].parse() {
@@ -90,7 +105,11 @@ fn words_and_numbers(line: &str) -> (String, Vec<f64>) {
 
 #[test]
 fn numbers_are_compared_to_a_tolerance_and_words_exactly() {
-    assert!(agree("area  3199.411 Å² (1e-8)", "area 3199.412 Å² (3e-8)", false));
+    assert!(agree(
+        "area  3199.411 Å² (1e-8)",
+        "area 3199.412 Å² (3e-8)",
+        false
+    ));
     assert!(!agree("area 3199.411 Å²", "area 3210.0 Å²", false));
     assert!(agree("R_g 18.2 ± 0.3", "R_g -7 ± 1.25e3", true));
     assert!(!agree("R_g 18.2 Å", "R_h 18.2 Å", true));
@@ -101,22 +120,43 @@ fn help(words: &[String]) -> String {
     for variable in VARIABLES {
         command.env_remove(variable);
     }
-    let output = command.args(words).arg("--help").env("COLUMNS", "100").output().unwrap();
+    let output = command
+        .args(words)
+        .arg("--help")
+        .env("COLUMNS", "100")
+        .output()
+        .unwrap();
     let lines = String::from_utf8(output.stdout).unwrap();
-    lines.lines().map(|line| line.trim_end().to_owned() + "\n").collect()
+    lines
+        .lines()
+        .map(|line| line.trim_end().to_owned() + "\n")
+        .collect()
 }
 
 /// The subcommands that a help text lists.
 fn subcommands(help: &str) -> Vec<String> {
-    let listed = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
+    let listed = help
+        .lines()
+        .skip_while(|line| *line != "Commands:")
+        .skip(1)
+        .take_while(|line| !line.is_empty());
     let names = listed.filter(|line| line.starts_with("  ") && !line.starts_with("   "));
-    names.filter_map(|line| line.split_whitespace().next()).filter(|name| *name != "help").map(str::to_owned).collect()
+    names
+        .filter_map(|line| line.split_whitespace().next())
+        .filter(|name| *name != "help")
+        .map(str::to_owned)
+        .collect()
 }
 
 /// The help of a command and, after it, that of its subcommands.
 fn describe(words: &[String], page: &mut String) {
     let text = help(words);
-    let title = ["protomer".to_owned()].iter().chain(words).cloned().collect::<Vec<_>>().join(" ");
+    let title = ["protomer".to_owned()]
+        .iter()
+        .chain(words)
+        .cloned()
+        .collect::<Vec<_>>()
+        .join(" ");
     *page += &format!("\n## {title}\n\n```text\n{text}```\n");
     for name in subcommands(&text) {
         describe(&[words, &[name]].concat(), page);
@@ -173,16 +213,23 @@ fn run(line: &str, folder: &Path) -> String {
         .env("PATH", path)
         .env("PROTOMER_CACHE_DIR", "")
         .output();
-    String::from_utf8_lossy(&output.unwrap().stdout).lines().map(|line| line.trim_end().to_owned() + "\n").collect()
+    String::from_utf8_lossy(&output.unwrap().stdout)
+        .lines()
+        .map(|line| line.trim_end().to_owned() + "\n")
+        .collect()
 }
 
 #[test]
 fn the_guide_shows_what_its_commands_print() {
     let guide = root().join("docs/guide");
-    let mut pages: Vec<PathBuf> = std::fs::read_dir(guide).unwrap().map(|entry| entry.unwrap().path()).collect();
+    let mut pages: Vec<PathBuf> = std::fs::read_dir(guide)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .collect();
     pages.sort();
     assert!(!pages.is_empty());
-    let check = |path: &PathBuf| check_or_update(path, &replay(&std::fs::read_to_string(path).unwrap()));
+    let check =
+        |path: &PathBuf| check_or_update(path, &replay(&std::fs::read_to_string(path).unwrap()));
     let wrong: Vec<String> = pages.iter().filter_map(|path| check(path).err()).collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

@@ -1,4 +1,5 @@
-//! Energies from the command line against sums written out here, and against the shared benchmark state.
+//! Energies from the command line against sums written out here, and against the shared benchmark
+//! state.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
 
@@ -11,18 +12,36 @@ use std::path::Path;
 fn certified_energies_hold_the_sum() {
     let place = TemporaryFolder::new();
     let inspect = |energy: &str| -> (f64, f64) {
-        let output = place.run(&format!("inspect ring.json --debye 9.6A --cutoff 30A --json --energy {energy}"));
+        let output = place.run(&format!(
+            "inspect ring.json --debye 9.6A --cutoff 30A --json --energy {energy}"
+        ));
         is_ok(&output);
         let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-        (found["energy_kT"].as_f64().unwrap(), found["error_bound_kt_per_pair"].as_f64().unwrap())
+        (
+            found["energy_kT"].as_f64().unwrap(),
+            found["error_bound_kt_per_pair"].as_f64().unwrap(),
+        )
     };
     let (direct, none) = (inspect("direct"), inspect("none"));
-    assert!(direct.0.abs() > 1e-3 && direct.1 == 0.0 && none == (0.0, 0.0), "{direct:?} {none:?}");
-    for (energy, tolerance) in [("certified", 0.05), ("approximate", 1e-3), ("approximate --tolerance 1e-7", 1e-7)] {
+    assert!(
+        direct.0.abs() > 1e-3 && direct.1 == 0.0 && none == (0.0, 0.0),
+        "{direct:?} {none:?}"
+    );
+    for (energy, tolerance) in [
+        ("certified", 0.05),
+        ("approximate", 1e-3),
+        ("approximate --tolerance 1e-7", 1e-7),
+    ] {
         let (found, bound) = inspect(energy);
         // Six pairs.
-        assert!((found - direct.0).abs() <= 6.0 * bound + 1e-12 && bound <= tolerance, "{energy}: {found} {bound}");
-        assert!(bound > 0.0 || tolerance < 1e-6, "{energy}: intervals were used");
+        assert!(
+            (found - direct.0).abs() <= 6.0 * bound + 1e-12 && bound <= tolerance,
+            "{energy}: {found} {bound}"
+        );
+        assert!(
+            bound > 0.0 || tolerance < 1e-6,
+            "{energy}: intervals were used"
+        );
     }
 }
 
@@ -31,17 +50,31 @@ fn a_tolerance_without_approximate_energies_is_refused() {
     let place = TemporaryFolder::new();
     for verb in ["inspect", "bench"] {
         for energy in ["direct", "certified", "none"] {
-            let output = place.run(&format!("{verb} ring.json --debye 3A --tolerance 1e-3 --energy {energy}"));
+            let output = place.run(&format!(
+                "{verb} ring.json --debye 3A --tolerance 1e-3 --energy {energy}"
+            ));
             assert_eq!(output.status.code(), Some(1));
-            assert!(message(&output).contains("--energy approximate"), "{}", message(&output));
+            assert!(
+                message(&output).contains("--energy approximate"),
+                "{}",
+                message(&output)
+            );
         }
-        let output = place.run(&format!("{verb} ring.json --debye 3A --tolerance -1e-3 --energy approximate"));
-        assert!(message(&output).contains("positive"), "{}", message(&output));
+        let output = place.run(&format!(
+            "{verb} ring.json --debye 3A --tolerance -1e-3 --energy approximate"
+        ));
+        assert!(
+            message(&output).contains("positive"),
+            "{}",
+            message(&output)
+        );
     }
 }
 
 fn inspect(place: &TemporaryFolder, assembly: &str) -> serde_json::Value {
-    let output = place.run(&format!("inspect {assembly} --bjerrum 7.0A --debye 9.6A --cutoff 48A --json"));
+    let output = place.run(&format!(
+        "inspect {assembly} --bjerrum 7.0A --debye 9.6A --cutoff 48A --json"
+    ));
     is_ok(&output);
     serde_json::from_slice(&output.stdout).unwrap()
 }
@@ -49,7 +82,8 @@ fn inspect(place: &TemporaryFolder, assembly: &str) -> serde_json::Value {
 #[test]
 fn the_energy_of_two_bodies_is_the_sum_over_their_charges() {
     let place = TemporaryFolder::new();
-    // The second body stands a quarter turn about z from the first one: (x, y, z) becomes (-y, x, z).
+    // The second body stands a quarter turn about z from the first one: (x, y, z) becomes (-y, x,
+    // z).
     let half = std::f64::consts::FRAC_1_SQRT_2;
     std::fs::write(
         place.path("pair.json"),
@@ -78,7 +112,10 @@ fn the_energy_of_two_bodies_is_the_sum_over_their_charges() {
 
 #[test]
 fn the_benchmark_state_has_its_stated_energy() {
-    let shared = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/bench/data"));
+    let shared = Path::new(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../../shared/bench/data"
+    ));
     if !shared.is_dir() {
         eprintln!("skipped: {} is not there", shared.display());
         return;
@@ -86,14 +123,34 @@ fn the_benchmark_state_has_its_stated_energy() {
     let place = TemporaryFolder::new();
     std::fs::copy(shared.join("cluster16.json"), place.path("cluster16.json")).unwrap();
     for name in ["a", "b"] {
-        let (mesh, charges) = (shared.join("bumpy_1620.off"), shared.join(format!("charges_{name}.xyzq")));
+        let (mesh, charges) = (
+            shared.join("bumpy_1620.off"),
+            shared.join(format!("charges_{name}.xyzq")),
+        );
         let mut command = place.command("body");
-        command.arg("--mesh").arg(mesh).arg("--charges").arg(charges).args(["-o", &format!("{name}.body")]);
+        command
+            .arg("--mesh")
+            .arg(mesh)
+            .arg("--charges")
+            .arg(charges)
+            .args(["-o", &format!("{name}.body")]);
         is_ok(&command.output().unwrap());
     }
     let found = inspect(&place, "cluster16.json");
-    assert!((found["energy_kT"].as_f64().unwrap() + 26.303340096741).abs() < 1e-8, "{}", found["energy_kT"]);
-    let pair = found["pair_energies"].as_array().unwrap().iter().find(|pair| pair[0] == 0 && pair[1] == 1).unwrap();
-    assert!((pair[2].as_f64().unwrap() - 0.589221080102).abs() < 1e-10, "{pair}");
+    assert!(
+        (found["energy_kT"].as_f64().unwrap() + 26.303340096741).abs() < 1e-8,
+        "{}",
+        found["energy_kT"]
+    );
+    let pair = found["pair_energies"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .find(|pair| pair[0] == 0 && pair[1] == 1)
+        .unwrap();
+    assert!(
+        (pair[2].as_f64().unwrap() - 0.589221080102).abs() < 1e-10,
+        "{pair}"
+    );
     assert_eq!(found["overlaps"].as_array().unwrap().len(), 0);
 }

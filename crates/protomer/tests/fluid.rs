@@ -1,4 +1,5 @@
-//! Fluids: nothing overlaps, every body is where it may be with the same probability, and the seed decides.
+//! Fluids: nothing overlaps, every body is where it may be with the same probability, and the seed
+//! decides.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
 
@@ -21,7 +22,13 @@ fn images((kind, pose): &Placement) -> Vec<Placement> {
     let shift = |image: usize| [image / 9, image / 3 % 3, image % 3].map(|step| step as f64 - 1.0);
     let shifted = |image: usize| {
         let shift = Vec3::from(shift(image)).component_mul(&Vec3::from(BOX_ANGSTROM));
-        (*kind, Pose { position: pose.position + shift, rotation: pose.rotation })
+        (
+            *kind,
+            Pose {
+                position: pose.position + shift,
+                rotation: pose.rotation,
+            },
+        )
     };
     (0..27).map(shifted).collect()
 }
@@ -32,7 +39,8 @@ fn no_body_overlaps_any_image_of_another() {
     let files = cubes(&place);
     let mut met_across_the_border = 0;
     for seed in 0..20 {
-        // An eighth of the volume: placing without looking at images would let bodies overlap across the border.
+        // An eighth of the volume: placing without looking at images would let bodies overlap
+        // across the border.
         let placed = fluid(&files, &[22, 20], BOX_ANGSTROM, seed).unwrap();
         assert_eq!(placed.iter().filter(|(kind, _)| *kind == 0).count(), 22);
         assert_eq!(placed.len(), 42);
@@ -41,12 +49,16 @@ fn no_body_overlaps_any_image_of_another() {
                 for image in images(placement) {
                     assert!(!files.any_overlap(&[*first, image]), "seed {seed}");
                     let near = (image.1.position - first.1.position).norm() < 17.0;
-                    met_across_the_border += usize::from(near && image.1.position != placement.1.position);
+                    met_across_the_border +=
+                        usize::from(near && image.1.position != placement.1.position);
                 }
             }
         }
     }
-    assert!(met_across_the_border > 50, "the test saw only {met_across_the_border} pairs across the border");
+    assert!(
+        met_across_the_border > 50,
+        "the test saw only {met_across_the_border} pairs across the border"
+    );
 }
 
 #[test]
@@ -65,11 +77,17 @@ fn places_and_orientations_are_uniform() {
             bodies += 1.0;
         }
     }
-    // A quarter of the bodies in a quarter of the box, a third of the squared axis along each edge; five standard errors
-    // of independent draws (variances 3/16 and 4/45).
+    // A quarter of the bodies in a quarter of the box, a third of the squared axis along each edge;
+    // five standard errors of independent draws (variances 3/16 and 4/45).
     for edge in 0..3 {
-        assert!((low[edge] / bodies - 0.25_f64).abs() < 5.0 * (3.0 / 16.0 / bodies).sqrt(), "{low:?} of {bodies}");
-        assert!((up[edge] / bodies - 1.0 / 3.0).abs() < 5.0 * (4.0 / 45.0 / bodies).sqrt(), "{up:?} of {bodies}");
+        assert!(
+            (low[edge] / bodies - 0.25_f64).abs() < 5.0 * (3.0 / 16.0 / bodies).sqrt(),
+            "{low:?} of {bodies}"
+        );
+        assert!(
+            (up[edge] / bodies - 1.0 / 3.0).abs() < 5.0 * (4.0 / 45.0 / bodies).sqrt(),
+            "{up:?} of {bodies}"
+        );
     }
 }
 
@@ -86,7 +104,8 @@ fn the_seed_decides() {
 fn a_full_box_and_a_small_box_are_errors() {
     let place = TemporaryFolder::new();
     let files = cubes(&place);
-    let refused = |counts: &[usize], edge| fluid(&files, counts, [edge; 3], 1).unwrap_err().to_string();
+    let refused =
+        |counts: &[usize], edge| fluid(&files, counts, [edge; 3], 1).unwrap_err().to_string();
     assert!(refused(&[50, 0], 40.0).contains("no room for body"));
     assert!(refused(&[65, 0], 40.0).contains("of bodies in a box"));
     assert!(refused(&[1, 1], 34.0).contains("an edge must hold two"));

@@ -1,9 +1,10 @@
-//! Cases of the command line: each folder of `tests/golden` holds a `command` (one `protomer` call per line, words
-//! separated by spaces, `$DATA` for the folder of the bundled data), its input files, and the `expected` transcript: exit
-//! code, stdout and stderr of each call. The calls run in a copy of the folder, so that no path of the machine is shown.
+//! Cases of the command line: each folder of `tests/golden` holds a `command` (one `protomer` call
+//! per line, words separated by spaces, `$DATA` for the folder of the bundled data), its input
+//! files, and the `expected` transcript: exit code, stdout and stderr of each call. The calls run
+//! in a copy of the folder, so that no path of the machine is shown.
 //!
-//! `UPDATE_GOLDEN=1 cargo test -p protomer --test golden` writes the transcripts anew; read the difference before
-//! committing it.
+//! `UPDATE_GOLDEN=1 cargo test -p protomer --test golden` writes the transcripts anew; read the
+//! difference before committing it.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
 
@@ -13,7 +14,10 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../..")
+        .canonicalize()
+        .unwrap()
 }
 
 /// A link where the system has them, so that messages name `data` and not the way to it.
@@ -21,7 +25,11 @@ fn link(target: &Path, link: &Path) {
     #[cfg(unix)]
     std::os::unix::fs::symlink(target, link).unwrap();
     #[cfg(not(unix))]
-    panic!("cannot link {} to {}: run these cases on Unix", link.display(), target.display());
+    panic!(
+        "cannot link {} to {}: run these cases on Unix",
+        link.display(),
+        target.display()
+    );
 }
 
 /// Runs every line of the case's command in a copy of its folder and writes down what happened.
@@ -36,10 +44,16 @@ fn transcript(case: &Path) -> String {
     for line in command.lines().filter(|line| !line.trim().is_empty()) {
         let mut program = Command::new(env!("CARGO_BIN_EXE_protomer"));
         common::cleaned(&mut program);
-        program.args(line.split_whitespace().map(|word| word.replace("$DATA", "data")));
+        program.args(
+            line.split_whitespace()
+                .map(|word| word.replace("$DATA", "data")),
+        );
         let output = program.current_dir(folder.path()).output().unwrap();
         let plain = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-        transcript += &format!("$ protomer {line}\nexit {}\n", output.status.code().unwrap_or(-1));
+        transcript += &format!(
+            "$ protomer {line}\nexit {}\n",
+            output.status.code().unwrap_or(-1)
+        );
         for (name, bytes) in [("stdout", &output.stdout), ("stderr", &output.stderr)] {
             for text in plain(bytes).lines() {
                 transcript += format!("{name}: {text}").trim_end();
@@ -53,8 +67,10 @@ fn transcript(case: &Path) -> String {
 #[test]
 fn the_command_line_says_what_it_said() {
     let mut different = Vec::new();
-    let mut cases: Vec<PathBuf> =
-        std::fs::read_dir(root().join("tests/golden")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    let mut cases: Vec<PathBuf> = std::fs::read_dir(root().join("tests/golden"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .collect();
     cases.sort();
     assert!(!cases.is_empty());
     for case in cases {
@@ -65,7 +81,10 @@ fn the_command_line_says_what_it_said() {
         }
         let expected = std::fs::read_to_string(&path).unwrap_or_default();
         if found != expected {
-            different.push(format!("== {}\n-- expected\n{expected}\n-- found\n{found}", case.display()));
+            different.push(format!(
+                "== {}\n-- expected\n{expected}\n-- found\n{found}",
+                case.display()
+            ));
         }
     }
     assert!(different.is_empty(), "{}", different.join("\n"));

@@ -1,6 +1,12 @@
-//! Lattices in their directories: continued bit for bit, what trajectories and pages hold, what is refused.
+//! Lattices in their directories: continued bit for bit, what trajectories and pages hold, what is
+//! refused.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr)]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::print_stderr
+)]
 
 use protomer::interrupt::Interrupt;
 use protomer::lattice::animation::Animation;
@@ -35,10 +41,16 @@ fn small() -> LatticeSettings {
     }
 }
 
-/// With all its rods, straight rows and columns would hold each other: one rod is missing from each.
+/// With all its rods, straight rows and columns would hold each other: one rod is missing from
+/// each.
 fn periodic() -> LatticeSettings {
     let removed_rods = (0..4).flat_map(|i| [[i, i, 3], [i, i, 4]]).collect();
-    LatticeSettings { edges: Edges::Periodic, r0: 0.15, removed_rods, ..small() }
+    LatticeSettings {
+        edges: Edges::Periodic,
+        r0: 0.15,
+        removed_rods,
+        ..small()
+    }
 }
 
 fn finish(settings: &LatticeSettings, directory: &Path) -> LatticeResult {
@@ -51,7 +63,10 @@ fn finish(settings: &LatticeSettings, directory: &Path) -> LatticeResult {
 /// Runs on until so many steps were done, then asks to stop.
 fn stop_after(settings: &LatticeSettings, directory: &Path, steps: u64) {
     let interrupt = Interrupt::default();
-    let execution = Execution { interrupt: interrupt.clone(), ..Execution::default() };
+    let execution = Execution {
+        interrupt: interrupt.clone(),
+        ..Execution::default()
+    };
     let done = Cell::new(0);
     let end = run_lattice(settings, directory, &execution, &|steps_now| {
         done.set(done.get() + steps_now);
@@ -66,12 +81,45 @@ fn stop_after(settings: &LatticeSettings, directory: &Path, steps: u64) {
 fn cut_and_continued_runs_equal_uninterrupted_ones_bit_for_bit() {
     let variants = [
         ("collisions", small()),
-        ("free, coherent force", LatticeSettings { collisions: false, kappa: 5.0, ..small() }),
-        ("heat bath", LatticeSettings { temperature: Some(0.05), friction: 2.0, ..small() }),
-        ("inelastic", LatticeSettings { restitution: 0.5, ..small() }),
+        (
+            "free, coherent force",
+            LatticeSettings {
+                collisions: false,
+                kappa: 5.0,
+                ..small()
+            },
+        ),
+        (
+            "heat bath",
+            LatticeSettings {
+                temperature: Some(0.05),
+                friction: 2.0,
+                ..small()
+            },
+        ),
+        (
+            "inelastic",
+            LatticeSettings {
+                restitution: 0.5,
+                ..small()
+            },
+        ),
         ("periodic", periodic()),
-        ("the paper's protocol", LatticeSettings { paper: true, r0: 0.5, ..small() }),
-        ("a hole", LatticeSettings { removed_squares: vec![[1, 2]], ..small() }),
+        (
+            "the paper's protocol",
+            LatticeSettings {
+                paper: true,
+                r0: 0.5,
+                ..small()
+            },
+        ),
+        (
+            "a hole",
+            LatticeSettings {
+                removed_squares: vec![[1, 2]],
+                ..small()
+            },
+        ),
     ];
     for (name, settings) in variants {
         let folder = tempfile::tempdir().unwrap();
@@ -84,13 +132,29 @@ fn cut_and_continued_runs_equal_uninterrupted_ones_bit_for_bit() {
         std::fs::write(&log, std::fs::read_to_string(&log).unwrap() + "62,0.3").unwrap();
         stop_after(&settings, &cut, 140);
         // A run to fewer steps, run on.
-        finish(&LatticeSettings { steps: Some(201), ..settings.clone() }, &cut);
+        finish(
+            &LatticeSettings {
+                steps: Some(201),
+                ..settings.clone()
+            },
+            &cut,
+        );
         assert_eq!(finish(&settings, &cut), result, "{name}");
-        for file in ["log.csv", "trajectory.gsd", "checkpoint.bin", "run.toml", "run.json"] {
-            let same = std::fs::read(whole.join(file)).unwrap() == std::fs::read(cut.join(file)).unwrap();
+        for file in [
+            "log.csv",
+            "trajectory.gsd",
+            "checkpoint.bin",
+            "run.toml",
+            "run.json",
+        ] {
+            let same =
+                std::fs::read(whole.join(file)).unwrap() == std::fs::read(cut.join(file)).unwrap();
             assert!(same, "{name}: {file} differs");
         }
-        eprintln!("{name}: {} collisions, energy off by {:.1e}", result.events, result.energy_error);
+        eprintln!(
+            "{name}: {} collisions, energy off by {:.1e}",
+            result.events, result.energy_error
+        );
         if name == "collisions" {
             assert!(result.events > 0, "the test should see collisions");
             assert!(result.max_rod_violation < 1e-12);
@@ -113,10 +177,17 @@ fn logs_tell_of_energy_and_modes() {
     assert_eq!(rows.len(), 300 / 7 + 1);
     let (first, second) = (rows[0], rows[10]);
     assert_eq!((first.time, first.step), (0.0, 0));
-    // Four squares of inertia 1/3 that turn at 1; all of it in the checkerboard mode until they meet.
-    assert!((first.energy - 4.0 / 6.0).abs() < 1e-12 && (result.start_energy - first.energy).abs() < 1e-15);
+    // Four squares of inertia 1/3 that turn at 1; all of it in the checkerboard mode until they
+    // meet.
+    assert!(
+        (first.energy - 4.0 / 6.0).abs() < 1e-12
+            && (result.start_energy - first.energy).abs() < 1e-15
+    );
     assert!((first.checkerboard - std::f64::consts::FRAC_PI_4).abs() < 1e-12);
-    assert!((second.checkerboard_fraction - 1.0).abs() < 1e-9 && second.checkerboard < first.checkerboard);
+    assert!(
+        (second.checkerboard_fraction - 1.0).abs() < 1e-9
+            && second.checkerboard < first.checkerboard
+    );
     // Closing by the same amount along x and y.
     assert!(second.strain_xx < 0.0 && (second.strain_xx - second.strain_yy).abs() < 1e-9);
     assert!(second.angle_spread < 1e-9 && second.rod_violation < 1e-12);
@@ -130,22 +201,34 @@ fn rods_in_the_trajectory_have_their_length() {
     let path = folder.path().join("trajectory.gsd");
     let mut file = GsdFile::open(&path).unwrap();
     assert_eq!((file.frames(), file.schema().0), (13, "hoomd"));
-    let numbers = |file: &mut GsdFile, frame, name| match file.chunk(frame, name).unwrap().unwrap().data {
-        ChunkData::F32(values) => values.into_iter().map(f64::from).collect::<Vec<_>>(),
-        ChunkData::U32(values) => values.into_iter().map(f64::from).collect(),
-        ChunkData::U8(values) => values.into_iter().map(f64::from).collect(),
-        other => panic!("{other:?}"),
-    };
+    let numbers =
+        |file: &mut GsdFile, frame, name| match file.chunk(frame, name).unwrap().unwrap().data {
+            ChunkData::F32(values) => values.into_iter().map(f64::from).collect::<Vec<_>>(),
+            ChunkData::U32(values) => values.into_iter().map(f64::from).collect(),
+            ChunkData::U8(values) => values.into_iter().map(f64::from).collect(),
+            other => panic!("{other:?}"),
+        };
     assert_eq!(numbers(&mut file, 0, "configuration/dimensions"), [2.0]);
     let bonds = numbers(&mut file, 0, "bonds/group");
     assert_eq!(bonds.len(), 2 * 24);
     for frame in 0..file.frames() {
         let positions = numbers(&mut file, frame, "particles/position");
         let orientations = numbers(&mut file, frame, "particles/orientation");
-        let half_box = numbers(&mut file, frame, "configuration/box").iter().map(|x| 0.5 * x).collect::<Vec<_>>();
+        let half_box = numbers(&mut file, frame, "configuration/box")
+            .iter()
+            .map(|x| 0.5 * x)
+            .collect::<Vec<_>>();
         assert_eq!(positions.len(), 3 * (16 + 48));
-        assert!(positions.chunks(3).all(|x| x[0].abs() <= half_box[0] && x[1].abs() <= half_box[1] && x[2] == 0.0));
-        assert!(orientations.chunks(4).all(|q| (q.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1e-6));
+        assert!(
+            positions
+                .chunks(3)
+                .all(|x| x[0].abs() <= half_box[0] && x[1].abs() <= half_box[1] && x[2] == 0.0)
+        );
+        assert!(
+            orientations
+                .chunks(4)
+                .all(|q| (q.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1e-6)
+        );
         for ends in bonds.chunks(2) {
             let place = |end: f64| &positions[3 * end as usize..3 * end as usize + 2];
             let (a, b) = (place(ends[0]), place(ends[1]));
@@ -168,11 +251,29 @@ fn a_page_needs_nothing_else_and_frames_show_every_square_and_rod() {
     for outside in ["http://", "https://", "src=", "@import", "url(", "{{"] {
         assert!(!page.contains(outside), "{outside}");
     }
-    let data = page.split("const data = ").nth(1).unwrap().split(";\n").next().unwrap();
+    let data = page
+        .split("const data = ")
+        .nth(1)
+        .unwrap()
+        .split(";\n")
+        .next()
+        .unwrap();
     let data: serde_json::Value = serde_json::from_str(data).unwrap();
-    assert_eq!((data["frames"].as_array().unwrap().len(), data["rods"].as_array().unwrap().len()), (5, 24));
+    assert_eq!(
+        (
+            data["frames"].as_array().unwrap().len(),
+            data["rods"].as_array().unwrap().len()
+        ),
+        (5, 24)
+    );
     let svg = animation.to_svg(4);
-    assert_eq!((svg.matches("<polygon").count(), svg.matches("<line").count()), (16, 24));
+    assert_eq!(
+        (
+            svg.matches("<polygon").count(),
+            svg.matches("<line").count()
+        ),
+        (16, 24)
+    );
     assert!(Animation::read(&folder.path().join("elsewhere"), 5).is_err());
 }
 
@@ -180,55 +281,117 @@ fn a_page_needs_nothing_else_and_frames_show_every_square_and_rod() {
 fn what_makes_no_sense_is_refused_by_name() {
     let refused = |settings: LatticeSettings| {
         let folder = tempfile::tempdir().unwrap();
-        let error = run_lattice(&settings, &folder.path().join("run"), &Execution::default(), &|_| {}).unwrap_err();
-        assert!(!folder.path().join("run").exists(), "a start that is refused leaves nothing behind");
+        let error = run_lattice(
+            &settings,
+            &folder.path().join("run"),
+            &Execution::default(),
+            &|_| {},
+        )
+        .unwrap_err();
+        assert!(
+            !folder.path().join("run").exists(),
+            "a start that is refused leaves nothing behind"
+        );
         format!("{error:#}")
     };
-    let complaint = refused(LatticeSettings { r0: -0.1, ..small() });
+    let complaint = refused(LatticeSettings {
+        r0: -0.1,
+        ..small()
+    });
     assert!(complaint.contains("r0 is -0.1"), "{complaint}");
     assert!(refused(LatticeSettings { r0: 0.0, ..small() }).contains("no direction"));
     // Beyond the angle at which neighbours meet.
-    let complaint = refused(LatticeSettings { start: Start::Angle(-0.5), ..small() });
+    let complaint = refused(LatticeSettings {
+        start: Start::Angle(-0.5),
+        ..small()
+    });
     assert!(complaint.contains("overlap"), "{complaint}");
-    let complaint = refused(LatticeSettings { rows: 3, edges: Edges::Periodic, ..small() });
+    let complaint = refused(LatticeSettings {
+        rows: 3,
+        edges: Edges::Periodic,
+        ..small()
+    });
     assert!(complaint.contains("even number"), "{complaint}");
-    let complaint = refused(LatticeSettings { edges: Edges::Periodic, ..small() });
+    let complaint = refused(LatticeSettings {
+        edges: Edges::Periodic,
+        ..small()
+    });
     assert!(complaint.contains("removed_rods"), "{complaint}");
     let toml = "rows = 1\ncolumns = 2\nsteps = 3\nrods = [{ from = [0, 0, 4], to = [0, 1, 3] }, { from = [0, 0, 4], to = [0, 1, 3] }]";
     let complaint = refused(toml::from_str(toml).unwrap());
     assert!(complaint.contains("over-constrain"), "{complaint}");
-    let complaint = refused(LatticeSettings { removed_rods: vec![[0, 0, 1]], ..small() });
+    let complaint = refused(LatticeSettings {
+        removed_rods: vec![[0, 0, 1]],
+        ..small()
+    });
     assert!(complaint.contains("no rod ends"), "{complaint}");
-    let complaint = refused(LatticeSettings { removed_squares: vec![[4, 0]], ..small() });
+    let complaint = refused(LatticeSettings {
+        removed_squares: vec![[4, 0]],
+        ..small()
+    });
     assert!(complaint.contains("rows go from 0 to 3"), "{complaint}");
-    assert!(refused(LatticeSettings { temperature: Some(1.0), ..small() }).contains("friction"));
-    assert!(refused(LatticeSettings { restitution: 1.5, ..small() }).contains("restitution"));
-    let unknown = toml::from_str::<LatticeSettings>("kapa = 3").unwrap_err().to_string();
+    assert!(
+        refused(LatticeSettings {
+            temperature: Some(1.0),
+            ..small()
+        })
+        .contains("friction")
+    );
+    assert!(
+        refused(LatticeSettings {
+            restitution: 1.5,
+            ..small()
+        })
+        .contains("restitution")
+    );
+    let unknown = toml::from_str::<LatticeSettings>("kapa = 3")
+        .unwrap_err()
+        .to_string();
     assert!(unknown.contains("kapa"), "{unknown}");
-    let unknown = toml::from_str::<LatticeSettings>("time_step = \"fast\"").unwrap_err().to_string();
+    let unknown = toml::from_str::<LatticeSettings>("time_step = \"fast\"")
+        .unwrap_err()
+        .to_string();
     assert!(unknown.contains("'auto' or a number"), "{unknown}");
 }
 
 #[test]
 fn a_failed_step_leaves_the_last_good_state() {
     let folder = tempfile::tempdir().unwrap();
-    let settings = LatticeSettings { time_step: TimeStep::Fixed(0.4), ..small() };
+    let settings = LatticeSettings {
+        time_step: TimeStep::Fixed(0.4),
+        ..small()
+    };
     let error = run_lattice(&settings, folder.path(), &Execution::default(), &|_| {}).unwrap_err();
     let error = format!("{error:#}");
-    assert!(error.contains("last good state") && error.contains("time step"), "{error}");
-    assert!(folder.path().join("checkpoint.bin").exists() && folder.path().join("log.csv").exists());
+    assert!(
+        error.contains("last good state") && error.contains("time step"),
+        "{error}"
+    );
+    assert!(
+        folder.path().join("checkpoint.bin").exists() && folder.path().join("log.csv").exists()
+    );
     let record = std::fs::read_to_string(folder.path().join("run.json")).unwrap();
     assert!(record.contains("time step"), "{record}");
     // Another time step is another run.
     let error = run_lattice(&small(), folder.path(), &Execution::default(), &|_| {}).unwrap_err();
     assert!(error.to_string().contains("other settings"), "{error}");
-    let anew = Execution { start_anew: true, ..Execution::default() };
-    assert!(matches!(run_lattice(&small(), folder.path(), &anew, &|_| {}), Ok(LatticeEnd::Finished(_))));
+    let anew = Execution {
+        start_anew: true,
+        ..Execution::default()
+    };
+    assert!(matches!(
+        run_lattice(&small(), folder.path(), &anew, &|_| {}),
+        Ok(LatticeEnd::Finished(_))
+    ));
 }
 
 #[test]
 fn chosen_time_steps_keep_the_energy() {
-    for (r0, start) in [(0.05, Start::Angle(0.4)), (0.136, "open".parse().unwrap()), (1.0, Start::Angle(0.2))] {
+    for (r0, start) in [
+        (0.05, Start::Angle(0.4)),
+        (0.136, "open".parse().unwrap()),
+        (1.0, Start::Angle(0.2)),
+    ] {
         let folder = tempfile::tempdir().unwrap();
         let settings = LatticeSettings {
             r0,
@@ -240,7 +403,10 @@ fn chosen_time_steps_keep_the_energy() {
             ..small()
         };
         let result = finish(&settings, folder.path());
-        eprintln!("r0 = {r0}: step {}, energy off by {:.1e}", result.time_step, result.energy_error);
+        eprintln!(
+            "r0 = {r0}: step {}, energy off by {:.1e}",
+            result.time_step, result.energy_error
+        );
         assert!(result.energy_error < 5e-3, "r0 = {r0}: {result:?}");
     }
 }
@@ -250,11 +416,19 @@ fn defects_and_other_squares_are_where_they_should_be() {
     let settings = LatticeSettings {
         removed_squares: vec![[0, 0]],
         removed_rods: vec![[1, 1, 1]],
-        other_squares: vec![OtherSquare { at: [3, 3], half_diagonal: Some(0.9), mass: Some(2.0), inertia: None }],
+        other_squares: vec![OtherSquare {
+            at: [3, 3],
+            half_diagonal: Some(0.9),
+            mass: Some(2.0),
+            inertia: None,
+        }],
         ..small()
     };
     let network = network(&settings).unwrap();
-    assert_eq!((network.squares.len(), network.rods.len()), (15, 24 - 2 - 1));
+    assert_eq!(
+        (network.squares.len(), network.rods.len()),
+        (15, 24 - 2 - 1)
+    );
     let other = network.squares[network.at(3, 3).unwrap()];
     assert!((other.inertia - 2.0 * 0.81 / 3.0).abs() < 1e-15 && other.mass == 2.0);
     // The rods of the smaller square are brought to their length.
@@ -272,13 +446,21 @@ fn sweeps_do_not_depend_on_threads_and_are_taken_up_again() {
         steps: Some(300),
         log_every: 4,
         trajectory_every: 4,
-        sweep: Some(SweepAxes { r0: vec![0.2, 1.0], kappa: vec![0.0, 1.0, 10.0], seeds: vec![1, 2] }),
+        sweep: Some(SweepAxes {
+            r0: vec![0.2, 1.0],
+            kappa: vec![0.0, 1.0, 10.0],
+            seeds: vec![1, 2],
+        }),
         ..small()
     };
     let folder = tempfile::tempdir().unwrap();
     let run = |threads: usize, name: &str, execution: &Execution| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| run_sweep(&settings, &folder.path().join(name), execution, &|| {})).unwrap()
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| run_sweep(&settings, &folder.path().join(name), execution, &|| {}))
+            .unwrap()
     };
     let LatticeSweepEnd::Finished(sweep) = run(1, "one", &Execution::default()) else {
         panic!("it was not asked to stop")
@@ -288,16 +470,32 @@ fn sweeps_do_not_depend_on_threads_and_are_taken_up_again() {
     stopped.interrupt.request();
     assert_eq!(run(2, "two", &stopped), LatticeSweepEnd::Stopped);
     run(2, "two", &Execution::default());
-    for file in ["lattice.csv", "runs.csv", "lattice.json", "indices.svg", "spread.svg", "poisson.png"] {
+    for file in [
+        "lattice.csv",
+        "runs.csv",
+        "lattice.json",
+        "indices.svg",
+        "spread.svg",
+        "poisson.png",
+    ] {
         let read = |name: &str| std::fs::read(folder.path().join(name).join(file)).expect(file);
         assert!(read("one") == read("two"), "{file} differs");
     }
     // The force that draws the squares together keeps them together.
     let spread = |kappa: f64| {
-        let row = sweep.conditions.iter().find(|row| row.r0 == 1.0 && row.kappa == kappa).unwrap();
+        let row = sweep
+            .conditions
+            .iter()
+            .find(|row| row.r0 == 1.0 && row.kappa == kappa)
+            .unwrap();
         row.largest_spread.mean
     };
-    assert!(spread(10.0) < spread(1.0), "{} {}", spread(10.0), spread(1.0));
+    assert!(
+        spread(10.0) < spread(1.0),
+        "{} {}",
+        spread(10.0),
+        spread(1.0)
+    );
 }
 
 #[test]
@@ -307,16 +505,25 @@ fn a_box_is_the_square_it_looks_like() {
     let (sine, cosine) = std::f64::consts::FRAC_PI_6.sin_cos();
     let turned = |x: f64, y: f64| (cosine * x - sine * y, sine * x + cosine * y);
     let mut off = "OFF\n8 12 0\n".to_owned();
-    for (x, y, z) in
-        [(-5, -5, -9), (5, -5, -9), (5, 5, -9), (-5, 5, -9), (-5, -5, 9), (5, -5, 9), (5, 5, 9), (-5, 5, 9)]
-    {
+    for (x, y, z) in [
+        (-5, -5, -9),
+        (5, -5, -9),
+        (5, 5, -9),
+        (-5, 5, -9),
+        (-5, -5, 9),
+        (5, -5, 9),
+        (5, 5, 9),
+        (-5, 5, 9),
+    ] {
         let (x, y) = turned(f64::from(x), f64::from(y));
         off += &format!("{x} {y} {z}\n");
     }
-    off +=
-        "3 0 2 1\n3 0 3 2\n3 4 5 6\n3 4 6 7\n3 0 1 5\n3 0 5 4\n3 1 2 6\n3 1 6 5\n3 2 3 7\n3 2 7 6\n3 3 0 4\n3 3 4 7\n";
+    off += "3 0 2 1\n3 0 3 2\n3 4 5 6\n3 4 6 7\n3 0 1 5\n3 0 5 4\n3 1 2 6\n3 1 6 5\n3 2 3 7\n3 2 7 6\n3 3 0 4\n3 3 4 7\n";
     let (charge_x, charge_y) = turned(4.0, 4.0);
-    let charges = format!("{charge_x} {charge_y} 1 2\n{} {} -1 -1\n", -charge_x, -charge_y);
+    let charges = format!(
+        "{charge_x} {charge_y} 1 2\n{} {} -1 -1\n",
+        -charge_x, -charge_y
+    );
     std::fs::write(folder.path().join("box.off"), off).unwrap();
     std::fs::write(folder.path().join("box.xyzq"), charges).unwrap();
     let body = build(&OwnBody {
@@ -328,16 +535,29 @@ fn a_box_is_the_square_it_looks_like() {
     for size in [Size::Corners, Size::Outside, Size::Area] {
         let square = square_of_body(&body, Axis::Auto, size).unwrap();
         let exact = 50f64.sqrt();
-        assert!((square.half_diagonal_angstrom / exact - 1.0).abs() < 2e-3, "{square:?}");
-        assert!((square.inertia - 1.0 / 3.0).abs() < 2e-3 && square.symmetry_order == 4, "{square:?}");
+        assert!(
+            (square.half_diagonal_angstrom / exact - 1.0).abs() < 2e-3,
+            "{square:?}"
+        );
+        assert!(
+            (square.inertia - 1.0 / 3.0).abs() < 2e-3 && square.symmetry_order == 4,
+            "{square:?}"
+        );
         assert!(square.deviation_from_fourfold < 1e-10 && square.moments_differ < 1e-10);
-        assert!((square.axis[2] - 1.0).abs() < 1e-10 && (square.height_angstrom - 18.0).abs() < 1e-9);
+        assert!(
+            (square.axis[2] - 1.0).abs() < 1e-10 && (square.height_angstrom - 18.0).abs() < 1e-9
+        );
         // 4 √2 Å from the centre towards a corner, the two opposite each other.
         let [plus, minus] = [0, 1].map(|index| square.charges[index]);
         let reach = |position: [f64; 2]| position[0].hypot(position[1]);
         assert!((plus.charge + minus.charge - 1.0).abs() < 1e-12 && square.charges.len() == 2);
-        assert!((reach(plus.position) - 0.8).abs() < 2e-3 && (reach(minus.position) - 0.8).abs() < 2e-3);
-        assert!((plus.position[0].abs() - plus.position[1].abs()).abs() < 1e-3, "{plus:?}");
+        assert!(
+            (reach(plus.position) - 0.8).abs() < 2e-3 && (reach(minus.position) - 0.8).abs() < 2e-3
+        );
+        assert!(
+            (plus.position[0].abs() - plus.position[1].abs()).abs() < 1e-3,
+            "{plus:?}"
+        );
         assert!((plus.position[0] + minus.position[0]).abs() < 1e-9);
         let part: toml::Table = toml::from_str(&square.to_toml().unwrap()).unwrap();
         let settings: LatticeSettings = part.try_into().unwrap();
@@ -352,26 +572,51 @@ fn files_are_replayed_to_their_contacts() {
         eprintln!("skipped: no reference data in {}", folder.display());
         return;
     };
-    for path in entries.map(|entry| entry.unwrap().path()).filter(|path| path.extension().is_some_and(|e| e == "json"))
+    for path in entries
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|e| e == "json"))
     {
         let file = LatticeFile::read(&path).unwrap();
-        let reference: serde_json::Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+        let reference: serde_json::Value =
+            serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
         let numbers = |value: &serde_json::Value| -> Vec<f64> {
-            value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+            value
+                .as_array()
+                .unwrap()
+                .iter()
+                .map(|x| x.as_f64().unwrap())
+                .collect()
         };
-        let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let apart = |a: &[f64], b: &[f64]| {
+            a.iter()
+                .zip(b)
+                .map(|(a, b)| (a - b).abs())
+                .fold(0.0, f64::max)
+        };
         let found = replay(&file, 1e-3, 20.0).unwrap();
         for (s, expected) in found.s.iter().zip(reference["s"].as_array().unwrap()) {
             assert!(apart(s, &numbers(expected)) < 1e-4, "{}", path.display());
         }
         let energies = numbers(&reference["energy"]);
-        assert!(apart(&found.energy, &energies) < 2e-3 * energies[0], "{}", path.display());
+        assert!(
+            apart(&found.energy, &energies) < 2e-3 * energies[0],
+            "{}",
+            path.display()
+        );
         let contact = &reference["first_collision"];
         let first = found.first_collision.unwrap();
         assert!((first.t - contact["t"].as_f64().unwrap()).abs() < 1e-4);
-        assert_eq!(serde_json::json!(first.contacts), contact["contacts"], "{}", path.display());
+        assert_eq!(
+            serde_json::json!(first.contacts),
+            contact["contacts"],
+            "{}",
+            path.display()
+        );
         let response = respond(&file).unwrap();
         assert!(apart(&response.v_after, &numbers(&contact["v_after"])) < 1e-9);
-        assert!(response.energy_change.abs() < 1e-12 && response.impulses.iter().all(|impulse| *impulse >= 0.0));
+        assert!(
+            response.energy_change.abs() < 1e-12
+                && response.impulses.iter().all(|impulse| *impulse >= 0.0)
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! The shape of the workspace: which crate may depend on which, one door per heavy dependency, permissive licences.
+//! The shape of the workspace: which crate may depend on which, one door per heavy dependency,
+//! permissive licences.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
 
@@ -12,32 +13,53 @@ fn host() -> String {
     let rustc = std::env::var("RUSTC").unwrap_or_else(|_| "rustc".into());
     let output = Command::new(rustc).arg("-vV").output().unwrap();
     let text = String::from_utf8(output.stdout).unwrap();
-    text.lines().find_map(|line| line.strip_prefix("host: ")).unwrap().to_owned()
+    text.lines()
+        .find_map(|line| line.strip_prefix("host: "))
+        .unwrap()
+        .to_owned()
 }
 
 fn metadata() -> Value {
     let manifest = concat!(env!("CARGO_MANIFEST_DIR"), "/../../Cargo.toml");
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".into());
     let output = Command::new(cargo)
-        .args(["metadata", "--format-version", "1", "--locked", "--offline", "--manifest-path", manifest])
+        .args([
+            "metadata",
+            "--format-version",
+            "1",
+            "--locked",
+            "--offline",
+            "--manifest-path",
+            manifest,
+        ])
         .args(["--filter-platform", &host()])
         .output()
         .unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
 /// The crates of this workspace with what they depend on outside their tests.
 fn dependencies(metadata: &Value) -> BTreeMap<String, BTreeSet<String>> {
-    let members: BTreeSet<&str> =
-        metadata["workspace_members"].as_array().unwrap().iter().map(|id| id.as_str().unwrap()).collect();
+    let members: BTreeSet<&str> = metadata["workspace_members"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|id| id.as_str().unwrap())
+        .collect();
     let packages = metadata["packages"].as_array().unwrap().iter();
     packages
         .filter(|package| members.contains(package["id"].as_str().unwrap()))
         .map(|package| {
             let needed = package["dependencies"].as_array().unwrap().iter();
             let normal = needed.filter(|dependency| dependency["kind"].is_null());
-            let names = normal.map(|dependency| dependency["name"].as_str().unwrap().to_owned()).collect();
+            let names = normal
+                .map(|dependency| dependency["name"].as_str().unwrap().to_owned())
+                .collect();
             (package["name"].as_str().unwrap().to_owned(), names)
         })
         .collect()
@@ -81,9 +103,14 @@ fn arrows_point_the_way_the_architecture_says() {
         ),
     ]);
     for (name, needs) in dependencies(&metadata()) {
-        let allowed = allowed.get(name.as_str()).unwrap_or_else(|| panic!("{name} has no place in the architecture"));
+        let allowed = allowed
+            .get(name.as_str())
+            .unwrap_or_else(|| panic!("{name} has no place in the architecture"));
         for need in needs.iter().filter(|need| need.starts_with("protomer")) {
-            assert!(allowed.contains(&need.as_str()), "{name} must not depend on {need}");
+            assert!(
+                allowed.contains(&need.as_str()),
+                "{name} must not depend on {need}"
+            );
         }
     }
 }
@@ -102,27 +129,47 @@ fn heavy_dependencies_have_one_door() {
     let dependencies = dependencies(&metadata());
     for (heavy, door) in doors {
         for (name, needs) in &dependencies {
-            assert!(name == door || !needs.contains(heavy), "{heavy} belongs in {door}, not in {name}");
+            assert!(
+                name == door || !needs.contains(heavy),
+                "{heavy} belongs in {door}, not in {name}"
+            );
         }
     }
 }
 
 #[test]
 fn licences_are_permissive() {
-    let deny = include_str!("../../../deny.toml").parse::<toml::Table>().unwrap();
-    let allowed: BTreeSet<&str> =
-        deny["licenses"]["allow"].as_array().unwrap().iter().map(|licence| licence.as_str().unwrap()).collect();
-    // An SPDX expression holds if every AND term holds; an OR (or the older `/`) term holds if one of its parts does.
+    let deny = include_str!("../../../deny.toml")
+        .parse::<toml::Table>()
+        .unwrap();
+    let allowed: BTreeSet<&str> = deny["licenses"]["allow"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|licence| licence.as_str().unwrap())
+        .collect();
+    // An SPDX expression holds if every AND term holds; an OR (or the older `/`) term holds if one
+    // of its parts does.
     let permits = |expression: &str| {
         expression.split(" AND ").all(|term| {
             let term = term.trim_matches(|c| c == '(' || c == ')');
-            term.replace('/', " OR ").split(" OR ").any(|licence| allowed.contains(licence.trim()))
+            term.replace('/', " OR ")
+                .split(" OR ")
+                .any(|licence| allowed.contains(licence.trim()))
         })
     };
-    assert!(!permits("GPL-3.0-only") && !permits("MIT AND GPL-3.0-only") && permits("GPL-3.0-only OR MIT"));
+    assert!(
+        !permits("GPL-3.0-only")
+            && !permits("MIT AND GPL-3.0-only")
+            && permits("GPL-3.0-only OR MIT")
+    );
     for package in metadata()["packages"].as_array().unwrap() {
         let licence = package["license"].as_str().unwrap_or("none stated");
-        assert!(permits(licence), "{} is under '{licence}', which deny.toml does not list", package["name"]);
+        assert!(
+            permits(licence),
+            "{} is under '{licence}', which deny.toml does not list",
+            package["name"]
+        );
     }
 }
 
@@ -136,7 +183,11 @@ struct Row {
 
 /// Names between backticks, each with those in the parentheses after it.
 fn modules_of(cell: &str) -> BTreeMap<String, BTreeSet<String>> {
-    let (mut modules, mut last, mut is_inner) = (BTreeMap::<String, BTreeSet<String>>::new(), String::new(), false);
+    let (mut modules, mut last, mut is_inner) = (
+        BTreeMap::<String, BTreeSet<String>>::new(),
+        String::new(),
+        false,
+    );
     for (place, part) in cell.split('`').enumerate() {
         if place % 2 == 0 {
             let bracket = part.rfind(['(', ')']);
@@ -154,15 +205,24 @@ fn modules_of(cell: &str) -> BTreeMap<String, BTreeSet<String>> {
 fn rows() -> Vec<Row> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let text = include_str!("../../../ARCHITECTURE.md");
-    let table = text.lines().skip_while(|line| !line.starts_with("| crate |")).skip(2);
+    let table = text
+        .lines()
+        .skip_while(|line| !line.starts_with("| crate |"))
+        .skip(2);
     table
         .take_while(|line| line.starts_with('|'))
         .map(|line| {
-            let [_, folder, _, modules, needs, _] = line.split('|').map(str::trim).collect::<Vec<_>>()[..] else {
+            let [_, folder, _, modules, needs, _] =
+                line.split('|').map(str::trim).collect::<Vec<_>>()[..]
+            else {
                 panic!("a row of ARCHITECTURE.md has other columns: {line}")
             };
             let (folder, needs) = (root.join(folder.trim_matches('`')), needs.to_owned());
-            Row { folder, modules: modules_of(modules), needs }
+            Row {
+                folder,
+                modules: modules_of(modules),
+                needs,
+            }
         })
         .collect()
 }
@@ -170,15 +230,27 @@ fn rows() -> Vec<Row> {
 /// Names of the `mod` lines of a library, less its errors.
 fn modules_in(library: &Path) -> BTreeSet<String> {
     let text = std::fs::read_to_string(library).unwrap();
-    let names = text.lines().filter_map(|line| line.trim_start_matches("pub ").strip_prefix("mod ")?.strip_suffix(';'));
-    names.filter(|name| *name != "error").map(str::to_owned).collect()
+    let names = text.lines().filter_map(|line| {
+        line.trim_start_matches("pub ")
+            .strip_prefix("mod ")?
+            .strip_suffix(';')
+    });
+    names
+        .filter(|name| *name != "error")
+        .map(str::to_owned)
+        .collect()
 }
 
 /// Names of the files with this ending in a folder, less those that Rust or Python ask for.
 fn files_in(folder: &Path, ending: &str) -> BTreeSet<String> {
-    let names = folder.read_dir().unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let names = folder
+        .read_dir()
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap());
     let stems = names.filter_map(|name| name.strip_suffix(ending).map(str::to_owned));
-    stems.filter(|stem| stem != "lib" && !stem.starts_with("__")).collect()
+    stems
+        .filter(|stem| stem != "lib" && !stem.starts_with("__"))
+        .collect()
 }
 
 #[test]
@@ -186,23 +258,41 @@ fn the_architecture_lists_the_modules_that_there_are() {
     assert_eq!(
         modules_of("`a` (of `b` `c`), `d` (E)"),
         BTreeMap::from([
-            ("a".to_owned(), BTreeSet::from(["b".to_owned(), "c".to_owned()])),
+            (
+                "a".to_owned(),
+                BTreeSet::from(["b".to_owned(), "c".to_owned()])
+            ),
             ("d".to_owned(), BTreeSet::new()),
         ])
     );
     let rows = rows();
     assert_eq!(rows.len(), 9, "a crate has no row, or a row no crate");
-    for Row { folder, modules, .. } in rows {
+    for Row {
+        folder, modules, ..
+    } in rows
+    {
         let name = folder.display();
         if folder.ends_with("python") {
-            assert_eq!(modules["rust"], files_in(&folder.join("rust"), ".rs"), "{name}");
-            assert_eq!(modules["protomer"], files_in(&folder.join("protomer"), ".py"), "{name}");
+            assert_eq!(
+                modules["rust"],
+                files_in(&folder.join("rust"), ".rs"),
+                "{name}"
+            );
+            assert_eq!(
+                modules["protomer"],
+                files_in(&folder.join("protomer"), ".py"),
+                "{name}"
+            );
             continue;
         }
         let listed: BTreeSet<String> = modules.keys().cloned().collect();
         assert_eq!(listed, modules_in(&folder.join("src/lib.rs")), "{name}");
         for (module, inner) in modules.iter().filter(|(_, inner)| !inner.is_empty()) {
-            assert_eq!(*inner, modules_in(&folder.join("src").join(module).join("mod.rs")), "{name}: {module}");
+            assert_eq!(
+                *inner,
+                modules_in(&folder.join("src").join(module).join("mod.rs")),
+                "{name}: {module}"
+            );
         }
     }
 }
@@ -215,12 +305,22 @@ fn the_architecture_lists_the_arrows_that_there_are() {
     let crates: BTreeSet<String> = dependencies.keys().map(|name| short(name)).collect();
     for Row { folder, needs, .. } in rows {
         let name = folder.file_name().unwrap().to_str().unwrap();
-        let (_, needed) = dependencies.iter().find(|(package, _)| short(package) == name).unwrap();
-        let ours: BTreeSet<String> =
-            needed.iter().map(|need| short(need)).filter(|need| crates.contains(need)).collect();
+        let (_, needed) = dependencies
+            .iter()
+            .find(|(package, _)| short(package) == name)
+            .unwrap();
+        let ours: BTreeSet<String> = needed
+            .iter()
+            .map(|need| short(need))
+            .filter(|need| crates.contains(need))
+            .collect();
         let listed = match needs.as_str() {
             "-" => BTreeSet::new(),
-            "all" => crates.iter().filter(|other| *other != name && *other != "python").cloned().collect(),
+            "all" => crates
+                .iter()
+                .filter(|other| *other != name && *other != "python")
+                .cloned()
+                .collect(),
             some => some.split(", ").map(str::to_owned).collect(),
         };
         assert_eq!(ours, listed, "{name}");

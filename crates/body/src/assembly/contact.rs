@@ -3,12 +3,18 @@
 /// How finely the way to the first change is searched.
 const STEPS: u32 = 128;
 
-/// The smallest value above which nothing overlaps, seen from outside: doubles `start` until values up to four times as
-/// large are free too, walks inward to the first overlap, and bisects to `tolerance`. The value returned is free. `None`
-/// if nothing is free up to 2⁴⁰ times the start.
-pub(super) fn from_outside(start: f64, tolerance: f64, overlaps: impl Fn(f64) -> bool) -> Option<f64> {
+/// The smallest value above which nothing overlaps, seen from outside: doubles `start` until values
+/// up to four times as large are free too, walks inward to the first overlap, and bisects to
+/// `tolerance`. The value returned is free. `None` if nothing is free up to 2⁴⁰ times the start.
+pub(super) fn from_outside(
+    start: f64,
+    tolerance: f64,
+    overlaps: impl Fn(f64) -> bool,
+) -> Option<f64> {
     let is_outside = |value: f64| (0..=12).all(|k| !overlaps(value * (1.0 + 0.25 * f64::from(k))));
-    let mut free = (0..=40).map(|doublings| start * f64::from(doublings).exp2()).find(|value| is_outside(*value))?;
+    let mut free = (0..=40)
+        .map(|doublings| start * f64::from(doublings).exp2())
+        .find(|value| is_outside(*value))?;
     let step = free / f64::from(STEPS);
     let mut inner = free;
     for _ in 0..STEPS {
@@ -22,13 +28,22 @@ pub(super) fn from_outside(start: f64, tolerance: f64, overlaps: impl Fn(f64) ->
 }
 
 /// The free end of an interval between an overlapping and a free value, shrunk to the tolerance.
-pub(super) fn bisect(mut overlapping: f64, mut free: f64, tolerance: f64, overlaps: impl Fn(f64) -> bool) -> f64 {
+pub(super) fn bisect(
+    mut overlapping: f64,
+    mut free: f64,
+    tolerance: f64,
+    overlaps: impl Fn(f64) -> bool,
+) -> f64 {
     while (free - overlapping).abs() > tolerance {
         let middle = 0.5 * (free + overlapping);
         if middle == free || middle == overlapping {
             break;
         }
-        *(if overlaps(middle) { &mut overlapping } else { &mut free }) = middle;
+        *(if overlaps(middle) {
+            &mut overlapping
+        } else {
+            &mut free
+        }) = middle;
     }
     free
 }

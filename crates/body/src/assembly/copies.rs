@@ -1,9 +1,9 @@
 //! Identical chains become one body and its poses.
 //!
-//! Two chains are identical if no residue number that both have bears different names, and the shared residues make up
-//! most of both; crystal copies differ in what is disordered. The copy with the most atoms is the reference: its atoms
-//! make the body, in a frame about their centroid, and each copy's pose is the superposition of the atoms common to
-//! both.
+//! Two chains are identical if no residue number that both have bears different names, and the
+//! shared residues make up most of both; crystal copies differ in what is disordered. The copy with
+//! the most atoms is the reference: its atoms make the body, in a frame about their centroid, and
+//! each copy's pose is the superposition of the atoms common to both.
 
 use super::superposition::superpose;
 use crate::structure::{SelectedResidue, Selection};
@@ -58,13 +58,19 @@ pub fn body_types(selection: &Selection) -> Result<Vec<BodyType>> {
     // Each family begins with its reference.
     let mut families: Vec<Vec<usize>> = Vec::new();
     for index in largest_first {
-        match families.iter_mut().find(|family| are_identical(&chains[family[0]], &chains[index])) {
+        match families
+            .iter_mut()
+            .find(|family| are_identical(&chains[family[0]], &chains[index]))
+        {
             Some(family) => family.push(index),
             None => families.push(vec![index]),
         }
     }
     families.sort_by_key(|family| family.iter().min().copied());
-    families.iter().map(|family| body_type(selection, &chains, family)).collect()
+    families
+        .iter()
+        .map(|family| body_type(selection, &chains, family))
+        .collect()
 }
 
 struct Chain<'a> {
@@ -75,7 +81,10 @@ struct Chain<'a> {
 
 impl Chain<'_> {
     fn atoms(&self) -> usize {
-        self.residues.iter().map(|residue| residue.atoms.len()).sum()
+        self.residues
+            .iter()
+            .map(|residue| residue.atoms.len())
+            .sum()
     }
 }
 
@@ -85,12 +94,19 @@ fn by_chain(selection: &Selection) -> Vec<Chain<'_>> {
     for residue in &selection.residues {
         let name = &*residue.key.chain;
         let index = *index_of.entry(name).or_insert_with(|| {
-            chains.push(Chain { name, residues: Vec::new(), by_number: HashMap::new() });
+            chains.push(Chain {
+                name,
+                residues: Vec::new(),
+                by_number: HashMap::new(),
+            });
             chains.len() - 1
         });
         let chain = &mut chains[index];
         let number = (residue.key.number, &*residue.key.insertion_code);
-        chain.by_number.entry(number).or_insert(chain.residues.len());
+        chain
+            .by_number
+            .entry(number)
+            .or_insert(chain.residues.len());
         chain.residues.push(residue);
     }
     chains
@@ -117,21 +133,35 @@ fn are_identical(a: &Chain, b: &Chain) -> bool {
 fn common_atoms(pairs: &[(&SelectedResidue, &SelectedResidue)]) -> Vec<(Vec3, Vec3)> {
     let mut common = Vec::new();
     for (a, b) in pairs {
-        let positions: HashMap<&str, Vec3> = b.atoms.iter().map(|atom| (&*atom.name, atom.position)).collect();
+        let positions: HashMap<&str, Vec3> = b
+            .atoms
+            .iter()
+            .map(|atom| (&*atom.name, atom.position))
+            .collect();
         let both = |(name, position): (&str, Vec3)| Some((position, *positions.get(name)?));
-        common.extend(a.atoms.iter().filter_map(|atom| both((&atom.name, atom.position))));
+        common.extend(
+            a.atoms
+                .iter()
+                .filter_map(|atom| both((&atom.name, atom.position))),
+        );
     }
     common
 }
 
 fn body_type(selection: &Selection, chains: &[Chain], family: &[usize]) -> Result<BodyType> {
     let reference = &chains[family[0]];
-    let positions: Vec<Vec3> =
-        reference.residues.iter().flat_map(|residue| &residue.atoms).map(|atom| atom.position).collect();
+    let positions: Vec<Vec3> = reference
+        .residues
+        .iter()
+        .flat_map(|residue| &residue.atoms)
+        .map(|atom| atom.position)
+        .collect();
     let origin = positions.iter().sum::<Vec3>() / positions.len().max(1) as f64;
     let mut in_order = family.to_vec();
     in_order.sort_unstable();
-    let copies = in_order.iter().map(|&index| chain_copy(reference, &chains[index], &origin));
+    let copies = in_order
+        .iter()
+        .map(|&index| chain_copy(reference, &chains[index], &origin));
     Ok(BodyType {
         reference: reference.name.to_string(),
         selection: selection.only_chain(reference.name),
@@ -141,7 +171,8 @@ fn body_type(selection: &Selection, chains: &[Chain], family: &[usize]) -> Resul
 
 fn chain_copy(reference: &Chain, copy: &Chain, origin: &Vec3) -> Result<ChainCopy> {
     let common = common_atoms(&shared(reference, copy));
-    let (body_points, copy_points): (Vec<Vec3>, Vec<Vec3>) = common.iter().map(|(a, b)| (a - origin, *b)).unzip();
+    let (body_points, copy_points): (Vec<Vec3>, Vec<Vec3>) =
+        common.iter().map(|(a, b)| (a - origin, *b)).unzip();
     let best = superpose(&body_points, &copy_points)?;
     Ok(ChainCopy {
         chain: copy.name.to_string(),
@@ -155,7 +186,8 @@ impl Selection {
     /// The residues of one chain, with the report of the whole.
     pub fn only_chain(&self, chain: &str) -> Selection {
         let of_chain = |residue: &&SelectedResidue| *residue.key.chain == *chain;
-        let residues: Vec<SelectedResidue> = self.residues.iter().filter(of_chain).cloned().collect();
+        let residues: Vec<SelectedResidue> =
+            self.residues.iter().filter(of_chain).cloned().collect();
         let mut report = self.report.clone();
         report.atoms = residues.iter().map(|residue| residue.atoms.len()).sum();
         Selection { residues, report }

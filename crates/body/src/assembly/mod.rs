@@ -1,4 +1,5 @@
-//! Where bodies stand: assemblies from structures, from recipes, and relaxed to freedom from overlap.
+//! Where bodies stand: assemblies from structures, from recipes, and relaxed to freedom from
+//! overlap.
 //!
 //! Nothing here knows meshes: whether placements overlap is asked of the caller's predicate.
 //!

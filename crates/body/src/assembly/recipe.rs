@@ -1,12 +1,14 @@
 //! Rings C_n and stacks D_n of given bodies, closed to contact.
 //!
-//! Position i of n in a ring stands at azimuth 2πi/n, at a radius, in the frame: z along the ring's axis, x outward.
-//! A body there is turned by R_z(azimuth) R_x(tilt) [R_x(π) if it points down] R_z(spin) F, where F turns the body's
-//! own frame so that its z axis is the one meant to stand along the ring's axis ([`upright_frame`]). The second ring of
-//! a stack stands above the first, its azimuths advanced by the stagger.
+//! Position i of n in a ring stands at azimuth 2πi/n, at a radius, in the frame: z along the ring's
+//! axis, x outward. A body there is turned by R_z(azimuth) R_x(tilt) [R_x(π) if it points down]
+//! R_z(spin) F, where F turns the body's own frame so that its z axis is the one meant to stand
+//! along the ring's axis ([`upright_frame`]). The second ring of a stack stands above the first,
+//! its azimuths advanced by the stagger.
 //!
-//! A half turn about an axis in the plane between two rings maps R_z(φ) R_x(t) to R_z(φ') R_x(t) R_x(π): equal tilts and
-//! opposite directions make a stack dihedral, which is what [`Recipe::dihedral`] does.
+//! A half turn about an axis in the plane between two rings maps R_z(φ) R_x(t) to R_z(φ') R_x(t)
+//! R_x(π): equal tilts and opposite directions make a stack dihedral, which is what
+//! [`Recipe::dihedral`] does.
 
 use super::Placement;
 use super::contact::from_outside;
@@ -31,12 +33,20 @@ pub struct RecipeSite {
 impl RecipeSite {
     /// A body that stands upright.
     pub fn upright(body: usize) -> Self {
-        Self { body, up: true, tilt_radian: 0.0, spin_radian: 0.0 }
+        Self {
+            body,
+            up: true,
+            tilt_radian: 0.0,
+            spin_radian: 0.0,
+        }
     }
 
     /// The same position turned over by a half turn in the plane of the ring.
     fn turned_over(self) -> Self {
-        Self { up: !self.up, ..self }
+        Self {
+            up: !self.up,
+            ..self
+        }
     }
 }
 
@@ -45,7 +55,8 @@ impl RecipeSite {
 pub struct Recipe {
     /// Rings from bottom to top, each with its positions in order of azimuth.
     pub rings: Vec<Vec<RecipeSite>>,
-    /// Azimuth of each ring relative to the one below, as a fraction of the angle between neighbours.
+    /// Azimuth of each ring relative to the one below, as a fraction of the angle between
+    /// neighbours.
     pub stagger: f64,
 }
 
@@ -65,22 +76,32 @@ pub struct ClosedAssembly {
 impl Recipe {
     /// One ring of `members`, the pattern repeated around it.
     pub fn ring(members: usize, pattern: &[RecipeSite]) -> Self {
-        Self { rings: vec![pattern.iter().cycle().take(members).copied().collect()], stagger: 0.0 }
+        Self {
+            rings: vec![pattern.iter().cycle().take(members).copied().collect()],
+            stagger: 0.0,
+        }
     }
 
-    /// A stack of two rings that half turns about axes between them map onto each other: position i of the upper ring
-    /// is position 1 - i of the lower, turned over, so that of two alternating bodies each stands above the other.
+    /// A stack of two rings that half turns about axes between them map onto each other: position i
+    /// of the upper ring is position 1 - i of the lower, turned over, so that of two alternating
+    /// bodies each stands above the other.
     pub fn dihedral(members: usize, pattern: &[RecipeSite]) -> Self {
         let lower: Vec<RecipeSite> = pattern.iter().cycle().take(members).copied().collect();
-        let upper = (0..lower.len()).map(|i| lower[(lower.len() + 1 - i) % lower.len()].turned_over()).collect();
-        Self { rings: vec![lower, upper], stagger: 0.0 }
+        let upper = (0..lower.len())
+            .map(|i| lower[(lower.len() + 1 - i) % lower.len()].turned_over())
+            .collect();
+        Self {
+            rings: vec![lower, upper],
+            stagger: 0.0,
+        }
     }
 
-    /// The placements at a radius and a distance between rings, Å, with `tilt_radian` added to every tilt. `frames` has
-    /// one rotation per body.
+    /// The placements at a radius and a distance between rings, Å, with `tilt_radian` added to
+    /// every tilt. `frames` has one rotation per body.
     ///
     /// # Errors
-    /// [`BodyError::Invalid`] for rings that are empty or differ in size, and for a body without a frame.
+    /// [`BodyError::Invalid`] for rings that are empty or differ in size, and for a body without a
+    /// frame.
     pub fn placements(
         &self,
         frames: &[Rotation],
@@ -104,8 +125,8 @@ impl Recipe {
         Ok(placements)
     }
 
-    /// Shrinks the radius until bodies of a ring touch, then the distance between rings until rings touch, to
-    /// `tolerance_angstrom`. The result is free of overlap.
+    /// Shrinks the radius until bodies of a ring touch, then the distance between rings until rings
+    /// touch, to `tolerance_angstrom`. The result is free of overlap.
     ///
     /// # Errors
     /// Those of [`Recipe::placements`], and if the bodies overlap at every distance.
@@ -117,8 +138,10 @@ impl Recipe {
         overlaps: impl Fn(&[Placement]) -> bool,
     ) -> Result<ClosedAssembly> {
         self.check(frames)?;
-        let at =
-            |radius: f64, distance: f64| self.placements(frames, radius, distance, tilt_radian).unwrap_or_default();
+        let at = |radius: f64, distance: f64| {
+            self.placements(frames, radius, distance, tilt_radian)
+                .unwrap_or_default()
+        };
         let ring_overlaps = |radius: f64| {
             self.rings
                 .iter()
@@ -137,7 +160,8 @@ impl Recipe {
         let radius = from_outside(1.0, tolerance_angstrom, ring_overlaps).ok_or_else(never_free)?;
         let distance = match self.rings.len() {
             1 => 0.0,
-            _ => from_outside(1.0, tolerance_angstrom, |d| overlaps(&at(radius, d))).ok_or_else(never_free)?,
+            _ => from_outside(1.0, tolerance_angstrom, |d| overlaps(&at(radius, d)))
+                .ok_or_else(never_free)?,
         };
         Ok(ClosedAssembly {
             placements: at(radius, distance),
@@ -147,8 +171,8 @@ impl Recipe {
         })
     }
 
-    /// Closes the recipe at each of the tilts and returns the most compact assembly: the smallest mean square distance
-    /// of the bodies from the centre.
+    /// Closes the recipe at each of the tilts and returns the most compact assembly: the smallest
+    /// mean square distance of the bodies from the centre.
     ///
     /// # Errors
     /// Those of [`Recipe::close`], and for an empty list of tilts.
@@ -159,16 +183,23 @@ impl Recipe {
         tolerance_angstrom: f64,
         overlaps: impl Fn(&[Placement]) -> bool,
     ) -> Result<ClosedAssembly> {
-        let extent =
-            |closed: &ClosedAssembly| closed.radius_angstrom.powi(2) + 0.25 * closed.ring_distance_angstrom.powi(2);
+        let extent = |closed: &ClosedAssembly| {
+            closed.radius_angstrom.powi(2) + 0.25 * closed.ring_distance_angstrom.powi(2)
+        };
         let mut best: Option<ClosedAssembly> = None;
         for &tilt in tilts_radian {
             let closed = self.close(frames, tilt, tolerance_angstrom, &overlaps)?;
-            if best.as_ref().is_none_or(|best| extent(&closed) < extent(best)) {
+            if best
+                .as_ref()
+                .is_none_or(|best| extent(&closed) < extent(best))
+            {
                 best = Some(closed);
             }
         }
-        best.ok_or_else(|| BodyError::Invalid { cause: "no tilt to try".into(), remedy: "give at least one".into() })
+        best.ok_or_else(|| BodyError::Invalid {
+            cause: "no tilt to try".into(),
+            remedy: "give at least one".into(),
+        })
     }
 
     fn check(&self, frames: &[Rotation]) -> Result<()> {
@@ -179,7 +210,12 @@ impl Recipe {
                 remedy: "give each ring the same number of positions".into(),
             });
         }
-        match self.rings.iter().flatten().find(|site| site.body >= frames.len()) {
+        match self
+            .rings
+            .iter()
+            .flatten()
+            .find(|site| site.body >= frames.len())
+        {
             None => Ok(()),
             Some(site) => Err(BodyError::Invalid {
                 cause: format!("the recipe names body {} of {}", site.body, frames.len()),
@@ -191,18 +227,26 @@ impl Recipe {
 
 fn orientation(site: &RecipeSite, azimuth: f64, tilt_radian: f64) -> Rotation {
     let about = |axis: Vec3, angle: f64| Rotation::new(axis * angle);
-    let turn_over = if site.up { Rotation::identity() } else { about(Vec3::x(), PI) };
+    let turn_over = if site.up {
+        Rotation::identity()
+    } else {
+        about(Vec3::x(), PI)
+    };
     about(Vec3::z(), azimuth)
         * about(Vec3::x(), site.tilt_radian + tilt_radian)
         * turn_over
         * about(Vec3::z(), site.spin_radian)
 }
 
-/// The rotation that turns the longest principal axis of a set of points onto z and the shortest onto x. Its sense along
-/// the axis is that in which the third moment is positive, so that it does not depend on the input's orientation.
+/// The rotation that turns the longest principal axis of a set of points onto z and the shortest
+/// onto x. Its sense along the axis is that in which the third moment is positive, so that it does
+/// not depend on the input's orientation.
 pub fn upright_frame(points: &[Vec3]) -> Rotation {
     let mean = points.iter().sum::<Vec3>() / points.len().max(1) as f64;
-    let covariance: nalgebra::Matrix3<f64> = points.iter().map(|p| (p - mean) * (p - mean).transpose()).sum();
+    let covariance: nalgebra::Matrix3<f64> = points
+        .iter()
+        .map(|p| (p - mean) * (p - mean).transpose())
+        .sum();
     if !covariance.iter().all(|x| x.is_finite()) {
         return Rotation::identity();
     }
@@ -212,7 +256,10 @@ pub fn upright_frame(points: &[Vec3]) -> Rotation {
         let third: f64 = points.iter().map(|p| (p - mean).dot(&axis).powi(3)).sum();
         if third < 0.0 { -axis } else { axis }
     };
-    let (z, x) = (oriented(eigen.eigenvalues.imax()), oriented(eigen.eigenvalues.imin()));
+    let (z, x) = (
+        oriented(eigen.eigenvalues.imax()),
+        oriented(eigen.eigenvalues.imin()),
+    );
     let y = z.cross(&x);
     if y.norm() < 0.5 {
         return Rotation::identity();
@@ -226,8 +273,13 @@ mod tests {
     use super::*;
 
     fn spheres_overlap(placements: &[Placement]) -> bool {
-        let pairs = placements.iter().enumerate().flat_map(|(i, a)| placements[..i].iter().map(move |b| (a, b)));
-        pairs.into_iter().any(|(a, b)| (a.1.position - b.1.position).norm() < 2.0)
+        let pairs = placements
+            .iter()
+            .enumerate()
+            .flat_map(|(i, a)| placements[..i].iter().map(move |b| (a, b)));
+        pairs
+            .into_iter()
+            .any(|(a, b)| (a.1.position - b.1.position).norm() < 2.0)
     }
 
     #[test]
@@ -236,25 +288,41 @@ mod tests {
             .close(&[Rotation::identity()], 0.0, 1e-9, spheres_overlap)
             .unwrap();
         assert!((closed.radius_angstrom - 1.0 / (PI / 8.0).sin()).abs() < 1e-8);
-        assert_eq!((closed.placements.len(), closed.ring_distance_angstrom), (8, 0.0));
+        assert_eq!(
+            (closed.placements.len(), closed.ring_distance_angstrom),
+            (8, 0.0)
+        );
     }
 
     #[test]
     fn a_stack_of_spheres_closes_at_two_radii() {
         let recipe = Recipe::dihedral(8, &[RecipeSite::upright(0), RecipeSite::upright(1)]);
-        let closed = recipe.close(&[Rotation::identity(); 2], 0.0, 1e-9, spheres_overlap).unwrap();
+        let closed = recipe
+            .close(&[Rotation::identity(); 2], 0.0, 1e-9, spheres_overlap)
+            .unwrap();
         assert!((closed.ring_distance_angstrom - 2.0).abs() < 1e-8);
         // Of alternating bodies each stands above the other.
         assert!((0..8).all(|i| closed.placements[i].0 != closed.placements[i + 8].0));
     }
 
-    /// The half turns between the rings map the stack onto itself, tilts, spins, directions and frames included.
+    /// The half turns between the rings map the stack onto itself, tilts, spins, directions and
+    /// frames included.
     #[test]
     fn a_dihedral_recipe_is_dihedral() {
-        let site = |body, up, tilt_radian, spin_radian| RecipeSite { body, up, tilt_radian, spin_radian };
-        let recipe =
-            Recipe { stagger: 0.3, ..Recipe::dihedral(6, &[site(0, true, 0.4, 0.2), site(1, false, -0.7, 1.0)]) };
-        let frames = [Rotation::new(Vec3::new(0.3, 0.2, -0.5)), Rotation::new(Vec3::new(-1.3, 0.2, 0.5))];
+        let site = |body, up, tilt_radian, spin_radian| RecipeSite {
+            body,
+            up,
+            tilt_radian,
+            spin_radian,
+        };
+        let recipe = Recipe {
+            stagger: 0.3,
+            ..Recipe::dihedral(6, &[site(0, true, 0.4, 0.2), site(1, false, -0.7, 1.0)])
+        };
+        let frames = [
+            Rotation::new(Vec3::new(0.3, 0.2, -0.5)),
+            Rotation::new(Vec3::new(-1.3, 0.2, 0.5)),
+        ];
         let placements = recipe.placements(&frames, 10.0, 7.0, 0.1).unwrap();
         // The axis lies half-way between position 0 below and position 1 above.
         let alpha = 0.5 * TAU * 1.3 / 6.0;
@@ -262,7 +330,10 @@ mod tests {
         let turn = Rotation::new(Vec3::z() * (2.0 * TAU / 6.0));
         for operation in [half_turn, turn] {
             for (body, pose) in &placements {
-                let image = pose.then(&Pose { position: Vec3::zeros(), rotation: operation });
+                let image = pose.then(&Pose {
+                    position: Vec3::zeros(),
+                    rotation: operation,
+                });
                 let matches = placements.iter().filter(|(other, candidate)| {
                     other == body
                         && (candidate.position - image.position).norm() < 1e-9
@@ -278,19 +349,36 @@ mod tests {
         let rods_overlap = |placements: &[Placement]| {
             let points: Vec<Vec<Vec3>> = placements
                 .iter()
-                .map(|(_, pose)| (-4..=4).map(|k| pose.transform_point(&Vec3::new(0.0, 0.0, f64::from(k)))).collect())
+                .map(|(_, pose)| {
+                    (-4..=4)
+                        .map(|k| pose.transform_point(&Vec3::new(0.0, 0.0, f64::from(k))))
+                        .collect()
+                })
                 .collect();
-            (0..points.len())
-                .any(|i| (0..i).any(|j| points[i].iter().any(|a| points[j].iter().any(|b| (a - b).norm() < 2.0))))
+            (0..points.len()).any(|i| {
+                (0..i).any(|j| {
+                    points[i]
+                        .iter()
+                        .any(|a| points[j].iter().any(|b| (a - b).norm() < 2.0))
+                })
+            })
         };
         let recipe = Recipe::ring(5, &[RecipeSite::upright(0)]);
-        let best = recipe.close_with_best_tilt(&[Rotation::identity()], &[0.0, PI / 2.0], 1e-6, rods_overlap).unwrap();
+        let best = recipe
+            .close_with_best_tilt(
+                &[Rotation::identity()],
+                &[0.0, PI / 2.0],
+                1e-6,
+                rods_overlap,
+            )
+            .unwrap();
         assert_eq!(best.tilt_radian, 0.0);
     }
 
     #[test]
     fn a_long_body_stands_up() {
-        let points = [0.0, 1.0, 2.0, 5.0].map(|t| Vec3::new(3.0 * t, 4.0 * t, (t * 7.0).sin() * 0.1));
+        let points =
+            [0.0, 1.0, 2.0, 5.0].map(|t| Vec3::new(3.0 * t, 4.0 * t, (t * 7.0).sin() * 0.1));
         let frame = upright_frame(&points);
         assert!(((frame * Vec3::new(0.6, 0.8, 0.0)).z - 1.0).abs() < 1e-2);
     }
@@ -298,9 +386,22 @@ mod tests {
     #[test]
     fn recipes_that_make_no_sense_are_refused() {
         let site = RecipeSite::upright(3);
-        assert!(Recipe::ring(4, &[site]).close(&[Rotation::identity()], 0.0, 1e-6, spheres_overlap).is_err());
-        assert!(Recipe::ring(0, &[site]).close(&[Rotation::identity()], 0.0, 1e-6, spheres_overlap).is_err());
-        let endless = Recipe::ring(2, &[RecipeSite::upright(0)]).close(&[Rotation::identity()], 0.0, 1e-6, |_| true);
+        assert!(
+            Recipe::ring(4, &[site])
+                .close(&[Rotation::identity()], 0.0, 1e-6, spheres_overlap)
+                .is_err()
+        );
+        assert!(
+            Recipe::ring(0, &[site])
+                .close(&[Rotation::identity()], 0.0, 1e-6, spheres_overlap)
+                .is_err()
+        );
+        let endless = Recipe::ring(2, &[RecipeSite::upright(0)]).close(
+            &[Rotation::identity()],
+            0.0,
+            1e-6,
+            |_| true,
+        );
         assert!(endless.is_err());
     }
 }

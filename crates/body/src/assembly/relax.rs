@@ -8,7 +8,8 @@ use protomer_kernel::{Pose, Vec3};
 /// An assembly after expansion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Expansion {
-    /// Factor by which every position moved away from the common centre; one where nothing overlapped.
+    /// Factor by which every position moved away from the common centre; one where nothing
+    /// overlapped.
     pub factor: f64,
     /// The largest displacement of a body, Å.
     pub largest_displacement_angstrom: f64,
@@ -16,9 +17,9 @@ pub struct Expansion {
     pub placements: Vec<Placement>,
 }
 
-/// Scales the positions about their mean by the smallest factor found at which nothing overlaps. Orientations stay. The
-/// factor grows from one in steps of a quarter of the expansion until nothing overlaps, and is then bisected, so a free
-/// gap narrower than that may be passed over.
+/// Scales the positions about their mean by the smallest factor found at which nothing overlaps.
+/// Orientations stay. The factor grows from one in steps of a quarter of the expansion until
+/// nothing overlaps, and is then bisected, so a free gap narrower than that may be passed over.
 ///
 /// ```
 /// use protomer_body::assembly::expand_until_free;
@@ -31,16 +32,24 @@ pub struct Expansion {
 /// ```
 ///
 /// # Errors
-/// [`BodyError::Invalid`] if no expansion up to a hundredfold helps, as for two bodies in one place.
+/// [`BodyError::Invalid`] if no expansion up to a hundredfold helps, as for two bodies in one
+/// place.
 pub fn expand_until_free(
     placements: &[Placement],
     tolerance: f64,
     overlaps: impl Fn(&[Placement]) -> bool,
 ) -> Result<Expansion> {
     let overlaps_at = |factor: f64| overlaps(&expanded(placements, factor));
-    let factor = if overlaps_at(1.0) { smallest_free(tolerance, overlaps_at)? } else { 1.0 };
+    let factor = if overlaps_at(1.0) {
+        smallest_free(tolerance, overlaps_at)?
+    } else {
+        1.0
+    };
     let centre = centre(placements);
-    let largest = placements.iter().map(|(_, pose)| (pose.position - centre).norm()).fold(0.0, f64::max);
+    let largest = placements
+        .iter()
+        .map(|(_, pose)| (pose.position - centre).norm())
+        .fold(0.0, f64::max);
     Ok(Expansion {
         factor,
         largest_displacement_angstrom: (factor - 1.0) * largest,
@@ -66,13 +75,23 @@ fn smallest_free(tolerance: f64, overlaps_at: impl Fn(f64) -> bool) -> Result<f6
 }
 
 fn centre(placements: &[Placement]) -> Vec3 {
-    placements.iter().map(|(_, pose)| pose.position).sum::<Vec3>() / placements.len().max(1) as f64
+    placements
+        .iter()
+        .map(|(_, pose)| pose.position)
+        .sum::<Vec3>()
+        / placements.len().max(1) as f64
 }
 
 fn expanded(placements: &[Placement], factor: f64) -> Vec<Placement> {
     let centre = centre(placements);
-    let moved = |pose: &Pose| Pose { position: centre + (pose.position - centre) * factor, rotation: pose.rotation };
-    placements.iter().map(|(body, pose)| (*body, moved(pose))).collect()
+    let moved = |pose: &Pose| Pose {
+        position: centre + (pose.position - centre) * factor,
+        rotation: pose.rotation,
+    };
+    placements
+        .iter()
+        .map(|(body, pose)| (*body, moved(pose)))
+        .collect()
 }
 
 #[cfg(test)]
@@ -81,9 +100,20 @@ mod tests {
 
     #[test]
     fn what_is_free_stays_and_what_cannot_be_freed_is_an_error() {
-        let at = |x| (0, Pose { position: Vec3::new(x, 0.0, 0.0), ..Pose::identity() });
+        let at = |x| {
+            (
+                0,
+                Pose {
+                    position: Vec3::new(x, 0.0, 0.0),
+                    ..Pose::identity()
+                },
+            )
+        };
         let free = expand_until_free(&[at(0.0), at(3.0)], 1e-9, |_| false).unwrap();
-        assert_eq!((free.factor, free.placements), (1.0, vec![at(0.0), at(3.0)]));
+        assert_eq!(
+            (free.factor, free.placements),
+            (1.0, vec![at(0.0), at(3.0)])
+        );
         assert!(expand_until_free(&[at(1.0), at(1.0)], 1e-9, |_| true).is_err());
     }
 }

@@ -13,9 +13,10 @@ pub struct Superposition {
     pub rmsd_angstrom: f64,
 }
 
-/// Minimises Σ |R mᵢ + t - fᵢ|² over proper rotations R and translations t (Kabsch, Acta Cryst. A32, 922 (1976) and A34,
-/// 827 (1978)): with both sets centred and Σ mᵢ fᵢᵀ = U S Vᵀ, R = V diag(1, 1, det(V Uᵀ)) Uᵀ, the sign on the smallest
-/// singular value. Points on a line leave the rotation about it open; one of the best is returned.
+/// Minimises Σ |R mᵢ + t - fᵢ|² over proper rotations R and translations t (Kabsch, Acta Cryst.
+/// A32, 922 (1976) and A34, 827 (1978)): with both sets centred and Σ mᵢ fᵢᵀ = U S Vᵀ, R = V
+/// diag(1, 1, det(V Uᵀ)) Uᵀ, the sign on the smallest singular value. Points on a line leave the
+/// rotation about it open; one of the best is returned.
 ///
 /// ```
 /// use protomer_body::assembly::superpose;
@@ -29,10 +30,15 @@ pub struct Superposition {
 /// ```
 ///
 /// # Errors
-/// [`BodyError::Invalid`] for sets of different size, empty sets and coordinates that are not finite.
+/// [`BodyError::Invalid`] for sets of different size, empty sets and coordinates that are not
+/// finite.
 pub fn superpose(moving: &[Vec3], fixed: &[Vec3]) -> Result<Superposition> {
     let unmatched = || BodyError::Invalid {
-        cause: format!("{} points cannot be superposed on {}", moving.len(), fixed.len()),
+        cause: format!(
+            "{} points cannot be superposed on {}",
+            moving.len(),
+            fixed.len()
+        ),
         remedy: "match finite positions one to one".into(),
     };
     let is_finite = |points: &[Vec3]| points.iter().flatten().all(|x| x.is_finite());
@@ -40,19 +46,35 @@ pub fn superpose(moving: &[Vec3], fixed: &[Vec3]) -> Result<Superposition> {
         return Err(unmatched());
     }
     let (from, to) = (mean(moving), mean(fixed));
-    let covariance: Matrix3<f64> = moving.iter().zip(fixed).map(|(m, f)| (m - from) * (f - to).transpose()).sum();
+    let covariance: Matrix3<f64> = moving
+        .iter()
+        .zip(fixed)
+        .map(|(m, f)| (m - from) * (f - to).transpose())
+        .sum();
     if !covariance.iter().all(|x| x.is_finite()) {
         return Err(unmatched());
     }
     let rotation = best_rotation(&covariance);
-    let pose = Pose { position: to - rotation * from, rotation };
-    let squares: f64 = moving.iter().zip(fixed).map(|(m, f)| (pose.transform_point(m) - f).norm_squared()).sum();
-    Ok(Superposition { pose, rmsd_angstrom: (squares / moving.len() as f64).sqrt() })
+    let pose = Pose {
+        position: to - rotation * from,
+        rotation,
+    };
+    let squares: f64 = moving
+        .iter()
+        .zip(fixed)
+        .map(|(m, f)| (pose.transform_point(m) - f).norm_squared())
+        .sum();
+    Ok(Superposition {
+        pose,
+        rmsd_angstrom: (squares / moving.len() as f64).sqrt(),
+    })
 }
 
 fn best_rotation(covariance: &Matrix3<f64>) -> Rotation {
     let svd = covariance.svd(true, true);
-    let (Some(u), Some(v_transposed)) = (svd.u, svd.v_t) else { return Rotation::identity() };
+    let (Some(u), Some(v_transposed)) = (svd.u, svd.v_t) else {
+        return Rotation::identity();
+    };
     let mut v = v_transposed.transpose();
     if (v * u.transpose()).determinant() < 0.0 {
         let smallest = svd.singular_values.imin();
@@ -76,8 +98,9 @@ mod tests {
     }
 
     fn quaternion() -> impl Strategy<Value = [f64; 4]> {
-        [-1.0..1.0, -1.0..1.0, -1.0..1.0, -1.0..1.0_f64]
-            .prop_filter("not zero", |q: &[f64; 4]| q.iter().map(|x| x * x).sum::<f64>() > 0.01)
+        [-1.0..1.0, -1.0..1.0, -1.0..1.0, -1.0..1.0_f64].prop_filter("not zero", |q: &[f64; 4]| {
+            q.iter().map(|x| x * x).sum::<f64>() > 0.01
+        })
     }
 
     proptest! {
@@ -88,7 +111,8 @@ mod tests {
             prop_assert!(superpose(&points, &moved).unwrap().rmsd_angstrom < 1e-9);
         }
 
-        /// The twin: no small rotation about the optimum does better, and a mirror image never becomes the original.
+        /// The twin: no small rotation about the optimum does better, and a mirror image never
+        /// becomes the original.
         #[test]
         fn nothing_near_is_better(points in prop::collection::vec(vector(), 4..30), noise in prop::collection::vec(vector(), 30), axis in vector()) {
             let mirrored: Vec<Vec3> = points.iter().zip(&noise).map(|(p, n)| Vec3::new(-p.x, p.y, p.z) + n * 0.01).collect();

@@ -34,24 +34,92 @@ type Entry = (AminoAcid, &'static str, char, f64, &'static [&'static str]);
 /// Hydropathy: Kyte and Doolittle, J. Mol. Biol. 157, 105 (1982), table 2.
 const TABLE: [Entry; 20] = [
     (AminoAcid::Ala, "ALA", 'A', 1.8, &["CB"]),
-    (AminoAcid::Arg, "ARG", 'R', -4.5, &["CB", "CG", "CD", "NE", "CZ", "NH1", "NH2"]),
-    (AminoAcid::Asn, "ASN", 'N', -3.5, &["CB", "CG", "OD1", "ND2"]),
-    (AminoAcid::Asp, "ASP", 'D', -3.5, &["CB", "CG", "OD1", "OD2"]),
+    (
+        AminoAcid::Arg,
+        "ARG",
+        'R',
+        -4.5,
+        &["CB", "CG", "CD", "NE", "CZ", "NH1", "NH2"],
+    ),
+    (
+        AminoAcid::Asn,
+        "ASN",
+        'N',
+        -3.5,
+        &["CB", "CG", "OD1", "ND2"],
+    ),
+    (
+        AminoAcid::Asp,
+        "ASP",
+        'D',
+        -3.5,
+        &["CB", "CG", "OD1", "OD2"],
+    ),
     (AminoAcid::Cys, "CYS", 'C', 2.5, &["CB", "SG"]),
-    (AminoAcid::Gln, "GLN", 'Q', -3.5, &["CB", "CG", "CD", "OE1", "NE2"]),
-    (AminoAcid::Glu, "GLU", 'E', -3.5, &["CB", "CG", "CD", "OE1", "OE2"]),
+    (
+        AminoAcid::Gln,
+        "GLN",
+        'Q',
+        -3.5,
+        &["CB", "CG", "CD", "OE1", "NE2"],
+    ),
+    (
+        AminoAcid::Glu,
+        "GLU",
+        'E',
+        -3.5,
+        &["CB", "CG", "CD", "OE1", "OE2"],
+    ),
     (AminoAcid::Gly, "GLY", 'G', -0.4, &[]),
-    (AminoAcid::His, "HIS", 'H', -3.2, &["CB", "CG", "ND1", "CD2", "CE1", "NE2"]),
-    (AminoAcid::Ile, "ILE", 'I', 4.5, &["CB", "CG1", "CG2", "CD1"]),
+    (
+        AminoAcid::His,
+        "HIS",
+        'H',
+        -3.2,
+        &["CB", "CG", "ND1", "CD2", "CE1", "NE2"],
+    ),
+    (
+        AminoAcid::Ile,
+        "ILE",
+        'I',
+        4.5,
+        &["CB", "CG1", "CG2", "CD1"],
+    ),
     (AminoAcid::Leu, "LEU", 'L', 3.8, &["CB", "CG", "CD1", "CD2"]),
-    (AminoAcid::Lys, "LYS", 'K', -3.9, &["CB", "CG", "CD", "CE", "NZ"]),
+    (
+        AminoAcid::Lys,
+        "LYS",
+        'K',
+        -3.9,
+        &["CB", "CG", "CD", "CE", "NZ"],
+    ),
     (AminoAcid::Met, "MET", 'M', 1.9, &["CB", "CG", "SD", "CE"]),
-    (AminoAcid::Phe, "PHE", 'F', 2.8, &["CB", "CG", "CD1", "CD2", "CE1", "CE2", "CZ"]),
+    (
+        AminoAcid::Phe,
+        "PHE",
+        'F',
+        2.8,
+        &["CB", "CG", "CD1", "CD2", "CE1", "CE2", "CZ"],
+    ),
     (AminoAcid::Pro, "PRO", 'P', -1.6, &["CB", "CG", "CD"]),
     (AminoAcid::Ser, "SER", 'S', -0.8, &["CB", "OG"]),
     (AminoAcid::Thr, "THR", 'T', -0.7, &["CB", "OG1", "CG2"]),
-    (AminoAcid::Trp, "TRP", 'W', -0.9, &["CB", "CG", "CD1", "CD2", "NE1", "CE2", "CE3", "CZ2", "CZ3", "CH2"]),
-    (AminoAcid::Tyr, "TYR", 'Y', -1.3, &["CB", "CG", "CD1", "CD2", "CE1", "CE2", "CZ", "OH"]),
+    (
+        AminoAcid::Trp,
+        "TRP",
+        'W',
+        -0.9,
+        &[
+            "CB", "CG", "CD1", "CD2", "NE1", "CE2", "CE3", "CZ2", "CZ3", "CH2",
+        ],
+    ),
+    (
+        AminoAcid::Tyr,
+        "TYR",
+        'Y',
+        -1.3,
+        &["CB", "CG", "CD1", "CD2", "CE1", "CE2", "CZ", "OH"],
+    ),
     (AminoAcid::Val, "VAL", 'V', 4.2, &["CB", "CG1", "CG2"]),
 ];
 
@@ -78,11 +146,14 @@ impl AminoAcid {
     pub fn of_name(name: &str) -> Option<Self> {
         let mut letters = name.chars();
         let single = letters.next().filter(|_| name.len() == 1);
-        TABLE.iter().find(|entry| entry.1 == name || Some(entry.2) == single).map(|entry| entry.0)
+        TABLE
+            .iter()
+            .find(|entry| entry.1 == name || Some(entry.2) == single)
+            .map(|entry| entry.0)
     }
 
-    /// The amino acid that a residue of a file is, by its three-letter name in upper case. One letter is no name of an
-    /// amino acid there: A, C and G are nucleotides.
+    /// The amino acid that a residue of a file is, by its three-letter name in upper case. One
+    /// letter is no name of an amino acid there: A, C and G are nucleotides.
     ///
     /// ```
     /// use protomer_body::chemistry::AminoAcid;
@@ -90,7 +161,10 @@ impl AminoAcid {
     /// assert_eq!(AminoAcid::of_residue("G"), None);
     /// ```
     pub fn of_residue(name: &str) -> Option<Self> {
-        TABLE.iter().find(|entry| entry.1 == name).map(|entry| entry.0)
+        TABLE
+            .iter()
+            .find(|entry| entry.1 == name)
+            .map(|entry| entry.0)
     }
 
     /// Three-letter name, upper case.
@@ -122,7 +196,10 @@ mod tests {
     fn the_table_is_in_the_order_of_the_variants() {
         for (index, entry) in TABLE.iter().enumerate() {
             assert_eq!(entry.0 as usize, index);
-            assert_eq!(AminoAcid::of_name(entry.1), AminoAcid::of_name(&entry.2.to_string()));
+            assert_eq!(
+                AminoAcid::of_name(entry.1),
+                AminoAcid::of_name(&entry.2.to_string())
+            );
         }
     }
 

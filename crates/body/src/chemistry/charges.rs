@@ -1,10 +1,12 @@
 //! One residue's charge on its atoms.
 //!
-//! The residue's charge is the sum of the mean charges of its titratable groups at the pH ([`residue_charge_e`]). The
-//! models differ in where it sits ([`atom_charges_e`]); in each of them the atoms' charges add up to it exactly:
+//! The residue's charge is the sum of the mean charges of its titratable groups at the pH
+//! ([`residue_charge_e`]). The models differ in where it sits ([`atom_charges_e`]); in each of them
+//! the atoms' charges add up to it exactly:
 //!
-//! * force field: template charges, hydrogens folded on their heavy atom, interpolated between the protonated and the
-//!   deprotonated form; what missing or unknown atoms leave over is spread evenly over the heavy atoms present;
+//! * force field: template charges, hydrogens folded on their heavy atom, interpolated between the
+//!   protonated and the deprotonated form; what missing or unknown atoms leave over is spread
+//!   evenly over the heavy atoms present;
 //! * formal: the groups' charges on the atoms of the groups, nothing else.
 //!
 //! Hydrogens that are kept carry no charge of their own: their heavy atom carries it.
@@ -32,22 +34,36 @@ pub enum ChargeModel {
 /// The titratable groups of the side chain.
 pub fn side_groups(residue: &SelectedResidue) -> &'static [Group] {
     match residue.class {
-        ResidueClass::Modified(modified) if modified.groups.is_some() => modified.groups.unwrap_or(&[]),
+        ResidueClass::Modified(modified) if modified.groups.is_some() => {
+            modified.groups.unwrap_or(&[])
+        }
         _ if residue.in_disulfide => &[],
         class => class.amino_acid().map_or(&[], side_chain_groups),
     }
 }
 
-/// Net charge of a residue at a pH, e: side chain, ends of the chain, and the formal charge of ions, ligands and
-/// phosphates.
+/// Net charge of a residue at a pH, e: side chain, ends of the chain, and the formal charge of
+/// ions, ligands and phosphates.
 pub fn residue_charge_e(residue: &SelectedResidue, ph: f64) -> f64 {
-    let side: f64 = side_groups(residue).iter().map(|group| group.charge_e(ph)).sum();
-    let n_terminus = if residue.n_terminus { N_TERMINUS.charge_e(ph) } else { 0.0 };
-    let c_terminus = if residue.c_terminus { C_TERMINUS.charge_e(ph) } else { 0.0 };
+    let side: f64 = side_groups(residue)
+        .iter()
+        .map(|group| group.charge_e(ph))
+        .sum();
+    let n_terminus = if residue.n_terminus {
+        N_TERMINUS.charge_e(ph)
+    } else {
+        0.0
+    };
+    let c_terminus = if residue.c_terminus {
+        C_TERMINUS.charge_e(ph)
+    } else {
+        0.0
+    };
     side + n_terminus + c_terminus + fixed_charge_e(residue)
 }
 
-/// Charges that no pH changes: one per phosphate of a nucleic acid, ions by their name, ligands as the file states.
+/// Charges that no pH changes: one per phosphate of a nucleic acid, ions by their name, ligands as
+/// the file states.
 fn fixed_charge_e(residue: &SelectedResidue) -> f64 {
     match residue.class {
         ResidueClass::Nucleotide if residue.atom("P").is_some() => -1.0,
@@ -61,7 +77,10 @@ fn fixed_charge_e(residue: &SelectedResidue) -> f64 {
 
 /// The charges of the residue's atoms, e, in their order.
 pub fn atom_charges_e(residue: &SelectedResidue, ph: f64, model: ChargeModel) -> Vec<f64> {
-    let mut charges = Charges { residue, values: vec![0.0; residue.atoms.len()] };
+    let mut charges = Charges {
+        residue,
+        values: vec![0.0; residue.atoms.len()],
+    };
     match model {
         ChargeModel::None => return charges.values,
         ChargeModel::Formal => charges.formal(ph),
@@ -115,8 +134,14 @@ impl Charges<'_> {
     /// The residue's template at the pH.
     fn template(&mut self, amino_acid: AminoAcid, ph: f64) {
         let forms = forms(amino_acid, self.residue.in_disulfide);
-        let groups = if self.residue.in_disulfide { &[] } else { side_chain_groups(amino_acid) };
-        let Some(group) = groups.first() else { return self.add(forms.protonated, 1.0) };
+        let groups = if self.residue.in_disulfide {
+            &[]
+        } else {
+            side_chain_groups(amino_acid)
+        };
+        let Some(group) = groups.first() else {
+            return self.add(forms.protonated, 1.0);
+        };
         let protonated = protonated_fraction(group.pka, ph);
         if forms.deprotonated.is_empty() {
             self.add(forms.protonated, 1.0);
@@ -130,12 +155,21 @@ impl Charges<'_> {
     /// The form of the parent without charge, for residues whose groups are their own.
     fn neutral_template(&mut self, parent: AminoAcid) {
         let forms = forms(parent, false);
-        let is_base = side_chain_groups(parent).first().is_some_and(|group| group.protonated_charge_e > 0.5);
-        self.add(if is_base && !forms.deprotonated.is_empty() { forms.deprotonated } else { forms.protonated }, 1.0);
+        let is_base = side_chain_groups(parent)
+            .first()
+            .is_some_and(|group| group.protonated_charge_e > 0.5);
+        self.add(
+            if is_base && !forms.deprotonated.is_empty() {
+                forms.deprotonated
+            } else {
+                forms.protonated
+            },
+            1.0,
+        );
     }
 
-    /// A residue that stands on another's atoms: the new residue's template on the backbone, and its side chain's net
-    /// charge on the outermost atoms there are.
+    /// A residue that stands on another's atoms: the new residue's template on the backbone, and
+    /// its side chain's net charge on the outermost atoms there are.
     fn mutated(&mut self, amino_acid: AminoAcid, ph: f64) {
         self.template(amino_acid, ph);
         for (atom, value) in self.residue.atoms.iter().zip(&mut self.values) {
@@ -143,7 +177,10 @@ impl Charges<'_> {
                 *value = 0.0;
             }
         }
-        let net: f64 = side_groups(self.residue).iter().map(|group| group.charge_e(ph)).sum();
+        let net: f64 = side_groups(self.residue)
+            .iter()
+            .map(|group| group.charge_e(ph))
+            .sum();
         let backbone: f64 = self.values.iter().sum();
         self.place_outermost(net - backbone);
     }
@@ -151,11 +188,15 @@ impl Charges<'_> {
     fn termini(&mut self, ph: f64) {
         if self.residue.n_terminus {
             let charge = N_TERMINUS.charge_e(ph);
-            templates::N_TERMINUS.iter().for_each(|(atom, share)| self.add_to(atom, charge * share));
+            templates::N_TERMINUS
+                .iter()
+                .for_each(|(atom, share)| self.add_to(atom, charge * share));
         }
         if self.residue.c_terminus {
             let charge = -C_TERMINUS.charge_e(ph);
-            templates::C_TERMINUS.iter().for_each(|(atom, share)| self.add_to(atom, charge * share));
+            templates::C_TERMINUS
+                .iter()
+                .for_each(|(atom, share)| self.add_to(atom, charge * share));
         }
     }
 
@@ -182,12 +223,18 @@ impl Charges<'_> {
     }
 
     fn add_to(&mut self, name: &str, charge: f64) {
-        if let Some(index) = self.residue.atoms.iter().position(|atom| &*atom.name == name) {
+        if let Some(index) = self
+            .residue
+            .atoms
+            .iter()
+            .position(|atom| &*atom.name == name)
+        {
             self.values[index] += charge;
         }
     }
 
-    /// Puts a group's charge on its atoms; in a mutated residue, which lacks them, on the outermost atoms.
+    /// Puts a group's charge on its atoms; in a mutated residue, which lacks them, on the outermost
+    /// atoms.
     fn place_group(&mut self, group: &Group, charge: f64) {
         if self.residue.mutated_from.is_some() {
             self.place_outermost(charge);
@@ -196,11 +243,16 @@ impl Charges<'_> {
         }
     }
 
-    /// Shares a charge equally between those of the named atoms that are present, or puts it on the outermost atoms.
+    /// Shares a charge equally between those of the named atoms that are present, or puts it on the
+    /// outermost atoms.
     fn place(&mut self, names: &[&str], charge: f64) {
         let is_named = |index: &usize| names.contains(&&*self.residue.atoms[*index].name);
         let present: Vec<usize> = (0..self.values.len()).filter(is_named).collect();
-        if present.is_empty() { self.place_outermost(charge) } else { self.share(&present, charge) }
+        if present.is_empty() {
+            self.place_outermost(charge)
+        } else {
+            self.share(&present, charge)
+        }
     }
 
     fn place_outermost(&mut self, charge: f64) {
@@ -217,19 +269,28 @@ impl Charges<'_> {
     fn spread_remainder(&mut self, charge: f64) {
         let is_heavy = |index: &usize| !self.residue.atoms[*index].is_hydrogen();
         let heavy: Vec<usize> = (0..self.values.len()).filter(is_heavy).collect();
-        let atoms = if heavy.is_empty() { (0..self.values.len()).collect() } else { heavy };
+        let atoms = if heavy.is_empty() {
+            (0..self.values.len()).collect()
+        } else {
+            heavy
+        };
         let remainder = charge - self.values.iter().sum::<f64>();
         self.share(&atoms, remainder);
     }
 }
 
-/// The heavy atoms of the side chain farthest from the backbone by the letter of their names (B, G, D, E, Z, H); CA, or
-/// any heavy atom, where there is no side chain.
+/// The heavy atoms of the side chain farthest from the backbone by the letter of their names (B, G,
+/// D, E, Z, H); CA, or any heavy atom, where there is no side chain.
 fn outermost(residue: &SelectedResidue) -> Vec<usize> {
     let remoteness = |index: usize| {
         let atom = &residue.atoms[index];
-        let is_side = !BACKBONE.contains(&&*atom.name) && &*atom.name != "OXT" && !atom.is_hydrogen();
-        let letter = atom.name.chars().nth(1).and_then(|letter| "BGDEZH".find(letter));
+        let is_side =
+            !BACKBONE.contains(&&*atom.name) && &*atom.name != "OXT" && !atom.is_hydrogen();
+        let letter = atom
+            .name
+            .chars()
+            .nth(1)
+            .and_then(|letter| "BGDEZH".find(letter));
         match letter {
             Some(rank) if is_side => 2 + rank,
             _ if &*atom.name == "CA" => 1,
@@ -237,7 +298,9 @@ fn outermost(residue: &SelectedResidue) -> Vec<usize> {
         }
     };
     let farthest = (0..residue.atoms.len()).map(remoteness).max().unwrap_or(0);
-    (0..residue.atoms.len()).filter(|index| remoteness(*index) == farthest).collect()
+    (0..residue.atoms.len())
+        .filter(|index| remoteness(*index) == farthest)
+        .collect()
 }
 
 #[cfg(test)]
@@ -248,11 +311,19 @@ mod tests {
     /// A residue with all its heavy atoms, in the middle of a chain.
     fn whole(amino_acid: AminoAcid) -> SelectedResidue {
         let names = BACKBONE.iter().chain(amino_acid.side_chain());
-        let line =
-            |name: &&str| format!("ATOM      1  {name:<3} {} A   1       0.000   0.000   0.000\n", amino_acid.name());
+        let line = |name: &&str| {
+            format!(
+                "ATOM      1  {name:<3} {} A   1       0.000   0.000   0.000\n",
+                amino_acid.name()
+            )
+        };
         let text: String = names.map(line).collect();
         let structure = Structure::read("test.pdb", text.as_bytes()).unwrap();
-        let mut residue = structure.select(&SelectionSettings::default()).unwrap().residues.remove(0);
+        let mut residue = structure
+            .select(&SelectionSettings::default())
+            .unwrap()
+            .residues
+            .remove(0);
         (residue.n_terminus, residue.c_terminus) = (false, false);
         residue
     }
@@ -266,10 +337,23 @@ mod tests {
             for (ph, templates) in [(-10.0, forms.protonated), (30.0, forms.deprotonated)] {
                 let charges = atom_charges_e(&residue, ph, ChargeModel::ForceField);
                 for (atom, charge) in residue.atoms.iter().zip(charges) {
-                    let of = |template: &Template| template.iter().find(|entry| entry.0 == &*atom.name).unwrap();
-                    let sum: f64 = templates.iter().map(of).map(|entry| entry.1 + entry.2).sum();
+                    let of = |template: &Template| {
+                        template
+                            .iter()
+                            .find(|entry| entry.0 == &*atom.name)
+                            .unwrap()
+                    };
+                    let sum: f64 = templates
+                        .iter()
+                        .map(of)
+                        .map(|entry| entry.1 + entry.2)
+                        .sum();
                     if !templates.is_empty() {
-                        assert!((charge - sum / templates.len() as f64).abs() < 1e-6, "{amino_acid:?} {}", atom.name);
+                        assert!(
+                            (charge - sum / templates.len() as f64).abs() < 1e-6,
+                            "{amino_acid:?} {}",
+                            atom.name
+                        );
                     }
                 }
             }
@@ -282,7 +366,11 @@ mod tests {
             let residue = whole(amino_acid);
             let at = |ph| atom_charges_e(&residue, ph, ChargeModel::ForceField);
             let change: Vec<f64> = at(30.0).iter().zip(at(-10.0)).map(|(a, b)| a - b).collect();
-            let index = residue.atoms.iter().position(|atom| &*atom.name == group).unwrap();
+            let index = residue
+                .atoms
+                .iter()
+                .position(|atom| &*atom.name == group)
+                .unwrap();
             assert!(change[index] < -0.49 && (change.iter().sum::<f64>() + 1.0).abs() < 1e-9);
         }
     }
@@ -296,7 +384,10 @@ mod tests {
             (AminoAcid::Ser, &["OG"]),
         ] {
             let residue = whole(amino_acid);
-            let outermost: Vec<&str> = outermost(&residue).iter().map(|index| &*residue.atoms[*index].name).collect();
+            let outermost: Vec<&str> = outermost(&residue)
+                .iter()
+                .map(|index| &*residue.atoms[*index].name)
+                .collect();
             assert_eq!(outermost, names);
         }
     }

@@ -1,7 +1,8 @@
 //! Titratable groups: model pKa values and the Henderson-Hasselbalch equation.
 //!
-//! Model pKa values of PROPKA 3 (Olsson, Søndergaard, Rostkowski and Jensen, J. Chem. Theory Comput. 7, 525 (2011)),
-//! those of a residue free in water. Shifts by the surroundings are not modelled.
+//! Model pKa values of PROPKA 3 (Olsson, Søndergaard, Rostkowski and Jensen, J. Chem. Theory
+//! Comput. 7, 525 (2011)), those of a residue free in water. Shifts by the surroundings are not
+//! modelled.
 
 use super::amino_acid::AminoAcid;
 
@@ -19,12 +20,20 @@ pub struct Group {
 impl Group {
     /// A group that is neutral when protonated.
     pub const fn acid(pka: f64, atoms: &'static [&'static str]) -> Self {
-        Self { pka, protonated_charge_e: 0.0, atoms }
+        Self {
+            pka,
+            protonated_charge_e: 0.0,
+            atoms,
+        }
     }
 
     /// A group that is positive when protonated.
     pub const fn base(pka: f64, atoms: &'static [&'static str]) -> Self {
-        Self { pka, protonated_charge_e: 1.0, atoms }
+        Self {
+            pka,
+            protonated_charge_e: 1.0,
+            atoms,
+        }
     }
 
     /// The mean charge at a pH, e: that of the protonated form less the deprotonated fraction.

@@ -1,8 +1,9 @@
 //! Radii of heavy atoms for the surface.
 
-/// Radius of an element, Å: C 1.70, N 1.55, O 1.52, S 1.80 (Bondi, J. Phys. Chem. 68, 441 (1964)), any other 1.80
-/// except the following: H 1.10 (Rowland and Taylor, J. Phys. Chem. 100, 7384 (1996)), P 1.80, Se 1.90, halogens and
-/// metals of common ions after Bondi and Mantina et al. (J. Phys. Chem. A 113, 5806 (2009)).
+/// Radius of an element, Å: C 1.70, N 1.55, O 1.52, S 1.80 (Bondi, J. Phys. Chem. 68, 441 (1964)),
+/// any other 1.80 except the following: H 1.10 (Rowland and Taylor, J. Phys. Chem. 100, 7384
+/// (1996)), P 1.80, Se 1.90, halogens and metals of common ions after Bondi and Mantina et al. (J.
+/// Phys. Chem. A 113, 5806 (2009)).
 ///
 /// ```
 /// assert_eq!(protomer_body::chemistry::radii::radius_angstrom("N"), 1.55);

@@ -1,4 +1,5 @@
-//! Residue names beyond the twenty: modified residues and their parents, caps, nucleotides, waters, ions.
+//! Residue names beyond the twenty: modified residues and their parents, caps, nucleotides, waters,
+//! ions.
 
 use super::amino_acid::AminoAcid;
 use super::protonation::Group;
@@ -17,18 +18,31 @@ pub struct ModifiedResidue {
 }
 
 const NEUTRAL: Option<&[Group]> = Some(&[]);
-/// Second dissociation of a phosphate monoester: Xie et al., J. Am. Chem. Soc. 112, 8996 (1990) and Hoffmann et al.,
-/// Eur. J. Biochem. 221, 503 (1994) report 5.6 to 6.1 for the three residues; the first is below 2.
+/// Second dissociation of a phosphate monoester: Xie et al., J. Am. Chem. Soc. 112, 8996 (1990) and
+/// Hoffmann et al., Eur. J. Biochem. 221, 503 (1994) report 5.6 to 6.1 for the three residues; the
+/// first is below 2.
 const PHOSPHATE_ATOMS: &[&str] = &["O1P", "O2P", "O3P"];
-const PHOSPHOSERINE: &[Group] = &[Group::acid(1.0, PHOSPHATE_ATOMS), Group::acid(5.6, PHOSPHATE_ATOMS)];
-const PHOSPHOTHREONINE: &[Group] = &[Group::acid(1.0, PHOSPHATE_ATOMS), Group::acid(6.1, PHOSPHATE_ATOMS)];
-const PHOSPHOTYROSINE: &[Group] = &[Group::acid(1.0, PHOSPHATE_ATOMS), Group::acid(5.9, PHOSPHATE_ATOMS)];
+const PHOSPHOSERINE: &[Group] = &[
+    Group::acid(1.0, PHOSPHATE_ATOMS),
+    Group::acid(5.6, PHOSPHATE_ATOMS),
+];
+const PHOSPHOTHREONINE: &[Group] = &[
+    Group::acid(1.0, PHOSPHATE_ATOMS),
+    Group::acid(6.1, PHOSPHATE_ATOMS),
+];
+const PHOSPHOTYROSINE: &[Group] = &[
+    Group::acid(1.0, PHOSPHATE_ATOMS),
+    Group::acid(5.9, PHOSPHATE_ATOMS),
+];
 const SULFOTYROSINE: &[Group] = &[Group::acid(-2.0, &["O1", "O2", "O3"])];
 const CARBAMATE: &[Group] = &[Group::acid(5.0, &["OQ1", "OQ2"])];
 const CYSTEIC_ACID: &[Group] = &[Group::acid(1.5, &["OD1", "OD2", "OD3"])];
 const SULFINIC_ACID: &[Group] = &[Group::acid(2.0, &["OD1", "OD2"])];
 const QUATERNARY_AMINE: &[Group] = &[Group::base(20.0, &["NZ"])];
-const GAMMA_CARBOXYGLUTAMATE: &[Group] = &[Group::acid(3.2, &["OE11", "OE12"]), Group::acid(4.4, &["OE21", "OE22"])];
+const GAMMA_CARBOXYGLUTAMATE: &[Group] = &[
+    Group::acid(3.2, &["OE11", "OE12"]),
+    Group::acid(4.4, &["OE21", "OE22"]),
+];
 const METHYLHISTIDINE: &[Group] = &[Group::base(6.5, &["ND1", "NE2"])];
 
 const fn modified(
@@ -37,38 +51,114 @@ const fn modified(
     groups: Option<&'static [Group]>,
     what: &'static str,
 ) -> ModifiedResidue {
-    ModifiedResidue { name, parent, groups, what }
+    ModifiedResidue {
+        name,
+        parent,
+        groups,
+        what,
+    }
 }
 
-/// Modified residues (wwPDB chemical component dictionary) and the names force fields give to protonation states.
-/// The states themselves follow from the pH, so that `HIP` of a prepared file is a histidine like any other.
+/// Modified residues (wwPDB chemical component dictionary) and the names force fields give to
+/// protonation states. The states themselves follow from the pH, so that `HIP` of a prepared file
+/// is a histidine like any other.
 const MODIFIED: &[ModifiedResidue] = &[
     modified("MSE", Some(AminoAcid::Met), None, "selenomethionine"),
     modified("FME", Some(AminoAcid::Met), None, "N-formylmethionine"),
     modified("SME", Some(AminoAcid::Met), None, "methionine sulfoxide"),
-    modified("SEP", Some(AminoAcid::Ser), Some(PHOSPHOSERINE), "phosphoserine"),
-    modified("TPO", Some(AminoAcid::Thr), Some(PHOSPHOTHREONINE), "phosphothreonine"),
-    modified("PTR", Some(AminoAcid::Tyr), Some(PHOSPHOTYROSINE), "phosphotyrosine"),
-    modified("TYS", Some(AminoAcid::Tyr), Some(SULFOTYROSINE), "sulfotyrosine"),
+    modified(
+        "SEP",
+        Some(AminoAcid::Ser),
+        Some(PHOSPHOSERINE),
+        "phosphoserine",
+    ),
+    modified(
+        "TPO",
+        Some(AminoAcid::Thr),
+        Some(PHOSPHOTHREONINE),
+        "phosphothreonine",
+    ),
+    modified(
+        "PTR",
+        Some(AminoAcid::Tyr),
+        Some(PHOSPHOTYROSINE),
+        "phosphotyrosine",
+    ),
+    modified(
+        "TYS",
+        Some(AminoAcid::Tyr),
+        Some(SULFOTYROSINE),
+        "sulfotyrosine",
+    ),
     modified("CSO", Some(AminoAcid::Cys), NEUTRAL, "S-hydroxycysteine"),
     modified("CSX", Some(AminoAcid::Cys), NEUTRAL, "S-oxycysteine"),
-    modified("CME", Some(AminoAcid::Cys), NEUTRAL, "S-(2-hydroxyethyl)thiocysteine"),
+    modified(
+        "CME",
+        Some(AminoAcid::Cys),
+        NEUTRAL,
+        "S-(2-hydroxyethyl)thiocysteine",
+    ),
     modified("SMC", Some(AminoAcid::Cys), NEUTRAL, "S-methylcysteine"),
-    modified("CAS", Some(AminoAcid::Cys), NEUTRAL, "S-dimethylarsenocysteine"),
-    modified("OCS", Some(AminoAcid::Cys), Some(CYSTEIC_ACID), "cysteic acid"),
-    modified("CSD", Some(AminoAcid::Cys), Some(SULFINIC_ACID), "cysteine sulfinic acid"),
+    modified(
+        "CAS",
+        Some(AminoAcid::Cys),
+        NEUTRAL,
+        "S-dimethylarsenocysteine",
+    ),
+    modified(
+        "OCS",
+        Some(AminoAcid::Cys),
+        Some(CYSTEIC_ACID),
+        "cysteic acid",
+    ),
+    modified(
+        "CSD",
+        Some(AminoAcid::Cys),
+        Some(SULFINIC_ACID),
+        "cysteine sulfinic acid",
+    ),
     modified("SEC", Some(AminoAcid::Cys), None, "selenocysteine"),
     modified("HYP", Some(AminoAcid::Pro), None, "4-hydroxyproline"),
-    modified("PCA", Some(AminoAcid::Glu), NEUTRAL, "pyroglutamic acid, which has no free amine"),
-    modified("CGU", Some(AminoAcid::Glu), Some(GAMMA_CARBOXYGLUTAMATE), "gamma-carboxyglutamic acid"),
+    modified(
+        "PCA",
+        Some(AminoAcid::Glu),
+        NEUTRAL,
+        "pyroglutamic acid, which has no free amine",
+    ),
+    modified(
+        "CGU",
+        Some(AminoAcid::Glu),
+        Some(GAMMA_CARBOXYGLUTAMATE),
+        "gamma-carboxyglutamic acid",
+    ),
     modified("MLY", Some(AminoAcid::Lys), None, "dimethyllysine"),
     modified("MLZ", Some(AminoAcid::Lys), None, "methyllysine"),
-    modified("M3L", Some(AminoAcid::Lys), Some(QUATERNARY_AMINE), "trimethyllysine"),
+    modified(
+        "M3L",
+        Some(AminoAcid::Lys),
+        Some(QUATERNARY_AMINE),
+        "trimethyllysine",
+    ),
     modified("ALY", Some(AminoAcid::Lys), NEUTRAL, "acetyllysine"),
-    modified("KCX", Some(AminoAcid::Lys), Some(CARBAMATE), "carboxylated lysine"),
-    modified("LLP", Some(AminoAcid::Lys), NEUTRAL, "lysine with pyridoxal phosphate, taken as neutral"),
+    modified(
+        "KCX",
+        Some(AminoAcid::Lys),
+        Some(CARBAMATE),
+        "carboxylated lysine",
+    ),
+    modified(
+        "LLP",
+        Some(AminoAcid::Lys),
+        NEUTRAL,
+        "lysine with pyridoxal phosphate, taken as neutral",
+    ),
     modified("PYL", Some(AminoAcid::Lys), NEUTRAL, "pyrrolysine"),
-    modified("HIC", Some(AminoAcid::His), Some(METHYLHISTIDINE), "methylhistidine"),
+    modified(
+        "HIC",
+        Some(AminoAcid::His),
+        Some(METHYLHISTIDINE),
+        "methylhistidine",
+    ),
     modified("MHO", Some(AminoAcid::Met), None, "methionine sulfoxide"),
     modified("AYA", Some(AminoAcid::Ala), None, "N-acetylalanine"),
     modified("SAC", Some(AminoAcid::Ser), None, "N-acetylserine"),
@@ -85,8 +175,9 @@ const MODIFIED: &[ModifiedResidue] = &[
     modified("LYN", Some(AminoAcid::Lys), None, "lysine"),
     modified("CYX", Some(AminoAcid::Cys), None, "cysteine"),
     modified("CYM", Some(AminoAcid::Cys), None, "cysteine"),
-    // Chromophores of fluorescent proteins: three residues condensed to one, taken as neutral. The phenol of the GFP
-    // chromophore has its pKa between 4 and 8 depending on its surroundings in the barrel; no model value holds.
+    // Chromophores of fluorescent proteins: three residues condensed to one, taken as neutral. The
+    // phenol of the GFP chromophore has its pKa between 4 and 8 depending on its surroundings in
+    // the barrel; no model value holds.
     modified("CRO", None, NEUTRAL, "chromophore of Thr-Tyr-Gly"),
     modified("CR2", None, NEUTRAL, "chromophore of Gly-Tyr-Gly"),
     modified("CRQ", None, NEUTRAL, "chromophore of Gln-Tyr-Gly"),
@@ -106,13 +197,15 @@ const BLOCKED_AMINE: &[&str] = &["PCA", "FME", "AYA", "SAC"];
 const CAPS: &[&str] = &["ACE", "FOR", "NME", "NMA", "NH2", "NHE"];
 
 const NUCLEOTIDES: &[&str] = &[
-    "A", "C", "G", "U", "I", "N", "DA", "DC", "DG", "DT", "DU", "DI", "DN", "RA", "RC", "RG", "RU", "DA3", "DA5",
-    "DC3", "DC5", "DG3", "DG5", "DT3", "DT5", "RA3", "RA5", "RC3", "RC5", "RG3", "RG5", "RU3", "RU5", "ADE", "CYT",
-    "GUA", "URA", "THY",
+    "A", "C", "G", "U", "I", "N", "DA", "DC", "DG", "DT", "DU", "DI", "DN", "RA", "RC", "RG", "RU",
+    "DA3", "DA5", "DC3", "DC5", "DG3", "DG5", "DT3", "DT5", "RA3", "RA5", "RC3", "RC5", "RG3",
+    "RG5", "RU3", "RU5", "ADE", "CYT", "GUA", "URA", "THY",
 ];
 
-const WATERS: &[&str] =
-    &["HOH", "WAT", "DOD", "H2O", "TIP", "TIP3", "TP3", "TIP4", "TIP5", "T3P", "T4P", "SOL", "SPC", "OH2"];
+const WATERS: &[&str] = &[
+    "HOH", "WAT", "DOD", "H2O", "TIP", "TIP3", "TP3", "TIP4", "TIP5", "T3P", "T4P", "SOL", "SPC",
+    "OH2",
+];
 
 /// Charges of monatomic ions, e (wwPDB chemical component dictionary).
 const IONS: &[(&str, i32)] = &[
@@ -175,10 +268,15 @@ pub fn is_water(name: &str) -> bool {
 
 /// Whether the name is that of an amino acid, a modified one, a cap or a nucleotide.
 pub fn is_polymer(name: &str) -> bool {
-    AminoAcid::of_residue(name).is_some() || modified_residue(name).is_some() || is_cap(name) || is_nucleotide(name)
+    AminoAcid::of_residue(name).is_some()
+        || modified_residue(name).is_some()
+        || is_cap(name)
+        || is_nucleotide(name)
 }
 
 /// The charge of an ion by its residue name, e.
 pub fn ion_charge_e(name: &str) -> Option<i32> {
-    IONS.iter().find(|(ion, _)| *ion == name).map(|(_, charge)| *charge)
+    IONS.iter()
+        .find(|(ion, _)| *ion == name)
+        .map(|(_, charge)| *charge)
 }

@@ -24,14 +24,18 @@ pub struct SiteSettings {
 
 impl Default for SiteSettings {
     fn default() -> Self {
-        Self { ph: 7.4, charges: ChargeModel::ForceField }
+        Self {
+            ph: 7.4,
+            charges: ChargeModel::ForceField,
+        }
     }
 }
 
 /// Sites and residues in the body's frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChargedSites {
-    /// The frame's origin in the coordinates of the file, Å: the centroid of the atoms, each counted alike.
+    /// The frame's origin in the coordinates of the file, Å: the centroid of the atoms, each
+    /// counted alike.
     pub origin_angstrom: Vec3,
     /// One site per atom, relative to the origin.
     pub sites: Vec<Site>,
@@ -61,7 +65,8 @@ impl ChargedSites {
 /// ```
 ///
 /// # Errors
-/// [`BodyError::Invalid`] for a pH that is not a number between -10 and 30, and for a selection without atoms.
+/// [`BodyError::Invalid`] for a pH that is not a number between -10 and 30, and for a selection
+/// without atoms.
 pub fn build_sites(selection: &Selection, settings: &SiteSettings) -> Result<ChargedSites> {
     if !(-10.0..=30.0).contains(&settings.ph) {
         return Err(BodyError::Invalid {
@@ -96,7 +101,11 @@ pub fn build_sites(selection: &Selection, settings: &SiteSettings) -> Result<Cha
             hydropathy: residue.class.amino_acid().map(AminoAcid::hydropathy),
         });
     }
-    Ok(ChargedSites { origin_angstrom: origin, sites, residues })
+    Ok(ChargedSites {
+        origin_angstrom: origin,
+        sites,
+        residues,
+    })
 }
 
 /// The sites of a PQR or XYZR file, with its own charges and radii.
@@ -109,7 +118,12 @@ pub fn sites_of_points(atoms: &[PointRecord]) -> Result<ChargedSites> {
     let mut index_of = HashMap::new();
     let mut sites = Vec::with_capacity(atoms.len());
     for atom in atoms {
-        let key = (&atom.chain, atom.residue_number, &atom.insertion_code, &atom.residue_name);
+        let key = (
+            &atom.chain,
+            atom.residue_number,
+            &atom.insertion_code,
+            &atom.residue_name,
+        );
         let residue = (!atom.residue_name.is_empty()).then(|| {
             *index_of.entry(key).or_insert_with(|| {
                 residues.push(bare_residue(atom));
@@ -127,7 +141,11 @@ pub fn sites_of_points(atoms: &[PointRecord]) -> Result<ChargedSites> {
             residue: residue.and_then(|index| u32::try_from(index).ok()),
         });
     }
-    Ok(ChargedSites { origin_angstrom: origin, sites, residues })
+    Ok(ChargedSites {
+        origin_angstrom: origin,
+        sites,
+        residues,
+    })
 }
 
 fn bare_residue(atom: &PointRecord) -> Residue {
@@ -145,9 +163,14 @@ fn bare_residue(atom: &PointRecord) -> Residue {
 }
 
 fn centroid(positions: impl Iterator<Item = Vec3>) -> Result<Vec3> {
-    let (sum, count) = positions.fold((Vec3::zeros(), 0_usize), |(sum, count), position| (sum + position, count + 1));
+    let (sum, count) = positions.fold((Vec3::zeros(), 0_usize), |(sum, count), position| {
+        (sum + position, count + 1)
+    });
     if count == 0 {
-        return Err(BodyError::Invalid { cause: "a body without atoms".into(), remedy: "select some".into() });
+        return Err(BodyError::Invalid {
+            cause: "a body without atoms".into(),
+            remedy: "select some".into(),
+        });
     }
     Ok(sum / count as f64)
 }

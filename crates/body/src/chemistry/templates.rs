@@ -1,8 +1,9 @@
 //! AMBER ff94 partial charges.
 //!
-//! Cornell et al., J. Am. Chem. Soc. 117, 5179 (1995), residues within a chain; ff99 and ff14SB keep these charges. The
-//! neutral lysine is that of the later AMBER libraries. Each entry is a heavy atom, its own charge and the sum of the
-//! charges of its hydrogens, e; a united atom carries both.
+//! Cornell et al., J. Am. Chem. Soc. 117, 5179 (1995), residues within a chain; ff99 and ff14SB
+//! keep these charges. The neutral lysine is that of the later AMBER libraries. Each entry is a
+//! heavy atom, its own charge and the sum of the charges of its hydrogens, e; a united atom carries
+//! both.
 
 use super::amino_acid::AminoAcid;
 
@@ -21,7 +22,8 @@ pub struct Forms {
     pub deprotonated: &'static [Template],
 }
 
-/// The forms of a residue. Several templates for one form are equally weighted: the two tautomers of neutral histidine.
+/// The forms of a residue. Several templates for one form are equally weighted: the two tautomers
+/// of neutral histidine.
 pub fn forms(residue: AminoAcid, in_disulfide: bool) -> Forms {
     let (protonated, deprotonated): (&'static [Template], &'static [Template]) = match residue {
         AminoAcid::Ala => (&[ALA], &[]),
@@ -46,19 +48,32 @@ pub fn forms(residue: AminoAcid, in_disulfide: bool) -> Forms {
         AminoAcid::Tyr => (&[TYR], &[]),
         AminoAcid::Val => (&[VAL], &[]),
     };
-    Forms { protonated, deprotonated }
+    Forms {
+        protonated,
+        deprotonated,
+    }
 }
 
-/// What one proton more at the amine of a chain's beginning adds to the atoms: N-terminal less mid-chain alanine with
-/// hydrogens on their heavy atoms, the remainder on CA.
+/// What one proton more at the amine of a chain's beginning adds to the atoms: N-terminal less
+/// mid-chain alanine with hydrogens on their heavy atoms, the remainder on CA.
 pub const N_TERMINUS: [(&str, f64); 2] = [("N", 0.8843), ("CA", 0.1157)];
 
-/// What the loss of the proton at the carboxyl of a chain's end adds to the atoms: C-terminal less mid-chain alanine,
-/// the remainder on CA.
-pub const C_TERMINUS: [(&str, f64); 4] = [("C", 0.1758), ("O", -0.2376), ("OXT", -0.8055), ("CA", -0.1327)];
+/// What the loss of the proton at the carboxyl of a chain's end adds to the atoms: C-terminal less
+/// mid-chain alanine, the remainder on CA.
+pub const C_TERMINUS: [(&str, f64); 4] = [
+    ("C", 0.1758),
+    ("O", -0.2376),
+    ("OXT", -0.8055),
+    ("CA", -0.1327),
+];
 
-const ALA: Template =
-    &[("N", -0.4157, 0.2719), ("CA", 0.0337, 0.0823), ("CB", -0.1825, 0.1809), ("C", 0.5973, 0.0), ("O", -0.5679, 0.0)];
+const ALA: Template = &[
+    ("N", -0.4157, 0.2719),
+    ("CA", 0.0337, 0.0823),
+    ("CB", -0.1825, 0.1809),
+    ("C", 0.5973, 0.0),
+    ("O", -0.5679, 0.0),
+];
 const ARG: Template = &[
     ("N", -0.3479, 0.2747),
     ("CA", -0.2637, 0.156),
@@ -159,7 +174,12 @@ const GLH: Template = &[
     ("C", 0.5973, 0.0),
     ("O", -0.5679, 0.0),
 ];
-const GLY: Template = &[("N", -0.4157, 0.2719), ("CA", -0.0252, 0.1396), ("C", 0.5973, 0.0), ("O", -0.5679, 0.0)];
+const GLY: Template = &[
+    ("N", -0.4157, 0.2719),
+    ("CA", -0.0252, 0.1396),
+    ("C", 0.5973, 0.0),
+    ("O", -0.5679, 0.0),
+];
 const HID: Template = &[
     ("N", -0.4157, 0.2719),
     ("CA", 0.0188, 0.0881),
@@ -332,7 +352,10 @@ mod tests {
     use super::*;
 
     fn charge(template: Template) -> f64 {
-        template.iter().map(|(_, own, hydrogens)| own + hydrogens).sum()
+        template
+            .iter()
+            .map(|(_, own, hydrogens)| own + hydrogens)
+            .sum()
     }
 
     #[test]
@@ -345,10 +368,18 @@ mod tests {
                     _ => 0.0,
                 };
                 for template in forms.protonated {
-                    assert!((charge(template) - protonated).abs() < 1e-6, "{residue:?} {}", charge(template));
+                    assert!(
+                        (charge(template) - protonated).abs() < 1e-6,
+                        "{residue:?} {}",
+                        charge(template)
+                    );
                 }
                 for template in forms.deprotonated {
-                    assert!((charge(template) - protonated + 1.0).abs() < 1e-6, "{residue:?} {}", charge(template));
+                    assert!(
+                        (charge(template) - protonated + 1.0).abs() < 1e-6,
+                        "{residue:?} {}",
+                        charge(template)
+                    );
                 }
             }
         }
@@ -363,7 +394,11 @@ mod tests {
             let forms = forms(residue, false);
             for template in forms.protonated.iter().chain(forms.deprotonated) {
                 let mut names: Vec<_> = template.iter().map(|atom| atom.0).collect();
-                let mut expected: Vec<_> = BACKBONE.iter().chain(residue.side_chain()).copied().collect();
+                let mut expected: Vec<_> = BACKBONE
+                    .iter()
+                    .chain(residue.side_chain())
+                    .copied()
+                    .collect();
                 names.sort_unstable();
                 expected.sort_unstable();
                 assert_eq!(names, expected, "{residue:?}");

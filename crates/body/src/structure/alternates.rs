@@ -1,9 +1,10 @@
 //! One conformer per residue.
 //!
-//! The letter with the highest mean occupancy holds for the whole residue (ties: the first letter), or a letter the user
-//! states where the residue has it. Atoms without a letter belong to every conformer. An atom that the chosen conformer
-//! lacks is taken from the conformer that has it with the highest occupancy, so that no atom is lost. With the letter
-//! goes the residue name, where a crystal holds two residues in one place (microheterogeneity).
+//! The letter with the highest mean occupancy holds for the whole residue (ties: the first letter),
+//! or a letter the user states where the residue has it. Atoms without a letter belong to every
+//! conformer. An atom that the chosen conformer lacks is taken from the conformer that has it with
+//! the highest occupancy, so that no atom is lost. With the letter goes the residue name, where a
+//! crystal holds two residues in one place (microheterogeneity).
 
 use super::Atom;
 use std::cmp::Ordering;
@@ -25,10 +26,19 @@ pub(crate) struct Conformer<'a> {
 /// Chooses the conformer; `atoms` belong to one residue and are not empty.
 pub(crate) fn choose<'a>(atoms: &[&'a Atom], wanted: Option<char>) -> Conformer<'a> {
     let letter = chosen_letter(atoms, wanted);
-    let of_letter = atoms.iter().find(|atom| letter.is_some() && atom.alternate == letter);
-    let name = of_letter.or(atoms.first()).map_or_else(|| Arc::from(""), |atom| atom.residue_name.clone());
-    let mut conformer =
-        Conformer { name, atoms: Vec::new(), alternates: 0, duplicates: 0, other_names: BTreeSet::new() };
+    let of_letter = atoms
+        .iter()
+        .find(|atom| letter.is_some() && atom.alternate == letter);
+    let name = of_letter
+        .or(atoms.first())
+        .map_or_else(|| Arc::from(""), |atom| atom.residue_name.clone());
+    let mut conformer = Conformer {
+        name,
+        atoms: Vec::new(),
+        alternates: 0,
+        duplicates: 0,
+        other_names: BTreeSet::new(),
+    };
     let mut chosen: HashMap<&str, usize> = HashMap::with_capacity(atoms.len());
     for atom in atoms {
         if atom.residue_name != conformer.name {
@@ -44,7 +54,11 @@ pub(crate) fn choose<'a>(atoms: &[&'a Atom], wanted: Option<char>) -> Conformer<
             Some(&index) => {
                 let rival = conformer.atoms[index];
                 let is_repeat = rival.alternate == atom.alternate;
-                *(if is_repeat { &mut conformer.duplicates } else { &mut conformer.alternates }) += 1;
+                *(if is_repeat {
+                    &mut conformer.duplicates
+                } else {
+                    &mut conformer.alternates
+                }) += 1;
                 if rank(atom, letter, rival) == Ordering::Greater {
                     conformer.atoms[index] = atom;
                 }
@@ -54,15 +68,17 @@ pub(crate) fn choose<'a>(atoms: &[&'a Atom], wanted: Option<char>) -> Conformer<
     conformer
 }
 
-/// Which of two records of one atom is better: chosen letter before no letter before another letter, then occupancy,
-/// then the first in the file.
+/// Which of two records of one atom is better: chosen letter before no letter before another
+/// letter, then occupancy, then the first in the file.
 fn rank(atom: &Atom, letter: Option<char>, rival: &Atom) -> Ordering {
     let preference = |atom: &Atom| match atom.alternate {
         alternate if alternate == letter => 2,
         None => 1,
         Some(_) => 0,
     };
-    preference(atom).cmp(&preference(rival)).then(atom.occupancy.total_cmp(&rival.occupancy))
+    preference(atom)
+        .cmp(&preference(rival))
+        .then(atom.occupancy.total_cmp(&rival.occupancy))
 }
 
 fn chosen_letter(atoms: &[&Atom], wanted: Option<char>) -> Option<char> {

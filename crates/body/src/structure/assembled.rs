@@ -19,7 +19,10 @@ pub(crate) fn apply_assembly(
     let mut of_chain: HashMap<Arc<str>, Vec<usize>> = HashMap::new();
     for (index, residue) in residues.iter().enumerate() {
         if let Some(atom) = residue.atoms.first() {
-            of_chain.entry(atom.label_chain.clone()).or_default().push(index);
+            of_chain
+                .entry(atom.label_chain.clone())
+                .or_default()
+                .push(index);
         }
     }
     let mut copies = Vec::new();
@@ -30,8 +33,12 @@ pub(crate) fn apply_assembly(
     for part in &assembly.parts {
         let members: Vec<usize> = {
             let chains: BTreeSet<&Arc<str>> = part.chains.iter().collect();
-            let mut members: Vec<usize> =
-                chains.iter().filter_map(|chain| of_chain.get(*chain)).flatten().copied().collect();
+            let mut members: Vec<usize> = chains
+                .iter()
+                .filter_map(|chain| of_chain.get(*chain))
+                .flatten()
+                .copied()
+                .collect();
             members.sort_unstable();
             members
         };
@@ -52,7 +59,11 @@ pub(crate) fn apply_assembly(
         }
     }
     let left_out = residues.iter().zip(&used).filter(|(_, used)| !**used);
-    count(report, reason::ASSEMBLY, left_out.map(|(residue, _)| residue.atoms.len()).sum());
+    count(
+        report,
+        reason::ASSEMBLY,
+        left_out.map(|(residue, _)| residue.atoms.len()).sum(),
+    );
     Ok(copies)
 }
 

@@ -41,12 +41,14 @@ impl Operator {
     /// The motion as a pose.
     ///
     /// # Errors
-    /// [`BodyError::Invalid`] unless R is a proper rotation to the digits of a file: R Rᵀ = 1 and det R = 1 to 1e-3.
-    /// A mirror operation would turn a protein into its enantiomer.
+    /// [`BodyError::Invalid`] unless R is a proper rotation to the digits of a file: R Rᵀ = 1 and
+    /// det R = 1 to 1e-3. A mirror operation would turn a protein into its enantiomer.
     pub fn pose(&self) -> Result<Pose> {
         const ROUNDING: f64 = 1e-3;
         const LARGEST_ANGSTROM: f64 = 1e6;
-        let defect = (self.rotation * self.rotation.transpose() - Matrix3::identity()).abs().max();
+        let defect = (self.rotation * self.rotation.transpose() - Matrix3::identity())
+            .abs()
+            .max();
         let determinant = self.rotation.determinant();
         let is_near = self.translation.iter().all(|t| t.abs() < LARGEST_ANGSTROM);
         if !(defect < ROUNDING && (determinant - 1.0).abs() < ROUNDING && is_near) {
@@ -58,7 +60,10 @@ impl Operator {
                 remedy: "choose another assembly or mend the operator in the file".into(),
             });
         }
-        Ok(Pose { position: self.translation, rotation: nearest_rotation(&self.rotation) })
+        Ok(Pose {
+            position: self.translation,
+            rotation: nearest_rotation(&self.rotation),
+        })
     }
 
     /// First `first`, then `self`.
@@ -71,8 +76,8 @@ impl Operator {
     }
 }
 
-/// The rotation nearest to a matrix that is one but for its rounded digits: the orthogonal factor U Vᵀ of its polar
-/// decomposition.
+/// The rotation nearest to a matrix that is one but for its rounded digits: the orthogonal factor U
+/// Vᵀ of its polar decomposition.
 fn nearest_rotation(matrix: &Matrix3<f64>) -> Rotation {
     let svd = matrix.svd(true, true);
     let orthogonal = match (svd.u, svd.v_t) {
@@ -82,11 +87,12 @@ fn nearest_rotation(matrix: &Matrix3<f64>) -> Rotation {
     Rotation::from_rotation_matrix(&Rotation3::from_matrix_unchecked(orthogonal))
 }
 
-/// Evaluates an operator expression such as `1,2`, `(1-60)`, `P` or `(X0)(1,2,5-8)`; of a product the right factor
-/// acts first.
+/// Evaluates an operator expression such as `1,2`, `(1-60)`, `P` or `(X0)(1,2,5-8)`; of a product
+/// the right factor acts first.
 ///
 /// # Errors
-/// A message that names the unknown operator, the unbalanced parenthesis, or an expression with too many operators.
+/// A message that names the unknown operator, the unbalanced parenthesis, or an expression with too
+/// many operators.
 pub(crate) fn evaluate(
     expression: &str,
     operators: &HashMap<String, Operator>,
@@ -95,8 +101,12 @@ pub(crate) fn evaluate(
     for factor in factors(expression)? {
         let mut factor_operators = Vec::new();
         for name in names(&factor)? {
-            factor_operators
-                .push(operators.get(&name).ok_or_else(|| format!("operator {name} is not listed"))?.clone());
+            factor_operators.push(
+                operators
+                    .get(&name)
+                    .ok_or_else(|| format!("operator {name} is not listed"))?
+                    .clone(),
+            );
         }
         product = Some(match product {
             None => factor_operators,
@@ -104,11 +114,15 @@ pub(crate) fn evaluate(
                 if left.len().saturating_mul(factor_operators.len()) > MOST_OPERATORS {
                     return Err(format!("more than {MOST_OPERATORS} operators"));
                 }
-                left.iter().flat_map(|outer| factor_operators.iter().map(|inner| outer.after(inner))).collect()
+                left.iter()
+                    .flat_map(|outer| factor_operators.iter().map(|inner| outer.after(inner)))
+                    .collect()
             }
         });
     }
-    product.filter(|operators| !operators.is_empty()).ok_or_else(|| "no operator".to_string())
+    product
+        .filter(|operators| !operators.is_empty())
+        .ok_or_else(|| "no operator".to_string())
 }
 
 /// Operators a file may have; the largest viral assemblies have a few thousand.
@@ -121,16 +135,25 @@ fn factors(expression: &str) -> std::result::Result<Vec<String>, String> {
         return Ok(vec![compact]);
     }
     let unbalanced = || "parentheses do not match".to_string();
-    let inner = compact.strip_prefix('(').and_then(|rest| rest.strip_suffix(')')).ok_or_else(unbalanced)?;
+    let inner = compact
+        .strip_prefix('(')
+        .and_then(|rest| rest.strip_suffix(')'))
+        .ok_or_else(unbalanced)?;
     let factors: Vec<String> = inner.split(")(").map(str::to_string).collect();
-    if factors.iter().any(|factor| factor.contains(['(', ')'])) { Err(unbalanced()) } else { Ok(factors) }
+    if factors.iter().any(|factor| factor.contains(['(', ')'])) {
+        Err(unbalanced())
+    } else {
+        Ok(factors)
+    }
 }
 
 /// The names in a list such as `1,2,5-8`.
 fn names(list: &str) -> std::result::Result<Vec<String>, String> {
     let mut names = Vec::new();
     for item in list.split(',').filter(|item| !item.is_empty()) {
-        let range = item.split_once('-').and_then(|(a, b)| Some((a.parse::<usize>().ok()?, b.parse::<usize>().ok()?)));
+        let range = item
+            .split_once('-')
+            .and_then(|(a, b)| Some((a.parse::<usize>().ok()?, b.parse::<usize>().ok()?)));
         match range {
             Some((first, last)) if last.saturating_sub(first) < MOST_OPERATORS => {
                 names.extend((first..=last).map(|number| number.to_string()));
@@ -152,7 +175,14 @@ mod tests {
     fn shifts(names: &[&str]) -> HashMap<String, Operator> {
         let operator = |(i, name): (usize, &&str)| {
             let translation = Vec3::new(i as f64, 0.0, 0.0);
-            (name.to_string(), Operator { name: name.to_string(), rotation: Matrix3::identity(), translation })
+            (
+                name.to_string(),
+                Operator {
+                    name: name.to_string(),
+                    rotation: Matrix3::identity(),
+                    translation,
+                },
+            )
         };
         names.iter().enumerate().map(operator).collect()
     }
@@ -177,11 +207,16 @@ mod tests {
         for degrees in (0..=360).step_by(30).map(f64::from) {
             let (cosine, sine) = (rounded(degrees), rounded(degrees - 90.0));
             let rotation = Matrix3::new(cosine, -sine, 0.0, sine, cosine, 0.0, 0.0, 0.0, 1.0);
-            let operator = Operator { name: "1".into(), rotation, translation: Vec3::new(1.0, 2.0, 3.0) };
+            let operator = Operator {
+                name: "1".into(),
+                rotation,
+                translation: Vec3::new(1.0, 2.0, 3.0),
+            };
             let pose = operator.pose().unwrap();
             let point = Vec3::new(50.0, -20.0, 7.0);
             assert!(
-                (pose.transform_point(&point) - (rotation * point + operator.translation)).norm() < 1e-4,
+                (pose.transform_point(&point) - (rotation * point + operator.translation)).norm()
+                    < 1e-4,
                 "{degrees}"
             );
         }
@@ -190,7 +225,17 @@ mod tests {
     #[test]
     fn a_mirror_is_refused() {
         let rotation = Matrix3::from_diagonal(&Vec3::new(1.0, 1.0, -1.0));
-        let mirror = Operator { name: "7".into(), rotation, translation: Vec3::zeros() };
-        assert!(mirror.pose().unwrap_err().to_string().contains("operator 7"));
+        let mirror = Operator {
+            name: "7".into(),
+            rotation,
+            translation: Vec3::zeros(),
+        };
+        assert!(
+            mirror
+                .pose()
+                .unwrap_err()
+                .to_string()
+                .contains("operator 7")
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! The grammar of CIF (Hall, Allen and Brown, Acta Cryst. A47, 655 (1991); CIF 1.1): tokens, loops, rows.
+//! The grammar of CIF (Hall, Allen and Brown, Acta Cryst. A47, 655 (1991); CIF 1.1): tokens, loops,
+//! rows.
 //!
 //! One pass, rows handed over as they are read, so that memory stays proportional to one row.
 
@@ -37,14 +38,25 @@ enum Token<'a> {
     Value(Value<'a>),
 }
 
-/// Reads the rows of the first data block, calling `on_row` for each row of a category that it `wants`.
+/// Reads the rows of the first data block, calling `on_row` for each row of a category that it
+/// `wants`.
 pub(crate) fn read_rows<'a>(
     source: &str,
     text: &'a str,
     wants: impl Fn(&str) -> bool,
     on_row: impl FnMut(&Row<'a, '_>) -> Result<()>,
 ) -> Result<()> {
-    let mut parser = Parser { tokens: Tokens { source, text, at: 0, line: 1 }, ahead: None, wants, on_row };
+    let mut parser = Parser {
+        tokens: Tokens {
+            source,
+            text,
+            at: 0,
+            line: 1,
+        },
+        ahead: None,
+        wants,
+        on_row,
+    };
     parser.block()
 }
 
@@ -77,7 +89,10 @@ impl<'a, W: Fn(&str) -> bool, F: FnMut(&Row<'a, '_>) -> Result<()>> Parser<'a, '
                 Token::Tag(tag) => self.single_row(tag, line)?,
                 Token::Other => {}
                 Token::Value(value) => {
-                    let cause = format!("a value {} that belongs to no item", quoted(value.unwrap_or("?")));
+                    let cause = format!(
+                        "a value {} that belongs to no item",
+                        quoted(value.unwrap_or("?"))
+                    );
                     return Err(parse_error(
                         self.tokens.source,
                         line,
@@ -117,7 +132,12 @@ impl<'a, W: Fn(&str) -> bool, F: FnMut(&Row<'a, '_>) -> Result<()>> Parser<'a, '
                 break;
             };
             if items.is_empty() {
-                return Err(parse_error(self.tokens.source, line, "a loop without item names", "mend the loop_"));
+                return Err(parse_error(
+                    self.tokens.source,
+                    line,
+                    "a loop without item names",
+                    "mend the loop_",
+                ));
             }
             if values.is_empty() {
                 row_line = line;
@@ -125,7 +145,12 @@ impl<'a, W: Fn(&str) -> bool, F: FnMut(&Row<'a, '_>) -> Result<()>> Parser<'a, '
             values.push(value);
             if values.len() == items.len() {
                 if is_wanted {
-                    (self.on_row)(&Row { category: &category, items: &items, values: &values, line: row_line })?;
+                    (self.on_row)(&Row {
+                        category: &category,
+                        items: &items,
+                        values: &values,
+                        line: row_line,
+                    })?;
                 }
                 values.clear();
             }
@@ -133,8 +158,17 @@ impl<'a, W: Fn(&str) -> bool, F: FnMut(&Row<'a, '_>) -> Result<()>> Parser<'a, '
         if values.is_empty() {
             return Ok(());
         }
-        let cause = format!("the last row of {category} has {} of {} values", values.len(), items.len());
-        Err(parse_error(self.tokens.source, row_line, cause, "the file may be cut short; fetch it again"))
+        let cause = format!(
+            "the last row of {category} has {} of {} values",
+            values.len(),
+            items.len()
+        );
+        Err(parse_error(
+            self.tokens.source,
+            row_line,
+            cause,
+            "the file may be cut short; fetch it again",
+        ))
     }
 
     /// `_category.item value` pairs of one category, which make one row.
@@ -155,7 +189,10 @@ impl<'a, W: Fn(&str) -> bool, F: FnMut(&Row<'a, '_>) -> Result<()>> Parser<'a, '
             }
         }
         if values.len() < items.len() {
-            let cause = format!("_{category}.{} has no value", items.last().map_or("", String::as_str));
+            let cause = format!(
+                "_{category}.{} has no value",
+                items.last().map_or("", String::as_str)
+            );
             return Err(parse_error(
                 self.tokens.source,
                 first_line,
@@ -164,7 +201,12 @@ impl<'a, W: Fn(&str) -> bool, F: FnMut(&Row<'a, '_>) -> Result<()>> Parser<'a, '
             ));
         }
         if (self.wants)(&category) {
-            (self.on_row)(&Row { category: &category, items: &items, values: &values, line: first_line })?;
+            (self.on_row)(&Row {
+                category: &category,
+                items: &items,
+                values: &values,
+                line: first_line,
+            })?;
         }
         Ok(())
     }
@@ -182,7 +224,8 @@ fn split_tag(tag: &str) -> (String, String) {
 fn in_category(tag: &str, category: &str) -> bool {
     let name = tag.get(1..).unwrap_or("");
     let length = name.find('.').unwrap_or(0);
-    name.get(..length).is_some_and(|prefix| prefix.eq_ignore_ascii_case(category))
+    name.get(..length)
+        .is_some_and(|prefix| prefix.eq_ignore_ascii_case(category))
 }
 
 struct Tokens<'a, 's> {
@@ -197,13 +240,18 @@ impl<'a> Tokens<'a, '_> {
         self.skip_blanks_and_comments();
         let bytes = self.text.as_bytes();
         let (start, line) = (self.at, self.line);
-        let Some(&first) = bytes.get(start) else { return Ok(None) };
+        let Some(&first) = bytes.get(start) else {
+            return Ok(None);
+        };
         let is_line_start = start == 0 || matches!(bytes[start - 1], b'\n' | b'\r');
         let token = match first {
             b';' if is_line_start => Token::Value(Some(self.text_field()?)),
             b'\'' | b'"' => Token::Value(Some(self.quoted_value(first)?)),
             _ => {
-                let length = bytes[start..].iter().position(u8::is_ascii_whitespace).unwrap_or(bytes.len() - start);
+                let length = bytes[start..]
+                    .iter()
+                    .position(u8::is_ascii_whitespace)
+                    .unwrap_or(bytes.len() - start);
                 self.at = start + length;
                 bare_token(&self.text[start..self.at])
             }
@@ -244,8 +292,16 @@ impl<'a> Tokens<'a, '_> {
             }
             end += 1;
         }
-        let cause = format!("the quote of {} is not closed on its line", quoted(&self.text[self.at..end]));
-        Err(parse_error(self.source, self.line, cause, "close the quote"))
+        let cause = format!(
+            "the quote of {} is not closed on its line",
+            quoted(&self.text[self.at..end])
+        );
+        Err(parse_error(
+            self.source,
+            self.line,
+            cause,
+            "close the quote",
+        ))
     }
 
     /// Lines between two semicolons that stand first on their lines.
@@ -267,7 +323,10 @@ impl<'a> Tokens<'a, '_> {
 }
 
 fn bare_token(word: &str) -> Token<'_> {
-    let begins = |prefix: &str| word.get(..prefix.len()).is_some_and(|start| start.eq_ignore_ascii_case(prefix));
+    let begins = |prefix: &str| {
+        word.get(..prefix.len())
+            .is_some_and(|start| start.eq_ignore_ascii_case(prefix))
+    };
     match word {
         "." | "?" => Token::Value(None),
         _ if word.starts_with('_') => Token::Tag(word),
@@ -307,7 +366,14 @@ mod tests {
         let text = "data_x\r\n_a.b 'it's O5'x end'\r\n_a.c \"O5'\"\n_a.d\n;two\nlines\n;\n_a.e ? # note\nloop_\n_l.x\n_l.y\n1 .\n2 z\n#\n";
         let rows = rows(text).unwrap();
         let some = |text: &str| Some(text.to_string());
-        assert_eq!(rows[0], ("a".into(), 2, vec![some("it's O5'x end"), some("O5'"), some("two\nlines"), None]));
+        assert_eq!(
+            rows[0],
+            (
+                "a".into(),
+                2,
+                vec![some("it's O5'x end"), some("O5'"), some("two\nlines"), None]
+            )
+        );
         assert_eq!(rows[1], ("l".into(), 12, vec![some("1"), None]));
         assert_eq!(rows[2], ("l".into(), 13, vec![some("2"), some("z")]));
     }
@@ -324,7 +390,10 @@ mod tests {
             ("data_x\nstray", 2, "stray"),
         ] {
             let message = rows(text).unwrap_err().to_string();
-            assert!(message.starts_with(&format!("test.cif:{line}:")) && message.contains(cause), "{message}");
+            assert!(
+                message.starts_with(&format!("test.cif:{line}:")) && message.contains(cause),
+                "{message}"
+            );
         }
     }
 }

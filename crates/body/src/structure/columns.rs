@@ -12,10 +12,14 @@ pub(crate) struct Line<'a> {
 }
 
 impl<'a> Line<'a> {
-    /// Columns `first` to `last`, counted from one, both included; shorter or empty where the line ends early.
+    /// Columns `first` to `last`, counted from one, both included; shorter or empty where the line
+    /// ends early.
     pub(crate) fn columns(&self, first: usize, last: usize) -> &'a str {
         if self.text.is_ascii() {
-            return self.text.get(first - 1..last.min(self.text.len())).unwrap_or("");
+            return self
+                .text
+                .get(first - 1..last.min(self.text.len()))
+                .unwrap_or("");
         }
         let mut starts = self.text.char_indices().map(|(at, _)| at).skip(first - 1);
         let from = starts.next().unwrap_or(self.text.len());
@@ -45,23 +49,28 @@ impl<'a> Line<'a> {
         match field.parse::<f64>() {
             Ok(value) if value.is_finite() && value.abs() <= LARGEST_ANGSTROM => Ok(value),
             _ => {
-                let cause = format!("{name} in columns {first}-{last} is {}, not a coordinate in Å", quoted(field));
+                let cause = format!(
+                    "{name} in columns {first}-{last} is {}, not a coordinate in Å",
+                    quoted(field)
+                );
                 Err(self.error(cause, "mend or delete the line; columns may be shifted"))
             }
         }
     }
 }
 
-/// A number of `width` columns in decimal or hybrid-36 notation (Grosse-Kunstleve, cctbx: after 99999 follow A0000 to
-/// ZZZZZ, then a0000 to zzzzz, base 36).
+/// A number of `width` columns in decimal or hybrid-36 notation (Grosse-Kunstleve, cctbx: after
+/// 99999 follow A0000 to ZZZZZ, then a0000 to zzzzz, base 36).
 ///
-/// Value of an upper-case field: base36(field) - 10·36^(w-1) + 10^w; lower case continues where upper case ends.
+/// Value of an upper-case field: base36(field) - 10·36^(w-1) + 10^w; lower case continues where
+/// upper case ends.
 pub(crate) fn hybrid36(field: &str, width: u32) -> Option<i64> {
     if let Ok(value) = field.parse::<i64>() {
         return Some(value);
     }
     let first = field.chars().next()?;
-    let of_one_case = |is_case: fn(&char) -> bool| field.chars().all(|c| c.is_ascii_digit() || is_case(&c));
+    let of_one_case =
+        |is_case: fn(&char) -> bool| field.chars().all(|c| c.is_ascii_digit() || is_case(&c));
     let is_upper = first.is_ascii_uppercase() && of_one_case(char::is_ascii_uppercase);
     let is_lower = first.is_ascii_lowercase() && of_one_case(char::is_ascii_lowercase);
     if field.len() != width as usize || !(is_upper || is_lower) {
@@ -69,7 +78,15 @@ pub(crate) fn hybrid36(field: &str, width: u32) -> Option<i64> {
     }
     let value = i64::from_str_radix(field, 36).ok()?;
     let letters = 36_i64.pow(width - 1);
-    Some(value + 10_i64.pow(width) + if is_upper { -10 * letters } else { 16 * letters })
+    Some(
+        value
+            + 10_i64.pow(width)
+            + if is_upper {
+                -10 * letters
+            } else {
+                16 * letters
+            },
+    )
 }
 
 #[cfg(test)]
@@ -78,7 +95,12 @@ mod tests {
 
     #[test]
     fn hybrid_36_continues_the_decimals() {
-        let cases = [("99999", 99_999), ("A0000", 100_000), ("A0001", 100_001), ("ZZZZZ", 43_770_015)];
+        let cases = [
+            ("99999", 99_999),
+            ("A0000", 100_000),
+            ("A0001", 100_001),
+            ("ZZZZZ", 43_770_015),
+        ];
         for (field, value) in cases {
             assert_eq!(hybrid36(field, 5), Some(value), "{field}");
         }
@@ -92,9 +114,18 @@ mod tests {
 
     #[test]
     fn columns_survive_short_lines_and_wide_characters() {
-        let line = Line { source: "x", number: 1, text: "ABé Z" };
+        let line = Line {
+            source: "x",
+            number: 1,
+            text: "ABé Z",
+        };
         assert_eq!(
-            (line.columns(1, 2), line.columns(3, 3), line.field(4, 90), line.columns(9, 10)),
+            (
+                line.columns(1, 2),
+                line.columns(3, 3),
+                line.field(4, 90),
+                line.columns(9, 10)
+            ),
             ("AB", "é", "Z", "")
         );
     }

@@ -37,8 +37,8 @@ pub struct ChainBreak {
 /// A peptide bond is 1.33 Å; beyond this distance there is none.
 const BROKEN_ANGSTROM: f64 = 2.5;
 
-/// Heavy atoms that the residue should have and lacks. Of a modified residue only the backbone is known; of a
-/// chromophore nothing.
+/// Heavy atoms that the residue should have and lacks. Of a modified residue only the backbone is
+/// known; of a chromophore nothing.
 pub(crate) fn missing_atoms(residue: &SelectedResidue) -> Vec<&'static str> {
     let side_chain = match residue.class {
         ResidueClass::AminoAcid(amino_acid) => amino_acid.side_chain(),
@@ -47,23 +47,37 @@ pub(crate) fn missing_atoms(residue: &SelectedResidue) -> Vec<&'static str> {
         _ => return Vec::new(),
     };
     let expected = BACKBONE.iter().chain(side_chain).copied();
-    expected.filter(|name| residue.atom(name).is_none()).collect()
+    expected
+        .filter(|name| residue.atom(name).is_none())
+        .collect()
 }
 
 /// Breaks between consecutive protein residues of a chain.
 pub(crate) fn chain_breaks(residues: &[SelectedResidue]) -> Vec<ChainBreak> {
-    consecutive(residues).filter_map(|(before, after)| chain_break(before, after)).collect()
+    consecutive(residues)
+        .filter_map(|(before, after)| chain_break(before, after))
+        .collect()
 }
 
-fn consecutive(residues: &[SelectedResidue]) -> impl Iterator<Item = (&SelectedResidue, &SelectedResidue)> {
+fn consecutive(
+    residues: &[SelectedResidue],
+) -> impl Iterator<Item = (&SelectedResidue, &SelectedResidue)> {
     let protein = || residues.iter().filter(|residue| residue.class.is_protein());
-    protein().zip(protein().skip(1)).filter(|(before, after)| before.key.chain == after.key.chain)
+    protein()
+        .zip(protein().skip(1))
+        .filter(|(before, after)| before.key.chain == after.key.chain)
 }
 
 fn chain_break(before: &SelectedResidue, after: &SelectedResidue) -> Option<ChainBreak> {
     let distance_angstrom = peptide_distance(before, after);
-    let missing_numbers = after.key.number.saturating_sub(before.key.number).saturating_sub(1).max(0);
-    let is_broken = distance_angstrom.map_or(missing_numbers > 0, |distance| distance > BROKEN_ANGSTROM);
+    let missing_numbers = after
+        .key
+        .number
+        .saturating_sub(before.key.number)
+        .saturating_sub(1)
+        .max(0);
+    let is_broken =
+        distance_angstrom.map_or(missing_numbers > 0, |distance| distance > BROKEN_ANGSTROM);
     is_broken.then(|| ChainBreak {
         before: before.key.clone(),
         after: after.key.clone(),
@@ -79,20 +93,31 @@ fn peptide_distance(before: &SelectedResidue, after: &SelectedResidue) -> Option
     Some((carbon.position - nitrogen.position).norm())
 }
 
-/// Marks the residues that carry a free amine or carboxylate: the first and last residue of each chain unless the file
-/// lists unobserved residues beyond them or the two are bonded to a ring, and every residue with an OXT.
+/// Marks the residues that carry a free amine or carboxylate: the first and last residue of each
+/// chain unless the file lists unobserved residues beyond them or the two are bonded to a ring, and
+/// every residue with an OXT.
 pub(crate) fn mark_chain_ends(residues: &mut [SelectedResidue], unobserved: &[UnobservedResidue]) {
     let hidden = HiddenEnds::of(unobserved);
-    let protein: Vec<usize> = (0..residues.len()).filter(|i| residues[*i].class.is_protein()).collect();
+    let protein: Vec<usize> = (0..residues.len())
+        .filter(|i| residues[*i].class.is_protein())
+        .collect();
     let is_one_chain = |a: &usize, b: &usize| residues[*a].key.chain == residues[*b].key.chain;
-    let chains: Vec<Vec<usize>> = protein.chunk_by(is_one_chain).map(<[usize]>::to_vec).collect();
+    let chains: Vec<Vec<usize>> = protein
+        .chunk_by(is_one_chain)
+        .map(<[usize]>::to_vec)
+        .collect();
     for chain in chains {
-        let (Some(&first), Some(&last)) = (chain.first(), chain.last()) else { continue };
-        let is_ring =
-            first != last && peptide_distance(&residues[last], &residues[first]).is_some_and(|distance| distance < 2.0);
+        let (Some(&first), Some(&last)) = (chain.first(), chain.last()) else {
+            continue;
+        };
+        let is_ring = first != last
+            && peptide_distance(&residues[last], &residues[first])
+                .is_some_and(|distance| distance < 2.0);
         if !is_ring {
-            residues[first].n_terminus = !hidden.before(&residues[first]) && may_be_amine(&residues[first]);
-            residues[last].c_terminus = !hidden.after(&residues[last]) && may_be_carboxylate(&residues[last]);
+            residues[first].n_terminus =
+                !hidden.before(&residues[first]) && may_be_amine(&residues[first]);
+            residues[last].c_terminus =
+                !hidden.after(&residues[last]) && may_be_carboxylate(&residues[last]);
         }
         for (position, &index) in chain.iter().enumerate() {
             if residues[index].atom("OXT").is_none() || !may_be_carboxylate(&residues[index]) {
@@ -107,7 +132,9 @@ pub(crate) fn mark_chain_ends(residues: &mut [SelectedResidue], unobserved: &[Un
 }
 
 fn may_be_amine(residue: &SelectedResidue) -> bool {
-    residue.class != ResidueClass::Cap && !has_blocked_amine(&residue.name) && residue.atom("N").is_some()
+    residue.class != ResidueClass::Cap
+        && !has_blocked_amine(&residue.name)
+        && residue.atom("N").is_some()
 }
 
 fn may_be_carboxylate(residue: &SelectedResidue) -> bool {
@@ -124,39 +151,51 @@ impl HiddenEnds {
         let mut range: HashMap<Arc<str>, (i32, i32)> = HashMap::new();
         for residue in unobserved {
             let number = residue.key.number;
-            let (low, high) = range.entry(residue.key.chain.clone()).or_insert((number, number));
+            let (low, high) = range
+                .entry(residue.key.chain.clone())
+                .or_insert((number, number));
             (*low, *high) = ((*low).min(number), (*high).max(number));
         }
         Self { range }
     }
 
     fn before(&self, residue: &SelectedResidue) -> bool {
-        self.range.get(&residue.source_chain).is_some_and(|(low, _)| *low < residue.key.number)
+        self.range
+            .get(&residue.source_chain)
+            .is_some_and(|(low, _)| *low < residue.key.number)
     }
 
     fn after(&self, residue: &SelectedResidue) -> bool {
-        self.range.get(&residue.source_chain).is_some_and(|(_, high)| *high > residue.key.number)
+        self.range
+            .get(&residue.source_chain)
+            .is_some_and(|(_, high)| *high > residue.key.number)
     }
 }
 
 /// Marks the cysteines whose SG lies within 2.5 Å of another's (the bond is 2.05 Å long).
 pub(crate) fn mark_disulfides(residues: &mut [SelectedResidue]) {
     const BOND_ANGSTROM: f64 = 2.5;
-    /// Two points in one cell are always within the distance, so that a crowd in one place costs no more than a pair.
+    /// Two points in one cell are always within the distance, so that a crowd in one place costs no
+    /// more than a pair.
     const CELL_ANGSTROM: f64 = BOND_ANGSTROM * 0.577;
     let sulfurs: Vec<(usize, Vec3)> = residues
         .iter()
         .enumerate()
-        .filter(|(_, residue)| residue.class == ResidueClass::AminoAcid(AminoAcid::Cys) || &*residue.name == "CYX")
+        .filter(|(_, residue)| {
+            residue.class == ResidueClass::AminoAcid(AminoAcid::Cys) || &*residue.name == "CYX"
+        })
         .filter_map(|(index, residue)| Some((index, residue.atom("SG")?.position)))
         .collect();
-    residues.iter_mut().for_each(|residue| residue.in_disulfide = false);
+    residues
+        .iter_mut()
+        .for_each(|residue| residue.in_disulfide = false);
     let cell_of = |p: &Vec3| [p.x, p.y, p.z].map(|x| (x / CELL_ANGSTROM).floor() as i64);
     let mut cells: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
     for (i, (_, position)) in sulfurs.iter().enumerate() {
         cells.entry(cell_of(position)).or_default().push(i);
     }
-    let neighbours = || (-2..=2).flat_map(|x| (-2..=2).flat_map(move |y| (-2..=2).map(move |z| [x, y, z])));
+    let neighbours =
+        || (-2..=2).flat_map(|x| (-2..=2).flat_map(move |y| (-2..=2).map(move |z| [x, y, z])));
     for (i, (residue, position)) in sulfurs.iter().enumerate() {
         let centre = cell_of(position);
         let shares_cell = cells.get(&centre).is_some_and(|members| members.len() > 1);
@@ -164,7 +203,9 @@ pub(crate) fn mark_disulfides(residues: &mut [SelectedResidue]) {
         residues[*residue].in_disulfide = shares_cell
             || neighbours().any(|offset| {
                 let cell = [0, 1, 2].map(|k| centre[k] + offset[k]);
-                cells.get(&cell).is_some_and(|members| members.iter().any(is_near))
+                cells
+                    .get(&cell)
+                    .is_some_and(|members| members.iter().any(is_near))
             });
     }
 }

@@ -1,8 +1,9 @@
 //! Whether a structure file is whole, as far as its text tells.
 //!
-//! A file that was cut off in the middle reads like one of a smaller protein. Its last line tells where it ended in a
-//! word; a deposited entry that lacks the mark with which such entries end was cut as well. Files made by hand or by
-//! programs often have no such mark: of those nothing can be known, and nothing is held against them.
+//! A file that was cut off in the middle reads like one of a smaller protein. Its last line tells
+//! where it ended in a word; a deposited entry that lacks the mark with which such entries end was
+//! cut as well. Files made by hand or by programs often have no such mark: of those nothing can be
+//! known, and nothing is held against them.
 
 /// How a structure file ends.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -28,7 +29,8 @@ impl Ending {
         }
         // Where columns are free, as lines of different lengths show, a shorter line means nothing.
         let lengths = lengths(text);
-        let is_fixed = lengths.len() > 1 && lengths.iter().all(|length| Some(length) == lengths.first());
+        let is_fixed =
+            lengths.len() > 1 && lengths.iter().all(|length| Some(length) == lengths.first());
         let cut = cut_in_last_line(text).filter(|_| is_fixed);
         cut.map_or(Self::Unknown, Self::CutOff)
     }
@@ -47,11 +49,16 @@ fn open_line(text: &str) -> Option<(&str, &str)> {
 /// Lengths of the atom lines before the last line.
 fn lengths(text: &str) -> Vec<usize> {
     let before = open_line(text).map_or(text, |(before, _)| before);
-    before.lines().filter(|line| is_atom(line)).map(|line| line.trim_end().len()).collect()
+    before
+        .lines()
+        .filter(|line| is_atom(line))
+        .map(|line| line.trim_end().len())
+        .collect()
 }
 
-/// What shows that a file of fixed columns was cut in its last line: the line has no end, and is shorter than every
-/// other atom line, or stops in the name of its record. A coordinate may then have lost digits and still be a number.
+/// What shows that a file of fixed columns was cut in its last line: the line has no end, and is
+/// shorter than every other atom line, or stops in the name of its record. A coordinate may then
+/// have lost digits and still be a number.
 pub(super) fn cut_in_last_line(text: &str) -> Option<String> {
     /// Columns of the name of a record.
     const NAME: usize = 6;
@@ -65,7 +72,9 @@ pub(super) fn cut_in_last_line(text: &str) -> Option<String> {
         });
     }
     let cut = last.len() < NAME && !["", "END", "TER"].contains(&last);
-    cut.then(|| format!("the file ends within the name of a record: it may have been cut off; {remedy}"))
+    cut.then(|| {
+        format!("the file ends within the name of a record: it may have been cut off; {remedy}")
+    })
 }
 
 #[cfg(test)]
@@ -91,6 +100,8 @@ mod tests {
         }
         assert!(is_cut(&format!("{whole}EN")) && !is_cut(&format!("{whole}TER")));
         // By hand, with columns as they come.
-        assert!(!is_cut("ATOM 1 CA ALA 1 0.00 0.0 0.0 -0.25 1.70\nATOM 2 CB ALA 1 1.5 0 0 0 1.7"));
+        assert!(!is_cut(
+            "ATOM 1 CA ALA 1 0.00 0.0 0.0 -0.25 1.70\nATOM 2 CB ALA 1 1.5 0 0 0 1.7"
+        ));
     }
 }

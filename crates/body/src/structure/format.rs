@@ -43,41 +43,69 @@ impl Format {
             return Ok(Format::Pqr);
         }
         let lines_seen = 1000;
-        for line in text.lines().take(lines_seen).map(str::trim_start).filter(|line| !line.is_empty()) {
+        for line in text
+            .lines()
+            .take(lines_seen)
+            .map(str::trim_start)
+            .filter(|line| !line.is_empty())
+        {
             let lower = line.get(..5).unwrap_or("").to_ascii_lowercase();
             if lower == "data_" || line.starts_with("_atom_site.") {
                 return Ok(Format::Mmcif);
             }
-            if by_name != Some(Format::Mmcif) && PDB_RECORDS.iter().any(|record| line.starts_with(record)) {
+            if by_name != Some(Format::Mmcif)
+                && PDB_RECORDS.iter().any(|record| line.starts_with(record))
+            {
                 return Ok(Format::Pdb);
             }
         }
         by_name.ok_or_else(|| {
-            let first = text.lines().find(|line| !line.trim().is_empty()).unwrap_or("");
-            let cause = format!("neither PDB nor mmCIF; the text begins with {}", quoted(first));
-            parse_error(name, 1, cause, "give a .pdb, .ent, .cif or .pqr file (or one of them with .gz)")
+            let first = text
+                .lines()
+                .find(|line| !line.trim().is_empty())
+                .unwrap_or("");
+            let cause = format!(
+                "neither PDB nor mmCIF; the text begins with {}",
+                quoted(first)
+            );
+            parse_error(
+                name,
+                1,
+                cause,
+                "give a .pdb, .ent, .cif or .pqr file (or one of them with .gz)",
+            )
         })
     }
 }
 
 /// Records a PDB file may begin with.
 const PDB_RECORDS: [&str; 18] = [
-    "HEADER", "OBSLTE", "TITLE ", "COMPND", "SOURCE", "EXPDTA", "AUTHOR", "REMARK", "SEQRES", "CRYST1", "ORIGX1",
-    "SCALE1", "MODEL", "ATOM  ", "HETATM", "HELIX ", "DBREF ", "USER",
+    "HEADER", "OBSLTE", "TITLE ", "COMPND", "SOURCE", "EXPDTA", "AUTHOR", "REMARK", "SEQRES",
+    "CRYST1", "ORIGX1", "SCALE1", "MODEL", "ATOM  ", "HETATM", "HELIX ", "DBREF ", "USER",
 ];
 
-/// The bytes as text, without a byte-order mark. Bytes outside UTF-8 (old Latin-1 author names) become replacement
-/// characters.
+/// The bytes as text, without a byte-order mark. Bytes outside UTF-8 (old Latin-1 author names)
+/// become replacement characters.
 ///
 /// # Errors
 /// [`crate::BodyError::Parse`] for an empty file, a compressed one, and binary data.
 pub(crate) fn as_text<'a>(source: &str, bytes: &'a [u8]) -> Result<Cow<'a, str>> {
     let bytes = protomer_io::without_byte_order_mark(bytes);
     if bytes.iter().all(u8::is_ascii_whitespace) {
-        return Err(parse_error(source, 0, "the file is empty", "fetch it again"));
+        return Err(parse_error(
+            source,
+            0,
+            "the file is empty",
+            "fetch it again",
+        ));
     }
     if bytes.starts_with(&[0x1f, 0x8b]) {
-        return Err(parse_error(source, 0, "the data are gzip-compressed", "decompress them before reading"));
+        return Err(parse_error(
+            source,
+            0,
+            "the data are gzip-compressed",
+            "decompress them before reading",
+        ));
     }
     if let Some(at) = bytes.iter().position(|byte| *byte == 0) {
         let line = 1 + bytes[..at].iter().filter(|byte| **byte == b'\n').count();
@@ -93,21 +121,41 @@ mod tests {
 
     #[test]
     fn content_decides_over_the_extension_and_the_extension_over_nothing() {
-        assert_eq!(Format::detect("x.pdb", "# made by hand\ndata_1ABC\n").unwrap(), Format::Mmcif);
-        assert_eq!(Format::detect("x", "REMARK free text\nATOM").unwrap(), Format::Pdb);
+        assert_eq!(
+            Format::detect("x.pdb", "# made by hand\ndata_1ABC\n").unwrap(),
+            Format::Mmcif
+        );
+        assert_eq!(
+            Format::detect("x", "REMARK free text\nATOM").unwrap(),
+            Format::Pdb
+        );
         assert_eq!(Format::detect("x.ent", "just words").unwrap(), Format::Pdb);
-        assert!(Format::detect("x.txt", "just words").unwrap_err().to_string().contains("just words"));
+        assert!(
+            Format::detect("x.txt", "just words")
+                .unwrap_err()
+                .to_string()
+                .contains("just words")
+        );
     }
 
     #[test]
     fn a_byte_order_mark_is_no_part_of_the_first_line() {
         assert_eq!(as_text("x", b"\xef\xbb\xbfATOM").unwrap(), "ATOM");
-        assert!(as_text("x", b"\xef\xbb\xbf\n").unwrap_err().to_string().contains("empty"));
+        assert!(
+            as_text("x", b"\xef\xbb\xbf\n")
+                .unwrap_err()
+                .to_string()
+                .contains("empty")
+        );
     }
 
     #[test]
     fn empty_compressed_and_binary_data_are_refused() {
-        for (bytes, cause) in [(&b" \n\t"[..], "empty"), (&[0x1f, 0x8b, 8][..], "gzip"), (b"ATOM\n\0\0", "binary")] {
+        for (bytes, cause) in [
+            (&b" \n\t"[..], "empty"),
+            (&[0x1f, 0x8b, 8][..], "gzip"),
+            (b"ATOM\n\0\0", "binary"),
+        ] {
             assert!(as_text("x", bytes).unwrap_err().to_string().contains(cause));
         }
     }

@@ -1,9 +1,15 @@
-//! mmCIF categories: atom_site, cell, symmetry, exptl, refine, struct, unobserved residues, assemblies.
+//! mmCIF categories: atom_site, cell, symmetry, exptl, refine, struct, unobserved residues,
+//! assemblies.
 
-use super::biological_assembly::{AssemblyPart, BiologicalAssembly, MOST_OPERATORS, Operator, evaluate};
+use super::biological_assembly::{
+    AssemblyPart, BiologicalAssembly, MOST_OPERATORS, Operator, evaluate,
+};
 use super::cif_syntax::{Row, read_rows};
 use super::ending::Ending;
-use super::{Atom, Model, Names, ResidueKey, Structure, UnitCell, UnobservedResidue, element, parse_error, quoted};
+use super::{
+    Atom, Model, Names, ResidueKey, Structure, UnitCell, UnobservedResidue, element, parse_error,
+    quoted,
+};
 use crate::Result;
 use nalgebra::Matrix3;
 use protomer_kernel::Vec3;
@@ -30,8 +36,13 @@ const WANTED: [&str; 14] = [
 
 /// Reads an mmCIF file.
 pub(crate) fn read(source: &str, text: &str) -> Result<Structure> {
-    let mut reader =
-        Reader { structure: Structure { source: source.to_string(), ..Structure::default() }, ..Reader::default() };
+    let mut reader = Reader {
+        structure: Structure {
+            source: source.to_string(),
+            ..Structure::default()
+        },
+        ..Reader::default()
+    };
     let (atoms_are_last, is_entry) = (Cell::new(false), Cell::new(false));
     let wants = |category: &str| {
         atoms_are_last.set(category == "atom_site");
@@ -49,11 +60,15 @@ pub(crate) fn read(source: &str, text: &str) -> Result<Structure> {
 /// Categories that show a file to be an entry of the archive.
 const OF_ENTRIES: [&str; 3] = ["audit_conform", "database_2", "pdbx_database_status"];
 
-/// A row that is not whole is an error of the grammar. A cut between two rows shows in entries of the archive only,
-/// where a line of `#` ends every category.
+/// A row that is not whole is an error of the grammar. A cut between two rows shows in entries of
+/// the archive only, where a line of `#` ends every category.
 fn ending(text: &str, is_entry: bool, atoms_are_last: bool) -> Ending {
     let is_mark = |line: &str| line.starts_with('#');
-    if text.lines().rfind(|line| !line.trim().is_empty()).is_some_and(is_mark) {
+    if text
+        .lines()
+        .rfind(|line| !line.trim().is_empty())
+        .is_some_and(is_mark)
+    {
         return Ending::Whole;
     }
     if is_entry && text.lines().any(|line| line.trim_end() == "#") {
@@ -61,7 +76,11 @@ fn ending(text: &str, is_entry: bool, atoms_are_last: bool) -> Ending {
                        the entry, or fetch it again; if it is whole, add a line #";
         return Ending::CutOff(message.into());
     }
-    if atoms_are_last { Ending::Unknown } else { Ending::Whole }
+    if atoms_are_last {
+        Ending::Unknown
+    } else {
+        Ending::Whole
+    }
 }
 
 #[derive(Default)]
@@ -153,16 +172,28 @@ impl Reader {
             }
             "cell" => header.cell = cell(row),
             "symmetry" | "space_group" => {
-                let symbol = row.get("space_group_name_h-m").or_else(|| row.get("name_h-m_alt"));
-                header.space_group = symbol.map(str::to_string).or_else(|| header.space_group.take());
+                let symbol = row
+                    .get("space_group_name_h-m")
+                    .or_else(|| row.get("name_h-m_alt"));
+                header.space_group = symbol
+                    .map(str::to_string)
+                    .or_else(|| header.space_group.take());
             }
             "pdbx_unobs_or_zero_occ_residues" => self.unobserved(row),
             "pdbx_struct_assembly" => {
-                let details = row.get("oligomeric_details").or_else(|| row.get("details")).unwrap_or("");
+                let details = row
+                    .get("oligomeric_details")
+                    .or_else(|| row.get("details"))
+                    .unwrap_or("");
                 self.details.insert(text("id"), details.to_string());
             }
             "pdbx_struct_assembly_gen" => {
-                let generator = (text("assembly_id"), text("oper_expression"), text("asym_id_list"), row.line);
+                let generator = (
+                    text("assembly_id"),
+                    text("oper_expression"),
+                    text("asym_id_list"),
+                    row.line,
+                );
                 self.generators.push(generator);
             }
             "pdbx_struct_oper_list" => self.operator(row),
@@ -172,18 +203,31 @@ impl Reader {
     }
 
     fn columns(&mut self, row: &Row) -> Result<()> {
-        if self.columns.as_ref().is_some_and(|columns| columns.width == row.items.len()) {
+        if self
+            .columns
+            .as_ref()
+            .is_some_and(|columns| columns.width == row.items.len())
+        {
             return Ok(());
         }
         let find = |item: &str| row.items.iter().position(|name| name == item);
         let missing = |item: &str| {
             let cause = format!("_atom_site.{item} is missing");
-            parse_error(&self.structure.source, row.line, cause, "give an mmCIF file with Cartesian coordinates")
+            parse_error(
+                &self.structure.source,
+                row.line,
+                cause,
+                "give an mmCIF file with Cartesian coordinates",
+            )
         };
         let require = |item: &str| find(item).ok_or_else(|| missing(item));
         self.columns = Some(Columns {
             width: row.items.len(),
-            required: [require("cartn_x")?, require("cartn_y")?, require("cartn_z")?],
+            required: [
+                require("cartn_x")?,
+                require("cartn_y")?,
+                require("cartn_z")?,
+            ],
             optional: ITEMS.map(find),
         });
         Ok(())
@@ -191,31 +235,48 @@ impl Reader {
 
     fn atom(&mut self, row: &Row) -> Result<()> {
         self.columns(row)?;
-        let Some(columns) = &self.columns else { return Ok(()) };
+        let Some(columns) = &self.columns else {
+            return Ok(());
+        };
         let source = &self.structure.source;
         let raw = |index: usize| row.values.get(index).copied().flatten();
         let value = |item: usize| columns.optional[item].and_then(raw);
         let author_or_label = |author: usize, label: usize| value(author).or_else(|| value(label));
         let error = |cause: String| parse_error(source, row.line, cause, "mend or delete the row");
-        let number = |index: usize, name: &str| match raw(index).and_then(|text| text.parse::<f64>().ok()) {
-            Some(value) if value.is_finite() && value.abs() <= 1e6 => Ok(value),
-            _ => Err(error(format!("{name} is {}, not a coordinate in Å", quoted(raw(index).unwrap_or("?"))))),
-        };
+        let number =
+            |index: usize, name: &str| match raw(index).and_then(|text| text.parse::<f64>().ok()) {
+                Some(value) if value.is_finite() && value.abs() <= 1e6 => Ok(value),
+                _ => Err(error(format!(
+                    "{name} is {}, not a coordinate in Å",
+                    quoted(raw(index).unwrap_or("?"))
+                ))),
+            };
         let [x, y, z] = columns.required;
-        let position = Vec3::new(number(x, "Cartn_x")?, number(y, "Cartn_y")?, number(z, "Cartn_z")?);
-        let name = author_or_label(AUTHOR_ATOM, LABEL_ATOM).ok_or_else(|| error("the atom has no name".into()))?;
-        let residue_number = match author_or_label(AUTHOR_NUMBER, LABEL_NUMBER).map(str::parse::<i32>) {
-            Some(Ok(number)) => number,
-            None => 0,
-            Some(Err(_)) => {
-                let text = author_or_label(AUTHOR_NUMBER, LABEL_NUMBER).unwrap_or("?");
-                return Err(error(format!("residue number is {}", quoted(text))));
-            }
-        };
+        let position = Vec3::new(
+            number(x, "Cartn_x")?,
+            number(y, "Cartn_y")?,
+            number(z, "Cartn_z")?,
+        );
+        let name = author_or_label(AUTHOR_ATOM, LABEL_ATOM)
+            .ok_or_else(|| error("the atom has no name".into()))?;
+        let residue_number =
+            match author_or_label(AUTHOR_NUMBER, LABEL_NUMBER).map(str::parse::<i32>) {
+                Some(Ok(number)) => number,
+                None => 0,
+                Some(Err(_)) => {
+                    let text = author_or_label(AUTHOR_NUMBER, LABEL_NUMBER).unwrap_or("?");
+                    return Err(error(format!("residue number is {}", quoted(text))));
+                }
+            };
         let model = match value(MODEL).map(str::parse::<i32>) {
             None => 1,
             Some(Ok(number)) => number,
-            Some(Err(_)) => return Err(error(format!("model number is {}", quoted(value(MODEL).unwrap_or("?"))))),
+            Some(Err(_)) => {
+                return Err(error(format!(
+                    "model number is {}",
+                    quoted(value(MODEL).unwrap_or("?"))
+                )));
+            }
         };
         let lenient = |item: usize, default: f64| match value(item).map(str::parse::<f64>) {
             Some(Ok(number)) if number.is_finite() => (number, false),
@@ -225,15 +286,23 @@ impl Reader {
         let (occupancy, odd_occupancy) = lenient(OCCUPANCY, 1.0);
         let (b_factor_angstrom2, odd_b_factor) = lenient(B_FACTOR, 0.0);
         let hetero = value(GROUP) == Some("HETATM");
-        let element = value(SYMBOL).and_then(element::known).unwrap_or_else(|| element::from_name(name));
-        self.serial = value(ID).and_then(|id| id.parse().ok()).unwrap_or(self.serial.saturating_add(1));
+        let element = value(SYMBOL)
+            .and_then(element::known)
+            .unwrap_or_else(|| element::from_name(name));
+        self.serial = value(ID)
+            .and_then(|id| id.parse().ok())
+            .unwrap_or(self.serial.saturating_add(1));
         let label_chain = value(LABEL_CHAIN).or(value(AUTHOR_CHAIN)).unwrap_or("");
         let atom = Atom {
             serial: self.serial,
             name: self.names.share(name),
             alternate: value(ALTERNATE).and_then(|text| text.chars().next()),
-            residue_name: self.names.share(author_or_label(AUTHOR_RESIDUE, LABEL_RESIDUE).unwrap_or("UNK")),
-            chain: self.names.share(author_or_label(AUTHOR_CHAIN, LABEL_CHAIN).unwrap_or("")),
+            residue_name: self
+                .names
+                .share(author_or_label(AUTHOR_RESIDUE, LABEL_RESIDUE).unwrap_or("UNK")),
+            chain: self
+                .names
+                .share(author_or_label(AUTHOR_CHAIN, LABEL_CHAIN).unwrap_or("")),
             label_chain: self.names.share(label_chain),
             residue_number,
             insertion_code: self.names.share(value(INSERTION_CODE).unwrap_or("")),
@@ -243,14 +312,22 @@ impl Reader {
             formal_charge_e: value(FORMAL_CHARGE).and_then(|text| text.parse().ok()),
             position,
             hetero,
-            outside_polymer: hetero && columns.optional[LABEL_NUMBER].is_some() && value(LABEL_NUMBER).is_none(),
+            outside_polymer: hetero
+                && columns.optional[LABEL_NUMBER].is_some()
+                && value(LABEL_NUMBER).is_none(),
         };
         if odd_occupancy || odd_b_factor {
-            self.structure.warnings.add(row.line, "occupancy or B factor is not a number; 1 and 0 are used");
+            self.structure.warnings.add(
+                row.line,
+                "occupancy or B factor is not a number; 1 and 0 are used",
+            );
         }
         let models = &mut self.structure.models;
         let index = *self.models.entry(model).or_insert_with(|| {
-            models.push(Model { number: model, atoms: Vec::new() });
+            models.push(Model {
+                number: model,
+                atoms: Vec::new(),
+            });
             models.len() - 1
         });
         models[index].atoms.push(atom);
@@ -259,7 +336,9 @@ impl Reader {
 
     fn unobserved(&mut self, row: &Row) {
         let is_missing = row.get("occupancy_flag").is_none_or(|flag| flag == "1");
-        let number = row.get("auth_seq_id").and_then(|number| number.parse().ok());
+        let number = row
+            .get("auth_seq_id")
+            .and_then(|number| number.parse().ok());
         if let (true, Some(number)) = (is_missing, number) {
             let key = ResidueKey {
                 chain: self.names.share(row.get("auth_asym_id").unwrap_or("")),
@@ -267,16 +346,30 @@ impl Reader {
                 insertion_code: self.names.share(row.get("pdb_ins_code").unwrap_or("")),
             };
             let name = self.names.share(row.get("auth_comp_id").unwrap_or("UNK"));
-            self.structure.header.unobserved.push(UnobservedResidue { key, name });
+            self.structure
+                .header
+                .unobserved
+                .push(UnobservedResidue { key, name });
         }
     }
 
     fn operator(&mut self, row: &Row) {
-        let number = |item: String| row.get(&item).and_then(|text| text.parse::<f64>().ok()).unwrap_or(f64::NAN);
+        let number = |item: String| {
+            row.get(&item)
+                .and_then(|text| text.parse::<f64>().ok())
+                .unwrap_or(f64::NAN)
+        };
         let rotation = Matrix3::from_fn(|i, j| number(format!("matrix[{}][{}]", i + 1, j + 1)));
         let translation = Vec3::from_fn(|i, _| number(format!("vector[{}]", i + 1)));
         let name = row.get("id").unwrap_or("").to_string();
-        self.operators.insert(name.clone(), Operator { name, rotation, translation });
+        self.operators.insert(
+            name.clone(),
+            Operator {
+                name,
+                rotation,
+                translation,
+            },
+        );
     }
 
     fn finish(mut self) -> Result<Structure> {
@@ -295,18 +388,35 @@ impl Reader {
         for (id, expression, chains, line) in std::mem::take(&mut self.generators) {
             let error = |cause: String| {
                 let cause = format!("operator expression {}: {cause}", quoted(&expression));
-                parse_error(&self.structure.source, line, cause, "mend _pdbx_struct_assembly_gen or remove it")
+                parse_error(
+                    &self.structure.source,
+                    line,
+                    cause,
+                    "mend _pdbx_struct_assembly_gen or remove it",
+                )
             };
             let operators = evaluate(&expression, &self.operators).map_err(error)?;
             total += operators.len();
             if total > MOST_OPERATORS {
-                return Err(error(format!("with it there are more than {MOST_OPERATORS} operators")));
+                return Err(error(format!(
+                    "with it there are more than {MOST_OPERATORS} operators"
+                )));
             }
-            let chains = chains.split(',').map(str::trim).filter(|chain| !chain.is_empty());
-            let part = AssemblyPart { chains: chains.map(|chain| self.names.share(chain)).collect(), operators };
+            let chains = chains
+                .split(',')
+                .map(str::trim)
+                .filter(|chain| !chain.is_empty());
+            let part = AssemblyPart {
+                chains: chains.map(|chain| self.names.share(chain)).collect(),
+                operators,
+            };
             let index = *index_of.entry(id.clone()).or_insert_with(|| {
                 let details = self.details.get(&id).cloned().unwrap_or_default();
-                assemblies.push(BiologicalAssembly { id, details, parts: Vec::new() });
+                assemblies.push(BiologicalAssembly {
+                    id,
+                    details,
+                    parts: Vec::new(),
+                });
                 assemblies.len() - 1
             });
             assemblies[index].parts.push(part);
@@ -316,7 +426,11 @@ impl Reader {
 }
 
 fn cell(row: &Row) -> Option<UnitCell> {
-    let number = |item: &str| row.get(item).and_then(|text| text.parse::<f64>().ok()).unwrap_or(f64::NAN);
+    let number = |item: &str| {
+        row.get(item)
+            .and_then(|text| text.parse::<f64>().ok())
+            .unwrap_or(f64::NAN)
+    };
     UnitCell::of_crystal(
         ["length_a", "length_b", "length_c"].map(number),
         ["angle_alpha", "angle_beta", "angle_gamma"].map(number),
@@ -334,28 +448,45 @@ mod tests {
 
     #[test]
     fn an_entry_that_was_cut_off_anywhere_in_its_atoms_is_known() {
-        let of = |text: &str| read("1abc.cif", text).map(|structure| (structure.ending, structure.warnings.count));
+        let of = |text: &str| {
+            read("1abc.cif", text).map(|structure| (structure.ending, structure.warnings.count))
+        };
         assert_eq!(of(ENTRY).unwrap(), (Ending::Whole, 0));
         let whole = ENTRY.trim_end().len();
         let atoms = ENTRY.find("ATOM").unwrap();
         for cut in atoms..whole {
             let found = of(&ENTRY[..cut]);
-            assert!(matches!(found, Err(_) | Ok((Ending::CutOff(_), 1))), "{cut}: {found:?}");
+            assert!(
+                matches!(found, Err(_) | Ok((Ending::CutOff(_), 1))),
+                "{cut}: {found:?}"
+            );
         }
         // Within a row it cannot be read at all, and the message says where and what to do.
-        let message = of(&ENTRY[..ENTRY.find(" 6.75").unwrap()]).unwrap_err().to_string();
+        let message = of(&ENTRY[..ENTRY.find(" 6.75").unwrap()])
+            .unwrap_err()
+            .to_string();
         assert!(
-            message.contains("1abc.cif:13:") && message.contains("4 of 6") && message.contains("fetch"),
+            message.contains("1abc.cif:13:")
+                && message.contains("4 of 6")
+                && message.contains("fetch"),
             "{message}"
         );
     }
 
     #[test]
     fn a_file_by_hand_needs_no_mark_of_its_end() {
-        let by_hand = ENTRY.replace("#\n", "").replace("_audit_conform.dict_name mmcif_pdbx.dic\n", "");
+        let by_hand = ENTRY
+            .replace("#\n", "")
+            .replace("_audit_conform.dict_name mmcif_pdbx.dic\n", "");
         let of = |text: &str| read("own.cif", text).unwrap();
-        assert_eq!((of(&by_hand).ending, of(&by_hand).warnings.count), (Ending::Unknown, 0));
+        assert_eq!(
+            (of(&by_hand).ending, of(&by_hand).warnings.count),
+            (Ending::Unknown, 0)
+        );
         // Where something follows the atoms, they are all there.
-        assert_eq!(of(&format!("{by_hand}_cell.length_a 10\n")).ending, Ending::Whole);
+        assert_eq!(
+            of(&format!("{by_hand}_cell.length_a 10\n")).ending,
+            Ending::Whole
+        );
     }
 }

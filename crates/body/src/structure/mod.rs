@@ -1,10 +1,12 @@
-//! Structure files: PDB and mmCIF text to one [`Structure`], and the selection of what becomes a body.
+//! Structure files: PDB and mmCIF text to one [`Structure`], and the selection of what becomes a
+//! body.
 //!
-//! The readers are our own. pdbtbx 0.12, the natural choice in Rust, was measured on 120 PDB and mmCIF files: at its
-//! loosest level it read 90, refused 27 (free-text remarks, coordinate lines shorter than 80 columns, odd charges) and
-//! panicked on three; where blank and labelled alternate locations stand side by side its atom iterator yields the
-//! blank ones once per conformer (5PTI: 1119 atoms for 1104 records), which would count charges twice; and it reads no
-//! biological assemblies from either format. It serves as an independent witness in the tests.
+//! The readers are our own. pdbtbx 0.12, the natural choice in Rust, was measured on 120 PDB and
+//! mmCIF files: at its loosest level it read 90, refused 27 (free-text remarks, coordinate lines
+//! shorter than 80 columns, odd charges) and panicked on three; where blank and labelled alternate
+//! locations stand side by side its atom iterator yields the blank ones once per conformer (5PTI:
+//! 1119 atoms for 1104 records), which would count charges twice; and it reads no biological
+//! assemblies from either format. It serves as an independent witness in the tests.
 //!
 //! | module | one idea |
 //! |---|---|
@@ -79,7 +81,8 @@ pub struct Header {
     pub method: String,
     /// Resolution, Å.
     pub resolution_angstrom: Option<f64>,
-    /// The crystal's unit cell; `None` without a crystal (the conventional 1 x 1 x 1 Å cell is not one).
+    /// The crystal's unit cell; `None` without a crystal (the conventional 1 x 1 x 1 Å cell is not
+    /// one).
     pub cell: Option<UnitCell>,
     /// Hermann-Mauguin symbol of the space group, where there is a crystal.
     pub space_group: Option<String>,
@@ -97,11 +100,19 @@ pub struct UnitCell {
 }
 
 impl UnitCell {
-    /// `None` for the 1 x 1 x 1 Å cell by which files without a crystal fill a mandatory record, and for nonsense.
+    /// `None` for the 1 x 1 x 1 Å cell by which files without a crystal fill a mandatory record,
+    /// and for nonsense.
     pub(crate) fn of_crystal(lengths_angstrom: [f64; 3], angles_degree: [f64; 3]) -> Option<Self> {
-        let is_cell = lengths_angstrom.iter().all(|length| length.is_finite() && *length > 2.0)
-            && angles_degree.iter().all(|angle| angle.is_finite() && *angle > 0.0 && *angle < 180.0);
-        is_cell.then_some(Self { lengths_angstrom, angles_degree })
+        let is_cell = lengths_angstrom
+            .iter()
+            .all(|length| length.is_finite() && *length > 2.0)
+            && angles_degree
+                .iter()
+                .all(|angle| angle.is_finite() && *angle > 0.0 && *angle < 180.0);
+        is_cell.then_some(Self {
+            lengths_angstrom,
+            angles_degree,
+        })
     }
 }
 
@@ -154,7 +165,8 @@ pub struct Atom {
     pub position: Vec3,
     /// Whether the record is a HETATM.
     pub hetero: bool,
-    /// Whether the file shows the atom to stand outside of any polymer (after the chain's TER; no sequence number).
+    /// Whether the file shows the atom to stand outside of any polymer (after the chain's TER; no
+    /// sequence number).
     pub outside_polymer: bool,
 }
 
@@ -166,8 +178,8 @@ impl Atom {
 }
 
 impl Structure {
-    /// Reads PDB or mmCIF text; the format follows from the content ([`Format::detect`]). `source` names the file in
-    /// errors.
+    /// Reads PDB or mmCIF text; the format follows from the content ([`Format::detect`]). `source`
+    /// names the file in errors.
     ///
     /// ```
     /// use protomer_body::structure::Structure;
@@ -178,7 +190,8 @@ impl Structure {
     /// ```
     ///
     /// # Errors
-    /// [`BodyError::Parse`] with line, cause and remedy for anything that is not a readable structure.
+    /// [`BodyError::Parse`] with line, cause and remedy for anything that is not a readable
+    /// structure.
     pub fn read(source: &str, bytes: &[u8]) -> Result<Self> {
         let text = format::as_text(source, bytes)?;
         let structure = match Format::detect(source, &text)? {
@@ -186,25 +199,45 @@ impl Structure {
             Format::Mmcif => mmcif::read(source, &text)?,
             Format::Pqr => {
                 let remedy = "read it as PQR, which brings its own charges and radii";
-                return Err(parse_error(source, 0, "a PQR file where PDB or mmCIF was expected", remedy));
+                return Err(parse_error(
+                    source,
+                    0,
+                    "a PQR file where PDB or mmCIF was expected",
+                    remedy,
+                ));
             }
         };
         if structure.models.iter().all(|model| model.atoms.is_empty()) {
-            let remedy = "give a PDB or mmCIF file with coordinates; the download may have been cut short";
+            let remedy =
+                "give a PDB or mmCIF file with coordinates; the download may have been cut short";
             return Err(parse_error(source, 0, "no atoms", remedy));
         }
         Ok(structure)
     }
 }
 
-pub(crate) fn parse_error(source: &str, line: usize, cause: impl Into<String>, remedy: impl Into<String>) -> BodyError {
-    BodyError::Parse { file: source.to_string(), line, cause: cause.into(), remedy: remedy.into() }
+pub(crate) fn parse_error(
+    source: &str,
+    line: usize,
+    cause: impl Into<String>,
+    remedy: impl Into<String>,
+) -> BodyError {
+    BodyError::Parse {
+        file: source.to_string(),
+        line,
+        cause: cause.into(),
+        remedy: remedy.into(),
+    }
 }
 
 /// Text quoted in a message, shortened and without control characters.
 pub(crate) fn quoted(text: &str) -> String {
     const LONGEST: usize = 40;
-    let clean: String = text.chars().map(|c| if c.is_control() { '·' } else { c }).take(LONGEST + 1).collect();
+    let clean: String = text
+        .chars()
+        .map(|c| if c.is_control() { '·' } else { c })
+        .take(LONGEST + 1)
+        .collect();
     if clean.chars().count() > LONGEST {
         format!("`{}...`", clean.chars().take(LONGEST).collect::<String>())
     } else {

@@ -1,11 +1,12 @@
 //! PDB coordinate records (wwPDB format 3.3, section 9), read as files in the wild write them.
 //!
-//! Tolerated: lines that end early, missing occupancy, B or element, hybrid-36 and overflowing serial numbers, five-digit
-//! residue numbers, two-letter chains (columns 21-22), four-letter residue names, atoms outside MODEL ... ENDMDL.
-//! Warned of, and noted as the [`Ending`]: a deposited entry (one with HEADER or SEQRES) that ends without END or
-//! MASTER, as one cut off between two lines does; a model that is not closed; a last line that stops in a word. Files
-//! of other origin often have none of these records, so for them nothing can be said. Not tolerated: a coordinate or a
-//! residue number that cannot be read, because the atom would be lost in silence.
+//! Tolerated: lines that end early, missing occupancy, B or element, hybrid-36 and overflowing
+//! serial numbers, five-digit residue numbers, two-letter chains (columns 21-22), four-letter
+//! residue names, atoms outside MODEL ... ENDMDL. Warned of, and noted as the [`Ending`]: a
+//! deposited entry (one with HEADER or SEQRES) that ends without END or MASTER, as one cut off
+//! between two lines does; a model that is not closed; a last line that stops in a word. Files of
+//! other origin often have none of these records, so for them nothing can be said. Not tolerated: a
+//! coordinate or a residue number that cannot be read, because the atom would be lost in silence.
 
 use super::columns::{Line, hybrid36};
 use super::ending::{Ending, cut_in_last_line};
@@ -24,7 +25,11 @@ pub(crate) fn read(source: &str, text: &str) -> Result<Structure> {
     let mut reader = Reader::new(source);
     let mut header = pdb_header::HeaderReader::default();
     for (index, text) in text.lines().enumerate() {
-        let line = Line { source, number: index + 1, text: text.trim_end() };
+        let line = Line {
+            source,
+            number: index + 1,
+            text: text.trim_end(),
+        };
         match line.field(1, 6) {
             "ATOM" | "HETATM" => reader.atom(&line)?,
             "MASTER" => reader.has_end = true,
@@ -37,7 +42,9 @@ pub(crate) fn read(source: &str, text: &str) -> Result<Structure> {
             "TER" => reader.end_of_polymer(),
             record if record.starts_with("HETAT") => reader.atom(&line)?,
             record => {
-                reader.deposited = reader.deposited.or(DEPOSITED.into_iter().find(|name| *name == record));
+                reader.deposited = reader
+                    .deposited
+                    .or(DEPOSITED.into_iter().find(|name| *name == record));
                 header.read(record, &line, &mut reader.names)?;
             }
         }
@@ -65,7 +72,10 @@ struct Reader {
 impl Reader {
     fn new(source: &str) -> Self {
         Self {
-            structure: Structure { source: source.to_string(), ..Structure::default() },
+            structure: Structure {
+                source: source.to_string(),
+                ..Structure::default()
+            },
             names: Names::default(),
             model_is_open: false,
             awaits_endmdl: false,
@@ -84,11 +94,17 @@ impl Reader {
     }
 
     fn next_model_number(&self) -> i32 {
-        self.structure.models.last().map_or(1, |model| model.number.saturating_add(1))
+        self.structure
+            .models
+            .last()
+            .map_or(1, |model| model.number.saturating_add(1))
     }
 
     fn push_model(&mut self, number: i32) {
-        self.structure.models.push(Model { number, atoms: Vec::new() });
+        self.structure.models.push(Model {
+            number,
+            atoms: Vec::new(),
+        });
         self.model_is_open = true;
         self.ended_chains.clear();
     }
@@ -99,7 +115,12 @@ impl Reader {
     }
 
     fn end_of_polymer(&mut self) {
-        if let Some(atom) = self.structure.models.last().and_then(|model| model.atoms.last()) {
+        if let Some(atom) = self
+            .structure
+            .models
+            .last()
+            .and_then(|model| model.atoms.last())
+        {
             self.ended_chains.insert(atom.chain.clone());
         }
     }
@@ -124,17 +145,26 @@ impl Reader {
         let hetero = line.text.starts_with('H');
         let (residue_name, chain) = residue_and_chain(line);
         let (residue_number, insertion_code) = residue_number(line)?;
-        let position =
-            Vec3::new(line.coordinate("x", 31, 38)?, line.coordinate("y", 39, 46)?, line.coordinate("z", 47, 54)?);
+        let position = Vec3::new(
+            line.coordinate("x", 31, 38)?,
+            line.coordinate("y", 39, 46)?,
+            line.coordinate("z", 47, 54)?,
+        );
         let name = line.field(13, 16);
         if name.is_empty() {
-            return Err(line.error("no atom name in columns 13-16".into(), "mend or delete the line"));
+            return Err(line.error(
+                "no atom name in columns 13-16".into(),
+                "mend or delete the line",
+            ));
         }
         let occupancy = self.number_or(line, "occupancy", 55, 60, 1.0);
         let b_factor_angstrom2 = self.number_or(line, "B factor", 61, 66, 0.0);
         let chain = self.names.share(chain);
         let element = element::known(line.field(77, 78)).unwrap_or_else(|| {
-            element::from_pdb_name(line.columns(13, 16), hetero && !residue_names::is_polymer(residue_name))
+            element::from_pdb_name(
+                line.columns(13, 16),
+                hetero && !residue_names::is_polymer(residue_name),
+            )
         });
         Ok(Atom {
             serial: hybrid36(line.field(7, 11), 5).unwrap_or(self.serial.saturating_add(1)),
@@ -156,13 +186,23 @@ impl Reader {
     }
 
     /// A number that the file may lack; one that cannot be read is warned of.
-    fn number_or(&mut self, line: &Line, name: &str, first: usize, last: usize, default: f64) -> f64 {
+    fn number_or(
+        &mut self,
+        line: &Line,
+        name: &str,
+        first: usize,
+        last: usize,
+        default: f64,
+    ) -> f64 {
         let field = line.field(first, last);
         match field.parse::<f64>() {
             Ok(value) if value.is_finite() => value,
             _ if field.is_empty() => default,
             _ => {
-                self.structure.warnings.add(line.number, &format!("{name} {} read as {default}", quoted(field)));
+                self.structure.warnings.add(
+                    line.number,
+                    &format!("{name} {} read as {default}", quoted(field)),
+                );
                 default
             }
         }
@@ -173,7 +213,9 @@ impl Reader {
         if let Ending::CutOff(message) = &self.structure.ending {
             self.structure.warnings.add(text.lines().count(), message);
         }
-        self.structure.models.retain(|model| !model.atoms.is_empty());
+        self.structure
+            .models
+            .retain(|model| !model.atoms.is_empty());
         (self.structure.header, self.structure.assemblies) = header.finish();
         Ok(self.structure)
     }
@@ -197,8 +239,9 @@ impl Reader {
     }
 }
 
-/// Residue name and chain. Columns 18-20 and 22 by the standard; column 21 belongs to a two-letter chain if the three
-/// columns before it name a residue by themselves, and otherwise to a four-letter residue name.
+/// Residue name and chain. Columns 18-20 and 22 by the standard; column 21 belongs to a two-letter
+/// chain if the three columns before it name a residue by themselves, and otherwise to a
+/// four-letter residue name.
 fn residue_and_chain<'a>(line: &Line<'a>) -> (&'a str, &'a str) {
     let (three, four) = (line.field(18, 20), line.field(18, 21));
     let is_residue = |name: &str| residue_names::is_polymer(name) || residue_names::is_water(name);
@@ -211,11 +254,16 @@ fn residue_and_chain<'a>(line: &Line<'a>) -> (&'a str, &'a str) {
     }
 }
 
-/// Residue number and insertion code; a digit in the insertion code's column is the fifth digit of the number.
+/// Residue number and insertion code; a digit in the insertion code's column is the fifth digit of
+/// the number.
 fn residue_number<'a>(line: &Line<'a>) -> Result<(i32, &'a str)> {
     let code = line.field(27, 27);
     let five_digits = code.starts_with(|c: char| c.is_ascii_digit());
-    let (field, code) = if five_digits { (line.field(23, 27), "") } else { (line.field(23, 26), code) };
+    let (field, code) = if five_digits {
+        (line.field(23, 27), "")
+    } else {
+        (line.field(23, 26), code)
+    };
     match hybrid36(field, 4).and_then(|number| i32::try_from(number).ok()) {
         Some(number) => Ok((number, code)),
         None => {
@@ -229,7 +277,11 @@ fn residue_number<'a>(line: &Line<'a>) -> Result<(i32, &'a str)> {
 fn formal_charge(field: &str) -> Option<i32> {
     let sign = if field.contains('-') { -1 } else { 1 };
     let digits = field.trim_matches(['+', '-']);
-    digits.parse::<i32>().ok().filter(|_| field.contains(['+', '-'])).map(|charge| sign * charge)
+    digits
+        .parse::<i32>()
+        .ok()
+        .filter(|_| field.contains(['+', '-']))
+        .map(|charge| sign * charge)
 }
 
 #[cfg(test)]
@@ -242,25 +294,51 @@ mod tests {
 
     #[test]
     fn a_full_line() {
-        let atom = one("HETATM 1234 ZN  AZN2 B-101A     11.104   6.134  -6.504  0.50 10.25          ZN2+").unwrap();
-        assert_eq!((atom.serial, &*atom.name, atom.alternate, &*atom.element), (1234, "ZN", Some('A'), "ZN"));
-        assert_eq!((&*atom.chain, atom.residue_number, &*atom.insertion_code), ("B", -101, "A"));
-        assert_eq!((atom.occupancy, atom.b_factor_angstrom2, atom.formal_charge_e), (0.5, 10.25, Some(2)));
+        let atom =
+            one("HETATM 1234 ZN  AZN2 B-101A     11.104   6.134  -6.504  0.50 10.25          ZN2+")
+                .unwrap();
+        assert_eq!(
+            (atom.serial, &*atom.name, atom.alternate, &*atom.element),
+            (1234, "ZN", Some('A'), "ZN")
+        );
+        assert_eq!(
+            (&*atom.chain, atom.residue_number, &*atom.insertion_code),
+            ("B", -101, "A")
+        );
+        assert_eq!(
+            (
+                atom.occupancy,
+                atom.b_factor_angstrom2,
+                atom.formal_charge_e
+            ),
+            (0.5, 10.25, Some(2))
+        );
     }
 
     #[test]
     fn a_line_that_ends_at_its_coordinates() {
         let atom = one("ATOM      1  CA  GLY     7      11.104   6.134  -6.5\r").unwrap();
-        assert_eq!((atom.position.z, atom.occupancy, &*atom.element, &*atom.chain), (-6.5, 1.0, "C", ""));
+        assert_eq!(
+            (
+                atom.position.z,
+                atom.occupancy,
+                &*atom.element,
+                &*atom.chain
+            ),
+            (-6.5, 1.0, "C", "")
+        );
     }
 
     #[test]
     fn an_entry_that_was_cut_off_between_two_lines_is_warned_of() {
         let atom = |number: usize| {
-            format!("ATOM  {number:>5}  CA  GLY A{number:>4}      11.104   6.134  -6.504  1.00 10.00           C  \n")
+            format!(
+                "ATOM  {number:>5}  CA  GLY A{number:>4}      11.104   6.134  -6.504  1.00 10.00           C  \n"
+            )
         };
         let atoms: String = (1..=5).map(atom).collect();
-        let header = "HEADER    HYDROLASE                               01-JAN-00   1ABC              \n";
+        let header =
+            "HEADER    HYDROLASE                               01-JAN-00   1ABC              \n";
         let warnings = |text: &str| read("1abc.pdb", text).unwrap().warnings.messages;
         let whole = format!("{header}{atoms}MASTER        0\nEND   \n");
         assert!(warnings(&whole).is_empty());
@@ -268,56 +346,93 @@ mod tests {
         for lines in 2..=6 {
             let cut: String = whole.split_inclusive('\n').take(lines).collect();
             let found = warnings(&cut);
-            assert!(found.len() == 1 && found[0].starts_with(&format!("line {lines}: ")), "{lines}: {found:?}");
-            assert!(found[0].contains("END") && found[0].contains("fetch it again"), "{found:?}");
+            assert!(
+                found.len() == 1 && found[0].starts_with(&format!("line {lines}: ")),
+                "{lines}: {found:?}"
+            );
+            assert!(
+                found[0].contains("END") && found[0].contains("fetch it again"),
+                "{found:?}"
+            );
         }
-        assert!(warnings(&format!("{header}{atoms}MASTER        0\n")).is_empty(), "no atom is lost after MASTER");
-        assert!(warnings(&format!("{header}MODEL        1\n{atoms}ENDMDL\n")).len() == 1, "further models may be lost");
+        assert!(
+            warnings(&format!("{header}{atoms}MASTER        0\n")).is_empty(),
+            "no atom is lost after MASTER"
+        );
+        assert!(
+            warnings(&format!("{header}MODEL        1\n{atoms}ENDMDL\n")).len() == 1,
+            "further models may be lost"
+        );
         // Programs write files without HEADER and without END: nothing can be said of them.
-        assert!(warnings(&atoms).is_empty() && warnings(&format!("REMARK made by a program\n{atoms}TER\n")).is_empty());
+        assert!(
+            warnings(&atoms).is_empty()
+                && warnings(&format!("REMARK made by a program\n{atoms}TER\n")).is_empty()
+        );
     }
 
     #[test]
     fn a_file_by_hand_is_cut_off_only_where_its_text_shows_it() {
         let atom = |number: usize| {
-            format!("ATOM  {number:>5}  CA  GLY A{number:>4}      11.104   6.134  -6.504  1.00 10.00           C  \n")
+            format!(
+                "ATOM  {number:>5}  CA  GLY A{number:>4}      11.104   6.134  -6.504  1.00 10.00           C  \n"
+            )
         };
         let atoms: String = (1..=5).map(atom).collect();
         let ending = |text: &str| read("own.pdb", text).map(|structure| structure.ending);
         assert_eq!(ending(&format!("{atoms}END\n")).unwrap(), Ending::Whole);
         assert_eq!(ending(&format!("{atoms}END")).unwrap(), Ending::Whole);
-        for whole in
-            [atoms.clone(), atoms.trim_end().into(), format!("{atoms}TER"), format!("MODEL 1\n{atoms}ENDMDL\n")]
-        {
+        for whole in [
+            atoms.clone(),
+            atoms.trim_end().into(),
+            format!("{atoms}TER"),
+            format!("MODEL 1\n{atoms}ENDMDL\n"),
+        ] {
             assert_eq!(ending(&whole).unwrap(), Ending::Unknown, "{whole}");
         }
-        for cut in
-            [format!("SEQRES   1 A    5  GLY\n{atoms}"), format!("MODEL        1\n{atoms}"), format!("{atoms}EN")]
-        {
+        for cut in [
+            format!("SEQRES   1 A    5  GLY\n{atoms}"),
+            format!("MODEL        1\n{atoms}"),
+            format!("{atoms}EN"),
+        ] {
             assert!(matches!(ending(&cut).unwrap(), Ending::CutOff(_)), "{cut}");
         }
-        // Wherever the last line is cut before its last letter, either it cannot be read or that it was cut is known:
-        // the coordinate -6.5 for -6.504 is not taken.
+        // Wherever the last line is cut before its last letter, either it cannot be read or that it
+        // was cut is known: the coordinate -6.5 for -6.504 is not taken.
         let begin = atoms.len() - atom(5).len();
         for cut in begin + 1..atoms.trim_end().len() {
             let found = ending(&atoms[..cut]);
-            assert!(matches!(found, Err(_) | Ok(Ending::CutOff(_))), "{cut}: {found:?}");
+            assert!(
+                matches!(found, Err(_) | Ok(Ending::CutOff(_))),
+                "{cut}: {found:?}"
+            );
         }
     }
 
     #[test]
     fn long_names_and_numbers() {
-        let chains = one("ATOM  A0000  N   GLUBb4016     147.522   4.864  48.302  1.00 97.30         Z N").unwrap();
-        assert_eq!((&*chains.chain, &*chains.residue_name, chains.serial), ("Bb", "GLU", 100_000));
-        let water = one("ATOM  *****  OH2 TIP3W12345    147.522   4.864  48.302  1.00 97.30").unwrap();
-        assert_eq!((&*water.chain, &*water.residue_name, water.residue_number), ("W", "TIP3", 12_345));
+        let chains =
+            one("ATOM  A0000  N   GLUBb4016     147.522   4.864  48.302  1.00 97.30         Z N")
+                .unwrap();
+        assert_eq!(
+            (&*chains.chain, &*chains.residue_name, chains.serial),
+            ("Bb", "GLU", 100_000)
+        );
+        let water =
+            one("ATOM  *****  OH2 TIP3W12345    147.522   4.864  48.302  1.00 97.30").unwrap();
+        assert_eq!(
+            (&*water.chain, &*water.residue_name, water.residue_number),
+            ("W", "TIP3", 12_345)
+        );
     }
 
     #[test]
     fn a_bad_coordinate_names_its_line_and_columns() {
         let text = "REMARK\nATOM      1  CA  GLY A   7      11.104   6.1x4  -6.504  1.00 10.00           C";
         let message = read("bad.pdb", text).unwrap_err().to_string();
-        assert!(message.contains("bad.pdb:2") && message.contains("39-46") && message.contains("6.1x4"), "{message}");
+        assert!(
+            message.contains("bad.pdb:2") && message.contains("39-46") && message.contains("6.1x4"),
+            "{message}"
+        );
         assert!(one("ATOM      1  CA  GLY A   7         nan   6.134  -6.504").is_err());
         assert!(one("ATOM      1  CA  GLY A   7       1e300   6.134  -6.504").is_err());
     }

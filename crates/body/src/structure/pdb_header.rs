@@ -50,7 +50,8 @@ impl HeaderReader {
         let angles = [number(34, 40), number(41, 47), number(48, 54)];
         self.header.cell = UnitCell::of_crystal(lengths, angles);
         let symbol = line.field(56, 66);
-        self.header.space_group = (self.header.cell.is_some() && !symbol.is_empty()).then(|| symbol.to_string());
+        self.header.space_group =
+            (self.header.cell.is_some() && !symbol.is_empty()).then(|| symbol.to_string());
     }
 
     fn remark(&mut self, line: &Line, names: &mut Names) -> Result<()> {
@@ -65,8 +66,13 @@ impl HeaderReader {
 
     fn resolution(&mut self, line: &Line) {
         if line.columns(12, 22) == "RESOLUTION." {
-            let value = line.field(23, 38).split_whitespace().next().and_then(|word| word.parse::<f64>().ok());
-            self.header.resolution_angstrom = value.filter(|value| value.is_finite() && *value > 0.0);
+            let value = line
+                .field(23, 38)
+                .split_whitespace()
+                .next()
+                .and_then(|word| word.parse::<f64>().ok());
+            self.header.resolution_angstrom =
+                value.filter(|value| value.is_finite() && *value > 0.0);
         }
     }
 
@@ -91,7 +97,10 @@ impl HeaderReader {
                 number: number_value,
                 insertion_code: names.share(&number[digits.len()..]),
             };
-            self.header.unobserved.push(UnobservedResidue { key, name: names.share(name) });
+            self.header.unobserved.push(UnobservedResidue {
+                key,
+                name: names.share(name),
+            });
         }
     }
 
@@ -99,10 +108,18 @@ impl HeaderReader {
         let text = line.field(12, 80);
         if let Some(id) = text.strip_prefix("BIOMOLECULE:") {
             let id = id.split(',').next().unwrap_or(id).trim().to_string();
-            self.assemblies.push(BiologicalAssembly { id, details: String::new(), parts: Vec::new() });
+            self.assemblies.push(BiologicalAssembly {
+                id,
+                details: String::new(),
+                parts: Vec::new(),
+            });
             self.part_has_operators = true;
-        } else if text.starts_with("AUTHOR DETERMINED BIOLOGICAL UNIT:") || text.starts_with("SOFTWARE DETERMINED") {
-            if let (Some(assembly), Some((_, unit))) = (self.assemblies.last_mut(), text.split_once(':')) {
+        } else if text.starts_with("AUTHOR DETERMINED BIOLOGICAL UNIT:")
+            || text.starts_with("SOFTWARE DETERMINED")
+        {
+            if let (Some(assembly), Some((_, unit))) =
+                (self.assemblies.last_mut(), text.split_once(':'))
+            {
                 assembly.details = unit.trim().to_string();
             }
         } else if let Some((_, chains)) = text.split_once("CHAINS:") {
@@ -116,16 +133,28 @@ impl HeaderReader {
     /// A list of chains; lists that follow each other without operators between belong together.
     fn chains(&mut self, list: &str, names: &mut Names) {
         if self.assemblies.is_empty() {
-            self.assemblies.push(BiologicalAssembly { id: "1".into(), details: String::new(), parts: Vec::new() });
+            self.assemblies.push(BiologicalAssembly {
+                id: "1".into(),
+                details: String::new(),
+                parts: Vec::new(),
+            });
             self.part_has_operators = true;
         }
-        let Some(assembly) = self.assemblies.last_mut() else { return };
+        let Some(assembly) = self.assemblies.last_mut() else {
+            return;
+        };
         if self.part_has_operators || assembly.parts.is_empty() {
-            assembly.parts.push(AssemblyPart { chains: Vec::new(), operators: Vec::new() });
+            assembly.parts.push(AssemblyPart {
+                chains: Vec::new(),
+                operators: Vec::new(),
+            });
             self.part_has_operators = false;
         }
         if let Some(part) = assembly.parts.last_mut() {
-            let chains = list.split([',', ' ']).map(str::trim).filter(|chain| !chain.is_empty());
+            let chains = list
+                .split([',', ' '])
+                .map(str::trim)
+                .filter(|chain| !chain.is_empty());
             part.chains.extend(chains.map(|chain| names.share(chain)));
         }
     }
@@ -133,7 +162,11 @@ impl HeaderReader {
     /// `BIOMTn  serial  r1 r2 r3  t`, n = 1, 2, 3.
     fn operator_row(&mut self, text: &str, line: &Line) -> Result<()> {
         let words: Vec<&str> = text.split_whitespace().collect();
-        let numbers: Vec<f64> = words.iter().skip(2).filter_map(|word| word.parse().ok()).collect();
+        let numbers: Vec<f64> = words
+            .iter()
+            .skip(2)
+            .filter_map(|word| word.parse().ok())
+            .collect();
         let (Some(&row), [a, b, c, t]) = (words.first(), numbers.as_slice()) else {
             let cause = format!("assembly operator {} lacks numbers", quoted(text));
             return Err(line.error(cause, "mend the REMARK 350 line or delete that remark"));
@@ -142,12 +175,19 @@ impl HeaderReader {
             self.rows.clear();
         }
         self.rows.push([*a, *b, *c, *t]);
-        let part = self.assemblies.last_mut().and_then(|assembly| assembly.parts.last_mut());
+        let part = self
+            .assemblies
+            .last_mut()
+            .and_then(|assembly| assembly.parts.last_mut());
         if let ("BIOMT3", [r1, r2, r3], Some(part)) = (row, self.rows.as_slice(), part) {
             let rotation = Matrix3::from_fn(|i, j| [r1, r2, r3][i][j]);
             let translation = Vec3::new(r1[3], r2[3], r3[3]);
             let name = words.get(1).unwrap_or(&"").to_string();
-            part.operators.push(Operator { name, rotation, translation });
+            part.operators.push(Operator {
+                name,
+                rotation,
+                translation,
+            });
             self.part_has_operators = true;
             self.rows.clear();
         }

@@ -8,7 +8,8 @@ use std::collections::{HashMap, HashSet};
 use std::fmt;
 use std::sync::Arc;
 
-/// What identifies a residue: chain, number, insertion code. Written `A:45`, or `A:45B` with insertion code B.
+/// What identifies a residue: chain, number, insertion code. Written `A:45`, or `A:45B` with
+/// insertion code B.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct ResidueKey {
     /// Chain identifier (author's).
@@ -28,7 +29,11 @@ impl fmt::Display for ResidueKey {
 impl ResidueKey {
     pub(crate) fn of(atom: &Atom) -> Self {
         let insertion_code = atom.insertion_code.clone();
-        Self { chain: atom.chain.clone(), number: atom.residue_number, insertion_code }
+        Self {
+            chain: atom.chain.clone(),
+            number: atom.residue_number,
+            insertion_code,
+        }
     }
 }
 
@@ -67,8 +72,8 @@ impl ResidueClass {
         }
     }
 
-    /// The class by the residue's name and atoms; an unknown residue is held for part of a chain only if
-    /// `is_in_chain`.
+    /// The class by the residue's name and atoms; an unknown residue is held for part of a chain
+    /// only if `is_in_chain`.
     pub(crate) fn of(name: &str, atoms: &[&Atom], is_in_chain: bool) -> Self {
         let has = |atom_name: &str| atoms.iter().any(|atom| &*atom.name == atom_name);
         let outside = atoms.iter().all(|atom| atom.outside_polymer);
@@ -100,10 +105,11 @@ pub(crate) struct AtomGroup<'a> {
     pub(crate) is_repeated: bool,
 }
 
-/// Groups atoms by residue, in order of first appearance; the atoms of a residue need not stand together (some files
-/// list conformers one after the other). Waters and what stands outside of polymers never share a group with a polymer's
-/// residue of the same number. Where a residue's number comes again and so do its atoms, a new residue begins: files
-/// without chain identifiers number each chain from one, and large ones begin again after 9999.
+/// Groups atoms by residue, in order of first appearance; the atoms of a residue need not stand
+/// together (some files list conformers one after the other). Waters and what stands outside of
+/// polymers never share a group with a polymer's residue of the same number. Where a residue's
+/// number comes again and so do its atoms, a new residue begins: files without chain identifiers
+/// number each chain from one, and large ones begin again after 9999.
 pub(crate) fn group(atoms: &[Atom]) -> Vec<AtomGroup<'_>> {
     let mut groups: Vec<AtomGroup> = Vec::new();
     let mut index_of: HashMap<(ResidueKey, bool), usize> = HashMap::new();
@@ -126,7 +132,11 @@ pub(crate) fn group(atoms: &[Atom]) -> Vec<AtomGroup<'_>> {
                 let is_new = |index: &usize| !seen.contains(&(*index, &*atom.name, atom.alternate));
                 earlier.filter(is_new).unwrap_or_else(|| {
                     index_of.insert((key.clone(), outside), groups.len());
-                    groups.push(AtomGroup { key, atoms: Vec::new(), is_repeated: earlier.is_some() });
+                    groups.push(AtomGroup {
+                        key,
+                        atoms: Vec::new(),
+                        is_repeated: earlier.is_some(),
+                    });
                     groups.len() - 1
                 })
             }

@@ -24,8 +24,9 @@ pub enum MissingAtoms {
     Fail,
 }
 
-/// Which part of a structure becomes a body. The default: first model, every chain, deposited coordinates, highest
-/// occupancy; no ligands, waters, hydrogens or nucleic acids; incomplete residues as they are.
+/// Which part of a structure becomes a body. The default: first model, every chain, deposited
+/// coordinates, highest occupancy; no ligands, waters, hydrogens or nucleic acids; incomplete
+/// residues as they are.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SelectionSettings {
@@ -112,7 +113,8 @@ pub struct SelectionReport {
     pub records: usize,
     /// Atoms selected, over all copies of an assembly.
     pub atoms: usize,
-    /// Atom records left out, by reason. With `atoms` they add up to `records` unless an assembly is applied.
+    /// Atom records left out, by reason. With `atoms` they add up to `records` unless an assembly
+    /// is applied.
     pub skipped: BTreeMap<&'static str, usize>,
     /// Residues left out, by name.
     pub skipped_residues: BTreeMap<String, usize>,
@@ -128,7 +130,8 @@ pub struct SelectionReport {
     pub chain_breaks: Vec<ChainBreak>,
     /// Residues that the file lists as not observed, of the chains selected.
     pub unobserved: usize,
-    /// Selected residues that bear the chain and number of an earlier one, as in files without chain identifiers.
+    /// Selected residues that bear the chain and number of an earlier one, as in files without
+    /// chain identifiers.
     pub repeated_numbers: usize,
     /// Selected atoms with zero occupancy.
     pub zero_occupancy: usize,
@@ -160,8 +163,9 @@ impl Structure {
     /// Selects one conformer of one model.
     ///
     /// # Errors
-    /// [`BodyError::Invalid`] for a model, chain or assembly that the file does not have, an improper operator, nothing
-    /// selected, and with [`MissingAtoms::Fail`] for the first incomplete residues.
+    /// [`BodyError::Invalid`] for a model, chain or assembly that the file does not have, an
+    /// improper operator, nothing selected, and with [`MissingAtoms::Fail`] for the first
+    /// incomplete residues.
     pub fn select(&self, settings: &SelectionSettings) -> Result<Selection> {
         let model = self.model(settings.model)?;
         check_chains(model, &settings.chains)?;
@@ -179,15 +183,31 @@ impl Structure {
         report_gaps(&mut residues, settings.missing, &mut report)?;
         completeness::mark_chain_ends(&mut residues, &self.header.unobserved);
         completeness::mark_disulfides(&mut residues);
-        let chains: HashSet<&str> = residues.iter().map(|residue| &*residue.source_chain).collect();
-        report.unobserved = self.header.unobserved.iter().filter(|r| chains.contains(&*r.key.chain)).count();
+        let chains: HashSet<&str> = residues
+            .iter()
+            .map(|residue| &*residue.source_chain)
+            .collect();
+        report.unobserved = self
+            .header
+            .unobserved
+            .iter()
+            .filter(|r| chains.contains(&*r.key.chain))
+            .count();
         report.atoms = residues.iter().map(|residue| residue.atoms.len()).sum();
         let atoms = residues.iter().flat_map(|residue| &residue.atoms);
         report.zero_occupancy = atoms.filter(|atom| atom.occupancy <= 0.0).count();
         if residues.is_empty() {
-            let skipped: Vec<String> = report.skipped.iter().map(|(why, count)| format!("{count} {why}")).collect();
+            let skipped: Vec<String> = report
+                .skipped
+                .iter()
+                .map(|(why, count)| format!("{count} {why}"))
+                .collect();
             return Err(BodyError::Invalid {
-                cause: format!("no atoms selected from {} ({})", self.source, skipped.join(", ")),
+                cause: format!(
+                    "no atoms selected from {} ({})",
+                    self.source,
+                    skipped.join(", ")
+                ),
                 remedy: "keep ligands, waters or nucleic acids if they are what you want".into(),
             });
         }
@@ -209,13 +229,19 @@ impl Structure {
     }
 
     fn assembly(&self, id: &str) -> Result<&BiologicalAssembly> {
-        self.assemblies.iter().find(|assembly| assembly.id == id).ok_or_else(|| BodyError::Invalid {
-            cause: format!("no biological assembly {id} in {}", self.source),
-            remedy: match self.assemblies.as_slice() {
-                [] => "the file describes none".into(),
-                some => format!("the file describes {}", listed(some.iter().map(|assembly| assembly.id.clone()))),
-            },
-        })
+        self.assemblies
+            .iter()
+            .find(|assembly| assembly.id == id)
+            .ok_or_else(|| BodyError::Invalid {
+                cause: format!("no biological assembly {id} in {}", self.source),
+                remedy: match self.assemblies.as_slice() {
+                    [] => "the file describes none".into(),
+                    some => format!(
+                        "the file describes {}",
+                        listed(some.iter().map(|assembly| assembly.id.clone()))
+                    ),
+                },
+            })
     }
 }
 
@@ -223,7 +249,11 @@ impl Structure {
 fn listed(items: impl Iterator<Item = String>) -> String {
     const SHOWN: usize = 20;
     let all: Vec<String> = items.collect();
-    let more = if all.len() > SHOWN { format!(" and {} more", all.len() - SHOWN) } else { String::new() };
+    let more = if all.len() > SHOWN {
+        format!(" and {} more", all.len() - SHOWN)
+    } else {
+        String::new()
+    };
     format!("{}{more}", all[..all.len().min(SHOWN)].join(", "))
 }
 
@@ -236,7 +266,10 @@ fn check_chains(model: &Model, wanted: &[String]) -> Result<()> {
         None => Ok(()),
         Some(chain) => Err(BodyError::Invalid {
             cause: format!("no chain {chain} in model {}", model.number),
-            remedy: format!("the model has chains {}", listed(chains.iter().map(|chain| format!("`{chain}`")))),
+            remedy: format!(
+                "the model has chains {}",
+                listed(chains.iter().map(|chain| format!("`{chain}`")))
+            ),
         }),
     }
 }
@@ -257,7 +290,11 @@ fn select_residues(
         let conformer = alternates::choose(&group.atoms, settings.alternate);
         count(report, reason::ALTERNATE, conformer.alternates);
         count(report, reason::DUPLICATE, conformer.duplicates);
-        let class = ResidueClass::of(&conformer.name, &conformer.atoms, is_in_chain(groups, index));
+        let class = ResidueClass::of(
+            &conformer.name,
+            &conformer.atoms,
+            is_in_chain(groups, index),
+        );
         let why_not = match class {
             ResidueClass::Water if !settings.keep_waters => Some(reason::WATER),
             ResidueClass::Ligand if !settings.keep_ligands => Some(reason::LIGAND),
@@ -266,14 +303,28 @@ fn select_residues(
         };
         if let Some(why_not) = why_not {
             count(report, why_not, conformer.atoms.len());
-            *report.skipped_residues.entry(conformer.name.to_string()).or_default() += 1;
+            *report
+                .skipped_residues
+                .entry(conformer.name.to_string())
+                .or_default() += 1;
             continue;
         }
         list(report, &group.key, &conformer, class);
         let is_kept = |atom: &&&Atom| settings.keep_hydrogens || !atom.is_hydrogen();
-        let mut atoms: Vec<Atom> = conformer.atoms.iter().filter(is_kept).map(|atom| (*atom).clone()).collect();
-        atoms.iter_mut().for_each(|atom| use_standard_name(atom, class.amino_acid()));
-        count(report, reason::HYDROGEN, conformer.atoms.len() - atoms.len());
+        let mut atoms: Vec<Atom> = conformer
+            .atoms
+            .iter()
+            .filter(is_kept)
+            .map(|atom| (*atom).clone())
+            .collect();
+        atoms
+            .iter_mut()
+            .for_each(|atom| use_standard_name(atom, class.amino_acid()));
+        count(
+            report,
+            reason::HYDROGEN,
+            conformer.atoms.len() - atoms.len(),
+        );
         if !atoms.is_empty() {
             report.repeated_numbers += usize::from(group.is_repeated);
             residues.push(SelectedResidue {
@@ -292,7 +343,8 @@ fn select_residues(
     residues
 }
 
-/// Simulation programs have names of their own for a few atoms; the tables know those of the Protein Data Bank.
+/// Simulation programs have names of their own for a few atoms; the tables know those of the
+/// Protein Data Bank.
 fn use_standard_name(atom: &mut Atom, amino_acid: Option<AminoAcid>) {
     let name = match (amino_acid, &*atom.name) {
         (Some(AminoAcid::Ile), "CD") => "CD1",
@@ -309,34 +361,55 @@ pub(crate) fn count(report: &mut SelectionReport, why: &'static str, atoms: usiz
     }
 }
 
-fn list(report: &mut SelectionReport, key: &ResidueKey, conformer: &Conformer, class: ResidueClass) {
-    let entry = |note: String| ListedResidue { residue: key.clone(), name: conformer.name.clone(), note };
+fn list(
+    report: &mut SelectionReport,
+    key: &ResidueKey,
+    conformer: &Conformer,
+    class: ResidueClass,
+) {
+    let entry = |note: String| ListedResidue {
+        residue: key.clone(),
+        name: conformer.name.clone(),
+        note,
+    };
     match class {
         ResidueClass::Modified(modified) => {
-            let parent = modified.parent.map_or(String::new(), |parent| format!(", counted as {}", parent.name()));
-            report.modified.push(entry(format!("{}{parent}", modified.what)));
+            let parent = modified.parent.map_or(String::new(), |parent| {
+                format!(", counted as {}", parent.name())
+            });
+            report
+                .modified
+                .push(entry(format!("{}{parent}", modified.what)));
         }
         ResidueClass::UnknownAminoAcid => report.unknown.push(entry("kept as neutral".into())),
         _ => {}
     }
     if !conformer.other_names.is_empty() && class.is_protein() {
         let others: Vec<&str> = conformer.other_names.iter().map(|name| &**name).collect();
-        report.microheterogeneous.push(entry(format!("chosen over {}", others.join(", "))));
+        report
+            .microheterogeneous
+            .push(entry(format!("chosen over {}", others.join(", "))));
     }
 }
 
-/// Whether the residue is bonded to a neighbour in the file as residues of a chain are (N-C or O3'-P), or stands in the
-/// file as an ordinary ATOM.
+/// Whether the residue is bonded to a neighbour in the file as residues of a chain are (N-C or
+/// O3'-P), or stands in the file as an ordinary ATOM.
 fn is_in_chain(groups: &[AtomGroup], index: usize) -> bool {
     const BOND_ANGSTROM: f64 = 2.0;
     let group = &groups[index];
     let atom = |group: &AtomGroup, names: [&str; 2]| {
-        group.atoms.iter().find(|atom| names.contains(&&*atom.name)).map(|atom| atom.position)
+        group
+            .atoms
+            .iter()
+            .find(|atom| names.contains(&&*atom.name))
+            .map(|atom| atom.position)
     };
     let bonded = |before: &AtomGroup, after: &AtomGroup| {
-        let pair = |end, start| Some((atom(before, end)? - atom(after, start)?).norm() < BOND_ANGSTROM);
+        let pair =
+            |end, start| Some((atom(before, end)? - atom(after, start)?).norm() < BOND_ANGSTROM);
         before.key.chain == after.key.chain
-            && (pair(["C", "C3"], ["N", "N1"]) == Some(true) || pair(["O3'", "O3*"], ["P", "P"]) == Some(true))
+            && (pair(["C", "C3"], ["N", "N1"]) == Some(true)
+                || pair(["O3'", "O3*"], ["P", "P"]) == Some(true))
     };
     let before = index.checked_sub(1).and_then(|i| groups.get(i));
     let after = groups.get(index + 1);
@@ -346,13 +419,21 @@ fn is_in_chain(groups: &[AtomGroup], index: usize) -> bool {
 }
 
 /// Lists missing atoms and chain breaks, and does with them what is asked.
-fn report_gaps(residues: &mut Vec<SelectedResidue>, missing: MissingAtoms, report: &mut SelectionReport) -> Result<()> {
+fn report_gaps(
+    residues: &mut Vec<SelectedResidue>,
+    missing: MissingAtoms,
+    report: &mut SelectionReport,
+) -> Result<()> {
     report.chain_breaks = completeness::chain_breaks(residues);
     for residue in residues.iter() {
         let missing_atoms = completeness::missing_atoms(residue);
         if !missing_atoms.is_empty() {
             let (key, name) = (residue.key.clone(), residue.name.clone());
-            report.incomplete.push(IncompleteResidue { residue: key, name, missing_atoms });
+            report.incomplete.push(IncompleteResidue {
+                residue: key,
+                name,
+                missing_atoms,
+            });
         }
     }
     match missing {
@@ -364,15 +445,25 @@ fn report_gaps(residues: &mut Vec<SelectedResidue>, missing: MissingAtoms, repor
             count(report, reason::INCOMPLETE, before - after);
         }
         MissingAtoms::Fail => {
-            let incomplete = report
-                .incomplete
+            let incomplete = report.incomplete.iter().map(|r| {
+                format!(
+                    "{} {} lacks {}",
+                    r.name,
+                    r.residue,
+                    r.missing_atoms.join(" ")
+                )
+            });
+            let breaks = report
+                .chain_breaks
                 .iter()
-                .map(|r| format!("{} {} lacks {}", r.name, r.residue, r.missing_atoms.join(" ")));
-            let breaks = report.chain_breaks.iter().map(|gap| format!("chain break {} to {}", gap.before, gap.after));
+                .map(|gap| format!("chain break {} to {}", gap.before, gap.after));
             let all = listed(incomplete.chain(breaks));
             if !all.is_empty() {
                 let remedy = "complete the structure, or keep or skip incomplete residues".into();
-                return Err(BodyError::Invalid { cause: format!("incomplete structure: {all}"), remedy });
+                return Err(BodyError::Invalid {
+                    cause: format!("incomplete structure: {all}"),
+                    remedy,
+                });
             }
         }
     }

@@ -1,28 +1,32 @@
 //! Moves the vertices off the surface so that the flat triangles have the right area and volume.
 //!
-//! A mesh with its vertices *on* a curved surface cuts every bulge and fills every hollow: a sphere of 42 vertices loses
-//! 13 % of its volume and 8 % of its area. The cure has a local and a global part.
+//! A mesh with its vertices *on* a curved surface cuts every bulge and fills every hollow: a sphere
+//! of 42 vertices loses 13 % of its volume and 8 % of its area. The cure has a local and a global
+//! part.
 //!
-//! Locally, let d(x) be the signed distance of a point of a triangle. Moving each vertex v along its normal by
+//! Locally, let d(x) be the signed distance of a point of a triangle. Moving each vertex v along
+//! its normal by
 //!
 //! ```text
 //! s_v = - ∫ d dA / ∫ dA          over the triangles at v
 //! ```
 //!
-//! makes the volume right to first order everywhere, since the linear interpolant of s integrates to -∫ d dA. The facets
-//! then straddle the surface, and at equal volume flat facets have more area than the smooth surface.
+//! makes the volume right to first order everywhere, since the linear interpolant of s integrates
+//! to -∫ d dA. The facets then straddle the surface, and at equal volume flat facets have more area
+//! than the smooth surface.
 //!
-//! Globally, with an exact area and volume to aim at, the vertices move by the least amount (in the mean square) that
-//! gives the mesh both. By Lagrange's rule that displacement is a combination of the gradients of the two measures; per
-//! unit of area these are 1 for the volume and the discrete mean curvature κ_v (twice the mean curvature) for the area:
+//! Globally, with an exact area and volume to aim at, the vertices move by the least amount (in the
+//! mean square) that gives the mesh both. By Lagrange's rule that displacement is a combination of
+//! the gradients of the two measures; per unit of area these are 1 for the volume and the discrete
+//! mean curvature κ_v (twice the mean curvature) for the area:
 //!
 //! ```text
 //! u_v = λ (κ_v - κ̄) + δ ,   δ = ΔV / A ,   λ = (ΔA - κ̄ ΔV) / ∫ (κ - κ̄)² dA
 //! ```
 //!
-//! taken in a few steps, volume last, so that it is met to rounding. On a sphere κ differs only by the unevenness of the
-//! triangles; there the area keeps what a polyhedron of that volume must have at least (isoperimetric inequality). All
-//! displacements fall as 1/density.
+//! taken in a few steps, volume last, so that it is met to rounding. On a sphere κ differs only by
+//! the unevenness of the triangles; there the area keeps what a polyhedron of that volume must have
+//! at least (isoperimetric inequality). All displacements fall as 1/density.
 
 use super::implicit::ImplicitSolid;
 use super::mesher::Target;
@@ -31,7 +35,8 @@ use protomer_kernel::Vec3;
 
 /// A vertex moves at most this fraction of the edge length around it.
 const FARTHEST: f64 = 0.3;
-/// Largest λ of one step, as a fraction of the squared edge length; explicit diffusion is stable below about 1/6.
+/// Largest λ of one step, as a fraction of the squared edge length; explicit diffusion is stable
+/// below about 1/6.
 const LARGEST_STEP: f64 = 0.08;
 /// A triangle that keeps less than this fraction of its area vector counts as folded.
 const FOLDED: f64 = 0.3;
@@ -43,7 +48,11 @@ const STEPS: usize = 12;
 const CLOSE: f64 = 1e-9;
 
 /// Displaces the vertices of `mesh`, which lie on the surface of `solid`.
-pub(crate) fn calibrate(mesh: &mut HalfEdgeMesh, solid: &dyn ImplicitSolid, target: Option<Target>) {
+pub(crate) fn calibrate(
+    mesh: &mut HalfEdgeMesh,
+    solid: &dyn ImplicitSolid,
+    target: Option<Target>,
+) {
     let mut facets = Facets::new(mesh);
     facets.straddle(mesh, solid);
     for _ in 0..UNFOLDINGS {
@@ -80,7 +89,8 @@ struct Measures {
     volume: f64,
     /// A third of the area around each vertex, Å².
     share: Vec<f64>,
-    /// Rate of area with the displacement of each vertex, per unit of `share`: the discrete mean curvature κ, 1/Å.
+    /// Rate of area with the displacement of each vertex, per unit of `share`: the discrete mean
+    /// curvature κ, 1/Å.
     curvature: Vec<f64>,
 }
 
@@ -102,12 +112,29 @@ impl Facets {
         }
         // A fan of six equilateral triangles of edge L has the area 6 (√3/4) L².
         let scale: Vec<f64> = area.iter().map(|area| area / (1.5 * 3f64.sqrt())).collect();
-        let farthest = scale.iter().map(|square| FARTHEST * square.sqrt()).collect();
-        let (start, position, offset) = (mesh.positions.clone(), mesh.positions.clone(), vec![0.0; count]);
-        Self { triangles, vertices, start, normal, scale, farthest, offset, position }
+        let farthest = scale
+            .iter()
+            .map(|square| FARTHEST * square.sqrt())
+            .collect();
+        let (start, position, offset) = (
+            mesh.positions.clone(),
+            mesh.positions.clone(),
+            vec![0.0; count],
+        );
+        Self {
+            triangles,
+            vertices,
+            start,
+            normal,
+            scale,
+            farthest,
+            offset,
+            position,
+        }
     }
 
-    /// The local part: s_v, with d integrated by its values at the middles of the edges, exact for quadratic d.
+    /// The local part: s_v, with d integrated by its values at the middles of the edges, exact for
+    /// quadratic d.
     fn straddle(&mut self, mesh: &HalfEdgeMesh, solid: &dyn ImplicitSolid) {
         let mut distance = vec![0.0; mesh.half_edge_bound() as usize];
         for half_edge in (0..mesh.half_edge_bound()).filter(|&half_edge| mesh.is_edge(half_edge)) {
@@ -141,20 +168,30 @@ impl Facets {
             let area_gap = target.area_angstrom2 - now.area;
             let volume_is_close = volume_gap.abs() <= CLOSE * target.volume_angstrom3.abs();
             let last = step >= STEPS;
-            if now.area <= 0.0 || volume_is_close && (last || area_gap.abs() <= CLOSE * target.area_angstrom2) {
+            if now.area <= 0.0
+                || volume_is_close && (last || area_gap.abs() <= CLOSE * target.area_angstrom2)
+            {
                 break;
             }
             let delta = volume_gap / now.area;
             let total = |value: &dyn Fn(usize) -> f64| {
-                self.vertices.iter().map(|&vertex| now.share[vertex as usize] * value(vertex as usize)).sum::<f64>()
+                self.vertices
+                    .iter()
+                    .map(|&vertex| now.share[vertex as usize] * value(vertex as usize))
+                    .sum::<f64>()
             };
             let mean = total(&|i| now.curvature[i]) / now.area;
             let variance = total(&|i| (now.curvature[i] - mean).powi(2));
-            let lambda = if last { 0.0 } else { (area_gap - mean * volume_gap) / variance.max(f64::MIN_POSITIVE) };
+            let lambda = if last {
+                0.0
+            } else {
+                (area_gap - mean * volume_gap) / variance.max(f64::MIN_POSITIVE)
+            };
             for &vertex in &self.vertices {
                 let i = vertex as usize;
                 let largest = LARGEST_STEP * self.scale[i];
-                self.offset[i] += lambda.clamp(-largest, largest) * (now.curvature[i] - mean) + delta;
+                self.offset[i] +=
+                    lambda.clamp(-largest, largest) * (now.curvature[i] - mean) + delta;
             }
             self.update();
         }
@@ -171,7 +208,10 @@ impl Facets {
 
     fn measure(&self) -> Measures {
         let count = self.start.len();
-        let origin = self.vertices.first().map_or(Vec3::zeros(), |&vertex| self.start[vertex as usize]);
+        let origin = self
+            .vertices
+            .first()
+            .map_or(Vec3::zeros(), |&vertex| self.start[vertex as usize]);
         let (mut area, mut volume) = (0.0, 0.0);
         let (mut share, mut curvature) = (vec![0.0; count], vec![0.0; count]);
         for triangle in &self.triangles {
@@ -192,11 +232,16 @@ impl Facets {
         for (rate, share) in curvature.iter_mut().zip(&share) {
             *rate /= share.max(f64::MIN_POSITIVE);
         }
-        Measures { area, volume, share, curvature }
+        Measures {
+            area,
+            volume,
+            share,
+            curvature,
+        }
     }
 
-    /// Halves the displacement, and its bound, at every triangle that has turned over or nearly vanished; whether there
-    /// was one.
+    /// Halves the displacement, and its bound, at every triangle that has turned over or nearly
+    /// vanished; whether there was one.
     fn tighten_folds(&mut self) -> bool {
         let mut found = false;
         for triangle in &self.triangles {

@@ -13,12 +13,14 @@ use protomer_kernel::{TriangleMesh, Vec3};
 const MOST_VERTICES: f64 = 1e7;
 /// The number of vertices that each shell gets at least may be at most this.
 const MOST_PER_SHELL: usize = 10_000;
-/// How much finer the lattice gets with each new attempt. Not a simple fraction, so that the planes differ.
+/// How much finer the lattice gets with each new attempt. Not a simple fraction, so that the planes
+/// differ.
 const REFINEMENT: f64 = 0.73;
 /// Attempts with ever finer lattices before giving up.
 const ATTEMPTS: usize = 3;
 
-/// The edges of the first mesh, in units of density^(-1/2), which is about the length of the last one's.
+/// The edges of the first mesh, in units of density^(-1/2), which is about the length of the last
+/// one's.
 const FIRST_EDGE: f64 = 0.65;
 
 /// What a mesh should be like.
@@ -26,10 +28,11 @@ const FIRST_EDGE: f64 = 0.65;
 pub struct MeshSettings {
     /// Vertices per Å² of surface.
     pub density_per_angstrom2: f64,
-    /// Edge of the cubes of the lattice on which the surface is first found, Å. It sets the smallest feature that is
-    /// seen, about its own size, independently of the density. At the default of 0.3 Å the shells and cavities of proteins
-    /// are those of lattices many times finer. Handles are too, except through walls that end in a cusp: these get
-    /// thinner than any lattice, and whether such an edge has a hole may depend on the lattice at every spacing.
+    /// Edge of the cubes of the lattice on which the surface is first found, Å. It sets the
+    /// smallest feature that is seen, about its own size, independently of the density. At the
+    /// default of 0.3 Å the shells and cavities of proteins are those of lattices many times finer.
+    /// Handles are too, except through walls that end in a cusp: these get thinner than any
+    /// lattice, and whether such an edge has a hole may depend on the lattice at every spacing.
     pub base_spacing_angstrom: f64,
     /// Every closed shell gets at least this many vertices, so that small bodies stay round.
     pub fewest_vertices_per_shell: usize,
@@ -37,7 +40,11 @@ pub struct MeshSettings {
 
 impl Default for MeshSettings {
     fn default() -> Self {
-        Self { density_per_angstrom2: 1.0, base_spacing_angstrom: 0.3, fewest_vertices_per_shell: 120 }
+        Self {
+            density_per_angstrom2: 1.0,
+            base_spacing_angstrom: 0.3,
+            fewest_vertices_per_shell: 120,
+        }
     }
 }
 
@@ -55,8 +62,8 @@ pub struct Target {
 /// With a `target` the mesh is calibrated to it; without, it is only made locally true to volume.
 ///
 /// # Errors
-/// [`BodyError::Invalid`] for settings that make no sense or need too many vertices, and for a solid without a surface
-/// that the lattice can see.
+/// [`BodyError::Invalid`] for settings that make no sense or need too many vertices, and for a
+/// solid without a surface that the lattice can see.
 ///
 /// ```
 /// use protomer_body::surface::{ImplicitSolid, MeshSettings, mesh_solid};
@@ -84,7 +91,11 @@ pub struct Target {
 /// assert!((mesh.volume_angstrom3() / 523.6 - 1.0).abs() < 2e-3);
 /// # Ok::<(), protomer_body::BodyError>(())
 /// ```
-pub fn mesh_solid(solid: &dyn ImplicitSolid, settings: &MeshSettings, target: Option<Target>) -> Result<TriangleMesh> {
+pub fn mesh_solid(
+    solid: &dyn ImplicitSolid,
+    settings: &MeshSettings,
+    target: Option<Target>,
+) -> Result<TriangleMesh> {
     mesh_in_full(solid, settings, target).map(|meshed| meshed.mesh)
 }
 
@@ -129,12 +140,21 @@ fn finish(
     settings: &MeshSettings,
     target: Option<Target>,
 ) -> Result<Meshed> {
-    let mut half_edges = remesh(first, solid, settings.density_per_angstrom2, settings.fewest_vertices_per_shell)?;
+    let mut half_edges = remesh(
+        first,
+        solid,
+        settings.density_per_angstrom2,
+        settings.fewest_vertices_per_shell,
+    )?;
     let uncalibrated = half_edges.to_mesh();
     calibrate(&mut half_edges, solid, target);
     let mesh = half_edges.to_mesh();
     let topology = mesh.topology()?;
-    Ok(Meshed { mesh, topology, uncalibrated })
+    Ok(Meshed {
+        mesh,
+        topology,
+        uncalibrated,
+    })
 }
 
 /// An uncalibrated mesh without its cavities, calibrated to `target`.
@@ -164,7 +184,12 @@ pub fn without_cavities(mesh: &TriangleMesh) -> Result<(TriangleMesh, usize)> {
         }
         let offset = kept.vertices.len() as u32;
         kept.vertices.extend(shell.vertices);
-        kept.triangles.extend(shell.triangles.iter().map(|corners| corners.map(|vertex| vertex + offset)));
+        kept.triangles.extend(
+            shell
+                .triangles
+                .iter()
+                .map(|corners| corners.map(|vertex| vertex + offset)),
+        );
     }
     Ok((kept, dropped))
 }
@@ -177,24 +202,41 @@ impl MeshSettings {
             return Ok(());
         }
         Err(BodyError::Invalid {
-            cause: format!("{} vertices per Å² make {needed:.1e} vertices, of at most 1e7", self.density_per_angstrom2),
+            cause: format!(
+                "{} vertices per Å² make {needed:.1e} vertices, of at most 1e7",
+                self.density_per_angstrom2
+            ),
             remedy: "ask for a lower density".into(),
         })
     }
 
     fn check(&self) -> Result<()> {
         let positive = |value: f64| value.is_finite() && value > 0.0;
-        let refuse = |cause: String, remedy: &str| Err(BodyError::Invalid { cause, remedy: remedy.into() });
+        let refuse = |cause: String, remedy: &str| {
+            Err(BodyError::Invalid {
+                cause,
+                remedy: remedy.into(),
+            })
+        };
         if !positive(self.density_per_angstrom2) {
-            let cause = format!("a mesh cannot have {} vertices per Å²", self.density_per_angstrom2);
+            let cause = format!(
+                "a mesh cannot have {} vertices per Å²",
+                self.density_per_angstrom2
+            );
             return refuse(cause, "ask for a positive density, 1 per Å² for example");
         }
         if !positive(self.base_spacing_angstrom) {
-            let cause = format!("a lattice cannot have a spacing of {} Å", self.base_spacing_angstrom);
+            let cause = format!(
+                "a lattice cannot have a spacing of {} Å",
+                self.base_spacing_angstrom
+            );
             return refuse(cause, "ask for a positive spacing, 0.3 Å for example");
         }
         if self.fewest_vertices_per_shell > MOST_PER_SHELL {
-            let cause = format!("{} is too many vertices for the smallest shells", self.fewest_vertices_per_shell);
+            let cause = format!(
+                "{} is too many vertices for the smallest shells",
+                self.fewest_vertices_per_shell
+            );
             return refuse(cause, "ask for 10000 at most, or for a higher density");
         }
         Ok(())
@@ -204,6 +246,7 @@ impl MeshSettings {
 fn no_surface() -> BodyError {
     BodyError::Invalid {
         cause: "the solid has no surface that a lattice of this spacing can see".into(),
-        remedy: "check that there are atoms with positive radii, or ask for a finer base spacing".into(),
+        remedy: "check that there are atoms with positive radii, or ask for a finer base spacing"
+            .into(),
     }
 }

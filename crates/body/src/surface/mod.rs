@@ -18,9 +18,10 @@
 //! | [`mesher`] | extract, remesh, calibrate, check: the mesh of any implicit solid |
 //! | [`ses`] | atoms in, mesh and exact measures out |
 //!
-//! The solvent-accessible surface was defined by Lee and Richards (J. Mol. Biol. 55, 379 (1971)), the solvent-excluded
-//! one by Richards (Annu. Rev. Biophys. Bioeng. 6, 151 (1977)); its three classes of patch are those of Connolly
-//! (J. Appl. Cryst. 16, 548 (1983)): convex on an atom, toroidal along an arc of the SAS, concave at its vertices.
+//! The solvent-accessible surface was defined by Lee and Richards (J. Mol. Biol. 55, 379 (1971)),
+//! the solvent-excluded one by Richards (Annu. Rev. Biophys. Bioeng. 6, 151 (1977)); its three
+//! classes of patch are those of Connolly (J. Appl. Cryst. 16, 548 (1983)): convex on an atom,
+//! toroidal along an arc of the SAS, concave at its vertices.
 
 pub mod arrangement;
 mod calibrate;

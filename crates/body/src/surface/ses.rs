@@ -1,4 +1,5 @@
-//! Atoms in, solvent-excluded surface out: the mesh, what it should measure exactly, and by how much it misses that.
+//! Atoms in, solvent-excluded surface out: the mesh, what it should measure exactly, and by how
+//! much it misses that.
 
 use super::mesher::{MeshSettings, Meshed, Target, calibrated_without_cavities, mesh_in_full};
 use super::{Arrangement, Measure, SesSolid, SurfaceMeasure};
@@ -6,7 +7,8 @@ use crate::Result;
 use protomer_kernel::mesh::Topology;
 use protomer_kernel::{TriangleMesh, Vec3};
 
-/// The lattice on which the surface is first found is at least this fine, in radii of the smallest atom.
+/// The lattice on which the surface is first found is at least this fine, in radii of the smallest
+/// atom.
 const SPACING_PER_RADIUS: f64 = 0.6;
 /// Atoms smaller than this do not make the lattice finer, Å.
 const SMALLEST_RESOLVED_RADIUS_ANGSTROM: f64 = 0.3;
@@ -38,8 +40,8 @@ impl Surface {
         self.mesh.volume_angstrom3() / self.exact.ses_volume_angstrom3 - 1.0
     }
 
-    /// The surface without the shells of its internal cavities, calibrated to the exact area and volume of the shells that
-    /// are left.
+    /// The surface without the shells of its internal cavities, calibrated to the exact area and
+    /// volume of the shells that are left.
     ///
     /// # Errors
     /// [`crate::BodyError::Kernel`] if the mesh is not closed, which a surface made here always is.
@@ -48,25 +50,36 @@ impl Surface {
             return Ok(self);
         }
         let exact = self.measure.without_cavities();
-        let (mesh, topology) = calibrated_without_cavities(&self.uncalibrated, &self.solid, target(&exact))?;
-        Ok(Self { mesh, topology, exact, ..self })
+        let (mesh, topology) =
+            calibrated_without_cavities(&self.uncalibrated, &self.solid, target(&exact))?;
+        Ok(Self {
+            mesh,
+            topology,
+            exact,
+            ..self
+        })
     }
 }
 
 /// What a mesh of this surface should measure.
 fn target(exact: &SurfaceMeasure) -> Target {
-    Target { area_angstrom2: exact.ses_area_angstrom2(), volume_angstrom3: exact.ses_volume_angstrom3 }
+    Target {
+        area_angstrom2: exact.ses_area_angstrom2(),
+        volume_angstrom3: exact.ses_volume_angstrom3,
+    }
 }
 
-/// The solvent-excluded surface of atoms, internal cavities included, as a mesh calibrated to its exact area and volume.
+/// The solvent-excluded surface of atoms, internal cavities included, as a mesh calibrated to its
+/// exact area and volume.
 ///
-/// The topology is that of the surface down to the base spacing of `settings` (0.3 Å, or 0.6 radii of the smallest atom
-/// if that is less): a gap, wall or handle thinner than that may be missed, the same way in every orientation. The walls of
-/// a re-entrant surface end in cusps, thinner than any lattice, so there can be handles that no spacing settles.
+/// The topology is that of the surface down to the base spacing of `settings` (0.3 Å, or 0.6 radii
+/// of the smallest atom if that is less): a gap, wall or handle thinner than that may be missed,
+/// the same way in every orientation. The walls of a re-entrant surface end in cusps, thinner than
+/// any lattice, so there can be handles that no spacing settles.
 ///
 /// # Errors
-/// [`crate::BodyError::Invalid`] for no atoms, coordinates, radii or settings that make no sense, and surfaces too large
-/// to be meshed.
+/// [`crate::BodyError::Invalid`] for no atoms, coordinates, radii or settings that make no sense,
+/// and surfaces too large to be meshed.
 ///
 /// ```
 /// use protomer_body::surface::{MeshSettings, solvent_excluded_surface};
@@ -88,11 +101,29 @@ pub fn solvent_excluded_surface(
     let accessible = Arrangement::new(centres, radii_angstrom, probe_radius_angstrom)?;
     let measure = Measure::new(&accessible);
     let exact = measure.total();
-    let resolved = radii_angstrom.iter().filter(|radius| **radius >= SMALLEST_RESOLVED_RADIUS_ANGSTROM);
+    let resolved = radii_angstrom
+        .iter()
+        .filter(|radius| **radius >= SMALLEST_RESOLVED_RADIUS_ANGSTROM);
     let smallest = resolved.copied().fold(f64::INFINITY, f64::min);
-    let base_spacing_angstrom = settings.base_spacing_angstrom.min(SPACING_PER_RADIUS * smallest);
-    let settings = MeshSettings { base_spacing_angstrom, ..*settings };
+    let base_spacing_angstrom = settings
+        .base_spacing_angstrom
+        .min(SPACING_PER_RADIUS * smallest);
+    let settings = MeshSettings {
+        base_spacing_angstrom,
+        ..*settings
+    };
     let solid = SesSolid::new(&accessible);
-    let Meshed { mesh, topology, uncalibrated } = mesh_in_full(&solid, &settings, Some(target(&exact)))?;
-    Ok(Surface { mesh, topology, exact, measure, uncalibrated, solid })
+    let Meshed {
+        mesh,
+        topology,
+        uncalibrated,
+    } = mesh_in_full(&solid, &settings, Some(target(&exact)))?;
+    Ok(Surface {
+        mesh,
+        topology,
+        exact,
+        measure,
+        uncalibrated,
+        solid,
+    })
 }

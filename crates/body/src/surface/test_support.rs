@@ -30,10 +30,13 @@ pub(crate) fn clusters(count: usize, sizes: Range<usize>) -> Vec<(Vec<Vec3>, Vec
                 let centre = match number % 5 {
                     0 | 1 => anywhere,
                     2 => cell * 2.3,
-                    3 if atom % 3 == 2 => centres[atom - 1] + Vec3::new(1e-9, 0.0, 0.0) * (atom % 2) as f64,
+                    3 if atom % 3 == 2 => {
+                        centres[atom - 1] + Vec3::new(1e-9, 0.0, 0.0) * (atom % 2) as f64
+                    }
                     4 if atom > 0 => {
                         // Tangent to the atom before, as an expanded ball or as an atom.
-                        let reach = radii[atom - 1] + radius + if atom % 2 == 0 { 2.8 } else { 0.0 };
+                        let reach =
+                            radii[atom - 1] + radius + if atom % 2 == 0 { 2.8 } else { 0.0 };
                         centres[atom - 1] + (anywhere - Vec3::repeat(spread)).normalize() * reach
                     }
                     _ => anywhere,
@@ -72,7 +75,10 @@ pub(crate) fn probe_contacts(centres: &[Vec3], radii: &[f64]) -> Vec<Vec3> {
 }
 
 /// Where the shared reference surfaces lie beside a checkout.
-pub(crate) const REFERENCE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/reference/surface");
+pub(crate) const REFERENCE: &str = concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/../../../shared/reference/surface"
+);
 
 /// Centres and radii of a reference file; `None`, said aloud, where it is absent.
 pub(crate) fn read_reference(file: &str) -> Option<(Vec<Vec3>, Vec<f64>)> {
@@ -81,7 +87,15 @@ pub(crate) fn read_reference(file: &str) -> Option<(Vec<Vec3>, Vec<f64>)> {
         eprintln!("skipped: {path} is absent");
         return None;
     };
-    let numbers = |line: &str| -> Vec<f64> { line.split_whitespace().map(|word| word.parse().unwrap()).collect() };
+    let numbers = |line: &str| -> Vec<f64> {
+        line.split_whitespace()
+            .map(|word| word.parse().unwrap())
+            .collect()
+    };
     let atoms = text.lines().map(numbers).filter(|row| row.len() == 4);
-    Some(atoms.map(|row| (Vec3::new(row[0], row[1], row[2]), row[3])).unzip())
+    Some(
+        atoms
+            .map(|row| (Vec3::new(row[0], row[1], row[2]), row[3]))
+            .unzip(),
+    )
 }

@@ -25,7 +25,8 @@ pub fn shared() -> Option<PathBuf> {
 /// The decompressed bytes of a file.
 pub fn bytes(folder: &Path, name: &str) -> Vec<u8> {
     let mut bytes = Vec::new();
-    let file = std::fs::File::open(folder.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let file =
+        std::fs::File::open(folder.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
     GzDecoder::new(file).read_to_end(&mut bytes).unwrap();
     bytes
 }

@@ -1,6 +1,10 @@
 //! Analytic solids for the tests.
 
-#![allow(dead_code, clippy::unwrap_used, reason = "each test uses some of the solids, and may panic")]
+#![allow(
+    dead_code,
+    clippy::unwrap_used,
+    reason = "each test uses some of the solids, and may panic"
+)]
 
 pub mod random;
 pub mod ses;
@@ -14,17 +18,29 @@ pub struct Balls(pub Vec<(Vec3, f64)>);
 
 impl Balls {
     pub fn new(balls: &[(f64, f64, f64, f64)]) -> Self {
-        Self(balls.iter().map(|&(x, y, z, r)| (Vec3::new(x, y, z), r)).collect())
+        Self(
+            balls
+                .iter()
+                .map(|&(x, y, z, r)| (Vec3::new(x, y, z), r))
+                .collect(),
+        )
     }
 }
 
 impl ImplicitSolid for Balls {
     fn signed_distance(&self, point: &Vec3) -> f64 {
-        self.0.iter().map(|(c, r)| (point - c).norm() - r).fold(f64::INFINITY, f64::min)
+        self.0
+            .iter()
+            .map(|(c, r)| (point - c).norm() - r)
+            .fold(f64::INFINITY, f64::min)
     }
     fn project(&self, point: &Vec3) -> (Vec3, Vec3) {
         let nearest = |p: &Vec3| {
-            *self.0.iter().min_by(|a, b| ((p - a.0).norm() - a.1).total_cmp(&((p - b.0).norm() - b.1))).unwrap()
+            *self
+                .0
+                .iter()
+                .min_by(|a, b| ((p - a.0).norm() - a.1).total_cmp(&((p - b.0).norm() - b.1)))
+                .unwrap()
         };
         let (mut here, mut normal) = (*point, Vec3::x());
         for _ in 0..8 {
@@ -35,8 +51,18 @@ impl ImplicitSolid for Balls {
         (here, normal)
     }
     fn bounds(&self) -> (Vec3, Vec3) {
-        let low = self.0.iter().fold(Vec3::repeat(f64::INFINITY), |low, (c, r)| low.inf(&c.add_scalar(-r)));
-        let high = self.0.iter().fold(Vec3::repeat(f64::NEG_INFINITY), |high, (c, r)| high.sup(&c.add_scalar(*r)));
+        let low = self
+            .0
+            .iter()
+            .fold(Vec3::repeat(f64::INFINITY), |low, (c, r)| {
+                low.inf(&c.add_scalar(-r))
+            });
+        let high = self
+            .0
+            .iter()
+            .fold(Vec3::repeat(f64::NEG_INFINITY), |high, (c, r)| {
+                high.sup(&c.add_scalar(*r))
+            });
         (low, high)
     }
     fn cover(&self) -> Vec<(Vec3, f64)> {
@@ -53,10 +79,16 @@ pub struct Torus {
 impl Torus {
     pub fn exact(&self) -> Target {
         let area_angstrom2 = 4.0 * PI * PI * self.major * self.minor;
-        Target { area_angstrom2, volume_angstrom3: area_angstrom2 * self.minor / 2.0 }
+        Target {
+            area_angstrom2,
+            volume_angstrom3: area_angstrom2 * self.minor / 2.0,
+        }
     }
     fn ring(&self, p: &Vec3) -> Vec3 {
-        Vec3::new(p.x, p.y, 0.0).try_normalize(1e-12).unwrap_or(Vec3::x()) * self.major
+        Vec3::new(p.x, p.y, 0.0)
+            .try_normalize(1e-12)
+            .unwrap_or(Vec3::x())
+            * self.major
     }
 }
 
@@ -78,7 +110,10 @@ impl ImplicitSolid for Torus {
         (0..steps)
             .map(|i| {
                 let angle = 2.0 * PI * i as f64 / steps as f64;
-                (Vec3::new(angle.cos(), angle.sin(), 0.0) * self.major, self.minor + self.major * PI / steps as f64)
+                (
+                    Vec3::new(angle.cos(), angle.sin(), 0.0) * self.major,
+                    self.minor + self.major * PI / steps as f64,
+                )
             })
             .collect()
     }
@@ -112,9 +147,15 @@ impl ImplicitSolid for Shell {
 
 /// Smallest area, Å², and smallest shape factor (1 for equilateral) of the triangles of a mesh.
 pub fn worst(mesh: &TriangleMesh) -> (f64, f64) {
-    (0..mesh.triangles.len()).map(|t| mesh.corners(t)).fold((f64::INFINITY, f64::INFINITY), |worst, [a, b, c]| {
-        let area = 0.5 * (b - a).cross(&(c - a)).norm();
-        let sides = (b - a).norm_squared() + (c - b).norm_squared() + (a - c).norm_squared();
-        (worst.0.min(area), worst.1.min(4.0 * 3f64.sqrt() * area / sides))
-    })
+    (0..mesh.triangles.len()).map(|t| mesh.corners(t)).fold(
+        (f64::INFINITY, f64::INFINITY),
+        |worst, [a, b, c]| {
+            let area = 0.5 * (b - a).cross(&(c - a)).norm();
+            let sides = (b - a).norm_squared() + (c - b).norm_squared() + (a - c).norm_squared();
+            (
+                worst.0.min(area),
+                worst.1.min(4.0 * 3f64.sqrt() * area / sides),
+            )
+        },
+    )
 }

@@ -25,8 +25,8 @@ impl Dice {
     }
 }
 
-/// A cluster of `count` atoms in one of several awkward styles: a chain of touching atoms, atoms whose probe-expanded
-/// spheres just touch, a cubic lattice, a gas, duplicates.
+/// A cluster of `count` atoms in one of several awkward styles: a chain of touching atoms, atoms
+/// whose probe-expanded spheres just touch, a cubic lattice, a gas, duplicates.
 pub fn cluster(seed: u64, count: usize) -> Vec<(f64, f64, f64, f64)> {
     let mut dice = Dice(seed.wrapping_mul(0x1234_5678_9abc_def1));
     let radii = [1.2, 1.52, 1.55, 1.7, 1.8];
@@ -43,7 +43,12 @@ pub fn cluster(seed: u64, count: usize) -> Vec<(f64, f64, f64, f64)> {
             1 => at(r + radius + 2.8 + [0.0, 1e-12, -1e-12, 1e-6, -1e-3][dice.below(5)]),
             2 => {
                 let step = [1.5, 2.8, 3.4, 4.6][(seed % 4) as usize];
-                ((n % 4) as f64 * step, (n / 4 % 4) as f64 * step, (n / 16) as f64 * step, 1.7)
+                (
+                    (n % 4) as f64 * step,
+                    (n / 4 % 4) as f64 * step,
+                    (n / 16) as f64 * step,
+                    1.7,
+                )
             }
             3 => {
                 let size = 2.5 * (count as f64).cbrt();

@@ -1,8 +1,9 @@
 //! The solvent-excluded solid of a few atoms, by enumeration: slow and obvious.
 //!
-//! The probe's centre may be anywhere outside every ball of radius r + p about an atom. A point belongs to the solid if
-//! no such centre is within p of it, so its signed distance is p - (distance to the nearest allowed centre). That nearest
-//! centre lies on one sphere, on the circle of two, or at a point of three.
+//! The probe's centre may be anywhere outside every ball of radius r + p about an atom. A point
+//! belongs to the solid if no such centre is within p of it, so its signed distance is p -
+//! (distance to the nearest allowed centre). That nearest centre lies on one sphere, on the circle
+//! of two, or at a point of three.
 
 use protomer_body::surface::ImplicitSolid;
 use protomer_kernel::Vec3;
@@ -16,12 +17,22 @@ pub struct SlowExcluded {
 
 impl SlowExcluded {
     pub fn new(atoms: &[(f64, f64, f64, f64)], probe: f64) -> Self {
-        let atoms: Vec<(Vec3, f64)> = atoms.iter().map(|&(x, y, z, r)| (Vec3::new(x, y, z), r)).collect();
-        let mut solid = Self { atoms, probe, circles: Vec::new(), corners: Vec::new() };
+        let atoms: Vec<(Vec3, f64)> = atoms
+            .iter()
+            .map(|&(x, y, z, r)| (Vec3::new(x, y, z), r))
+            .collect();
+        let mut solid = Self {
+            atoms,
+            probe,
+            circles: Vec::new(),
+            corners: Vec::new(),
+        };
         let n = solid.atoms.len();
         for i in 0..n {
             for j in 0..i {
-                let Some(circle) = solid.circle(i, j) else { continue };
+                let Some(circle) = solid.circle(i, j) else {
+                    continue;
+                };
                 solid.circles.push(circle);
                 for k in 0..j {
                     solid.add_corners(circle, k);
@@ -57,7 +68,8 @@ impl SlowExcluded {
         if length < 1e-9 {
             return;
         }
-        let cosine = (arm.norm_squared() + radius * radius - self.reach(k).powi(2)) / (2.0 * radius * length);
+        let cosine = (arm.norm_squared() + radius * radius - self.reach(k).powi(2))
+            / (2.0 * radius * length);
         if cosine.abs() > 1.0 {
             return;
         }
@@ -89,12 +101,21 @@ impl SlowExcluded {
         self.corners.iter().for_each(|&corner| offer(corner, true));
         for i in 0..self.atoms.len() {
             let c = self.atoms[i].0;
-            offer(c + (p - c).try_normalize(1e-12).unwrap_or(Vec3::x()) * self.reach(i), false);
+            offer(
+                c + (p - c).try_normalize(1e-12).unwrap_or(Vec3::x()) * self.reach(i),
+                false,
+            );
         }
         for &(centre, axis, radius) in &self.circles {
             let arm = p - centre;
             let across = (arm - axis * arm.dot(&axis)).try_normalize(1e-9);
-            let any = axis.cross(&if axis.x.abs() < 0.8 { Vec3::x() } else { Vec3::y() }).normalize();
+            let any = axis
+                .cross(&if axis.x.abs() < 0.8 {
+                    Vec3::x()
+                } else {
+                    Vec3::y()
+                })
+                .normalize();
             offer(centre + across.unwrap_or(any) * radius, false);
         }
         best.1
@@ -111,7 +132,11 @@ impl ImplicitSolid for SlowExcluded {
             Some(normal) => (centre - normal * self.probe, normal),
             None => {
                 let depth = |(c, r): &(Vec3, f64)| (p - c).norm() - r;
-                let (c, r) = self.atoms.iter().min_by(|a, b| depth(a).total_cmp(&depth(b))).unwrap();
+                let (c, r) = self
+                    .atoms
+                    .iter()
+                    .min_by(|a, b| depth(a).total_cmp(&depth(b)))
+                    .unwrap();
                 let normal = (p - c).normalize();
                 (c + normal * *r, normal)
             }
@@ -122,6 +147,9 @@ impl ImplicitSolid for SlowExcluded {
         balls.bounds()
     }
     fn cover(&self) -> Vec<(Vec3, f64)> {
-        self.atoms.iter().map(|(c, r)| (*c, r + self.probe)).collect()
+        self.atoms
+            .iter()
+            .map(|(c, r)| (*c, r + self.probe))
+            .collect()
     }
 }

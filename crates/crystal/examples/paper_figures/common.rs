@@ -30,14 +30,22 @@ pub struct Settings {
     pub jobs: usize,
 }
 
-/// The longest divisor of a frame that is at most r0 / 50 and 0.005: the error of the energy is then some 2e-3 for any r0.
+/// The longest divisor of a frame that is at most r0 / 50 and 0.005: the error of the energy is
+/// then some 2e-3 for any r0.
 pub fn time_step(rod_length: f64) -> f64 {
     FRAME / (FRAME / (rod_length / 50.0).min(0.005)).ceil()
 }
 
 /// An open lattice of unit squares.
 pub fn lattice(size: usize, rod_length: f64) -> Result<Arc<Network>, Failure> {
-    Ok(Arc::new(Network::lattice(size, size, rod_length, Square::default(), Edges::Open, FRAC_PI_4)?))
+    Ok(Arc::new(Network::lattice(
+        size,
+        size,
+        rod_length,
+        Square::default(),
+        Edges::Open,
+        FRAC_PI_4,
+    )?))
 }
 
 /// A run, looked at every so often.
@@ -59,12 +67,20 @@ impl Run {
         settings: CollisionSettings,
     ) -> Result<Self, Failure> {
         let engine = Engine::new(network.clone(), forces, &state, settings)?;
-        Ok(Self { engine, state, step })
+        Ok(Self {
+            engine,
+            state,
+            step,
+        })
     }
 
     /// Of an engine prepared at this state.
     pub fn of(engine: Engine, state: State, step: f64) -> Self {
-        Self { engine, state, step }
+        Self {
+            engine,
+            state,
+            step,
+        }
     }
 
     /// Goes on by this time.
@@ -111,7 +127,14 @@ pub fn mean(numbers: &[f64]) -> [f64; 2] {
     let count = numbers.len() as f64;
     let mean = numbers.iter().sum::<f64>() / count;
     let squares: f64 = numbers.iter().map(|x| (x - mean).powi(2)).sum();
-    [mean, if numbers.len() > 1 { (squares / (count - 1.0) / count).sqrt() } else { f64::NAN }]
+    [
+        mean,
+        if numbers.len() > 1 {
+            (squares / (count - 1.0) / count).sqrt()
+        } else {
+            f64::NAN
+        },
+    ]
 }
 
 /// Standard deviation of a series about its mean.
@@ -121,7 +144,12 @@ pub fn deviation(numbers: &[f64]) -> f64 {
 }
 
 /// Writes a table with a head.
-pub fn table(settings: &Settings, name: &str, head: &str, rows: &[Vec<f64>]) -> Result<(), Failure> {
+pub fn table(
+    settings: &Settings,
+    name: &str,
+    head: &str,
+    rows: &[Vec<f64>],
+) -> Result<(), Failure> {
     let mut text = format!("{head}\n");
     for row in rows {
         for (index, number) in row.iter().enumerate() {
@@ -137,14 +165,27 @@ pub fn table(settings: &Settings, name: &str, head: &str, rows: &[Vec<f64>]) -> 
         }
         text.push('\n');
     }
-    Ok(std::fs::write(settings.folder.join(format!("{name}.csv")), text)?)
+    Ok(std::fs::write(
+        settings.folder.join(format!("{name}.csv")),
+        text,
+    )?)
 }
 
 /// Processor time of all threads so far, in seconds; 0 where the system does not tell.
 pub fn processor_seconds() -> f64 {
     let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    let fields: Vec<&str> = text.rsplit(')').next().unwrap_or_default().split_whitespace().collect();
+    let fields: Vec<&str> = text
+        .rsplit(')')
+        .next()
+        .unwrap_or_default()
+        .split_whitespace()
+        .collect();
     // utime and stime in ticks of 1/100 s.
-    let ticks = |index: usize| fields.get(index).and_then(|field| field.parse::<f64>().ok()).unwrap_or(0.0);
+    let ticks = |index: usize| {
+        fields
+            .get(index)
+            .and_then(|field| field.parse::<f64>().ok())
+            .unwrap_or(0.0)
+    };
     0.01 * (ticks(11) + ticks(12))
 }

@@ -1,21 +1,30 @@
-//! Random lattices of 10 x 10, from the open state with angular velocities U(-1, 1) brought onto the rods, 1000 frames:
-//! phase differences (preprint, fig. 4), synchronisation (fig. 5), Poisson's ratio (figs. 6 and 7); energy (paper, fig. 5).
+//! Random lattices of 10 x 10, from the open state with angular velocities U(-1, 1) brought onto
+//! the rods, 1000 frames: phase differences (preprint, fig. 4), synchronisation (fig. 5), Poisson's
+//! ratio (figs. 6 and 7); energy (paper, fig. 5).
 
-use crate::common::{self, FRAME, Failure, LENGTHS, Run, Settings, lattice, map, mean, table, time_step};
-use protomer_crystal::analysis::strain::{biot_strain, centres, corners, deformation_gradient, poisson_ratio};
-use protomer_crystal::analysis::synchronisation::{Synchronisation, angles, eigenvalues, staggered};
+use crate::common::{
+    self, FRAME, Failure, LENGTHS, Run, Settings, lattice, map, mean, table, time_step,
+};
+use protomer_crystal::analysis::strain::{
+    biot_strain, centres, corners, deformation_gradient, poisson_ratio,
+};
+use protomer_crystal::analysis::synchronisation::{
+    Synchronisation, angles, eigenvalues, staggered,
+};
 use protomer_crystal::lattice::{AngularVelocities, CollisionSettings, Network, Start};
 use std::sync::Arc;
 
 const FRAMES: usize = 1000;
-/// Squares that are locked together leave a synchronisation matrix without an inverse; see `Synchronisation::partial`.
+/// Squares that are locked together leave a synchronisation matrix without an inverse; see
+/// `Synchronisation::partial`.
 const RIDGE: f64 = 1e-10;
 /// Of which the matrices themselves are written.
 const SHOWN: [f64; 4] = [0.02, 3.0 / 22.0, 0.5, 2.0];
 
 /// What one trajectory shows.
 pub struct Record {
-    /// Root mean square of the differences of staggered angles, and of angles as they are, per frame.
+    /// Root mean square of the differences of staggered angles, and of angles as they are, per
+    /// frame.
     pub differences: Vec<[f64; 2]>,
     /// Of staggered angles and of angles as they are.
     pub synchronisation: [Synchronisation; 2],
@@ -37,14 +46,32 @@ pub struct Record {
 
 /// The start of the papers.
 pub fn start(seed: u64) -> Start {
-    Start { velocities: AngularVelocities::Uniform { largest: 1.0, sum_of_squares: None }, seed, ..Start::default() }
+    Start {
+        velocities: AngularVelocities::Uniform {
+            largest: 1.0,
+            sum_of_squares: None,
+        },
+        seed,
+        ..Start::default()
+    }
 }
 
 /// Runs and records one trajectory.
-pub fn record(network: &Arc<Network>, replica: usize, frames: usize, step: f64) -> Result<Record, Failure> {
+pub fn record(
+    network: &Arc<Network>,
+    replica: usize,
+    frames: usize,
+    step: f64,
+) -> Result<Record, Failure> {
     let state = start(1).build(network, replica as u32)?.state;
     let energy = state.kinetic_energy(network);
-    let mut run = Run::new(network, Vec::new(), state, step, CollisionSettings::default())?;
+    let mut run = Run::new(
+        network,
+        Vec::new(),
+        state,
+        step,
+        CollisionSettings::default(),
+    )?;
     let squares = network.squares.len();
     let mut record = Record {
         differences: Vec::new(),
@@ -68,30 +95,44 @@ pub fn record(network: &Arc<Network>, replica: usize, frames: usize, step: f64) 
             record.ended = Some(error.to_string());
             break;
         }
-        let both = [staggered(network, &run.state.positions), angles(&run.state.positions)];
+        let both = [
+            staggered(network, &run.state.positions),
+            angles(&run.state.positions),
+        ];
         for (index, phases) in record.synchronisation.iter_mut().zip(&both) {
             index.push(phases)?;
         }
         // Of all pairs of N numbers: 2 N/(N - 1) times their variance.
         let scale = (2.0 * squares as f64 / (squares as f64 - 1.0)).sqrt();
-        record.differences.push(both.map(|phases| scale * common::deviation(&phases)));
+        record
+            .differences
+            .push(both.map(|phases| scale * common::deviation(&phases)));
         let after = points(&run.state.positions);
         let strain = biot_strain(&deformation_gradient(&before, &after)?);
         record.strains.push([strain[(0, 0)], strain[(1, 1)]]);
         before = after;
-        record.energies.push(run.state.kinetic_energy(network) / energy);
+        record
+            .energies
+            .push(run.state.kinetic_energy(network) / energy);
         record.free_frames += usize::from(run.engine.statistics().impacts == 0);
     }
     let statistics = run.engine.statistics();
     record.impacts = [statistics.impacts, statistics.rod_contacts];
     record.capped = statistics.capped_steps;
-    record.exactness = [statistics.largest_rod_violation, statistics.smallest_gap.unwrap_or(f64::NAN)];
+    record.exactness = [
+        statistics.largest_rod_violation,
+        statistics.smallest_gap.unwrap_or(f64::NAN),
+    ];
     Ok(record)
 }
 
-/// Leading eigenvalues of |R| and |P|, of staggered angles and of angles as they are, and the mean |R| and |P| of
-/// neighbours and of all others.
-pub fn coherence(network: &Network, records: &[&Record], ridge: f64) -> Result<[[f64; 6]; 2], Failure> {
+/// Leading eigenvalues of |R| and |P|, of staggered angles and of angles as they are, and the
+/// mean |R| and |P| of neighbours and of all others.
+pub fn coherence(
+    network: &Network,
+    records: &[&Record],
+    ridge: f64,
+) -> Result<[[f64; 6]; 2], Failure> {
     let mut result = [[f64::NAN; 6]; 2];
     for (which, result) in result.iter_mut().enumerate() {
         let mut whole = Synchronisation::new(network.squares.len());
@@ -100,13 +141,20 @@ pub fn coherence(network: &Network, records: &[&Record], ridge: f64) -> Result<[
         }
         for (at, matrix) in [whole.index()?, whole.partial(ridge)?].iter().enumerate() {
             let magnitudes = matrix.map(|x| (x * x.conj()).re.sqrt().into());
-            result[at] = eigenvalues(&magnitudes).first().copied().unwrap_or(f64::NAN);
+            result[at] = eigenvalues(&magnitudes)
+                .first()
+                .copied()
+                .unwrap_or(f64::NAN);
             let (mut near, mut far) = ([0.0, 0.0], [0.0, 0.0]);
             for a in 0..network.squares.len() {
                 for b in 0..a {
                     let rows = (a / network.columns).abs_diff(b / network.columns);
                     let columns = (a % network.columns).abs_diff(b % network.columns);
-                    let sums = if rows + columns == 1 { &mut near } else { &mut far };
+                    let sums = if rows + columns == 1 {
+                        &mut near
+                    } else {
+                        &mut far
+                    };
                     sums[0] += magnitudes[(a, b)].re;
                     sums[1] += 1.0;
                 }
@@ -118,14 +166,19 @@ pub fn coherence(network: &Network, records: &[&Record], ridge: f64) -> Result<[
     Ok(result)
 }
 
-/// As [`coherence`], with jackknife errors over trajectories; then |R| and |P| from half of the trajectories, and with a
-/// larger ridge.
+/// As [`coherence`], with jackknife errors over trajectories; then |R| and |P| from half of the
+/// trajectories, and with a larger ridge.
 pub fn coherence_with_errors(network: &Network, records: &[Record]) -> Result<Vec<f64>, Failure> {
     let all: Vec<&Record> = records.iter().collect();
     let value = coherence(network, &all, RIDGE)?;
     let without = (0..records.len())
         .map(|left| {
-            let others: Vec<&Record> = records.iter().enumerate().filter(|(k, _)| *k != left).map(|(_, r)| r).collect();
+            let others: Vec<&Record> = records
+                .iter()
+                .enumerate()
+                .filter(|(k, _)| *k != left)
+                .map(|(_, r)| r)
+                .collect();
             coherence(network, &others, RIDGE)
         })
         .collect::<Result<Vec<_>, _>>()?;
@@ -147,7 +200,12 @@ pub fn coherence_with_errors(network: &Network, records: &[Record]) -> Result<Ve
 }
 
 /// The matrices |R| and |P| of staggered angles, row by row, in thousandths.
-pub fn write_matrices(settings: &Settings, name: &str, network: &Network, records: &[Record]) -> Result<(), Failure> {
+pub fn write_matrices(
+    settings: &Settings,
+    name: &str,
+    network: &Network,
+    records: &[Record],
+) -> Result<(), Failure> {
     let mut whole = Synchronisation::new(network.squares.len());
     for record in records {
         whole.merge(&record.synchronisation[0])?;
@@ -162,7 +220,12 @@ pub fn write_matrices(settings: &Settings, name: &str, network: &Network, record
                 .collect()
         })
         .collect();
-    table(settings, name, "# 1000 |R| on and below the diagonal, 1000 |P| above it", &rows)
+    table(
+        settings,
+        name,
+        "# 1000 |R| on and below the diagonal, 1000 |P| above it",
+        &rows,
+    )
 }
 
 /// Head of the columns of [`coherence_with_errors`].
@@ -172,17 +235,37 @@ pub const COHERENCE_HEAD: &str = "R_eigenvalue,R_eigenvalue_error,P_eigenvalue,P
     plain_P_near,plain_P_near_error,plain_P_far,plain_P_far_error,half_R_eigenvalue,half_P_eigenvalue,half_P_near,\
     half_P_far,ridge_R_eigenvalue,ridge_P_eigenvalue,ridge_P_near,ridge_P_far";
 
-/// ν and r² of all trajectories of a set together, with errors over trajectories, and of single ones.
+/// ν and r² of all trajectories of a set together, with errors over trajectories, and of single
+/// ones.
 pub fn strain_row(records: &[Record]) -> Result<Vec<f64>, Failure> {
-    let together: Vec<[f64; 2]> = records.iter().flat_map(|record| record.strains.clone()).collect();
+    let together: Vec<[f64; 2]> = records
+        .iter()
+        .flat_map(|record| record.strains.clone())
+        .collect();
     let all = poisson_ratio(&together, records.len())?;
-    let singles = records.iter().map(|record| poisson_ratio(&record.strains, 10)).collect::<Result<Vec<_>, _>>()?;
-    let column = |of: fn(&protomer_crystal::analysis::strain::PoissonRatio) -> f64| singles.iter().map(of).collect();
-    let (ordinary, r_squared): (Vec<f64>, Vec<f64>) = (column(|x| x.ordinary), column(|x| x.r_squared));
+    let singles = records
+        .iter()
+        .map(|record| poisson_ratio(&record.strains, 10))
+        .collect::<Result<Vec<_>, _>>()?;
+    let column = |of: fn(&protomer_crystal::analysis::strain::PoissonRatio) -> f64| {
+        singles.iter().map(of).collect()
+    };
+    let (ordinary, r_squared): (Vec<f64>, Vec<f64>) =
+        (column(|x| x.ordinary), column(|x| x.r_squared));
     let least = ordinary.iter().copied().fold(f64::INFINITY, f64::min);
     let largest = ordinary.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let [r, r_error] = mean(&r_squared);
-    Ok(vec![all.ordinary, all.ordinary_error, all.total, all.total_error, all.r_squared, r, r_error, least, largest])
+    Ok(vec![
+        all.ordinary,
+        all.ordinary_error,
+        all.total,
+        all.total_error,
+        all.r_squared,
+        r,
+        r_error,
+        least,
+        largest,
+    ])
 }
 
 /// Head of the columns of [`strain_row`].
@@ -191,13 +274,29 @@ pub const STRAIN_HEAD: &str = "ordinary,ordinary_error,total,total_error,r_squar
 
 /// Differences per tenth frame: mean over trajectories and its error, staggered and as they are.
 pub fn difference_rows(rod_length: f64, records: &[Record]) -> Vec<Vec<f64>> {
-    let frames = records.iter().map(|record| record.differences.len()).min().unwrap_or(0);
+    let frames = records
+        .iter()
+        .map(|record| record.differences.len())
+        .min()
+        .unwrap_or(0);
     (9..frames)
         .step_by(10)
         .map(|frame| {
-            let column = |which: usize| -> Vec<f64> { records.iter().map(|r| r.differences[frame][which]).collect() };
+            let column = |which: usize| -> Vec<f64> {
+                records
+                    .iter()
+                    .map(|r| r.differences[frame][which])
+                    .collect()
+            };
             let ([a, a_error], [b, b_error]) = (mean(&column(0)), mean(&column(1)));
-            vec![rod_length, FRAME * (frame + 1) as f64, a, a_error, b, b_error]
+            vec![
+                rod_length,
+                FRAME * (frame + 1) as f64,
+                a,
+                a_error,
+                b,
+                b_error,
+            ]
         })
         .collect()
 }
@@ -209,17 +308,30 @@ pub fn write(settings: &Settings) -> Result<(), Failure> {
     for rod_length in LENGTHS {
         let network = lattice(10, rod_length)?;
         let step = time_step(rod_length);
-        let records = map(settings.jobs, settings.random, |replica| record(&network, replica, FRAMES, step))?;
+        let records = map(settings.jobs, settings.random, |replica| {
+            record(&network, replica, FRAMES, step)
+        })?;
         // The step of the papers, where it works.
-        let coarse = map(settings.jobs, settings.random.min(3), |replica| record(&network, replica, FRAMES, FRAME))?;
+        let coarse = map(settings.jobs, settings.random.min(3), |replica| {
+            record(&network, replica, FRAMES, FRAME)
+        })?;
         for (kind, set) in [(step, &records), (FRAME, &coarse)] {
             for record in set {
                 if let Some(reason) = &record.ended {
-                    println!("r0 = {rod_length}, step {kind}: ended at frame {}: {reason}", record.energies.len());
+                    println!(
+                        "r0 = {rod_length}, step {kind}: ended at frame {}: {reason}",
+                        record.energies.len()
+                    );
                 }
             }
-            let largest = |record: &Record| record.energies.iter().fold(0.0_f64, |most, e| most.max((e - 1.0).abs()));
-            let column = |of: &dyn Fn(&Record) -> f64| mean(&set.iter().map(of).collect::<Vec<f64>>());
+            let largest = |record: &Record| {
+                record
+                    .energies
+                    .iter()
+                    .fold(0.0_f64, |most, e| most.max((e - 1.0).abs()))
+            };
+            let column =
+                |of: &dyn Fn(&Record) -> f64| mean(&set.iter().map(of).collect::<Vec<f64>>());
             let [error, error_error] = column(&largest);
             let most = set.iter().map(largest).fold(0.0, f64::max);
             let [last, _] = column(&|r| r.energies.last().map_or(f64::NAN, |e| e - 1.0));
@@ -230,7 +342,10 @@ pub fn write(settings: &Settings) -> Result<(), Failure> {
             let ended = set.iter().filter(|r| r.ended.is_some()).count() as f64;
             let capped = set.iter().map(|r| r.capped as f64).sum::<f64>();
             let rod_error = set.iter().map(|r| r.exactness[0]).fold(0.0, f64::max);
-            let gap = set.iter().map(|r| r.exactness[1]).fold(f64::INFINITY, f64::min);
+            let gap = set
+                .iter()
+                .map(|r| r.exactness[1])
+                .fold(f64::INFINITY, f64::min);
             runs.push(vec![
                 rod_length,
                 kind,
@@ -260,21 +375,39 @@ pub fn write(settings: &Settings) -> Result<(), Failure> {
         row.extend(coherence_with_errors(&network, &records)?);
         coherent.push(row);
         if SHOWN.contains(&rod_length) {
-            write_matrices(settings, &format!("synchronisation_{rod_length:.2}"), &network, &records)?;
+            write_matrices(
+                settings,
+                &format!("synchronisation_{rod_length:.2}"),
+                &network,
+                &records,
+            )?;
         }
         let mut row = vec![rod_length];
         row.extend(strain_row(&records)?);
         strains.push(row);
-        for [x, y] in records.iter().flat_map(|record| record.strains.iter().step_by(20)) {
+        for [x, y] in records
+            .iter()
+            .flat_map(|record| record.strains.iter().step_by(20))
+        {
             cloud.push(vec![rod_length, *x, *y]);
         }
     }
     let head = "r0,time,staggered,staggered_error,plain,plain_error";
     table(settings, "phase_differences", head, &differences)?;
-    table(settings, "synchronisation", &format!("r0,{COHERENCE_HEAD}"), &coherent)?;
+    table(
+        settings,
+        "synchronisation",
+        &format!("r0,{COHERENCE_HEAD}"),
+        &coherent,
+    )?;
     table(settings, "poisson", &format!("r0,{STRAIN_HEAD}"), &strains)?;
     table(settings, "strains", "r0,xx,yy", &cloud)?;
-    table(settings, "energies", "r0,step,time,relative_energy", &energies)?;
+    table(
+        settings,
+        "energies",
+        "r0,step,time,relative_energy",
+        &energies,
+    )?;
     let head = "r0,step,trajectories,frames,ended_early,impacts,impacts_error,rod_contacts,frames_before_first_impact,\
                 capped_steps,largest_energy_error,largest_energy_error_error,worst_energy_error,final_energy_error,\
                 largest_rod_error,smallest_gap";

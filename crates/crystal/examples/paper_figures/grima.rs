@@ -1,5 +1,5 @@
-//! Phase space of the coherent motion (paper, fig. 4), by eqs. 29a and 29b, and 2 x 2 lattices that run along it through
-//! collisions.
+//! Phase space of the coherent motion (paper, fig. 4), by eqs. 29a and 29b, and 2 x 2 lattices that
+//! run along it through collisions.
 
 use crate::common::{FRAME, Failure, Run, Settings, lattice, table, time_step};
 use protomer_crystal::analysis::grima::{CoherentOrbit, smallest_angle};
@@ -10,7 +10,16 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 /// Writes the tables.
 pub fn write(settings: &Settings) -> Result<(), Failure> {
     let mut curves = Vec::new();
-    let cases = [(2, 0.0), (4, 0.0), (10, 0.0), (2, 0.05), (2, 3.0 / 22.0), (2, 1.0), (2, 2.0), (2, 3.0)];
+    let cases = [
+        (2, 0.0),
+        (4, 0.0),
+        (10, 0.0),
+        (2, 0.05),
+        (2, 3.0 / 22.0),
+        (2, 1.0),
+        (2, 2.0),
+        (2, 3.0),
+    ];
     for (size, rod_length) in cases {
         let least = smallest_angle(rod_length, 1.0).unwrap_or(0.0);
         let orbit = CoherentOrbit::new(size, size, Square::default(), rod_length, FRAC_PI_4, 1.0)?;
@@ -26,9 +35,20 @@ pub fn write(settings: &Settings) -> Result<(), Failure> {
         let orbit = CoherentOrbit::new(2, 2, Square::default(), rod_length, FRAC_PI_4, -1.0)?;
         for parts in [1.0, 2.0, 4.0] {
             let velocities = AngularVelocities::Checkerboard { rate: -1.0 };
-            let state = Start { velocities, ..Start::default() }.build(&network, 0)?.state;
+            let state = Start {
+                velocities,
+                ..Start::default()
+            }
+            .build(&network, 0)?
+            .state;
             let step = time_step(rod_length) / parts;
-            let mut run = Run::new(&network, Vec::new(), state, step, CollisionSettings::default())?;
+            let mut run = Run::new(
+                &network,
+                Vec::new(),
+                state,
+                step,
+                CollisionSettings::default(),
+            )?;
             let mut worst = [0.0_f64; 2];
             for frame in 0..1000 {
                 run.advance(FRAME)?;
@@ -43,9 +63,20 @@ pub fn write(settings: &Settings) -> Result<(), Failure> {
                     points.push(vec![rod_length, found[0], found[1]]);
                 }
             }
-            errors.push(vec![rod_length, step, run.engine.statistics().impacts as f64, worst[0], worst[1]]);
+            errors.push(vec![
+                rod_length,
+                step,
+                run.engine.statistics().impacts as f64,
+                worst[0],
+                worst[1],
+            ]);
         }
     }
     table(settings, "coherent_run", "r0,angle,rate", &points)?;
-    table(settings, "coherent_errors", "r0,step,impacts,angle_error_29a,rate_error_29b", &errors)
+    table(
+        settings,
+        "coherent_errors",
+        "r0,step,impacts,angle_error_29a,rate_error_29b",
+        &errors,
+    )
 }

@@ -16,8 +16,9 @@
 //! | `reseeded` | the checkerboard mode of 10 x 10: paper 11 |
 //! | `potential` | what a coherence potential does: paper 12 |
 //!
-//! "The paper" and "the preprint" are those of `protomer_crystal::analysis`. Times are in the paper's unit, in which its step is
-//! 0.01; our steps are `common::time_step`. Numbers do not depend on how many threads make them.
+//! "The paper" and "the preprint" are those of `protomer_crystal::analysis`. Times are in the
+//! paper's unit, in which its step is 0.01; our steps are `common::time_step`. Numbers do not
+//! depend on how many threads make them.
 
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
@@ -48,13 +49,23 @@ const FIGURES: [Figure; 8] = [
 ];
 
 fn main() -> Result<(), Failure> {
-    let mut settings = Settings { folder: PathBuf::new(), random: 10, reseeded: 24, small: 16, jobs: 1 };
+    let mut settings = Settings {
+        folder: PathBuf::new(),
+        random: 10,
+        reseeded: 24,
+        small: 16,
+        jobs: 1,
+    };
     let mut wanted: Vec<String> = Vec::new();
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         let mut number = || -> Result<usize, Failure> {
-            let text = arguments.next().ok_or_else(|| format!("{argument} needs a number"))?;
-            Ok(text.parse::<usize>().map_err(|error| format!("{argument} {text}: {error}"))?)
+            let text = arguments
+                .next()
+                .ok_or_else(|| format!("{argument} needs a number"))?;
+            Ok(text
+                .parse::<usize>()
+                .map_err(|error| format!("{argument} {text}: {error}"))?)
         };
         match argument.as_str() {
             "--random" => settings.random = number()?.max(2),
@@ -63,8 +74,12 @@ fn main() -> Result<(), Failure> {
             "--jobs" => settings.jobs = number()?.max(1),
             // As many as in the papers.
             "--full" => (settings.random, settings.reseeded, settings.small) = (10, 24, 100),
-            option if option.starts_with("--") => return Err(format!("there is no option {option}").into()),
-            folder if settings.folder.as_os_str().is_empty() => settings.folder = PathBuf::from(folder),
+            option if option.starts_with("--") => {
+                return Err(format!("there is no option {option}").into());
+            }
+            folder if settings.folder.as_os_str().is_empty() => {
+                settings.folder = PathBuf::from(folder)
+            }
             figure if FIGURES.iter().any(|(name, _)| *name == figure) => wanted.push(argument),
             other => return Err(format!("there is no figure {other}").into()),
         }
@@ -77,7 +92,10 @@ fn main() -> Result<(), Failure> {
         if wanted.is_empty() || wanted.iter().any(|figure| figure == name) {
             let begin = common::processor_seconds();
             write(&settings)?;
-            println!("{name}: {:.1} CPU-seconds", common::processor_seconds() - begin);
+            println!(
+                "{name}: {:.1} CPU-seconds",
+                common::processor_seconds() - begin
+            );
         }
     }
     Ok(())

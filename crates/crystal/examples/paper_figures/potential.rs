@@ -1,6 +1,6 @@
-//! What a potential for coherence does (paper, fig. 12): 10 x 10 from the closed state in coherent motion, ω_c = 1 with the
-//! translations that belong to it; the first maximum of the spread of the orientations,
-//! and the largest within a time of 3.
+//! What a potential for coherence does (paper, fig. 12): 10 x 10 from the closed state in coherent
+//! motion, ω_c = 1 with the translations that belong to it; the first maximum of the spread of the
+//! orientations, and the largest within a time of 3.
 
 use crate::common::{Failure, Run, Settings, lattice, map, table, time_step};
 use protomer_crystal::analysis::modes::orientational_spread;
@@ -16,7 +16,12 @@ const DROP: f64 = 1e-4;
 fn first_maximum(rod_length: f64, kappa: f64) -> Result<Vec<f64>, Failure> {
     let network = lattice(10, rod_length)?;
     let velocities = AngularVelocities::Checkerboard { rate: 1.0 };
-    let state = Start { velocities, ..Start::closed() }.build(&network, 0)?.state;
+    let state = Start {
+        velocities,
+        ..Start::closed()
+    }
+    .build(&network, 0)?
+    .state;
     let energy = state.kinetic_energy(&network);
     let forces: Vec<Box<dyn Force>> = vec![Box::new(Coherence { kappa })];
     // The coherent motion is ten times faster in the open state than in the closed one.
@@ -34,8 +39,19 @@ fn first_maximum(rod_length: f64, kappa: f64) -> Result<Vec<f64>, Failure> {
     }
     let all = run.state.kinetic_energy(&network) + run.engine.dynamics().potential_energy();
     let impacts = run.engine.statistics().impacts as f64;
-    let [time, value] = first.found().map_or([f64::NAN; 2], |maximum| [maximum.time, maximum.value]);
-    Ok(vec![rod_length, kappa, value, time, largest[1], largest[0], impacts, all / energy - 1.0])
+    let [time, value] = first
+        .found()
+        .map_or([f64::NAN; 2], |maximum| [maximum.time, maximum.value]);
+    Ok(vec![
+        rod_length,
+        kappa,
+        value,
+        time,
+        largest[1],
+        largest[0],
+        impacts,
+        all / energy - 1.0,
+    ])
 }
 
 /// Writes the table.
@@ -43,5 +59,10 @@ pub fn write(settings: &Settings) -> Result<(), Failure> {
     let rows = map(settings.jobs, LENGTHS.len() * KAPPAS.len(), |index| {
         first_maximum(LENGTHS[index / KAPPAS.len()], KAPPAS[index % KAPPAS.len()])
     })?;
-    table(settings, "potential", "r0,kappa,spread,time,largest_spread,largest_time,impacts,energy_error", &rows)
+    table(
+        settings,
+        "potential",
+        "r0,kappa,spread,time,largest_spread,largest_time,impacts,energy_error",
+        &rows,
+    )
 }

@@ -1,7 +1,10 @@
-//! How much the share of the checkerboard mode in the rotational energy varies along trajectories of 10 x 10 (paper, fig. 11):
-//! a random trajectory from the open state; at random frames of it new ones begin, with new random angular velocities.
+//! How much the share of the checkerboard mode in the rotational energy varies along trajectories
+//! of 10 x 10 (paper, fig. 11): a random trajectory from the open state; at random frames of it new
+//! ones begin, with new random angular velocities.
 
-use crate::common::{FRAME, Failure, LENGTHS, Run, Settings, deviation, lattice, map, mean, table, time_step};
+use crate::common::{
+    FRAME, Failure, LENGTHS, Run, Settings, deviation, lattice, map, mean, table, time_step,
+};
 use crate::ensemble::start;
 use protomer_crystal::analysis::modes::{ModeEnergies, OutOf};
 use protomer_crystal::lattice::start::Projector;
@@ -19,13 +22,26 @@ pub fn write(settings: &Settings) -> Result<(), Failure> {
         let step = time_step(rod_length);
         let parent = start(2).build(&network, 0)?.state;
         let mut rng = CounterRng::for_purpose(2, 0, 0, PURPOSE);
-        let mut chosen: Vec<usize> = (0..settings.reseeded).map(|_| 1 + rng.index(FRAMES)).collect();
+        let mut chosen: Vec<usize> = (0..settings.reseeded)
+            .map(|_| 1 + rng.index(FRAMES))
+            .collect();
         chosen.sort_unstable();
-        let mut run = Run::new(&network, Vec::new(), parent, step, CollisionSettings::default())?;
+        let mut run = Run::new(
+            &network,
+            Vec::new(),
+            parent,
+            step,
+            CollisionSettings::default(),
+        )?;
         let mut seeds: Vec<State> = Vec::new();
         for frame in 1..=chosen.last().copied().unwrap_or(0) {
             run.advance(FRAME)?;
-            seeds.extend(chosen.iter().filter(|wanted| **wanted == frame).map(|_| run.state.clone()));
+            seeds.extend(
+                chosen
+                    .iter()
+                    .filter(|wanted| **wanted == frame)
+                    .map(|_| run.state.clone()),
+            );
         }
         let found = map(settings.jobs, seeds.len(), |child| {
             let mut state = seeds[child].clone();
@@ -34,11 +50,20 @@ pub fn write(settings: &Settings) -> Result<(), Failure> {
                 velocity.copy_from_slice(&[0.0, 0.0, rng.uniform_in(-1.0, 1.0)]);
             }
             Projector::new(&network).velocities(&state.positions, &mut state.velocities)?;
-            let mut run = Run::new(&network, Vec::new(), state, step, CollisionSettings::default())?;
+            let mut run = Run::new(
+                &network,
+                Vec::new(),
+                state,
+                step,
+                CollisionSettings::default(),
+            )?;
             let mut shares = [Vec::new(), Vec::new()];
             for _ in 0..FRAMES {
                 if let Err(error) = run.advance(FRAME) {
-                    println!("r0 = {rod_length}, child {child} ended at {}: {error}", run.state.time);
+                    println!(
+                        "r0 = {rod_length}, child {child} ended at {}: {error}",
+                        run.state.time
+                    );
                     break;
                 }
                 let energies = ModeEnergies::of(&network, &run.state);
@@ -47,10 +72,22 @@ pub fn write(settings: &Settings) -> Result<(), Failure> {
                 }
             }
             let impacts = run.engine.statistics().impacts as f64;
-            Ok([deviation(&shares[0]), deviation(&shares[1]), mean(&shares[0])[0], impacts])
+            Ok([
+                deviation(&shares[0]),
+                deviation(&shares[1]),
+                mean(&shares[0])[0],
+                impacts,
+            ])
         })?;
         let mut row = vec![rod_length, found.len() as f64];
-        (0..4).for_each(|which| row.extend(mean(&found.iter().map(|numbers| numbers[which]).collect::<Vec<f64>>())));
+        (0..4).for_each(|which| {
+            row.extend(mean(
+                &found
+                    .iter()
+                    .map(|numbers| numbers[which])
+                    .collect::<Vec<f64>>(),
+            ))
+        });
         rows.push(row);
     }
     let head = "r0,trajectories,of_rotational,of_rotational_error,of_total,of_total_error,mean_share,mean_share_error,\

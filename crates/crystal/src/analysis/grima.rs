@@ -1,19 +1,23 @@
 //! The coherent motion, which has one degree of freedom, exactly.
 //!
-//! In the coherent motion θ = (-1)^(i+j) θ_c and the centres lie on a square grid of the distance d = 2 l cos(θ_c - π/4) + r0,
-//! with all rods along x and y. The kinetic energy is that of one degree of freedom, with φ = π/4 - θ_c
+//! In the coherent motion θ = (-1)^(i+j) θ_c and the centres lie on a square grid of the distance d
+//! = 2 l cos(θ_c - π/4) + r0, with all rods along x and y. The kinetic energy is that of one degree
+//! of freedom, with φ = π/4 - θ_c
 //!
-//! K = ½ N I (1 - μ sin²φ) ω_c², μ = -4 m l² Σ (x² + y²) / (N I), Σ (x² + y²) = N (rows² + columns² - 2) / 12
+//! K = ½ N I (1 - μ sin²φ) ω_c², μ = -4 m l² Σ (x² + y²) / (N I), Σ (x² + y²) = N (rows² +
+//! columns² - 2) / 12
 //!
-//! over the grid of unit distance; for ns x ns squares of I = m l²/3 this is μ = 2 (1 - ns²). K is constant (eq. 29b), so
-//! √(1 - μ sin²φ) dφ = -e0 dt, and with the incomplete elliptic integral E(φ | μ) = ∫ √(1 - μ sin²) (eq. 29a)
+//! over the grid of unit distance; for ns x ns squares of I = m l²/3 this is μ = 2 (1 - ns²). K is
+//! constant (eq. 29b), so √(1 - μ sin²φ) dφ = -e0 dt, and with the incomplete elliptic integral
+//! E(φ | μ) = ∫ √(1 - μ sin²) (eq. 29a)
 //!
 //! E(φ(t) | μ) = E(φ(0) | μ) - e0 t, e0 = √(1 - μ sin²φ(0)) ω_c(0).
 //!
-//! r0 appears nowhere but in where the squares meet. For r0 → 0 this is the model of Grima and Evans (J. Mat. Sci. Lett. 19,
-//! 1563 (2000)), where the rods leave no other motion. For r0 > 0 the rods do not *enforce* it, but the 2 x 2 lattice keeps
-//! it: reflections in the two midlines map the coherent states on themselves, a state with both symmetries is one square's
-//! x, y, θ, and its two kinds of rods, each perpendicular to a mirror, leave one degree of freedom. Larger lattices
+//! r0 appears nowhere but in where the squares meet. For r0 → 0 this is the model of Grima and
+//! Evans (J. Mat. Sci. Lett. 19, 1563 (2000)), where the rods leave no other motion. For r0 > 0 the
+//! rods do not *enforce* it, but the 2 x 2 lattice keeps it: reflections in the two midlines map
+//! the coherent states on themselves, a state with both symmetries is one square's x, y, θ, and its
+//! two kinds of rods, each perpendicular to a mirror, leave one degree of freedom. Larger lattices
 //! with r0 > 0 leave the coherent orbit, unless a potential holds them there.
 //!
 //! The squares meet at θ_min and π/2 - θ_min, where (not as in eq. 29c)
@@ -26,7 +30,8 @@ use crate::lattice::Square;
 use crate::{CrystalError, Result};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, SQRT_2};
 
-/// The smallest θ_c before squares meet; the largest is π/2 less this. `None` where they turn freely.
+/// The smallest θ_c before squares meet; the largest is π/2 less this. `None` where they turn
+/// freely.
 pub fn smallest_angle(rod_length: f64, half_diagonal: f64) -> Option<f64> {
     let ratio = rod_length / half_diagonal;
     if ratio <= 2.0 * SQRT_2 {
@@ -65,16 +70,32 @@ impl CoherentOrbit {
     /// The orbit of this many rows and columns from θ_c = `angle` at ω_c = `rate`.
     ///
     /// # Errors
-    /// [`CrystalError::BadSetting`] for numbers that make no lattice, or an angle at which squares overlap.
-    pub fn new(rows: usize, columns: usize, square: Square, rod_length: f64, angle: f64, rate: f64) -> Result<Self> {
+    /// [`CrystalError::BadSetting`] for numbers that make no lattice, or an angle at which squares
+    /// overlap.
+    pub fn new(
+        rows: usize,
+        columns: usize,
+        square: Square,
+        rod_length: f64,
+        angle: f64,
+        rate: f64,
+    ) -> Result<Self> {
         let count = (rows * columns) as f64;
-        let bad = |setting, value, requirement| Err(CrystalError::BadSetting { setting, value, requirement });
+        let bad = |setting, value, requirement| {
+            Err(CrystalError::BadSetting {
+                setting,
+                value,
+                requirement,
+            })
+        };
         if rows * columns == 0 {
             return bad("number of squares", count, "positive");
         }
-        for (setting, value) in
-            [("half_diagonal", square.half_diagonal), ("mass", square.mass), ("inertia", square.inertia)]
-        {
+        for (setting, value) in [
+            ("half_diagonal", square.half_diagonal),
+            ("mass", square.mass),
+            ("inertia", square.inertia),
+        ] {
             if !(value.is_finite() && value > 0.0) {
                 return bad(setting, value, "positive");
             }
@@ -86,7 +107,9 @@ impl CoherentOrbit {
             return bad("rate", rate, "finite");
         }
         let least = smallest_angle(rod_length, square.half_diagonal);
-        if !angle.is_finite() || least.is_some_and(|least| angle < least - 1e-12 || angle > FRAC_PI_2 - least + 1e-12) {
+        if !angle.is_finite()
+            || least.is_some_and(|least| angle < least - 1e-12 || angle > FRAC_PI_2 - least + 1e-12)
+        {
             return bad("angle", angle, "between those at which squares meet");
         }
         let around = (rows * rows + columns * columns - 2) as f64 / 12.0;
@@ -120,7 +143,11 @@ impl CoherentOrbit {
     pub fn first_contact(&self) -> Option<f64> {
         let wall = self.wall?;
         // A positive rate lowers E.
-        let way = if self.speed > 0.0 { self.start + wall } else { wall - self.start };
+        let way = if self.speed > 0.0 {
+            self.start + wall
+        } else {
+            wall - self.start
+        };
         (self.speed != 0.0).then(|| way.max(0.0) / self.speed.abs())
     }
 
@@ -144,11 +171,12 @@ impl CoherentOrbit {
     }
 }
 
-/// The incomplete elliptic integral of the second kind, E(φ | m) = ∫₀^φ √(1 - m sin²φ') dφ', for any φ and any m ≤ 1, however
-/// negative; NaN where the root is not real.
+/// The incomplete elliptic integral of the second kind, E(φ | m) = ∫₀^φ √(1 - m sin²φ') dφ', for
+/// any φ and any m ≤ 1, however negative; NaN where the root is not real.
 ///
-/// By Carlson's symmetric integrals (Numer. Math. 33, 1 (1979)), for |φ| ≤ π/2, with s = sin φ:
-/// E = s R_F(1 - s², 1 - m s², 1) - (m/3) s³ R_D(1 - s², 1 - m s², 1); other φ by E(φ + kπ) = E(φ) + 2k E(π/2).
+/// By Carlson's symmetric integrals (Numer. Math. 33, 1 (1979)), for |φ| ≤ π/2, with s = sin φ: E =
+/// s R_F(1 - s², 1 - m s², 1) - (m/3) s³ R_D(1 - s², 1 - m s², 1); other φ by E(φ + kπ) = E(φ) + 2k
+/// E(π/2).
 pub fn elliptic_e(phi: f64, m: f64) -> f64 {
     let turns = (phi / PI).round();
     let within = |phi: f64| {
@@ -160,7 +188,11 @@ pub fn elliptic_e(phi: f64, m: f64) -> f64 {
         sine * carlson_rf(x, y, 1.0) - m / 3.0 * sine.powi(3) * carlson_rd(x, y, 1.0)
     };
     let rest = within(phi - turns * PI);
-    if turns == 0.0 { rest } else { rest + 2.0 * turns * within(FRAC_PI_2) }
+    if turns == 0.0 {
+        rest
+    } else {
+        rest + 2.0 * turns * within(FRAC_PI_2)
+    }
 }
 
 /// φ with E(φ | m) = e, for m ≤ 0 (or below 1): Newton's method between bounds.
@@ -178,7 +210,11 @@ pub fn inverse_elliptic_e(e: f64, m: f64) -> f64 {
             low = phi;
         }
         let next = phi - excess / (1.0 - m * phi.sin().powi(2)).sqrt();
-        let next = if next > low && next < high { next } else { 0.5 * (low + high) };
+        let next = if next > low && next < high {
+            next
+        } else {
+            0.5 * (low + high)
+        };
         if (next - phi).abs() <= 2.0 * f64::EPSILON * phi.abs().max(1.0) {
             phi = next;
             break;
@@ -188,14 +224,17 @@ pub fn inverse_elliptic_e(e: f64, m: f64) -> f64 {
     phi + turns * PI
 }
 
-/// R_F(x, y, z) = ½ ∫₀^∞ dt / √((t + x)(t + y)(t + z)), for arguments ≥ 0 of which at most one is 0; by duplication.
+/// R_F(x, y, z) = ½ ∫₀^∞ dt / √((t + x)(t + y)(t + z)), for arguments ≥ 0 of which at most one is
+/// 0; by duplication.
 pub fn carlson_rf(mut x: f64, mut y: f64, mut z: f64) -> f64 {
     for _ in 0..100 {
         let mean = (x + y + z) / 3.0;
         let [a, b, c] = [x, y, z].map(|number| 1.0 - number / mean);
         if a.abs().max(b.abs()).max(c.abs()) < 2e-3 {
             let (e2, e3) = (a * b - c * c, a * b * c);
-            let series = 1.0 - e2 / 10.0 + e3 / 14.0 + e2 * e2 / 24.0 - 3.0 * e2 * e3 / 44.0 - 5.0 * e2.powi(3) / 208.0
+            let series = 1.0 - e2 / 10.0 + e3 / 14.0 + e2 * e2 / 24.0
+                - 3.0 * e2 * e3 / 44.0
+                - 5.0 * e2.powi(3) / 208.0
                 + 3.0 * e3 * e3 / 104.0;
             return series / mean.sqrt();
         }
@@ -205,7 +244,8 @@ pub fn carlson_rf(mut x: f64, mut y: f64, mut z: f64) -> f64 {
     f64::NAN
 }
 
-/// R_D(x, y, z) = 3/2 ∫₀^∞ dt / (√((t + x)(t + y)) (t + z)^(3/2)), for x, y ≥ 0 not both 0 and z > 0; by duplication.
+/// R_D(x, y, z) = 3/2 ∫₀^∞ dt / (√((t + x)(t + y)) (t + z)^(3/2)), for x, y ≥ 0 not both 0 and z >
+/// 0; by duplication.
 pub fn carlson_rd(mut x: f64, mut y: f64, mut z: f64) -> f64 {
     let (mut sum, mut scale) = (0.0, 1.0);
     for _ in 0..100 {
@@ -214,9 +254,10 @@ pub fn carlson_rd(mut x: f64, mut y: f64, mut z: f64) -> f64 {
         if a.abs().max(b.abs()).max(c.abs()) < 1e-3 {
             let (e2, e3) = (a * b - 6.0 * c * c, (3.0 * a * b - 8.0 * c * c) * c);
             let (e4, e5) = (3.0 * (a * b - c * c) * c * c, a * b * c.powi(3));
-            let series =
-                1.0 - 3.0 * e2 / 14.0 + e3 / 6.0 + 9.0 * e2 * e2 / 88.0 - 3.0 * e4 / 22.0 - 9.0 * e2 * e3 / 52.0
-                    + 3.0 * e5 / 26.0;
+            let series = 1.0 - 3.0 * e2 / 14.0 + e3 / 6.0 + 9.0 * e2 * e2 / 88.0
+                - 3.0 * e4 / 22.0
+                - 9.0 * e2 * e3 / 52.0
+                + 3.0 * e5 / 26.0;
             return 3.0 * sum + scale * series / (mean * mean.sqrt());
         }
         let shift = (x * y).sqrt() + (y * z).sqrt() + (z * x).sqrt();
@@ -232,7 +273,8 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
-    /// Composite Gauss-Legendre quadrature with three points an interval, summed in groups against rounding.
+    /// Composite Gauss-Legendre quadrature with three points an interval, summed in groups against
+    /// rounding.
     fn quadrature(phi: f64, m: f64) -> f64 {
         const INTERVALS: usize = 20_000;
         let width = phi / INTERVALS as f64;
@@ -240,9 +282,12 @@ mod tests {
         let part = |index: usize| {
             let middle = (index as f64 + 0.5) * width;
             let aside = 0.5 * width * 0.6f64.sqrt();
-            width / 18.0 * (5.0 * root(middle - aside) + 8.0 * root(middle) + 5.0 * root(middle + aside))
+            width / 18.0
+                * (5.0 * root(middle - aside) + 8.0 * root(middle) + 5.0 * root(middle + aside))
         };
-        (0..INTERVALS / 100).map(|group| (100 * group..100 * group + 100).map(part).sum::<f64>()).sum()
+        (0..INTERVALS / 100)
+            .map(|group| (100 * group..100 * group + 100).map(part).sum::<f64>())
+            .sum()
     }
 
     #[test]
@@ -250,8 +295,14 @@ mod tests {
         for m in [0.9, 0.5, 0.0, -0.1, -6.0, -30.0, -198.0, -2e4, -2e6] {
             for phi in [1e-3, 0.3, FRAC_PI_4, 1.5, FRAC_PI_2, 1.8, 4.0, -0.7, -7.0] {
                 let (found, expected) = (elliptic_e(phi, m), quadrature(phi, m));
-                assert!((found - expected).abs() < 2e-13 * expected.abs(), "{phi} {m}: {found} {expected}");
-                assert!((inverse_elliptic_e(found, m) - phi).abs() < 2e-14 * phi.abs().max(1.0), "{phi} {m}");
+                assert!(
+                    (found - expected).abs() < 2e-13 * expected.abs(),
+                    "{phi} {m}: {found} {expected}"
+                );
+                assert!(
+                    (inverse_elliptic_e(found, m) - phi).abs() < 2e-14 * phi.abs().max(1.0),
+                    "{phi} {m}"
+                );
             }
         }
         assert!(elliptic_e(1.0, 4.0).is_nan());
@@ -260,7 +311,10 @@ mod tests {
     #[test]
     fn known_values() {
         // E(φ | 0) = φ, E(φ | 1) = sin φ, E(π/2 | ½) from tables.
-        assert_eq!(elliptic_e(0.7, 0.0), 0.7f64.sin() * carlson_rf(0.7f64.cos().powi(2), 1.0, 1.0));
+        assert_eq!(
+            elliptic_e(0.7, 0.0),
+            0.7f64.sin() * carlson_rf(0.7f64.cos().powi(2), 1.0, 1.0)
+        );
         assert!((elliptic_e(0.7, 0.0) - 0.7).abs() < 1e-15);
         assert!((elliptic_e(0.7, 1.0) - 0.7f64.sin()).abs() < 1e-15);
         assert!((elliptic_e(FRAC_PI_2, 0.5) - 1.350_643_881_047_675_5).abs() < 1e-15);
@@ -289,8 +343,8 @@ mod tests {
         assert_eq!(smallest_angle(0.3, 1.0), smallest_angle(0.6, 2.0));
     }
 
-    /// θ̈ from Lagrange's equation of the one degree of freedom, integrated by Runge and Kutta's fourth-order rule, with
-    /// contacts found by bisection.
+    /// θ̈ from Lagrange's equation of the one degree of freedom, integrated by Runge and Kutta's
+    /// fourth-order rule, with contacts found by bisection.
     #[test]
     fn the_orbit_solves_its_equation_of_motion_and_bounces() {
         let (rod_length, size) = (0.3, 4.0f64);
@@ -319,7 +373,11 @@ mod tests {
                 let (mut low, mut high) = (0.0, h);
                 for _ in 0..60 {
                     let middle = 0.5 * (low + high);
-                    if inside(advance(y, middle)) { low = middle } else { high = middle }
+                    if inside(advance(y, middle)) {
+                        low = middle
+                    } else {
+                        high = middle
+                    }
                 }
                 let mut there = advance(y, low);
                 there[1] = -there[1];
@@ -328,19 +386,25 @@ mod tests {
             }
             y = next;
             let [angle, rate] = orbit.at(f64::from(step) * h);
-            assert!((angle - y[0]).abs() < 1e-8 && (rate - y[1]).abs() < 1e-8, "{step}: {angle} {rate} {y:?}");
+            assert!(
+                (angle - y[0]).abs() < 1e-8 && (rate - y[1]).abs() < 1e-8,
+                "{step}: {angle} {rate} {y:?}"
+            );
         }
         assert!(bounces >= 3, "{bounces}");
         // And backwards in time.
         let [angle, rate] = orbit.at(-3.0);
-        let back = CoherentOrbit::new(4, 4, Square::default(), rod_length, angle, rate).unwrap().at(3.0);
+        let back = CoherentOrbit::new(4, 4, Square::default(), rod_length, angle, rate)
+            .unwrap()
+            .at(3.0);
         assert!((back[0] - 0.9).abs() < 1e-12 && (back[1] - 0.8).abs() < 1e-12);
     }
 
     #[test]
     fn nonsense_is_refused() {
-        let make =
-            |size, rod_length, angle, rate| CoherentOrbit::new(size, size, Square::default(), rod_length, angle, rate);
+        let make = |size, rod_length, angle, rate| {
+            CoherentOrbit::new(size, size, Square::default(), rod_length, angle, rate)
+        };
         assert!(make(0, 1.0, 0.5, 1.0).is_err());
         assert!(make(2, -1.0, 0.5, 1.0).is_err());
         assert!(make(2, 0.1, -0.5, 1.0).is_err());

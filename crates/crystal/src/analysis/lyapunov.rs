@@ -1,21 +1,23 @@
 //! How fast neighbouring trajectories part.
 //!
-//! The maximal Lyapunov exponent by the method of Benettin, Galgani and Strelcyn (Phys. Rev. A 14, 2338 (1976)): a neighbour
-//! of a state at the small distance d0 is carried along for a while τ, the logarithm of its distance over d0 is noted, and
-//! it is brought back to d0 along the line between the two,
+//! The maximal Lyapunov exponent by the method of Benettin, Galgani and Strelcyn (Phys. Rev. A 14,
+//! 2338 (1976)): a neighbour of a state at the small distance d0 is carried along for a while τ,
+//! the logarithm of its distance over d0 is noted, and it is brought back to d0 along the line
+//! between the two,
 //!
 //! λ = 1/(K τ) Σ_k ln(d_k / d0),
 //!
-//! after which it is projected on what the constraints allow: positions by Newton's method on the rods, velocities on those that
-//! keep them. The distance after projection, not before, is what the next growth is measured from. Distances are
-//! measured with the masses, in positions and in velocities times a time scale of 1,
+//! after which it is projected on what the constraints allow: positions by Newton's method on the
+//! rods, velocities on those that keep them. The distance after projection, not before, is what the
+//! next growth is measured from. Distances are measured with the masses, in positions and in
+//! velocities times a time scale of 1,
 //!
 //! d² = Σ m (δx² + δy² + δẋ² + δẏ²) + I (δθ² + δω²).
 //!
 //! Where collisions leave no room for the neighbour at d0, it is carried on from where it is.
 //!
-//! Directions without growth (translations, the time along the orbit) let d grow linearly, so a regular motion gives
-//! λ of about ln(T)/T, not zero, after a time T.
+//! Directions without growth (translations, the time along the orbit) let d grow linearly, so a
+//! regular motion gives λ of about ln(T)/T, not zero, after a time T.
 
 use crate::lattice::start::{Projector, normal_pair};
 use crate::lattice::{Dynamics, Engine, Network, State};
@@ -34,7 +36,8 @@ pub trait Flow {
     /// Whatever the stepper cannot do.
     fn advance(&mut self, state: &mut State, duration: f64) -> Result<()>;
 
-    /// Brings a state that was moved by a little back to where the constraints hold, and prepares to go on from there.
+    /// Brings a state that was moved by a little back to where the constraints hold, and prepares
+    /// to go on from there.
     ///
     /// # Errors
     /// If there is no way back.
@@ -61,7 +64,11 @@ impl RodFlow {
     /// The flow of these dynamics, which must be prepared at the state from which it starts.
     pub fn new(dynamics: Dynamics, longest_step: f64) -> Self {
         let projector = Projector::new(dynamics.network());
-        Self { dynamics, projector, longest_step }
+        Self {
+            dynamics,
+            projector,
+            longest_step,
+        }
     }
 }
 
@@ -76,7 +83,8 @@ impl Flow for RodFlow {
 
     fn project(&mut self, state: &mut State) -> Result<()> {
         self.projector.positions(&mut state.positions)?;
-        self.projector.velocities(&state.positions, &mut state.velocities)?;
+        self.projector
+            .velocities(&state.positions, &mut state.velocities)?;
         self.dynamics.prepare(state)
     }
 }
@@ -92,7 +100,11 @@ impl CollisionFlow {
     /// The flow of this engine, which must be prepared at the state from which it starts.
     pub fn new(engine: Engine, longest_step: f64) -> Self {
         let projector = Projector::new(engine.network());
-        Self { engine, projector, longest_step }
+        Self {
+            engine,
+            projector,
+            longest_step,
+        }
     }
 
     /// The engine, with its statistics.
@@ -112,7 +124,8 @@ impl Flow for CollisionFlow {
 
     fn project(&mut self, state: &mut State) -> Result<()> {
         self.projector.positions(&mut state.positions)?;
-        self.projector.velocities(&state.positions, &mut state.velocities)?;
+        self.projector
+            .velocities(&state.positions, &mut state.velocities)?;
         self.engine.prepare(state)
     }
 }
@@ -125,7 +138,8 @@ pub struct LyapunovSettings {
     pub separation: f64,
     /// τ, between two renormalisations.
     pub interval: f64,
-    /// Intervals that are not counted, in which the neighbour finds the direction of fastest growth.
+    /// Intervals that are not counted, in which the neighbour finds the direction of fastest
+    /// growth.
     pub discarded: usize,
     /// K, intervals that are counted.
     pub intervals: usize,
@@ -135,7 +149,13 @@ pub struct LyapunovSettings {
 
 impl Default for LyapunovSettings {
     fn default() -> Self {
-        Self { separation: 1e-7, interval: 0.5, discarded: 20, intervals: 200, seed: 0 }
+        Self {
+            separation: 1e-7,
+            interval: 0.5,
+            discarded: 20,
+            intervals: 200,
+            seed: 0,
+        }
     }
 }
 
@@ -144,18 +164,20 @@ impl Default for LyapunovSettings {
 pub struct LyapunovExponent {
     /// λ, 1/time.
     pub exponent: f64,
-    /// Its standard error, from blocks of intervals or, where these do not settle, from their autocorrelation.
+    /// Its standard error, from blocks of intervals or, where these do not settle, from their
+    /// autocorrelation.
     pub standard_error: f64,
     /// ln(d_k / d0) / τ of every counted interval.
     pub growth_rates: Vec<f64>,
 }
 
-/// The maximal Lyapunov exponent of the trajectory from this state. The two flows carry the state and its neighbour; flows that
-/// remember nothing of the state may be two copies of one. The state is carried to the end.
+/// The maximal Lyapunov exponent of the trajectory from this state. The two flows carry the state
+/// and its neighbour; flows that remember nothing of the state may be two copies of one. The state
+/// is carried to the end.
 ///
 /// # Errors
-/// [`CrystalError::BadSetting`] for settings that make no sense, [`CrystalError::BadState`] if the constraints leave no
-/// neighbour, and what the flows cannot do.
+/// [`CrystalError::BadSetting`] for settings that make no sense, [`CrystalError::BadState`] if the
+/// constraints leave no neighbour, and what the flows cannot do.
 pub fn maximal_exponent<F: Flow, G: Flow>(
     network: &Network,
     flow: &mut F,
@@ -163,17 +185,31 @@ pub fn maximal_exponent<F: Flow, G: Flow>(
     state: &mut State,
     settings: &LyapunovSettings,
 ) -> Result<LyapunovExponent> {
-    for (setting, value) in [("separation", settings.separation), ("interval", settings.interval)] {
+    for (setting, value) in [
+        ("separation", settings.separation),
+        ("interval", settings.interval),
+    ] {
         if !(value.is_finite() && value > 0.0) {
-            return Err(CrystalError::BadSetting { setting, value, requirement: "positive" });
+            return Err(CrystalError::BadSetting {
+                setting,
+                value,
+                requirement: "positive",
+            });
         }
     }
     if settings.intervals == 0 {
-        return Err(CrystalError::BadSetting { setting: "intervals", value: 0.0, requirement: "positive" });
+        return Err(CrystalError::BadSetting {
+            setting: "intervals",
+            value: 0.0,
+            requirement: "positive",
+        });
     }
     state.check(network)?;
-    let weights: Vec<f64> =
-        network.squares.iter().flat_map(|square| [square.mass, square.mass, square.inertia]).collect();
+    let weights: Vec<f64> = network
+        .squares
+        .iter()
+        .flat_map(|square| [square.mass, square.mass, square.inertia])
+        .collect();
     let mut neighbour = state.clone();
     let mut rng = CounterRng::for_purpose(settings.seed, 0, 0, DIRECTION_PURPOSE);
     for numbers in [&mut neighbour.positions, &mut neighbour.velocities] {
@@ -182,30 +218,52 @@ pub fn maximal_exponent<F: Flow, G: Flow>(
         }
     }
     neighbour_flow.project(&mut neighbour)?;
-    let mut before = renormalise(&weights, neighbour_flow, state, &mut neighbour, settings.separation)?;
+    let mut before = renormalise(
+        &weights,
+        neighbour_flow,
+        state,
+        &mut neighbour,
+        settings.separation,
+    )?;
     let mut growth_rates = Vec::with_capacity(settings.intervals);
     for interval in 0..settings.discarded + settings.intervals {
         flow.advance(state, settings.interval)?;
         neighbour_flow.advance(&mut neighbour, settings.interval)?;
         if interval >= settings.discarded {
-            growth_rates.push((distance(&weights, state, &neighbour) / before).ln() / settings.interval);
+            growth_rates
+                .push((distance(&weights, state, &neighbour) / before).ln() / settings.interval);
         }
-        before = renormalise(&weights, neighbour_flow, state, &mut neighbour, settings.separation)?;
+        before = renormalise(
+            &weights,
+            neighbour_flow,
+            state,
+            &mut neighbour,
+            settings.separation,
+        )?;
     }
     let summary = summarize(&growth_rates);
     let standard_error = block_standard_error(&growth_rates).unwrap_or(summary.standard_error);
-    Ok(LyapunovExponent { exponent: summary.mean, standard_error, growth_rates })
+    Ok(LyapunovExponent {
+        exponent: summary.mean,
+        standard_error,
+        growth_rates,
+    })
 }
 
 fn distance(weights: &[f64], state: &State, neighbour: &State) -> f64 {
     let squares = |a: &[f64], b: &[f64]| -> f64 {
-        a.iter().zip(b).zip(weights).map(|((a, b), weight)| weight * (a - b) * (a - b)).sum()
+        a.iter()
+            .zip(b)
+            .zip(weights)
+            .map(|((a, b), weight)| weight * (a - b) * (a - b))
+            .sum()
     };
     let positions = squares(&state.positions, &neighbour.positions);
     (positions + squares(&state.velocities, &neighbour.velocities)).sqrt()
 }
 
-/// Brings the neighbour back to the distance `separation`, where that is free; returns the distance after projection.
+/// Brings the neighbour back to the distance `separation`, where that is free; returns the distance
+/// after projection.
 fn renormalise<F: Flow>(
     weights: &[f64],
     flow: &mut F,
@@ -223,14 +281,17 @@ fn renormalise<F: Flow>(
     let kept = neighbour.clone();
     let factor = separation / apart;
     let shrink = |from: &[f64], to: &mut [f64]| {
-        to.iter_mut().zip(from).for_each(|(to, from)| *to = from + factor * (*to - from));
+        to.iter_mut()
+            .zip(from)
+            .for_each(|(to, from)| *to = from + factor * (*to - from));
     };
     shrink(&state.positions, &mut neighbour.positions);
     shrink(&state.velocities, &mut neighbour.velocities);
     neighbour.time = state.time;
     match flow.project(neighbour) {
         Err(CrystalError::Overlap { .. }) => {
-            // The neighbour at the smaller distance would be inside another body: it is left where it is this time.
+            // The neighbour at the smaller distance would be inside another body: it is left where
+            // it is this time.
             neighbour.clone_from(&kept);
             flow.project(neighbour)?;
         }

@@ -9,9 +9,10 @@
 //! | [`spread`] | the first maximum of a quantity in time |
 //! | [`grima`] | the coherent motion, which has one degree of freedom, exactly |
 //!
-//! "The paper" is that of [`lattice`](crate::lattice); "the preprint" is its
-//! first version (Campos-Gonzalez-Angulo, Wiesehan, Ribeiro and Yuen-Zhou, "Computational method for highly-constrained
-//! molecular dynamics", with the sections on synchronisation and Poisson's ratio).
+//! "The paper" is that of [`lattice`](crate::lattice); "the preprint" is its first version
+//! (Campos-Gonzalez-Angulo, Wiesehan, Ribeiro and Yuen-Zhou, "Computational method for
+//! highly-constrained molecular dynamics", with the sections on synchronisation and Poisson's
+//! ratio).
 
 pub mod grima;
 pub mod lyapunov;

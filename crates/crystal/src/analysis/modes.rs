@@ -9,10 +9,11 @@
 //! | vertical, θ_v | (-1)^j | the squares of a column turn alike, next columns oppositely |
 //! | horizontal, θ_h | (-1)^i | the squares of a row turn alike, next rows oppositely |
 //!
-//! and the amplitude of each is the mean of sign · θ (fig. 6 of the paper). On a lattice with even numbers of rows and
-//! columns of equal squares the modes are orthogonal. Elsewhere uniform and checkerboard are fitted together by least squares,
-//! weighted with the moments of inertia, as the coherence potential does, and vertical and horizontal together to what is
-//! left. For the 2 x 2 lattice the four modes are all there is.
+//! and the amplitude of each is the mean of sign · θ (fig. 6 of the paper). On a lattice with even
+//! numbers of rows and columns of equal squares the modes are orthogonal. Elsewhere uniform and
+//! checkerboard are fitted together by least squares, weighted with the moments of inertia, as the
+//! coherence potential does, and vertical and horizontal together to what is left. For the 2 x 2
+//! lattice the four modes are all there is.
 
 use crate::lattice::force::coherent_part;
 use crate::lattice::{Network, State};
@@ -32,7 +33,8 @@ pub struct Modes {
 }
 
 impl Modes {
-    /// The modes of the angles of an array x, y, θ per square, or of the angular velocities of an array ẋ, ẏ, ω.
+    /// The modes of the angles of an array x, y, θ per square, or of the angular velocities of an
+    /// array ẋ, ẏ, ω.
     pub fn of(network: &Network, coordinates: &[f64]) -> Self {
         let [uniform, checkerboard] = coherent_part(network, coordinates);
         let (mut gram, mut right) = ([0.0; 3], [0.0; 2]);
@@ -49,16 +51,22 @@ impl Modes {
         gram[2] = gram[0];
         let determinant = gram[0] * gram[2] - gram[1] * gram[1];
         let (single_row, single_column) = (network.rows == 1, network.columns == 1);
-        let [vertical, horizontal] = if single_row || single_column || determinant <= 1e-12 * gram[0] * gram[0] {
-            // A mode that is the uniform or the checkerboard one over again has nothing left.
-            [0.0; 2]
-        } else {
-            [
-                (gram[2] * right[0] - gram[1] * right[1]) / determinant,
-                (gram[0] * right[1] - gram[1] * right[0]) / determinant,
-            ]
-        };
-        Self { uniform, checkerboard, vertical, horizontal }
+        let [vertical, horizontal] =
+            if single_row || single_column || determinant <= 1e-12 * gram[0] * gram[0] {
+                // A mode that is the uniform or the checkerboard one over again has nothing left.
+                [0.0; 2]
+            } else {
+                [
+                    (gram[2] * right[0] - gram[1] * right[1]) / determinant,
+                    (gram[0] * right[1] - gram[1] * right[0]) / determinant,
+                ]
+            };
+        Self {
+            uniform,
+            checkerboard,
+            vertical,
+            horizontal,
+        }
     }
 }
 
@@ -89,7 +97,8 @@ pub struct ModeEnergies {
 pub enum OutOf {
     /// ½ Σ I ω² (fig. 11 of the paper).
     Rotational,
-    /// Rotational and translational energy, and the potential energy that is given (fig. 7 of the paper).
+    /// Rotational and translational energy, and the potential energy that is given (fig. 7 of the
+    /// paper).
     Total,
 }
 
@@ -97,9 +106,16 @@ impl ModeEnergies {
     /// The energies of this state.
     pub fn of(network: &Network, state: &State) -> Self {
         let modes = Modes::of(network, &state.velocities);
-        let half_inertia = 0.5 * network.squares.iter().map(|square| square.inertia).sum::<f64>();
+        let half_inertia = 0.5
+            * network
+                .squares
+                .iter()
+                .map(|square| square.inertia)
+                .sum::<f64>();
         let rotation = network.squares.iter().zip(state.velocities.chunks_exact(3));
-        let rotational = rotation.map(|(square, v)| 0.5 * square.inertia * v[2] * v[2]).sum();
+        let rotational = rotation
+            .map(|(square, v)| 0.5 * square.inertia * v[2] * v[2])
+            .sum();
         let energy = |amplitude: f64| half_inertia * amplitude * amplitude;
         Self {
             uniform: energy(modes.uniform),
@@ -111,9 +127,9 @@ impl ModeEnergies {
         }
     }
 
-    /// The share of the checkerboard mode after the uniform one has been taken off, E_c / (E - E_u); `None` when nothing
-    /// but uniform rotation is left. E_c counts the rotation only: the translations of the coherent motion are in E but
-    /// not in E_c.
+    /// The share of the checkerboard mode after the uniform one has been taken off, E_c / (E -
+    /// E_u); `None` when nothing but uniform rotation is left. E_c counts the rotation only: the
+    /// translations of the coherent motion are in E but not in E_c.
     pub fn checkerboard_fraction(&self, out_of: OutOf, potential_energy: f64) -> Option<f64> {
         let energy = match out_of {
             OutOf::Rotational => self.rotational,
@@ -130,16 +146,29 @@ impl ModeEnergies {
 pub fn orientational_spread(network: &Network, positions: &[f64]) -> f64 {
     let [uniform, checkerboard] = coherent_part(network, positions);
     let angles = positions.iter().skip(2).step_by(3).enumerate();
-    let squares: f64 = angles.map(|(p, angle)| (angle - uniform - network.sign(p) * checkerboard).powi(2)).sum();
+    let squares: f64 = angles
+        .map(|(p, angle)| (angle - uniform - network.sign(p) * checkerboard).powi(2))
+        .sum();
     (squares / network.squares.len() as f64).sqrt()
 }
 
-/// Standard deviation of |θ| over the squares, the curve of fig. 10 of the paper. It is the spread about the coherent state
-/// only while no square turns through θ = 0 and the lattice as a whole does not turn.
+/// Standard deviation of |θ| over the squares, the curve of fig. 10 of the paper. It is the spread
+/// about the coherent state only while no square turns through θ = 0 and the lattice as a whole
+/// does not turn.
 pub fn spread_of_magnitudes(positions: &[f64]) -> f64 {
-    let magnitudes: Vec<f64> = positions.iter().skip(2).step_by(3).map(|angle| angle.abs()).collect();
+    let magnitudes: Vec<f64> = positions
+        .iter()
+        .skip(2)
+        .step_by(3)
+        .map(|angle| angle.abs())
+        .collect();
     let mean = magnitudes.iter().sum::<f64>() / magnitudes.len() as f64;
-    (magnitudes.iter().map(|magnitude| (magnitude - mean).powi(2)).sum::<f64>() / magnitudes.len() as f64).sqrt()
+    (magnitudes
+        .iter()
+        .map(|magnitude| (magnitude - mean).powi(2))
+        .sum::<f64>()
+        / magnitudes.len() as f64)
+        .sqrt()
 }
 
 #[cfg(test)]
@@ -157,9 +186,14 @@ mod tests {
         let angle = |p: usize| {
             let (i, j) = (p / network.columns, p % network.columns);
             let sign = |count: usize| (-1.0f64).powi(count as i32);
-            modes.uniform + sign(i + j) * modes.checkerboard + sign(j) * modes.vertical + sign(i) * modes.horizontal
+            modes.uniform
+                + sign(i + j) * modes.checkerboard
+                + sign(j) * modes.vertical
+                + sign(i) * modes.horizontal
         };
-        (0..network.squares.len()).flat_map(|p| [9.0, -9.0, angle(p)]).collect()
+        (0..network.squares.len())
+            .flat_map(|p| [9.0, -9.0, angle(p)])
+            .collect()
     }
 
     #[test]
@@ -183,27 +217,48 @@ mod tests {
         ] {
             assert!((found - expected).abs() < 1e-15);
         }
-        for (found, expected) in combined(&network, modes).iter().zip(&coordinates).skip(2).step_by(3) {
+        for (found, expected) in combined(&network, modes)
+            .iter()
+            .zip(&coordinates)
+            .skip(2)
+            .step_by(3)
+        {
             assert!((found - expected).abs() < 1e-15);
         }
-        let state = State { time: 0.0, positions: coordinates.clone(), velocities: coordinates };
+        let state = State {
+            time: 0.0,
+            positions: coordinates.clone(),
+            velocities: coordinates,
+        };
         let energies = ModeEnergies::of(&network, &state);
-        let parts = energies.uniform + energies.checkerboard + energies.vertical + energies.horizontal;
+        let parts =
+            energies.uniform + energies.checkerboard + energies.vertical + energies.horizontal;
         assert!((parts - energies.rotational).abs() < 1e-15);
     }
 
     #[test]
     fn modes_of_even_and_odd_lattices_are_recovered() {
-        let mixed = Modes { uniform: 0.4, checkerboard: -0.7, vertical: 0.2, horizontal: -0.1 };
+        let mixed = Modes {
+            uniform: 0.4,
+            checkerboard: -0.7,
+            vertical: 0.2,
+            horizontal: -0.1,
+        };
         let found = Modes::of(&network(4, 6), &combined(&network(4, 6), mixed));
         assert!((found.vertical - 0.2).abs() < 1e-14 && (found.horizontal + 0.1).abs() < 1e-14);
         // Odd: exact for what is fitted together.
-        let coherent = Modes { vertical: 0.0, horizontal: 0.0, ..mixed };
+        let coherent = Modes {
+            vertical: 0.0,
+            horizontal: 0.0,
+            ..mixed
+        };
         for (rows, columns) in [(3, 5), (1, 4), (3, 1), (4, 6)] {
             let network = network(rows, columns);
             let coordinates = combined(&network, coherent);
             let found = Modes::of(&network, &coordinates);
-            assert!((found.uniform - 0.4).abs() < 1e-14 && (found.checkerboard + 0.7).abs() < 1e-14);
+            assert!(
+                (found.uniform - 0.4).abs() < 1e-14 && (found.checkerboard + 0.7).abs() < 1e-14
+            );
             assert!(found.vertical.abs() < 1e-14 && found.horizontal.abs() < 1e-14);
             assert!(orientational_spread(&network, &coordinates) < 1e-14);
         }
@@ -212,26 +267,60 @@ mod tests {
     #[test]
     fn fractions_leave_the_uniform_mode_out() {
         let network = network(4, 4);
-        let modes = Modes { uniform: 3.0, checkerboard: 2.0, vertical: 1.0, horizontal: 0.0 };
+        let modes = Modes {
+            uniform: 3.0,
+            checkerboard: 2.0,
+            vertical: 1.0,
+            horizontal: 0.0,
+        };
         let mut velocities = combined(&network, modes);
-        velocities.chunks_exact_mut(3).for_each(|v| (v[0], v[1]) = (0.5, 0.0));
-        let state = State { time: 0.0, positions: vec![0.0; 48], velocities };
+        velocities
+            .chunks_exact_mut(3)
+            .for_each(|v| (v[0], v[1]) = (0.5, 0.0));
+        let state = State {
+            time: 0.0,
+            positions: vec![0.0; 48],
+            velocities,
+        };
         let energies = ModeEnergies::of(&network, &state);
-        let fraction = energies.checkerboard_fraction(OutOf::Rotational, 0.0).unwrap();
+        let fraction = energies
+            .checkerboard_fraction(OutOf::Rotational, 0.0)
+            .unwrap();
         assert!((fraction - 4.0 / 5.0).abs() < 1e-14);
         // ½ · 16/3 · 5 of rotation, ½ · 16 · ¼ of translation, and 1.
         let fraction = energies.checkerboard_fraction(OutOf::Total, 1.0).unwrap();
         assert!((fraction - (32.0 / 3.0) / (40.0 / 3.0 + 2.0 + 1.0)).abs() < 1e-14);
-        let turning = combined(&network, Modes { uniform: 1.0, ..Modes::default() });
-        let mut state = State { time: 0.0, positions: vec![0.0; 48], velocities: turning };
-        state.velocities.chunks_exact_mut(3).for_each(|v| (v[0], v[1]) = (0.0, 0.0));
-        assert_eq!(ModeEnergies::of(&network, &state).checkerboard_fraction(OutOf::Rotational, 0.0), None);
+        let turning = combined(
+            &network,
+            Modes {
+                uniform: 1.0,
+                ..Modes::default()
+            },
+        );
+        let mut state = State {
+            time: 0.0,
+            positions: vec![0.0; 48],
+            velocities: turning,
+        };
+        state
+            .velocities
+            .chunks_exact_mut(3)
+            .for_each(|v| (v[0], v[1]) = (0.0, 0.0));
+        assert_eq!(
+            ModeEnergies::of(&network, &state).checkerboard_fraction(OutOf::Rotational, 0.0),
+            None
+        );
     }
 
     #[test]
     fn spread_is_what_the_modes_leave() {
         let network = network(4, 4);
-        let modes = Modes { uniform: 0.5, checkerboard: 0.7, vertical: 0.03, horizontal: -0.04 };
+        let modes = Modes {
+            uniform: 0.5,
+            checkerboard: 0.7,
+            vertical: 0.03,
+            horizontal: -0.04,
+        };
         let coordinates = combined(&network, modes);
         assert!((orientational_spread(&network, &coordinates) - 0.05).abs() < 1e-14);
         let coherent = State::coherent(&network, 0.3);

@@ -1,9 +1,10 @@
 //! The first maximum of a quantity in time.
 //!
-//! For the loss of coherence (fig. 12 of the paper) the quantity is the standard deviation of the orientations,
-//! [`orientational_spread`](super::modes::orientational_spread), pushed after every step: the first maximum is the first value
-//! from which the quantity falls, by more than a given drop. Place and height are those of the parabola through the
-//! largest sample and its two neighbours.
+//! For the loss of coherence (fig. 12 of the paper) the quantity is the standard deviation of the
+//! orientations, [`orientational_spread`](super::modes::orientational_spread), pushed after every
+//! step: the first maximum is the first value from which the quantity falls, by more than a given
+//! drop. Place and height are those of the parabola through the largest sample and its two
+//! neighbours.
 
 use serde::{Deserialize, Serialize};
 
@@ -40,9 +41,17 @@ pub struct FirstMaximum {
 }
 
 impl FirstMaximum {
-    /// A maximum counts once the quantity has fallen below it by more than `drop`: 0 for any, more to pass over ripples.
+    /// A maximum counts once the quantity has fallen below it by more than `drop`: 0 for any, more
+    /// to pass over ripples.
     pub fn new(drop: f64) -> Self {
-        Self { drop, before: None, largest: None, after: None, last: None, found: None }
+        Self {
+            drop,
+            before: None,
+            largest: None,
+            after: None,
+            last: None,
+            found: None,
+        }
     }
 
     /// The next value; times must grow.
@@ -72,16 +81,24 @@ impl FirstMaximum {
 
     /// The vertex of the parabola through the largest sample and its neighbours.
     fn vertex(&self, largest: Maximum) -> Maximum {
-        let (Some(before), Some(after)) = (self.before, self.after) else { return largest };
+        let (Some(before), Some(after)) = (self.before, self.after) else {
+            return largest;
+        };
         let (left, right) = (before.time - largest.time, after.time - largest.time);
-        let (fall, rise) = ((before.value - largest.value) / left, (after.value - largest.value) / right);
+        let (fall, rise) = (
+            (before.value - largest.value) / left,
+            (after.value - largest.value) / right,
+        );
         let curvature = (rise - fall) / (right - left);
         let slope = fall - curvature * left;
         if curvature >= 0.0 {
             return largest;
         }
         let shift = -0.5 * slope / curvature;
-        Maximum { time: largest.time + shift, value: largest.value + 0.5 * slope * shift }
+        Maximum {
+            time: largest.time + shift,
+            value: largest.value + 0.5 * slope * shift,
+        }
     }
 }
 
@@ -105,7 +122,10 @@ mod tests {
         let series = [0.0, 1.0, 0.95, 2.0, 3.0, 2.9, 1.0, 9.0, 0.0];
         let find = |drop| {
             let mut first = FirstMaximum::new(drop);
-            series.iter().enumerate().for_each(|(step, value)| first.push(step as f64, *value));
+            series
+                .iter()
+                .enumerate()
+                .for_each(|(step, value)| first.push(step as f64, *value));
             first.found().unwrap().time
         };
         assert!((find(0.0) - 1.0).abs() < 0.5);

@@ -1,15 +1,17 @@
 //! Deformation, strain, Poisson's ratio.
 //!
-//! Points of a lattice at one time, A, and at another, B, are joined by the uniform deformation B = F A + c that fits best
-//! (least squares): with the sums over points about their means, F = (Σ b aᵀ)(Σ a aᵀ)⁻¹ (eq. 41 of the preprint). The strain
-//! is that of Biot, ε = (Fᵀ F)^(1/2) - 1 (eq. 42), blind to how the lattice turns as a whole. A is the step before for
-//! increments of strain, or a fixed state for the whole of it.
+//! Points of a lattice at one time, A, and at another, B, are joined by the uniform deformation B =
+//! F A + c that fits best (least squares): with the sums over points about their means, F = (Σ b
+//! aᵀ)(Σ a aᵀ)⁻¹ (eq. 41 of the preprint). The strain is that of Biot, ε = (Fᵀ F)^(1/2) - 1 (eq.
+//! 42), blind to how the lattice turns as a whole. A is the step before for increments of strain,
+//! or a fixed state for the whole of it.
 //!
-//! Poisson's ratio ν = -dε_yy/dε_xx is a slope through many pairs (ε_xx, ε_yy). Ordinary least squares, ν = -s_xy/s_xx, holds
-//! x to be without scatter; where both strains scatter alike it is too small by a factor of r at least. Total least squares
-//! takes the long axis of the cloud, tan 2α = 2 s_xy / (s_xx - s_yy), ν = -tan α, and does not prefer an axis: exchanging x
-//! and y turns ν into 1/ν. r² = s_xy²/(s_xx s_yy) says how much of a line the cloud is; where it is small neither number
-//! means much. Errors are those of the jackknife over blocks of consecutive samples.
+//! Poisson's ratio ν = -dε_yy/dε_xx is a slope through many pairs (ε_xx, ε_yy). Ordinary least
+//! squares, ν = -s_xy/s_xx, holds x to be without scatter; where both strains scatter alike it is
+//! too small by a factor of r at least. Total least squares takes the long axis of the cloud, tan
+//! 2α = 2 s_xy / (s_xx - s_yy), ν = -tan α, and does not prefer an axis: exchanging x and y turns ν
+//! into 1/ν. r² = s_xy²/(s_xx s_yy) says how much of a line the cloud is; where it is small neither
+//! number means much. Errors are those of the jackknife over blocks of consecutive samples.
 
 use crate::lattice::{Corner, Network};
 use crate::{CrystalError, Result};
@@ -23,13 +25,22 @@ pub fn centres(positions: &[f64]) -> Vec<[f64; 2]> {
 
 /// The corners of all squares, four per square.
 pub fn corners(network: &Network, positions: &[f64]) -> Vec<[f64; 2]> {
-    let squares = network.squares.iter().zip(positions.chunks_exact(3)).enumerate();
+    let squares = network
+        .squares
+        .iter()
+        .zip(positions.chunks_exact(3))
+        .enumerate();
     let corner = |(square, (body, s)): (usize, (&crate::lattice::Square, &[f64]))| {
         let (sine, cosine) = s[2].sin_cos();
         let (middle, half_diagonal) = ([s[0], s[1]], body.half_diagonal);
         [1, 2, 3, 4].map(|vertex| {
-            let [x, y] = Corner { square, vertex }.direction().map(|x| x * half_diagonal);
-            [middle[0] + cosine * x - sine * y, middle[1] + sine * x + cosine * y]
+            let [x, y] = Corner { square, vertex }
+                .direction()
+                .map(|x| x * half_diagonal);
+            [
+                middle[0] + cosine * x - sine * y,
+                middle[1] + sine * x + cosine * y,
+            ]
         })
     };
     squares.flat_map(corner).collect()
@@ -38,7 +49,8 @@ pub fn corners(network: &Network, positions: &[f64]) -> Vec<[f64; 2]> {
 /// The uniform deformation F that takes `before` to `after` best, `after` = F `before` + c.
 ///
 /// # Errors
-/// [`CrystalError::BadState`] for different numbers of points, or points on one line, as the centres of a single row.
+/// [`CrystalError::BadState`] for different numbers of points, or points on one line, as the
+/// centres of a single row.
 pub fn deformation_gradient(before: &[[f64; 2]], after: &[[f64; 2]]) -> Result<Matrix2<f64>> {
     if before.len() != after.len() || before.is_empty() {
         return Err(CrystalError::BadState(format!(
@@ -48,7 +60,11 @@ pub fn deformation_gradient(before: &[[f64; 2]], after: &[[f64; 2]]) -> Result<M
         )));
     }
     let mean = |points: &[[f64; 2]]| {
-        points.iter().map(|point| Vector2::from(*point)).sum::<Vector2<f64>>() / points.len() as f64
+        points
+            .iter()
+            .map(|point| Vector2::from(*point))
+            .sum::<Vector2<f64>>()
+            / points.len() as f64
     };
     let (from, to) = (mean(before), mean(after));
     let (mut moments, mut mixed) = (Matrix2::zeros(), Matrix2::zeros());
@@ -60,7 +76,9 @@ pub fn deformation_gradient(before: &[[f64; 2]], after: &[[f64; 2]]) -> Result<M
     let flat = moments.determinant() <= 1e-12 * moments.trace().powi(2);
     let inverse = if flat { None } else { moments.try_inverse() };
     inverse.map(|inverse| mixed * inverse).ok_or_else(|| {
-        CrystalError::BadState("the points lie on one line and show no strain across it; use the corners".into())
+        CrystalError::BadState(
+            "the points lie on one line and show no strain across it; use the corners".into(),
+        )
     })
 }
 
@@ -130,7 +148,11 @@ impl Sums {
     /// s_xx, s_xy, s_yy.
     fn moments(&self) -> [f64; 3] {
         let about = |product: f64, a: f64, b: f64| (product - a * b / self.count) / self.count;
-        [about(self.xx, self.x, self.x), about(self.xy, self.x, self.y), about(self.yy, self.y, self.y)]
+        [
+            about(self.xx, self.x, self.x),
+            about(self.xy, self.x, self.y),
+            about(self.yy, self.y, self.y),
+        ]
     }
 
     fn ratios(&self) -> [f64; 2] {
@@ -139,12 +161,14 @@ impl Sums {
     }
 }
 
-/// Poisson's ratio from pairs (ε_xx, ε_yy) in the order of time, with errors from this many blocks of them.
+/// Poisson's ratio from pairs (ε_xx, ε_yy) in the order of time, with errors from this many blocks
+/// of them.
 ///
 /// The error is meaningful if a block is much longer than the strains remember.
 ///
 /// # Errors
-/// [`CrystalError::BadState`] for fewer than two samples a block, fewer than two blocks, or strains without any spread.
+/// [`CrystalError::BadState`] for fewer than two samples a block, fewer than two blocks, or strains
+/// without any spread.
 pub fn poisson_ratio(strains: &[[f64; 2]], blocks: usize) -> Result<PoissonRatio> {
     if blocks < 2 || strains.len() < 2 * blocks {
         return Err(CrystalError::BadState(format!(
@@ -158,16 +182,27 @@ pub fn poisson_ratio(strains: &[[f64; 2]], blocks: usize) -> Result<PoissonRatio
     let [xx, xy, yy] = all.moments();
     let spread_is_real = xx > 0.0 && yy > 0.0 && (xx + yy).is_finite();
     if !spread_is_real {
-        return Err(CrystalError::BadState("the strains do not vary along both axes, so there is no ratio".into()));
+        return Err(CrystalError::BadState(
+            "the strains do not vary along both axes, so there is no ratio".into(),
+        ));
     }
     let bounds = |block: usize| block * strains.len() / blocks;
     let without: Vec<[f64; 2]> = (0..blocks)
-        .map(|block| all.less(&Sums::of(&strains[bounds(block)..bounds(block + 1)], origin)).ratios())
+        .map(|block| {
+            all.less(&Sums::of(
+                &strains[bounds(block)..bounds(block + 1)],
+                origin,
+            ))
+            .ratios()
+        })
         .collect();
     // The jackknife: variance (B - 1)/B Σ (estimate without a block - their mean)².
     let error = |which: usize| {
         let mean = without.iter().map(|ratios| ratios[which]).sum::<f64>() / blocks as f64;
-        let squares: f64 = without.iter().map(|ratios| (ratios[which] - mean).powi(2)).sum();
+        let squares: f64 = without
+            .iter()
+            .map(|ratios| (ratios[which] - mean).powi(2))
+            .sum();
         (squares * (blocks as f64 - 1.0) / blocks as f64).sqrt()
     };
     let [ordinary, total] = all.ratios();
@@ -197,8 +232,10 @@ mod tests {
         let gradient = Matrix2::new(cosine, -sine, sine, cosine) * stretch;
         let mut rng = CounterRng::new(1, 0, 0);
         let before: Vec<[f64; 2]> = (0..20).map(|_| [rng.uniform(), rng.uniform()]).collect();
-        let after: Vec<[f64; 2]> =
-            before.iter().map(|a| (gradient * Vector2::from(*a) + Vector2::new(3.0, -1.0)).into()).collect();
+        let after: Vec<[f64; 2]> = before
+            .iter()
+            .map(|a| (gradient * Vector2::from(*a) + Vector2::new(3.0, -1.0)).into())
+            .collect();
         let found = deformation_gradient(&before, &after).unwrap();
         assert!((found - gradient).norm() < 1e-13);
         let strain = biot_strain(&found);
@@ -218,10 +255,16 @@ mod tests {
         let after: Vec<[f64; 2]> = (0..12).map(|_| [rng.uniform(), rng.uniform()]).collect();
         let best = deformation_gradient(&before, &after).unwrap();
         let squares = |gradient: Matrix2<f64>| {
-            let misses: Vec<Vector2<f64>> =
-                before.iter().zip(&after).map(|(a, b)| Vector2::from(*b) - gradient * Vector2::from(*a)).collect();
+            let misses: Vec<Vector2<f64>> = before
+                .iter()
+                .zip(&after)
+                .map(|(a, b)| Vector2::from(*b) - gradient * Vector2::from(*a))
+                .collect();
             let mean = misses.iter().sum::<Vector2<f64>>() / 12.0;
-            misses.iter().map(|miss| (miss - mean).norm_squared()).sum::<f64>()
+            misses
+                .iter()
+                .map(|miss| (miss - mean).norm_squared())
+                .sum::<f64>()
         };
         for entry in 0..4 {
             for change in [1e-3, -1e-3] {
@@ -230,19 +273,25 @@ mod tests {
                 assert!(squares(other) > squares(best));
             }
         }
-        assert!(deformation_gradient(&[[0.0, 1.0], [1.0, 1.0], [2.0, 1.0]], &[[0.0; 2]; 3]).is_err());
+        assert!(
+            deformation_gradient(&[[0.0, 1.0], [1.0, 1.0], [2.0, 1.0]], &[[0.0; 2]; 3]).is_err()
+        );
         assert!(deformation_gradient(&before, &after[1..]).is_err());
     }
 
     #[test]
     fn the_coherent_motion_has_the_ratio_minus_one() {
-        let network = Network::lattice(4, 6, 0.2, Square::default(), Edges::Open, FRAC_PI_4).unwrap();
+        let network =
+            Network::lattice(4, 6, 0.2, Square::default(), Edges::Open, FRAC_PI_4).unwrap();
         let reference = State::coherent(&network, 0.5);
         let strains: Vec<[f64; 2]> = (0..40)
             .map(|step| {
                 let state = State::coherent(&network, 0.2 + 0.01 * f64::from(step));
-                let gradient =
-                    deformation_gradient(&centres(&reference.positions), &centres(&state.positions)).unwrap();
+                let gradient = deformation_gradient(
+                    &centres(&reference.positions),
+                    &centres(&state.positions),
+                )
+                .unwrap();
                 let strain = biot_strain(&gradient);
                 assert!(strain[(0, 1)].abs() < 1e-14);
                 [strain[(0, 0)], strain[(1, 1)]]
@@ -255,7 +304,8 @@ mod tests {
 
     #[test]
     fn corners_are_where_the_rods_end() {
-        let network = Network::lattice(3, 3, 0.2, Square::default(), Edges::Open, FRAC_PI_4).unwrap();
+        let network =
+            Network::lattice(3, 3, 0.2, Square::default(), Edges::Open, FRAC_PI_4).unwrap();
         let state = State::coherent(&network, 0.3);
         let corners = corners(&network, &state.positions);
         for rod in &network.rods {
@@ -265,8 +315,9 @@ mod tests {
         }
     }
 
-    /// A cloud with a known long axis and equal scatter on both strains: total least squares finds the slope, ordinary least
-    /// squares is attenuated by s_t²/(s_t² + s²), and the errors are those seen over many clouds.
+    /// A cloud with a known long axis and equal scatter on both strains: total least squares finds
+    /// the slope, ordinary least squares is attenuated by s_t²/(s_t² + s²), and the errors are
+    /// those seen over many clouds.
     #[test]
     fn total_least_squares_is_not_attenuated_and_errors_are_as_seen() {
         let (clouds, samples, scatter) = (200, 400, 0.7f64);
@@ -287,14 +338,21 @@ mod tests {
         }
         let moments = |values: &[f64]| {
             let mean = values.iter().sum::<f64>() / values.len() as f64;
-            let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (values.len() as f64 - 1.0);
+            let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>()
+                / (values.len() as f64 - 1.0);
             (mean, variance.sqrt())
         };
         let ((a, sa), (b, sb)) = (moments(&ordinary), moments(&total));
         let root = f64::from(clouds).sqrt();
-        assert!((a + 0.8 / (1.0 + scatter * scatter)).abs() < 4.0 * sa / root, "{a} {sa}");
+        assert!(
+            (a + 0.8 / (1.0 + scatter * scatter)).abs() < 4.0 * sa / root,
+            "{a} {sa}"
+        );
         assert!((b + 0.8).abs() < 4.0 * sb / root + 0.005, "{b} {sb}");
-        assert!((errors[0] / sa - 1.0).abs() < 0.2 && (errors[1] / sb - 1.0).abs() < 0.2, "{errors:?} {sa} {sb}");
+        assert!(
+            (errors[0] / sa - 1.0).abs() < 0.2 && (errors[1] / sb - 1.0).abs() < 0.2,
+            "{errors:?} {sa} {sb}"
+        );
     }
 
     #[test]
@@ -303,11 +361,17 @@ mod tests {
         let strains: Vec<[f64; 2]> = (0..50)
             .map(|_| {
                 let along = rng.uniform();
-                [along + 0.1 * rng.uniform(), -0.5 * along + 0.1 * rng.uniform()]
+                [
+                    along + 0.1 * rng.uniform(),
+                    -0.5 * along + 0.1 * rng.uniform(),
+                ]
             })
             .collect();
         let exchanged: Vec<[f64; 2]> = strains.iter().map(|[x, y]| [*y, *x]).collect();
-        let (found, other) = (poisson_ratio(&strains, 5).unwrap(), poisson_ratio(&exchanged, 5).unwrap());
+        let (found, other) = (
+            poisson_ratio(&strains, 5).unwrap(),
+            poisson_ratio(&exchanged, 5).unwrap(),
+        );
         assert!((found.total * other.total - 1.0).abs() < 1e-12);
         assert!((found.ordinary * other.ordinary - found.r_squared).abs() < 1e-12);
         assert!(poisson_ratio(&[[0.1, 0.2]; 8], 2).is_err() && poisson_ratio(&strains, 1).is_err());

@@ -4,19 +4,20 @@
 //!
 //! R_ab = ⟨exp i(θ_a - θ_b)⟩,
 //!
-//! 1 in absolute value if their angles keep their difference, near 0 if they do not know of each other: they may also follow
-//! a third. What is left between two squares when the others are accounted for is the partial phase synchronisation index,
-//! the partial coherence of the matrix R (Schelter, Winterhalder, Dahlhaus, Kurths and Timmer, Phys. Rev. Lett. 96, 208103
-//! (2006)),
+//! 1 in absolute value if their angles keep their difference, near 0 if they do not know of each
+//! other: they may also follow a third. What is left between two squares when the others are
+//! accounted for is the partial phase synchronisation index, the partial coherence of the matrix R
+//! (Schelter, Winterhalder, Dahlhaus, Kurths and Timmer, Phys. Rev. Lett. 96, 208103 (2006)),
 //!
 //! P_ab = -(R⁻¹)_ab / √((R⁻¹)_aa (R⁻¹)_bb),
 //!
-//! which is R_ab less its linear prediction from *all* others Z together, R_ab - R_aZ (R_ZZ)⁻¹ R_Zb, normalised by the same
-//! for a and b alone. Eq. 39 of the preprint as printed sums over single Z instead, with R_ZZ = 1; it is kept as
-//! [`Synchronisation::printed_partial`], and is not bounded by 1.
+//! which is R_ab less its linear prediction from *all* others Z together, R_ab - R_aZ (R_ZZ)⁻¹
+//! R_Zb, normalised by the same for a and b alone. Eq. 39 of the preprint as printed sums over
+//! single Z instead, with R_ZZ = 1; it is kept as [`Synchronisation::printed_partial`], and is not
+//! bounded by 1.
 //!
-//! The coherent motion turns neighbours oppositely, so their θ_a - θ_b is no constant. [`staggered`] gives (-1)^(i+j) θ, of
-//! which coherent squares keep the difference.
+//! The coherent motion turns neighbours oppositely, so their θ_a - θ_b is no constant.
+//! [`staggered`] gives (-1)^(i+j) θ, of which coherent squares keep the difference.
 
 use crate::lattice::Network;
 use crate::{CrystalError, Result};
@@ -30,19 +31,33 @@ pub fn angles(positions: &[f64]) -> Vec<f64> {
 
 /// (-1)^(i+j) θ of every square.
 pub fn staggered(network: &Network, positions: &[f64]) -> Vec<f64> {
-    positions.iter().skip(2).step_by(3).enumerate().map(|(p, angle)| network.sign(p) * angle).collect()
+    positions
+        .iter()
+        .skip(2)
+        .step_by(3)
+        .enumerate()
+        .map(|(p, angle)| network.sign(p) * angle)
+        .collect()
 }
 
-/// θ_a - θ_b of all pairs a < b, in the order (0, 1), (0, 2), ... (1, 2), ... The angles are those of the motion, not
-/// brought back into one turn.
+/// θ_a - θ_b of all pairs a < b, in the order (0, 1), (0, 2), ... (1, 2), ... The angles are those
+/// of the motion, not brought back into one turn.
 pub fn phase_differences(angles: &[f64]) -> Vec<f64> {
-    angles.iter().enumerate().flat_map(|(a, angle)| angles[a + 1..].iter().map(move |other| angle - other)).collect()
+    angles
+        .iter()
+        .enumerate()
+        .flat_map(|(a, angle)| angles[a + 1..].iter().map(move |other| angle - other))
+        .collect()
 }
 
-/// The largest |θ_a - θ_b|: phases are locked within c (eq. 37 of the preprint) as long as it stays below c.
+/// The largest |θ_a - θ_b|: phases are locked within c (eq. 37 of the preprint) as long as it stays
+/// below c.
 pub fn largest_phase_difference(angles: &[f64]) -> f64 {
-    let (low, high) =
-        angles.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
+    let (low, high) = angles
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+            (low.min(*x), high.max(*x))
+        });
     (high - low).max(0.0)
 }
 
@@ -71,31 +86,51 @@ pub struct Synchronisation {
 impl Synchronisation {
     /// For this many squares.
     pub fn new(squares: usize) -> Self {
-        Self { squares, samples: 0, sums: vec![[0.0; 2]; squares * squares.saturating_sub(1) / 2] }
+        Self {
+            squares,
+            samples: 0,
+            sums: vec![[0.0; 2]; squares * squares.saturating_sub(1) / 2],
+        }
     }
 
     /// From a whole trajectory of angles, one array per time.
     ///
     /// # Errors
     /// As [`Synchronisation::push`].
-    pub fn of_trajectory<'a>(squares: usize, trajectory: impl IntoIterator<Item = &'a [f64]>) -> Result<Self> {
+    pub fn of_trajectory<'a>(
+        squares: usize,
+        trajectory: impl IntoIterator<Item = &'a [f64]>,
+    ) -> Result<Self> {
         let mut whole = Self::new(squares);
-        trajectory.into_iter().try_for_each(|angles| whole.push(angles))?;
+        trajectory
+            .into_iter()
+            .try_for_each(|angles| whole.push(angles))?;
         Ok(whole)
     }
 
     /// Adds the angles at one time.
     ///
     /// # Errors
-    /// [`CrystalError::BadState`] for another number of angles, [`CrystalError::NotFinite`] names the square.
+    /// [`CrystalError::BadState`] for another number of angles, [`CrystalError::NotFinite`] names
+    /// the square.
     pub fn push(&mut self, angles: &[f64]) -> Result<()> {
         if angles.len() != self.squares {
-            return Err(CrystalError::BadState(format!("{} angles for {} squares", angles.len(), self.squares)));
+            return Err(CrystalError::BadState(format!(
+                "{} angles for {} squares",
+                angles.len(),
+                self.squares
+            )));
         }
         if let Some(square) = angles.iter().position(|angle| !angle.is_finite()) {
-            return Err(CrystalError::NotFinite { square, time: f64::NAN });
+            return Err(CrystalError::NotFinite {
+                square,
+                time: f64::NAN,
+            });
         }
-        let phases: Vec<[f64; 2]> = angles.iter().map(|angle| [angle.cos(), angle.sin()]).collect();
+        let phases: Vec<[f64; 2]> = angles
+            .iter()
+            .map(|angle| [angle.cos(), angle.sin()])
+            .collect();
         let mut sums = self.sums.iter_mut();
         for (a, [x, y]) in phases.iter().enumerate() {
             for ([u, v], sum) in phases[..a].iter().zip(sums.by_ref()) {
@@ -137,7 +172,9 @@ impl Synchronisation {
     /// [`CrystalError::BadState`] without samples.
     pub fn index(&self) -> Result<DMatrix<Complex<f64>>> {
         if self.samples == 0 {
-            return Err(CrystalError::BadState("a synchronisation index needs at least one sample".into()));
+            return Err(CrystalError::BadState(
+                "a synchronisation index needs at least one sample".into(),
+            ));
         }
         let mut index = DMatrix::identity(self.squares, self.squares);
         let mut sums = self.sums.iter();
@@ -151,17 +188,23 @@ impl Synchronisation {
         Ok(index)
     }
 
-    /// The matrix P of partial coherences, Hermitian with ones on the diagonal. Take absolute values for the strength of
-    /// the coupling.
+    /// The matrix P of partial coherences, Hermitian with ones on the diagonal. Take absolute
+    /// values for the strength of the coupling.
     ///
-    /// `ridge` ε replaces R by (1 - ε) R + ε 1 first: 0 for none. Squares that are fully synchronised, or fewer samples than
-    /// squares, leave R without an inverse; a small ε then gives a defined, if arbitrary, answer.
+    /// `ridge` ε replaces R by (1 - ε) R + ε 1 first: 0 for none. Squares that are fully
+    /// synchronised, or fewer samples than squares, leave R without an inverse; a small ε then
+    /// gives a defined, if arbitrary, answer.
     ///
     /// # Errors
-    /// [`CrystalError::BadState`] for R without an inverse, [`CrystalError::BadSetting`] for ε outside 0 to 1.
+    /// [`CrystalError::BadState`] for R without an inverse, [`CrystalError::BadSetting`] for ε
+    /// outside 0 to 1.
     pub fn partial(&self, ridge: f64) -> Result<DMatrix<Complex<f64>>> {
         if !(0.0..=1.0).contains(&ridge) {
-            return Err(CrystalError::BadSetting { setting: "ridge", value: ridge, requirement: "between 0 and 1" });
+            return Err(CrystalError::BadSetting {
+                setting: "ridge",
+                value: ridge,
+                requirement: "between 0 and 1",
+            });
         }
         let mut index = self.index()?;
         let identity = DMatrix::<Complex<f64>>::identity(self.squares, self.squares);
@@ -177,9 +220,16 @@ impl Synchronisation {
                 self.squares, self.samples
             )));
         }
-        let reciprocals =
-            DVector::from_iterator(self.squares, eigen.eigenvalues.iter().map(|value| Complex::new(1.0 / value, 0.0)));
-        let inverse = &eigen.eigenvectors * DMatrix::from_diagonal(&reciprocals) * eigen.eigenvectors.adjoint();
+        let reciprocals = DVector::from_iterator(
+            self.squares,
+            eigen
+                .eigenvalues
+                .iter()
+                .map(|value| Complex::new(1.0 / value, 0.0)),
+        );
+        let inverse = &eigen.eigenvectors
+            * DMatrix::from_diagonal(&reciprocals)
+            * eigen.eigenvectors.adjoint();
         Ok(DMatrix::from_fn(self.squares, self.squares, |a, b| {
             if a == b {
                 Complex::new(1.0, 0.0)
@@ -189,7 +239,8 @@ impl Synchronisation {
         }))
     }
 
-    /// Eq. 39 of the preprint as printed, R_ab - Σ_Z R_aZ (R_ZZ)⁻¹ R_Zb over single squares Z other than a and b.
+    /// Eq. 39 of the preprint as printed, R_ab - Σ_Z R_aZ (R_ZZ)⁻¹ R_Zb over single squares Z other
+    /// than a and b.
     ///
     /// # Errors
     /// As [`Synchronisation::index`].
@@ -204,9 +255,15 @@ impl Synchronisation {
     }
 }
 
-/// The eigenvalues of a Hermitian matrix, the largest first (fig. 5c of the preprint shows the first).
+/// The eigenvalues of a Hermitian matrix, the largest first (fig. 5c of the preprint shows the
+/// first).
 pub fn eigenvalues(matrix: &DMatrix<Complex<f64>>) -> Vec<f64> {
-    let mut values: Vec<f64> = matrix.clone().symmetric_eigenvalues().iter().copied().collect();
+    let mut values: Vec<f64> = matrix
+        .clone()
+        .symmetric_eigenvalues()
+        .iter()
+        .copied()
+        .collect();
     values.sort_by(|a, b| b.total_cmp(a));
     values
 }
@@ -223,10 +280,14 @@ mod tests {
         let mut frames = Vec::new();
         for _ in 0..samples {
             let common = rng.uniform_in(-1.0, 1.0);
-            angles.iter_mut().for_each(|angle| *angle += common + rng.uniform_in(-0.3, 0.3));
+            angles
+                .iter_mut()
+                .for_each(|angle| *angle += common + rng.uniform_in(-0.3, 0.3));
             // Keeps the differences bounded, so that they are correlated.
             let mean = angles.iter().sum::<f64>() / squares as f64;
-            angles.iter_mut().for_each(|angle| *angle += 0.2 * (mean - *angle));
+            angles
+                .iter_mut()
+                .for_each(|angle| *angle += 0.2 * (mean - *angle));
             frames.push(angles.clone());
         }
         frames
@@ -235,26 +296,35 @@ mod tests {
     #[test]
     fn the_stream_agrees_with_the_definition() {
         let frames = trajectory(5, 300);
-        let index = Synchronisation::of_trajectory(5, frames.iter().map(Vec::as_slice)).unwrap().index().unwrap();
+        let index = Synchronisation::of_trajectory(5, frames.iter().map(Vec::as_slice))
+            .unwrap()
+            .index()
+            .unwrap();
         for a in 0..5 {
             for b in 0..5 {
-                let terms = frames.iter().map(|frame| Complex::from_polar(1.0, frame[a] - frame[b]));
+                let terms = frames
+                    .iter()
+                    .map(|frame| Complex::from_polar(1.0, frame[a] - frame[b]));
                 let mean = terms.sum::<Complex<f64>>() / 300.0;
                 assert!((index[(a, b)] - mean).norm() < 1e-13);
             }
         }
-        let mut halves = Synchronisation::of_trajectory(5, frames[..100].iter().map(Vec::as_slice)).unwrap();
-        let rest = Synchronisation::of_trajectory(5, frames[100..].iter().map(Vec::as_slice)).unwrap();
+        let mut halves =
+            Synchronisation::of_trajectory(5, frames[..100].iter().map(Vec::as_slice)).unwrap();
+        let rest =
+            Synchronisation::of_trajectory(5, frames[100..].iter().map(Vec::as_slice)).unwrap();
         halves.merge(&rest).unwrap();
         assert!((halves.index().unwrap() - index).norm() < 1e-13);
     }
 
-    /// The Schur complement, pair by pair: what is left of the 2 x 2 block of a and b after all others.
+    /// The Schur complement, pair by pair: what is left of the 2 x 2 block of a and b after all
+    /// others.
     #[test]
     fn partial_coherence_is_the_normalised_schur_complement() {
         let squares = 6;
         let frames = trajectory(squares, 400);
-        let sync = Synchronisation::of_trajectory(squares, frames.iter().map(Vec::as_slice)).unwrap();
+        let sync =
+            Synchronisation::of_trajectory(squares, frames.iter().map(Vec::as_slice)).unwrap();
         let (index, partial) = (sync.index().unwrap(), sync.partial(0.0).unwrap());
         for a in 0..squares {
             for b in 0..squares {
@@ -263,9 +333,14 @@ mod tests {
                 }
                 let others: Vec<usize> = (0..squares).filter(|z| *z != a && *z != b).collect();
                 let pick = |rows: &[usize], columns: &[usize]| {
-                    DMatrix::from_fn(rows.len(), columns.len(), |r, c| index[(rows[r], columns[c])])
+                    DMatrix::from_fn(rows.len(), columns.len(), |r, c| {
+                        index[(rows[r], columns[c])]
+                    })
                 };
-                let solved = pick(&others, &others).lu().solve(&pick(&others, &[a, b])).unwrap();
+                let solved = pick(&others, &others)
+                    .lu()
+                    .solve(&pick(&others, &[a, b]))
+                    .unwrap();
                 let left = pick(&[a, b], &[a, b]) - pick(&[a, b], &others) * solved;
                 let expected = left[(0, 1)] / (left[(0, 0)].re * left[(1, 1)].re).sqrt();
                 assert!((partial[(a, b)] - expected).norm() < 1e-10);
@@ -282,7 +357,8 @@ mod tests {
         for _ in 0..20_000 {
             let first = rng.uniform_in(-9.0, 9.0);
             let second = first + rng.uniform_in(-1.0, 1.0);
-            sync.push(&[first, second, second + rng.uniform_in(-1.0, 1.0)]).unwrap();
+            sync.push(&[first, second, second + rng.uniform_in(-1.0, 1.0)])
+                .unwrap();
         }
         let (index, partial) = (sync.index().unwrap(), sync.partial(0.0).unwrap());
         assert!(index[(0, 2)].norm() > 0.65);
@@ -312,7 +388,11 @@ mod tests {
         assert!(values.windows(2).all(|pair| pair[0] >= pair[1]) && values[5] > -1e-14);
         // Locked squares have all weight in one eigenvalue, and no inverse.
         let mut locked = Synchronisation::new(4);
-        (0..50).for_each(|step| locked.push(&[0.1, 0.4, 0.2, 0.7].map(|x| x + f64::from(step))).unwrap());
+        (0..50).for_each(|step| {
+            locked
+                .push(&[0.1, 0.4, 0.2, 0.7].map(|x| x + f64::from(step)))
+                .unwrap()
+        });
         assert!((eigenvalues(&locked.index().unwrap())[0] - 4.0).abs() < 1e-12);
         assert!(locked.partial(0.0).is_err() && locked.partial(1e-3).is_ok());
         assert!(Synchronisation::new(2).index().is_err() && locked.push(&[0.0]).is_err());

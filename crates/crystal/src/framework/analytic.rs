@@ -1,6 +1,7 @@
 //! The closed formulas for hexagonal honeycombs (eqs. 2 to 8, 16 and 20 of the paper).
 //!
-//! With X1 = 2 l sin θ and X2 = 2 (h - l cos θ), thickness b, and a rib hinged at both of its ends, K_h = 2 k_h:
+//! With X1 = 2 l sin θ and X2 = 2 (h - l cos θ), thickness b, and a rib hinged at both of its ends,
+//! K_h = 2 k_h:
 //!
 //! | | hinging | stretching |
 //! |---|---|---|
@@ -11,13 +12,14 @@
 //!
 //! | 1/G12 | 4 b h² l² sin²θ / (K_h X1 X2) | 4 b (h cos θ - l)² / (K_s X1 X2) |
 //!
-//! The shear modulus is not in the paper. It follows from the balance of moments: under a shear stress τ a vertical rib passes
-//! on a force τ b X1 across itself, so each hinge turns under the moment τ b h l sin θ / 2, and an inclined rib is pulled by
-//! τ b (h cos θ - l); twice the energy stored in the 8 hinges and 4 inclined ribs of a cell is τ²/G of its volume.
+//! The shear modulus is not in the paper. It follows from the balance of moments: under a shear
+//! stress τ a vertical rib passes on a force τ b X1 across itself, so each hinge turns under the
+//! moment τ b h l sin θ / 2, and an inclined rib is pulled by τ b (h cos θ - l); twice the energy
+//! stored in the 8 hinges and 4 inclined ribs of a cell is τ²/G of its volume.
 //!
-//! A rib's K_s does not depend on its length. The paper's second line of eq. 6 repeats the denominator of the first;
-//! loading along 1 stretches only the inclined ribs, so that ν12 = cot θ X1/X2. When both happen, compliances add (eqs. 16,
-//! 20), which is exact for this model.
+//! A rib's K_s does not depend on its length. The paper's second line of eq. 6 repeats the
+//! denominator of the first; loading along 1 stretches only the inclined ribs, so that ν12 = cot θ
+//! X1/X2. When both happen, compliances add (eqs. 16, 20), which is exact for this model.
 
 use serde::Serialize;
 
@@ -54,13 +56,16 @@ pub struct AxialModuli {
 }
 
 impl AxialModuli {
-    /// The stiffness in the order yy, zz, yz, GPa; `None` where it has no end (ν_12 ν_21 = 1), as when a honeycomb only
-    /// hinges: one freedom cannot make two strains.
+    /// The stiffness in the order yy, zz, yz, GPa; `None` where it has no end (ν_12 ν_21 = 1), as
+    /// when a honeycomb only hinges: one freedom cannot make two strains.
     pub fn stiffness_gpa(&self) -> Option<[[f64; 3]; 3]> {
         let left = 1.0 - self.nu_yz * self.nu_zy;
         let coupled = self.nu_zy * self.e_y_gpa / left;
-        let stiffness =
-            [[self.e_y_gpa / left, coupled, 0.0], [coupled, self.e_z_gpa / left, 0.0], [0.0, 0.0, self.g_yz_gpa]];
+        let stiffness = [
+            [self.e_y_gpa / left, coupled, 0.0],
+            [coupled, self.e_z_gpa / left, 0.0],
+            [0.0, 0.0, self.g_yz_gpa],
+        ];
         (left.abs() > 1e-9).then_some(stiffness)
     }
 }
@@ -69,13 +74,17 @@ impl Honeycomb {
     /// X1 and X2, Å.
     pub fn cell_angstrom(&self) -> [f64; 2] {
         let (sine, cosine) = self.theta_rad.sin_cos();
-        [2.0 * self.l_angstrom * sine, 2.0 * (self.h_angstrom - self.l_angstrom * cosine)]
+        [
+            2.0 * self.l_angstrom * sine,
+            2.0 * (self.h_angstrom - self.l_angstrom * cosine),
+        ]
     }
 
     /// Only the angles change.
     pub fn hinging(&self, gpa: f64) -> AxialModuli {
         let ([x1, x2], (sine, cosine)) = (self.cell_angstrom(), self.theta_rad.sin_cos());
-        let k = 2.0 * self.hinge_stiffness_kcal_mol_rad2 * gpa / (self.thickness_angstrom * self.l_angstrom.powi(2));
+        let k = 2.0 * self.hinge_stiffness_kcal_mol_rad2 * gpa
+            / (self.thickness_angstrom * self.l_angstrom.powi(2));
         let nu_yz = -sine / cosine * x1 / x2;
         AxialModuli {
             e_y_gpa: k / (cosine * cosine) * x1 / x2,
@@ -105,7 +114,8 @@ impl Honeycomb {
         let (h, s) = (self.hinging(gpa), self.stretching(gpa));
         // 1/(1/a + 1/b), also where one is infinite: at h cos θ = l shear stretches nothing.
         let modulus = |a: f64, b: f64| 1.0 / (1.0 / a + 1.0 / b);
-        let ratio = |nu_h: f64, e_h: f64, nu_s: f64, e_s: f64| (nu_s * e_h + nu_h * e_s) / (e_s + e_h);
+        let ratio =
+            |nu_h: f64, e_h: f64, nu_s: f64, e_s: f64| (nu_s * e_h + nu_h * e_s) / (e_s + e_h);
         AxialModuli {
             e_y_gpa: modulus(h.e_y_gpa, s.e_y_gpa),
             e_z_gpa: modulus(h.e_z_gpa, s.e_z_gpa),

@@ -1,10 +1,11 @@
 //! Energy, gradient and Hessian of a network.
 //!
-//! Every term is a function φ of difference vectors D = x_to - x_from + image · cell. Under a homogeneous strain ε and node
-//! displacements they become (1 + ε) D, so with H the Hessian of φ over its vectors and B_a D the change of D under unit
-//! strain a,
+//! Every term is a function φ of difference vectors D = x_to - x_from + image · cell. Under a
+//! homogeneous strain ε and node displacements they become (1 + ε) D, so with H the Hessian of φ
+//! over its vectors and B_a D the change of D under unit strain a,
 //!
-//! ∂E/∂ε_a = g · B_a D, ∂²E/∂ε_a∂ε_b = B_a D · H B_b D, ∂²E/∂x∂ε_a = Aᵀ (H B_a D + B_a g), ∂²E/∂x∂x = Aᵀ H A,
+//! ∂E/∂ε_a = g · B_a D, ∂²E/∂ε_a∂ε_b = B_a D · H B_b D, ∂²E/∂x∂ε_a = Aᵀ (H B_a D + B_a g), ∂²E/∂x∂x
+//! = Aᵀ H A,
 //!
 //! where A takes node displacements to differences and x are positions before the strain.
 
@@ -18,7 +19,8 @@ use std::f64::consts::PI;
 /// Rest angles nearer to straight than this (rad) use the form that is smooth there.
 const NEARLY_STRAIGHT: f64 = 1e-6;
 
-/// The energy of a network as a function of its nodes and cell; what is "as built" is fixed when it is made.
+/// The energy of a network as a function of its nodes and cell; what is "as built" is fixed when it
+/// is made.
 #[derive(Debug, Clone)]
 pub struct NetworkEnergy {
     dimension: usize,
@@ -33,8 +35,8 @@ struct Term {
     stiffness: f64,
     rest: f64,
     bonds: Vec<Bond>,
-    /// For each pair of bond ends, row end before column end, where its block of the Hessian begins; `NONE` above the
-    /// diagonal.
+    /// For each pair of bond ends, row end before column end, where its block of the Hessian
+    /// begins; `NONE` above the diagonal.
     blocks: Vec<u32>,
 }
 
@@ -75,7 +77,8 @@ pub struct Derivatives {
     pub hessian: Vec<f64>,
 }
 
-/// Nodes and cell: where a network is in the course of a minimisation. Coordinates are (x, y, z) or (y, z), Å.
+/// Nodes and cell: where a network is in the course of a minimisation. Coordinates are (x, y, z) or
+/// (y, z), Å.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Configuration {
     /// Coordinates node after node.
@@ -91,7 +94,10 @@ impl Configuration {
         for (row, vector) in cell.iter_mut().zip(&framework.cell_angstrom) {
             row[..vector.len()].copy_from_slice(vector);
         }
-        Self { nodes_angstrom: framework.nodes_angstrom.concat(), cell_angstrom: cell }
+        Self {
+            nodes_angstrom: framework.nodes_angstrom.concat(),
+            cell_angstrom: cell,
+        }
     }
 
     /// Applies the homogeneous deformation 1 + ε.
@@ -100,16 +106,24 @@ impl Configuration {
         let apply = |vector: &mut [f64]| {
             let mut moved = [0.0; 3];
             for i in 0..dimension {
-                moved[i] = vector[i] + (0..dimension).map(|j| tensor[i][j] * vector[j]).sum::<f64>();
+                moved[i] = vector[i]
+                    + (0..dimension)
+                        .map(|j| tensor[i][j] * vector[j])
+                        .sum::<f64>();
             }
             vector[..dimension].copy_from_slice(&moved[..dimension]);
         };
-        self.nodes_angstrom.chunks_exact_mut(dimension).for_each(apply);
-        self.cell_angstrom.iter_mut().for_each(|vector| apply(&mut vector[..]));
+        self.nodes_angstrom
+            .chunks_exact_mut(dimension)
+            .for_each(apply);
+        self.cell_angstrom
+            .iter_mut()
+            .for_each(|vector| apply(&mut vector[..]));
     }
 
-    /// The same without the rotation from `start` to here, so that axes keep their meaning: with F = R U the deformation of
-    /// the cell, all is turned by R⁻¹. Strains that follow each other add up to rotations, which cost nothing.
+    /// The same without the rotation from `start` to here, so that axes keep their meaning: with F
+    /// = R U the deformation of the cell, all is turned by R⁻¹. Strains that follow each other add
+    /// up to rotations, which cost nothing.
     #[must_use]
     pub fn without_rotation(&self, start: &Self) -> Self {
         let columns = |cell: &[[f64; 3]; 3]| {
@@ -120,13 +134,22 @@ impl Configuration {
             }
             matrix
         };
-        let Some(inverse) = columns(&start.cell_angstrom).try_inverse() else { return self.clone() };
+        let Some(inverse) = columns(&start.cell_angstrom).try_inverse() else {
+            return self.clone();
+        };
         let svd = (columns(&self.cell_angstrom) * inverse).svd(true, true);
-        let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else { return self.clone() };
+        let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else {
+            return self.clone();
+        };
         let back = (u * v_t).transpose();
-        let turn = |vector: &[f64]| back * Vector3::from_fn(|i, _| vector.get(i).copied().unwrap_or(0.0));
+        let turn =
+            |vector: &[f64]| back * Vector3::from_fn(|i, _| vector.get(i).copied().unwrap_or(0.0));
         let mut turned = self.clone();
-        let dimension = if start.cell_angstrom[2] == [0.0; 3] { 2 } else { 3 };
+        let dimension = if start.cell_angstrom[2] == [0.0; 3] {
+            2
+        } else {
+            3
+        };
         for node in turned.nodes_angstrom.chunks_exact_mut(dimension) {
             let place = turn(node);
             node.copy_from_slice(&place.as_slice()[..dimension]);
@@ -142,8 +165,15 @@ impl Configuration {
     pub fn place(&self, framework: &Framework) -> Framework {
         let dimension = framework.dimension();
         Framework {
-            nodes_angstrom: self.nodes_angstrom.chunks_exact(dimension).map(<[f64]>::to_vec).collect(),
-            cell_angstrom: self.cell_angstrom[..dimension].iter().map(|v| v[..dimension].to_vec()).collect(),
+            nodes_angstrom: self
+                .nodes_angstrom
+                .chunks_exact(dimension)
+                .map(<[f64]>::to_vec)
+                .collect(),
+            cell_angstrom: self.cell_angstrom[..dimension]
+                .iter()
+                .map(|v| v[..dimension].to_vec())
+                .collect(),
             ..framework.clone()
         }
     }
@@ -186,7 +216,8 @@ fn strained(dimension: usize, index: usize, d: &[f64; 3]) -> [f64; 3] {
 }
 
 impl NetworkEnergy {
-    /// The energy of this network; rest lengths and angles that are not given are those it is built with.
+    /// The energy of this network; rest lengths and angles that are not given are those it is built
+    /// with.
     ///
     /// # Errors
     /// As [`Framework::check`].
@@ -202,17 +233,42 @@ impl NetworkEnergy {
         };
         for rod in &framework.rods {
             let bonds = vec![bond(&Neighbour::here(rod.from), &rod.to)];
-            energy.add(&here, Kind::Rod, rod.stiffness_kcal_mol_angstrom2, rod.rest_length_angstrom, bonds);
+            energy.add(
+                &here,
+                Kind::Rod,
+                rod.stiffness_kcal_mol_angstrom2,
+                rod.rest_length_angstrom,
+                bonds,
+            );
         }
         for hinge in &framework.hinges {
             let vertex = Neighbour::here(hinge.vertex);
-            let bonds = vec![bond(&vertex, &hinge.between[0]), bond(&vertex, &hinge.between[1])];
+            let bonds = vec![
+                bond(&vertex, &hinge.between[0]),
+                bond(&vertex, &hinge.between[1]),
+            ];
             let kind = if plane { Kind::PlaneHinge } else { Kind::Hinge };
-            energy.add(&here, kind, hinge.stiffness_kcal_mol_rad2, hinge.rest_angle_rad, bonds);
+            energy.add(
+                &here,
+                kind,
+                hinge.stiffness_kcal_mol_rad2,
+                hinge.rest_angle_rad,
+                bonds,
+            );
         }
         for torsion in &framework.torsions {
-            let bonds = torsion.along.windows(2).map(|pair| bond(&pair[0], &pair[1])).collect();
-            energy.add(&here, Kind::Torsion, torsion.stiffness_kcal_mol_rad2, torsion.rest_angle_rad, bonds);
+            let bonds = torsion
+                .along
+                .windows(2)
+                .map(|pair| bond(&pair[0], &pair[1]))
+                .collect();
+            energy.add(
+                &here,
+                Kind::Torsion,
+                torsion.stiffness_kcal_mol_rad2,
+                torsion.rest_angle_rad,
+                bonds,
+            );
         }
         if let Some(index) = energy.terms.iter().position(|term| !term.rest.is_finite()) {
             return Err(CrystalError::BadNetwork(format!(
@@ -223,7 +279,14 @@ impl NetworkEnergy {
         Ok(energy)
     }
 
-    fn add(&mut self, here: &Configuration, mut kind: Kind, stiffness: f64, rest: Option<f64>, bonds: Vec<Bond>) {
+    fn add(
+        &mut self,
+        here: &Configuration,
+        mut kind: Kind,
+        stiffness: f64,
+        rest: Option<f64>,
+        bonds: Vec<Bond>,
+    ) {
         let vectors: Vec<[f64; 3]> = bonds.iter().map(|bond| self.vector(here, bond)).collect();
         let built = measure(kind, &vectors);
         let rest = match (kind, rest) {
@@ -235,7 +298,13 @@ impl NetworkEnergy {
         if kind == Kind::Hinge && (PI - rest).abs() < NEARLY_STRAIGHT {
             kind = Kind::StraightHinge;
         }
-        self.terms.push(Term { kind, stiffness, rest, bonds, blocks: Vec::new() });
+        self.terms.push(Term {
+            kind,
+            stiffness,
+            rest,
+            bonds,
+            blocks: Vec::new(),
+        });
     }
 
     /// Finds the places of the Hessian.
@@ -258,18 +327,27 @@ impl NetworkEnergy {
             start_of(node, node);
         }
         for term in &mut self.terms {
-            let ends: Vec<usize> = term.bonds.iter().flat_map(|bond| [bond.from, bond.to]).collect();
+            let ends: Vec<usize> = term
+                .bonds
+                .iter()
+                .flat_map(|bond| [bond.from, bond.to])
+                .collect();
             for row in &ends {
                 for column in &ends {
-                    term.blocks.push(if row >= column { start_of(*row, *column) } else { NONE });
+                    term.blocks.push(if row >= column {
+                        start_of(*row, *column)
+                    } else {
+                        NONE
+                    });
                 }
             }
         }
         self.entries = entries;
     }
 
-    /// The network with the rest lengths and angles written out that are otherwise those it is built with, so that its nodes
-    /// and cell can be moved without changing its energy as a function of them.
+    /// The network with the rest lengths and angles written out that are otherwise those it is
+    /// built with, so that its nodes and cell can be moved without changing its energy as a
+    /// function of them.
     pub fn with_rests(&self, framework: &Framework) -> Framework {
         let mut fixed = framework.clone();
         let mut rests = self.terms.iter().map(|term| match term.kind {
@@ -277,9 +355,18 @@ impl NetworkEnergy {
             Kind::PlaneHinge => term.rest.abs(),
             _ => term.rest,
         });
-        fixed.rods.iter_mut().for_each(|rod| rod.rest_length_angstrom = rests.next());
-        fixed.hinges.iter_mut().for_each(|hinge| hinge.rest_angle_rad = rests.next());
-        fixed.torsions.iter_mut().for_each(|torsion| torsion.rest_angle_rad = rests.next());
+        fixed
+            .rods
+            .iter_mut()
+            .for_each(|rod| rod.rest_length_angstrom = rests.next());
+        fixed
+            .hinges
+            .iter_mut()
+            .for_each(|hinge| hinge.rest_angle_rad = rests.next());
+        fixed
+            .torsions
+            .iter_mut()
+            .for_each(|torsion| torsion.rest_angle_rad = rests.next());
         fixed
     }
 
@@ -293,7 +380,8 @@ impl NetworkEnergy {
         self.dimension * self.nodes
     }
 
-    /// Places (row, column) of the lower triangle of the Hessian, in the order of [`Derivatives::hessian`].
+    /// Places (row, column) of the lower triangle of the Hessian, in the order of
+    /// [`Derivatives::hessian`].
     pub fn entries(&self) -> &[(usize, usize)] {
         &self.entries
     }
@@ -313,7 +401,11 @@ impl NetworkEnergy {
     /// The energy alone, kcal/mol.
     pub fn energy(&self, at: &Configuration) -> f64 {
         let one = |term: &Term| {
-            let vectors: Vec<[f64; 3]> = term.bonds.iter().map(|bond| self.vector(at, bond)).collect();
+            let vectors: Vec<[f64; 3]> = term
+                .bonds
+                .iter()
+                .map(|bond| self.vector(at, bond))
+                .collect();
             let away = deviation(term.kind, measure(term.kind, &vectors), term.rest);
             0.5 * term.stiffness * away * away
         };
@@ -338,7 +430,9 @@ impl NetworkEnergy {
             }
             match term.kind {
                 Kind::Rod => self.collect(term, &vectors, &rod_energy(term, &vectors), &mut sum),
-                Kind::Torsion => self.collect(term, &vectors, &torsion_energy(term, &vectors), &mut sum),
+                Kind::Torsion => {
+                    self.collect(term, &vectors, &torsion_energy(term, &vectors), &mut sum)
+                }
                 _ => self.collect(term, &vectors, &hinge_energy(term, &vectors), &mut sum),
             }
         }
@@ -346,7 +440,13 @@ impl NetworkEnergy {
     }
 
     /// Adds one term's derivatives over its vectors to those over nodes and strains.
-    fn collect<const N: usize>(&self, term: &Term, vectors: &[[f64; 3]; 3], local: &Jet<N>, sum: &mut Derivatives) {
+    fn collect<const N: usize>(
+        &self,
+        term: &Term,
+        vectors: &[[f64; 3]; 3],
+        local: &Jet<N>,
+        sum: &mut Derivatives,
+    ) {
         let (d, count) = (self.dimension, term.bonds.len());
         sum.energy += local.value;
         for (p, bond) in term.bonds.iter().enumerate() {
@@ -362,12 +462,16 @@ impl NetworkEnergy {
             for p in 0..count {
                 for i in 0..3 {
                     sum.strain_gradient[a] += local.gradient[3 * p + i] * moved[p][i];
-                    turned[p][i] = (0..3 * count).map(|c| local.hessian[3 * p + i][c] * moved[c / 3][c % 3]).sum();
+                    turned[p][i] = (0..3 * count)
+                        .map(|c| local.hessian[3 * p + i][c] * moved[c / 3][c % 3])
+                        .sum();
                 }
             }
             for b in 0..=a {
                 let other: [[f64; 3]; 3] = std::array::from_fn(|p| strained(d, b, &vectors[p]));
-                let product: f64 = (0..3 * count).map(|c| turned[c / 3][c % 3] * other[c / 3][c % 3]).sum();
+                let product: f64 = (0..3 * count)
+                    .map(|c| turned[c / 3][c % 3] * other[c / 3][c % 3])
+                    .sum();
                 sum.strain_hessian[(a, b)] += product;
                 if a != b {
                     sum.strain_hessian[(b, a)] += product;
@@ -392,9 +496,18 @@ impl NetworkEnergy {
                     continue;
                 }
                 let (p, q) = (row_end / 2, column_end / 2);
-                let sign = if row_end % 2 == column_end % 2 { 1.0 } else { -1.0 };
-                let ends =
-                    |end: usize| if end.is_multiple_of(2) { term.bonds[end / 2].from } else { term.bonds[end / 2].to };
+                let sign = if row_end % 2 == column_end % 2 {
+                    1.0
+                } else {
+                    -1.0
+                };
+                let ends = |end: usize| {
+                    if end.is_multiple_of(2) {
+                        term.bonds[end / 2].from
+                    } else {
+                        term.bonds[end / 2].to
+                    }
+                };
                 let diagonal = ends(row_end) == ends(column_end);
                 let mut entry = start as usize;
                 for i in 0..d {
@@ -409,8 +522,13 @@ impl NetworkEnergy {
 }
 
 fn bond(from: &Neighbour, to: &Neighbour) -> Bond {
-    let image = |neighbour: &Neighbour, axis: usize| neighbour.image.get(axis).copied().unwrap_or(0);
-    Bond { from: from.node, to: to.node, image: std::array::from_fn(|axis| image(to, axis) - image(from, axis)) }
+    let image =
+        |neighbour: &Neighbour, axis: usize| neighbour.image.get(axis).copied().unwrap_or(0);
+    Bond {
+        from: from.node,
+        to: to.node,
+        image: std::array::from_fn(|axis| image(to, axis) - image(from, axis)),
+    }
 }
 
 /// Length or angle of a term.
@@ -442,7 +560,11 @@ fn variables<const N: usize>(vectors: &[[f64; 3]; 3], index: usize) -> [Jet<N>; 
 /// ½ k (x - rest)², from the jet of x.
 fn spring<const N: usize>(term: &Term, value: Jet<N>) -> Jet<N> {
     let away = deviation(term.kind, value.value, term.rest);
-    value.chain(0.5 * term.stiffness * away * away, term.stiffness * away, term.stiffness)
+    value.chain(
+        0.5 * term.stiffness * away * away,
+        term.stiffness * away,
+        term.stiffness,
+    )
 }
 
 fn rod_energy(term: &Term, vectors: &[[f64; 3]; 3]) -> Jet<3> {
@@ -466,7 +588,14 @@ fn hinge_energy(term: &Term, vectors: &[[f64; 3]; 3]) -> Jet<6> {
 }
 
 fn torsion_energy(term: &Term, vectors: &[[f64; 3]; 3]) -> Jet<9> {
-    spring(term, dihedral(&variables(vectors, 0), &variables(vectors, 1), &variables(vectors, 2)))
+    spring(
+        term,
+        dihedral(
+            &variables(vectors, 0),
+            &variables(vectors, 1),
+            &variables(vectors, 2),
+        ),
+    )
 }
 
 /// The angle from a to b in the plane, positive anticlockwise.

@@ -1,8 +1,8 @@
 //! Numbers that carry their first and second derivatives.
 //!
-//! A [`Jet`] of N variables holds f, ∂f/∂x_i and ∂²f/∂x_i∂x_j; arithmetic follows the rules of differentiation, so a formula
-//! written once gives its exact gradient and Hessian (forward differentiation of second order; Griewank and Walther,
-//! *Evaluating Derivatives*, SIAM 2008).
+//! A [`Jet`] of N variables holds f, ∂f/∂x_i and ∂²f/∂x_i∂x_j; arithmetic follows the rules of
+//! differentiation, so a formula written once gives its exact gradient and Hessian (forward
+//! differentiation of second order; Griewank and Walther, *Evaluating Derivatives*, SIAM 2008).
 
 use std::ops::{Add, Mul, Neg, Sub};
 
@@ -20,7 +20,11 @@ pub struct Jet<const N: usize> {
 impl<const N: usize> Jet<N> {
     /// A constant.
     pub fn constant(value: f64) -> Self {
-        Self { value, gradient: [0.0; N], hessian: [[0.0; N]; N] }
+        Self {
+            value,
+            gradient: [0.0; N],
+            hessian: [[0.0; N]; N],
+        }
     }
 
     /// The variable of this index.
@@ -34,9 +38,15 @@ impl<const N: usize> Jet<N> {
     pub fn chain(&self, value: f64, first: f64, second: f64) -> Self {
         let gradient = self.gradient.map(|x| first * x);
         let hessian = std::array::from_fn(|i| {
-            std::array::from_fn(|j| first * self.hessian[i][j] + second * self.gradient[i] * self.gradient[j])
+            std::array::from_fn(|j| {
+                first * self.hessian[i][j] + second * self.gradient[i] * self.gradient[j]
+            })
         });
-        Self { value, gradient, hessian }
+        Self {
+            value,
+            gradient,
+            hessian,
+        }
     }
 
     /// √f.
@@ -48,7 +58,11 @@ impl<const N: usize> Jet<N> {
     /// 1/f.
     pub fn recip(&self) -> Self {
         let inverse = 1.0 / self.value;
-        self.chain(inverse, -inverse * inverse, 2.0 * inverse * inverse * inverse)
+        self.chain(
+            inverse,
+            -inverse * inverse,
+            2.0 * inverse * inverse * inverse,
+        )
     }
 
     /// f².
@@ -98,7 +112,9 @@ impl<const N: usize> Add for Jet<N> {
         Self {
             value: self.value + other.value,
             gradient: std::array::from_fn(|i| self.gradient[i] + other.gradient[i]),
-            hessian: std::array::from_fn(|i| std::array::from_fn(|j| self.hessian[i][j] + other.hessian[i][j])),
+            hessian: std::array::from_fn(|i| {
+                std::array::from_fn(|j| self.hessian[i][j] + other.hessian[i][j])
+            }),
         }
     }
 }
@@ -123,7 +139,10 @@ impl<const N: usize> Add<f64> for Jet<N> {
     type Output = Self;
 
     fn add(self, other: f64) -> Self {
-        Self { value: self.value + other, ..self }
+        Self {
+            value: self.value + other,
+            ..self
+        }
     }
 }
 
@@ -164,5 +183,9 @@ pub fn dot<const N: usize>(a: &[Jet<N>; 3], b: &[Jet<N>; 3]) -> Jet<N> {
 
 /// The vector product.
 pub fn cross<const N: usize>(a: &[Jet<N>; 3], b: &[Jet<N>; 3]) -> [Jet<N>; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
 }

@@ -1,12 +1,14 @@
 //! Networks under load: the minimum of energy less work.
 //!
-//! Nodes x and strain ε are found together by Newton's method with the Hessian of [`energy`](super::energy),
+//! Nodes x and strain ε are found together by Newton's method with the Hessian of
+//! [`energy`](super::energy),
 //!
 //! (K_xx K_xε; K_xεᵀ K_εε - ∂w/∂ε) (δx; δε) = -(g_x; g_ε - w),
 //!
-//! shifted towards steepest descent while it is not positive (Levenberg and Marquardt) and applied to the cell as it then is.
-//! w is the load on the cell: V0 Pᵀ F for a nominal stress P (force per area of the unloaded cell), V σ for a Cauchy stress σ
-//! (force per area as loaded). Under tens of GPa the two differ by some per cent, so the kind is always named.
+//! shifted towards steepest descent while it is not positive (Levenberg and Marquardt) and applied
+//! to the cell as it then is. w is the load on the cell: V0 Pᵀ F for a nominal stress P (force per
+//! area of the unloaded cell), V σ for a Cauchy stress σ (force per area as loaded). Under tens of
+//! GPa the two differ by some per cent, so the kind is always named.
 
 use super::energy::{Configuration, Derivatives, NetworkEnergy, strain_axes};
 use super::model::Framework;
@@ -46,7 +48,8 @@ pub struct Load {
 pub struct Loaded {
     /// Where it is.
     pub configuration: Configuration,
-    /// Lengths of the cell along the axes over those at the start, less one: engineering strains of stretch.
+    /// Lengths of the cell along the axes over those at the start, less one: engineering strains of
+    /// stretch.
     pub stretch: Vec<f64>,
     /// Energy, kcal/mol.
     pub energy_kcal_mol: f64,
@@ -56,14 +59,21 @@ pub struct Loaded {
     pub largest_force_kcal_mol_angstrom: f64,
 }
 
-/// The minimum of a network's energy from where it stands: at fixed cell, or with the cell free and under a load.
+/// The minimum of a network's energy from where it stands: at fixed cell, or with the cell free and
+/// under a load.
 ///
 /// # Errors
-/// As [`Framework::check`]; [`CrystalError::NoMinimum`] if the minimum is not reached: a load that the network cannot
-/// bear, or a mechanism that it drives without end.
+/// As [`Framework::check`]; [`CrystalError::NoMinimum`] if the minimum is not reached: a load that
+/// the network cannot bear, or a mechanism that it drives without end.
 pub fn minimise(framework: &Framework, free_cell: bool, load: Option<Load>) -> Result<Loaded> {
     let energy = NetworkEnergy::new(framework)?;
-    minimise_from(framework, &energy, Configuration::built(framework), free_cell, load)
+    minimise_from(
+        framework,
+        &energy,
+        Configuration::built(framework),
+        free_cell,
+        load,
+    )
 }
 
 /// The curve of a network under a growing load: each minimisation starts from the one before.
@@ -74,7 +84,10 @@ pub fn stretch_curve(framework: &Framework, loads: &[Load]) -> Result<Vec<Loaded
     let energy = NetworkEnergy::new(framework)?;
     let mut curve: Vec<Loaded> = Vec::new();
     for load in loads {
-        let start = curve.last().map_or_else(|| Configuration::built(framework), |last| last.configuration.clone());
+        let start = curve.last().map_or_else(
+            || Configuration::built(framework),
+            |last| last.configuration.clone(),
+        );
         curve.push(minimise_from(framework, &energy, start, true, Some(*load))?);
     }
     Ok(curve)
@@ -88,8 +101,12 @@ fn minimise_from(
     load: Option<Load>,
 ) -> Result<Loaded> {
     let dimension = energy.dimension();
-    if let Some(load) = load.filter(|load| load.axis >= dimension || !load.stress_kcal_mol_angstrom3.is_finite()) {
-        return Err(CrystalError::BadNetwork(format!("a load of {load:?} on {dimension} dimensions makes no sense")));
+    if let Some(load) =
+        load.filter(|load| load.axis >= dimension || !load.stress_kcal_mol_angstrom3.is_finite())
+    {
+        return Err(CrystalError::BadNetwork(format!(
+            "a load of {load:?} on {dimension} dimensions makes no sense"
+        )));
     }
     let built = Configuration::built(framework);
     let mut factor = newton_factor(energy, &at);
@@ -98,14 +115,35 @@ fn minimise_from(
         let d = energy.derivatives(&at);
         let scale = d.hessian.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let (work, work_slope) = cell_work(framework, &at, &built, load);
-        let strain_force: Vec<f64> = d.strain_gradient.iter().zip(&work).map(|(g, w)| g - w).collect();
-        let edge = at.cell_angstrom[0].iter().map(|x| x * x).sum::<f64>().sqrt();
+        let strain_force: Vec<f64> = d
+            .strain_gradient
+            .iter()
+            .zip(&work)
+            .map(|(g, w)| g - w)
+            .collect();
+        let edge = at.cell_angstrom[0]
+            .iter()
+            .map(|x| x * x)
+            .sum::<f64>()
+            .sqrt();
         let force = d.gradient.iter().fold(0.0_f64, |most, g| most.max(g.abs()));
-        let stress = if free_cell { strain_force.iter().fold(0.0_f64, |most, g| most.max(g.abs())) } else { 0.0 };
+        let stress = if free_cell {
+            strain_force
+                .iter()
+                .fold(0.0_f64, |most, g| most.max(g.abs()))
+        } else {
+            0.0
+        };
         // At rest where what is left is rounding.
         if force <= 1e-12 * scale * edge && stress <= 1e-12 * scale * edge * edge {
-            let lengths = |c: &Configuration| -> Vec<f64> { (0..dimension).map(|i| c.cell_angstrom[i][i]).collect() };
-            let stretch = lengths(&at).iter().zip(lengths(&built)).map(|(now, before)| now / before - 1.0).collect();
+            let lengths = |c: &Configuration| -> Vec<f64> {
+                (0..dimension).map(|i| c.cell_angstrom[i][i]).collect()
+            };
+            let stretch = lengths(&at)
+                .iter()
+                .zip(lengths(&built))
+                .map(|(now, before)| now / before - 1.0)
+                .collect();
             return Ok(Loaded {
                 configuration: at,
                 stretch,
@@ -114,28 +152,50 @@ fn minimise_from(
                 largest_force_kcal_mol_angstrom: force,
             });
         }
-        let strain_force = if free_cell { strain_force } else { vec![0.0; strain_force.len()] };
+        let strain_force = if free_cell {
+            strain_force
+        } else {
+            vec![0.0; strain_force.len()]
+        };
         let objective = |residual: &Derivatives, work: &[f64]| -> f64 {
             let nodes: f64 = residual.gradient.iter().map(|g| g * g).sum();
-            let cell: f64 = residual.strain_gradient.iter().zip(work).map(|(g, w)| (g - w) * (g - w)).sum();
+            let cell: f64 = residual
+                .strain_gradient
+                .iter()
+                .zip(work)
+                .map(|(g, w)| (g - w) * (g - w))
+                .sum();
             nodes + if free_cell { cell / (edge * edge) } else { 0.0 }
         };
         let now = objective(&d, &work);
         // Shift until the matrix is positive and the step goes down.
         loop {
-            let step = newton_step(energy, &mut factor, &d, &work_slope, &strain_force, free_cell, shift * scale);
+            let step = newton_step(
+                energy,
+                &mut factor,
+                &d,
+                &work_slope,
+                &strain_force,
+                free_cell,
+                shift * scale,
+            );
             let accepted = step.and_then(|(dx, de)| {
                 let long = dx.amax().max(edge * de.amax()) / (LONGEST_STEP * edge);
                 let limit = if long > 1.0 { 1.0 / long } else { 1.0 };
                 let mut trial = at.clone();
-                trial.nodes_angstrom.iter_mut().zip(dx.iter()).for_each(|(x, step)| *x += limit * step);
+                trial
+                    .nodes_angstrom
+                    .iter_mut()
+                    .zip(dx.iter())
+                    .for_each(|(x, step)| *x += limit * step);
                 if free_cell {
                     trial.strain(dimension, (de * limit).as_slice());
                 }
                 let next = energy.derivatives(&trial);
                 let (work, _) = cell_work(framework, &trial, &built, load);
                 let then = objective(&next, &work);
-                // Far from the minimum forces may grow on the way; a drop in energy is as good for nodes alone.
+                // Far from the minimum forces may grow on the way; a drop in energy is as good for
+                // nodes alone.
                 (then < now || (load.is_none() && next.energy < d.energy)).then_some(trial)
             });
             match accepted {
@@ -164,7 +224,13 @@ fn newton_factor(energy: &NetworkEnergy, at: &Configuration) -> LdlFactor {
     let places: Vec<[f64; 3]> = (0..energy.coordinates())
         .map(|row| {
             let node = row / dimension * dimension;
-            std::array::from_fn(|i| if i < dimension { at.nodes_angstrom[node + i] } else { 0.0 })
+            std::array::from_fn(|i| {
+                if i < dimension {
+                    at.nodes_angstrom[node + i]
+                } else {
+                    0.0
+                }
+            })
         })
         .collect();
     LdlFactor::new(energy.coordinates(), energy.entries(), &places)
@@ -183,8 +249,12 @@ fn newton_step(
     let largest = d.hessian.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     // Translations cost nothing: a little shift is always there, and the forces do no work on them.
     let shift = shift + 1e-10 * largest;
-    let shifted: Vec<f64> =
-        energy.entries().iter().zip(&d.hessian).map(|((i, j), x)| if i == j { x + shift } else { *x }).collect();
+    let shifted: Vec<f64> = energy
+        .entries()
+        .iter()
+        .zip(&d.hessian)
+        .map(|((i, j), x)| if i == j { x + shift } else { *x })
+        .collect();
     factor.factor(&shifted).ok()?;
     let mut base: Vec<f64> = d.gradient.iter().map(|g| -g).collect();
     factor.solve(&mut base);
@@ -218,15 +288,20 @@ fn cell_work(
 ) -> (Vec<f64>, DMatrix<f64>) {
     let (dimension, strains) = (framework.dimension(), framework.strains());
     let (mut work, mut slope) = (vec![0.0; strains], DMatrix::zeros(strains, strains));
-    let Some(load) = load else { return (work, slope) };
+    let Some(load) = load else {
+        return (work, slope);
+    };
     let axis = load.axis;
     let now = at.place(framework).volume_angstrom3();
     match load.kind {
-        // F = 1 + ε applied to the axis as it is: w = V0 P λ (e e), which does not change with ε but through λ.
+        // F = 1 + ε applied to the axis as it is: w = V0 P λ (e e), which does not change with ε
+        // but through λ.
         StressKind::Nominal => {
             let along = |c: &Configuration| c.cell_angstrom[axis][axis];
-            let stretched =
-                built.place(framework).volume_angstrom3() * load.stress_kcal_mol_angstrom3 * along(at) / along(built);
+            let stretched = built.place(framework).volume_angstrom3()
+                * load.stress_kcal_mol_angstrom3
+                * along(at)
+                / along(built);
             work[axis] = stretched;
             // The shear that turns the axis sees the same force, by half.
             for (index, value) in work.iter_mut().enumerate().skip(dimension) {
@@ -234,7 +309,10 @@ fn cell_work(
                 let other = if i == axis { j } else { i };
                 if i == axis || j == axis {
                     let tilt = at.cell_angstrom[axis][other] / along(built);
-                    *value = 0.5 * built.place(framework).volume_angstrom3() * load.stress_kcal_mol_angstrom3 * tilt;
+                    *value = 0.5
+                        * built.place(framework).volume_angstrom3()
+                        * load.stress_kcal_mol_angstrom3
+                        * tilt;
                 }
             }
         }

@@ -18,11 +18,12 @@
 //! | [`load`] | minimisation, with and without the cell, under uniaxial stress |
 //! | [`analytic`] | the closed formulas for honeycombs |
 //!
-//! The method is "empirical modelling using dummy atoms", Grima, Gatt, Bray, Alderson and Evans, Mol. Simul. 31, 925 (2005),
-//! below "the paper": nodes without mass, rods that stretch, hinges that turn, elastic constants from second derivatives.
-//! Lengths are in Å, energies in kcal/mol, moduli in GPa. Two-dimensional networks lie in the plane of y and z and have a
-//! thickness along x, so their strains come in the order yy, zz, yz; three-dimensional ones in the order xx, yy, zz, yz, xz,
-//! xy. Shear strains are engineering strains.
+//! The method is "empirical modelling using dummy atoms", Grima, Gatt, Bray, Alderson and Evans,
+//! Mol. Simul. 31, 925 (2005), below "the paper": nodes without mass, rods that stretch, hinges
+//! that turn, elastic constants from second derivatives. Lengths are in Å, energies in kcal/mol,
+//! moduli in GPa. Two-dimensional networks lie in the plane of y and z and have a thickness along
+//! x, so their strains come in the order yy, zz, yz; three-dimensional ones in the order xx, yy,
+//! zz, yz, xz, xy. Shear strains are engineering strains.
 
 pub mod analytic;
 pub mod build;
@@ -41,7 +42,8 @@ pub use moduli::Moduli;
 /// Avogadro's number, 1/mol (exact, SI of 2019).
 pub const AVOGADRO_PER_MOL: f64 = 6.022_140_76e23;
 
-/// GPa per kcal/mol/Å³ for this value of Avogadro's number (1/mol): 4184 J/kcal · 10³⁰ Å³/m³ / N_A / 10⁹.
+/// GPa per kcal/mol/Å³ for this value of Avogadro's number (1/mol): 4184 J/kcal · 10³⁰ Å³/m³ / N_A
+/// / 10⁹.
 ///
 /// ```
 /// let factor = protomer_crystal::framework::gpa_per_kcal_mol_angstrom3(6.022e23);

@@ -5,8 +5,9 @@ use serde::{Deserialize, Serialize};
 
 /// A periodic network of nodes.
 ///
-/// Node i and its images stand at `nodes_angstrom[i]` + n · `cell_angstrom`. In two dimensions the first coordinate (x) of
-/// everything is zero and the cell has two vectors, in the plane of y and z.
+/// Node i and its images stand at `nodes_angstrom[i]` + n · `cell_angstrom`. In two dimensions the
+/// first coordinate (x) of everything is zero and the cell has two vectors, in the plane of y and
+/// z.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Framework {
@@ -68,7 +69,8 @@ pub struct Hinge {
     pub between: [Neighbour; 2],
     /// k, kcal/mol/rad².
     pub stiffness_kcal_mol_rad2: f64,
-    /// θ0, rad; as built if absent. In two dimensions it is taken on the side on which the angle is built.
+    /// θ0, rad; as built if absent. In two dimensions it is taken on the side on which the angle is
+    /// built.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rest_angle_rad: Option<f64>,
 }
@@ -95,12 +97,18 @@ const FARTHEST_IMAGE: u32 = 1_000_000;
 impl Neighbour {
     /// A node of the cell itself.
     pub fn here(node: usize) -> Self {
-        Self { node, image: Vec::new() }
+        Self {
+            node,
+            image: Vec::new(),
+        }
     }
 
     /// A node of another cell.
     pub fn there(node: usize, image: &[i32]) -> Self {
-        Self { node, image: image.to_vec() }
+        Self {
+            node,
+            image: image.to_vec(),
+        }
     }
 }
 
@@ -155,17 +163,25 @@ impl Framework {
     /// Checks what the types cannot.
     ///
     /// # Errors
-    /// [`CrystalError::BadNetwork`] says which node, rod, hinge or cell vector makes no sense, and why.
+    /// [`CrystalError::BadNetwork`] says which node, rod, hinge or cell vector makes no sense, and
+    /// why.
     pub fn check(&self) -> Result<()> {
         let bad = |problem: String| Err(CrystalError::BadNetwork(problem));
         let dimension = self.dimension();
         if !(2..=3).contains(&dimension) {
-            return bad(format!("cell_angstrom has {dimension} vectors; a network has 2 or 3 dimensions"));
+            return bad(format!(
+                "cell_angstrom has {dimension} vectors; a network has 2 or 3 dimensions"
+            ));
         }
-        for (what, rows) in [("cell vector", &self.cell_angstrom), ("node", &self.nodes_angstrom)] {
+        for (what, rows) in [
+            ("cell vector", &self.cell_angstrom),
+            ("node", &self.nodes_angstrom),
+        ] {
             for (index, row) in rows.iter().enumerate() {
                 if row.len() != dimension || row.iter().any(|x| !x.is_finite()) {
-                    return bad(format!("{what} {index} is {row:?}; give {dimension} finite numbers, Å"));
+                    return bad(format!(
+                        "{what} {index} is {row:?}; give {dimension} finite numbers, Å"
+                    ));
                 }
             }
         }
@@ -174,13 +190,21 @@ impl Framework {
         }
         let thickness = self.thickness_angstrom;
         if !(thickness.is_finite() && thickness > 0.0) {
-            return bad(format!("thickness_angstrom is {thickness}; it must be positive"));
+            return bad(format!(
+                "thickness_angstrom is {thickness}; it must be positive"
+            ));
         }
-        let longest =
-            self.cell_angstrom.iter().map(|v| v.iter().map(|x| x * x).sum::<f64>().sqrt()).fold(0.0, f64::max);
+        let longest = self
+            .cell_angstrom
+            .iter()
+            .map(|v| v.iter().map(|x| x * x).sum::<f64>().sqrt())
+            .fold(0.0, f64::max);
         let across = self.volume_angstrom3() / longest.powi(dimension as i32 - 1);
         if across.is_nan() || across < SMALLEST_LENGTH_ANGSTROM {
-            return bad(format!("the cell has collapsed: its volume is {:e} Å³", self.volume_angstrom3()));
+            return bad(format!(
+                "the cell has collapsed: its volume is {:e} Å³",
+                self.volume_angstrom3()
+            ));
         }
         self.check_terms()
     }
@@ -191,13 +215,23 @@ impl Framework {
         let neighbour = |what: &str, index: usize, neighbour: &Neighbour| {
             if neighbour.node >= self.nodes_angstrom.len() {
                 let count = self.nodes_angstrom.len();
-                return bad(format!("{what} {index} names node {}, but there are {count}", neighbour.node));
+                return bad(format!(
+                    "{what} {index} names node {}, but there are {count}",
+                    neighbour.node
+                ));
             }
             if !(neighbour.image.is_empty() || neighbour.image.len() == self.dimension()) {
                 let dimension = self.dimension();
-                return bad(format!("{what} {index} has image {:?}; give {dimension} whole numbers", neighbour.image));
+                return bad(format!(
+                    "{what} {index} has image {:?}; give {dimension} whole numbers",
+                    neighbour.image
+                ));
             }
-            if neighbour.image.iter().any(|count| count.unsigned_abs() > FARTHEST_IMAGE) {
+            if neighbour
+                .image
+                .iter()
+                .any(|count| count.unsigned_abs() > FARTHEST_IMAGE)
+            {
                 return bad(format!(
                     "{what} {index} has image {:?}; {FARTHEST_IMAGE} cells is far enough",
                     neighbour.image
@@ -209,13 +243,18 @@ impl Framework {
             if k.is_finite() && k >= 0.0 {
                 Ok(())
             } else {
-                bad(format!("{what} {index} has stiffness {k}; it must be zero or positive"))
+                bad(format!(
+                    "{what} {index} has stiffness {k}; it must be zero or positive"
+                ))
             }
         };
         let apart = |what: &str, index: usize, a: &Neighbour, b: &Neighbour| {
             let d = self.difference(a, b);
             if d.iter().map(|x| x * x).sum::<f64>().sqrt() < SMALLEST_LENGTH_ANGSTROM {
-                return bad(format!("{what} {index} joins two places that coincide (nodes {} and {})", a.node, b.node));
+                return bad(format!(
+                    "{what} {index} joins two places that coincide (nodes {} and {})",
+                    a.node, b.node
+                ));
             }
             Ok(())
         };
@@ -225,8 +264,13 @@ impl Framework {
             neighbour("rod", index, &rod.to)?;
             stiffness("rod", index, rod.stiffness_kcal_mol_angstrom2)?;
             apart("rod", index, &from, &rod.to)?;
-            if let Some(length) = rod.rest_length_angstrom.filter(|length| !(length.is_finite() && *length > 0.0)) {
-                return bad(format!("rod {index} has rest length {length} Å; it must be positive"));
+            if let Some(length) = rod
+                .rest_length_angstrom
+                .filter(|length| !(length.is_finite() && *length > 0.0))
+            {
+                return bad(format!(
+                    "rod {index} has rest length {length} Å; it must be positive"
+                ));
             }
             has_rod[rod.from] = true;
             has_rod[rod.to.node] = true;
@@ -253,7 +297,9 @@ impl Framework {
             stiffness("torsion", index, torsion.stiffness_kcal_mol_rad2)?;
         }
         match has_rod.iter().position(|has| !has) {
-            Some(node) => bad(format!("node {node} has no rod: nothing holds it; remove it or join it")),
+            Some(node) => bad(format!(
+                "node {node} has no rod: nothing holds it; remove it or join it"
+            )),
             None => Ok(()),
         }
     }
@@ -261,11 +307,15 @@ impl Framework {
     /// The same network with a cell of so many of its cells.
     ///
     /// # Errors
-    /// [`CrystalError::BadSetting`] for a count of zero, [`CrystalError::BadNetwork`] for one count too many or too few.
+    /// [`CrystalError::BadSetting`] for a count of zero, [`CrystalError::BadNetwork`] for one count
+    /// too many or too few.
     pub fn supercell(&self, counts: &[usize]) -> Result<Self> {
         let dimension = self.dimension();
         if counts.len() != dimension {
-            return Err(CrystalError::BadNetwork(format!("{} cell counts for {dimension} dimensions", counts.len())));
+            return Err(CrystalError::BadNetwork(format!(
+                "{} cell counts for {dimension} dimensions",
+                counts.len()
+            )));
         }
         if counts.contains(&0) {
             return Err(CrystalError::BadSetting {
@@ -277,7 +327,9 @@ impl Framework {
         let mut full = [1; 3];
         full[..dimension].copy_from_slice(counts);
         let cells: Vec<[i32; 3]> = (0..full[0] * full[1] * full[2])
-            .map(|c| [c / (full[1] * full[2]), c / full[2] % full[1], c % full[2]].map(|x| x as i32))
+            .map(|c| {
+                [c / (full[1] * full[2]), c / full[2] % full[1], c % full[2]].map(|x| x as i32)
+            })
             .collect();
         let base = self.nodes_angstrom.len();
         let moved = |neighbour: &Neighbour, cell: &[i32; 3]| {
@@ -290,7 +342,10 @@ impl Framework {
                     *image = target.div_euclid(count);
                 }
             }
-            Neighbour { node: index * base + neighbour.node, image }
+            Neighbour {
+                node: index * base + neighbour.node,
+                image,
+            }
         };
         let mut large = Self {
             nodes_angstrom: Vec::new(),
@@ -305,7 +360,9 @@ impl Framework {
         for (number, cell) in cells.iter().enumerate() {
             let offset = self.offset(&cell[..dimension]);
             for node in &self.nodes_angstrom {
-                large.nodes_angstrom.push(node.iter().zip(offset).map(|(x, o)| x + o).collect());
+                large
+                    .nodes_angstrom
+                    .push(node.iter().zip(offset).map(|(x, o)| x + o).collect());
             }
             let own = number * base;
             large.rods.extend(self.rods.iter().map(|rod| Rod {
@@ -315,13 +372,18 @@ impl Framework {
             }));
             large.hinges.extend(self.hinges.iter().map(|hinge| Hinge {
                 vertex: own + hinge.vertex,
-                between: [moved(&hinge.between[0], cell), moved(&hinge.between[1], cell)],
+                between: [
+                    moved(&hinge.between[0], cell),
+                    moved(&hinge.between[1], cell),
+                ],
                 ..hinge.clone()
             }));
-            large.torsions.extend(self.torsions.iter().map(|torsion| Torsion {
-                along: std::array::from_fn(|i| moved(&torsion.along[i], cell)),
-                ..torsion.clone()
-            }));
+            large
+                .torsions
+                .extend(self.torsions.iter().map(|torsion| Torsion {
+                    along: std::array::from_fn(|i| moved(&torsion.along[i], cell)),
+                    ..torsion.clone()
+                }));
         }
         Ok(large)
     }

@@ -1,14 +1,15 @@
 //! Young's and shear moduli and Poisson's ratios.
 //!
-//! From the compliance S = C⁻¹: E_i = 1/S_ii, ν_ij = -S_ji/S_ii, G_ij = 1/S of that shear (eq. 12 of the paper). Off the
-//! axes, a tensile stress along n costs s = nᵢnⱼnₖnₗ S_ijkl: E(n) = 1/s, and the strain across it gives ν.
+//! From the compliance S = C⁻¹: E_i = 1/S_ii, ν_ij = -S_ji/S_ii, G_ij = 1/S of that shear (eq. 12
+//! of the paper). Off the axes, a tensile stress along n costs s = nᵢnⱼnₖnₗ S_ijkl: E(n) = 1/s, and
+//! the strain across it gives ν.
 
 use super::elastic::{Elasticity, Mechanism};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use serde::Serialize;
 
-/// Moduli on the axes, GPa. They are absent where a mechanism leaves nothing to resist the load. If it is the only one, it
-/// says how the network yields, and so what Poisson's ratio is.
+/// Moduli on the axes, GPa. They are absent where a mechanism leaves nothing to resist the load. If
+/// it is the only one, it says how the network yields, and so what Poisson's ratio is.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Moduli {
     /// E along each axis: (y, z) or (x, y, z).
@@ -41,7 +42,8 @@ struct Answers<'a> {
 struct Answer {
     /// Strain along the load per stress; absent where it has no end.
     give: Option<f64>,
-    /// Minus the strain across over that along; absent where that depends on a mechanism that nothing decides.
+    /// Minus the strain across over that along; absent where that depends on a mechanism that
+    /// nothing decides.
     poissons: Option<f64>,
 }
 
@@ -61,25 +63,42 @@ impl<'a> Answers<'a> {
             }
             &eigen.eigenvectors * DMatrix::from_diagonal(&inverse) * eigen.eigenvectors.transpose()
         });
-        Self { compliance, mechanisms }
+        Self {
+            compliance,
+            mechanisms,
+        }
     }
 
-    /// The answer to a stress, where `across` projects a strain onto the other direction of interest.
+    /// The answer to a stress, where `across` projects a strain onto the other direction of
+    /// interest.
     fn to(&self, stress: &[f64], across: &[f64]) -> Answer {
-        let project = |onto: &[f64], strain: &[f64]| onto.iter().zip(strain).map(|(a, b)| a * b).sum::<f64>();
+        let project =
+            |onto: &[f64], strain: &[f64]| onto.iter().zip(strain).map(|(a, b)| a * b).sum::<f64>();
         // The work that the load does on a mechanism.
-        let driven = self.mechanisms.iter().any(|mechanism| project(stress, &mechanism.strain).abs() > NOTHING);
+        let driven = self
+            .mechanisms
+            .iter()
+            .any(|mechanism| project(stress, &mechanism.strain).abs() > NOTHING);
         if driven {
             let poissons = match self.mechanisms {
                 [one] => Some(-project(across, &one.strain) / project(stress, &one.strain)),
                 _ => None,
             };
-            return Answer { give: None, poissons };
+            return Answer {
+                give: None,
+                poissons,
+            };
         }
         let strain = &self.compliance * DVector::from_column_slice(stress);
         let give = project(stress, strain.as_slice());
-        let decided = self.mechanisms.iter().all(|mechanism| project(across, &mechanism.strain).abs() <= NOTHING);
-        Answer { give: Some(give), poissons: decided.then(|| -project(across, strain.as_slice()) / give) }
+        let decided = self
+            .mechanisms
+            .iter()
+            .all(|mechanism| project(across, &mechanism.strain).abs() <= NOTHING);
+        Answer {
+            give: Some(give),
+            poissons: decided.then(|| -project(across, strain.as_slice()) / give),
+        }
     }
 }
 
@@ -88,19 +107,26 @@ impl Moduli {
     pub fn new(elasticity: &Elasticity, gpa: f64) -> Self {
         let (d, strains) = (elasticity.dimension, elasticity.stiffness.nrows());
         let answers = Answers::new(elasticity);
-        let unit = |index: usize| -> Vec<f64> { (0..strains).map(|i| if i == index { 1.0 } else { 0.0 }).collect() };
+        let unit = |index: usize| -> Vec<f64> {
+            (0..strains)
+                .map(|i| if i == index { 1.0 } else { 0.0 })
+                .collect()
+        };
         let answer = |i: usize, j: usize| answers.to(&unit(i), &unit(j));
         let modulus = |i: usize| answer(i, i).give.map(|give| gpa / give);
         let ratio = |i: usize, j: usize| if i == j { None } else { answer(i, j).poissons };
         Self {
             youngs_gpa: (0..d).map(modulus).collect(),
-            poissons: (0..d).map(|i| (0..d).map(|j| ratio(i, j)).collect()).collect(),
+            poissons: (0..d)
+                .map(|i| (0..d).map(|j| ratio(i, j)).collect())
+                .collect(),
             shear_gpa: (d..strains).map(modulus).collect(),
         }
     }
 }
 
-/// E and ν of a two-dimensional network against the direction of the load, `count` directions over half a turn.
+/// E and ν of a two-dimensional network against the direction of the load, `count` directions over
+/// half a turn.
 pub fn polar(elasticity: &Elasticity, gpa: f64, count: usize) -> Vec<Direction> {
     let answers = Answers::new(elasticity);
     let at = |index: usize| {
@@ -110,7 +136,15 @@ pub fn polar(elasticity: &Elasticity, gpa: f64, count: usize) -> Vec<Direction> 
         let along = [cosine * cosine, sine * sine, sine * cosine];
         let across = [sine * sine, cosine * cosine, -sine * cosine];
         let answer = answers.to(&along, &across);
-        Direction { angle_deg, youngs_gpa: answer.give.map(|give| gpa / give), poissons: answer.poissons }
+        Direction {
+            angle_deg,
+            youngs_gpa: answer.give.map(|give| gpa / give),
+            poissons: answer.poissons,
+        }
     };
-    if elasticity.dimension == 2 { (0..count).map(at).collect() } else { Vec::new() }
+    if elasticity.dimension == 2 {
+        (0..count).map(at).collect()
+    } else {
+        Vec::new()
+    }
 }

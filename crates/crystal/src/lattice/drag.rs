@@ -1,12 +1,13 @@
 //! Linear friction.
 //!
-//! v̇ = -P Γ v, with Γ = γ for translations and γ' for rotations and P = 1 - M⁻¹ Jᵀ A⁻¹ J the projection on velocities that
-//! keep the rods. It is a map of the velocities, made for half a step before and after a step without friction: the whole is
-//! of second order, and any way of making the middle step will do, collisions included ([`Drag::apply`] with the
+//! v̇ = -P Γ v, with Γ = γ for translations and γ' for rotations and P = 1 - M⁻¹ Jᵀ A⁻¹ J the
+//! projection on velocities that keep the rods. It is a map of the velocities, made for half a step
+//! before and after a step without friction: the whole is of second order, and any way of making
+//! the middle step will do, collisions included ([`Drag::apply`] with the
 //! [`dynamics`](super::Engine::dynamics) of an engine).
 //!
-//! A single γ commutes with P, and v ← exp(-γ t) v is exact. With two, the midpoint rule of Runge is used,
-//! v ← v - t P Γ (v - t/2 P Γ v), of second order in t.
+//! A single γ commutes with P, and v ← exp(-γ t) v is exact. With two, the midpoint rule of Runge
+//! is used, v ← v - t P Γ (v - t/2 P Γ v), of second order in t.
 
 use super::dynamics::Dynamics;
 use super::state::State;
@@ -40,7 +41,10 @@ impl Drag {
     /// # Errors
     /// [`CrystalError::BadSetting`] for a rate that is negative or not finite.
     pub fn new(translation: f64, rotation: f64) -> Result<Self> {
-        let drag = Self { translation, rotation };
+        let drag = Self {
+            translation,
+            rotation,
+        };
         drag.check()?;
         Ok(drag)
     }
@@ -50,20 +54,33 @@ impl Drag {
     /// # Errors
     /// As [`Drag::new`].
     pub fn check(&self) -> Result<()> {
-        for (setting, value) in [("drag of translations", self.translation), ("drag of rotations", self.rotation)] {
+        for (setting, value) in [
+            ("drag of translations", self.translation),
+            ("drag of rotations", self.rotation),
+        ] {
             if !(value.is_finite() && value >= 0.0) {
-                return Err(CrystalError::BadSetting { setting, value, requirement: "zero or positive" });
+                return Err(CrystalError::BadSetting {
+                    setting,
+                    value,
+                    requirement: "zero or positive",
+                });
             }
         }
         Ok(())
     }
 
-    /// What friction alone makes of the velocities in this time, at the positions at which `dynamics` is prepared.
+    /// What friction alone makes of the velocities in this time, at the positions at which
+    /// `dynamics` is prepared.
     ///
     /// # Errors
-    /// As [`Drag::new`], and [`CrystalError::BadSetting`] if two different rates are too high for so long
-    /// a time.
-    pub fn apply(&self, dynamics: &mut Dynamics, velocities: &mut [f64], duration: f64) -> Result<()> {
+    /// As [`Drag::new`], and [`CrystalError::BadSetting`] if two different rates are too high for
+    /// so long a time.
+    pub fn apply(
+        &self,
+        dynamics: &mut Dynamics,
+        velocities: &mut [f64],
+        duration: f64,
+    ) -> Result<()> {
         self.check()?;
         if self.translation == self.rotation {
             let kept = (-self.translation * duration).exp();

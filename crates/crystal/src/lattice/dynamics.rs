@@ -5,13 +5,14 @@
 //! s(t+h) = s + v h + (a + M⁻¹ Jᵀ λ) h²/2, with λ such that every rod has its length at t + h,
 //! v(t+h) = v + (a + M⁻¹ Jᵀ λ + a(t+h)) h/2 - M⁻¹ J(t+h)ᵀ μ, with μ such that J v = 0 at t + h.
 //!
-//! λ starts from the multipliers of the accelerations (eq. 23 of the paper) and is improved by chord iteration,
-//! λ += A⁻¹ (-σ) 2/h², with A = J M⁻¹ Jᵀ factored once per state: the same factors serve the velocities of the step that
-//! arrives there, the start of λ, and all iterations of the step that leaves.
+//! λ starts from the multipliers of the accelerations (eq. 23 of the paper) and is improved by
+//! chord iteration, λ += A⁻¹ (-σ) 2/h², with A = J M⁻¹ Jᵀ factored once per state: the same factors
+//! serve the velocities of the step that arrives there, the start of λ, and all iterations of the
+//! step that leaves.
 //!
-//! Measured on one core of a virtual Xeon (family 6, model 207, shared with other work), processor time, by
-//! `cargo bench -p protomer-crystal --bench lattice`, for r0 = 0.136, a step of 1e-3 and rods that turn by at most some
-//! 0.005 per step:
+//! Measured on one core of a virtual Xeon (family 6, model 207, shared with other work), processor
+//! time, by `cargo bench -p protomer-crystal --bench lattice`, for r0 = 0.136, a step of 1e-3 and
+//! rods that turn by at most some 0.005 per step:
 //!
 //! | squares | steps per second | corrections per step | ms per step | J and A factored | one solution | one σ |
 //! |---|---|---|---|---|---|---|
@@ -39,9 +40,9 @@ const GOOD_TURN_PER_STEP: f64 = 0.1;
 
 /// What makes a network move.
 ///
-/// [`prepare`](Dynamics::prepare) at a state, then any number of [`drift`](Dynamics::drift)s to see where it would be after
-/// some time, then [`arrive`](Dynamics::arrive), which is `prepare` at the new state as well. [`step`](Dynamics::step) is a
-/// drift and an arrival.
+/// [`prepare`](Dynamics::prepare) at a state, then any number of [`drift`](Dynamics::drift)s to see
+/// where it would be after some time, then [`arrive`](Dynamics::arrive), which is `prepare` at the
+/// new state as well. [`step`](Dynamics::step) is a drift and an arrival.
 pub struct Dynamics {
     network: Arc<Network>,
     forces: Vec<Box<dyn Force>>,
@@ -53,8 +54,9 @@ pub struct Dynamics {
     start: Vec<f64>,
     /// Multipliers of the last drift, and how many corrections they took.
     multipliers: Vec<f64>,
-    /// Change of the multipliers per length of the drift, from the first drift from the prepared state: a shorter one
-    /// then begins near its end. (Kept from state to state it would help further, but make results depend on the past.)
+    /// Change of the multipliers per length of the drift, from the first drift from the prepared
+    /// state: a shorter one then begins near its end. (Kept from state to state it would help
+    /// further, but make results depend on the past.)
     slope: Vec<f64>,
     sloped: bool,
     /// Length of the last drift.
@@ -69,7 +71,8 @@ impl Dynamics {
     /// The dynamics of this network under these forces, prepared at this state.
     ///
     /// # Errors
-    /// For a network or state that makes no sense, rods that are not of their lengths, or rods that depend on each other.
+    /// For a network or state that makes no sense, rods that are not of their lengths, or rods that
+    /// depend on each other.
     pub fn new(network: Arc<Network>, forces: Vec<Box<dyn Force>>, state: &State) -> Result<Self> {
         network.check()?;
         state.check(&network)?;
@@ -91,7 +94,9 @@ impl Dynamics {
             drifted: vec![0.0; coordinates],
             base: vec![0.0; coordinates],
         };
-        let (rod, violation) = dynamics.rods.violations(&state.positions, &mut dynamics.sigma);
+        let (rod, violation) = dynamics
+            .rods
+            .violations(&state.positions, &mut dynamics.sigma);
         if violation.is_nan() || violation.abs() >= 1e-6 {
             return Err(CrystalError::BadState(format!(
                 "rod {rod} is {violation:+e} longer than its length at the start; project the state onto the rods first"
@@ -126,9 +131,14 @@ impl Dynamics {
         &self.multipliers
     }
 
-    /// A time step that keeps the energy to about 1e-3: 0.1 r0 / |Δv| of the rod that turns fastest, at most `longest`.
+    /// A time step that keeps the energy to about 1e-3: 0.1 r0 / |Δv| of the rod that turns
+    /// fastest, at most `longest`.
     pub fn good_time_step(&mut self, state: &State, longest: f64) -> f64 {
-        (GOOD_TURN_PER_STEP / self.rods.largest_turning_rate(&state.positions, &state.velocities)).min(longest)
+        (GOOD_TURN_PER_STEP
+            / self
+                .rods
+                .largest_turning_rate(&state.positions, &state.velocities))
+        .min(longest)
     }
 
     /// Forces, J and A at this state.
@@ -145,30 +155,38 @@ impl Dynamics {
         self.accelerations.fill(0.0);
         self.potential_energy = 0.0;
         for force in &self.forces {
-            self.potential_energy += force.accelerate(&self.network, positions, &mut self.accelerations);
+            self.potential_energy +=
+                force.accelerate(&self.network, positions, &mut self.accelerations);
         }
         self.rods.linearize(positions).map_err(|error| match error {
             SparseError::Dependent { row, .. } => CrystalError::OverConstrained { rod: row, time },
-            SparseError::NotFinite { row } => {
-                CrystalError::NotFinite { square: self.network.rods[row].from.square, time }
-            }
+            SparseError::NotFinite { row } => CrystalError::NotFinite {
+                square: self.network.rods[row].from.square,
+                time,
+            },
             _ => CrystalError::BadNetwork(error.to_string()),
         })
     }
 
     fn prepare_velocities(&mut self, velocities: &[f64]) {
-        self.rods.acceleration_deficit(velocities, &self.accelerations, &mut self.start);
+        self.rods
+            .acceleration_deficit(velocities, &self.accelerations, &mut self.start);
         self.rods.solve(&mut self.start);
         self.sloped = false;
     }
 
-    /// Where the squares would be `step` after the prepared state, rods and forces obeyed, nothing else in the way.
+    /// Where the squares would be `step` after the prepared state, rods and forces obeyed, nothing
+    /// else in the way.
     ///
     /// # Errors
     /// [`CrystalError::StepTooLarge`] if the rods cannot be brought back to their lengths.
     pub fn drift(&mut self, state: &State, step: f64, positions: &mut [f64]) -> Result<()> {
         let half_square = 0.5 * step * step;
-        let moved = state.positions.iter().zip(&state.velocities).zip(&self.accelerations);
+        let moved = state
+            .positions
+            .iter()
+            .zip(&state.velocities)
+            .zip(&self.accelerations);
         for (base, ((s, v), a)) in self.base.iter_mut().zip(moved) {
             *base = s + v * step + a * half_square;
         }
@@ -182,15 +200,21 @@ impl Dynamics {
             positions.copy_from_slice(&self.base);
             return Ok(());
         }
-        let extent = self.base.iter().fold(1.0_f64, |extent, x| extent.max(x.abs()));
+        let extent = self
+            .base
+            .iter()
+            .fold(1.0_f64, |extent, x| extent.max(x.abs()));
         let tolerance = ROD_TOLERANCE + 4.0 * f64::EPSILON * extent;
         let mut before = f64::INFINITY;
         for correction in 0..=MOST_CORRECTIONS {
             positions.copy_from_slice(&self.base);
-            self.rods.add_response(&self.multipliers, half_square, positions);
+            self.rods
+                .add_response(&self.multipliers, half_square, positions);
             let (rod, violation) = self.rods.violations(positions, &mut self.sigma);
             // Done, or as near as rounding allows.
-            if violation.abs() <= tolerance || (violation.abs() >= 0.5 * before && violation.abs() <= 4.0 * tolerance) {
+            if violation.abs() <= tolerance
+                || (violation.abs() >= 0.5 * before && violation.abs() <= 4.0 * tolerance)
+            {
                 self.corrections += correction as u64;
                 if !self.sloped {
                     let ends = self.multipliers.iter().zip(&self.start);
@@ -201,9 +225,14 @@ impl Dynamics {
                 }
                 return Ok(());
             }
-            if correction == MOST_CORRECTIONS || !violation.is_finite() || violation.abs() > 1e3 * before {
+            if correction == MOST_CORRECTIONS
+                || !violation.is_finite()
+                || violation.abs() > 1e3 * before
+            {
                 self.sloped = false;
-                let rate = self.rods.largest_turning_rate(&state.positions, &state.velocities);
+                let rate = self
+                    .rods
+                    .largest_turning_rate(&state.positions, &state.velocities);
                 return Err(CrystalError::StepTooLarge {
                     time: state.time,
                     time_step: step,
@@ -221,8 +250,8 @@ impl Dynamics {
         Ok(())
     }
 
-    /// Completes the step whose [`drift`](Dynamics::drift) gave these positions: velocities at its end. The state is then
-    /// the one at the end, and this is prepared there.
+    /// Completes the step whose [`drift`](Dynamics::drift) gave these positions: velocities at its
+    /// end. The state is then the one at the end, and this is prepared there.
     ///
     /// # Errors
     /// As [`prepare`](Dynamics::prepare); the state is then as it was.
@@ -230,7 +259,8 @@ impl Dynamics {
         let half = 0.5 * step;
         self.base.copy_from_slice(&state.velocities);
         add(&mut self.base, half, &self.accelerations);
-        self.rods.add_response(&self.multipliers, half, &mut self.base);
+        self.rods
+            .add_response(&self.multipliers, half, &mut self.base);
         self.prepare_positions(positions, state.time + step)?;
         add(&mut self.base, half, &self.accelerations);
         state.positions.copy_from_slice(positions);
@@ -241,7 +271,8 @@ impl Dynamics {
         Ok(())
     }
 
-    /// Takes from the velocities what would change the lengths of the rods, v -= M⁻¹ Jᵀ A⁻¹ J v, until nothing is left.
+    /// Takes from the velocities what would change the lengths of the rods, v -= M⁻¹ Jᵀ A⁻¹ J v,
+    /// until nothing is left.
     pub fn project_velocities(&mut self, velocities: &mut [f64]) {
         for _ in 0..3 {
             self.rods.apply(velocities, &mut self.sigma);
@@ -254,15 +285,16 @@ impl Dynamics {
         }
     }
 
-    /// Accelerations at the prepared state: of the forces alone, and with those of the rods (eq. 23 of the paper).
+    /// Accelerations at the prepared state: of the forces alone, and with those of the rods (eq. 23
+    /// of the paper).
     pub fn accelerations_into(&self, free: &mut [f64], total: &mut [f64]) {
         free.copy_from_slice(&self.accelerations);
         total.copy_from_slice(&self.accelerations);
         self.rods.add_response(&self.start, 1.0, total);
     }
 
-    /// To be called after changing the velocities at the prepared state, as impacts do: what of them would change the
-    /// lengths of the rods is taken out, and the next drift knows the rest.
+    /// To be called after changing the velocities at the prepared state, as impacts do: what of
+    /// them would change the lengths of the rods is taken out, and the next drift knows the rest.
     pub fn velocities_changed(&mut self, velocities: &mut [f64]) {
         self.project_velocities(velocities);
         self.prepare_velocities(velocities);
@@ -274,7 +306,9 @@ impl Dynamics {
     /// As [`drift`](Dynamics::drift) and [`arrive`](Dynamics::arrive); the state is then as it was.
     pub fn step(&mut self, state: &mut State, step: f64) -> Result<()> {
         let mut positions = std::mem::take(&mut self.drifted);
-        let result = self.drift(state, step, &mut positions).and_then(|()| self.arrive(state, step, &positions));
+        let result = self
+            .drift(state, step, &mut positions)
+            .and_then(|()| self.arrive(state, step, &positions));
         self.drifted = positions;
         result
     }

@@ -4,24 +4,27 @@ use super::network::Network;
 
 /// A force on the squares that depends on their positions.
 pub trait Force: Send + Sync {
-    /// Adds the accelerations (ẍ, ÿ, θ̈ of square after square) at these positions and returns the potential energy.
+    /// Adds the accelerations (ẍ, ÿ, θ̈ of square after square) at these positions and returns the
+    /// potential energy.
     fn accelerate(&self, network: &Network, positions: &[f64], accelerations: &mut [f64]) -> f64;
 }
 
-/// The potential that draws all squares to one coherent motion (eq. 16 of the paper, as an angular acceleration):
+/// The potential that draws all squares to one coherent motion (eq. 16 of the paper, as an angular
+/// acceleration):
 ///
 /// V = κ/2 Σ I (θ - ⟨θ⟩₀ - (-1)^(i+j) ⟨θ⟩₁)², f = -κ (θ - ⟨θ⟩₀ - (-1)^(i+j) ⟨θ⟩₁),
 ///
-/// with ⟨θ⟩₀ the mean of θ over the squares and ⟨θ⟩₁ that of (-1)^(i+j) θ. For squares of different inertia the means are
-/// weighted by it, so that the force is the gradient of V.
+/// with ⟨θ⟩₀ the mean of θ over the squares and ⟨θ⟩₁ that of (-1)^(i+j) θ. For squares of different
+/// inertia the means are weighted by it, so that the force is the gradient of V.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coherence {
     /// κ, an inverse time squared.
     pub kappa: f64,
 }
 
-/// ⟨θ⟩₀ and ⟨θ⟩₁ of the angles in an array of x, y, θ per square, or of the angular velocities in one of velocities: the
-/// least squares of Σ I (θ - ⟨θ⟩₀ - (-1)^(i+j) ⟨θ⟩₁)². Where all squares have the same sign, ⟨θ⟩₁ is 0.
+/// ⟨θ⟩₀ and ⟨θ⟩₁ of the angles in an array of x, y, θ per square, or of the angular velocities in
+/// one of velocities: the least squares of Σ I (θ - ⟨θ⟩₀ - (-1)^(i+j) ⟨θ⟩₁)². Where all squares
+/// have the same sign, ⟨θ⟩₁ is 0.
 pub fn coherent_part(network: &Network, coordinates: &[f64]) -> [f64; 2] {
     // The two are independent means where signs and inertia balance.
     let (mut w, mut ws, mut wt, mut wst) = (0.0, 0.0, 0.0, 0.0);
@@ -34,7 +37,10 @@ pub fn coherent_part(network: &Network, coordinates: &[f64]) -> [f64; 2] {
     }
     let determinant = w * w - ws * ws;
     if determinant > 1e-12 * w * w {
-        [(w * wt - ws * wst) / determinant, (w * wst - ws * wt) / determinant]
+        [
+            (w * wt - ws * wst) / determinant,
+            (w * wst - ws * wt) / determinant,
+        ]
     } else {
         [wt / w, 0.0]
     }

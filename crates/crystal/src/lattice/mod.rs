@@ -22,9 +22,10 @@
 //! | [`pair`] | screened charges on the squares |
 //! | [`paper`] | collisions as the paper prescribes them, for comparison |
 //!
-//! The equations are those of Campos-Gonzalez-Angulo, Wiesehan, Ribeiro and Yuen-Zhou, "Computational method for
-//! highly-constrained molecular dynamics of rigid bodies: coarse-grained simulation of auxetic two-dimensional protein
-//! crystals" (2020), below "the paper", with its misprints corrected.
+//! The equations are those of Campos-Gonzalez-Angulo, Wiesehan, Ribeiro and Yuen-Zhou,
+//! "Computational method for highly-constrained molecular dynamics of rigid bodies: coarse-grained
+//! simulation of auxetic two-dimensional protein crystals" (2020), below "the paper", with its
+//! misprints corrected.
 
 pub mod collision;
 pub mod contact;

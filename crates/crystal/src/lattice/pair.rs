@@ -4,9 +4,9 @@
 //!
 //! V = kT Σ q q' λ_B exp(-κ r) / r, with r in Å = scale · |Δ|, Δ = s + R(θ) c - s' - R(θ') c'.
 //!
-//! The force on the first charge, in reduced units, is F = -kT q q' V'(r) scale Δ/|Δ|, and the torque on its square
-//! (R c)_x F_y - (R c)_y F_x. At a finite cut-off, value and slope are taken off, V(r) - V(r_c) - (r - r_c) V'(r_c), so that
-//! neither energy nor force jumps.
+//! The force on the first charge, in reduced units, is F = -kT q q' V'(r) scale Δ/|Δ|, and the
+//! torque on its square (R c)_x F_y - (R c)_y F_x. At a finite cut-off, value and slope are taken
+//! off, V(r) - V(r_c) - (r - r_c) V'(r_c), so that neither energy nor force jumps.
 
 use super::force::Force;
 use super::network::Network;
@@ -46,11 +46,12 @@ pub struct ScreenedCharges {
 }
 
 impl ScreenedCharges {
-    /// Charges per square, the length of one unit in Å, and kT in reduced units (mass · unit² / time²).
+    /// Charges per square, the length of one unit in Å, and kT in reduced units (mass · unit² /
+    /// time²).
     ///
     /// # Errors
-    /// [`CrystalError::BadSetting`] for a scale or kT that is not positive, [`CrystalError::BadNetwork`] for charges or
-    /// pairs that do not fit the network.
+    /// [`CrystalError::BadSetting`] for a scale or kT that is not positive,
+    /// [`CrystalError::BadNetwork`] for charges or pairs that do not fit the network.
     pub fn new(
         network: &Network,
         yukawa: Yukawa,
@@ -61,7 +62,11 @@ impl ScreenedCharges {
     ) -> Result<Self> {
         for (setting, value) in [("scale_angstrom", scale_angstrom), ("kt", kt)] {
             if !(value.is_finite() && value > 0.0) {
-                return Err(CrystalError::BadSetting { setting, value, requirement: "positive" });
+                return Err(CrystalError::BadSetting {
+                    setting,
+                    value,
+                    requirement: "positive",
+                });
             }
         }
         let squares = network.squares.len();
@@ -74,7 +79,9 @@ impl ScreenedCharges {
         for pair in &pairs {
             let [first, second] = pair.squares;
             if first >= squares || second >= squares || (first == second && pair.image == [0, 0]) {
-                return Err(CrystalError::BadNetwork(format!("squares {first} and {second} are no pair of {squares}")));
+                return Err(CrystalError::BadNetwork(format!(
+                    "squares {first} and {second} are no pair of {squares}"
+                )));
             }
             if pair.image != [0, 0] && network.cell.is_none() {
                 return Err(CrystalError::BadNetwork(format!(
@@ -82,7 +89,13 @@ impl ScreenedCharges {
                 )));
             }
         }
-        Ok(Self { yukawa, scale_angstrom, kt, charges, pairs })
+        Ok(Self {
+            yukawa,
+            scale_angstrom,
+            kt,
+            charges,
+            pairs,
+        })
     }
 
     /// The same charges on every square, which act on the eight squares around each.
@@ -97,7 +110,14 @@ impl ScreenedCharges {
         charges: &[SquareCharge],
     ) -> Result<Self> {
         let charges = vec![charges.to_vec(); network.squares.len()];
-        Self::new(network, yukawa, scale_angstrom, kt, charges, neighbours(network))
+        Self::new(
+            network,
+            yukawa,
+            scale_angstrom,
+            kt,
+            charges,
+            neighbours(network),
+        )
     }
 
     /// The pairs of squares.
@@ -108,9 +128,13 @@ impl ScreenedCharges {
     /// V and dV/dr of unit charges, in kT and kT/Å.
     fn potential(&self, distance_angstrom: f64) -> [f64; 2] {
         let plain = |r: f64| {
-            let energy =
-                self.yukawa.bjerrum_length_angstrom * (-self.yukawa.inverse_debye_length_per_angstrom * r).exp() / r;
-            [energy, -energy * (1.0 / r + self.yukawa.inverse_debye_length_per_angstrom)]
+            let energy = self.yukawa.bjerrum_length_angstrom
+                * (-self.yukawa.inverse_debye_length_per_angstrom * r).exp()
+                / r;
+            [
+                energy,
+                -energy * (1.0 / r + self.yukawa.inverse_debye_length_per_angstrom),
+            ]
         };
         let cutoff = self.yukawa.cutoff_angstrom;
         if distance_angstrom >= cutoff {
@@ -121,14 +145,22 @@ impl ScreenedCharges {
             return [energy, slope];
         }
         let [energy_there, slope_there] = plain(cutoff);
-        [energy - energy_there - (distance_angstrom - cutoff) * slope_there, slope - slope_there]
+        [
+            energy - energy_there - (distance_angstrom - cutoff) * slope_there,
+            slope - slope_there,
+        ]
     }
 }
 
 impl Force for ScreenedCharges {
     fn accelerate(&self, network: &Network, positions: &[f64], accelerations: &mut [f64]) -> f64 {
         let cell = network.cell.unwrap_or([0.0; 2]);
-        let turned: Vec<[f64; 2]> = positions.iter().skip(2).step_by(3).map(|angle| angle.sin_cos().into()).collect();
+        let turned: Vec<[f64; 2]> = positions
+            .iter()
+            .skip(2)
+            .step_by(3)
+            .map(|angle| angle.sin_cos().into())
+            .collect();
         let arm = |square: usize, charge: &SquareCharge| {
             let ([sine, cosine], [x, y]) = (turned[square], charge.position);
             [cosine * x - sine * y, sine * x + cosine * y]
@@ -137,7 +169,9 @@ impl Force for ScreenedCharges {
         for pair in &self.pairs {
             let [p, q] = pair.squares;
             let apart = |axis: usize| {
-                positions[3 * p + axis] - positions[3 * q + axis] - f64::from(pair.image[axis]) * cell[axis]
+                positions[3 * p + axis]
+                    - positions[3 * q + axis]
+                    - f64::from(pair.image[axis]) * cell[axis]
             };
             let between = [apart(0), apart(1)];
             let (mut force, mut torques) = ([0.0; 2], [0.0; 2]);
@@ -145,7 +179,10 @@ impl Force for ScreenedCharges {
                 let here = arm(p, first);
                 for second in &self.charges[q] {
                     let there = arm(q, second);
-                    let delta = [between[0] + here[0] - there[0], between[1] + here[1] - there[1]];
+                    let delta = [
+                        between[0] + here[0] - there[0],
+                        between[1] + here[1] - there[1],
+                    ];
                     let distance = delta[0].hypot(delta[1]);
                     let [energy, slope] = self.potential(distance * self.scale_angstrom);
                     let strength = self.kt * first.charge * second.charge;
@@ -169,7 +206,8 @@ impl Force for ScreenedCharges {
     }
 }
 
-/// Every two squares that are next to each other in the lattice along rows, columns or diagonals, once each.
+/// Every two squares that are next to each other in the lattice along rows, columns or diagonals,
+/// once each.
 pub fn neighbours(network: &Network) -> Vec<SquarePair> {
     let (rows, columns) = (network.rows as i64, network.columns as i64);
     // Outside the lattice there is nothing, or the next cell: its number along this axis.
@@ -181,11 +219,16 @@ pub fn neighbours(network: &Network) -> Vec<SquarePair> {
     for i in 0..rows {
         for j in 0..columns {
             for (down, right) in [(0, 1), (1, 0), (1, 1), (1, -1)] {
-                if let (Some((row, below)), Some((column, beside))) = (wrap(i + down, rows), wrap(j + right, columns)) {
+                if let (Some((row, below)), Some((column, beside))) =
+                    (wrap(i + down, rows), wrap(j + right, columns))
+                {
                     let square = |row: i64, column: i64| network.at(row as usize, column as usize);
                     if let (Some(first), Some(second)) = (square(i, j), square(row, column)) {
                         // y falls with the row.
-                        pairs.push(SquarePair { squares: [first, second], image: [beside, -below] });
+                        pairs.push(SquarePair {
+                            squares: [first, second],
+                            image: [beside, -below],
+                        });
                     }
                 }
             }

@@ -1,12 +1,13 @@
 //! The rods as constraints.
 //!
-//! With Δ = r(from) - r(to) and u = Δ/r0, a rod demands σ = (|Δ|² - r0²) / (2 r0) = 0. Its row of the Jacobian J holds, for
-//! the square at either end (sign + and -),
+//! With Δ = r(from) - r(to) and u = Δ/r0, a rod demands σ = (|Δ|² - r0²) / (2 r0) = 0. Its row of
+//! the Jacobian J holds, for the square at either end (sign + and -),
 //!
 //! ∂σ/∂(x, y, θ) = ± (u_x, u_y, u · G ρ), G ρ = (-ρ_y, ρ_x),
 //!
-//! where ρ leads from the centre to the corner. Multipliers λ are forces along the rods (positive pushes the ends apart), the
-//! accelerations they give are M⁻¹ Jᵀ λ, and A = J M⁻¹ Jᵀ couples rods that share a square.
+//! where ρ leads from the centre to the corner. Multipliers λ are forces along the rods (positive
+//! pushes the ends apart), the accelerations they give are M⁻¹ Jᵀ λ, and A = J M⁻¹ Jᵀ couples rods
+//! that share a square.
 
 use super::network::{Network, corner_direction};
 use protomer_kernel::sparse::{LdlFactor, SparseError};
@@ -45,8 +46,8 @@ struct Product {
 }
 
 impl RodSystem {
-    /// Prepares the rods of a network. The order of elimination follows from where squares are in the lattice, not from a
-    /// state, so that a run resumed elsewhere gives the same bits.
+    /// Prepares the rods of a network. The order of elimination follows from where squares are in
+    /// the lattice, not from a state, so that a run resumed elsewhere gives the same bits.
     pub fn new(network: &Network) -> Self {
         let cell = network.cell.unwrap_or([0.0; 2]);
         let rods: Vec<RodGeometry> = network
@@ -54,30 +55,47 @@ impl RodSystem {
             .iter()
             .map(|rod| {
                 let corner = |corner: super::Corner| {
-                    corner_direction(corner.vertex).map(|x| x * network.squares[corner.square].half_diagonal)
+                    corner_direction(corner.vertex)
+                        .map(|x| x * network.squares[corner.square].half_diagonal)
                 };
                 RodGeometry {
                     squares: [rod.from.square, rod.to.square],
                     corners: [corner(rod.from), corner(rod.to)],
-                    shift: [f64::from(rod.image[0]) * cell[0], f64::from(rod.image[1]) * cell[1]],
+                    shift: [
+                        f64::from(rod.image[0]) * cell[0],
+                        f64::from(rod.image[1]) * cell[1],
+                    ],
                     length: rod.length,
                 }
             })
             .collect();
         let (entries, products) = gram_pattern(&rods, network.squares.len());
-        // Columns along x, rows against y; the middle of a rod on the way to the periodic image it leads to.
+        // Columns along x, rows against y; the middle of a rod on the way to the periodic image it
+        // leads to.
         let place = |rod: &super::Rod| {
-            let at = |square: usize| [(square % network.columns) as f64, (square / network.columns) as f64];
+            let at = |square: usize| {
+                [
+                    (square % network.columns) as f64,
+                    (square / network.columns) as f64,
+                ]
+            };
             let ([x, y], [to_x, to_y]) = (at(rod.from.square), at(rod.to.square));
             let [around_x, around_y] = rod.image.map(f64::from);
-            let (to_x, to_y) = (to_x + around_x * network.columns as f64, to_y - around_y * network.rows as f64);
+            let (to_x, to_y) = (
+                to_x + around_x * network.columns as f64,
+                to_y - around_y * network.rows as f64,
+            );
             [0.5 * (x + to_x), 0.5 * (y + to_y), 0.0]
         };
         let places: Vec<[f64; 3]> = network.rods.iter().map(place).collect();
         let factor = LdlFactor::new(rods.len(), &entries, &places);
         Self {
             rows: vec![[[0.0; 3]; 2]; rods.len()],
-            inverse_mass: network.squares.iter().map(|square| [1.0 / square.mass, 1.0 / square.inertia]).collect(),
+            inverse_mass: network
+                .squares
+                .iter()
+                .map(|square| [1.0 / square.mass, 1.0 / square.inertia])
+                .collect(),
             numbers: vec![0.0; entries.len()],
             turned: vec![[0.0; 2]; network.squares.len()],
             rods,
@@ -116,12 +134,14 @@ impl RodSystem {
         let arms = [self.arm(rod, 0), self.arm(rod, 1)];
         let (p, q) = (3 * rod.squares[0], 3 * rod.squares[1]);
         let delta = |axis: usize| {
-            (positions[p + axis] - positions[q + axis] - rod.shift[axis]) + (arms[0][axis] - arms[1][axis])
+            (positions[p + axis] - positions[q + axis] - rod.shift[axis])
+                + (arms[0][axis] - arms[1][axis])
         };
         ([delta(0), delta(1)], arms)
     }
 
-    /// σ of every rod at these positions; returns the rod farthest from its length and |Δ| - r0 there.
+    /// σ of every rod at these positions; returns the rod farthest from its length and |Δ| - r0
+    /// there.
     pub fn violations(&mut self, positions: &[f64], sigma: &mut [f64]) -> (usize, f64) {
         self.turn(positions);
         let mut worst = (0, 0.0_f64);
@@ -155,7 +175,8 @@ impl RodSystem {
             let [end, other] = product.ends.map(usize::from);
             let (a, b) = (&self.rows[first][end], &self.rows[second][other]);
             let [per_mass, per_inertia] = self.inverse_mass[self.rods[first].squares[end]];
-            self.numbers[product.entry as usize] += (a[0] * b[0] + a[1] * b[1]) * per_mass + a[2] * b[2] * per_inertia;
+            self.numbers[product.entry as usize] +=
+                (a[0] * b[0] + a[1] * b[1]) * per_mass + a[2] * b[2] * per_inertia;
         }
         self.factor.factor(&self.numbers)
     }
@@ -178,7 +199,12 @@ impl RodSystem {
     /// J x for a vector over the squares.
     pub fn apply(&self, x: &[f64], out: &mut [f64]) {
         for ((rod, row), out) in self.rods.iter().zip(&self.rows).zip(out) {
-            *out = rod.squares.iter().zip(row).map(|(square, j)| dot3(j, &x[3 * square..3 * square + 3])).sum();
+            *out = rod
+                .squares
+                .iter()
+                .zip(row)
+                .map(|(square, j)| dot3(j, &x[3 * square..3 * square + 3]))
+                .sum();
         }
     }
 
@@ -196,8 +222,9 @@ impl RodSystem {
         }
     }
 
-    /// The right-hand side of the equation for the multipliers (eq. 23 of the paper): what is left of σ̈ = 0 without the
-    /// rods' own forces, -(J a) - |Δv|²/r0 + u · (ω² ρ - ω'² ρ'). Positions must be those of the last `linearize`.
+    /// The right-hand side of the equation for the multipliers (eq. 23 of the paper): what is left
+    /// of σ̈ = 0 without the rods' own forces, -(J a) - |Δv|²/r0 + u · (ω² ρ - ω'² ρ'). Positions
+    /// must be those of the last `linearize`.
     pub fn acceleration_deficit(&self, velocities: &[f64], accelerations: &[f64], out: &mut [f64]) {
         for ((rod, row), out) in self.rods.iter().zip(&self.rows).zip(out) {
             let (u, arms) = ([row[0][0], row[0][1]], [self.arm(rod, 0), self.arm(rod, 1)]);
@@ -206,12 +233,15 @@ impl RodSystem {
             let vx = velocities[p] - velocities[q] - wp * arms[0][1] + wq * arms[1][1];
             let vy = velocities[p + 1] - velocities[q + 1] + wp * arms[0][0] - wq * arms[1][0];
             let pull = |arm: [f64; 2]| u[0] * arm[0] + u[1] * arm[1];
-            let free = dot3(&row[0], &accelerations[p..p + 3]) + dot3(&row[1], &accelerations[q..q + 3]);
-            *out = -free - (vx * vx + vy * vy) / rod.length + wp * wp * pull(arms[0]) - wq * wq * pull(arms[1]);
+            let free =
+                dot3(&row[0], &accelerations[p..p + 3]) + dot3(&row[1], &accelerations[q..q + 3]);
+            *out = -free - (vx * vx + vy * vy) / rod.length + wp * wp * pull(arms[0])
+                - wq * wq * pull(arms[1]);
         }
     }
 
-    /// The largest speed at which the ends of a rod pass each other, over its length, 1/time: rods turn this fast.
+    /// The largest speed at which the ends of a rod pass each other, over its length, 1/time: rods
+    /// turn this fast.
     pub fn largest_turning_rate(&mut self, positions: &[f64], velocities: &[f64]) -> f64 {
         self.turn(positions);
         let rate = |rod: &RodGeometry| {
@@ -242,7 +272,8 @@ fn gram_pattern(rods: &[RodGeometry], squares: usize) -> (Vec<(usize, usize)>, V
     for meeting in &at_square {
         for &(row, end) in meeting {
             for &(column, other) in meeting.iter().filter(|(column, _)| *column <= row) {
-                // A rod that meets itself at one square (around a periodic cell) counts both crossed products.
+                // A rod that meets itself at one square (around a periodic cell) counts both
+                // crossed products.
                 terms.push(((row, column), [end, other]));
             }
         }
@@ -255,7 +286,11 @@ fn gram_pattern(rods: &[RodGeometry], squares: usize) -> (Vec<(usize, usize)>, V
             entries.push(place);
         }
         let entry = (entries.len() - 1) as u32;
-        products.push(Product { entry, rods: [place.0 as u32, place.1 as u32], ends });
+        products.push(Product {
+            entry,
+            rods: [place.0 as u32, place.1 as u32],
+            ends,
+        });
     }
     (entries, products)
 }

@@ -1,29 +1,33 @@
 //! Langevin dynamics at a temperature, on the rods.
 //!
-//! dv = a dt - γ v dt + √(2 γ kT) M^(-1/2) dW, with a and the noise both projected so that the rods keep their lengths. One
-//! step is half a step of friction and noise, which is exact for velocities that obey the rods,
+//! dv = a dt - γ v dt + √(2 γ kT) M^(-1/2) dW, with a and the noise both projected so that the rods
+//! keep their lengths. One step is half a step of friction and noise, which is exact for velocities
+//! that obey the rods,
 //!
 //! v ← c v + √((1 - c²) kT) P M^(-1/2) ξ, c = exp(-γ h/2), ξ standard normal, P = 1 - M⁻¹ Jᵀ A⁻¹ J,
 //!
-//! one step of the dynamics without them, and again half a step (the splitting of Lelièvre, Rousset and Stoltz, Math.
-//! Comput. 81, 2071 (2012), with the exact Ornstein-Uhlenbeck map that a single γ allows). P M^(-1/2) ξ has the covariance
-//! P M⁻¹, that of the velocities of the constrained canonical ensemble, so the half steps leave it as it is: for a harmonic
-//! potential the mean kinetic energy has no error of the time step at all.
+//! one step of the dynamics without them, and again half a step (the splitting of Lelièvre, Rousset
+//! and Stoltz, Math. Comput. 81, 2071 (2012), with the exact Ornstein-Uhlenbeck map that a single γ
+//! allows). P M^(-1/2) ξ has the covariance P M⁻¹, that of the velocities of the constrained
+//! canonical ensemble, so the half steps leave it as it is: for a harmonic potential the mean
+//! kinetic energy has no error of the time step at all.
 //!
-//! What is sampled is exp(-H/kT) on the phase space of *rigid* rods. Its positions are distributed as
+//! What is sampled is exp(-H/kT) on the phase space of *rigid* rods. Its positions are distributed
+//! as
 //!
 //! exp(-V/kT) √det(J M⁻¹ Jᵀ) δ(σ) ds,
 //!
-//! where the determinant comes from the momenta, of which those along the rods are absent. Rods that are the limit of ever
-//! stiffer springs lack the factor: their averages follow by weighting states with exp(-½ ln det A)
-//! ([`RodSystem::log_determinant`](super::rods::RodSystem::log_determinant), at the prepared state), the correction of Fixman
-//! (Proc. Natl. Acad. Sci. 71, 3050 (1974)).
+//! where the determinant comes from the momenta, of which those along the rods are absent. Rods
+//! that are the limit of ever stiffer springs lack the factor: their averages follow by weighting
+//! states with exp(-½ ln det A)
+//! ([`RodSystem::log_determinant`](super::rods::RodSystem::log_determinant), at the prepared
+//! state), the correction of Fixman (Proc. Natl. Acad. Sci. 71, 3050 (1974)).
 //!
 //! With elastic collisions the middle step is that of an [`Engine`](super::Engine), whose
 //! [`dynamics`](super::Engine::dynamics) [`Langevin::before`] and [`Langevin::after`] take.
 //!
-//! The noise is counter-based: it is a function of seed, replica, step and square, and a run resumed from its state and the
-//! number of its step goes on bit for bit.
+//! The noise is counter-based: it is a function of seed, replica, step and square, and a run
+//! resumed from its state and the number of its step goes on bit for bit.
 
 use super::dynamics::Dynamics;
 use super::start::normal_pair;
@@ -70,7 +74,12 @@ impl Langevin {
     /// # Errors
     /// [`CrystalError::BadSetting`] for either negative or not finite.
     pub fn new(kt: f64, friction: f64, seed: u64, replica: u32) -> Result<Self> {
-        let langevin = Self { kt, friction, seed, replica };
+        let langevin = Self {
+            kt,
+            friction,
+            seed,
+            replica,
+        };
         langevin.check()?;
         Ok(langevin)
     }
@@ -82,7 +91,11 @@ impl Langevin {
     pub fn check(&self) -> Result<()> {
         for (setting, value) in [("kt", self.kt), ("friction", self.friction)] {
             if !(value.is_finite() && value >= 0.0) {
-                return Err(CrystalError::BadSetting { setting, value, requirement: "zero or positive" });
+                return Err(CrystalError::BadSetting {
+                    setting,
+                    value,
+                    requirement: "zero or positive",
+                });
             }
         }
         Ok(())
@@ -93,11 +106,17 @@ impl Langevin {
         self.mix(dynamics, &mut state.velocities, 0.0, 0, MAXWELL_PURPOSE);
     }
 
-    /// Friction and noise for half a step of this length, before the other parts of the step of this number. `dynamics`
-    /// must be prepared at the state.
+    /// Friction and noise for half a step of this length, before the other parts of the step of
+    /// this number. `dynamics` must be prepared at the state.
     pub fn before(&self, dynamics: &mut Dynamics, state: &mut State, step: f64, number: u64) {
         let kept = (-0.5 * self.friction * step).exp();
-        self.mix(dynamics, &mut state.velocities, kept, number, BEFORE_PURPOSE);
+        self.mix(
+            dynamics,
+            &mut state.velocities,
+            kept,
+            number,
+            BEFORE_PURPOSE,
+        );
     }
 
     /// The same after them.
@@ -109,10 +128,16 @@ impl Langevin {
     /// One step without collisions, the `number`th of the run.
     ///
     /// # Errors
-    /// As [`Langevin::new`] and [`Dynamics::step`]; after an error of the latter the velocities have had their first half
-    /// step of noise, so go on from a copy. Noise has no largest value: choose the time step for several times the
-    /// thermal velocity, 0.1 r0 √(m/kT) / 3 or so.
-    pub fn step(&self, dynamics: &mut Dynamics, state: &mut State, step: f64, number: u64) -> Result<()> {
+    /// As [`Langevin::new`] and [`Dynamics::step`]; after an error of the latter the velocities
+    /// have had their first half step of noise, so go on from a copy. Noise has no largest value:
+    /// choose the time step for several times the thermal velocity, 0.1 r0 √(m/kT) / 3 or so.
+    pub fn step(
+        &self,
+        dynamics: &mut Dynamics,
+        state: &mut State,
+        step: f64,
+        number: u64,
+    ) -> Result<()> {
         self.check()?;
         self.before(dynamics, state, step, number);
         dynamics.step(state, step)?;
@@ -121,11 +146,24 @@ impl Langevin {
     }
 
     /// v ← P (c v + √((1 - c²) kT) M^(-1/2) ξ).
-    fn mix(&self, dynamics: &mut Dynamics, velocities: &mut [f64], kept: f64, number: u64, purpose: u8) {
+    fn mix(
+        &self,
+        dynamics: &mut Dynamics,
+        velocities: &mut [f64],
+        kept: f64,
+        number: u64,
+        purpose: u8,
+    ) {
         let mut rng = CounterRng::for_purpose(self.seed, self.replica, number, purpose);
         let amplitude = ((1.0 - kept * kept) * self.kt).sqrt();
-        for (square, velocity) in dynamics.network().squares.iter().zip(velocities.chunks_exact_mut(3)) {
-            // Four uniform numbers a square, whatever happens: its noise has a fixed place in the stream.
+        for (square, velocity) in dynamics
+            .network()
+            .squares
+            .iter()
+            .zip(velocities.chunks_exact_mut(3))
+        {
+            // Four uniform numbers a square, whatever happens: its noise has a fixed place in the
+            // stream.
             let ([x, y], [angle, _]) = (normal_pair(&mut rng), normal_pair(&mut rng));
             let per_mass = amplitude / square.mass.sqrt();
             velocity[0] = kept * velocity[0] + per_mass * x;

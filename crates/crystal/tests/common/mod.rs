@@ -19,13 +19,30 @@ pub fn random_start(network: &Arc<Network>, seed: u64) -> State {
     for omega in state.velocities.iter_mut().skip(2).step_by(3) {
         *omega = rng.uniform_in(-1.0, 1.0);
     }
-    Dynamics::new(network.clone(), Vec::new(), &state).unwrap().project_velocities(&mut state.velocities);
+    Dynamics::new(network.clone(), Vec::new(), &state)
+        .unwrap()
+        .project_velocities(&mut state.velocities);
     state
 }
 
 /// Two unit squares joined by one rod at these corners.
 pub fn two_squares(vertices: [u8; 2], length: f64) -> Arc<Network> {
-    let [from, to] = [0, 1].map(|square: usize| Corner { square, vertex: vertices[square] });
-    let rods = vec![Rod { from, to, length, image: [0, 0] }];
-    Arc::new(Network { rows: 1, columns: 2, squares: vec![Square::default(); 2], rods, cell: None, places: None })
+    let [from, to] = [0, 1].map(|square: usize| Corner {
+        square,
+        vertex: vertices[square],
+    });
+    let rods = vec![Rod {
+        from,
+        to,
+        length,
+        image: [0, 0],
+    }];
+    Arc::new(Network {
+        rows: 1,
+        columns: 2,
+        squares: vec![Square::default(); 2],
+        rods,
+        cell: None,
+        places: None,
+    })
 }

@@ -17,11 +17,13 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Channel {
-    /// 1 where the solvent-excluded surface passes through: |d| ≤ h/2 with d the distance of the centre from it.
+    /// 1 where the solvent-excluded surface passes through: |d| ≤ h/2 with d the distance of the
+    /// centre from it.
     Shape,
     /// 1 where the centre is inside the surface.
     Solid,
-    /// Electrostatic potential, kT/e, at the point of the surface nearest to the voxel's centre; 0 off the shell.
+    /// Electrostatic potential, kT/e, at the point of the surface nearest to the voxel's centre; 0
+    /// off the shell.
     Potential,
     /// Kyte-Doolittle index averaged over the residues near by, -4.5 to 4.5; 0 off the shell.
     Hydropathy,
@@ -29,7 +31,12 @@ pub enum Channel {
 
 impl Channel {
     /// All channels.
-    pub const ALL: [Channel; 4] = [Channel::Shape, Channel::Solid, Channel::Potential, Channel::Hydropathy];
+    pub const ALL: [Channel; 4] = [
+        Channel::Shape,
+        Channel::Solid,
+        Channel::Potential,
+        Channel::Hydropathy,
+    ];
 
     /// The channel's name.
     pub fn name(self) -> &'static str {
@@ -78,10 +85,14 @@ pub struct VoxelSettings {
 }
 
 impl VoxelSettings {
-    /// Shape, potential and hydropathy in this medium: the equation solved at 1 Å to 1e-4 (values are kept to three digits),
-    /// residues within 5 Å averaged.
+    /// Shape, potential and hydropathy in this medium: the equation solved at 1 Å to 1e-4 (values
+    /// are kept to three digits), residues within 5 Å averaged.
     pub fn new(medium: Medium) -> Self {
-        let solve = SolveSettings { spacing_angstrom: 1.0, relative_tolerance: 1e-4, ..SolveSettings::default() };
+        let solve = SolveSettings {
+            spacing_angstrom: 1.0,
+            relative_tolerance: 1e-4,
+            ..SolveSettings::default()
+        };
         Self {
             channels: vec![Channel::Shape, Channel::Potential, Channel::Hydropathy],
             potential: PotentialModel::default(),
@@ -92,8 +103,8 @@ impl VoxelSettings {
     }
 }
 
-/// Occupied voxels and what each channel has there. Voxels inside the surface but not of its shell are occupied only where
-/// [`Channel::Solid`] is asked for.
+/// Occupied voxels and what each channel has there. Voxels inside the surface but not of its shell
+/// are occupied only where [`Channel::Solid`] is asked for.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Voxels {
     /// Numbers of the occupied voxels, ascending.
@@ -102,8 +113,8 @@ pub struct Voxels {
     pub values: Vec<Vec<f32>>,
 }
 
-/// Turns atoms and moves the middle of the box about their spheres to the origin. Returns that middle, in turned coordinates:
-/// a place p of the file lies at R p - middle.
+/// Turns atoms and moves the middle of the box about their spheres to the origin. Returns that
+/// middle, in turned coordinates: a place p of the file lies at R p - middle.
 ///
 /// ```
 /// use protomer_field::{ChargedSphere, voxels::{VoxelAtom, channels::pose}};
@@ -118,7 +129,11 @@ pub fn pose(atoms: &mut [VoxelAtom], rotation: &Rotation) -> Vec3 {
         atom.sphere.centre = rotation * atom.sphere.centre;
     }
     let (low, high) = bounds(atoms);
-    let middle = if atoms.is_empty() { Vec3::zeros() } else { 0.5 * (low + high) };
+    let middle = if atoms.is_empty() {
+        Vec3::zeros()
+    } else {
+        0.5 * (low + high)
+    };
     for atom in atoms.iter_mut() {
         atom.sphere.centre -= middle;
     }
@@ -133,7 +148,8 @@ pub fn bounds(atoms: &[VoxelAtom]) -> (Vec3, Vec3) {
 /// The voxels of atoms that are posed already; `hydropathy` has the index of each residue.
 ///
 /// # Errors
-/// [`FieldError::BadInput`] for no channels, no atoms with a radius, and atoms that reach off the lattice; else as [`solve`].
+/// [`FieldError::BadInput`] for no channels, no atoms with a radius, and atoms that reach off the
+/// lattice; else as [`solve`].
 pub fn voxelise(
     atoms: &[VoxelAtom],
     hydropathy: &[Option<f64>],
@@ -141,7 +157,9 @@ pub fn voxelise(
     settings: &VoxelSettings,
 ) -> Result<Voxels> {
     if settings.channels.is_empty() {
-        return Err(FieldError::BadInput("there are no channels; give at least one".into()));
+        return Err(FieldError::BadInput(
+            "there are no channels; give at least one".into(),
+        ));
     }
     if !(settings.hydropathy_reach_angstrom > 0.0 && settings.hydropathy_reach_angstrom <= 50.0) {
         return Err(FieldError::BadSetting {
@@ -161,10 +179,19 @@ pub fn voxelise(
         )));
     }
     let Occupied { shell, inside } = occupied(lattice, &solid);
-    let index = if settings.channels.contains(&Channel::Solid) { union(&shell, &inside) } else { shell.clone() };
+    let index = if settings.channels.contains(&Channel::Solid) {
+        union(&shell, &inside)
+    } else {
+        shell.clone()
+    };
     let on_shell = |values: Vec<f64>| -> Vec<f32> {
         let mut spread = vec![0.0; index.len()];
-        scatter(&index, &shell, values.iter().map(|value| *value as f32), &mut spread);
+        scatter(
+            &index,
+            &shell,
+            values.iter().map(|value| *value as f32),
+            &mut spread,
+        );
         spread
     };
     let mut values = Vec::with_capacity(settings.channels.len());
@@ -179,8 +206,14 @@ pub fn voxelise(
             Channel::Potential => on_shell(potential(&spheres, &solid, lattice, &shell, settings)?),
             Channel::Hydropathy => {
                 let places = atoms.iter().map(|atom| (atom.sphere.centre, atom.residue));
-                let map = HydropathyMap::new(places, hydropathy, settings.hydropathy_reach_angstrom);
-                on_shell(shell.par_iter().map(|voxel| map.at(&lattice.centre(*voxel)).unwrap_or(0.0)).collect())
+                let map =
+                    HydropathyMap::new(places, hydropathy, settings.hydropathy_reach_angstrom);
+                on_shell(
+                    shell
+                        .par_iter()
+                        .map(|voxel| map.at(&lattice.centre(*voxel)).unwrap_or(0.0))
+                        .collect(),
+                )
             }
         };
         values.push(of_channel);
@@ -196,11 +229,17 @@ fn potential(
     shell: &[u32],
     settings: &VoxelSettings,
 ) -> Result<Vec<f64>> {
-    let places: Vec<Vec3> = shell.par_iter().map(|voxel| solid.project(&lattice.centre(*voxel)).0).collect();
+    let places: Vec<Vec3> = shell
+        .par_iter()
+        .map(|voxel| solid.project(&lattice.centre(*voxel)).0)
+        .collect();
     Ok(match settings.potential {
         PotentialModel::DebyeHueckel => {
             let superposition = Superposition::new(spheres, &settings.medium);
-            places.par_iter().map(|place| superposition.at(place)).collect()
+            places
+                .par_iter()
+                .map(|place| superposition.at(place))
+                .collect()
         }
         PotentialModel::PoissonBoltzmann => {
             let solved = solve(spheres, &settings.medium, &settings.solve)?;
@@ -217,7 +256,8 @@ fn union(a: &[u32], b: &[u32]) -> Vec<u32> {
     all
 }
 
-/// Writes values of some voxels to their places among all. Both lists ascend, and `some` is part of `all`.
+/// Writes values of some voxels to their places among all. Both lists ascend, and `some` is part of
+/// `all`.
 fn scatter(all: &[u32], some: &[u32], values: impl Iterator<Item = f32>, out: &mut [f32]) {
     let mut some = some.iter().zip(values).peekable();
     for (voxel, out) in all.iter().zip(out) {

@@ -3,13 +3,14 @@
 use crate::{FieldError, Result};
 use protomer_kernel::Vec3;
 
-/// Finest and coarsest voxels, Å. The surface's distance is known up to 1 Å inside, half of the coarsest.
+/// Finest and coarsest voxels, Å. The surface's distance is known up to 1 Å inside, half of the
+/// coarsest.
 pub const SPACING_RANGE_ANGSTROM: (f64, f64) = (0.25, 2.0);
 /// Fewest and most voxels along an edge.
 pub const SIZE_RANGE: (usize, usize) = (8, 512);
 
-/// A grid of size³ voxels of edge h centred on the origin. The centre of voxel (x, y, z) is h (x - (size - 1)/2) and so on;
-/// its number is (z size + y) size + x.
+/// A grid of size³ voxels of edge h centred on the origin. The centre of voxel (x, y, z) is h (x -
+/// (size - 1)/2) and so on; its number is (z size + y) size + x.
 ///
 /// ```
 /// use protomer_field::voxels::Lattice;
@@ -28,7 +29,8 @@ impl Lattice {
     /// A lattice of this many voxels along each edge, with voxels of this edge in Å.
     ///
     /// # Errors
-    /// [`FieldError::BadSetting`] for sizes outside [`SIZE_RANGE`] and spacings outside [`SPACING_RANGE_ANGSTROM`].
+    /// [`FieldError::BadSetting`] for sizes outside [`SIZE_RANGE`] and spacings outside
+    /// [`SPACING_RANGE_ANGSTROM`].
     pub fn new(size: usize, spacing_angstrom: f64) -> Result<Self> {
         if !(SIZE_RANGE.0..=SIZE_RANGE.1).contains(&size) {
             return Err(FieldError::BadSetting {
@@ -44,7 +46,10 @@ impl Lattice {
                 requirement: "0.25 to 2 Å",
             });
         }
-        Ok(Self { size, spacing_angstrom })
+        Ok(Self {
+            size,
+            spacing_angstrom,
+        })
     }
 
     /// Voxels along each edge.
@@ -75,11 +80,15 @@ impl Lattice {
     pub fn centre(&self, index: u32) -> Vec3 {
         let index = index as usize;
         let (x, rest) = (index % self.size, index / self.size);
-        Vec3::new(self.coordinate(x), self.coordinate(rest % self.size), self.coordinate(rest / self.size))
+        Vec3::new(
+            self.coordinate(x),
+            self.coordinate(rest % self.size),
+            self.coordinate(rest / self.size),
+        )
     }
 
-    /// The largest extent along an axis that a solid centred on the origin may have to lie, with all voxels that its surface
-    /// passes through, on the lattice, Å: (size - 1) h.
+    /// The largest extent along an axis that a solid centred on the origin may have to lie, with
+    /// all voxels that its surface passes through, on the lattice, Å: (size - 1) h.
     pub fn room_angstrom(&self) -> f64 {
         (self.size as f64 - 1.0) * self.spacing_angstrom
     }

@@ -22,7 +22,8 @@ pub enum Orientation {
 const ROTATION: u8 = 0x56;
 
 impl Orientation {
-    /// The rotation for these atoms, a seed and a key that is the structure's own, such as the beginning of a hash of its name.
+    /// The rotation for these atoms, a seed and a key that is the structure's own, such as the
+    /// beginning of a hash of its name.
     pub fn rotation(self, positions: &[Vec3], seed: u64, key: u64) -> Rotation {
         match self {
             Orientation::Random => {
@@ -35,9 +36,10 @@ impl Orientation {
     }
 }
 
-/// The rotation that brings the principal axes of the points' covariance to x, y and z, largest variance first, and the
-/// variances, Å². Axes have no sign: x and y are pointed so that the third moment along them is not negative, z completes a
-/// right-handed frame. Where two variances nearly agree the axes follow small changes of the points.
+/// The rotation that brings the principal axes of the points' covariance to x, y and z, largest
+/// variance first, and the variances, Å². Axes have no sign: x and y are pointed so that the third
+/// moment along them is not negative, z completes a right-handed frame. Where two variances nearly
+/// agree the axes follow small changes of the points.
 pub fn principal_axes(positions: &[Vec3]) -> (Rotation, [f64; 3]) {
     let count = positions.len().max(1) as f64;
     let middle = positions.iter().sum::<Vec3>() / count;
@@ -51,7 +53,10 @@ pub fn principal_axes(positions: &[Vec3]) -> (Rotation, [f64; 3]) {
     order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
     let mut axes = order.map(|axis| eigen.eigenvectors.column(axis).into_owned());
     for axis in &mut axes[..2] {
-        let skew: f64 = positions.iter().map(|position| (position - middle).dot(axis).powi(3)).sum();
+        let skew: f64 = positions
+            .iter()
+            .map(|position| (position - middle).dot(axis).powi(3))
+            .sum();
         if skew < 0.0 {
             *axis = -*axis;
         }
@@ -84,7 +89,10 @@ mod tests {
         assert!(variances[0] > variances[1] && variances[1] > variances[2]);
         let turned: Vec<Vec3> = points.iter().map(|point| rotation * point).collect();
         let other = CounterRng::new(8, 0, 0).rotation();
-        let elsewhere: Vec<Vec3> = points.iter().map(|point| other * point + Vec3::new(5.0, -3.0, 1.0)).collect();
+        let elsewhere: Vec<Vec3> = points
+            .iter()
+            .map(|point| other * point + Vec3::new(5.0, -3.0, 1.0))
+            .collect();
         let (again, _) = principal_axes(&elsewhere);
         let offset = again * elsewhere[0] - turned[0];
         for (one, two) in turned.iter().zip(&elsewhere) {
@@ -100,7 +108,10 @@ mod tests {
         assert!(rotation(1, 2).angle_to(&rotation(2, 2)) > 1e-3);
         assert!(rotation(1, 2).angle_to(&rotation(1, 2 + (1 << 32))) > 1e-3);
         // Every direction is as likely as any other: the mean of where x goes is near zero.
-        let mean = (0..4000).map(|key| rotation(5, key) * Vec3::x()).sum::<Vec3>() / 4000.0;
+        let mean = (0..4000)
+            .map(|key| rotation(5, key) * Vec3::x())
+            .sum::<Vec3>()
+            / 4000.0;
         assert!(mean.norm() < 0.05, "{mean}");
     }
 }

@@ -13,11 +13,13 @@ pub struct Occupied {
     pub inside: Vec<u32>,
 }
 
-/// Sorts the voxels of a lattice by the signed distance d of their centres from a solid's surface: the shell has |d| <
-/// h/2, the inside d < 0. (Not ≤: at the largest spacing h/2 is where distances are cut off.)
+/// Sorts the voxels of a lattice by the signed distance d of their centres from a solid's surface:
+/// the shell has |d| < h/2, the inside d < 0. (Not ≤: at the largest spacing h/2 is where distances
+/// are cut off.)
 ///
-/// The shell has no holes: d changes by at most h between neighbours across a face, so of two such neighbours on different
-/// sides of the surface one at least is in the shell. Walls of cavities are part of it.
+/// The shell has no holes: d changes by at most h between neighbours across a face, so of two such
+/// neighbours on different sides of the surface one at least is in the shell. Walls of cavities are
+/// part of it.
 pub fn occupied(lattice: &Lattice, solid: &dyn ImplicitSolid) -> Occupied {
     let (low, high) = solid.bounds();
     let (size, half) = (lattice.size(), 0.5 * lattice.spacing_angstrom());
@@ -49,7 +51,13 @@ pub fn occupied(lattice: &Lattice, solid: &dyn ImplicitSolid) -> Occupied {
         })
         .collect();
     Occupied {
-        shell: parts.iter().flat_map(|part| part.shell.iter().copied()).collect(),
-        inside: parts.iter().flat_map(|part| part.inside.iter().copied()).collect(),
+        shell: parts
+            .iter()
+            .flat_map(|part| part.shell.iter().copied())
+            .collect(),
+        inside: parts
+            .iter()
+            .flat_map(|part| part.inside.iter().copied())
+            .collect(),
     }
 }

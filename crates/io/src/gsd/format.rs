@@ -1,7 +1,8 @@
 //! The GSD file layer: frames of named, typed arrays ("chunks").
 //!
-//! A file is a header of 256 bytes, an index block of 32-byte entries, a name list of zero-terminated strings, and data.
-//! The first index entry with location 0 ends the index. Within the index, entries are ordered by frame, then by name.
+//! A file is a header of 256 bytes, an index block of 32-byte entries, a name list of
+//! zero-terminated strings, and data. The first index entry with location 0 ends the index. Within
+//! the index, entries are ordered by frame, then by name.
 
 use crate::bytes::{Cursor, Ended};
 
@@ -72,11 +73,26 @@ impl ChunkData {
     pub(super) fn to_bytes(&self) -> Vec<u8> {
         match self {
             ChunkData::U8(values) => values.clone(),
-            ChunkData::U32(values) => values.iter().flat_map(|value| value.to_le_bytes()).collect(),
-            ChunkData::U64(values) => values.iter().flat_map(|value| value.to_le_bytes()).collect(),
-            ChunkData::I8(values) => values.iter().flat_map(|value| value.to_le_bytes()).collect(),
-            ChunkData::F32(values) => values.iter().flat_map(|value| value.to_le_bytes()).collect(),
-            ChunkData::F64(values) => values.iter().flat_map(|value| value.to_le_bytes()).collect(),
+            ChunkData::U32(values) => values
+                .iter()
+                .flat_map(|value| value.to_le_bytes())
+                .collect(),
+            ChunkData::U64(values) => values
+                .iter()
+                .flat_map(|value| value.to_le_bytes())
+                .collect(),
+            ChunkData::I8(values) => values
+                .iter()
+                .flat_map(|value| value.to_le_bytes())
+                .collect(),
+            ChunkData::F32(values) => values
+                .iter()
+                .flat_map(|value| value.to_le_bytes())
+                .collect(),
+            ChunkData::F64(values) => values
+                .iter()
+                .flat_map(|value| value.to_le_bytes())
+                .collect(),
         }
     }
 
@@ -145,7 +161,9 @@ impl IndexEntry {
 
     /// Length of the data in bytes, `None` if it cannot be.
     pub(super) fn length(&self) -> Option<u64> {
-        self.rows.checked_mul(self.columns.into())?.checked_mul(size_of_type(self.code)?)
+        self.rows
+            .checked_mul(self.columns.into())?
+            .checked_mul(size_of_type(self.code)?)
     }
 }
 
@@ -163,8 +181,14 @@ pub(super) struct Header {
 impl Header {
     pub(super) fn to_bytes(&self) -> [u8; HEADER_BYTES as usize] {
         let mut bytes = [0; HEADER_BYTES as usize];
-        let numbers =
-            [MAGIC, self.index_location, self.index_entries, self.names_location, self.names_segments].into_iter();
+        let numbers = [
+            MAGIC,
+            self.index_location,
+            self.index_entries,
+            self.names_location,
+            self.names_segments,
+        ]
+        .into_iter();
         for (slot, number) in bytes.chunks_exact_mut(8).zip(numbers) {
             slot.copy_from_slice(&number.to_le_bytes());
         }
@@ -179,19 +203,32 @@ impl Header {
     }
 
     /// `Ok(Err(cause))` for a file that is not GSD 2.
-    pub(super) fn read(cursor: &mut Cursor) -> std::result::Result<std::result::Result<Self, String>, Ended> {
+    pub(super) fn read(
+        cursor: &mut Cursor,
+    ) -> std::result::Result<std::result::Result<Self, String>, Ended> {
         if cursor.u64()? != MAGIC {
             return Ok(Err("it is not a GSD file".into()));
         }
-        let [index_location, index_entries, names_location, names_segments] =
-            [cursor.u64()?, cursor.u64()?, cursor.u64()?, cursor.u64()?];
+        let [
+            index_location,
+            index_entries,
+            names_location,
+            names_segments,
+        ] = [cursor.u64()?, cursor.u64()?, cursor.u64()?, cursor.u64()?];
         let (schema_version, version) = (cursor.u32()?, cursor.u32()?);
         if version >> 16 != FILE_VERSION >> 16 {
-            return Ok(Err(format!("it is a GSD file of version {}.{}, not 2", version >> 16, version & 0xFFFF)));
+            return Ok(Err(format!(
+                "it is a GSD file of version {}.{}, not 2",
+                version >> 16,
+                version & 0xFFFF
+            )));
         }
         let mut text = || -> std::result::Result<String, Ended> {
             let bytes = cursor.take(64)?;
-            Ok(String::from_utf8_lossy(bytes.split(|byte| *byte == 0).next().unwrap_or_default()).into_owned())
+            Ok(
+                String::from_utf8_lossy(bytes.split(|byte| *byte == 0).next().unwrap_or_default())
+                    .into_owned(),
+            )
         };
         let (application, schema) = (text()?, text()?);
         Ok(Ok(Self {

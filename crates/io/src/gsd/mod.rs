@@ -1,8 +1,10 @@
-//! Trajectories in GSD 2 files with the HOOMD schema, which OVITO, freud and the Python package `gsd` open.
+//! Trajectories in GSD 2 files with the HOOMD schema, which OVITO, freud and the Python package
+//! `gsd` open.
 //!
 //! The file layer, frames of named arrays, is written from the public specification
-//! (<https://gsd.readthedocs.io/en/stable/file-layer.html>): [`GsdWriter`] appends, [`GsdFile`] reads. [`trajectory`]
-//! is the schema for rigid bodies on top of it (<https://gsd.readthedocs.io/en/stable/schema-hoomd.html>).
+//! (<https://gsd.readthedocs.io/en/stable/file-layer.html>): [`GsdWriter`] appends, [`GsdFile`]
+//! reads. [`trajectory`] is the schema for rigid bodies on top of it
+//! (<https://gsd.readthedocs.io/en/stable/schema-hoomd.html>).
 
 mod format;
 mod reader;
@@ -11,5 +13,7 @@ mod writer;
 
 pub use format::{Chunk, ChunkData};
 pub use reader::GsdFile;
-pub use trajectory::{ParticleType, TrajectoryFrame, TrajectoryHeader, TrajectoryWriter, enclosing_box};
+pub use trajectory::{
+    ParticleType, TrajectoryFrame, TrajectoryHeader, TrajectoryWriter, enclosing_box,
+};
 pub use writer::GsdWriter;

@@ -1,6 +1,8 @@
 //! Reading a GSD file frame by frame, without trusting any number in it.
 
-use super::format::{Chunk, ChunkData, ENTRY_BYTES, HEADER_BYTES, Header, IndexEntry, NAME_SEGMENT_BYTES};
+use super::format::{
+    Chunk, ChunkData, ENTRY_BYTES, HEADER_BYTES, Header, IndexEntry, NAME_SEGMENT_BYTES,
+};
 use crate::bytes::Cursor;
 use crate::{IoError, Result};
 use std::fs::File;
@@ -18,8 +20,8 @@ pub struct GsdFile {
 }
 
 impl GsdFile {
-    /// Opens a file and reads its index. Index entries from the first that points outside the file on, as a process
-    /// that died leaves them, are taken for the end.
+    /// Opens a file and reads its index. Index entries from the first that points outside the file
+    /// on, as a process that died leaves them, are taken for the end.
     ///
     /// # Errors
     /// [`IoError::File`] if the system refuses, [`IoError::Parse`] if it is no GSD 2 file.
@@ -27,11 +29,17 @@ impl GsdFile {
         let mut file = File::open(path).map_err(IoError::at(path, "open"))?;
         let length = file.metadata().map_err(IoError::at(path, "read"))?.len();
         let bad = |cause: String| {
-            IoError::parse(&path.display().to_string(), 0, cause, "give a complete GSD file of version 2")
+            IoError::parse(
+                &path.display().to_string(),
+                0,
+                cause,
+                "give a complete GSD file of version 2",
+            )
         };
         let start = read_at(&mut file, path, length, 0, HEADER_BYTES)?;
-        let header =
-            Header::read(&mut Cursor::new(&start)).map_err(|_| bad("its header is cut".into()))?.map_err(bad)?;
+        let header = Header::read(&mut Cursor::new(&start))
+            .map_err(|_| bad("its header is cut".into()))?
+            .map_err(bad)?;
         let names_length = header.names_segments.saturating_mul(NAME_SEGMENT_BYTES);
         let names = read_at(&mut file, path, length, header.names_location, names_length)?;
         let names: Vec<String> = names
@@ -44,7 +52,9 @@ impl GsdFile {
         let mut entries: Vec<IndexEntry> = Vec::new();
         let mut cursor = Cursor::new(&index);
         while let Ok(entry) = IndexEntry::read(&mut cursor) {
-            let end = entry.length().and_then(|bytes| bytes.checked_add(entry.location));
+            let end = entry
+                .length()
+                .and_then(|bytes| bytes.checked_add(entry.location));
             let ordered = entries.last().is_none_or(|last| last.frame <= entry.frame);
             let named = usize::from(entry.name) < names.len();
             if entry.location == 0 || end.is_none_or(|end| end > length) || !ordered || !named {
@@ -52,13 +62,22 @@ impl GsdFile {
             }
             entries.push(entry);
         }
-        Ok(Self { path: path.to_owned(), file, header, names, entries })
+        Ok(Self {
+            path: path.to_owned(),
+            file,
+            header,
+            names,
+            entries,
+        })
     }
 
     /// Name and version (major, minor) of the schema.
     pub fn schema(&self) -> (&str, (u16, u16)) {
         let version = self.header.schema_version;
-        (&self.header.schema, ((version >> 16) as u16, version as u16))
+        (
+            &self.header.schema,
+            ((version >> 16) as u16, version as u16),
+        )
     }
 
     /// The program that wrote the file.
@@ -71,12 +90,18 @@ impl GsdFile {
         self.entries.last().map_or(0, |entry| entry.frame + 1)
     }
 
-    /// One chunk of a frame; `None` if the frame does not have it (in the HOOMD schema it is then as in frame 0).
+    /// One chunk of a frame; `None` if the frame does not have it (in the HOOMD schema it is then
+    /// as in frame 0).
     ///
     /// # Errors
-    /// [`IoError::File`] if the system refuses, [`IoError::Parse`] for a type of values that this program never writes.
+    /// [`IoError::File`] if the system refuses, [`IoError::Parse`] for a type of values that this
+    /// program never writes.
     pub fn chunk(&mut self, frame: u64, name: &str) -> Result<Option<Chunk>> {
-        let wanted = |entry: &&IndexEntry| self.names.get(usize::from(entry.name)).is_some_and(|known| known == name);
+        let wanted = |entry: &&IndexEntry| {
+            self.names
+                .get(usize::from(entry.name))
+                .is_some_and(|known| known == name)
+        };
         match self.frame_entries(frame).iter().find(wanted).copied() {
             Some(entry) => self.read_entry(entry).map(Some),
             None => Ok(None),
@@ -90,7 +115,10 @@ impl GsdFile {
     pub fn frame(&mut self, frame: u64) -> Result<Vec<Chunk>> {
         let mut entries = self.frame_entries(frame).to_vec();
         entries.sort_by_key(|entry| entry.location);
-        entries.into_iter().map(|entry| self.read_entry(entry)).collect()
+        entries
+            .into_iter()
+            .map(|entry| self.read_entry(entry))
+            .collect()
     }
 
     fn frame_entries(&self, frame: u64) -> &[IndexEntry] {
@@ -100,23 +128,54 @@ impl GsdFile {
     }
 
     fn read_entry(&mut self, entry: IndexEntry) -> Result<Chunk> {
-        let name = self.names.get(usize::from(entry.name)).cloned().unwrap_or_default();
-        let length = self.file.metadata().map_err(IoError::at(&self.path, "read"))?.len();
+        let name = self
+            .names
+            .get(usize::from(entry.name))
+            .cloned()
+            .unwrap_or_default();
+        let length = self
+            .file
+            .metadata()
+            .map_err(IoError::at(&self.path, "read"))?
+            .len();
         let bytes = entry.length().unwrap_or(u64::MAX);
         let bytes = read_at(&mut self.file, &self.path, length, entry.location, bytes)?;
         let data = ChunkData::from_bytes(entry.code, &bytes).ok_or_else(|| {
             let cause = format!("chunk {name:?} has values of type {}", entry.code);
-            IoError::parse(&self.path.display().to_string(), 0, cause, "open it with the Python package gsd")
+            IoError::parse(
+                &self.path.display().to_string(),
+                0,
+                cause,
+                "open it with the Python package gsd",
+            )
         })?;
-        Ok(Chunk { name, columns: entry.columns, data })
+        Ok(Chunk {
+            name,
+            columns: entry.columns,
+            data,
+        })
     }
 }
 
 /// Bytes of a file, refusing to take memory for more than the file has.
-fn read_at(file: &mut File, path: &Path, file_length: u64, location: u64, count: u64) -> Result<Vec<u8>> {
-    if location.checked_add(count).is_none_or(|end| end > file_length) {
+fn read_at(
+    file: &mut File,
+    path: &Path,
+    file_length: u64,
+    location: u64,
+    count: u64,
+) -> Result<Vec<u8>> {
+    if location
+        .checked_add(count)
+        .is_none_or(|end| end > file_length)
+    {
         let cause = format!("it is cut: {count} bytes at {location} are missing");
-        return Err(IoError::parse(&path.display().to_string(), 0, cause, "give a complete GSD file of version 2"));
+        return Err(IoError::parse(
+            &path.display().to_string(),
+            0,
+            cause,
+            "give a complete GSD file of version 2",
+        ));
     }
     let mut bytes = vec![0; count as usize];
     file.seek(SeekFrom::Start(location))

@@ -12,8 +12,9 @@ const FIRST_NAME_SEGMENTS: u64 = 16;
 
 /// Appends frames to a GSD file.
 ///
-/// A frame's data are written first, its index entries second: a process that dies in between leaves a file that ends
-/// with its last complete frame. A full index moves to the end of the file at twice the size, a full name list as well.
+/// A frame's data are written first, its index entries second: a process that dies in between
+/// leaves a file that ends with its last complete frame. A full index moves to the end of the file
+/// at twice the size, a full name list as well.
 #[derive(Debug)]
 pub struct GsdWriter {
     path: PathBuf,
@@ -32,7 +33,12 @@ impl GsdWriter {
     ///
     /// # Errors
     /// [`IoError::File`] if the system refuses.
-    pub fn create(path: &Path, application: &str, schema: &str, schema_version: (u16, u16)) -> Result<Self> {
+    pub fn create(
+        path: &Path,
+        application: &str,
+        schema: &str,
+        schema_version: (u16, u16),
+    ) -> Result<Self> {
         let mut options = OpenOptions::new();
         options.read(true).write(true).create(true).truncate(true);
         let file = options.open(path).map_err(IoError::at(path, "create"))?;
@@ -70,8 +76,9 @@ impl GsdWriter {
     /// Appends a frame of these chunks.
     ///
     /// # Errors
-    /// [`IoError::File`] if the system refuses (disk full): the file then still ends with the frame before.
-    /// [`IoError::Unwritable`] for a chunk whose values do not fill its columns, a name given twice, or an empty frame.
+    /// [`IoError::File`] if the system refuses (disk full): the file then still ends with the frame
+    /// before. [`IoError::Unwritable`] for a chunk whose values do not fill its columns, a name
+    /// given twice, or an empty frame.
     pub fn append_frame(&mut self, chunks: &[Chunk]) -> Result<()> {
         check_chunks(chunks)?;
         self.register_names(chunks)?;
@@ -101,7 +108,9 @@ impl GsdWriter {
     /// # Errors
     /// [`IoError::File`] if the system refuses.
     pub fn sync(&mut self) -> Result<()> {
-        self.file.sync_all().map_err(IoError::at(&self.path, "write"))
+        self.file
+            .sync_all()
+            .map_err(IoError::at(&self.path, "write"))
     }
 
     /// Gives the file this name, replacing a file that has it.
@@ -125,7 +134,11 @@ impl GsdWriter {
     }
 
     fn move_index(&mut self, capacity: u64) -> Result<()> {
-        let mut block: Vec<u8> = self.entries.iter().flat_map(|entry| entry.to_bytes()).collect();
+        let mut block: Vec<u8> = self
+            .entries
+            .iter()
+            .flat_map(|entry| entry.to_bytes())
+            .collect();
         block.resize((capacity * ENTRY_BYTES) as usize, 0);
         self.write_at(self.length, &block)?;
         self.header.index_location = self.length;
@@ -149,8 +162,9 @@ impl GsdWriter {
         let known = self.names.len();
         for chunk in chunks {
             if !self.name_ids.contains_key(&chunk.name) {
-                let id = u16::try_from(self.names.len())
-                    .map_err(|_| IoError::unwritable("there are more than 65 536 chunk names", "use fewer"))?;
+                let id = u16::try_from(self.names.len()).map_err(|_| {
+                    IoError::unwritable("there are more than 65 536 chunk names", "use fewer")
+                })?;
                 self.name_ids.insert(chunk.name.clone(), id);
                 self.names.push(chunk.name.clone());
             }
@@ -158,13 +172,20 @@ impl GsdWriter {
         if self.names.len() == known {
             return Ok(());
         }
-        let mut list: Vec<u8> = self.names.iter().flat_map(|name| name.bytes().chain([0])).collect();
+        let mut list: Vec<u8> = self
+            .names
+            .iter()
+            .flat_map(|name| name.bytes().chain([0]))
+            .collect();
         let needed = (list.len() as u64 + 1).div_ceil(NAME_SEGMENT_BYTES);
         if needed <= self.header.names_segments {
             return self.write_at(self.header.names_location, &list);
         }
         self.header.names_segments = needed.next_power_of_two();
-        list.resize((self.header.names_segments * NAME_SEGMENT_BYTES) as usize, 0);
+        list.resize(
+            (self.header.names_segments * NAME_SEGMENT_BYTES) as usize,
+            0,
+        );
         self.write_at(self.length, &list)?;
         self.header.names_location = self.length;
         self.length += list.len() as u64;
@@ -186,18 +207,32 @@ impl GsdWriter {
 
 fn check_chunks(chunks: &[Chunk]) -> Result<()> {
     if chunks.is_empty() {
-        return Err(IoError::unwritable("a frame has no chunks", "give it at least its step"));
+        return Err(IoError::unwritable(
+            "a frame has no chunks",
+            "give it at least its step",
+        ));
     }
     for (index, chunk) in chunks.iter().enumerate() {
         if chunk.columns == 0 || !chunk.data.len().is_multiple_of(chunk.columns as usize) {
-            let cause = format!("chunk {:?} has {} values in {} columns", chunk.name, chunk.data.len(), chunk.columns);
+            let cause = format!(
+                "chunk {:?} has {} values in {} columns",
+                chunk.name,
+                chunk.data.len(),
+                chunk.columns
+            );
             return Err(IoError::unwritable(cause, "give whole rows"));
         }
         if chunk.name.is_empty() || chunk.name.contains('\0') {
-            return Err(IoError::unwritable(format!("a chunk has the name {:?}", chunk.name), "give it a name"));
+            return Err(IoError::unwritable(
+                format!("a chunk has the name {:?}", chunk.name),
+                "give it a name",
+            ));
         }
         if chunks[..index].iter().any(|other| other.name == chunk.name) {
-            return Err(IoError::unwritable(format!("chunk {:?} is given twice", chunk.name), "give it once"));
+            return Err(IoError::unwritable(
+                format!("chunk {:?} is given twice", chunk.name),
+                "give it once",
+            ));
         }
     }
     Ok(())

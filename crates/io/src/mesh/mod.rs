@@ -1,7 +1,7 @@
 //! Triangle meshes: one module per format, and the choice between them by extension.
 //!
-//! Readers check that the file can be understood, that coordinates are finite and that faces name vertices that exist;
-//! whether the surface is closed is for [`TriangleMesh::topology`] to say.
+//! Readers check that the file can be understood, that coordinates are finite and that faces name
+//! vertices that exist; whether the surface is closed is for [`TriangleMesh::topology`] to say.
 
 pub mod obj;
 pub mod off;
@@ -40,7 +40,12 @@ impl MeshFormat {
             Some("stl") => Ok(MeshFormat::Stl),
             _ => {
                 let remedy = "name it .ply, .obj, .off or .stl";
-                Err(IoError::parse(name, 0, "the extension does not name a mesh format", remedy))
+                Err(IoError::parse(
+                    name,
+                    0,
+                    "the extension does not name a mesh format",
+                    remedy,
+                ))
             }
         }
     }
@@ -66,7 +71,8 @@ pub fn read_mesh(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
     }
 }
 
-/// The bytes of a mesh file in this format. PLY, OBJ and OFF keep coordinates exactly; STL rounds them to `f32`.
+/// The bytes of a mesh file in this format. PLY, OBJ and OFF keep coordinates exactly; STL rounds
+/// them to `f32`.
 pub fn write_mesh(format: MeshFormat, mesh: &TriangleMesh) -> Vec<u8> {
     match format {
         MeshFormat::Ply => ply::write_ply_binary(mesh),
@@ -82,27 +88,45 @@ struct MeshBuilder<'a> {
     mesh: TriangleMesh,
 }
 
-/// Polygons with more corners than this are refused: no surface program writes them, and they are slow to triangulate.
+/// Polygons with more corners than this are refused: no surface program writes them, and they are
+/// slow to triangulate.
 const MOST_CORNERS: usize = 256;
 
 impl<'a> MeshBuilder<'a> {
     fn new(file: &'a str) -> Self {
-        Self { file, mesh: TriangleMesh::default() }
+        Self {
+            file,
+            mesh: TriangleMesh::default(),
+        }
     }
 
     fn add_vertex(&mut self, line: usize, position: Vec3) -> Result<()> {
         if self.mesh.vertices.len() >= u32::MAX as usize {
-            return Err(IoError::parse(self.file, line, "more vertices than 2^32", "give a coarser mesh"));
+            return Err(IoError::parse(
+                self.file,
+                line,
+                "more vertices than 2^32",
+                "give a coarser mesh",
+            ));
         }
         if !position.iter().all(|coordinate| coordinate.is_finite()) {
-            let cause = format!("vertex {} has a coordinate that is not finite", self.mesh.vertices.len());
-            return Err(IoError::parse(self.file, line, cause, "make the mesh again"));
+            let cause = format!(
+                "vertex {} has a coordinate that is not finite",
+                self.mesh.vertices.len()
+            );
+            return Err(IoError::parse(
+                self.file,
+                line,
+                cause,
+                "make the mesh again",
+            ));
         }
         self.mesh.vertices.push(position);
         Ok(())
     }
 
-    /// Adds a face with these corners (counted from zero), triangulated. All vertices must have been added.
+    /// Adds a face with these corners (counted from zero), triangulated. All vertices must have
+    /// been added.
     fn add_polygon(&mut self, line: usize, corners: &[i64]) -> Result<()> {
         let count = self.mesh.vertices.len();
         if corners.len() < 3 || corners.len() > MOST_CORNERS {
@@ -115,8 +139,15 @@ impl<'a> MeshBuilder<'a> {
             match u32::try_from(corner) {
                 Ok(index) if (index as usize) < count => indices.push(index),
                 _ => {
-                    let cause = format!("a face names vertex {corner} (counted from zero), but there are {count}");
-                    return Err(IoError::parse(self.file, line, cause, "the file is damaged or cut: make it again"));
+                    let cause = format!(
+                        "a face names vertex {corner} (counted from zero), but there are {count}"
+                    );
+                    return Err(IoError::parse(
+                        self.file,
+                        line,
+                        cause,
+                        "the file is damaged or cut: make it again",
+                    ));
                 }
             }
         }

@@ -1,6 +1,8 @@
-//! Wavefront OBJ: `v x y z` and `f a b c ...`, indices counted from one, or from the end if negative.
+//! Wavefront OBJ: `v x y z` and `f a b c ...`, indices counted from one, or from the end if
+//! negative.
 //!
-//! Texture and normal indices, groups, materials, lines and points are passed over: they are no part of the surface.
+//! Texture and normal indices, groups, materials, lines and points are passed over: they are no
+//! part of the surface.
 
 use super::MeshBuilder;
 use crate::text::{self, Line};
@@ -22,7 +24,9 @@ pub fn read_obj(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
             Some("v") => builder.add_vertex(line.number, line.point(&mut tokens, "a vertex")?)?,
             Some("f") => {
                 let count = builder.mesh.vertices.len() as i64;
-                let corners = tokens.map(|token| corner(&line, token, count)).collect::<Result<Vec<_>>>()?;
+                let corners = tokens
+                    .map(|token| corner(&line, token, count))
+                    .collect::<Result<Vec<_>>>()?;
                 builder.add_polygon(line.number, &corners)?;
             }
             _ => {}
@@ -48,7 +52,13 @@ pub fn write_obj(mesh: &TriangleMesh) -> String {
         let _ = writeln!(text, "v {} {} {}", v.x, v.y, v.z);
     }
     for [a, b, c] in &mesh.triangles {
-        let _ = writeln!(text, "f {} {} {}", u64::from(*a) + 1, u64::from(*b) + 1, u64::from(*c) + 1);
+        let _ = writeln!(
+            text,
+            "f {} {} {}",
+            u64::from(*a) + 1,
+            u64::from(*b) + 1,
+            u64::from(*c) + 1
+        );
     }
     text
 }

@@ -1,24 +1,37 @@
-//! Object File Format (Geomview): `OFF`, counts of vertices, faces and edges, then one vertex or face per line.
+//! Object File Format (Geomview): `OFF`, counts of vertices, faces and edges, then one vertex or
+//! face per line.
 
 use super::MeshBuilder;
 use crate::text::{self, Line};
 use crate::{IoError, Result, mesh::TriangleMesh};
 use std::fmt::Write;
 
-/// Reads an OFF file (also `COFF`, `NOFF` and `STOFF`, of which only positions are kept); polygons are triangulated.
+/// Reads an OFF file (also `COFF`, `NOFF` and `STOFF`, of which only positions are kept); polygons
+/// are triangulated.
 ///
 /// # Errors
 /// [`IoError::Parse`] names the line.
 pub fn read_off(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
     let text = text::decode(name, bytes)?;
     let mut lines = Line::significant(name, &text);
-    let cut = || IoError::parse(name, 0, "the file ends before all its faces", "it is cut: make it again");
+    let cut = || {
+        IoError::parse(
+            name,
+            0,
+            "the file ends before all its faces",
+            "it is cut: make it again",
+        )
+    };
     let (vertices, faces) = counts(&mut lines)?.ok_or_else(cut)?;
     let mut builder = MeshBuilder::new(name);
-    // Counts only steer the loops: each turn takes a line, so a lying header runs out of lines, not of memory.
+    // Counts only steer the loops: each turn takes a line, so a lying header runs out of lines, not
+    // of memory.
     for _ in 0..vertices {
         let line = lines.next().ok_or_else(cut)?;
-        builder.add_vertex(line.number, line.point(&mut line.text.split_whitespace(), "a vertex")?)?;
+        builder.add_vertex(
+            line.number,
+            line.point(&mut line.text.split_whitespace(), "a vertex")?,
+        )?;
     }
     for _ in 0..faces {
         let line = lines.next().ok_or_else(cut)?;
@@ -39,15 +52,22 @@ pub fn read_off(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
 
 /// The counts of vertices and faces, on the line of the keyword or on the next one.
 fn counts<'a>(lines: &mut impl Iterator<Item = Line<'a>>) -> Result<Option<(i64, i64)>> {
-    let Some(mut line) = lines.next() else { return Ok(None) };
+    let Some(mut line) = lines.next() else {
+        return Ok(None);
+    };
     let mut tokens = line.text.split_whitespace().peekable();
     match tokens.peek() {
         Some(&("OFF" | "COFF" | "NOFF" | "CNOFF" | "STOFF")) => {
             tokens.next();
         }
         Some(keyword) if keyword.ends_with("OFF") => {
-            return Err(line
-                .error(format!("{} is not a surface in three dimensions", text::shown(keyword)), "write an OFF file"));
+            return Err(line.error(
+                format!(
+                    "{} is not a surface in three dimensions",
+                    text::shown(keyword)
+                ),
+                "write an OFF file",
+            ));
         }
         _ => return Err(line.error("the file does not begin with OFF", "give an OFF file")),
     }

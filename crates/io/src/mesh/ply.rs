@@ -1,5 +1,5 @@
-//! Polygon File Format (Stanford): a text header that declares elements and their properties, then the values, as text
-//! or binary of either byte order.
+//! Polygon File Format (Stanford): a text header that declares elements and their properties, then
+//! the values, as text or binary of either byte order.
 
 use super::MeshBuilder;
 use crate::bytes::Cursor;
@@ -10,8 +10,9 @@ use std::fmt::Write;
 
 const REMEDY: &str = "the file is damaged, cut or not PLY: make it again";
 
-/// Reads the vertices (`x`, `y`, `z`) and faces (`vertex_indices` or `vertex_index`) of a PLY file: ASCII, binary
-/// little-endian or binary big-endian. Other elements and properties are passed over; polygons are triangulated.
+/// Reads the vertices (`x`, `y`, `z`) and faces (`vertex_indices` or `vertex_index`) of a PLY file:
+/// ASCII, binary little-endian or binary big-endian. Other elements and properties are passed over;
+/// polygons are triangulated.
 ///
 /// # Errors
 /// [`IoError::Parse`]; the line is given for the header and for ASCII files.
@@ -19,26 +20,50 @@ pub fn read_ply(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
     let header = Header::read(name, bytes)?;
     let body = &bytes[header.length..];
     let mut values: Box<dyn Values> = match header.encoding {
-        Encoding::Ascii => Box::new(TextValues { lines: body.split(|b| *b == b'\n'), line: header.lines, row: vec![] }),
-        Encoding::LittleEndian => Box::new(BinaryValues { cursor: Cursor::new(body), big_endian: false }),
-        Encoding::BigEndian => Box::new(BinaryValues { cursor: Cursor::new(body), big_endian: true }),
+        Encoding::Ascii => Box::new(TextValues {
+            lines: body.split(|b| *b == b'\n'),
+            line: header.lines,
+            row: vec![],
+        }),
+        Encoding::LittleEndian => Box::new(BinaryValues {
+            cursor: Cursor::new(body),
+            big_endian: false,
+        }),
+        Encoding::BigEndian => Box::new(BinaryValues {
+            cursor: Cursor::new(body),
+            big_endian: true,
+        }),
     };
     read_elements(name, &header.elements, values.as_mut())
 }
 
-fn read_elements(name: &str, elements: &[Element], values: &mut dyn Values) -> Result<TriangleMesh> {
+fn read_elements(
+    name: &str,
+    elements: &[Element],
+    values: &mut dyn Values,
+) -> Result<TriangleMesh> {
     let mut builder = MeshBuilder::new(name);
     let mut list = Vec::new();
     for element in elements {
-        // The count steers the loop only: every row takes at least a byte, so a lying header runs out of bytes.
+        // The count steers the loop only: every row takes at least a byte, so a lying header runs
+        // out of bytes.
         for _ in 0..element.count {
             let fail = |line: usize, cause: String| {
-                IoError::parse(name, line, format!("in element {}: {cause}", shown(&element.name)), REMEDY)
+                IoError::parse(
+                    name,
+                    line,
+                    format!("in element {}: {cause}", shown(&element.name)),
+                    REMEDY,
+                )
             };
-            values.begin_row().map_err(|cause| fail(values.line(), cause))?;
+            values
+                .begin_row()
+                .map_err(|cause| fail(values.line(), cause))?;
             let mut position = Vec3::zeros();
             for property in &element.properties {
-                values.read(property, &mut list).map_err(|cause| fail(values.line(), cause))?;
+                values
+                    .read(property, &mut list)
+                    .map_err(|cause| fail(values.line(), cause))?;
                 match (element.role, property.role) {
                     (ElementRole::Vertices, PropertyRole::Coordinate(axis)) => {
                         position[axis] = list.first().copied().unwrap_or(f64::NAN);
@@ -66,7 +91,9 @@ pub fn write_ply_binary(mesh: &TriangleMesh) -> Vec<u8> {
     }
     for triangle in &mesh.triangles {
         bytes.push(3);
-        triangle.iter().for_each(|corner| bytes.extend_from_slice(&corner.to_le_bytes()));
+        triangle
+            .iter()
+            .for_each(|corner| bytes.extend_from_slice(&corner.to_le_bytes()));
     }
     bytes
 }
@@ -180,20 +207,34 @@ impl Header {
                 _ if index == 0 => return Err(bad("the file does not begin with `ply`")),
                 [] | ["comment" | "obj_info", ..] => {}
                 ["format", "ascii", "1.0"] => encoding = Some(Encoding::Ascii),
-                ["format", "binary_little_endian", "1.0"] => encoding = Some(Encoding::LittleEndian),
+                ["format", "binary_little_endian", "1.0"] => {
+                    encoding = Some(Encoding::LittleEndian)
+                }
                 ["format", "binary_big_endian", "1.0"] => encoding = Some(Encoding::BigEndian),
                 ["element", element, count] => {
-                    let count = count.parse().map_err(|_| bad("the count of an element is no whole number"))?;
+                    let count = count
+                        .parse()
+                        .map_err(|_| bad("the count of an element is no whole number"))?;
                     elements.push(Element::new(element, count));
                 }
                 ["property", ref declaration @ ..] => {
-                    let element = elements.last_mut().ok_or_else(|| bad("a property comes before any element"))?;
-                    element.properties.push(Property::parse(declaration).ok_or_else(|| bad("no such property type"))?);
+                    let element = elements
+                        .last_mut()
+                        .ok_or_else(|| bad("a property comes before any element"))?;
+                    element.properties.push(
+                        Property::parse(declaration).ok_or_else(|| bad("no such property type"))?,
+                    );
                 }
                 ["end_header"] => {
-                    let encoding = encoding.ok_or_else(|| bad("the header states no known format"))?;
+                    let encoding =
+                        encoding.ok_or_else(|| bad("the header states no known format"))?;
                     check_elements(name, &elements)?;
-                    return Ok(Self { encoding, elements, length, lines: line });
+                    return Ok(Self {
+                        encoding,
+                        elements,
+                        length,
+                        lines: line,
+                    });
                 }
                 _ => return Err(bad("the line is not part of a PLY header")),
             }
@@ -204,15 +245,33 @@ impl Header {
 
 /// Everything the rows must hold, checked once.
 fn check_elements(name: &str, elements: &[Element]) -> Result<()> {
-    let bad = |cause: &str| Err(IoError::parse(name, 0, cause, "give a PLY file of a surface mesh"));
-    if elements.iter().any(|element| element.properties.is_empty() && element.count > 0) {
+    let bad = |cause: &str| {
+        Err(IoError::parse(
+            name,
+            0,
+            cause,
+            "give a PLY file of a surface mesh",
+        ))
+    };
+    if elements
+        .iter()
+        .any(|element| element.properties.is_empty() && element.count > 0)
+    {
         return bad("an element has no properties");
     }
     let position_of = |role| elements.iter().position(|element| element.role == role);
-    let (Some(vertices), Some(faces)) = (position_of(ElementRole::Vertices), position_of(ElementRole::Faces)) else {
+    let (Some(vertices), Some(faces)) = (
+        position_of(ElementRole::Vertices),
+        position_of(ElementRole::Faces),
+    ) else {
         return bad("it needs an element `vertex` and an element `face`");
     };
-    let has = |element: &Element, role| element.properties.iter().any(|property| property.role == role);
+    let has = |element: &Element, role| {
+        element
+            .properties
+            .iter()
+            .any(|property| property.role == role)
+    };
     if !(0..3).all(|axis| has(&elements[vertices], PropertyRole::Coordinate(axis))) {
         return bad("its vertices lack a property x, y or z");
     }
@@ -232,7 +291,12 @@ impl Element {
             "face" => ElementRole::Faces,
             _ => ElementRole::Other,
         };
-        Self { name: name.to_owned(), role, count, properties: Vec::new() }
+        Self {
+            name: name.to_owned(),
+            role,
+            count,
+            properties: Vec::new(),
+        }
     }
 }
 
@@ -241,13 +305,25 @@ impl Property {
         match declaration {
             ["list", length, value, name] => {
                 let corners = matches!(*name, "vertex_indices" | "vertex_index");
-                let role = if corners { PropertyRole::Corners } else { PropertyRole::Other };
-                Some(Self { role, length: Some(Scalar::from_name(length)?), value: Scalar::from_name(value)? })
+                let role = if corners {
+                    PropertyRole::Corners
+                } else {
+                    PropertyRole::Other
+                };
+                Some(Self {
+                    role,
+                    length: Some(Scalar::from_name(length)?),
+                    value: Scalar::from_name(value)?,
+                })
             }
             [value, name] => {
                 let axis = ["x", "y", "z"].iter().position(|axis| axis == name);
                 let role = axis.map_or(PropertyRole::Other, PropertyRole::Coordinate);
-                Some(Self { role, length: None, value: Scalar::from_name(value)? })
+                Some(Self {
+                    role,
+                    length: None,
+                    value: Scalar::from_name(value)?,
+                })
             }
             _ => None,
         }
@@ -280,10 +356,17 @@ impl<'a, L: Iterator<Item = &'a [u8]>> Values for TextValues<'a, L> {
 
     fn begin_row(&mut self) -> Scan<()> {
         loop {
-            let line = self.lines.next().ok_or("the file ends before the last row")?;
+            let line = self
+                .lines
+                .next()
+                .ok_or("the file ends before the last row")?;
             self.line += 1;
             let text = String::from_utf8_lossy(line);
-            let number = |token: &str| token.parse::<f64>().map_err(|_| format!("{} is no number", shown(token)));
+            let number = |token: &str| {
+                token
+                    .parse::<f64>()
+                    .map_err(|_| format!("{} is no number", shown(token)))
+            };
             self.row = text.split_whitespace().map(number).collect::<Scan<_>>()?;
             if !self.row.is_empty() {
                 self.row.reverse();
@@ -294,7 +377,11 @@ impl<'a, L: Iterator<Item = &'a [u8]>> Values for TextValues<'a, L> {
 
     fn read(&mut self, property: &Property, values: &mut Vec<f64>) -> Scan<()> {
         let mut next = || self.row.pop().ok_or("the row has too few values");
-        let count = if property.length.is_some() { next()? } else { 1.0 };
+        let count = if property.length.is_some() {
+            next()?
+        } else {
+            1.0
+        };
         values.clear();
         for _ in 0..list_length(count)? {
             values.push(next()?);
@@ -310,7 +397,10 @@ struct BinaryValues<'a> {
 
 impl BinaryValues<'_> {
     fn bytes<const N: usize>(&mut self) -> Scan<[u8; N]> {
-        let mut bytes = self.cursor.array::<N>().map_err(|end| format!("the values end at byte {} of them", end.at))?;
+        let mut bytes = self
+            .cursor
+            .array::<N>()
+            .map_err(|end| format!("the values end at byte {} of them", end.at))?;
         if self.big_endian {
             bytes.reverse();
         }
@@ -341,7 +431,9 @@ impl Values for BinaryValues<'_> {
     }
 
     fn read(&mut self, property: &Property, values: &mut Vec<f64>) -> Scan<()> {
-        let count = property.length.map_or(Ok(1.0), |length| self.scalar(length))?;
+        let count = property
+            .length
+            .map_or(Ok(1.0), |length| self.scalar(length))?;
         values.clear();
         for _ in 0..list_length(count)? {
             values.push(self.scalar(property.value)?);
@@ -351,5 +443,9 @@ impl Values for BinaryValues<'_> {
 }
 
 fn list_length(count: f64) -> Scan<u64> {
-    if count >= 0.0 && count.fract() == 0.0 { Ok(count as u64) } else { Err(format!("a list has {count} values")) }
+    if count >= 0.0 && count.fract() == 0.0 {
+        Ok(count as u64)
+    } else {
+        Err(format!("a list has {count} values"))
+    }
 }

@@ -2,19 +2,26 @@
 
 use protomer_kernel::Vec3;
 
-/// Triangulates a polygon by cutting off ears, keeping its orientation; a polygon with n corners gives n - 2 triangles.
+/// Triangulates a polygon by cutting off ears, keeping its orientation; a polygon with n corners
+/// gives n - 2 triangles.
 ///
-/// An ear is a corner whose triangle is convex with respect to the polygon's normal and holds no other corner. Where
-/// no ear exists (self-intersecting or flat polygons) the first corner is cut, so that the boundary edges are always
-/// used exactly once and closed meshes stay closed.
+/// An ear is a corner whose triangle is convex with respect to the polygon's normal and holds no
+/// other corner. Where no ear exists (self-intersecting or flat polygons) the first corner is cut,
+/// so that the boundary edges are always used exactly once and closed meshes stay closed.
 pub(super) fn triangulate(vertices: &[Vec3], corners: &[u32], triangles: &mut Vec<[u32; 3]>) {
     let mut remaining = corners.to_vec();
     if remaining.len() > 3 {
         let normal = newell_normal(vertices, corners);
         while remaining.len() > 3 {
             let count = remaining.len();
-            let ear = (0..count).find(|&middle| is_ear(vertices, &remaining, middle, &normal)).unwrap_or(0);
-            triangles.push([remaining[(ear + count - 1) % count], remaining[ear], remaining[(ear + 1) % count]]);
+            let ear = (0..count)
+                .find(|&middle| is_ear(vertices, &remaining, middle, &normal))
+                .unwrap_or(0);
+            triangles.push([
+                remaining[(ear + count - 1) % count],
+                remaining[ear],
+                remaining[(ear + 1) % count],
+            ]);
             remaining.remove(ear);
         }
     }
@@ -23,21 +30,34 @@ pub(super) fn triangulate(vertices: &[Vec3], corners: &[u32], triangles: &mut Ve
     }
 }
 
-/// Newell's normal, Σ (pᵢ - p₀) × (pᵢ₊₁ - p₀): twice the vector area, defined for polygons that are not quite planar.
+/// Newell's normal, Σ (pᵢ - p₀) × (pᵢ₊₁ - p₀): twice the vector area, defined for polygons that are
+/// not quite planar.
 fn newell_normal(vertices: &[Vec3], corners: &[u32]) -> Vec3 {
     let at = |corner: usize| vertices[corners[corner] as usize];
     let origin = at(0);
-    (1..corners.len() - 1).map(|i| (at(i) - origin).cross(&(at(i + 1) - origin))).sum()
+    (1..corners.len() - 1)
+        .map(|i| (at(i) - origin).cross(&(at(i + 1) - origin)))
+        .sum()
 }
 
 fn is_ear(vertices: &[Vec3], remaining: &[u32], middle: usize, normal: &Vec3) -> bool {
     let count = remaining.len();
-    let corners = [remaining[(middle + count - 1) % count], remaining[middle], remaining[(middle + 1) % count]];
+    let corners = [
+        remaining[(middle + count - 1) % count],
+        remaining[middle],
+        remaining[(middle + 1) % count],
+    ];
     let [a, b, c] = corners.map(|corner| vertices[corner as usize]);
-    let turn = |from: &Vec3, to: &Vec3, point: &Vec3| (to - from).cross(&(point - from)).dot(normal);
+    let turn =
+        |from: &Vec3, to: &Vec3, point: &Vec3| (to - from).cross(&(point - from)).dot(normal);
     let convex = turn(&a, &b, &c) > 0.0;
-    let inside = |point: &Vec3| turn(&a, &b, point) >= 0.0 && turn(&b, &c, point) >= 0.0 && turn(&c, &a, point) >= 0.0;
-    convex && !remaining.iter().any(|corner| !corners.contains(corner) && inside(&vertices[*corner as usize]))
+    let inside = |point: &Vec3| {
+        turn(&a, &b, point) >= 0.0 && turn(&b, &c, point) >= 0.0 && turn(&c, &a, point) >= 0.0
+    };
+    convex
+        && !remaining
+            .iter()
+            .any(|corner| !corners.contains(corner) && inside(&vertices[*corner as usize]))
 }
 
 #[cfg(test)]
@@ -57,13 +77,17 @@ mod tests {
     #[test]
     fn a_concave_polygon_keeps_its_area_with_no_triangle_folded_over() {
         // An arrow head: a fan from the first corner would fold over the notch.
-        let vertices = [[0.0, 0.0], [4.0, 2.0], [0.0, 4.0], [1.0, 2.0]].map(|[x, y]| Vec3::new(x, y, 1.0));
+        let vertices =
+            [[0.0, 0.0], [4.0, 2.0], [0.0, 4.0], [1.0, 2.0]].map(|[x, y]| Vec3::new(x, y, 1.0));
         for start in 0..4 {
             let corners: Vec<u32> = (0..4).map(|i| (i + start) % 4).collect();
             let mut triangles = Vec::new();
             triangulate(&vertices, &corners, &mut triangles);
             assert_eq!(triangles.len(), 2);
-            assert!(triangles.iter().all(|t| area(&vertices, &[*t]) > 0.0), "start {start}: {triangles:?}");
+            assert!(
+                triangles.iter().all(|t| area(&vertices, &[*t]) > 0.0),
+                "start {start}: {triangles:?}"
+            );
             assert!((area(&vertices, &triangles) - 6.0).abs() < 1e-12);
         }
     }
@@ -72,12 +96,17 @@ mod tests {
     fn a_star_is_triangulated_inside() {
         let vertices: Vec<Vec3> = (0..10)
             .map(|i| {
-                let (angle, radius) = (i as f64 * std::f64::consts::PI / 5.0, if i % 2 == 0 { 2.0 } else { 0.5 });
+                let (angle, radius) = (
+                    i as f64 * std::f64::consts::PI / 5.0,
+                    if i % 2 == 0 { 2.0 } else { 0.5 },
+                );
                 Vec3::new(radius * angle.cos(), radius * angle.sin(), 0.0)
             })
             .collect();
-        let shoelace: f64 =
-            (0..10).map(|i| (vertices[i], vertices[(i + 1) % 10])).map(|(p, q)| 0.5 * (p.x * q.y - q.x * p.y)).sum();
+        let shoelace: f64 = (0..10)
+            .map(|i| (vertices[i], vertices[(i + 1) % 10]))
+            .map(|(p, q)| 0.5 * (p.x * q.y - q.x * p.y))
+            .sum();
         let mut triangles = Vec::new();
         triangulate(&vertices, &(0..10).collect::<Vec<_>>(), &mut triangles);
         assert!(triangles.iter().all(|t| area(&vertices, &[*t]) > 0.0));

@@ -17,16 +17,30 @@ pub fn write_dx(title: &str, volume: &Volume) -> String {
     let mut text = format!("# {title}\n");
     let counts = format!("counts {nx} {ny} {nz}");
     // Writing to a string cannot fail.
-    let _ = writeln!(text, "object 1 class gridpositions {counts}\norigin {x:.9e} {y:.9e} {z:.9e}");
-    let _ = writeln!(text, "delta {h:.9e} 0 0\ndelta 0 {h:.9e} 0\ndelta 0 0 {h:.9e}");
+    let _ = writeln!(
+        text,
+        "object 1 class gridpositions {counts}\norigin {x:.9e} {y:.9e} {z:.9e}"
+    );
+    let _ = writeln!(
+        text,
+        "delta {h:.9e} 0 0\ndelta 0 {h:.9e} 0\ndelta 0 0 {h:.9e}"
+    );
     let _ = writeln!(text, "object 2 class gridconnections {counts}");
-    let _ = writeln!(text, "object 3 class array type double rank 0 items {} data follows", nx * ny * nz);
+    let _ = writeln!(
+        text,
+        "object 3 class array type double rank 0 items {} data follows",
+        nx * ny * nz
+    );
     let mut written = 0;
     for i in 0..nx {
         for j in 0..ny {
             for k in 0..nz {
                 written += 1;
-                let end = if written % 3 == 0 || written == nx * ny * nz { '\n' } else { ' ' };
+                let end = if written % 3 == 0 || written == nx * ny * nz {
+                    '\n'
+                } else {
+                    ' '
+                };
                 let _ = write!(text, "{:.6e}{end}", volume.values[(k * ny + j) * nx + i]);
             }
         }

@@ -16,7 +16,8 @@ pub struct Volume {
     pub values: Vec<f64>,
 }
 
-/// A NumPy archive of a volume: the values under `name` with axes z, y, x, `origin_angstrom` and `spacing_angstrom`.
+/// A NumPy archive of a volume: the values under `name` with axes z, y, x, `origin_angstrom` and
+/// `spacing_angstrom`.
 ///
 /// # Errors
 /// [`crate::IoError::Unwritable`] if the values do not fit the shape.
@@ -30,8 +31,20 @@ pub fn write_volume_npz(name: &str, volume: &Volume) -> crate::Result<Vec<u8>> {
     use crate::npz::{NamedArray, NpyValues, write_npz};
     let [nx, ny, nz] = volume.shape;
     write_npz(&[
-        NamedArray { name, shape: &[nz, ny, nx], values: NpyValues::F64(&volume.values) },
-        NamedArray { name: "origin_angstrom", shape: &[3], values: NpyValues::F64(&volume.origin_angstrom) },
-        NamedArray { name: "spacing_angstrom", shape: &[], values: NpyValues::F64(&[volume.spacing_angstrom]) },
+        NamedArray {
+            name,
+            shape: &[nz, ny, nx],
+            values: NpyValues::F64(&volume.values),
+        },
+        NamedArray {
+            name: "origin_angstrom",
+            shape: &[3],
+            values: NpyValues::F64(&volume.origin_angstrom),
+        },
+        NamedArray {
+            name: "spacing_angstrom",
+            shape: &[],
+            values: NpyValues::F64(&[volume.spacing_angstrom]),
+        },
     ])
 }

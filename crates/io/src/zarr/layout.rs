@@ -4,7 +4,9 @@ use crate::{IoError, Result};
 use half::f16;
 use std::path::Path;
 use std::sync::Arc;
-use zarrs::array::codec::{BloscCodec, BloscCompressionLevel, BloscCompressor, BloscShuffleMode, Crc32cCodec};
+use zarrs::array::codec::{
+    BloscCodec, BloscCompressionLevel, BloscCompressor, BloscShuffleMode, Crc32cCodec,
+};
 use zarrs::array::{Array, ArrayBuilder, DataType, FillValue, data_type};
 use zarrs::filesystem::FilesystemStore;
 
@@ -12,7 +14,8 @@ use zarrs::filesystem::FilesystemStore;
 pub const LAYOUT_VERSION: u64 = 1;
 /// Elements of a chunk, the least that is decompressed at once: about one sample.
 pub const CHUNK_ELEMENTS: u64 = 8192;
-/// A file of an array holds this many elements at most, which bounds the memory that writing takes: some 2000 samples.
+/// A file of an array holds this many elements at most, which bounds the memory that writing takes:
+/// some 2000 samples.
 const MOST_ELEMENTS_PER_FILE: u64 = 1 << 24;
 /// Level of zstd.
 const COMPRESSION_LEVEL: u8 = 3;
@@ -29,13 +32,20 @@ pub const NO_INDEX: u32 = u32::MAX;
 
 /// Elements per file of an array over all voxels: whole chunks, a power of two of them.
 pub fn elements_per_file(elements: u64) -> u64 {
-    elements.clamp(CHUNK_ELEMENTS, MOST_ELEMENTS_PER_FILE).next_power_of_two()
+    elements
+        .clamp(CHUNK_ELEMENTS, MOST_ELEMENTS_PER_FILE)
+        .next_power_of_two()
 }
 
 /// A group's folder as a store.
 pub(super) fn store(path: &Path) -> Result<Arc<FilesystemStore>> {
     let store = FilesystemStore::new(path).map_err(|cause| {
-        IoError::parse(&path.display().to_string(), 0, cause.to_string(), "name the folder of a zarr group")
+        IoError::parse(
+            &path.display().to_string(),
+            0,
+            cause.to_string(),
+            "name the folder of a zarr group",
+        )
     })?;
     Ok(Arc::new(store))
 }
@@ -86,15 +96,32 @@ pub(super) fn array(
     per_file: &[u64],
     attributes: serde_json::Map<String, serde_json::Value>,
 ) -> Result<Array<FilesystemStore>> {
-    let failed = |cause: String| IoError::unwritable(format!("array {name}: {cause}"), "use another name or folder");
-    let level = BloscCompressionLevel::try_from(COMPRESSION_LEVEL).map_err(|_| failed("compression level".into()))?;
+    let failed = |cause: String| {
+        IoError::unwritable(
+            format!("array {name}: {cause}"),
+            "use another name or folder",
+        )
+    };
+    let level = BloscCompressionLevel::try_from(COMPRESSION_LEVEL)
+        .map_err(|_| failed("compression level".into()))?;
     let (compressor, shuffle) = (BloscCompressor::Zstd, BloscShuffleMode::Shuffle);
     let blosc = BloscCodec::new(compressor, level, None, shuffle, Some(kind.bytes()));
     let blosc = blosc.map_err(|cause| failed(cause.to_string()))?;
-    let mut builder = ArrayBuilder::new(shape.to_vec(), per_file.to_vec(), kind.data_type(), kind.fill());
-    builder.bytes_to_bytes_codecs(vec![Arc::new(blosc), Arc::new(Crc32cCodec::new())]).attributes(attributes);
+    let mut builder = ArrayBuilder::new(
+        shape.to_vec(),
+        per_file.to_vec(),
+        kind.data_type(),
+        kind.fill(),
+    );
+    builder
+        .bytes_to_bytes_codecs(vec![Arc::new(blosc), Arc::new(Crc32cCodec::new())])
+        .attributes(attributes);
     if let [_] = shape {
-        builder.subchunk_shape(vec![CHUNK_ELEMENTS.min(per_file.first().copied().unwrap_or(CHUNK_ELEMENTS))]);
+        builder.subchunk_shape(vec![
+            CHUNK_ELEMENTS.min(per_file.first().copied().unwrap_or(CHUNK_ELEMENTS)),
+        ]);
     }
-    builder.build(store.clone(), &format!("/{name}")).map_err(|cause| failed(cause.to_string()))
+    builder
+        .build(store.clone(), &format!("/{name}"))
+        .map_err(|cause| failed(cause.to_string()))
 }

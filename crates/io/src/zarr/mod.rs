@@ -8,10 +8,11 @@
 //!          properties     f64, samples x columns; the columns' names are its attribute "columns"
 //! ```
 //!
-//! A channel that is 1 wherever it is not 0, and nowhere 0 in what is stored, is *implied*: it has no array. The arrays over all
-//! voxels are cut into chunks of 8192 elements, compressed by zstd with byte shuffle under a CRC-32C, many chunks to a file.
-//! Their fill values are what no sample can hold (NaN, the largest integer), so that a chunk that is lost is noticed and
-//! not taken for zeros.
+//! A channel that is 1 wherever it is not 0, and nowhere 0 in what is stored, is *implied*: it has
+//! no array. The arrays over all voxels are cut into chunks of 8192 elements, compressed by zstd
+//! with byte shuffle under a CRC-32C, many chunks to a file. Their fill values are what no sample
+//! can hold (NaN, the largest integer), so that a chunk that is lost is noticed and not taken for
+//! zeros.
 //!
 //! | module | one idea |
 //! |---|---|

@@ -60,17 +60,23 @@ impl<T: Element + Copy> Filling<T> {
             last.resize(self.per_file, self.fill);
             self.store(last)?;
         }
-        self.array.store_metadata().map_err(|cause| failed(&self.name, &cause.to_string()))
+        self.array
+            .store_metadata()
+            .map_err(|cause| failed(&self.name, &cause.to_string()))
     }
 }
 
-/// Chunks one after the other: several threads would lay them into a file in the order in which they get done.
+/// Chunks one after the other: several threads would lay them into a file in the order in which
+/// they get done.
 fn in_order() -> CodecOptions {
     CodecOptions::default().with_concurrent_target(1)
 }
 
 fn failed(array: &str, cause: &str) -> IoError {
-    IoError::unwritable(format!("array {array}: {cause}"), "make sure that the disk has room and may be written to")
+    IoError::unwritable(
+        format!("array {array}: {cause}"),
+        "make sure that the disk has room and may be written to",
+    )
 }
 
 /// The value that a set keeps for this one: rounded to half precision, infinite beyond ± 65504.
@@ -79,17 +85,33 @@ pub fn as_stored(value: f32) -> f32 {
 }
 
 impl SetWriter {
-    /// Begins a set in a folder that is new or empty, for grids of `size`³ voxels with `voxels` occupied ones in all samples
-    /// together. `implied` are those of the channels that are 1 in every occupied voxel and so need no array.
+    /// Begins a set in a folder that is new or empty, for grids of `size`³ voxels with `voxels`
+    /// occupied ones in all samples together. `implied` are those of the channels that are 1 in
+    /// every occupied voxel and so need no array.
     ///
     /// # Errors
-    /// [`IoError::Unwritable`] for names that are no channel names, and if the folder cannot be written.
-    pub fn create(path: &Path, size: usize, channels: &[String], implied: &[String], voxels: u64) -> Result<Self> {
-        let is_name = |name: &String| !name.is_empty() && name.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'_');
+    /// [`IoError::Unwritable`] for names that are no channel names, and if the folder cannot be
+    /// written.
+    pub fn create(
+        path: &Path,
+        size: usize,
+        channels: &[String],
+        implied: &[String],
+        voxels: u64,
+    ) -> Result<Self> {
+        let is_name = |name: &String| {
+            !name.is_empty() && name.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'_')
+        };
         let taken = [INDEX, OFFSETS, PROPERTIES];
-        if let Some(name) = channels.iter().find(|name| !is_name(name) || taken.contains(&name.as_str())) {
+        if let Some(name) = channels
+            .iter()
+            .find(|name| !is_name(name) || taken.contains(&name.as_str()))
+        {
             let cause = format!("'{name}' is no name for a channel");
-            return Err(IoError::unwritable(cause, "use letters, digits and _, and none of the arrays' names"));
+            return Err(IoError::unwritable(
+                cause,
+                "use letters, digits and _, and none of the arrays' names",
+            ));
         }
         if let Some(name) = implied.iter().find(|name| !channels.contains(name)) {
             return Err(IoError::unwritable(
@@ -100,7 +122,9 @@ impl SetWriter {
         std::fs::create_dir_all(path).map_err(IoError::at(path, "make the folder"))?;
         let store = layout::store(path)?;
         let per_file = layout::elements_per_file(voxels);
-        let array = |name: &str, kind| layout::array(&store, name, kind, &[voxels], &[per_file], Map::new());
+        let array = |name: &str, kind| {
+            layout::array(&store, name, kind, &[voxels], &[per_file], Map::new())
+        };
         let per_file = per_file as usize;
         let index = Filling {
             array: array(INDEX, Kind::Index)?,
@@ -110,37 +134,70 @@ impl SetWriter {
             files: 0,
             fill: NO_INDEX,
         };
-        let stored = channels.iter().filter(|name| !implied.contains(name)).map(|name| {
-            let array = array(name, Kind::Channel)?;
-            Ok(Filling { array, name: name.clone(), waiting: Vec::new(), per_file, files: 0, fill: f16::NAN })
-        });
+        let stored = channels
+            .iter()
+            .filter(|name| !implied.contains(name))
+            .map(|name| {
+                let array = array(name, Kind::Channel)?;
+                Ok(Filling {
+                    array,
+                    name: name.clone(),
+                    waiting: Vec::new(),
+                    per_file,
+                    files: 0,
+                    fill: f16::NAN,
+                })
+            });
         let stored = stored.collect::<Result<Vec<_>>>()?;
         let (channels, implied) = (channels.to_vec(), implied.to_vec());
-        Ok(Self { store, size, channels, implied, offsets: vec![0], index, stored })
+        Ok(Self {
+            store,
+            size,
+            channels,
+            implied,
+            offsets: vec![0],
+            index,
+            stored,
+        })
     }
 
-    /// Adds a sample: its occupied voxels, ascending, and for each channel that is not implied the values there. Values are
-    /// kept in half precision: three digits, up to ± 65504.
+    /// Adds a sample: its occupied voxels, ascending, and for each channel that is not implied the
+    /// values there. Values are kept in half precision: three digits, up to ± 65504.
     ///
     /// # Errors
-    /// [`IoError::Unwritable`] for indices that do not ascend inside the grid, lengths that disagree, values that half
-    /// precision cannot hold, and a disk that takes no more.
+    /// [`IoError::Unwritable`] for indices that do not ascend inside the grid, lengths that
+    /// disagree, values that half precision cannot hold, and a disk that takes no more.
     pub fn push(&mut self, index: &[u32], values: &[&[f32]]) -> Result<()> {
         let sample = self.offsets.len() - 1;
-        let bad = |cause: String| IoError::unwritable(format!("sample {sample}: {cause}"), "give what the layout says");
+        let bad = |cause: String| {
+            IoError::unwritable(
+                format!("sample {sample}: {cause}"),
+                "give what the layout says",
+            )
+        };
         let voxels = self.size.pow(3);
-        if index.windows(2).any(|pair| pair[0] >= pair[1]) || index.last().is_some_and(|last| *last as usize >= voxels)
+        if index.windows(2).any(|pair| pair[0] >= pair[1])
+            || index.last().is_some_and(|last| *last as usize >= voxels)
         {
             return Err(bad("voxel numbers do not ascend inside the grid".into()));
         }
-        if values.len() != self.stored.len() || values.iter().any(|values| values.len() != index.len()) {
+        if values.len() != self.stored.len()
+            || values.iter().any(|values| values.len() != index.len())
+        {
             let lengths: Vec<usize> = values.iter().map(|values| values.len()).collect();
-            let cause = format!("{lengths:?} values for {} voxels, {} channels", index.len(), self.stored.len());
+            let cause = format!(
+                "{lengths:?} values for {} voxels, {} channels",
+                index.len(),
+                self.stored.len()
+            );
             return Err(bad(cause));
         }
         for (channel, values) in self.stored.iter_mut().zip(values) {
             if let Some(value) = values.iter().find(|value| !as_stored(**value).is_finite()) {
-                return Err(bad(format!("channel {} holds {value}, more than half precision can", channel.name)));
+                return Err(bad(format!(
+                    "channel {} holds {value}, more than half precision can",
+                    channel.name
+                )));
             }
             channel.push(values.iter().map(|value| f16::from_f32(*value)))?;
         }
@@ -150,15 +207,26 @@ impl SetWriter {
         Ok(())
     }
 
-    /// Ends the set with a table of numbers known of each sample (rows in the order of the samples) and further attributes;
-    /// among them should be `samples`, words known of each sample: an object of lists, of which `name` serves messages.
+    /// Ends the set with a table of numbers known of each sample (rows in the order of the samples)
+    /// and further attributes; among them should be `samples`, words known of each sample: an
+    /// object of lists, of which `name` serves messages.
     ///
     /// # Errors
-    /// [`IoError::Unwritable`] if the table has not the right shape or fewer voxels came than were promised.
-    pub fn finish(self, columns: &[String], rows: &[f64], attributes: Map<String, Value>) -> Result<()> {
+    /// [`IoError::Unwritable`] if the table has not the right shape or fewer voxels came than were
+    /// promised.
+    pub fn finish(
+        self,
+        columns: &[String],
+        rows: &[f64],
+        attributes: Map<String, Value>,
+    ) -> Result<()> {
         let samples = self.offsets.len() - 1;
         if rows.len() != samples * columns.len() {
-            let cause = format!("{} numbers for {samples} samples of {} columns", rows.len(), columns.len());
+            let cause = format!(
+                "{} numbers for {samples} samples of {} columns",
+                rows.len(),
+                columns.len()
+            );
             return Err(IoError::unwritable(cause, "give one row per sample"));
         }
         let promised = self.index.array.shape().first().copied().unwrap_or(0);
@@ -174,7 +242,14 @@ impl SetWriter {
         let count = self.offsets.len() as u64;
         let per_file = layout::elements_per_file(count);
         let mut offsets = Filling {
-            array: layout::array(&self.store, OFFSETS, Kind::Offsets, &[count], &[per_file], Map::new())?,
+            array: layout::array(
+                &self.store,
+                OFFSETS,
+                Kind::Offsets,
+                &[count],
+                &[per_file],
+                Map::new(),
+            )?,
             name: OFFSETS.into(),
             waiting: Vec::new(),
             per_file: per_file as usize,
@@ -191,18 +266,34 @@ impl SetWriter {
             ("implied_channels".to_owned(), json!(self.implied)),
         ]);
         all.extend(attributes);
-        let group = GroupBuilder::new().attributes(all).build(self.store.clone(), "/");
+        let group = GroupBuilder::new()
+            .attributes(all)
+            .build(self.store.clone(), "/");
         let group = group.map_err(|cause| failed("group", &cause.to_string()))?;
-        group.store_metadata().map_err(|cause| failed("group", &cause.to_string()))
+        group
+            .store_metadata()
+            .map_err(|cause| failed("group", &cause.to_string()))
     }
 }
 
-fn write_table(store: &Arc<FilesystemStore>, columns: &[String], rows: &[f64], samples: u64) -> Result<()> {
+fn write_table(
+    store: &Arc<FilesystemStore>,
+    columns: &[String],
+    rows: &[f64],
+    samples: u64,
+) -> Result<()> {
     let width = columns.len().max(1);
     let per_file = samples.clamp(1, ROWS_PER_FILE);
     let attributes = Map::from_iter([("columns".to_owned(), json!(columns))]);
     let shape = [samples, width as u64];
-    let array = layout::array(store, PROPERTIES, Kind::Properties, &shape, &[per_file, width as u64], attributes)?;
+    let array = layout::array(
+        store,
+        PROPERTIES,
+        Kind::Properties,
+        &shape,
+        &[per_file, width as u64],
+        attributes,
+    )?;
     for (file, part) in rows.chunks(per_file as usize * width).enumerate() {
         let mut part = part.to_vec();
         part.resize(per_file as usize * width, f64::NAN);
@@ -210,5 +301,7 @@ fn write_table(store: &Arc<FilesystemStore>, columns: &[String], rows: &[f64], s
             .store_chunk_opt(&[file as u64, 0], part, &in_order())
             .map_err(|cause| failed(PROPERTIES, &cause.to_string()))?;
     }
-    array.store_metadata().map_err(|cause| failed(PROPERTIES, &cause.to_string()))
+    array
+        .store_metadata()
+        .map_err(|cause| failed(PROPERTIES, &cause.to_string()))
 }

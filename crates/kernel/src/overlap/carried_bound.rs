@@ -5,9 +5,10 @@ use nalgebra::Vector4;
 
 /// A lower bound on the separation of two bodies together with the poses at which it was found.
 ///
-/// A rotation by θ about its origin moves no point of a body of radius R farther than 2 R sin(θ/2), and unit quaternions
-/// that differ by that rotation are 2 sin(θ/4) apart, so a body moves by at most 2 R |q - q'|. The *net* motion counts, not
-/// the path: the bound outlives a random walk much longer than a sum of steps would let it.
+/// A rotation by θ about its origin moves no point of a body of radius R farther than 2 R sin(θ/2),
+/// and unit quaternions that differ by that rotation are 2 sin(θ/4) apart, so a body moves by at
+/// most 2 R |q - q'|. The *net* motion counts, not the path: the bound outlives a random walk much
+/// longer than a sum of steps would let it.
 ///
 /// ```
 /// use protomer_kernel::{Pose, Vec3, overlap::CarriedBound};
@@ -26,20 +27,28 @@ pub struct CarriedBound {
 }
 
 impl CarriedBound {
-    /// A bound in Å found with the bodies at these poses; `displacement` leads from the first to the image of the second
-    /// meant, Å.
+    /// A bound in Å found with the bodies at these poses; `displacement` leads from the first to
+    /// the image of the second meant, Å.
     pub fn new(bound_angstrom: f64, first: &Pose, second: &Pose, displacement: &Vec3) -> Self {
         let orientations = [first.rotation.coords, second.rotation.coords];
-        Self { bound: bound_angstrom, displacement: *displacement, orientations }
+        Self {
+            bound: bound_angstrom,
+            displacement: *displacement,
+            orientations,
+        }
     }
 
     /// The bound of a pair that has not been looked at: nothing remains of it.
     pub fn unknown() -> Self {
-        Self { bound: f64::NEG_INFINITY, displacement: Vec3::zeros(), orientations: [Vector4::zeros(); 2] }
+        Self {
+            bound: f64::NEG_INFINITY,
+            displacement: Vec3::zeros(),
+            orientations: [Vector4::zeros(); 2],
+        }
     }
 
-    /// What remains of the bound with the bodies at other poses, Å, given their radii about their origins, Å. While it
-    /// is positive the bodies cannot overlap.
+    /// What remains of the bound with the bodies at other poses, Å, given their radii about their
+    /// origins, Å. While it is positive the bodies cannot overlap.
     pub fn remaining_angstrom(
         &self,
         first: &Pose,

@@ -1,14 +1,15 @@
 //! Which points lie inside a solid.
 //!
-//! Where the surfaces of two bodies have no point in common, every shell of one lies wholly inside or wholly outside the
-//! other, so one corner of each shell decides whether the solids overlap.
+//! Where the surfaces of two bodies have no point in common, every shell of one lies wholly inside
+//! or wholly outside the other, so one corner of each shell decides whether the solids overlap.
 
 use super::disc::Disc;
 use super::tree::DiscTree;
 use super::triangle::{Triangle, orientation};
 use crate::{Result, TriangleMesh, Vec3};
 
-/// A few corners of one shell, the extreme ones along the coordinate axes: whichever is decided soonest decides all.
+/// A few corners of one shell, the extreme ones along the coordinate axes: whichever is decided
+/// soonest decides all.
 #[derive(Debug, Clone)]
 pub(super) struct Shell {
     pub corners: Vec<Vec3>,
@@ -23,15 +24,26 @@ impl Shell {
     fn new(mesh: &TriangleMesh) -> Self {
         let directions = (0..3).flat_map(|axis| [Vec3::ith(axis, 1.0), Vec3::ith(axis, -1.0)]);
         let extreme = |direction: Vec3| {
-            mesh.vertices.iter().copied().max_by(|p, q| p.dot(&direction).total_cmp(&q.dot(&direction)))
+            mesh.vertices
+                .iter()
+                .copied()
+                .max_by(|p, q| p.dot(&direction).total_cmp(&q.dot(&direction)))
         };
-        Self { corners: directions.filter_map(extreme).collect() }
+        Self {
+            corners: directions.filter_map(extreme).collect(),
+        }
     }
 }
 
-/// Whether a point lies in the closed solid bounded by a mesh: a ray from a point inside leaves it through an odd number
-/// of triangles. All signs are exact; a ray that meets an edge or a corner is drawn anew.
-pub(super) fn solid_contains(mesh: &TriangleMesh, tree: &DiscTree, radius: f64, point: &Vec3) -> bool {
+/// Whether a point lies in the closed solid bounded by a mesh: a ray from a point inside leaves it
+/// through an odd number of triangles. All signs are exact; a ray that meets an edge or a corner is
+/// drawn anew.
+pub(super) fn solid_contains(
+    mesh: &TriangleMesh,
+    tree: &DiscTree,
+    radius: f64,
+    point: &Vec3,
+) -> bool {
     const ATTEMPTS: usize = 64;
     let reach = 4.0 * radius + point.norm();
     (0..ATTEMPTS)
@@ -83,7 +95,11 @@ enum Crossing {
 }
 
 fn crossing([a, b, c]: &Triangle, from: &Vec3, to: &Vec3) -> Crossing {
-    let turns = [orientation(from, to, a, b), orientation(from, to, b, c), orientation(from, to, c, a)];
+    let turns = [
+        orientation(from, to, a, b),
+        orientation(from, to, b, c),
+        orientation(from, to, c, a),
+    ];
     if turns.contains(&1) && turns.contains(&-1) {
         return Crossing::None;
     }
@@ -96,7 +112,8 @@ fn crossing([a, b, c]: &Triangle, from: &Vec3, to: &Vec3) -> Crossing {
     }
 }
 
-/// Whether a segment meets the sphere around a disc, with room for rounding; never for an unused lane.
+/// Whether a segment meets the sphere around a disc, with room for rounding; never for an unused
+/// lane.
 fn ray_comes_near(disc: &Disc, from: &Vec3, to: &Vec3) -> bool {
     const ROUNDING: f64 = 1e-6;
     let along = to - from;

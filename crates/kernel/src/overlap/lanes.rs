@@ -1,7 +1,7 @@
 //! The arithmetic of discs, eight at a time.
 //!
-//! Plain loops over eight lanes, which the compiler turns into vector instructions of whatever width the function they
-//! are inlined into may use; the results do not depend on that width.
+//! Plain loops over eight lanes, which the compiler turns into vector instructions of whatever
+//! width the function they are inlined into may use; the results do not depend on that width.
 
 use super::disc::Disc;
 use crate::pose::RelativePose;
@@ -45,16 +45,25 @@ impl DiscBlock {
     #[inline(always)]
     pub fn disc(&self, lane: usize) -> Disc {
         Disc {
-            centre: [self.centre[0][lane], self.centre[1][lane], self.centre[2][lane]],
-            normal: [self.normal[0][lane], self.normal[1][lane], self.normal[2][lane]],
+            centre: [
+                self.centre[0][lane],
+                self.centre[1][lane],
+                self.centre[2][lane],
+            ],
+            normal: [
+                self.normal[0][lane],
+                self.normal[1][lane],
+                self.normal[2][lane],
+            ],
             radius: self.radius[lane],
             half_thickness: self.half_thickness[lane],
         }
     }
 }
 
-/// Added to the squares under a root that cancels, relative to their size: more than their rounding error, so that the
-/// half-extent across a disc is never underestimated. It costs at most 0.2 % of the radius.
+/// Added to the squares under a root that cancels, relative to their size: more than their rounding
+/// error, so that the half-extent across a disc is never underestimated. It costs at most 0.2 % of
+/// the radius.
 const ROOT_SLACK: f32 = 4e-6;
 
 /// The motion into the frame of the first body, in the precision of the discs.
@@ -67,7 +76,8 @@ pub(super) struct Motion {
 impl Motion {
     pub fn new(pose: &RelativePose) -> Self {
         Self {
-            rotation: [0, 1, 2].map(|row| [0, 1, 2].map(|column| pose.rotation[(row, column)] as f32)),
+            rotation: [0, 1, 2]
+                .map(|row| [0, 1, 2].map(|column| pose.rotation[(row, column)] as f32)),
             translation: [0, 1, 2].map(|row| pose.translation[row] as f32),
         }
     }
@@ -80,9 +90,12 @@ impl Motion {
             let [x, y, z] = self.rotation[row];
             for lane in 0..WIDTH {
                 let (centre, normal) = (&block.centre, &block.normal);
-                moved.centre[row][lane] =
-                    x * centre[0][lane] + y * centre[1][lane] + z * centre[2][lane] + self.translation[row];
-                moved.normal[row][lane] = x * normal[0][lane] + y * normal[1][lane] + z * normal[2][lane];
+                moved.centre[row][lane] = x * centre[0][lane]
+                    + y * centre[1][lane]
+                    + z * centre[2][lane]
+                    + self.translation[row];
+                moved.normal[row][lane] =
+                    x * normal[0][lane] + y * normal[1][lane] + z * normal[2][lane];
             }
         }
         moved
@@ -91,7 +104,9 @@ impl Motion {
     #[inline(always)]
     pub fn disc(&self, disc: &Disc) -> Disc {
         let turn = |row: usize, v: &[f32; 3]| {
-            self.rotation[row][0] * v[0] + self.rotation[row][1] * v[1] + self.rotation[row][2] * v[2]
+            self.rotation[row][0] * v[0]
+                + self.rotation[row][1] * v[1]
+                + self.rotation[row][2] * v[2]
         };
         Disc {
             centre: [0, 1, 2].map(|row| turn(row, &disc.centre) + self.translation[row]),
@@ -111,8 +126,16 @@ pub(super) fn separations(disc: &Disc, block: &DiscBlock, rounding: f32) -> Lane
     let [mx, my, mz] = disc.normal;
     let mut result = [0.0; WIDTH];
     for (lane, result) in result.iter_mut().enumerate() {
-        let (dx, dy, dz) = (block.centre[0][lane] - cx, block.centre[1][lane] - cy, block.centre[2][lane] - cz);
-        let (nx, ny, nz) = (block.normal[0][lane], block.normal[1][lane], block.normal[2][lane]);
+        let (dx, dy, dz) = (
+            block.centre[0][lane] - cx,
+            block.centre[1][lane] - cy,
+            block.centre[2][lane] - cz,
+        );
+        let (nx, ny, nz) = (
+            block.normal[0][lane],
+            block.normal[1][lane],
+            block.normal[2][lane],
+        );
         let (radius, half_thickness) = (block.radius[lane], block.half_thickness[lane]);
         let along_m = (dx * mx + dy * my + dz * mz).abs();
         let along_n = (dx * nx + dy * ny + dz * nz).abs();
@@ -123,8 +146,9 @@ pub(super) fn separations(disc: &Disc, block: &DiscBlock, rounding: f32) -> Lane
         let on_n = along_n - half_thickness - (disc.radius * sine + disc.half_thickness * cosine);
         let across_m = root_above(squared - along_m * along_m);
         let across_n = root_above(squared - along_n * along_n);
-        let extents =
-            disc.radius * across_m + disc.half_thickness * along_m + (radius * across_n + half_thickness * along_n);
+        let extents = disc.radius * across_m
+            + disc.half_thickness * along_m
+            + (radius * across_n + half_thickness * along_n);
         let on_d = (squared - extents) * inverse_root_below(squared);
         *result = larger(larger(on_m, on_n), on_d) - rounding;
     }
@@ -157,8 +181,9 @@ fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-/// At most 1/√x and no more than 0.18 % less: one Newton step from the exponent halved in integer arithmetic, which
-/// always ends below. A tenth of the cost of the exact operations, and the discs are not sharper than that.
+/// At most 1/√x and no more than 0.18 % less: one Newton step from the exponent halved in integer
+/// arithmetic, which always ends below. A tenth of the cost of the exact operations, and the discs
+/// are not sharper than that.
 #[inline(always)]
 fn inverse_root_below(x: f32) -> f32 {
     let guess = f32::from_bits(0x5f37_5a86 - (x.to_bits() >> 1));

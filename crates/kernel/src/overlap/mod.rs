@@ -1,7 +1,8 @@
 //! Overlap of two rigid bodies bounded by closed, nonconvex triangle meshes.
 //!
-//! Two bodies overlap if their surfaces have a point in common or one solid lies inside the other. Solids are closed
-//! sets: bodies that touch overlap. [`overlaps`] answers this exactly for the corner positions in double precision.
+//! Two bodies overlap if their surfaces have a point in common or one solid lies inside the other.
+//! Solids are closed sets: bodies that touch overlap. [`overlaps`] answers this exactly for the
+//! corner positions in double precision.
 //!
 //! | module | one idea |
 //! |---|---|
@@ -15,24 +16,30 @@
 //!
 //! # Why it is built like this
 //!
-//! In hard-particle Monte Carlo of an assembly nearly all the time goes into pairs whose surfaces are 0.05-2 Å apart over a
-//! contact patch. There
-//! * the bounding volume must be thin along the surface normal: spheres as large as the gap are far too many. A disc needs
-//!   eight numbers, is turned by turning two vectors, and three axes (both normals, the line of the centres) separate
-//!   two of them with a few dozen operations and no stored matrix. Without the third axis a third more pairs survive;
-//! * one rotation matrix per pair of bodies, in `f32`, with an allowance for every rounding. A disc test can only say
-//!   "provably apart"; what it leaves goes to predicates with exact signs. The answer is that of brute force, always;
-//! * roots and quotients would fill the divider, so they are replaced by one-sided approximations within 0.2 %;
-//! * latency and mispredicted branches cost more than arithmetic. A child of one node is first held against the other
-//!   node whole (two of eight remain), several pairs of nodes are in flight together, and nothing is sorted;
-//! * a bound as good as the true distance costs several times the decision. [`separation_bound`] looks only into pairs nearer
-//!   than a quarter of the least separation met so far, and takes the least of all it has skipped: nearly free, and
-//!   [`CarriedBound`] spends it on the trials to come. Nearer than about 0.1 Å only the decision is made: a bound that
-//!   a single step outruns is worth nothing.
+//! In hard-particle Monte Carlo of an assembly nearly all the time goes into pairs whose surfaces
+//! are 0.05-2 Å apart over a contact patch. There
+//! * the bounding volume must be thin along the surface normal: spheres as large as the gap are far
+//!   too many. A disc needs eight numbers, is turned by turning two vectors, and three axes (both
+//!   normals, the line of the centres) separate two of them with a few dozen operations and no
+//!   stored matrix. Without the third axis a third more pairs survive;
+//! * one rotation matrix per pair of bodies, in `f32`, with an allowance for every rounding. A disc
+//!   test can only say "provably apart"; what it leaves goes to predicates with exact signs. The
+//!   answer is that of brute force, always;
+//! * roots and quotients would fill the divider, so they are replaced by one-sided approximations
+//!   within 0.2 %;
+//! * latency and mispredicted branches cost more than arithmetic. A child of one node is first held
+//!   against the other node whole (two of eight remain), several pairs of nodes are in flight
+//!   together, and nothing is sorted;
+//! * a bound as good as the true distance costs several times the decision. [`separation_bound`]
+//!   looks only into pairs nearer than a quarter of the least separation met so far, and takes the
+//!   least of all it has skipped: nearly free, and [`CarriedBound`] spends it on the trials to
+//!   come. Nearer than about 0.1 Å only the decision is made: a bound that a single step outruns is
+//!   worth nothing.
 //!
-//! Distance fields were considered and left out: a value is exact only to the size of a cell, so near contact, where the time
-//! goes, they decide nothing. So were lists of near triangles kept from trial to trial: a rotation of 0.04 rad moves a
-//! far point of a body by 1 Å, and lists with so much room are rebuilt every few trials at the cost of several queries.
+//! Distance fields were considered and left out: a value is exact only to the size of a cell, so
+//! near contact, where the time goes, they decide nothing. So were lists of near triangles kept
+//! from trial to trial: a rotation of 0.04 rad moves a far point of a body by 1 Å, and lists with
+//! so much room are rebuilt every few trials at the cost of several queries.
 
 mod carried_bound;
 mod containment;
@@ -63,7 +70,8 @@ impl CollisionShape {
     /// Prepares a body.
     ///
     /// # Errors
-    /// [`KernelError::BadMesh`] unless the mesh is closed, 2-manifold and outward-oriented, with at least one triangle.
+    /// [`KernelError::BadMesh`] unless the mesh is closed, 2-manifold and outward-oriented, with at
+    /// least one triangle.
     pub fn new(mesh: &TriangleMesh) -> Result<Self> {
         mesh.topology()?;
         if mesh.triangles.is_empty() {
@@ -101,8 +109,9 @@ impl CollisionShape {
     }
 }
 
-/// Whether two bodies overlap: their surfaces have a point in common or one solid lies inside the other. Touching is
-/// overlap: the solids are closed sets. A body inside a cavity of another does not overlap it.
+/// Whether two bodies overlap: their surfaces have a point in common or one solid lies inside the
+/// other. Touching is overlap: the solids are closed sets. A body inside a cavity of another does
+/// not overlap it.
 ///
 /// ```
 /// use protomer_kernel::{CollisionShape, Pose, RelativePose, TriangleMesh, Vec3, overlap::overlaps};
@@ -117,15 +126,19 @@ impl CollisionShape {
 /// assert!(!overlaps(&shape, &shape, &beside(1.5)));
 /// # Ok::<(), protomer_kernel::KernelError>(())
 /// ```
-pub fn overlaps(first: &CollisionShape, second: &CollisionShape, second_in_first: &RelativePose) -> bool {
+pub fn overlaps(
+    first: &CollisionShape,
+    second: &CollisionShape,
+    second_in_first: &RelativePose,
+) -> bool {
     separation_bound(first, second, second_in_first, 0.0).is_none()
 }
 
-/// A lower bound on the separation of two bodies, Å, at most `ceiling_angstrom`; `None` if they overlap, exactly as
-/// [`overlaps`] decides.
+/// A lower bound on the separation of two bodies, Å, at most `ceiling_angstrom`; `None` if they
+/// overlap, exactly as [`overlaps`] decides.
 ///
-/// The bound never exceeds the true [`distance`]. It is what can be had for little more than the decision; a
-/// ceiling of a few times the longest trial step is a good choice.
+/// The bound never exceeds the true [`distance`]. It is what can be had for little more than the
+/// decision; a ceiling of a few times the longest trial step is a good choice.
 pub fn separation_bound(
     first: &CollisionShape,
     second: &CollisionShape,
@@ -144,21 +157,44 @@ pub fn separation_bound(
 }
 
 /// Whether a shell of one body lies inside the other, for surfaces that do not meet.
-fn one_holds_the_other(first: &CollisionShape, second: &CollisionShape, second_in_first: &RelativePose) -> bool {
+fn one_holds_the_other(
+    first: &CollisionShape,
+    second: &CollisionShape,
+    second_in_first: &RelativePose,
+) -> bool {
     let first_in_second = second_in_first.inverse();
-    second.shells.iter().any(|shell| holds(first, shell, second_in_first))
-        || first.shells.iter().any(|shell| holds(second, shell, &first_in_second))
+    second
+        .shells
+        .iter()
+        .any(|shell| holds(first, shell, second_in_first))
+        || first
+            .shells
+            .iter()
+            .any(|shell| holds(second, shell, &first_in_second))
 }
 
 fn holds(shape: &CollisionShape, shell: &Shell, pose: &RelativePose) -> bool {
-    let corners = || shell.corners.iter().map(|corner| pose.transform_point(corner));
-    corners().all(|corner| corner.norm() <= shape.radius) && corners().next().is_some_and(|c| shape.contains_point(&c))
+    let corners = || {
+        shell
+            .corners
+            .iter()
+            .map(|corner| pose.transform_point(corner))
+    };
+    corners().all(|corner| corner.norm() <= shape.radius)
+        && corners().next().is_some_and(|c| shape.contains_point(&c))
 }
 
-/// Distance between two surfaces, Å: zero if they intersect. Exact and slow (every pair of triangles): for reports and
-/// tests. A body inside another keeps its distance to the other's surface.
-pub fn distance(first: &CollisionShape, second: &CollisionShape, second_in_first: &RelativePose) -> f64 {
-    let moved = second.mesh.map_vertices(|vertex| second_in_first.transform_point(vertex));
+/// Distance between two surfaces, Å: zero if they intersect. Exact and slow (every pair of
+/// triangles): for reports and tests. A body inside another keeps its distance to the other's
+/// surface.
+pub fn distance(
+    first: &CollisionShape,
+    second: &CollisionShape,
+    second_in_first: &RelativePose,
+) -> f64 {
+    let moved = second
+        .mesh
+        .map_vertices(|vertex| second_in_first.transform_point(vertex));
     let mut nearest = f64::INFINITY;
     for a in 0..first.mesh.triangles.len() {
         let a = first.mesh.corners(a);

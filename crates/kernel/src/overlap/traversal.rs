@@ -8,8 +8,8 @@ use super::triangle_distance::separation_along_axes;
 use crate::pose::RelativePose;
 use std::cell::RefCell;
 
-/// The rounding error of a separation in `f32` relative to the size of the coordinates: some fifty operations, each
-/// within 2⁻²⁴.
+/// The rounding error of a separation in `f32` relative to the size of the coordinates: some fifty
+/// operations, each within 2⁻²⁴.
 const ROUNDING: f64 = 64.0 * (f32::EPSILON as f64 / 2.0);
 
 /// What a descent finds.
@@ -21,8 +21,8 @@ pub(super) enum SurfaceRelation {
     Apart(f64),
 }
 
-/// Decides whether the surfaces intersect and bounds their separation from below, up to a ceiling in Å. A ceiling of
-/// zero asks for the decision alone.
+/// Decides whether the surfaces intersect and bounds their separation from below, up to a ceiling
+/// in Å. A ceiling of zero asks for the decision alone.
 pub(super) fn relate_surfaces(
     first: &CollisionShape,
     second: &CollisionShape,
@@ -91,12 +91,18 @@ struct Descent<'a> {
     rounding: f32,
     /// The least separation met so far, lane by lane, Å.
     bound: Lanes,
-    /// Pairs at least this far apart are not looked into, Å. Any value gives a true bound; see [`threshold_for`].
+    /// Pairs at least this far apart are not looked into, Å. Any value gives a true bound; see
+    /// [`threshold_for`].
     threshold: f32,
 }
 
 impl<'a> Descent<'a> {
-    fn new(first: &'a CollisionShape, second: &'a CollisionShape, pose: &'a RelativePose, ceiling: f32) -> Self {
+    fn new(
+        first: &'a CollisionShape,
+        second: &'a CollisionShape,
+        pose: &'a RelativePose,
+        ceiling: f32,
+    ) -> Self {
         let size = first.radius + second.radius + pose.translation.norm();
         Descent {
             first,
@@ -128,13 +134,17 @@ impl<'a> Descent<'a> {
         self.visit_all(scratch)
     }
 
-    /// Takes pairs of nodes from the stack, a few at a time so that the arithmetic of one hides the latency of another,
-    /// until an intersection is found.
+    /// Takes pairs of nodes from the stack, a few at a time so that the arithmetic of one hides the
+    /// latency of another, until an intersection is found.
     #[inline(always)]
     fn visit_all(&mut self, scratch: &mut Scratch) -> bool {
         let Scratch { stack, batch } = scratch;
         stack.clear();
-        stack.push(NodePair { separation: f32::MIN, a: self.first.tree.root(), b: self.second.tree.root() });
+        stack.push(NodePair {
+            separation: f32::MIN,
+            a: self.first.tree.root(),
+            b: self.second.tree.root(),
+        });
         while !stack.is_empty() {
             batch.pairs.clear();
             while batch.pairs.len() < BATCH
@@ -153,14 +163,17 @@ impl<'a> Descent<'a> {
         false
     }
 
-    /// Holds the children of some pairs of nodes against each other: near nodes go on the stack, near triangles are
-    /// decided. True if two triangles intersect.
+    /// Holds the children of some pairs of nodes against each other: near nodes go on the stack,
+    /// near triangles are decided. True if two triangles intersect.
     #[inline(always)]
     fn visit_batch(&mut self, batch: &mut Batch, stack: &mut Vec<NodePair>) -> bool {
         let (first, second) = (self.first, self.second);
         // Which children of a are near to b at all?
         for (slot, pair) in batch.pairs.iter().enumerate() {
-            let (a, b) = (&first.tree.nodes[pair.a as usize], &second.tree.nodes[pair.b as usize]);
+            let (a, b) = (
+                &first.tree.nodes[pair.a as usize],
+                &second.tree.nodes[pair.b as usize],
+            );
             batch.moved[slot] = self.motion.block(&b.discs);
             let b_bound = self.motion.disc(&b.bound);
             let separations = separations(&b_bound, &a.discs, self.rounding);
@@ -181,18 +194,29 @@ impl<'a> Descent<'a> {
         for &(slot, row) in &batch.rows {
             let pair = batch.pairs[slot as usize];
             let a = &first.tree.nodes[pair.a as usize];
-            let separations = separations(&a.discs.disc(row as usize), &batch.moved[slot as usize], self.rounding);
+            let separations = separations(
+                &a.discs.disc(row as usize),
+                &batch.moved[slot as usize],
+                self.rounding,
+            );
             let near = self.near(&separations);
             batch.hits.push((near, separations));
         }
         for (&(slot, row), (near, separations)) in batch.rows.iter().zip(&batch.hits) {
             let pair = batch.pairs[slot as usize];
-            let (a, b) = (&first.tree.nodes[pair.a as usize], &second.tree.nodes[pair.b as usize]);
+            let (a, b) = (
+                &first.tree.nodes[pair.a as usize],
+                &second.tree.nodes[pair.b as usize],
+            );
             for lane in Bits(*near) {
                 let (child_a, child_b) = (a.children[row as usize], b.children[lane]);
                 let separation = separations[lane];
                 if !a.is_leaf {
-                    stack.push(NodePair { separation, a: child_a, b: child_b });
+                    stack.push(NodePair {
+                        separation,
+                        a: child_a,
+                        b: child_b,
+                    });
                 } else if separation > 0.0 {
                     self.lower(separation);
                 } else if self.visit_triangles(child_a, child_b) {
@@ -205,15 +229,30 @@ impl<'a> Descent<'a> {
 
     /// Holds a leaf against the children of a node that is none.
     #[inline(always)]
-    fn expand_one(&mut self, pair: NodePair, a: &Node, b: &Node, moved: &DiscBlock, stack: &mut Vec<NodePair>) {
+    fn expand_one(
+        &mut self,
+        pair: NodePair,
+        a: &Node,
+        b: &Node,
+        moved: &DiscBlock,
+        stack: &mut Vec<NodePair>,
+    ) {
         let separations = if a.is_leaf {
             separations(&a.bound, moved, self.rounding)
         } else {
             separations(&self.motion.disc(&b.bound), &a.discs, self.rounding)
         };
         for lane in Bits(self.near(&separations)) {
-            let (a, b) = if a.is_leaf { (pair.a, b.children[lane]) } else { (a.children[lane], pair.b) };
-            stack.push(NodePair { separation: separations[lane], a, b });
+            let (a, b) = if a.is_leaf {
+                (pair.a, b.children[lane])
+            } else {
+                (a.children[lane], pair.b)
+            };
+            stack.push(NodePair {
+                separation: separations[lane],
+                a,
+                b,
+            });
         }
     }
 
@@ -223,7 +262,11 @@ impl<'a> Descent<'a> {
         let mut excess = [0.0; WIDTH];
         for lane in 0..WIDTH {
             excess[lane] = separations[lane] - self.threshold;
-            let skipped = if excess[lane] < 0.0 { f32::MAX } else { separations[lane] };
+            let skipped = if excess[lane] < 0.0 {
+                f32::MAX
+            } else {
+                separations[lane]
+            };
             self.bound[lane] = self.bound[lane].min(skipped);
         }
         negative_lanes(excess)
@@ -243,25 +286,37 @@ impl<'a> Descent<'a> {
     /// Decides two triangles; if they do not intersect their separation lowers the threshold.
     fn visit_triangles(&mut self, first: u32, second: u32) -> bool {
         let first: Triangle = self.first.mesh.corners(first as usize);
-        let second: Triangle =
-            self.second.mesh.corners(second as usize).map(|corner| self.pose.transform_point(&corner));
+        let second: Triangle = self
+            .second
+            .mesh
+            .corners(second as usize)
+            .map(|corner| self.pose.transform_point(&corner));
         if triangles_intersect(&first, &second) {
             return true;
         }
         let wanted = self.threshold > f32::MIN_POSITIVE;
-        let separation = if wanted { separation_along_axes(&first, &second) as f32 - self.rounding } else { 0.0 };
+        let separation = if wanted {
+            separation_along_axes(&first, &second) as f32 - self.rounding
+        } else {
+            0.0
+        };
         self.lower(separation.max(0.0));
         false
     }
 }
 
-/// How far apart pairs must be not to be looked into, for a separation of interest: a compromise between the cost of a
-/// query and the quality of its bound. Below `FLOOR` only the decision is worth anything.
+/// How far apart pairs must be not to be looked into, for a separation of interest: a compromise
+/// between the cost of a query and the quality of its bound. Below `FLOOR` only the decision is
+/// worth anything.
 fn threshold_for(separation: f32) -> f32 {
     const SHARE: f32 = 0.25;
     const FLOOR: f32 = 0.1;
     let threshold = SHARE * separation;
-    if threshold < FLOOR { f32::MIN_POSITIVE } else { threshold }
+    if threshold < FLOOR {
+        f32::MIN_POSITIVE
+    } else {
+        threshold
+    }
 }
 
 #[cfg(test)]
@@ -277,14 +332,22 @@ mod tests {
             Vec3::new(9.0 * cosine, 5.0 * sine, f64::from(i % 2))
         }));
         let rim = |i: u32| 2 + i % n;
-        let triangles = (0..n).flat_map(|i| [[0, rim(i), rim(i + 1)], [1, rim(i + 1), rim(i)]]).collect();
-        TriangleMesh { vertices, triangles }
+        let triangles = (0..n)
+            .flat_map(|i| [[0, rim(i), rim(i + 1)], [1, rim(i + 1), rim(i)]])
+            .collect();
+        TriangleMesh {
+            vertices,
+            triangles,
+        }
     }
 
     #[test]
     fn both_compilations_find_the_same_to_the_last_bit() {
         let (first, second) = (sliced_tetrahedron(300), sliced_tetrahedron(17));
-        let (first, second) = (CollisionShape::new(&first).unwrap(), CollisionShape::new(&second).unwrap());
+        let (first, second) = (
+            CollisionShape::new(&first).unwrap(),
+            CollisionShape::new(&second).unwrap(),
+        );
         let mut intersecting = 0;
         for k in 0..400 {
             let x = f64::from(k);
@@ -294,8 +357,15 @@ mod tests {
             let pose = RelativePose::new(&Pose::identity(), &placed, &position);
             let results = [true, false].map(|portable| {
                 let mut descent = Descent::new(&first, &second, &pose, 3.0);
-                let mut scratch = Scratch { stack: Vec::new(), batch: Batch::new() };
-                let met = if portable { descent.run_portable(&mut scratch) } else { descent.run(&mut scratch) };
+                let mut scratch = Scratch {
+                    stack: Vec::new(),
+                    batch: Batch::new(),
+                };
+                let met = if portable {
+                    descent.run_portable(&mut scratch)
+                } else {
+                    descent.run(&mut scratch)
+                };
                 (met, descent.bound().to_bits())
             });
             assert_eq!(results[0], results[1]);

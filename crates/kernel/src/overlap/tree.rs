@@ -1,4 +1,5 @@
-//! The tree of bounding discs over the triangles of a body: eight children per node, stored lane by lane.
+//! The tree of bounding discs over the triangles of a body: eight children per node, stored lane by
+//! lane.
 
 use super::disc::Disc;
 use super::lanes::{DiscBlock, WIDTH};
@@ -23,11 +24,18 @@ pub(super) struct DiscTree {
 
 impl DiscTree {
     pub fn new(mesh: &TriangleMesh) -> Self {
-        let corners: Vec<[Vec3; 3]> = (0..mesh.triangles.len()).map(|triangle| mesh.corners(triangle)).collect();
-        let mut builder = Builder { corners, nodes: Vec::new() };
+        let corners: Vec<[Vec3; 3]> = (0..mesh.triangles.len())
+            .map(|triangle| mesh.corners(triangle))
+            .collect();
+        let mut builder = Builder {
+            corners,
+            nodes: Vec::new(),
+        };
         let mut triangles: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
         builder.build(&mut triangles);
-        Self { nodes: builder.nodes }
+        Self {
+            nodes: builder.nodes,
+        }
     }
 
     pub fn root(&self) -> u32 {
@@ -45,13 +53,22 @@ impl Builder {
     fn build(&mut self, triangles: &mut [u32]) -> u32 {
         let is_leaf = triangles.len() <= WIDTH;
         let (children, discs): (Vec<u32>, Vec<Disc>) = if is_leaf {
-            triangles.iter().map(|&t| (t, Disc::around_triangle(&self.corners[t as usize]))).unzip()
+            triangles
+                .iter()
+                .map(|&t| (t, Disc::around_triangle(&self.corners[t as usize])))
+                .unzip()
         } else {
             let parts = fan_out(triangles.len());
             let children = self.build_parts(triangles, parts);
-            children.into_iter().map(|node| (node, self.nodes[node as usize].bound)).unzip()
+            children
+                .into_iter()
+                .map(|node| (node, self.nodes[node as usize].bound))
+                .unzip()
         };
-        let corners: Vec<[Vec3; 3]> = triangles.iter().map(|&t| self.corners[t as usize]).collect();
+        let corners: Vec<[Vec3; 3]> = triangles
+            .iter()
+            .map(|&t| self.corners[t as usize])
+            .collect();
         self.nodes.push(Node {
             discs: DiscBlock::of(&discs),
             children: std::array::from_fn(|lane| children.get(lane).copied().unwrap_or(u32::MAX)),
@@ -71,7 +88,9 @@ impl Builder {
         triangles.sort_by(|left, right| height(left).total_cmp(&height(right)));
         let left_parts = parts / 2;
         // Whole leaves on the left, so that lanes are not wasted.
-        let cut = (triangles.len() * left_parts / parts).next_multiple_of(WIDTH).min(triangles.len() - 1);
+        let cut = (triangles.len() * left_parts / parts)
+            .next_multiple_of(WIDTH)
+            .min(triangles.len() - 1);
         let (left, right) = triangles.split_at_mut(cut);
         let mut children = self.build_parts(left, left_parts);
         children.extend(self.build_parts(right, parts - left_parts));
@@ -80,10 +99,15 @@ impl Builder {
 
     /// The principal axis of the largest spread of the triangles' centres.
     fn longest_axis(&self, triangles: &[u32]) -> Vec3 {
-        let centres: Vec<Vec3> =
-            triangles.iter().map(|&t| self.corners[t as usize].iter().sum::<Vec3>() / 3.0).collect();
+        let centres: Vec<Vec3> = triangles
+            .iter()
+            .map(|&t| self.corners[t as usize].iter().sum::<Vec3>() / 3.0)
+            .collect();
         let mean = centres.iter().sum::<Vec3>() / centres.len() as f64;
-        let spread: nalgebra::Matrix3<f64> = centres.iter().map(|c| (c - mean) * (c - mean).transpose()).sum();
+        let spread: nalgebra::Matrix3<f64> = centres
+            .iter()
+            .map(|c| (c - mean) * (c - mean).transpose())
+            .sum();
         let eigen = spread.symmetric_eigen();
         eigen.eigenvectors.column(eigen.eigenvalues.imax()).into()
     }

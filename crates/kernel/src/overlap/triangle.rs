@@ -6,11 +6,12 @@ use robust::{Coord, Coord3D};
 /// Three corners, Å.
 pub(super) type Triangle = [Vec3; 3];
 
-/// Whether two closed triangles have a point in common, decided exactly for the coordinates given: all signs come from
-/// adaptive exact predicates (Shewchuk, Discrete Comput. Geom. 18, 305 (1997)).
+/// Whether two closed triangles have a point in common, decided exactly for the coordinates given:
+/// all signs come from adaptive exact predicates (Shewchuk, Discrete Comput. Geom. 18, 305 (1997)).
 ///
-/// Two triangles in different planes meet if and only if an edge of one meets the other; the test of the six edges
-/// also settles coplanar triangles, but for one that holds the other, where any corner tells.
+/// Two triangles in different planes meet if and only if an edge of one meets the other; the test
+/// of the six edges also settles coplanar triangles, but for one that holds the other, where any
+/// corner tells.
 pub(super) fn triangles_intersect(first: &Triangle, second: &Triangle) -> bool {
     if clearly_on_one_side(first, second) || clearly_on_one_side(second, first) {
         return false;
@@ -30,8 +31,8 @@ pub(super) fn triangles_intersect(first: &Triangle, second: &Triangle) -> bool {
         || (0..3).any(|i| edge_meets_triangle(first, sides_of_first, i, second))
 }
 
-/// Whether all points lie on one side of a triangle's plane beyond any doubt of rounding: the error of each height is
-/// within some tens of roundings of the product of the lengths.
+/// Whether all points lie on one side of a triangle's plane beyond any doubt of rounding: the error
+/// of each height is within some tens of roundings of the product of the lengths.
 fn clearly_on_one_side([a, b, c]: &Triangle, points: &Triangle) -> bool {
     let normal = (b - a).cross(&(c - a));
     let [p, q, r] = points.each_ref().map(|point| (point - a).dot(&normal));
@@ -43,8 +44,17 @@ fn clearly_on_one_side([a, b, c]: &Triangle, points: &Triangle) -> bool {
 
 /// Sign of the orientation of (a, b, c, d): on which side of the plane (a, b, c) the point d lies.
 pub(super) fn orientation(a: &Vec3, b: &Vec3, c: &Vec3, d: &Vec3) -> i8 {
-    let coordinates = |p: &Vec3| Coord3D { x: p.x, y: p.y, z: p.z };
-    sign(robust::orient3d(coordinates(a), coordinates(b), coordinates(c), coordinates(d)))
+    let coordinates = |p: &Vec3| Coord3D {
+        x: p.x,
+        y: p.y,
+        z: p.z,
+    };
+    sign(robust::orient3d(
+        coordinates(a),
+        coordinates(b),
+        coordinates(c),
+        coordinates(d),
+    ))
 }
 
 fn sides_of_plane([a, b, c]: &Triangle, points: &Triangle) -> [i8; 3] {
@@ -55,8 +65,8 @@ fn on_one_side(sides: [i8; 3]) -> bool {
     sides == [1; 3] || sides == [-1; 3]
 }
 
-/// Whether edge `i` (from corner i to the next) of a triangle meets another triangle; `sides` are the sides of the
-/// other's plane on which the corners lie.
+/// Whether edge `i` (from corner i to the next) of a triangle meets another triangle; `sides` are
+/// the sides of the other's plane on which the corners lie.
 fn edge_meets_triangle(owner: &Triangle, sides: [i8; 3], i: usize, other: &Triangle) -> bool {
     let j = (i + 1) % 3;
     let (p, q) = (&owner[i], &owner[j]);
@@ -67,10 +77,14 @@ fn edge_meets_triangle(owner: &Triangle, sides: [i8; 3], i: usize, other: &Trian
     }
 }
 
-/// Whether the line through p and q, which crosses or touches the triangle's plane in one point, passes through the
-/// closed triangle: the three edges are not on different sides of it.
+/// Whether the line through p and q, which crosses or touches the triangle's plane in one point,
+/// passes through the closed triangle: the three edges are not on different sides of it.
 fn line_meets_triangle(p: &Vec3, q: &Vec3, [a, b, c]: &Triangle) -> bool {
-    let turns = [orientation(p, q, a, b), orientation(p, q, b, c), orientation(p, q, c, a)];
+    let turns = [
+        orientation(p, q, a, b),
+        orientation(p, q, b, c),
+        orientation(p, q, c, a),
+    ];
     !(turns.contains(&1) && turns.contains(&-1))
 }
 
@@ -79,8 +93,8 @@ fn coplanar_triangles_intersect(first: &Triangle, second: &Triangle) -> bool {
         || (0..3).any(|i| coplanar_segment_meets_triangle(&first[i], &first[(i + 1) % 3], second))
 }
 
-/// A closed segment and a closed triangle in one plane. A triangle without area counts for nothing here: all its points
-/// lie on edges of its neighbours.
+/// A closed segment and a closed triangle in one plane. A triangle without area counts for nothing
+/// here: all its points lie on edges of its neighbours.
 fn coplanar_segment_meets_triangle(p: &Vec3, q: &Vec3, triangle: &Triangle) -> bool {
     let Some(dropped) = (0..3).find(|&axis| {
         let [a, b, c] = triangle.each_ref().map(|corner| shadow(corner, axis));
@@ -107,7 +121,10 @@ fn segments_meet(p: Coord<f64>, q: Coord<f64>, a: Coord<f64>, b: Coord<f64>) -> 
 
 /// The shadow of a point along a coordinate axis.
 fn shadow(point: &Vec3, axis: usize) -> Coord<f64> {
-    Coord { x: point[(axis + 1) % 3], y: point[(axis + 2) % 3] }
+    Coord {
+        x: point[(axis + 1) % 3],
+        y: point[(axis + 2) % 3],
+    }
 }
 
 /// Sign of the turn from a over b to c.

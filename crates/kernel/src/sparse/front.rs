@@ -1,8 +1,9 @@
 //! Dense work on one front: the columns of a supernode with all rows they reach.
 //!
-//! A front has m rows, the first k of which are its own columns. L is kept by tiles of eight rows; a tile holds eight
-//! numbers for column 0, eight for column 1, and so on, up to column k or the last one that reaches below the diagonal. So
-//! every inner loop reads one tile from end to end, eight rows at a time:
+//! A front has m rows, the first k of which are its own columns. L is kept by tiles of eight rows;
+//! a tile holds eight numbers for column 0, eight for column 1, and so on, up to column k or the
+//! last one that reaches below the diagonal. So every inner loop reads one tile from end to end,
+//! eight rows at a time:
 //!
 //! ```text
 //! tile 0:  columns 0..8     strictly lower triangle, zeros above it and on the diagonal
@@ -10,11 +11,12 @@
 //! tile t:  columns 0..k     full
 //! ```
 //!
-//! When a front is done, the triangle T at the end of a diagonal tile (with ones on the diagonal, and for rows below the
-//! front's own) gives way to T⁻¹ less its diagonal, so that solutions need no recurrence.
+//! When a front is done, the triangle T at the end of a diagonal tile (with ones on the diagonal,
+//! and for rows below the front's own) gives way to T⁻¹ less its diagonal, so that solutions need
+//! no recurrence.
 //!
-//! What is left for the rows k to m, S = A' - L D Lᵀ, is kept by columns, its rows counted from the tile that holds row k.
-//! No fused operations: every processor gives the same bits.
+//! What is left for the rows k to m, S = A' - L D Lᵀ, is kept by columns, its rows counted from the
+//! tile that holds row k. No fused operations: every processor gives the same bits.
 
 // Loops over lanes are written by index, alike on both sides; so they vectorise.
 #![allow(clippy::needless_range_loop)]
@@ -82,7 +84,9 @@ type Packed = [f64; BLOCK];
 #[inline(always)]
 fn columns_of(panel: &[f64], shape: Shape, tile: usize) -> &[Tile] {
     let start = shape.tile_start(tile);
-    panel[start..start + LANES * shape.width(tile)].as_chunks().0
+    panel[start..start + LANES * shape.width(tile)]
+        .as_chunks()
+        .0
 }
 
 /// Σ over columns of tile · row, for T tiles of eight rows and four columns to come.
@@ -103,8 +107,8 @@ fn accumulate<const T: usize>(tiles: [&[Tile]; T], packed: &[Packed]) -> [[Tile;
     sum
 }
 
-/// Factors the columns of a front. `own` gives the diagonal entry of each column before any elimination; pivots and
-/// their reciprocals are returned in `pivots` and `inverse`.
+/// Factors the columns of a front. `own` gives the diagonal entry of each column before any
+/// elimination; pivots and their reciprocals are returned in `pivots` and `inverse`.
 ///
 /// # Errors
 /// The column whose pivot is not safely positive, and the pivot.
@@ -136,7 +140,9 @@ pub(super) fn factor_panel(
             let [sum] = accumulate([columns_of(panel, shape, tile)], packed);
             let start = shape.tile_start(tile) + LANES * first;
             let mut value = [[0.0; LANES]; BLOCK];
-            let targets = panel[start..start + LANES * count].as_chunks_mut::<LANES>().0;
+            let targets = panel[start..start + LANES * count]
+                .as_chunks_mut::<LANES>()
+                .0;
             for c in 0..count {
                 for l in 0..LANES {
                     value[c][l] = targets[c][l] - sum[c][l];
@@ -184,7 +190,13 @@ pub(super) fn factor_panel(
 
 /// Writes -L D Lᵀ of the rows below the front's own into `left`.
 #[inline(always)]
-pub(super) fn start_left(panel: &[f64], shape: Shape, pivots: &[f64], left: &mut [f64], packed: &mut Vec<Packed>) {
+pub(super) fn start_left(
+    panel: &[f64],
+    shape: Shape,
+    pivots: &[f64],
+    left: &mut [f64],
+    packed: &mut Vec<Packed>,
+) {
     let (stride, tiles, base) = (shape.left_stride(), shape.tiles(), shape.first_left_tile());
     for first in (shape.columns..shape.height).step_by(BLOCK) {
         let count = BLOCK.min(shape.height - first);
@@ -192,14 +204,24 @@ pub(super) fn start_left(panel: &[f64], shape: Shape, pivots: &[f64], left: &mut
         packed.resize(shape.columns, [0.0; BLOCK]);
         for c in 0..count {
             let row = first + c;
-            for ((out, tile), pivot) in packed.iter_mut().zip(columns_of(panel, shape, row / LANES)).zip(pivots) {
+            for ((out, tile), pivot) in packed
+                .iter_mut()
+                .zip(columns_of(panel, shape, row / LANES))
+                .zip(pivots)
+            {
                 out[c] = tile[row % LANES] * pivot;
             }
         }
         let block = &mut left[(first - shape.columns) * stride..][..count * stride];
         let mut tile = first / LANES;
         while tile + 2 <= tiles {
-            let sum = accumulate([columns_of(panel, shape, tile), columns_of(panel, shape, tile + 1)], packed);
+            let sum = accumulate(
+                [
+                    columns_of(panel, shape, tile),
+                    columns_of(panel, shape, tile + 1),
+                ],
+                packed,
+            );
             for (t, sum) in sum.iter().enumerate() {
                 store(block, stride, tile + t - base, sum);
             }
@@ -221,13 +243,16 @@ fn store(block: &mut [f64], stride: usize, tile: usize, sum: &[Tile; BLOCK]) {
     }
 }
 
-/// Inverts the triangle of every diagonal tile. With T = 1 + L, the columns of V = T⁻¹ are V_c = e_c - Σ_{j>c} V_j L_jc.
+/// Inverts the triangle of every diagonal tile. With T = 1 + L, the columns of V = T⁻¹ are V_c =
+/// e_c - Σ_{j>c} V_j L_jc.
 #[inline(always)]
 pub(super) fn invert_triangles(panel: &mut [f64], shape: Shape) {
     for tile in 0..shape.columns.div_ceil(LANES) {
         let start = shape.tile_start(tile) + LANES * LANES * tile;
         let count = LANES.min(shape.columns - LANES * tile);
-        let columns = panel[start..start + LANES * count].as_chunks_mut::<LANES>().0;
+        let columns = panel[start..start + LANES * count]
+            .as_chunks_mut::<LANES>()
+            .0;
         let mut inverse = [[0.0; LANES]; LANES];
         for c in (0..LANES).rev() {
             if let Some(column) = columns.get_mut(c) {
@@ -280,7 +305,9 @@ pub(super) fn solve_forward(panel: &[f64], shape: Shape, t: &mut [Tile]) {
     let below = &panel[shape.tile_start(tile)..shape.panel_size()];
     let mut below = below.as_chunks::<LANES>().0.chunks_exact(k);
     while rest.len() >= 4 {
-        if let (Some(a), Some(b), Some(c), Some(d)) = (below.next(), below.next(), below.next(), below.next()) {
+        if let (Some(a), Some(b), Some(c), Some(d)) =
+            (below.next(), below.next(), below.next(), below.next())
+        {
             let sum = combine([a, b, c, d], known);
             for sum in sum {
                 subtract(rest.next(), &sum);
@@ -331,7 +358,8 @@ pub(super) fn solve_backward(panel: &[f64], shape: Shape, t: &mut [Tile], sums: 
     while below.len() >= 4 {
         let tiles = (below.next(), below.next(), below.next(), below.next());
         if let (Some(a), Some(b), Some(c), Some(d)) = tiles
-            && let (Some(e), Some(f), Some(g), Some(h)) = (rest.next(), rest.next(), rest.next(), rest.next())
+            && let (Some(e), Some(f), Some(g), Some(h)) =
+                (rest.next(), rest.next(), rest.next(), rest.next())
         {
             spread([a, b, c, d], [e, f, g, h], sums);
         }

@@ -23,8 +23,8 @@ pub enum SparseError {
     },
 }
 
-/// L D Lᵀ of a symmetric positive definite matrix with a fixed pattern, by the multifrontal method with supernodes (Duff
-/// and Reid, ACM Trans. Math. Softw. 9, 302 (1983)).
+/// L D Lᵀ of a symmetric positive definite matrix with a fixed pattern, by the multifrontal method
+/// with supernodes (Duff and Reid, ACM Trans. Math. Softw. 9, 302 (1983)).
 ///
 /// Results are the same on every processor, and do not depend on what was factored before.
 ///
@@ -60,8 +60,9 @@ struct Numbers {
 }
 
 impl LdlFactor {
-    /// Prepares for matrices of this dimension with entries at these places of the lower triangle (row ≥ column), each
-    /// place once, every diagonal place among them. `places` says where each unknown is, for the order of elimination.
+    /// Prepares for matrices of this dimension with entries at these places of the lower triangle
+    /// (row ≥ column), each place once, every diagonal place among them. `places` says where each
+    /// unknown is, for the order of elimination.
     pub fn new(dimension: usize, entries: &[(usize, usize)], places: &[[f64; 3]]) -> Self {
         let symbolic = Symbolic::new(dimension, entries, places);
         let numbers = Numbers {
@@ -94,8 +95,11 @@ impl LdlFactor {
     /// Multiplications (each with an addition) of one factorisation.
     pub fn multiplications(&self) -> f64 {
         let of_column = |below: usize| below as f64 * (below as f64 + 1.0) / 2.0;
-        let of_front =
-            |front: &Front| (1..=front.shape.columns).map(|j| of_column(front.shape.height - j)).sum::<f64>();
+        let of_front = |front: &Front| {
+            (1..=front.shape.columns)
+                .map(|j| of_column(front.shape.height - j))
+                .sum::<f64>()
+        };
         self.symbolic.fronts.iter().map(of_front).sum()
     }
 
@@ -107,14 +111,17 @@ impl LdlFactor {
     /// Factors the matrix with these numbers, in the order of the entries given at the start.
     ///
     /// # Errors
-    /// [`SparseError::Dependent`] names the row whose pivot vanishes; [`SparseError::NotFinite`] a row with a number that
-    /// is not finite. The factor must not be used then.
+    /// [`SparseError::Dependent`] names the row whose pivot vanishes; [`SparseError::NotFinite`] a
+    /// row with a number that is not finite. The factor must not be used then.
     pub fn factor(&mut self, numbers: &[f64]) -> Result<(), SparseError> {
         let result = factor(&self.symbolic, &mut self.numbers, numbers);
         result.map_err(|(step, pivot, own)| {
             let row = self.symbolic.order[step] as usize;
             if pivot.is_finite() && own.is_finite() {
-                SparseError::Dependent { row, pivot: pivot / own }
+                SparseError::Dependent {
+                    row,
+                    pivot: pivot / own,
+                }
             } else {
                 SparseError::NotFinite { row }
             }
@@ -189,10 +196,18 @@ fn solve_avx2(symbolic: &Symbolic, work: &mut Numbers, b: &mut [f64]) {
     solve_fronts(symbolic, work, b);
 }
 
-/// Front by front: entries of A and what the children left, then the front's own columns, then what it leaves.
+/// Front by front: entries of A and what the children left, then the front's own columns, then what
+/// it leaves.
 #[inline(always)]
 fn factor_fronts(symbolic: &Symbolic, work: &mut Numbers, numbers: &[f64]) -> Result<(), BadPivot> {
-    let Numbers { values, pivots, inverse, left, packed, .. } = work;
+    let Numbers {
+        values,
+        pivots,
+        inverse,
+        left,
+        packed,
+        ..
+    } = work;
     for front in &symbolic.fronts {
         let shape = front.shape;
         let panel = &mut values[front.values..front.values + shape.panel_size()];
@@ -202,7 +217,13 @@ fn factor_fronts(symbolic: &Symbolic, work: &mut Numbers, numbers: &[f64]) -> Re
         }
         let children = &symbolic.children[front.children.0..front.children.1];
         for child in children {
-            add_to_panel(symbolic, &symbolic.fronts[*child as usize], shape.columns, left, panel);
+            add_to_panel(
+                symbolic,
+                &symbolic.fronts[*child as usize],
+                shape.columns,
+                left,
+                panel,
+            );
         }
         let own_columns = front.first..front.first + shape.columns;
         let own = |column: usize| numbers[symbolic.diagonal[front.first + column] as usize];
@@ -221,9 +242,16 @@ fn factor_fronts(symbolic: &Symbolic, work: &mut Numbers, numbers: &[f64]) -> Re
     Ok(())
 }
 
-/// The rows of a child that are the parent's own: what the child left there goes to the parent's tiles.
+/// The rows of a child that are the parent's own: what the child left there goes to the parent's
+/// tiles.
 #[inline(always)]
-fn add_to_panel(symbolic: &Symbolic, child: &Front, columns: usize, left: &[f64], panel: &mut [f64]) {
+fn add_to_panel(
+    symbolic: &Symbolic,
+    child: &Front,
+    columns: usize,
+    left: &[f64],
+    panel: &mut [f64],
+) {
     let shape = child.shape;
     let seats = &symbolic.seats[child.rows..child.rows + shape.height - shape.columns];
     let (stride, skip) = (shape.left_stride(), shape.columns % LANES);
@@ -246,7 +274,10 @@ fn add_to_left(symbolic: &Symbolic, child: &Front, parent: &Front, left: &mut [f
     let seats = &symbolic.seats[child.rows..child.rows + shape.height - shape.columns];
     let (stride, skip) = (shape.left_stride(), shape.columns % LANES);
     let columns = parent.shape.columns;
-    let (parent_stride, base) = (parent.shape.left_stride(), LANES * parent.shape.first_left_tile());
+    let (parent_stride, base) = (
+        parent.shape.left_stride(),
+        LANES * parent.shape.first_left_tile(),
+    );
     let begin = seats.partition_point(|seat| (seat.row as usize) < columns);
     let (source, target) = if child.left < parent.left {
         let (low, high) = left.split_at_mut(parent.left);
@@ -257,7 +288,8 @@ fn add_to_left(symbolic: &Symbolic, child: &Front, parent: &Front, left: &mut [f
     };
     for at in begin..seats.len() {
         let column = &source[at * stride..(at + 1) * stride];
-        let target = &mut target[(seats[at].row as usize - columns) * parent_stride..][..parent_stride];
+        let target =
+            &mut target[(seats[at].row as usize - columns) * parent_stride..][..parent_stride];
         for (seat, value) in seats[at..].iter().zip(&column[skip + at..]) {
             target[seat.row as usize - base] += value;
         }
@@ -266,7 +298,14 @@ fn add_to_left(symbolic: &Symbolic, child: &Front, parent: &Front, left: &mut [f
 
 #[inline(always)]
 fn solve_fronts(symbolic: &Symbolic, work: &mut Numbers, b: &mut [f64]) {
-    let Numbers { values, inverse, permuted: x, seen, sums, .. } = work;
+    let Numbers {
+        values,
+        inverse,
+        permuted: x,
+        seen,
+        sums,
+        ..
+    } = work;
     for (target, unknown) in x.iter_mut().zip(&symbolic.order) {
         *target = b[*unknown as usize];
     }
@@ -301,7 +340,8 @@ fn solve_fronts(symbolic: &Symbolic, work: &mut Numbers, b: &mut [f64]) {
         }
         flat[shape.height..].fill(0.0);
         front::solve_backward(panel, shape, seen, sums);
-        x[front.first..front.first + shape.columns].copy_from_slice(&seen.as_flattened()[..shape.columns]);
+        x[front.first..front.first + shape.columns]
+            .copy_from_slice(&seen.as_flattened()[..shape.columns]);
     }
     for (value, unknown) in x.iter().zip(&symbolic.order) {
         b[*unknown as usize] = *value;
@@ -320,7 +360,9 @@ mod tests {
     fn solutions_are_those_of_dense_elimination() {
         let mut rng = CounterRng::new(5, 0, 0);
         for dimension in [1, 2, 7, 30, 90] {
-            let places: Vec<[f64; 3]> = (0..dimension).map(|_| rng.vector_in_ball(1.0).into()).collect();
+            let places: Vec<[f64; 3]> = (0..dimension)
+                .map(|_| rng.vector_in_ball(1.0).into())
+                .collect();
             let mut entries: Vec<(usize, usize)> = (0..dimension).map(|i| (i, i)).collect();
             for row in 1..dimension {
                 for column in 0..row {
@@ -334,7 +376,13 @@ mod tests {
             for _ in 0..2 {
                 let numbers: Vec<f64> = entries
                     .iter()
-                    .map(|(i, j)| if i == j { 12.0 + rng.uniform_in(0.0, 1.0) } else { rng.uniform_in(-1.0, 1.0) })
+                    .map(|(i, j)| {
+                        if i == j {
+                            12.0 + rng.uniform_in(0.0, 1.0)
+                        } else {
+                            rng.uniform_in(-1.0, 1.0)
+                        }
+                    })
                     .collect();
                 let mut dense = DMatrix::zeros(dimension, dimension);
                 for (&(i, j), number) in entries.iter().zip(&numbers) {
@@ -352,7 +400,8 @@ mod tests {
         }
     }
 
-    /// Nodes on a grid with `unknowns` each, coupled to their neighbours in all directions, around the edges along x.
+    /// Nodes on a grid with `unknowns` each, coupled to their neighbours in all directions, around
+    /// the edges along x.
     fn grid(size: [usize; 3], unknowns: usize) -> (Vec<(usize, usize)>, Vec<[f64; 3]>) {
         let node = |i: usize, j: usize, k: usize| (i * size[1] + j) * size[2] + k;
         let (mut entries, mut places) = (Vec::new(), Vec::new());
@@ -382,23 +431,42 @@ mod tests {
     }
 
     fn cells(size: [usize; 3]) -> impl Iterator<Item = (usize, usize, usize)> {
-        (0..size[0] * size[1] * size[2])
-            .map(move |index| (index / (size[1] * size[2]), index / size[2] % size[1], index % size[2]))
+        (0..size[0] * size[1] * size[2]).map(move |index| {
+            (
+                index / (size[1] * size[2]),
+                index / size[2] % size[1],
+                index % size[2],
+            )
+        })
     }
 
     #[test]
     fn planar_and_spatial_networks_are_solved_as_row_by_row() {
         let mut rng = CounterRng::new(6, 0, 0);
-        for (size, unknowns) in [([3, 1, 1], 1), ([23, 17, 1], 1), ([30, 41, 1], 2), ([7, 8, 9], 3), ([500, 1, 1], 3)] {
+        for (size, unknowns) in [
+            ([3, 1, 1], 1),
+            ([23, 17, 1], 1),
+            ([30, 41, 1], 2),
+            ([7, 8, 9], 3),
+            ([500, 1, 1], 3),
+        ] {
             let (entries, places) = grid(size, unknowns);
             let dimension = places.len();
             let mut factor = LdlFactor::new(dimension, &entries, &places);
             let mut twin = UpLooking::new(dimension, &entries, &places);
-            assert!(factor.fill() >= twin.fill() && factor.multiplications() > 0.0 && factor.fronts() <= dimension);
-            // A sum of squares of differences, weakly held in place: the smallest eigenvalues are near 0.01.
+            assert!(
+                factor.fill() >= twin.fill()
+                    && factor.multiplications() > 0.0
+                    && factor.fronts() <= dimension
+            );
+            // A sum of squares of differences, weakly held in place: the smallest eigenvalues are
+            // near 0.01.
             let mut numbers = vec![0.0; entries.len()];
             let mut own = vec![0.01; dimension];
-            for (&(row, column), number) in entries.iter().zip(&mut numbers).filter(|((row, column), _)| row != column)
+            for (&(row, column), number) in entries
+                .iter()
+                .zip(&mut numbers)
+                .filter(|((row, column), _)| row != column)
             {
                 let stiffness = rng.uniform_in(0.0, 1.0);
                 *number = -stiffness;
@@ -417,10 +485,17 @@ mod tests {
             factor.solve(&mut x);
             twin.solve(&mut y);
             let largest = y.iter().fold(0.0_f64, |largest, y| largest.max(y.abs()));
-            let worst = x.iter().zip(&y).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+            let worst = x
+                .iter()
+                .zip(&y)
+                .map(|(x, y)| (x - y).abs())
+                .fold(0.0, f64::max);
             assert!(worst < 1e-12 * largest, "{size:?}: {worst} of {largest}");
             let (found, expected) = (factor.log_determinant(), twin.log_determinant());
-            assert!((found - expected).abs() < 1e-13 * dimension as f64, "{size:?}: {found} {expected}");
+            assert!(
+                (found - expected).abs() < 1e-13 * dimension as f64,
+                "{size:?}: {found} {expected}"
+            );
             // The same bits again, whatever was factored in between.
             let other: Vec<f64> = numbers.iter().map(|number| 2.0 * number).collect();
             factor.factor(&other).unwrap();
@@ -435,11 +510,21 @@ mod tests {
     fn every_instruction_set_gives_the_same_bits() {
         let (entries, places) = grid([19, 14, 1], 2);
         let mut rng = CounterRng::new(7, 0, 0);
-        let numbers: Vec<f64> =
-            entries.iter().map(|(row, column)| if row == column { 25.0 } else { rng.uniform_in(-1.0, 1.0) }).collect();
+        let numbers: Vec<f64> = entries
+            .iter()
+            .map(|(row, column)| {
+                if row == column {
+                    25.0
+                } else {
+                    rng.uniform_in(-1.0, 1.0)
+                }
+            })
+            .collect();
         let mut factor = LdlFactor::new(places.len(), &entries, &places);
         factor.factor(&numbers).unwrap();
-        let mut x: Vec<f64> = (0..places.len()).map(|_| rng.uniform_in(-1.0, 1.0)).collect();
+        let mut x: Vec<f64> = (0..places.len())
+            .map(|_| rng.uniform_in(-1.0, 1.0))
+            .collect();
         let mut portable = x.clone();
         factor.solve(&mut x);
         factor_fronts(&factor.symbolic, &mut factor.numbers, &numbers).unwrap();
@@ -451,8 +536,14 @@ mod tests {
     fn a_dependent_row_is_named() {
         let mut factor = LdlFactor::new(2, &[(0, 0), (1, 0), (1, 1)], &[[0.0; 3]; 2]);
         let error = factor.factor(&[1.0, 2.0, 4.0]).unwrap_err();
-        assert!(matches!(error, SparseError::Dependent { row: 0 | 1, .. }), "{error}");
-        assert!(matches!(factor.factor(&[1.0, f64::NAN, 4.0]).unwrap_err(), SparseError::NotFinite { .. }));
+        assert!(
+            matches!(error, SparseError::Dependent { row: 0 | 1, .. }),
+            "{error}"
+        );
+        assert!(matches!(
+            factor.factor(&[1.0, f64::NAN, 4.0]).unwrap_err(),
+            SparseError::NotFinite { .. }
+        ));
         factor.factor(&[2.0, 1.0, 2.0]).unwrap();
     }
 }

@@ -5,14 +5,15 @@ const SMALLEST_PART: usize = 8;
 /// The smaller side of a cut holds at least this part of the unknowns.
 const SMALLEST_SIDE: f64 = 0.35;
 
-/// An order of elimination by nested dissection: the unknowns are cut in two along an axis, those on one side that have a
-/// neighbour on the other are the separator and come last, and each half is ordered likewise. For a planar network of n
-/// unknowns the factor has O(n log n) entries (George, SIAM J. Numer. Anal. 10, 345 (1973)). Of all cuts along all axes that
-/// leave neither side too small, the one with the smallest separator is taken.
+/// An order of elimination by nested dissection: the unknowns are cut in two along an axis, those
+/// on one side that have a neighbour on the other are the separator and come last, and each half is
+/// ordered likewise. For a planar network of n unknowns the factor has O(n log n) entries (George,
+/// SIAM J. Numer. Anal. 10, 345 (1973)). Of all cuts along all axes that leave neither side too
+/// small, the one with the smallest separator is taken.
 ///
-/// `neighbours[i]` lists the unknowns coupled to i, `places[i]` is where it is. Returns the unknowns in the order in which
-/// they are to be eliminated. Where the network is periodic, edges that go around are edges like any other, so the
-/// separators hold both of its sides.
+/// `neighbours[i]` lists the unknowns coupled to i, `places[i]` is where it is. Returns the
+/// unknowns in the order in which they are to be eliminated. Where the network is periodic, edges
+/// that go around are edges like any other, so the separators hold both of its sides.
 pub fn nested_dissection(neighbours: &[Vec<usize>], places: &[[f64; 3]]) -> Vec<usize> {
     // Depth first; a separator is emitted after both of its halves.
     enum Task {
@@ -57,12 +58,21 @@ struct Cut {
 }
 
 /// Both sides and the separator. `ranks` is `OUTSIDE` everywhere before and after.
-fn divide(mut part: Vec<usize>, neighbours: &[Vec<usize>], places: &[[f64; 3]], ranks: &mut [u32]) -> [Vec<usize>; 3] {
+fn divide(
+    mut part: Vec<usize>,
+    neighbours: &[Vec<usize>],
+    places: &[[f64; 3]],
+    ranks: &mut [u32],
+) -> [Vec<usize>; 3] {
     let mut best: Option<Cut> = None;
     let mut sorted_by = None;
     for axis in 0..3 {
         let first = part.first().map(|unknown| places[*unknown][axis]);
-        if part.iter().all(|unknown| Some(places[*unknown][axis]) == first) && (axis < 2 || best.is_some()) {
+        if part
+            .iter()
+            .all(|unknown| Some(places[*unknown][axis]) == first)
+            && (axis < 2 || best.is_some())
+        {
             continue;
         }
         sort(&mut part, axis, places, ranks);
@@ -72,7 +82,13 @@ fn divide(mut part: Vec<usize>, neighbours: &[Vec<usize>], places: &[[f64; 3]], 
             best = Some(cut);
         }
     }
-    let cut = best.unwrap_or(Cut { axis: 0, cut: part.len() / 2, separator: 0, far: false, price: 0.0 });
+    let cut = best.unwrap_or(Cut {
+        axis: 0,
+        cut: part.len() / 2,
+        separator: 0,
+        far: false,
+        price: 0.0,
+    });
     if sorted_by != Some(cut.axis) {
         sort(&mut part, cut.axis, places, ranks);
     }
@@ -84,7 +100,11 @@ fn divide(mut part: Vec<usize>, neighbours: &[Vec<usize>], places: &[[f64; 3]], 
     let mut parts = [Vec::new(), Vec::new(), Vec::with_capacity(cut.separator)];
     for (rank, unknown) in part.iter().enumerate() {
         let far = rank >= cut.cut;
-        let target = if far == cut.far && touches(*unknown) { 2 } else { usize::from(far) };
+        let target = if far == cut.far && touches(*unknown) {
+            2
+        } else {
+            usize::from(far)
+        };
         parts[target].push(*unknown);
     }
     for unknown in part {
@@ -94,20 +114,29 @@ fn divide(mut part: Vec<usize>, neighbours: &[Vec<usize>], places: &[[f64; 3]], 
 }
 
 fn sort(part: &mut [usize], axis: usize, places: &[[f64; 3]], ranks: &mut [u32]) {
-    part.sort_unstable_by(|a, b| places[*a][axis].total_cmp(&places[*b][axis]).then_with(|| a.cmp(b)));
+    part.sort_unstable_by(|a, b| {
+        places[*a][axis]
+            .total_cmp(&places[*b][axis])
+            .then_with(|| a.cmp(b))
+    });
     for (rank, unknown) in part.iter().enumerate() {
         ranks[*unknown] = rank as u32;
     }
 }
 
-/// The cheapest cut of a part that is sorted along the axis. An unknown is in the near separator of all cuts above its own
-/// rank and up to the largest rank of its neighbours, so that sums of differences give the separators of all cuts at once.
+/// The cheapest cut of a part that is sorted along the axis. An unknown is in the near separator of
+/// all cuts above its own rank and up to the largest rank of its neighbours, so that sums of
+/// differences give the separators of all cuts at once.
 fn best_cut(part: &[usize], axis: usize, neighbours: &[Vec<usize>], ranks: &[u32]) -> Cut {
     let count = part.len();
     let mut changes = vec![[0_i32; 2]; count + 2];
     for (rank, unknown) in part.iter().enumerate() {
         let (mut low, mut high) = (rank, rank);
-        for other in neighbours[*unknown].iter().map(|other| ranks[*other]).filter(|other| *other != OUTSIDE) {
+        for other in neighbours[*unknown]
+            .iter()
+            .map(|other| ranks[*other])
+            .filter(|other| *other != OUTSIDE)
+        {
             low = low.min(other as usize);
             high = high.max(other as usize);
         }
@@ -116,7 +145,13 @@ fn best_cut(part: &[usize], axis: usize, neighbours: &[Vec<usize>], ranks: &[u32
         changes[low + 1][1] += 1;
         changes[rank + 1][1] -= 1;
     }
-    let mut best = Cut { axis, cut: count / 2, separator: count, far: false, price: f64::INFINITY };
+    let mut best = Cut {
+        axis,
+        cut: count / 2,
+        separator: count,
+        far: false,
+        price: f64::INFINITY,
+    };
     let mut sizes = [0_i32; 2];
     for (cut, change) in changes.iter().enumerate().take(count).skip(1) {
         sizes = [sizes[0] + change[0], sizes[1] + change[1]];
@@ -127,7 +162,13 @@ fn best_cut(part: &[usize], axis: usize, neighbours: &[Vec<usize>], ranks: &[u32
         for (size, far) in [(sizes[0], false), (sizes[1], true)] {
             let price = f64::from(size) * (1.0 + 2.0 * (0.5 - balance));
             if price < best.price {
-                best = Cut { axis, cut, separator: size as usize, far, price };
+                best = Cut {
+                    axis,
+                    cut,
+                    separator: size as usize,
+                    far,
+                    price,
+                };
             }
         }
     }

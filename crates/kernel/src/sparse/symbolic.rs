@@ -1,9 +1,9 @@
 //! What follows from the pattern alone: fronts, and where every number goes.
 //!
-//! Columns of L with the same rows below them form a supernode; its front (see `front`) takes the entries of A in its
-//! columns and what its children in the tree of supernodes left over (multifrontal method: Duff and Reid, ACM Trans. Math.
-//! Softw. 9, 302 (1983)). A child joins its parent where the work on the zeros this brings is less than the cost of a
-//! front of its own.
+//! Columns of L with the same rows below them form a supernode; its front (see `front`) takes the
+//! entries of A in its columns and what its children in the tree of supernodes left over
+//! (multifrontal method: Duff and Reid, ACM Trans. Math. Softw. 9, 302 (1983)). A child joins its
+//! parent where the work on the zeros this brings is less than the cost of a front of its own.
 
 use super::front::{BLOCK, LANES, Shape};
 use super::nested_dissection;
@@ -63,7 +63,8 @@ fn price(columns: usize, below: usize) -> f64 {
     let blocks = |x: f64| (x / BLOCK as f64).ceil();
     let tiles = |x: f64| (x / LANES as f64).ceil();
     let multiplications = k * k * (k / 3.0 + r) + k * r * r;
-    // Overhead, columns, tiles begun, arithmetic, children's numbers added, five passes over L and back.
+    // Overhead, columns, tiles begun, arithmetic, children's numbers added, five passes over L and
+    // back.
     60.0 + 8.0 * k
         + 3.0 * (blocks(k) + blocks(r)) * tiles(k + r)
         + 0.08 * multiplications
@@ -98,7 +99,12 @@ impl Symbolic {
         Self::fill(order, &step_of, &nodes, entries)
     }
 
-    fn fill(order: Vec<u32>, step_of: &[usize], nodes: &[Node], entries: &[(usize, usize)]) -> Self {
+    fn fill(
+        order: Vec<u32>,
+        step_of: &[usize],
+        nodes: &[Node],
+        entries: &[(usize, usize)],
+    ) -> Self {
         let dimension = order.len();
         // Entries by column of L: (row, entry).
         let mut starts = vec![0_usize; dimension + 1];
@@ -148,13 +154,21 @@ impl Symbolic {
                 .collect();
             for child in &children[index] {
                 let child = &symbolic.fronts[*child as usize];
-                let rows = &symbolic.rows[child.rows..child.rows + child.shape.height - child.shape.columns];
+                let rows = &symbolic.rows
+                    [child.rows..child.rows + child.shape.height - child.shape.columns];
                 below.extend(rows.iter().filter(|row| **row as usize >= end));
             }
             below.sort_unstable();
             below.dedup();
-            let shape = Shape { columns, height: columns + below.len() };
-            for (at, step) in (first..end).map(|step| step as u32).chain(below.iter().copied()).enumerate() {
+            let shape = Shape {
+                columns,
+                height: columns + below.len(),
+            };
+            for (at, step) in (first..end)
+                .map(|step| step as u32)
+                .chain(below.iter().copied())
+                .enumerate()
+            {
                 local[step as usize] = at as u32;
             }
             let tile_place = |row: usize| shape.tile_start(row / LANES) + row % LANES;
@@ -169,7 +183,10 @@ impl Symbolic {
                 let child = &symbolic.fronts[*child as usize];
                 for at in child.rows..child.rows + child.shape.height - child.shape.columns {
                     let row = local[symbolic.rows[at] as usize];
-                    symbolic.seats[at] = Seat { row, tile: tile_place(row as usize) as u32 };
+                    symbolic.seats[at] = Seat {
+                        row,
+                        tile: tile_place(row as usize) as u32,
+                    };
                 }
             }
             let left = arena.take(shape.left_size());
@@ -177,7 +194,10 @@ impl Symbolic {
                 let child = &symbolic.fronts[*child as usize];
                 arena.give(child.left, child.shape.left_size());
             }
-            let child_range = (symbolic.children.len(), symbolic.children.len() + children[index].len());
+            let child_range = (
+                symbolic.children.len(),
+                symbolic.children.len() + children[index].len(),
+            );
             symbolic.children.append(&mut children[index]);
             if let Some(parent) = node.parent {
                 children[parent].push(index as u32);
@@ -191,7 +211,9 @@ impl Symbolic {
                 assembly: (assembled, symbolic.assembly.len()),
                 children: child_range,
             });
-            symbolic.seats.resize(symbolic.rows.len() + below.len(), Seat { row: 0, tile: 0 });
+            symbolic
+                .seats
+                .resize(symbolic.rows.len() + below.len(), Seat { row: 0, tile: 0 });
             symbolic.rows.append(&mut below);
             symbolic.values_size += shape.panel_size();
             symbolic.tallest = symbolic.tallest.max(shape.tiles());
@@ -202,9 +224,13 @@ impl Symbolic {
     }
 }
 
-/// The parent of each column in the elimination tree (the number of columns for roots), and the number of entries below
-/// the diagonal of each column of L.
-fn elimination_tree(order: &[usize], position: &[u32], neighbours: &[Vec<usize>]) -> (Vec<u32>, Vec<u32>) {
+/// The parent of each column in the elimination tree (the number of columns for roots), and the
+/// number of entries below the diagonal of each column of L.
+fn elimination_tree(
+    order: &[usize],
+    position: &[u32],
+    neighbours: &[Vec<usize>],
+) -> (Vec<u32>, Vec<u32>) {
     let none = order.len() as u32;
     let mut parent = vec![none; order.len()];
     let mut flag = vec![u32::MAX; order.len()];
@@ -238,7 +264,8 @@ struct Node {
 /// Supernodes, children before parents.
 fn amalgamate(parent: &[u32], counts: &[u32]) -> Vec<Node> {
     let dimension = parent.len();
-    // A column whose rows are those of its first child, less itself, continues that child's supernode.
+    // A column whose rows are those of its first child, less itself, continues that child's
+    // supernode.
     let mut node_of = vec![usize::MAX; dimension];
     let mut nodes: Vec<Node> = Vec::new();
     let mut continued = vec![usize::MAX; dimension];
@@ -253,7 +280,10 @@ fn amalgamate(parent: &[u32], counts: &[u32]) -> Vec<Node> {
         nodes[node].columns.push(column as u32);
         nodes[node].below = counts[column] as usize;
         let above = parent[column] as usize;
-        if above < dimension && counts[above] + 1 == counts[column] && continued[above] == usize::MAX {
+        if above < dimension
+            && counts[above] + 1 == counts[column]
+            && continued[above] == usize::MAX
+        {
             continued[above] = node;
         }
     }
@@ -263,7 +293,10 @@ fn amalgamate(parent: &[u32], counts: &[u32]) -> Vec<Node> {
     let mut by_last: Vec<usize> = (0..nodes.len()).collect();
     by_last.sort_by_key(|node| nodes[*node].columns.last().copied());
     for &node in &by_last {
-        let above = nodes[node].columns.last().map_or(dimension, |last| parent[*last as usize] as usize);
+        let above = nodes[node]
+            .columns
+            .last()
+            .map_or(dimension, |last| parent[*last as usize] as usize);
         match node_of.get(above) {
             Some(parent) => children[*parent].push(node),
             None => roots.push(node),
@@ -318,7 +351,11 @@ struct Arena {
 
 impl Arena {
     fn take(&mut self, length: usize) -> usize {
-        if let Some(at) = self.free.iter().position(|(start, end)| end - start >= length) {
+        if let Some(at) = self
+            .free
+            .iter()
+            .position(|(start, end)| end - start >= length)
+        {
             let start = self.free[at].0;
             self.free[at].0 += length;
             if self.free[at].0 == self.free[at].1 {
@@ -345,7 +382,11 @@ impl Arena {
         }
         let at = self.free.partition_point(|range| range.0 < start);
         self.free.insert(at, (start, start + length));
-        if self.free.get(at + 1).is_some_and(|next| next.0 == start + length) {
+        if self
+            .free
+            .get(at + 1)
+            .is_some_and(|next| next.0 == start + length)
+        {
             self.free[at].1 = self.free.remove(at + 1).1;
         }
         if at > 0 && self.free[at - 1].1 == start {

@@ -5,13 +5,15 @@ use super::{SparseError, nested_dissection};
 /// A pivot below this part of its diagonal entry counts as zero.
 const SMALLEST_PIVOT: f64 = 1e-13;
 
-/// L D Lᵀ of a symmetric positive definite matrix with a fixed pattern, by the up-looking method (Davis, ACM Trans. Math.
-/// Softw. 31, 587 (2005)): row k of L solves L(1..k-1) y = A(1..k-1, k), D and L follow by division.
+/// L D Lᵀ of a symmetric positive definite matrix with a fixed pattern, by the up-looking method
+/// (Davis, ACM Trans. Math. Softw. 31, 587 (2005)): row k of L solves L(1..k-1) y = A(1..k-1, k), D
+/// and L follow by division.
 #[derive(Debug, Clone)]
 pub(super) struct UpLooking {
     /// Which unknown is eliminated at each step.
     order: Vec<usize>,
-    /// Upper triangle of the permuted matrix by columns: rows, and where in the caller's list the number is.
+    /// Upper triangle of the permuted matrix by columns: rows, and where in the caller's list the
+    /// number is.
     upper_starts: Vec<usize>,
     upper: Vec<(u32, u32)>,
     /// The elimination tree; the length of the list for roots.
@@ -35,8 +37,9 @@ struct Workspace {
 }
 
 impl UpLooking {
-    /// Prepares for matrices of this dimension with entries at these places of the lower triangle (row ≥ column), each
-    /// place once, every diagonal place among them. `places` says where each unknown is, for the order of elimination.
+    /// Prepares for matrices of this dimension with entries at these places of the lower triangle
+    /// (row ≥ column), each place once, every diagonal place among them. `places` says where each
+    /// unknown is, for the order of elimination.
     pub(super) fn new(dimension: usize, entries: &[(usize, usize)], places: &[[f64; 3]]) -> Self {
         let mut neighbours = vec![Vec::new(); dimension];
         for &(row, column) in entries.iter().filter(|(row, column)| row != column) {
@@ -95,11 +98,17 @@ impl UpLooking {
     /// Factors the matrix with these numbers, in the order of the entries given at the start.
     ///
     /// # Errors
-    /// [`SparseError::Dependent`] names the row whose pivot vanishes; [`SparseError::NotFinite`] a row with a number that
-    /// is not finite. The factor must not be used then.
+    /// [`SparseError::Dependent`] names the row whose pivot vanishes; [`SparseError::NotFinite`] a
+    /// row with a number that is not finite. The factor must not be used then.
     pub(super) fn factor(&mut self, numbers: &[f64]) -> Result<(), SparseError> {
         let n = self.order.len();
-        let Workspace { y, flag, pattern, filled, .. } = &mut self.work;
+        let Workspace {
+            y,
+            flag,
+            pattern,
+            filled,
+            ..
+        } = &mut self.work;
         flag.fill(u32::MAX);
         filled.copy_from_slice(&self.starts[..n]);
         for k in 0..n {
@@ -146,8 +155,15 @@ impl UpLooking {
             if !positive {
                 y.fill(0.0);
                 let row = self.order[k];
-                let dependent = SparseError::Dependent { row, pivot: pivot / own };
-                return Err(if pivot.is_finite() { dependent } else { SparseError::NotFinite { row } });
+                let dependent = SparseError::Dependent {
+                    row,
+                    pivot: pivot / own,
+                };
+                return Err(if pivot.is_finite() {
+                    dependent
+                } else {
+                    SparseError::NotFinite { row }
+                });
             }
             self.diagonal[k] = pivot;
             self.inverse_diagonal[k] = 1.0 / pivot;
@@ -188,8 +204,13 @@ impl UpLooking {
     }
 }
 
-/// The parent of each column in the elimination tree, and the number of entries below the diagonal of each column of L.
-fn elimination_tree(dimension: usize, starts: &[usize], upper: &[(u32, u32)]) -> (Vec<u32>, Vec<usize>) {
+/// The parent of each column in the elimination tree, and the number of entries below the diagonal
+/// of each column of L.
+fn elimination_tree(
+    dimension: usize,
+    starts: &[usize],
+    upper: &[(u32, u32)],
+) -> (Vec<u32>, Vec<usize>) {
     let none = dimension as u32;
     let mut parent = vec![none; dimension];
     let mut flag = vec![u32::MAX; dimension];

@@ -1,5 +1,12 @@
-//! What the tests and benchmarks of overlap share: bumpy meshes, random poses, and the slow obvious oracle.
-#![allow(dead_code, missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+//! What the tests and benchmarks of overlap share: bumpy meshes, random poses, and the slow obvious
+//! oracle.
+#![allow(
+    dead_code,
+    missing_docs,
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic
+)]
 
 use protomer_kernel::{Pose, RelativePose, TriangleMesh, Vec3};
 use rand::rngs::SmallRng;
@@ -10,13 +17,28 @@ pub fn generator(seed: u64) -> SmallRng {
     SmallRng::seed_from_u64(seed)
 }
 
-/// An octahedron subdivided `level` times (8 · 4^level triangles) with its corners at distance `radius` of their
-/// direction.
+/// An octahedron subdivided `level` times (8 · 4^level triangles) with its corners at distance
+/// `radius` of their direction.
 pub fn star_mesh(level: usize, radius: impl Fn(&Vec3) -> f64) -> TriangleMesh {
-    let axes = [Vec3::x(), -Vec3::x(), Vec3::y(), -Vec3::y(), Vec3::z(), -Vec3::z()];
+    let axes = [
+        Vec3::x(),
+        -Vec3::x(),
+        Vec3::y(),
+        -Vec3::y(),
+        Vec3::z(),
+        -Vec3::z(),
+    ];
     let mut vertices = axes.to_vec();
-    let mut triangles: Vec<[u32; 3]> =
-        vec![[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
+    let mut triangles: Vec<[u32; 3]> = vec![
+        [0, 2, 4],
+        [2, 1, 4],
+        [1, 3, 4],
+        [3, 0, 4],
+        [2, 0, 5],
+        [1, 2, 5],
+        [3, 1, 5],
+        [0, 3, 5],
+    ];
     for _ in 0..level {
         let mut middles: HashMap<(u32, u32), u32> = HashMap::new();
         let mut middle = |a: u32, b: u32| {
@@ -33,16 +55,29 @@ pub fn star_mesh(level: usize, radius: impl Fn(&Vec3) -> f64) -> TriangleMesh {
             })
             .collect();
     }
-    TriangleMesh { vertices: vertices.iter().map(|v| v * radius(v)).collect(), triangles }
+    TriangleMesh {
+        vertices: vertices.iter().map(|v| v * radius(v)).collect(),
+        triangles,
+    }
 }
 
 /// A bumpy, nonconvex body of mean radius 10 Å, longer along z, different for each seed.
 pub fn bumpy_mesh(level: usize, seed: u64) -> TriangleMesh {
     let mut random = generator(seed);
     let waves: Vec<(Vec3, f64)> = (0..6)
-        .map(|_| (random_rotation_vector(&mut random) * 2.0, random.random_range(0.0..std::f64::consts::TAU)))
+        .map(|_| {
+            (
+                random_rotation_vector(&mut random) * 2.0,
+                random.random_range(0.0..std::f64::consts::TAU),
+            )
+        })
         .collect();
-    let bumps = |v: &Vec3| waves.iter().map(|(k, phase)| (3.0 * k.dot(v) + phase).sin()).sum::<f64>();
+    let bumps = |v: &Vec3| {
+        waves
+            .iter()
+            .map(|(k, phase)| (3.0 * k.dot(v) + phase).sin())
+            .sum::<f64>()
+    };
     star_mesh(level, |v| 10.0 + 0.8 * bumps(v) + 4.0 * v.z * v.z)
 }
 
@@ -72,19 +107,32 @@ pub fn random_orientation(random: &mut SmallRng) -> [f64; 4] {
 
 /// A random orientation at a distance along a random direction.
 pub fn random_pose(random: &mut SmallRng, distance: f64) -> RelativePose {
-    let second = Pose::from_wxyz(random_direction(random) * distance, random_orientation(random));
+    let second = Pose::from_wxyz(
+        random_direction(random) * distance,
+        random_orientation(random),
+    );
     RelativePose::new(&Pose::identity(), &second, &second.position)
 }
 
 /// The same pose with its translation scaled so that it is `extra` longer.
 pub fn pushed(pose: &RelativePose, extra: f64) -> RelativePose {
     let translation = pose.translation * (1.0 + extra / pose.translation.norm());
-    RelativePose { translation, ..*pose }
+    RelativePose {
+        translation,
+        ..*pose
+    }
 }
 
-/// Moves the second body along its translation to the outermost contact, to within 1e-12 Å: the pose just clear of it.
-pub fn brought_to_contact(pose: &RelativePose, overlap: impl Fn(&RelativePose) -> bool) -> RelativePose {
-    let at = |length: f64| RelativePose { translation: pose.translation.normalize() * length, ..*pose };
+/// Moves the second body along its translation to the outermost contact, to within 1e-12 Å: the
+/// pose just clear of it.
+pub fn brought_to_contact(
+    pose: &RelativePose,
+    overlap: impl Fn(&RelativePose) -> bool,
+) -> RelativePose {
+    let at = |length: f64| RelativePose {
+        translation: pose.translation.normalize() * length,
+        ..*pose
+    };
     let mut clear = 80.0;
     // Step inwards so as to find the outermost contact of nonconvex bodies.
     while clear > 0.5 && !overlap(&at(clear - 0.5)) {
@@ -96,19 +144,32 @@ pub fn brought_to_contact(pose: &RelativePose, overlap: impl Fn(&RelativePose) -
         if middle <= inside || middle >= clear {
             break;
         }
-        if overlap(&at(middle)) { inside = middle } else { clear = middle }
+        if overlap(&at(middle)) {
+            inside = middle
+        } else {
+            clear = middle
+        }
     }
     at(clear)
 }
 
-/// The slow obvious twin: every pair of triangles, then the winding number of a corner of every body.
-pub fn brute_force_overlaps(first: &TriangleMesh, second: &TriangleMesh, pose: &RelativePose) -> bool {
+/// The slow obvious twin: every pair of triangles, then the winding number of a corner of every
+/// body.
+pub fn brute_force_overlaps(
+    first: &TriangleMesh,
+    second: &TriangleMesh,
+    pose: &RelativePose,
+) -> bool {
     let moved = second.map_vertices(|vertex| pose.transform_point(vertex));
-    surfaces_intersect(first, &moved) || any_shell_inside(first, &moved) || any_shell_inside(&moved, first)
+    surfaces_intersect(first, &moved)
+        || any_shell_inside(first, &moved)
+        || any_shell_inside(&moved, first)
 }
 
 pub fn surfaces_intersect(first: &TriangleMesh, second: &TriangleMesh) -> bool {
-    let bounds: Vec<(Vec3, Vec3)> = (0..second.triangles.len()).map(|t| bounds(&second.corners(t))).collect();
+    let bounds: Vec<(Vec3, Vec3)> = (0..second.triangles.len())
+        .map(|t| bounds(&second.corners(t)))
+        .collect();
     (0..first.triangles.len()).any(|a| {
         let a = first.corners(a);
         let (low, high) = self::bounds(&a);
@@ -124,7 +185,8 @@ fn bounds(corners: &[Vec3; 3]) -> (Vec3, Vec3) {
     (a.inf(b).inf(c), a.sup(b).sup(c))
 }
 
-/// Whether an edge of one triangle passes through the other (Möller-Trumbore), for triangles in general position.
+/// Whether an edge of one triangle passes through the other (Möller-Trumbore), for triangles in
+/// general position.
 fn edges_cross(first: &[Vec3; 3], second: &[Vec3; 3]) -> bool {
     (0..3).any(|i| {
         segment_crosses(&first[i], &first[(i + 1) % 3], second)
@@ -155,7 +217,8 @@ fn any_shell_inside(mesh: &TriangleMesh, other: &TriangleMesh) -> bool {
     })
 }
 
-/// Turns of a closed mesh around a point: 1 inside, 0 outside. Solid angles by van Oosterom and Strackee (1983).
+/// Turns of a closed mesh around a point: 1 inside, 0 outside. Solid angles by van Oosterom and
+/// Strackee (1983).
 pub fn winding_number(mesh: &TriangleMesh, point: &Vec3) -> f64 {
     let solid_angle = |triangle: usize| {
         let [a, b, c] = mesh.corners(triangle).map(|corner| corner - point);
@@ -168,7 +231,11 @@ pub fn winding_number(mesh: &TriangleMesh, point: &Vec3) -> f64 {
 
 /// The same mesh for the library that serves as second oracle.
 pub fn parry_mesh(mesh: &TriangleMesh) -> parry3d_f64::shape::TriMesh {
-    let vertices = mesh.vertices.iter().map(|v| parry3d_f64::math::Vector::new(v.x, v.y, v.z)).collect();
+    let vertices = mesh
+        .vertices
+        .iter()
+        .map(|v| parry3d_f64::math::Vector::new(v.x, v.y, v.z))
+        .collect();
     parry3d_f64::shape::TriMesh::new(vertices, mesh.triangles.clone()).expect("a mesh")
 }
 
@@ -189,5 +256,7 @@ pub fn parry_intersects(
     pose: &RelativePose,
 ) -> bool {
     let origin = parry3d_f64::math::Pose::IDENTITY;
-    parry3d_f64::query::intersection_test(&origin, first, &parry_pose(pose), second).expect("supported").intersecting
+    parry3d_f64::query::intersection_test(&origin, first, &parry_pose(pose), second)
+        .expect("supported")
+        .intersecting
 }

@@ -23,7 +23,8 @@ pub enum Finishing {
     Pool,
 }
 
-/// The node: (B, C, D, H, W), (O, C, k, k, k) and (O) to (B, O, D', H', W'). One instance serves one call.
+/// The node: (B, C, D, H, W), (O, C, k, k, k) and (O) to (B, O, D', H', W'). One instance serves
+/// one call.
 #[derive(Debug)]
 pub struct Convolution {
     geometry: Geometry,
@@ -59,9 +60,17 @@ impl Convolution {
     ) -> crate::Result<Self> {
         let (_, channels, depth, height, width) = input.dims5()?;
         let (outputs, weight_channels, kernel, _, _) = weight.dims5()?;
-        let geometry = Geometry { channels, outputs, kernel, edges: [depth, height, width] };
+        let geometry = Geometry {
+            channels,
+            outputs,
+            kernel,
+            edges: [depth, height, width],
+        };
         geometry.check()?;
-        if weight_channels != channels || weight.elem_count() != geometry.weights() || bias.dims() != [outputs] {
+        if weight_channels != channels
+            || weight.elem_count() != geometry.weights()
+            || bias.dims() != [outputs]
+        {
             return Err(crate::LearnError::Settings(format!(
                 "weights {:?} and biases {:?} for grids of {channels} channels",
                 weight.dims(),
@@ -90,7 +99,9 @@ impl Convolution {
         bias: &Tensor,
     ) -> crate::Result<Tensor> {
         let node = Self::new(level, finishing, input, weight, bias)?;
-        Ok(input.contiguous()?.apply_op3(&weight.contiguous()?, &bias.contiguous()?, node)?)
+        Ok(input
+            .contiguous()?
+            .apply_op3(&weight.contiguous()?, &bias.contiguous()?, node)?)
     }
 
     /// The shape of the convolution.
@@ -116,12 +127,25 @@ impl Convolution {
         let (from, to) = (geometry.channels * geometry.voxels(), self.out_length());
         let samples = input.len() / from;
         let mut out = vec![0.0; samples * to];
-        let mut codes = vec![0; if self.finishing == Finishing::Pool { samples * to } else { 0 }];
+        let mut codes = vec![
+            0;
+            if self.finishing == Finishing::Pool {
+                samples * to
+            } else {
+                0
+            }
+        ];
         let run = |sample: &[f32], finish| self.forward_sample(sample, &packed, bias, finish);
-        let each = input.par_chunks_exact(from).zip(out.par_chunks_exact_mut(to.max(1)));
+        let each = input
+            .par_chunks_exact(from)
+            .zip(out.par_chunks_exact_mut(to.max(1)));
         let occupied = match self.finishing {
-            Finishing::Plain => each.map(|(sample, out)| run(sample, Finish::Plain(out))).collect(),
-            Finishing::Relu => each.map(|(sample, out)| run(sample, Finish::Relu(out))).collect(),
+            Finishing::Plain => each
+                .map(|(sample, out)| run(sample, Finish::Plain(out)))
+                .collect(),
+            Finishing::Relu => each
+                .map(|(sample, out)| run(sample, Finish::Relu(out)))
+                .collect(),
             Finishing::Pool => each
                 .zip(codes.par_chunks_exact_mut(to.max(1)))
                 .map(|((sample, out), codes)| run(sample, Finish::Pool(out, codes)))
@@ -130,7 +154,8 @@ impl Convolution {
         (out, Kept { codes, occupied })
     }
 
-    /// The forward pass of one sample with packed weights; gives which of its voxels hold anything, if few do.
+    /// The forward pass of one sample with packed weights; gives which of its voxels hold anything,
+    /// if few do.
     pub(super) fn forward_sample(
         &self,
         sample: &[f32],
@@ -142,7 +167,14 @@ impl Convolution {
         let input = Padded::new(geometry, sample, self.from_data);
         let mut scratch = Buffer::stale(forward::scratch_length(geometry));
         let bias = Some(bias);
-        self.level.run(Forward { geometry, input: &input, weights: packed, bias, finish, scratch: &mut scratch });
+        self.level.run(Forward {
+            geometry,
+            input: &input,
+            weights: packed,
+            bias,
+            finish,
+            scratch: &mut scratch,
+        });
         input.occupied
     }
 
@@ -154,7 +186,13 @@ impl Convolution {
         input_gradient: Option<&mut [f32]>,
     ) -> Gradients {
         let geometry = &self.geometry;
-        let Sample { input, result, gradient, codes, occupied } = sample;
+        let Sample {
+            input,
+            result,
+            gradient,
+            codes,
+            occupied,
+        } = sample;
         let (outputs, voxels) = (geometry.outputs, geometry.voxels());
         let masked = match self.finishing {
             Finishing::Relu => {
@@ -171,7 +209,9 @@ impl Convolution {
         let entries = match self.finishing {
             Finishing::Pool => {
                 let windows = (gradient.len() / outputs).max(1);
-                let channels = gradient.chunks_exact(windows).zip(codes.chunks_exact(windows));
+                let channels = gradient
+                    .chunks_exact(windows)
+                    .zip(codes.chunks_exact(windows));
                 for (bias, (gradient, codes)) in bias.iter_mut().zip(channels) {
                     *bias = sum_alive(gradient, codes) as f32;
                 }
@@ -182,24 +222,44 @@ impl Convolution {
                 for (bias, gradient) in bias.iter_mut().zip(gradient.chunks_exact(voxels)) {
                     *bias = super::sum(gradient) as f32;
                 }
-                let count = gradient.chunks(4096).map(|part| part.iter().map(|v| u32::from(*v != 0.0)).sum::<u32>());
+                let count = gradient
+                    .chunks(4096)
+                    .map(|part| part.iter().map(|v| u32::from(*v != 0.0)).sum::<u32>());
                 let count = count.map(|count| count as usize).sum();
                 sparse_pays(geometry, count).then(|| Entries::unpooled(geometry, gradient))
             }
         };
-        if let Some(entries) = entries.as_ref().filter(|entries| sparse_pays(geometry, entries.count())) {
+        if let Some(entries) = entries
+            .as_ref()
+            .filter(|entries| sparse_pays(geometry, entries.count()))
+        {
             let mut gradients = Buffer::stale(sparse::weights_length(geometry));
             let input = channel_last(geometry, input, occupied);
-            self.level.run(SparseWeights { geometry, input: &input, entries, weights: &mut gradients });
+            self.level.run(SparseWeights {
+                geometry,
+                input: &input,
+                entries,
+                weights: &mut gradients,
+            });
             drop(input);
             if let Some(to) = input_gradient {
                 let mut spread = Buffer::zeros(
-                    geometry.channels * geometry.padded_voxels() + crate::convolution::padded::slack(geometry),
+                    geometry.channels * geometry.padded_voxels()
+                        + crate::convolution::padded::slack(geometry),
                 );
-                self.level.run(SparseInput { geometry, input: &mut spread, entries, weights: weights.runs(geometry) });
+                self.level.run(SparseInput {
+                    geometry,
+                    input: &mut spread,
+                    entries,
+                    weights: weights.runs(geometry),
+                });
                 from_channel_last(geometry, &spread, to);
             }
-            return Gradients { weights: gradients, sparse: true, bias };
+            return Gradients {
+                weights: gradients,
+                sparse: true,
+                bias,
+            };
         }
         let full = entries.map(|entries| {
             let mut full = Buffer::zeros(outputs * voxels);
@@ -207,7 +267,8 @@ impl Convolution {
             full
         });
         let gradient = full.as_deref().unwrap_or(gradient);
-        let mut gradients = Buffer::zeros(geometry.channels * geometry.taps() * geometry.padded_outputs());
+        let mut gradients =
+            Buffer::zeros(geometry.channels * geometry.taps() * geometry.padded_outputs());
         let mut scratch = Buffer::stale(dense::scratch_length(geometry));
         let padded = Padded::new(geometry, input, self.from_data);
         self.level.run(DenseWeights {
@@ -231,7 +292,11 @@ impl Convolution {
                 scratch: &mut scratch,
             });
         }
-        Gradients { weights: gradients, sparse: false, bias }
+        Gradients {
+            weights: gradients,
+            sparse: false,
+            bias,
+        }
     }
 }
 
@@ -263,19 +328,23 @@ pub(super) struct Weights {
 
 impl Weights {
     fn runs(&self, geometry: &Geometry) -> &[f32] {
-        self.runs.get_or_init(|| sparse::pack(geometry, &self.plain))
+        self.runs
+            .get_or_init(|| sparse::pack(geometry, &self.plain))
     }
 
     fn transposed(&self, geometry: &Geometry) -> &[f32] {
-        self.transposed.get_or_init(|| geometry.pack_transposed(&self.plain))
+        self.transposed
+            .get_or_init(|| geometry.pack_transposed(&self.plain))
     }
 }
 
-/// Whether listing `entries` gradients is cheaper than using all: multiply-adds of vectors either way, those from the list
-/// counted twice because each loads a vector of its own. The answer does not depend on the processor.
+/// Whether listing `entries` gradients is cheaper than using all: multiply-adds of vectors either
+/// way, those from the list counted twice because each loads a vector of its own. The answer does
+/// not depend on the processor.
 fn sparse_pays(geometry: &Geometry, entries: usize) -> bool {
     let listed = 2 * entries * geometry.tap_rows() * sparse::run_length(geometry) / LANES;
-    let all = geometry.voxels() * geometry.taps() * geometry.channels * geometry.padded_outputs() / LANES;
+    let all =
+        geometry.voxels() * geometry.taps() * geometry.channels * geometry.padded_outputs() / LANES;
     listed < all
 }
 
@@ -294,14 +363,20 @@ impl CustomOp3 for Convolution {
         bias_layout: &Layout,
     ) -> Result<(CpuStorage, Shape)> {
         let input = contiguous(input, input_layout)?;
-        let (weight, bias) = (contiguous(weight, weight_layout)?, contiguous(bias, bias_layout)?);
+        let (weight, bias) = (
+            contiguous(weight, weight_layout)?,
+            contiguous(bias, bias_layout)?,
+        );
         let samples = input_layout.dims().first().copied().unwrap_or(0);
         let [depth, height, width] = self.out_edges();
         let (out, kept) = self.forward(input, weight, bias);
         if self.tracked && self.kept.set(kept).is_err() {
             bail!("a node of the graph was run twice");
         }
-        Ok((CpuStorage::F32(out), Shape::from((samples, self.geometry.outputs, depth, height, width))))
+        Ok((
+            CpuStorage::F32(out),
+            Shape::from((samples, self.geometry.outputs, depth, height, width)),
+        ))
     }
 
     fn bwd(
@@ -348,7 +423,11 @@ impl Convolution {
         let geometry = &self.geometry;
         let from = geometry.channels * geometry.voxels();
         let plain = with_slice(weight, |weight| Ok(weight.to_vec()))?;
-        let weights = Weights { plain, runs: OnceLock::new(), transposed: OnceLock::new() };
+        let weights = Weights {
+            plain,
+            runs: OnceLock::new(),
+            transposed: OnceLock::new(),
+        };
         let wanted = input.track_op();
         let mut input_gradient = vec![0.0; if wanted { input.elem_count() } else { 0 }];
         let found = with_slice(input, |input| {
@@ -358,17 +437,28 @@ impl Convolution {
             } else {
                 (0..samples).map(|_| None).collect()
             };
-            let each = parts.par_iter_mut().zip(input.par_chunks_exact(from)).enumerate();
-            Ok(each.map(|(i, (part, input))| of_sample(i, input, &weights, part.take())).collect::<Vec<_>>())
+            let each = parts
+                .par_iter_mut()
+                .zip(input.par_chunks_exact(from))
+                .enumerate();
+            Ok(each
+                .map(|(i, (part, input))| of_sample(i, input, &weights, part.take()))
+                .collect::<Vec<_>>())
         })?;
         // Summed in the order of the samples, whichever thread had them.
         let mut runs: Option<Buffer> = None;
         let mut packed: Option<Buffer> = None;
         let mut bias_gradient = vec![0.0; bias.elem_count()];
         for part in found {
-            bias_gradient.iter_mut().zip(&part.bias).for_each(|(sum, value)| *sum += value);
+            bias_gradient
+                .iter_mut()
+                .zip(&part.bias)
+                .for_each(|(sum, value)| *sum += value);
             match if part.sparse { &mut runs } else { &mut packed } {
-                Some(sum) => sum.iter_mut().zip(part.weights.iter()).for_each(|(sum, value)| *sum += value),
+                Some(sum) => sum
+                    .iter_mut()
+                    .zip(part.weights.iter())
+                    .for_each(|(sum, value)| *sum += value),
                 empty => *empty = Some(part.weights),
             }
         }
@@ -380,9 +470,17 @@ impl Convolution {
             geometry.add_unpacked(&packed, &mut weight_gradient);
         }
         let device = input.device();
-        let input_gradient = if wanted { Some(Tensor::from_vec(input_gradient, input.shape(), device)?) } else { None };
+        let input_gradient = if wanted {
+            Some(Tensor::from_vec(input_gradient, input.shape(), device)?)
+        } else {
+            None
+        };
         let weight_gradient = Tensor::from_vec(weight_gradient, weight.shape(), device)?;
-        Ok((input_gradient, Some(weight_gradient), Some(Tensor::from_vec(bias_gradient, bias.shape(), device)?)))
+        Ok((
+            input_gradient,
+            Some(weight_gradient),
+            Some(Tensor::from_vec(bias_gradient, bias.shape(), device)?),
+        ))
     }
 }
 

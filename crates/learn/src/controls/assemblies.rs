@@ -9,22 +9,27 @@ use std::f64::consts::{PI, TAU};
 /// Numbers of copies.
 pub(super) const COPIES: [usize; 5] = [1, 2, 3, 4, 6];
 
-/// `copies` of a blob of extent 1, each turned by 2π/copies about z from the one before, at a distance at which
-/// neighbours touch; of extent 1 again, so that size tells nothing.
+/// `copies` of a blob of extent 1, each turned by 2π/copies about z from the one before, at a
+/// distance at which neighbours touch; of extent 1 again, so that size tells nothing.
 pub(super) fn ring(blob: &Blob, copies: usize) -> Blob {
     let radius = match copies {
         1 => 0.0,
         _ => 0.6 / (PI / copies as f64).sin(),
     };
     let first = blob.shifted(&(Vec3::x() * radius));
-    let turn = |k: usize| Rotation::from_axis_angle(&Vec3::z_axis(), TAU * k as f64 / copies as f64);
-    let balls = (0..copies).flat_map(|k| first.turned(&turn(k)).balls).collect();
+    let turn =
+        |k: usize| Rotation::from_axis_angle(&Vec3::z_axis(), TAU * k as f64 / copies as f64);
+    let balls = (0..copies)
+        .flat_map(|k| first.turned(&turn(k)).balls)
+        .collect();
     Blob { balls }.with_extent(1.0)
 }
 
 /// A ring turned at random, in a box that it fills up to a margin of one voxel.
 pub(super) fn voxels(ring: &Blob, size: usize, random: &mut CounterRng) -> Vec<(u32, f32)> {
-    let turned = ring.turned(&random.rotation()).scaled(size as f64 / 2.0 - 1.0);
+    let turned = ring
+        .turned(&random.rotation())
+        .scaled(size as f64 / 2.0 - 1.0);
     filled(size, |p| turned.distance(p))
 }
 
@@ -39,10 +44,16 @@ mod tests {
         for copies in COPIES {
             let ring = ring(&blob, copies);
             assert!((ring.extent() - 1.0).abs() < 1e-12);
-            let turned = ring.turned(&Rotation::from_axis_angle(&Vec3::z_axis(), TAU / copies as f64));
+            let turned = ring.turned(&Rotation::from_axis_angle(
+                &Vec3::z_axis(),
+                TAU / copies as f64,
+            ));
             for _ in 0..100 {
                 let p = random.vector_in_ball(1.2);
-                assert!((ring.distance(&p) - turned.distance(&p)).abs() < 1e-9, "{copies}");
+                assert!(
+                    (ring.distance(&p) - turned.distance(&p)).abs() < 1e-9,
+                    "{copies}"
+                );
             }
         }
     }

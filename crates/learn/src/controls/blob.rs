@@ -11,7 +11,8 @@ pub(super) struct Blob {
 }
 
 impl Blob {
-    /// Balls grown one on another at random, of extent 1: the farthest point lies at the distance 1 from the origin.
+    /// Balls grown one on another at random, of extent 1: the farthest point lies at the distance 1
+    /// from the origin.
     pub(super) fn random(random: &mut CounterRng) -> Self {
         let mut balls = vec![(Vec3::zeros(), 1.0)];
         for _ in 0..7 + random.index(6) {
@@ -25,7 +26,10 @@ impl Blob {
     /// A rod along z with a rough surface, of extent 1.
     pub(super) fn rod(random: &mut CounterRng) -> Self {
         let ball = |i: i32, random: &mut CounterRng| {
-            (Vec3::z() * (0.6 * f64::from(i)) + random.vector_in_ball(0.3), random.uniform_in(0.8, 1.0))
+            (
+                Vec3::z() * (0.6 * f64::from(i)) + random.vector_in_ball(0.3),
+                random.uniform_in(0.8, 1.0),
+            )
         };
         let balls = (-4..=4).map(|i| ball(i, random)).collect();
         Self { balls }.centred().with_extent(1.0)
@@ -33,14 +37,22 @@ impl Blob {
 
     fn centred(mut self) -> Self {
         let volume: f64 = self.balls.iter().map(|(_, radius)| radius.powi(3)).sum();
-        let middle = self.balls.iter().map(|(middle, radius)| middle * radius.powi(3)).sum::<Vec3>() / volume;
+        let middle = self
+            .balls
+            .iter()
+            .map(|(middle, radius)| middle * radius.powi(3))
+            .sum::<Vec3>()
+            / volume;
         self.balls.iter_mut().for_each(|(at, _)| *at -= middle);
         self
     }
 
     /// Distance of the farthest point from the origin.
     pub(super) fn extent(&self) -> f64 {
-        self.balls.iter().map(|(middle, radius)| middle.norm() + radius).fold(0.0, f64::max)
+        self.balls
+            .iter()
+            .map(|(middle, radius)| middle.norm() + radius)
+            .fold(0.0, f64::max)
     }
 
     /// The same blob scaled to this extent.
@@ -50,22 +62,44 @@ impl Blob {
 
     /// The same blob scaled by a factor.
     pub(super) fn scaled(&self, factor: f64) -> Self {
-        Self { balls: self.balls.iter().map(|(middle, radius)| (middle * factor, radius * factor)).collect() }
+        Self {
+            balls: self
+                .balls
+                .iter()
+                .map(|(middle, radius)| (middle * factor, radius * factor))
+                .collect(),
+        }
     }
 
     /// The same blob turned about the origin.
     pub(super) fn turned(&self, rotation: &Rotation) -> Self {
-        Self { balls: self.balls.iter().map(|(middle, radius)| (rotation * middle, *radius)).collect() }
+        Self {
+            balls: self
+                .balls
+                .iter()
+                .map(|(middle, radius)| (rotation * middle, *radius))
+                .collect(),
+        }
     }
 
     /// The same blob shifted.
     pub(super) fn shifted(&self, by: &Vec3) -> Self {
-        Self { balls: self.balls.iter().map(|(middle, radius)| (middle + by, *radius)).collect() }
+        Self {
+            balls: self
+                .balls
+                .iter()
+                .map(|(middle, radius)| (middle + by, *radius))
+                .collect(),
+        }
     }
 
-    /// A lower bound of the distance to the surface outside, minus the depth below the nearest ball's surface inside.
+    /// A lower bound of the distance to the surface outside, minus the depth below the nearest
+    /// ball's surface inside.
     pub(super) fn distance(&self, p: &Vec3) -> f64 {
-        self.balls.iter().map(|(middle, radius)| (p - middle).norm() - radius).fold(f64::INFINITY, f64::min)
+        self.balls
+            .iter()
+            .map(|(middle, radius)| (p - middle).norm() - radius)
+            .fold(f64::INFINITY, f64::min)
     }
 
     /// A point inside, at least 0.4 of its ball's radius below that ball's surface.
@@ -88,15 +122,27 @@ impl Blob {
     /// Radius of gyration of the balls, overlaps counted twice.
     pub(super) fn radius_of_gyration(&self) -> f64 {
         let volume: f64 = self.balls.iter().map(|(_, radius)| radius.powi(3)).sum();
-        let moment: f64 = self.balls.iter().map(|(m, r)| (m.norm_squared() + 0.6 * r * r) * r.powi(3)).sum();
+        let moment: f64 = self
+            .balls
+            .iter()
+            .map(|(m, r)| (m.norm_squared() + 0.6 * r * r) * r.powi(3))
+            .sum();
         (moment / volume).sqrt()
     }
 
     /// Extents along the axes of its frame, largest first.
     pub(super) fn extents(&self) -> [f64; 3] {
         let mut extents = [0, 1, 2].map(|axis| {
-            let high = self.balls.iter().map(|(m, r)| m[axis] + r).fold(f64::NEG_INFINITY, f64::max);
-            let low = self.balls.iter().map(|(m, r)| m[axis] - r).fold(f64::INFINITY, f64::min);
+            let high = self
+                .balls
+                .iter()
+                .map(|(m, r)| m[axis] + r)
+                .fold(f64::NEG_INFINITY, f64::max);
+            let low = self
+                .balls
+                .iter()
+                .map(|(m, r)| m[axis] - r)
+                .fold(f64::INFINITY, f64::min);
             high - low
         });
         extents.sort_by(|a, b| b.total_cmp(a));
@@ -119,7 +165,10 @@ mod tests {
             assert!(blob.distance(&blob.point_on_surface(&direction)).abs() < 1e-9);
             let rotation = random.rotation();
             let p = random.vector_in_ball(1.5);
-            assert!((blob.turned(&rotation).distance(&(rotation * p)) - blob.distance(&p)).abs() < 1e-12);
+            assert!(
+                (blob.turned(&rotation).distance(&(rotation * p)) - blob.distance(&p)).abs()
+                    < 1e-12
+            );
         }
     }
 

@@ -50,10 +50,12 @@ pub struct Verdict {
 }
 
 impl Expected {
-    /// Judges a balanced accuracy over `clusters` independent clusters of the test split, for `classes` classes.
+    /// Judges a balanced accuracy over `clusters` independent clusters of the test split, for
+    /// `classes` classes.
     ///
-    /// Guessing has the mean 1/K and, from N clusters of equal share, the standard error sqrt((1/K)(1 - 1/K)/N): a
-    /// balanced accuracy is the mean of K recalls, each over N/K clusters. Samples of one cluster count as one.
+    /// Guessing has the mean 1/K and, from N clusters of equal share, the standard error
+    /// sqrt((1/K)(1 - 1/K)/N): a balanced accuracy is the mean of K recalls, each over N/K
+    /// clusters. Samples of one cluster count as one.
     ///
     /// ```
     /// use protomer_learn::controls::Expected;
@@ -67,11 +69,19 @@ impl Expected {
             Self::Chance => {
                 let chance = 1.0 / classes.max(1) as f64;
                 let error = (chance * (1.0 - chance) / clusters.max(1) as f64).sqrt();
-                ((chance - 3.0 * error).max(0.0), (chance + 3.0 * error).min(1.0))
+                (
+                    (chance - 3.0 * error).max(0.0),
+                    (chance + 3.0 * error).min(1.0),
+                )
             }
         };
         let is_reached = (at_least..=at_most).contains(&balanced_accuracy);
-        Verdict { at_least, at_most, balanced_accuracy, is_reached }
+        Verdict {
+            at_least,
+            at_most,
+            balanced_accuracy,
+            is_reached,
+        }
     }
 }
 
@@ -80,7 +90,12 @@ impl Experiment {
     ///
     /// # Errors
     /// As [`Split::grouped`].
-    pub fn split(&self, descriptions: &[Description], seed: u64, fractions: Fractions) -> Result<Split> {
+    pub fn split(
+        &self,
+        descriptions: &[Description],
+        seed: u64,
+        fractions: Fractions,
+    ) -> Result<Split> {
         match self.split_by_cluster {
             true => Split::grouped(descriptions, seed, fractions),
             false => Split::random(descriptions, seed, fractions),
@@ -106,9 +121,20 @@ const SHAPE: &[&str] = &["shape"];
 const WITH_POTENTIAL: &[&str] = &["shape", "potential"];
 const WITH_HYDROPATHY: &[&str] = &["shape", "hydropathy"];
 
-const fn experiment(name: &'static str, channels: &'static [&'static str], expected: Expected) -> Experiment {
+const fn experiment(
+    name: &'static str,
+    channels: &'static [&'static str],
+    expected: Expected,
+) -> Experiment {
     let (variant, scaling) = (Variant::Usual, ScalingMode::Robust);
-    Experiment { name, variant, channels, split_by_cluster: true, scaling, expected }
+    Experiment {
+        name,
+        variant,
+        channels,
+        split_by_cluster: true,
+        scaling,
+        expected,
+    }
 }
 
 impl Control {
@@ -135,27 +161,42 @@ impl Control {
             Self::Permuted => vec![experiment("split-by-cluster", ALL, Chance)],
             Self::Identity => {
                 let random = experiment("random-split", ALL, AtLeast(0.9));
-                vec![Experiment { split_by_cluster: false, ..random }, experiment("split-by-cluster", ALL, Chance)]
+                vec![
+                    Experiment {
+                        split_by_cluster: false,
+                        ..random
+                    },
+                    experiment("split-by-cluster", ALL, Chance),
+                ]
             }
             Self::Orientation => {
                 let turned = experiment("turned", SHAPE, Chance);
                 vec![
                     experiment("as-deposited", SHAPE, AtLeast(0.95)),
-                    Experiment { variant: Variant::Turned, ..turned },
+                    Experiment {
+                        variant: Variant::Turned,
+                        ..turned
+                    },
                 ]
             }
             Self::Size => {
                 let filling = experiment("filling-the-box", SHAPE, Chance);
                 vec![
                     experiment("fixed-scale", SHAPE, AtLeast(0.95)),
-                    Experiment { variant: Variant::FillingTheBox, ..filling },
+                    Experiment {
+                        variant: Variant::FillingTheBox,
+                        ..filling
+                    },
                 ]
             }
             Self::HeavyTails => {
                 let raw = experiment("raw", WITH_POTENTIAL, Chance);
                 vec![
                     experiment("robust", WITH_POTENTIAL, AtLeast(0.9)),
-                    Experiment { scaling: ScalingMode::Raw, ..raw },
+                    Experiment {
+                        scaling: ScalingMode::Raw,
+                        ..raw
+                    },
                 ]
             }
         }
@@ -174,7 +215,12 @@ impl Control {
             (_, Form::Short) => (8, None),
             (_, Form::Full) => (16, None),
         };
-        let block = |i: usize| BlockSettings { width: first << i, kernel: 3, groups, pool: true };
+        let block = |i: usize| BlockSettings {
+            width: first << i,
+            kernel: 3,
+            groups,
+            pool: true,
+        };
         NetworkSettings {
             channels: experiment.channels.len(),
             classes: self.classes().len(),
@@ -190,7 +236,11 @@ impl Control {
             learning_rate: 3e-3,
             batch: 16,
             patience: Some(1_000_000),
-            channels: experiment.channels.iter().map(|name| (*name).to_owned()).collect(),
+            channels: experiment
+                .channels
+                .iter()
+                .map(|name| (*name).to_owned())
+                .collect(),
             scaling: experiment.scaling,
             seed,
             ..TrainingSettings::default()
@@ -199,10 +249,27 @@ impl Control {
 
     /// Sizes of the short and the full form.
     pub fn plan(self, form: Form) -> Plan {
-        let plan = |samples, size, epochs, fractions| Plan { samples, size, epochs, fractions };
-        const LARGE: Fractions = Fractions { training: 0.7, validation: 0.1, test: 0.2 };
-        const USUAL: Fractions = Fractions { training: 0.6, validation: 0.1, test: 0.3 };
-        const HALVES: Fractions = Fractions { training: 0.5, validation: 0.1, test: 0.4 };
+        let plan = |samples, size, epochs, fractions| Plan {
+            samples,
+            size,
+            epochs,
+            fractions,
+        };
+        const LARGE: Fractions = Fractions {
+            training: 0.7,
+            validation: 0.1,
+            test: 0.2,
+        };
+        const USUAL: Fractions = Fractions {
+            training: 0.6,
+            validation: 0.1,
+            test: 0.3,
+        };
+        const HALVES: Fractions = Fractions {
+            training: 0.5,
+            validation: 0.1,
+            test: 0.4,
+        };
         match (self, form) {
             (Self::Shapes, Form::Short) => plan(1500, 16, 20, LARGE),
             (Self::Shapes, Form::Full) => plan(3000, 32, 20, LARGE),
@@ -230,15 +297,30 @@ mod tests {
     fn experiments_are_named_apart_and_see_channels_that_exist() {
         for control in Control::ALL {
             let experiments = control.experiments();
-            let names: BTreeSet<&str> = experiments.iter().map(|experiment| experiment.name).collect();
+            let names: BTreeSet<&str> = experiments
+                .iter()
+                .map(|experiment| experiment.name)
+                .collect();
             assert_eq!(names.len(), experiments.len());
             for experiment in &experiments {
-                assert!(experiment.channels.iter().all(|channel| control.channels().contains(channel)));
+                assert!(
+                    experiment
+                        .channels
+                        .iter()
+                        .all(|channel| control.channels().contains(channel))
+                );
             }
             for form in [Form::Short, Form::Full] {
                 let plan = control.plan(form);
-                let Fractions { training, validation, test } = plan.fractions;
-                assert!((training + validation + test - 1.0).abs() < 1e-12 && (16..=32).contains(&plan.size));
+                let Fractions {
+                    training,
+                    validation,
+                    test,
+                } = plan.fractions;
+                assert!(
+                    (training + validation + test - 1.0).abs() < 1e-12
+                        && (16..=32).contains(&plan.size)
+                );
             }
         }
     }
@@ -246,7 +328,9 @@ mod tests {
     #[test]
     fn chance_is_as_wide_as_the_test_split_makes_it() {
         let verdict = Expected::Chance.verdict(0.5, 2, 400);
-        assert!((verdict.at_most - 0.575).abs() < 1e-12 && (verdict.at_least - 0.425).abs() < 1e-12);
+        assert!(
+            (verdict.at_most - 0.575).abs() < 1e-12 && (verdict.at_least - 0.425).abs() < 1e-12
+        );
         assert!(Expected::Chance.verdict(1.0, 2, 4).is_reached); // four clusters show nothing
     }
 }

@@ -1,9 +1,10 @@
-//! Controls: synthetic sets of which it is known what a network must learn from them, and what it must not.
+//! Controls: synthetic sets of which it is known what a network must learn from them, and what it
+//! must not.
 //!
-//! A positive control shows that a channel carries its signal through the whole pipeline; a negative one, that nothing
-//! else does: no leak through the split, no scale or orientation that gives the answer away. Each control is one or more
-//! [`Experiment`]s on sets that [`Control::samples`] makes, and each experiment states its [`Expected`] level
-//! beforehand.
+//! A positive control shows that a channel carries its signal through the whole pipeline; a
+//! negative one, that nothing else does: no leak through the split, no scale or orientation that
+//! gives the answer away. Each control is one or more [`Experiment`]s on sets that
+//! [`Control::samples`] makes, and each experiment states its [`Expected`] level beforehand.
 //!
 //! | module | one idea |
 //! |---|---|
@@ -114,8 +115,16 @@ impl Control {
     /// [`LearnError::Settings`] names the controls there are.
     pub fn named(name: &str) -> Result<Self> {
         let names = || Self::ALL.map(Self::name).join(", ");
-        let unknown = || LearnError::Settings(format!("there is no control '{name}'; choose one of: {}", names()));
-        Self::ALL.into_iter().find(|control| control.name() == name).ok_or_else(unknown)
+        let unknown = || {
+            LearnError::Settings(format!(
+                "there is no control '{name}'; choose one of: {}",
+                names()
+            ))
+        };
+        Self::ALL
+            .into_iter()
+            .find(|control| control.name() == name)
+            .ok_or_else(unknown)
     }
 
     /// What it shows.
@@ -125,7 +134,9 @@ impl Control {
                 "sphere, box, tetrahedron, cylinder, torus or cross, of random size and orientation: shape reaches the \
                  network, and convolution, pooling and their gradients work"
             }
-            Self::Charge => "sign of the net charge: the potential carries it, and nothing else does",
+            Self::Charge => {
+                "sign of the net charge: the potential carries it, and nothing else does"
+            }
             Self::Patch => {
                 "much or little of the surface hydrophobic: the hydropathy carries it, and nothing else does"
             }
@@ -190,10 +201,28 @@ impl Control {
     ///
     /// `size`: voxels along each edge, 16 to 32 make sense.
     pub fn samples(self, variant: Variant, samples: usize, size: usize, seed: u64) -> InMemory {
-        let recipe = sample::Recipe { control: self, variant, samples, size, seed };
-        let (descriptions, grids) = (0..samples).into_par_iter().map(|number| recipe.sample(number)).unzip();
-        let channels = self.channels().iter().map(|name| (*name).to_owned()).collect();
-        InMemory { size, channels, descriptions, grids }
+        let recipe = sample::Recipe {
+            control: self,
+            variant,
+            samples,
+            size,
+            seed,
+        };
+        let (descriptions, grids) = (0..samples)
+            .into_par_iter()
+            .map(|number| recipe.sample(number))
+            .unzip();
+        let channels = self
+            .channels()
+            .iter()
+            .map(|name| (*name).to_owned())
+            .collect();
+        InMemory {
+            size,
+            channels,
+            descriptions,
+            grids,
+        }
     }
 }
 
@@ -213,19 +242,34 @@ mod tests {
             for (description, grid) in set.descriptions.iter().zip(&set.grids) {
                 grid.check().unwrap();
                 assert_eq!((grid.size, grid.channels), (16, control.channels().len()));
-                assert!(grid.index.len() > 20, "{} {}", control.name(), grid.index.len());
+                assert!(
+                    grid.index.len() > 20,
+                    "{} {}",
+                    control.name(),
+                    grid.index.len()
+                );
                 *labels.entry(&description.label).or_default() += 1;
             }
             let classes: Vec<&str> = labels.keys().copied().collect();
             assert_eq!(classes, control.classes(), "{}", control.name());
-            assert!(labels.values().all(|n| *n == count / classes.len()), "{} {labels:?}", control.name());
+            assert!(
+                labels.values().all(|n| *n == count / classes.len()),
+                "{} {labels:?}",
+                control.name()
+            );
             let names: BTreeSet<&str> = set.descriptions.iter().map(|d| d.name.as_str()).collect();
             assert_eq!(names.len(), count);
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(1)
+                .build()
+                .unwrap();
             let again = pool.install(|| control.samples(Variant::Usual, count, 16, 3));
             assert_eq!(again.grids, set.grids);
             assert_eq!(again.descriptions, set.descriptions);
-            assert_ne!(control.samples(Variant::Usual, 6, 16, 4).grids, set.grids[..6]);
+            assert_ne!(
+                control.samples(Variant::Usual, 6, 16, 4).grids,
+                set.grids[..6]
+            );
         }
     }
 
@@ -236,14 +280,22 @@ mod tests {
             assert_eq!(serde_json::to_value(control).unwrap(), control.name());
         }
         let error = Control::named("shape").unwrap_err().to_string();
-        assert!(error.contains("'shape'") && error.contains("shapes, charge, patch") && error.contains("heavy-tails"));
+        assert!(
+            error.contains("'shape'")
+                && error.contains("shapes, charge, patch")
+                && error.contains("heavy-tails")
+        );
     }
 
     /// Sum over the occupied voxels of one channel.
     fn sum(set: &InMemory, sample: usize, channel: usize) -> f64 {
         let grid = &set.grids[sample];
         let count = grid.index.len();
-        grid.values[channel * count..(channel + 1) * count].iter().map(|v| f64::from(*v)).sum::<f64>() / count as f64
+        grid.values[channel * count..(channel + 1) * count]
+            .iter()
+            .map(|v| f64::from(*v))
+            .sum::<f64>()
+            / count as f64
     }
 
     #[test]
@@ -252,19 +304,39 @@ mod tests {
         let agreement = |control: Control, variant, guess: &dyn Fn(&InMemory, usize) -> bool| {
             let set = control.samples(variant, count, 16, 5);
             let first = control.classes()[0];
-            let hits = (0..count).filter(|i| guess(&set, *i) == (set.descriptions[*i].label == first)).count();
+            let hits = (0..count)
+                .filter(|i| guess(&set, *i) == (set.descriptions[*i].label == first))
+                .count();
             hits as f64 / count as f64
         };
-        // The mean of a channel over the surface tells the charge and the patch; in two channels, the product does.
-        assert!(agreement(Control::Charge, Variant::Usual, &|set, i| sum(set, i, 1) < 0.0) > 0.95);
-        assert!(agreement(Control::Patch, Variant::Usual, &|set, i| sum(set, i, 2) > 0.0) > 0.9);
-        assert!(agreement(Control::Xor, Variant::Usual, &|set, i| sum(set, i, 1) * sum(set, i, 2) > 0.0) > 0.9);
+        // The mean of a channel over the surface tells the charge and the patch; in two channels,
+        // the product does.
+        assert!(
+            agreement(Control::Charge, Variant::Usual, &|set, i| sum(set, i, 1)
+                < 0.0)
+                > 0.95
+        );
+        assert!(
+            agreement(Control::Patch, Variant::Usual, &|set, i| sum(set, i, 2)
+                > 0.0)
+                > 0.9
+        );
+        assert!(
+            agreement(Control::Xor, Variant::Usual, &|set, i| sum(set, i, 1)
+                * sum(set, i, 2)
+                > 0.0)
+                > 0.9
+        );
         for channel in [1, 2] {
-            let alone = agreement(Control::Xor, Variant::Usual, &|set, i| sum(set, i, channel) > 0.0);
+            let alone = agreement(Control::Xor, Variant::Usual, &|set, i| {
+                sum(set, i, channel) > 0.0
+            });
             assert!((alone - 0.5).abs() < 0.12, "{alone}");
         }
         // Outliers take the sign of the mean away.
-        let outliers = agreement(Control::HeavyTails, Variant::Usual, &|set, i| sum(set, i, 1) < 0.0);
+        let outliers = agreement(Control::HeavyTails, Variant::Usual, &|set, i| {
+            sum(set, i, 1) < 0.0
+        });
         assert!(outliers < 0.65, "{outliers}");
         // Size is the volume, unless the box is filled.
         let large = |set: &InMemory, i: usize| {
@@ -282,13 +354,20 @@ mod tests {
             let set = control.samples(Variant::Usual, 240, 16, 1);
             let mut labels = BTreeMap::<String, BTreeSet<String>>::new();
             for description in set.descriptions {
-                labels.entry(description.cluster).or_default().insert(description.label);
+                labels
+                    .entry(description.cluster)
+                    .or_default()
+                    .insert(description.label);
             }
             labels
         };
         assert_eq!(clusters(Control::Charge).len(), 240);
         // All rings of a blob are one cluster; all orientations of a protein have one label.
-        assert!(clusters(Control::Assemblies).values().all(|labels| labels.len() == 5));
+        assert!(
+            clusters(Control::Assemblies)
+                .values()
+                .all(|labels| labels.len() == 5)
+        );
         for (control, count) in [(Control::Permuted, 60), (Control::Identity, 15)] {
             let clusters = clusters(control);
             assert!(clusters.len() == count && clusters.values().all(|labels| labels.len() == 1));

@@ -22,7 +22,8 @@ pub(super) struct Protein {
     pub(super) blob: Blob,
     /// Place and charge (e) of each charge.
     pub(super) charges: Vec<(Vec3, f64)>,
-    /// Place and hydropathy (Kyte-Doolittle, from -4.5 to 4.5) of each site; a voxel takes that of the nearest.
+    /// Place and hydropathy (Kyte-Doolittle, from -4.5 to 4.5) of each site; a voxel takes that of
+    /// the nearest.
     pub(super) sites: Vec<(Vec3, f64)>,
 }
 
@@ -30,9 +31,19 @@ impl Protein {
     /// A protein without charges whose sites are hydrophobic or hydrophilic at random.
     pub(super) fn random(random: &mut CounterRng) -> Self {
         let blob = Blob::random(random).with_extent(EXTENT_ANGSTROM);
-        let sites =
-            (0..SITES).map(|_| (blob.point_on_surface(&random.unit_vector()), random.uniform_in(-4.5, 4.5))).collect();
-        Self { blob, charges: Vec::new(), sites }
+        let sites = (0..SITES)
+            .map(|_| {
+                (
+                    blob.point_on_surface(&random.unit_vector()),
+                    random.uniform_in(-4.5, 4.5),
+                )
+            })
+            .collect();
+        Self {
+            blob,
+            charges: Vec::new(),
+            sites,
+        }
     }
 
     /// Puts so many charges of each sign at random places inside.
@@ -59,17 +70,23 @@ impl Protein {
 
     /// Hydropathy of the nearest site.
     fn hydropathy(&self, p: &Vec3) -> f64 {
-        let nearest = self.sites.iter().min_by(|a, b| (p - a.0).norm_squared().total_cmp(&(p - b.0).norm_squared()));
+        let nearest = self.sites.iter().min_by(|a, b| {
+            (p - a.0)
+                .norm_squared()
+                .total_cmp(&(p - b.0).norm_squared())
+        });
         nearest.map_or(0.0, |(_, hydropathy)| *hydropathy)
     }
 
-    /// The surface, turned, in a box that it fills up to a margin of one voxel: voxels, and the channels shape (1),
-    /// potential (kT/e) and hydropathy there.
+    /// The surface, turned, in a box that it fills up to a margin of one voxel: voxels, and the
+    /// channels shape (1), potential (kT/e) and hydropathy there.
     pub(super) fn voxels(&self, size: usize, rotation: &Rotation) -> (Vec<u32>, [Vec<f32>; 3]) {
         let voxel_angstrom = EXTENT_ANGSTROM / (size as f64 / 2.0 - 1.0);
         let back = rotation.inverse();
         let into_frame = |p: &Vec3| back * p * voxel_angstrom;
-        let surface = shell(size, HALF_SHELL, |p| self.blob.distance(&into_frame(p)) / voxel_angstrom);
+        let surface = shell(size, HALF_SHELL, |p| {
+            self.blob.distance(&into_frame(p)) / voxel_angstrom
+        });
         let points: Vec<Vec3> = surface.iter().map(|(_, p)| into_frame(p)).collect();
         let values = [
             vec![1.0; points.len()],
@@ -93,7 +110,10 @@ mod tests {
         let quarter = Rotation::from_axis_angle(&Vec3::z_axis(), std::f64::consts::FRAC_PI_2);
         let sums = |rotation: &Rotation| {
             let (index, values) = protein.voxels(16, rotation);
-            (index.len(), values.map(|channel| channel.iter().map(|value| f64::from(*value)).sum::<f64>()))
+            (
+                index.len(),
+                values.map(|channel| channel.iter().map(|value| f64::from(*value)).sum::<f64>()),
+            )
         };
         let (count, straight) = sums(&Rotation::identity());
         let (turned_count, turned) = sums(&quarter);

@@ -2,8 +2,8 @@
 
 use protomer_kernel::Vec3;
 
-/// The middle of each voxel of a grid of `size` voxels along each edge, in voxels from the middle of the grid, with the
-/// index (z size + y) size + x.
+/// The middle of each voxel of a grid of `size` voxels along each edge, in voxels from the middle
+/// of the grid, with the index (z size + y) size + x.
 fn middles(size: usize) -> impl Iterator<Item = (u32, Vec3)> {
     let place = move |i: usize| i as f64 + 0.5 - size as f64 / 2.0;
     (0..size.pow(3)).map(move |index| {
@@ -12,8 +12,8 @@ fn middles(size: usize) -> impl Iterator<Item = (u32, Vec3)> {
     })
 }
 
-/// The share of each voxel that a solid fills, where there is any: clamp(1/2 - d, 0, 1) at the signed distance d of the
-/// middle, which is exact for a plane along the grid.
+/// The share of each voxel that a solid fills, where there is any: clamp(1/2 - d, 0, 1) at the
+/// signed distance d of the middle, which is exact for a plane along the grid.
 ///
 /// `distance`: signed distance in voxels, negative inside.
 pub(super) fn filled(size: usize, distance: impl Fn(&Vec3) -> f64) -> Vec<(u32, f32)> {
@@ -25,9 +25,16 @@ pub(super) fn filled(size: usize, distance: impl Fn(&Vec3) -> f64) -> Vec<(u32, 
         .collect()
 }
 
-/// The voxels whose middle lies within `half_width` voxels of the surface of a solid, with that middle.
-pub(super) fn shell(size: usize, half_width: f64, distance: impl Fn(&Vec3) -> f64) -> Vec<(u32, Vec3)> {
-    middles(size).filter(|(_, middle)| distance(middle).abs() <= half_width).collect()
+/// The voxels whose middle lies within `half_width` voxels of the surface of a solid, with that
+/// middle.
+pub(super) fn shell(
+    size: usize,
+    half_width: f64,
+    distance: impl Fn(&Vec3) -> f64,
+) -> Vec<(u32, Vec3)> {
+    middles(size)
+        .filter(|(_, middle)| distance(middle).abs() <= half_width)
+        .collect()
 }
 
 #[cfg(test)]
@@ -38,13 +45,26 @@ mod tests {
     #[test]
     fn a_ball_has_its_volume_and_its_shell() {
         let ball = |p: &Vec3| p.norm() - 6.0;
-        let volume: f64 = filled(16, ball).iter().map(|(_, share)| f64::from(*share)).sum();
-        assert!((volume / (4.0 / 3.0 * PI * 216.0) - 1.0).abs() < 0.02, "{volume}");
-        // A shell of the thickness 1 has the volume of its surface and a little more, 4π (r² + 1/12), on the average over
-        // places of the ball.
-        let shifts = (0..64).map(|i| Vec3::new(f64::from(i & 3), f64::from(i >> 2 & 3), f64::from(i >> 4)) / 4.0);
-        let area = shifts.map(|shift| shell(16, 0.5, |p| ball(&(p - shift))).len()).sum::<usize>() as f64 / 64.0;
-        assert!((area / (4.0 * PI * (36.0 + 1.0 / 12.0)) - 1.0).abs() < 0.01, "{area}");
+        let volume: f64 = filled(16, ball)
+            .iter()
+            .map(|(_, share)| f64::from(*share))
+            .sum();
+        assert!(
+            (volume / (4.0 / 3.0 * PI * 216.0) - 1.0).abs() < 0.02,
+            "{volume}"
+        );
+        // A shell of the thickness 1 has the volume of its surface and a little more, 4π (r² +
+        // 1/12), on the average over places of the ball.
+        let shifts = (0..64)
+            .map(|i| Vec3::new(f64::from(i & 3), f64::from(i >> 2 & 3), f64::from(i >> 4)) / 4.0);
+        let area = shifts
+            .map(|shift| shell(16, 0.5, |p| ball(&(p - shift))).len())
+            .sum::<usize>() as f64
+            / 64.0;
+        assert!(
+            (area / (4.0 * PI * (36.0 + 1.0 / 12.0)) - 1.0).abs() < 0.01,
+            "{area}"
+        );
     }
 
     #[test]

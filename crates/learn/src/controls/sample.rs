@@ -71,19 +71,24 @@ impl Recipe {
         let mut protein = Protein::random(random);
         let (pairs, net) = (6 + random.index(5), 4 + random.index(6));
         let is_positive = number.is_multiple_of(2);
-        let (positive, negative) = if is_positive { (pairs + net, pairs) } else { (pairs, pairs + net) };
+        let (positive, negative) = if is_positive {
+            (pairs + net, pairs)
+        } else {
+            (pairs, pairs + net)
+        };
         protein.charge(positive, negative, random);
         let label = if is_positive { "positive" } else { "negative" };
         let rotation = self.random(Purpose::Turn, number).rotation();
-        let (description, mut grid) = self.render(number, label, &name(number), &protein, &rotation);
+        let (description, mut grid) =
+            self.render(number, label, &name(number), &protein, &rotation);
         if heavy_tails {
             self.damage(number, &mut grid);
         }
         (description, grid)
     }
 
-    /// Puts potentials of random sign from 10 to 10⁵ kT/e into one surface voxel in fifty, as next to a charge that
-    /// touches the surface or where a solver failed.
+    /// Puts potentials of random sign from 10 to 10⁵ kT/e into one surface voxel in fifty, as next
+    /// to a charge that touches the surface or where a solver failed.
     fn damage(&self, number: usize, grid: &mut SparseGrid) {
         let random = &mut self.random(Purpose::Damage, number);
         let potentials = grid.index.len()..2 * grid.index.len();
@@ -100,16 +105,31 @@ impl Recipe {
         let random = &mut self.random(Purpose::Object, number);
         let mut protein = Protein::random(random);
         let is_large = number.is_multiple_of(2);
-        let share = if is_large { random.uniform_in(0.45, 0.65) } else { random.uniform_in(0.05, 0.25) };
+        let share = if is_large {
+            random.uniform_in(0.45, 0.65)
+        } else {
+            random.uniform_in(0.05, 0.25)
+        };
         let painted = patch_of_sites(&protein, share, random);
         for (i, (_, hydropathy)) in protein.sites.iter_mut().enumerate() {
-            *hydropathy = if painted[i] { random.uniform_in(1.5, 4.5) } else { random.uniform_in(-4.5, 0.5) };
+            *hydropathy = if painted[i] {
+                random.uniform_in(1.5, 4.5)
+            } else {
+                random.uniform_in(-4.5, 0.5)
+            };
         }
         let label = if is_large { "large" } else { "small" };
-        self.render(number, label, &name(number), &protein, &self.random(Purpose::Turn, number).rotation())
+        self.render(
+            number,
+            label,
+            &name(number),
+            &protein,
+            &self.random(Purpose::Turn, number).rotation(),
+        )
     }
 
-    /// A patch that is positive or negative, and hydrophobic or hydrophilic: the label is whether the signs agree.
+    /// A patch that is positive or negative, and hydrophobic or hydrophilic: the label is whether
+    /// the signs agree.
     fn xor(&self, number: usize) -> (Description, SparseGrid) {
         let random = &mut self.random(Purpose::Object, number);
         let mut protein = Protein::random(random);
@@ -123,22 +143,45 @@ impl Recipe {
                 false => random.uniform_in(-2.0, 2.0),
             };
         }
-        let places: Vec<Vec3> =
-            protein.sites.iter().zip(&painted).filter(|(_, is)| **is).map(|(site, _)| site.0).collect();
+        let places: Vec<Vec3> = protein
+            .sites
+            .iter()
+            .zip(&painted)
+            .filter(|(_, is)| **is)
+            .map(|(site, _)| site.0)
+            .collect();
         for _ in 0..8 {
             // Below the surface, under a random site of the patch.
-            let below = places.get(random.index(places.len())).copied().unwrap_or_default() * 0.8;
+            let below = places
+                .get(random.index(places.len()))
+                .copied()
+                .unwrap_or_default()
+                * 0.8;
             protein.charges.push((below, sign(is_positive)));
         }
-        let label = if is_positive == is_hydrophobic { "agree" } else { "disagree" };
-        self.render(number, label, &name(number), &protein, &self.random(Purpose::Turn, number).rotation())
+        let label = if is_positive == is_hydrophobic {
+            "agree"
+        } else {
+            "disagree"
+        };
+        self.render(
+            number,
+            label,
+            &name(number),
+            &protein,
+            &self.random(Purpose::Turn, number).rotation(),
+        )
     }
 
     /// All numbers of copies of each blob, which is their cluster.
     fn assembly(&self, number: usize) -> (Description, SparseGrid) {
         let (which, copies) = (number / COPIES.len(), COPIES[number % COPIES.len()]);
         let blob = Blob::random(&mut self.random(Purpose::Object, which));
-        let voxels = voxels(&ring(&blob, copies), self.size, &mut self.random(Purpose::Turn, number));
+        let voxels = voxels(
+            &ring(&blob, copies),
+            self.size,
+            &mut self.random(Purpose::Turn, number),
+        );
         let volume: f64 = voxels.iter().map(|(_, share)| f64::from(*share)).sum();
         let mut description = plain(number, &format!("C{copies}"), volume);
         description.cluster = name(which);
@@ -148,23 +191,35 @@ impl Recipe {
     /// The charge control in several orientations, with labels dealt out to the proteins at random.
     fn permuted(&self, number: usize) -> (Description, SparseGrid) {
         let which = number / SIBLINGS;
-        let source = Self { control: Control::Permuted, ..*self };
+        let source = Self {
+            control: Control::Permuted,
+            ..*self
+        };
         let (mut description, grid) = {
             let random = &mut source.random(Purpose::Object, which);
             let mut protein = Protein::random(random);
             let (pairs, net) = (6 + random.index(5), 4 + random.index(6));
-            let (positive, negative) =
-                if which.is_multiple_of(2) { (pairs + net, pairs) } else { (pairs, pairs + net) };
+            let (positive, negative) = if which.is_multiple_of(2) {
+                (pairs + net, pairs)
+            } else {
+                (pairs, pairs + net)
+            };
             protein.charge(positive, negative, random);
             let rotation = source.random(Purpose::Turn, number).rotation();
             self.render(number, "", &name(which), &protein, &rotation)
         };
         let proteins = self.samples.div_ceil(SIBLINGS);
-        description.label = if self.dealt(which, proteins).is_multiple_of(2) { "positive" } else { "negative" }.into();
+        description.label = if self.dealt(which, proteins).is_multiple_of(2) {
+            "positive"
+        } else {
+            "negative"
+        }
+        .into();
         (description, grid)
     }
 
-    /// One protein in several orientations, with a label that follows from nothing but which protein it is.
+    /// One protein in several orientations, with a label that follows from nothing but which
+    /// protein it is.
     fn identity(&self, number: usize) -> (Description, SparseGrid) {
         let which = number / ORIENTATIONS;
         let random = &mut self.random(Purpose::Object, which);
@@ -172,11 +227,22 @@ impl Recipe {
         let (positive, negative) = (4 + random.index(8), 4 + random.index(8));
         protein.charge(positive, negative, random);
         let proteins = self.samples.div_ceil(ORIENTATIONS);
-        let label = if self.dealt(which, proteins).is_multiple_of(2) { "even" } else { "odd" };
-        self.render(number, label, &name(which), &protein, &self.random(Purpose::Turn, number).rotation())
+        let label = if self.dealt(which, proteins).is_multiple_of(2) {
+            "even"
+        } else {
+            "odd"
+        };
+        self.render(
+            number,
+            label,
+            &name(which),
+            &protein,
+            &self.random(Purpose::Turn, number).rotation(),
+        )
     }
 
-    /// Place of `which` among `count` in an order that depends on the seed alone: labels by it are balanced.
+    /// Place of `which` among `count` in an order that depends on the seed alone: labels by it are
+    /// balanced.
     fn dealt(&self, which: usize, count: usize) -> usize {
         let key = |i: usize| (self.random(Purpose::Label, i).uniform(), i);
         let own = key(which);
@@ -195,7 +261,8 @@ impl Recipe {
                 Vec3::new(sign(turn), sign(turn), 1.0).normalize()
             }
         };
-        let about_itself = Rotation::from_axis_angle(&Vec3::z_axis(), turn.uniform_in(0.0, std::f64::consts::TAU));
+        let about_itself =
+            Rotation::from_axis_angle(&Vec3::z_axis(), turn.uniform_in(0.0, std::f64::consts::TAU));
         let half_turn = Rotation::from_axis_angle(&Vec3::x_axis(), std::f64::consts::PI);
         let upright = Rotation::rotation_between(&Vec3::z(), &direction).unwrap_or(half_turn);
         let deposited = upright * about_itself;
@@ -206,17 +273,26 @@ impl Recipe {
         let placed = rod.turned(&rotation).scaled(self.size as f64 / 2.0 - 1.0);
         let voxels = filled(self.size, |p| placed.distance(p));
         let volume: f64 = voxels.iter().map(|(_, share)| f64::from(*share)).sum();
-        let label = if is_along_axis { "along an axis" } else { "along a diagonal" };
+        let label = if is_along_axis {
+            "along an axis"
+        } else {
+            "along a diagonal"
+        };
         (plain(number, label, volume), one_channel(self.size, voxels))
     }
 
-    /// Blobs of one kind whose volume says how many residues they have; scaled to one extent it says nothing.
+    /// Blobs of one kind whose volume says how many residues they have; scaled to one extent it
+    /// says nothing.
     fn size(&self, number: usize) -> (Description, SparseGrid) {
         const MEDIAN: f64 = 200.0;
         let random = &mut self.random(Purpose::Object, number);
         let is_large = number.is_multiple_of(2);
         let spread = 4f64.powf(random.uniform());
-        let residues = if is_large { MEDIAN * spread } else { MEDIAN / spread };
+        let residues = if is_large {
+            MEDIAN * spread
+        } else {
+            MEDIAN / spread
+        };
         let blob = Blob::random(random).turned(&self.random(Purpose::Turn, number).rotation());
         let widest = self.size as f64 / 2.0 - 1.0;
         let full = blob.scaled(widest);
@@ -224,8 +300,12 @@ impl Recipe {
         let voxels = match self.variant {
             Variant::FillingTheBox => draw(&full),
             _ => {
-                // A volume in proportion to the residues; the largest of the thinnest blobs still fit the box.
-                let volume = draw(&full).iter().map(|(_, share)| f64::from(*share)).sum::<f64>();
+                // A volume in proportion to the residues; the largest of the thinnest blobs still
+                // fit the box.
+                let volume = draw(&full)
+                    .iter()
+                    .map(|(_, share)| f64::from(*share))
+                    .sum::<f64>();
                 let wanted = 0.11 * (2.0 * widest).powi(3) * residues / (4.0 * MEDIAN);
                 draw(&full.scaled((wanted / volume).cbrt().min(1.0)))
             }
@@ -257,7 +337,15 @@ impl Recipe {
             composition: [0.05; 20],
             ..Description::default()
         };
-        (description, SparseGrid { size: self.size, channels: 3, index, values: values.concat() })
+        (
+            description,
+            SparseGrid {
+                size: self.size,
+                channels: 3,
+                index,
+                values: values.concat(),
+            },
+        )
     }
 }
 
@@ -269,7 +357,11 @@ fn patch_of_sites(protein: &Protein, share: f64, random: &mut CounterRng) -> Vec
     heights.sort_by(|a, b| b.total_cmp(a));
     let last = ((share * SITES as f64).round() as usize).clamp(1, SITES) - 1;
     let lowest = heights.get(last).copied().unwrap_or(f64::INFINITY);
-    protein.sites.iter().map(|site| height(site) >= lowest).collect()
+    protein
+        .sites
+        .iter()
+        .map(|site| height(site) >= lowest)
+        .collect()
 }
 
 /// A name that sorts by number.
@@ -292,5 +384,10 @@ fn plain(number: usize, label: &str, volume_voxels: f64) -> Description {
 
 fn one_channel(size: usize, voxels: Vec<(u32, f32)>) -> SparseGrid {
     let (index, values) = voxels.into_iter().unzip();
-    SparseGrid { size, channels: 1, index, values }
+    SparseGrid {
+        size,
+        channels: 1,
+        index,
+        values,
+    }
 }

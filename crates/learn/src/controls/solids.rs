@@ -13,8 +13,8 @@ fn of_box(p: &Vec3, half: &Vec3) -> f64 {
     beyond.map(|x| x.max(0.0)).norm() + beyond.max().min(0.0)
 }
 
-/// Signed distance of the solid number `kind` of [`SOLIDS`] that fits a ball of the radius 1; `slenderness` in 0..1
-/// varies its proportions.
+/// Signed distance of the solid number `kind` of [`SOLIDS`] that fits a ball of the radius 1;
+/// `slenderness` in 0..1 varies its proportions.
 fn distance(kind: usize, slenderness: f64, p: &Vec3) -> f64 {
     match SOLIDS.get(kind).copied().unwrap_or_default() {
         "box" => {
@@ -39,8 +39,15 @@ fn distance(kind: usize, slenderness: f64, p: &Vec3) -> f64 {
         "sphere" => p.norm() - 1.0,
         "tetrahedron" => {
             // Faces at a third of the circumradius, opposite the corners.
-            let outward = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
-            let beyond = outward.iter().map(|[x, y, z]| (p.x * x + p.y * y + p.z * z) / 3f64.sqrt() - 1.0 / 3.0);
+            let outward = [
+                [1.0, 1.0, 1.0],
+                [1.0, -1.0, -1.0],
+                [-1.0, 1.0, -1.0],
+                [-1.0, -1.0, 1.0],
+            ];
+            let beyond = outward
+                .iter()
+                .map(|[x, y, z]| (p.x * x + p.y * y + p.z * z) / 3f64.sqrt() - 1.0 / 3.0);
             beyond.fold(f64::NEG_INFINITY, f64::max)
         }
         _ => {
@@ -55,7 +62,9 @@ pub(super) fn random_solid(kind: usize, size: usize, random: &mut CounterRng) ->
     let radius = size as f64 * random.uniform_in(0.34, 0.48);
     let slenderness = random.uniform();
     let back = random.rotation().inverse();
-    filled(size, |p| radius * distance(kind, slenderness, &(back * p / radius)))
+    filled(size, |p| {
+        radius * distance(kind, slenderness, &(back * p / radius))
+    })
 }
 
 #[cfg(test)]
@@ -74,7 +83,10 @@ mod tests {
                         farthest = farthest.max(p.norm());
                     }
                 }
-                assert!((0.93..1.0 + 1e-9).contains(&farthest), "{name} at {slenderness}: {farthest}");
+                assert!(
+                    (0.93..1.0 + 1e-9).contains(&farthest),
+                    "{name} at {slenderness}: {farthest}"
+                );
             }
         }
     }

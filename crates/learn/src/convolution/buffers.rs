@@ -1,4 +1,5 @@
-//! Buffers that are used again: fresh pages from the system cost a quarter of the time of a small network.
+//! Buffers that are used again: fresh pages from the system cost a quarter of the time of a small
+//! network.
 
 use std::ops::{Deref, DerefMut};
 use std::sync::{Mutex, PoisonError};
@@ -19,7 +20,11 @@ impl Buffer {
         // The smallest that is large enough, else the largest.
         let fits = (0..waiting.len()).min_by_key(|i| {
             let capacity = waiting[*i].capacity();
-            if capacity >= length { (0, capacity) } else { (1, usize::MAX - capacity) }
+            if capacity >= length {
+                (0, capacity)
+            } else {
+                (1, usize::MAX - capacity)
+            }
         });
         let mut numbers = fits.map(|i| waiting.swap_remove(i)).unwrap_or_default();
         drop(waiting);

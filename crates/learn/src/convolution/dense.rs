@@ -1,7 +1,8 @@
 //! The gradient of the weights where most gradients of the outputs are not zero.
 //!
-//! ∂w\[o, c, t\] = Σ_p g\[o, p\] x\[c, p + t\]. Outputs lie in vectors, as in the forward pass; a register tile holds J channels
-//! times K taps along the width times V vectors, and sums over all rows of a plane.
+//! ∂w\[o, c, t\] = Σ_p g\[o, p\] x\[c, p + t\]. Outputs lie in vectors, as in the forward pass; a
+//! register tile holds J channels times K taps along the width times V vectors, and sums over all
+//! rows of a plane.
 
 use super::geometry::Geometry;
 use super::lanes::{Lanes, Work};
@@ -46,7 +47,13 @@ impl Work for DenseWeights<'_> {
 impl DenseWeights<'_> {
     #[inline(always)]
     unsafe fn run_with<S: Lanes, const K: usize>(self) {
-        let Self { geometry, input, gradient, weights, scratch } = self;
+        let Self {
+            geometry,
+            input,
+            gradient,
+            weights,
+            scratch,
+        } = self;
         let [depth, height, width] = geometry.edges;
         let stride = geometry.padded_outputs();
         let sound = geometry.kernel == K
@@ -95,10 +102,11 @@ unsafe fn add_tap_row<S: Lanes, const K: usize>(
         ($vectors:literal: $($channels:literal)*) => {{
             let mut channel = 0;
             $(while channel + $channels <= geometry.channels {
-                // SAFETY: of channels below C the tile reads rows `first / padded width + y`, y < H, which end inside the
-                // grid because the row of taps is one of the kernel's, and of these W + K - 1 numbers, a whole padded
-                // row; of the gradient H W voxels, vectors below `stride`; it adds to the weights of rows
-                // (c K² + row) K + k < C K³, vectors below `stride`.
+                // SAFETY: of channels below C the tile reads rows `first / padded width + y`, y <
+                // H, which end inside the grid because the row of taps is one of the kernel's, and
+                // of these W + K - 1 numbers, a whole padded row; of the gradient H W voxels,
+                // vectors below `stride`; it adds to the weights of rows (c K² + row) K + k < C K³,
+                // vectors below `stride`.
                 unsafe {
                     tile::<S, $channels, $vectors, K>(
                         geometry,
@@ -129,13 +137,15 @@ unsafe fn add_tap_row<S: Lanes, const K: usize>(
     }
 }
 
-/// If fewer than one in this many voxels of a row of the input hold anything, only these are gone through.
+/// If fewer than one in this many voxels of a row of the input hold anything, only these are gone
+/// through.
 const SCATTER_BELOW: usize = 4;
 
 /// J channels times K taps times V vectors.
 ///
 /// # Safety
-/// The processor has the instructions of `S`; reads and writes stay inside, as argued where it is called.
+/// The processor has the instructions of `S`; reads and writes stay inside, as argued where it is
+/// called.
 #[inline(always)]
 unsafe fn tile<S: Lanes, const J: usize, const V: usize, const K: usize>(
     geometry: &Geometry,
@@ -155,7 +165,10 @@ unsafe fn tile<S: Lanes, const J: usize, const V: usize, const K: usize>(
         let mut sums = [[[S::zero(); V]; K]; J];
         for y in 0..height {
             let row = first / padded_width + y;
-            let occupied = input.occupied.as_ref().filter(|occupied| SCATTER_BELOW * occupied.count(row) < width);
+            let occupied = input
+                .occupied
+                .as_ref()
+                .filter(|occupied| SCATTER_BELOW * occupied.count(row) < width);
             let input = input_of_channel.add(row * padded_width);
             let gradient = gradient.add(y * width * stride);
             if let Some(occupied) = occupied {

@@ -1,7 +1,8 @@
 //! The forward pass of one sample, with what follows it done while the rows are still in the cache.
 //!
-//! Outputs lie in vectors across channels; a register tile holds P voxels of a row times V vectors. Each step takes V
-//! vectors of weights and P single numbers of the padded input, which lie next to each other, and does P V multiply-adds.
+//! Outputs lie in vectors across channels; a register tile holds P voxels of a row times V vectors.
+//! Each step takes V vectors of weights and P single numbers of the padded input, which lie next to
+//! each other, and does P V multiply-adds.
 
 use super::geometry::{Geometry, LANES};
 use super::lanes::{Lanes, Work};
@@ -17,8 +18,8 @@ pub enum Finish<'a> {
     Plain(&'a mut [f32]),
     /// ReLU: (O, D, H, W).
     Relu(&'a mut [f32]),
-    /// ReLU and the maximum of every 2 x 2 x 2 window, (O, D/2, H/2, W/2), and the corner that had it, 4 z + 2 y + x, or
-    /// [`DEAD`]. The first of equals wins.
+    /// ReLU and the maximum of every 2 x 2 x 2 window, (O, D/2, H/2, W/2), and the corner that had
+    /// it, 4 z + 2 y + x, or [`DEAD`]. The first of equals wins.
     Pool(&'a mut [f32], &'a mut [u8]),
 }
 
@@ -63,11 +64,19 @@ impl Work for Forward<'_> {
 impl Forward<'_> {
     #[inline(always)]
     unsafe fn run_with<S: Lanes, const K: usize>(self) {
-        let Self { geometry, input, weights, bias, finish, scratch } = self;
+        let Self {
+            geometry,
+            input,
+            weights,
+            bias,
+            finish,
+            scratch,
+        } = self;
         let [depth, height, width] = geometry.edges;
         let (outputs, stride) = (geometry.outputs, geometry.padded_outputs());
         let length = width * stride;
-        // Everything the tiles below touch lies in these lengths; what comes in by the public fields is not trusted.
+        // Everything the tiles below touch lies in these lengths; what comes in by the public
+        // fields is not trusted.
         let sound = geometry.kernel == K
             && input.numbers.len() == geometry.channels * geometry.padded_voxels()
             && weights.len() == geometry.channels * geometry.taps() * stride
@@ -85,11 +94,19 @@ impl Forward<'_> {
                 for row in 0..depth * height {
                     // SAFETY: lengths are checked above.
                     unsafe {
-                        convolve_row::<S, K>(geometry, input, weights, row / height, row % height, &mut rows[..length])
+                        convolve_row::<S, K>(
+                            geometry,
+                            input,
+                            weights,
+                            row / height,
+                            row % height,
+                            &mut rows[..length],
+                        )
                     };
                     for (o, shift) in shift.iter().enumerate().take(outputs) {
                         let to = &mut out[(o * depth * height + row) * width..][..width];
-                        for (to, from) in to.iter_mut().zip(rows[o..length].iter().step_by(stride)) {
+                        for (to, from) in to.iter_mut().zip(rows[o..length].iter().step_by(stride))
+                        {
                             *to = from + shift;
                         }
                     }
@@ -99,11 +116,19 @@ impl Forward<'_> {
                 for row in 0..depth * height {
                     // SAFETY: lengths are checked above.
                     unsafe {
-                        convolve_row::<S, K>(geometry, input, weights, row / height, row % height, &mut rows[..length])
+                        convolve_row::<S, K>(
+                            geometry,
+                            input,
+                            weights,
+                            row / height,
+                            row % height,
+                            &mut rows[..length],
+                        )
                     };
                     for (o, shift) in shift.iter().enumerate().take(outputs) {
                         let to = &mut out[(o * depth * height + row) * width..][..width];
-                        for (to, from) in to.iter_mut().zip(rows[o..length].iter().step_by(stride)) {
+                        for (to, from) in to.iter_mut().zip(rows[o..length].iter().step_by(stride))
+                        {
                             *to = positive(from + shift);
                         }
                     }
@@ -119,7 +144,14 @@ impl Forward<'_> {
                     for (corner, to) in rows.chunks_exact_mut(length).enumerate() {
                         // SAFETY: lengths are checked above.
                         any |= unsafe {
-                            convolve_row::<S, K>(geometry, input, weights, z + corner / 2, y + corner % 2, to)
+                            convolve_row::<S, K>(
+                                geometry,
+                                input,
+                                weights,
+                                z + corner / 2,
+                                y + corner % 2,
+                                to,
+                            )
                         };
                     }
                     if !any {
@@ -154,8 +186,9 @@ pub fn positive(value: f32) -> f32 {
     if value <= 0.0 { 0.0 } else { value }
 }
 
-/// Maxima over windows of four rows (z, y) in {0, 1}², of `length` numbers each, voxel by voxel; the results, with the
-/// bias added and negative ones cut off, overwrite the front of the first row, and `codes` says which corner had each.
+/// Maxima over windows of four rows (z, y) in {0, 1}², of `length` numbers each, voxel by voxel;
+/// the results, with the bias added and negative ones cut off, overwrite the front of the first
+/// row, and `codes` says which corner had each.
 #[inline(always)]
 fn pool_rows(rows: &mut [f32], length: usize, stride: usize, shift: &[f32], codes: &mut [u8]) {
     for (w, codes) in codes.chunks_exact_mut(stride).enumerate() {
@@ -199,10 +232,12 @@ struct TapRow {
     weights: usize,
 }
 
-/// One row of outputs, voxel by voxel: `out` is (W, padded O). False if it holds nothing but zeros because the input does.
+/// One row of outputs, voxel by voxel: `out` is (W, padded O). False if it holds nothing but zeros
+/// because the input does.
 ///
 /// # Safety
-/// The processor has the instructions of `S`; the buffers have the lengths that `run_with` checks; `out` is W x padded O.
+/// The processor has the instructions of `S`; the buffers have the lengths that `run_with` checks;
+/// `out` is W x padded O.
 #[inline(always)]
 #[allow(clippy::int_plus_one, reason = "the macro's smallest step is 1")]
 unsafe fn convolve_row<S: Lanes, const K: usize>(
@@ -219,10 +254,16 @@ unsafe fn convolve_row<S: Lanes, const K: usize>(
     let first = (z * padded_height + y) * padded_width;
     let mut all = [TapRow::default(); 25];
     for (row, tap) in all.iter_mut().enumerate().take(K * K) {
-        *tap = TapRow { input: first + geometry.tap_row_offset(row), weights: row * K * stride };
+        *tap = TapRow {
+            input: first + geometry.tap_row_offset(row),
+            weights: row * K * stride,
+        };
     }
     if let Some(occupied) = &input.occupied {
-        let count: usize = all[..K * K].iter().map(|tap| occupied.count(tap.input / padded_width)).sum();
+        let count: usize = all[..K * K]
+            .iter()
+            .map(|tap| occupied.count(tap.input / padded_width))
+            .sum();
         if count == 0 {
             out.fill(0.0);
             return false;
@@ -250,10 +291,11 @@ unsafe fn convolve_row<S: Lanes, const K: usize>(
                     }
                     taps = &active[..count];
                 }
-                // SAFETY: the tile reads, of channel c < C, the numbers from tap.input + x on, $voxels + K - 1 of them:
-                // a tap row begins at a row of the padded grid and x + $voxels <= W, so they end inside that row. It
-                // reads weights of rows (c K² + row) K + k < C K³, vectors below `stride`. It writes voxels x to
-                // x + $voxels <= W of `out`, vectors below `stride`.
+                // SAFETY: the tile reads, of channel c < C, the numbers from tap.input + x on,
+                // $voxels + K - 1 of them: a tap row begins at a row of the padded grid and x +
+                // $voxels <= W, so they end inside that row. It reads weights of rows (c K² + row)
+                // K + k < C K³, vectors below `stride`. It writes voxels x to x + $voxels <= W of
+                // `out`, vectors below `stride`.
                 unsafe {
                     tile::<S, $voxels, $vectors, K>(
                         input.numbers.as_ptr().add(x),
@@ -286,7 +328,8 @@ unsafe fn convolve_row<S: Lanes, const K: usize>(
     true
 }
 
-/// If fewer than one in this many voxels that a row of outputs sees hold anything, these are spread over the outputs.
+/// If fewer than one in this many voxels that a row of outputs sees hold anything, these are spread
+/// over the outputs.
 const SCATTER_BELOW: usize = 4;
 
 /// One row of outputs from the few voxels that hold anything.
@@ -313,15 +356,24 @@ unsafe fn scatter_row<S: Lanes, const K: usize>(
                     continue;
                 }
                 for first in (0..stride).step_by(S::WIDTH) {
-                    // SAFETY: voxel `at` < padded width of row tap.input of every channel lies in the padded grid; the
-                    // weights are those of rows (c K² + row) K + k < C K³; voxel x < W of `out` is written.
+                    // SAFETY: voxel `at` < padded width of row tap.input of every channel lies in
+                    // the padded grid; the weights are those of rows (c K² + row) K + k < C K³;
+                    // voxel x < W of `out` is written.
                     unsafe {
                         let to = out.as_mut_ptr().add(x * stride + first);
                         let mut sum = S::load(to);
                         for channel in 0..geometry.channels {
-                            let value = input.numbers.as_ptr().add(channel * geometry.padded_voxels() + tap.input + at);
-                            let weight = channel * K * K * K * stride + tap.weights + k * stride + first;
-                            sum = S::multiply_add(S::splat(value), S::load(weights.as_ptr().add(weight)), sum);
+                            let value = input
+                                .numbers
+                                .as_ptr()
+                                .add(channel * geometry.padded_voxels() + tap.input + at);
+                            let weight =
+                                channel * K * K * K * stride + tap.weights + k * stride + first;
+                            sum = S::multiply_add(
+                                S::splat(value),
+                                S::load(weights.as_ptr().add(weight)),
+                                sum,
+                            );
                         }
                         S::store(to, sum);
                     }
@@ -334,7 +386,8 @@ unsafe fn scatter_row<S: Lanes, const K: usize>(
 /// P voxels times V vectors of outputs.
 ///
 /// # Safety
-/// The processor has the instructions of `S`; reads and writes stay inside, as argued where it is called.
+/// The processor has the instructions of `S`; reads and writes stay inside, as argued where it is
+/// called.
 #[inline(always)]
 unsafe fn tile<S: Lanes, const P: usize, const V: usize, const K: usize>(
     input: *const f32,

@@ -2,7 +2,8 @@
 
 use crate::{LearnError, Result};
 
-/// Channel counts of outputs are rounded up to this: the widest vector, and two of the narrower ones.
+/// Channel counts of outputs are rounded up to this: the widest vector, and two of the narrower
+/// ones.
 pub const LANES: usize = 16;
 
 /// A convolution of one sample, stride 1, zero padding that keeps the shape.
@@ -25,14 +26,22 @@ impl Geometry {
     /// [`LearnError::Settings`] says what is wrong.
     pub fn check(&self) -> Result<()> {
         if !matches!(self.kernel, 1 | 3 | 5) {
-            return Err(LearnError::Settings(format!("a kernel of edge {}: take 1, 3 or 5", self.kernel)));
+            return Err(LearnError::Settings(format!(
+                "a kernel of edge {}: take 1, 3 or 5",
+                self.kernel
+            )));
         }
         if self.channels == 0 || self.outputs == 0 || self.voxels() == 0 {
-            return Err(LearnError::Settings(format!("a convolution of nothing: {self:?}")));
+            return Err(LearnError::Settings(format!(
+                "a convolution of nothing: {self:?}"
+            )));
         }
         // Padded voxels are counted in u32.
         if u32::try_from(self.padded_voxels()).is_err() {
-            return Err(LearnError::Settings(format!("{:?} voxels are too many for one grid", self.edges)));
+            return Err(LearnError::Settings(format!(
+                "{:?} voxels are too many for one grid",
+                self.edges
+            )));
         }
         Ok(())
     }
@@ -85,7 +94,11 @@ impl Geometry {
 
     /// The convolution whose forward pass is this one's gradient of the input.
     pub fn transposed(&self) -> Self {
-        Self { channels: self.outputs, outputs: self.channels, ..*self }
+        Self {
+            channels: self.outputs,
+            outputs: self.channels,
+            ..*self
+        }
     }
 
     /// The weights (O, C, taps) as (C, taps, padded O), zeros behind the last output.
@@ -116,7 +129,11 @@ impl Geometry {
     /// Undoes [`Geometry::pack`], adding to `weights`.
     pub fn add_unpacked(&self, packed: &[f32], weights: &mut [f32]) {
         let (rows, stride) = (self.channels * self.taps(), self.padded_outputs());
-        for (output, row) in weights.chunks_exact_mut(rows).enumerate().take(self.outputs) {
+        for (output, row) in weights
+            .chunks_exact_mut(rows)
+            .enumerate()
+            .take(self.outputs)
+        {
             for (i, value) in row.iter_mut().enumerate() {
                 *value += packed[i * stride + output];
             }

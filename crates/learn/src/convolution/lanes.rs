@@ -1,7 +1,8 @@
 //! Vectors of f32 as the processor at hand has them, chosen when the program runs.
 //!
-//! A kernel is written once, over [`Lanes`], as a [`Work`]; [`Level::run`] compiles it for each instruction set. All of a
-//! kernel must be inlined into one function, so everything it calls is `#[inline(always)]`.
+//! A kernel is written once, over [`Lanes`], as a [`Work`]; [`Level::run`] compiles it for each
+//! instruction set. All of a kernel must be inlined into one function, so everything it calls is
+//! `#[inline(always)]`.
 
 use std::sync::OnceLock;
 
@@ -93,8 +94,9 @@ impl Lanes for Portable {
 mod x86 {
     use super::Lanes;
     use std::arch::x86_64::{
-        __m256, __m512, _mm256_broadcast_ss, _mm256_fmadd_ps, _mm256_loadu_ps, _mm256_setzero_ps, _mm256_storeu_ps,
-        _mm512_fmadd_ps, _mm512_loadu_ps, _mm512_set1_ps, _mm512_setzero_ps, _mm512_storeu_ps,
+        __m256, __m512, _mm256_broadcast_ss, _mm256_fmadd_ps, _mm256_loadu_ps, _mm256_setzero_ps,
+        _mm256_storeu_ps, _mm512_fmadd_ps, _mm512_loadu_ps, _mm512_set1_ps, _mm512_setzero_ps,
+        _mm512_storeu_ps,
     };
 
     /// AVX2 and FMA.
@@ -189,7 +191,8 @@ pub trait Work {
     /// Does the work.
     ///
     /// # Safety
-    /// Only on a processor that has the instruction set of `S`. Implementations are `#[inline(always)]`.
+    /// Only on a processor that has the instruction set of `S`. Implementations are
+    /// `#[inline(always)]`.
     unsafe fn run<S: Lanes>(self) -> Self::Output;
 }
 
@@ -226,7 +229,9 @@ impl Level {
 
     /// Those of this processor, slowest first.
     pub fn available() -> impl Iterator<Item = Self> {
-        [Self::Portable, Self::Avx2, Self::Avx512].into_iter().filter(|level| level.is_available())
+        [Self::Portable, Self::Avx2, Self::Avx512]
+            .into_iter()
+            .filter(|level| level.is_available())
     }
 
     /// The fastest of this processor.

@@ -10,12 +10,12 @@
 //! | [`sparse`] | gradients of weights and input from the few that pooling leaves |
 //! | [`buffers`] | memory that is used again |
 //!
-//! The gradient of the input from all gradients of the outputs is a forward pass with the weights turned round
-//! ([`geometry::Geometry::pack_transposed`]).
+//! The gradient of the input from all gradients of the outputs is a forward pass with the weights
+//! turned round ([`geometry::Geometry::pack_transposed`]).
 //!
-//! Kernels check the lengths of the buffers they are handed before they touch them, and stop the program if these do not
-//! fit: that would be a mistake in this crate, and reading on would be worse. Users meet [`crate::block`], which returns
-//! errors.
+//! Kernels check the lengths of the buffers they are handed before they touch them, and stop the
+//! program if these do not fit: that would be a mistake in this crate, and reading on would be
+//! worse. Users meet [`crate::block`], which returns errors.
 
 pub mod buffers;
 pub mod dense;

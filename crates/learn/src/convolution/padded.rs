@@ -36,7 +36,9 @@ impl Occupied {
                 let bits = part
                     .chunks(grain)
                     .enumerate()
-                    .fold(0u32, |bits, (i, voxels)| bits | u32::from(voxels.iter().any(|value| *value != 0.0)) << i);
+                    .fold(0u32, |bits, (i, voxels)| {
+                        bits | u32::from(voxels.iter().any(|value| *value != 0.0)) << i
+                    });
                 *mask |= u128::from(bits) << (block * LANES);
             }
         }
@@ -76,14 +78,16 @@ impl Occupied {
         self.rows.get(row).copied().unwrap_or(u128::MAX)
     }
 
-    /// For every row of outputs, which of them see anything: bit x stands for voxel x. None for rows longer than a mask.
+    /// For every row of outputs, which of them see anything: bit x stands for voxel x. None for
+    /// rows longer than a mask.
     pub fn seen(&self, geometry: &Geometry) -> Option<Vec<u128>> {
         let [depth, height, _] = geometry.edges;
         let padded_height = geometry.padded_edges()[1];
         let kernel = geometry.kernel;
         let seen = (0..depth * height).map(|i| {
             let first = i / height * padded_height + i % height;
-            let below = (0..kernel * kernel).map(|t| self.mask(first + t / kernel * padded_height + t % kernel));
+            let below = (0..kernel * kernel)
+                .map(|t| self.mask(first + t / kernel * padded_height + t % kernel));
             let below = below.fold(0, |any, mask| any | mask);
             (0..kernel).fold(0, |any, k| any | below >> k)
         });
@@ -95,7 +99,8 @@ impl Occupied {
 const LARGEST_FILL: f64 = 0.25;
 
 impl Padded {
-    /// The sample (C, D, H, W) with zeros around it; `look_for_zeros`: note which voxels hold anything.
+    /// The sample (C, D, H, W) with zeros around it; `look_for_zeros`: note which voxels hold
+    /// anything.
     pub fn new(geometry: &Geometry, sample: &[f32], look_for_zeros: bool) -> Self {
         let radius = geometry.radius();
         let [_, height, width] = geometry.edges;
@@ -104,7 +109,8 @@ impl Padded {
         let mut rows = sample.chunks_exact(width);
         for (i, row) in numbers.chunks_exact_mut(padded_width).enumerate() {
             let (z, y) = (i / padded_height % padded_depth, i % padded_height);
-            let inside = (radius..padded_depth - radius).contains(&z) && (radius..radius + height).contains(&y);
+            let inside = (radius..padded_depth - radius).contains(&z)
+                && (radius..radius + height).contains(&y);
             let source = if inside { rows.next() } else { None };
             match source {
                 Some(source) => {
@@ -115,7 +121,8 @@ impl Padded {
                 None => row.fill(0.0),
             }
         }
-        let occupied = (look_for_zeros && is_sparse(sample, LARGEST_FILL)).then(|| Occupied::of(geometry, &numbers));
+        let occupied = (look_for_zeros && is_sparse(sample, LARGEST_FILL))
+            .then(|| Occupied::of(geometry, &numbers));
         Self { numbers, occupied }
     }
 }
@@ -125,7 +132,10 @@ fn is_sparse(sample: &[f32], share: f64) -> bool {
     let most = (share * sample.len() as f64) as usize;
     let mut filled = 0;
     sample.chunks(4096).all(|part| {
-        filled += part.iter().map(|value| u32::from(*value != 0.0)).sum::<u32>() as usize;
+        filled += part
+            .iter()
+            .map(|value| u32::from(*value != 0.0))
+            .sum::<u32>() as usize;
         filled <= most
     })
 }
@@ -135,8 +145,8 @@ pub fn slack(geometry: &Geometry) -> usize {
     LANES * (1 + geometry.kernel)
 }
 
-/// The sample (C, D, H, W) with zeros around it, voxel by voxel: (D + 2r, H + 2r, W + 2r, C), and [`slack`] behind.
-/// `occupied`, if known, says which voxels hold anything.
+/// The sample (C, D, H, W) with zeros around it, voxel by voxel: (D + 2r, H + 2r, W + 2r, C), and
+/// [`slack`] behind. `occupied`, if known, says which voxels hold anything.
 pub fn channel_last(geometry: &Geometry, sample: &[f32], occupied: Option<&Occupied>) -> Buffer {
     let mut numbers = Buffer::zeros(geometry.channels * geometry.padded_voxels() + slack(geometry));
     let (width, channels) = (geometry.edges[2], geometry.channels);
@@ -147,16 +157,26 @@ pub fn channel_last(geometry: &Geometry, sample: &[f32], occupied: Option<&Occup
             let padded_width = geometry.padded_edges()[2];
             let first = to / channels - geometry.radius();
             for x in occupied.of_row(first / padded_width, padded_width) {
-                let Some(inner) = x.checked_sub(geometry.radius()).filter(|inner| *inner < width) else { continue };
+                let Some(inner) = x
+                    .checked_sub(geometry.radius())
+                    .filter(|inner| *inner < width)
+                else {
+                    continue;
+                };
                 for channel in 0..channels {
-                    numbers[(first + x) * channels + channel] = sample[channel * voxels + row * width + inner];
+                    numbers[(first + x) * channels + channel] =
+                        sample[channel * voxels + row * width + inner];
                 }
             }
             continue;
         }
         for channel in 0..channels {
             let from = &sample[channel * voxels + row * width..][..width];
-            for (to, from) in numbers[to + channel..].iter_mut().step_by(channels).zip(from) {
+            for (to, from) in numbers[to + channel..]
+                .iter_mut()
+                .step_by(channels)
+                .zip(from)
+            {
                 *to = *from;
             }
         }
@@ -172,7 +192,10 @@ pub fn from_channel_last(geometry: &Geometry, numbers: &[f32], sample: &mut [f32
         let from = first_of_row(geometry, row) * channels;
         for channel in 0..channels {
             let to = &mut sample[channel * voxels + row * width..][..width];
-            for (to, from) in to.iter_mut().zip(numbers[from + channel..].iter().step_by(channels)) {
+            for (to, from) in to
+                .iter_mut()
+                .zip(numbers[from + channel..].iter().step_by(channels))
+            {
                 *to = *from;
             }
         }

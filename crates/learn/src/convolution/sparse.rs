@@ -1,8 +1,8 @@
-//! Gradients where most gradients of the outputs are zero, as they are behind a maximum over windows: at most one in eight
-//! is not, and those that the ReLU cut off are not there either.
+//! Gradients where most gradients of the outputs are zero, as they are behind a maximum over
+//! windows: at most one in eight is not, and those that the ReLU cut off are not there either.
 //!
-//! For each output the gradients that are not zero are listed; each gives k² runs of k C numbers, which lie next to each
-//! other in a channel-last grid:
+//! For each output the gradients that are not zero are listed; each gives k² runs of k C numbers,
+//! which lie next to each other in a channel-last grid:
 //!
 //! ∂w\[o, run\] += g x\[p + run\] and ∂x\[p + run\] += g w\[o, run\].
 
@@ -29,18 +29,29 @@ pub struct Entries {
 }
 
 impl Entries {
-    /// From the gradient of the pooled outputs, (O, D/2, H/2, W/2), and the corners that pooling chose. `seen`, if known,
-    /// says row by row which outputs see anything of the input: the others leave weights alone and are left out.
-    pub fn pooled(geometry: &Geometry, gradient: &[f32], codes: &[u8], seen: Option<&[u128]>) -> Self {
+    /// From the gradient of the pooled outputs, (O, D/2, H/2, W/2), and the corners that pooling
+    /// chose. `seen`, if known, says row by row which outputs see anything of the input: the others
+    /// leave weights alone and are left out.
+    pub fn pooled(
+        geometry: &Geometry,
+        gradient: &[f32],
+        codes: &[u8],
+        seen: Option<&[u128]>,
+    ) -> Self {
         let [depth, height, width] = geometry.edges.map(|edge| edge / 2);
         let [_, padded_height, padded_width] = geometry.padded_edges();
-        let corners: [u32; 8] =
-            std::array::from_fn(|i| ((i / 4 * padded_height + i / 2 % 2) * padded_width + i % 2) as u32);
+        let corners: [u32; 8] = std::array::from_fn(|i| {
+            ((i / 4 * padded_height + i / 2 % 2) * padded_width + i % 2) as u32
+        });
         let rows = depth * height;
         let mut list = vec![Entry::default(); gradient.len() + 1];
         let mut starts = Vec::with_capacity(geometry.outputs * rows + 1);
         let mut count = 0;
-        for (i, (gradient, codes)) in gradient.chunks_exact(width).zip(codes.chunks_exact(width)).enumerate() {
+        for (i, (gradient, codes)) in gradient
+            .chunks_exact(width)
+            .zip(codes.chunks_exact(width))
+            .enumerate()
+        {
             starts.push(count);
             let (z, y) = (2 * (i % rows / height), 2 * (i % height));
             let first = ((z * padded_height + y) * padded_width) as u32;
@@ -61,7 +72,10 @@ impl Entries {
                     }
                 }
                 // Written always, kept if it counts: no branch to guess wrong.
-                list[count] = Entry { voxel: first + 2 * x as u32 + corners[usize::from(code & 7)], value: *value };
+                list[count] = Entry {
+                    voxel: first + 2 * x as u32 + corners[usize::from(code & 7)],
+                    value: *value,
+                };
                 count += usize::from((*code != DEAD) & (*value != 0.0));
             }
         }
@@ -82,7 +96,10 @@ impl Entries {
             starts.push(count);
             let first = ((i % rows / height * padded_height + i % height) * padded_width) as u32;
             for (x, value) in gradient.iter().enumerate() {
-                list[count] = Entry { voxel: first + x as u32, value: *value };
+                list[count] = Entry {
+                    voxel: first + x as u32,
+                    value: *value,
+                };
                 count += usize::from(*value != 0.0);
             }
         }
@@ -98,7 +115,10 @@ impl Entries {
         for (output, gradient) in gradient.chunks_exact_mut(geometry.voxels()).enumerate() {
             for entry in self.of_output(output) {
                 let voxel = entry.voxel as usize;
-                let (z, y) = (voxel / padded_width / padded_height, voxel / padded_width % padded_height);
+                let (z, y) = (
+                    voxel / padded_width / padded_height,
+                    voxel / padded_width % padded_height,
+                );
                 gradient[(z * height + y) * width + voxel % padded_width] = entry.value;
             }
         }
@@ -157,7 +177,10 @@ fn each_weight(geometry: &Geometry, mut pair: impl FnMut(usize, usize)) {
         for channel in 0..channels {
             for tap in 0..taps {
                 let run = (output * kernel * kernel + tap / kernel) * run_length(geometry);
-                pair((output * channels + channel) * taps + tap, run + tap % kernel * channels + channel);
+                pair(
+                    (output * channels + channel) * taps + tap,
+                    run + tap % kernel * channels + channel,
+                );
             }
         }
     }
@@ -196,7 +219,10 @@ fn fits(geometry: &Geometry, input: usize, entries: &Entries, weights: usize) ->
     let last = ((depth - 1) * padded_height + height - 1) * padded_width + width - 1;
     input == geometry.channels * geometry.padded_voxels() + super::padded::slack(geometry)
         && weights == weights_length(geometry)
-        && entries.list.iter().all(|entry| entry.voxel as usize <= last)
+        && entries
+            .list
+            .iter()
+            .all(|entry| entry.voxel as usize <= last)
 }
 
 impl Work for SparseWeights<'_> {
@@ -205,24 +231,34 @@ impl Work for SparseWeights<'_> {
     #[inline(always)]
     #[allow(clippy::int_plus_one, reason = "the macro's smallest step is 1")]
     unsafe fn run<S: Lanes>(self) {
-        let Self { geometry, input, entries, weights } = self;
+        let Self {
+            geometry,
+            input,
+            entries,
+            weights,
+        } = self;
         assert!(
             fits(geometry, input.len(), entries, weights.len()),
             "buffers do not fit a convolution of {geometry:?}"
         );
         let vectors = run_length(geometry) / S::WIDTH;
         let kernel = geometry.kernel;
-        for (output, weights) in weights.chunks_exact_mut(weights_per_output(geometry)).enumerate() {
+        for (output, weights) in weights
+            .chunks_exact_mut(weights_per_output(geometry))
+            .enumerate()
+        {
             let list = entries.of_output(output);
-            // Rows of taps from `row` on and vectors from `vector` on, as many as the registers hold.
+            // Rows of taps from `row` on and vectors from `vector` on, as many as the registers
+            // hold.
             macro_rules! sweep {
                 ($rows:literal: $($vectors:literal)*) => {
                     for row in (0..kernel * kernel).step_by($rows) {
                         let mut vector = 0;
                         $(while vector + $vectors <= vectors {
-                            // SAFETY: an entry's voxel is at most that of the last output, checked above, so its runs
-                            // begin inside the padded grid, and the slack behind the grid covers what whole vectors run
-                            // over; $rows divides k², and the weights hold k² runs of `vectors` vectors.
+                            // SAFETY: an entry's voxel is at most that of the last output, checked
+                            // above, so its runs begin inside the padded grid, and the slack behind
+                            // the grid covers what whole vectors run over; $rows divides k², and
+                            // the weights hold k² runs of `vectors` vectors.
                             unsafe { gather::<S, $rows, $vectors>(geometry, input, list, row, vector, weights) };
                             vector += $vectors;
                         })*
@@ -245,7 +281,8 @@ impl Work for SparseWeights<'_> {
 /// Sums R rows of taps times V vectors over the entries of an output.
 ///
 /// # Safety
-/// The processor has the instructions of `S`; reads and writes stay inside, as argued where it is called.
+/// The processor has the instructions of `S`; reads and writes stay inside, as argued where it is
+/// called.
 #[inline(always)]
 unsafe fn gather<S: Lanes, const R: usize, const V: usize>(
     geometry: &Geometry,
@@ -285,7 +322,12 @@ impl Work for SparseInput<'_> {
 
     #[inline(always)]
     unsafe fn run<S: Lanes>(self) {
-        let Self { geometry, input, entries, weights } = self;
+        let Self {
+            geometry,
+            input,
+            entries,
+            weights,
+        } = self;
         assert!(
             fits(geometry, input.len(), entries, weights.len()),
             "buffers do not fit a convolution of {geometry:?}"
@@ -298,18 +340,28 @@ impl Work for SparseInput<'_> {
         let offsets = &offsets[..geometry.tap_rows()];
         // A row of windows at a time, so that the part of the input it reaches stays in the cache.
         for row in 0..entries.rows {
-            for (output, weights) in weights.chunks_exact(weights_per_output(geometry)).enumerate() {
+            for (output, weights) in weights
+                .chunks_exact(weights_per_output(geometry))
+                .enumerate()
+            {
                 let place = output * entries.rows + row;
                 for entry in entries.of_rows(place, place + 1) {
-                    // SAFETY: as for the weights: runs begin inside the padded grid, and the slack covers the rest; past
-                    // its k C weights a run adds the zeros it was packed with.
+                    // SAFETY: as for the weights: runs begin inside the padded grid, and the slack
+                    // covers the rest; past its k C weights a run adds the zeros it was packed
+                    // with.
                     unsafe {
                         let value = S::splat(&raw const entry.value);
-                        let to = input.as_mut_ptr().add(entry.voxel as usize * geometry.channels);
+                        let to = input
+                            .as_mut_ptr()
+                            .add(entry.voxel as usize * geometry.channels);
                         for (i, offset) in offsets.iter().enumerate() {
                             let (to, from) = (to.add(*offset), weights.as_ptr().add(i * length));
                             for first in (0..length).step_by(S::WIDTH) {
-                                let sum = S::multiply_add(value, S::load(from.add(first)), S::load(to.add(first)));
+                                let sum = S::multiply_add(
+                                    value,
+                                    S::load(from.add(first)),
+                                    S::load(to.add(first)),
+                                );
                                 S::store(to.add(first), sum);
                             }
                         }

@@ -10,8 +10,8 @@ pub const NORM_EPSILON: f64 = 1e-5;
 ///
 /// y\[b, o, p\] = bias\[o\] + Σ over c and taps t of weight\[o, c, t\] x\[b, c, p + t - radius\].
 ///
-/// `input` is (B, C, D, H, W), `weight` (O, C, k, k, k) with k odd, `bias` (O). The patches are laid out as one matrix,
-/// k³ C rows, and multiplied by the weights.
+/// `input` is (B, C, D, H, W), `weight` (O, C, k, k, k) with k odd, `bias` (O). The patches are
+/// laid out as one matrix, k³ C rows, and multiplied by the weights.
 ///
 /// # Errors
 /// [`LearnError::Settings`] for an even kernel, [`LearnError::Tensor`] for shapes that do not fit.
@@ -19,7 +19,9 @@ pub fn convolution3d(input: &Tensor, weight: &Tensor, bias: &Tensor) -> Result<T
     let (samples, channels, depth, height, width) = input.dims5()?;
     let (outputs, _, kernel, _, _) = weight.dims5()?;
     if kernel % 2 == 0 {
-        return Err(LearnError::Settings(format!("a kernel of edge {kernel}: it must be odd, take 1, 3 or 5")));
+        return Err(LearnError::Settings(format!(
+            "a kernel of edge {kernel}: it must be odd, take 1, 3 or 5"
+        )));
     }
     let radius = kernel / 2;
     let positions = samples * depth * height * width;
@@ -31,24 +33,39 @@ pub fn convolution3d(input: &Tensor, weight: &Tensor, bias: &Tensor) -> Result<T
     for z in 0..kernel {
         for y in 0..kernel {
             for x in 0..kernel {
-                let shifted = padded.narrow(2, z, depth)?.narrow(3, y, height)?.narrow(4, x, width)?;
+                let shifted = padded
+                    .narrow(2, z, depth)?
+                    .narrow(3, y, height)?
+                    .narrow(4, x, width)?;
                 rows.push(shifted.reshape((channels, positions))?);
             }
         }
     }
     let patches = Tensor::cat(&rows, 0)?;
-    let matrix = weight.permute((0, 2, 3, 4, 1))?.reshape((outputs, kernel.pow(3) * channels))?;
-    let product = matrix.matmul(&patches)?.broadcast_add(&bias.reshape((outputs, 1))?)?;
-    Ok(product.reshape((outputs, samples, depth, height, width))?.transpose(0, 1)?.contiguous()?)
+    let matrix = weight
+        .permute((0, 2, 3, 4, 1))?
+        .reshape((outputs, kernel.pow(3) * channels))?;
+    let product = matrix
+        .matmul(&patches)?
+        .broadcast_add(&bias.reshape((outputs, 1))?)?;
+    Ok(product
+        .reshape((outputs, samples, depth, height, width))?
+        .transpose(0, 1)?
+        .contiguous()?)
 }
 
-/// The eight corners of every 2 x 2 x 2 window, (8, B, C, D/2, H/2, W/2), in the order (z, y, x). A last odd plane, row
-/// or column belongs to no window.
+/// The eight corners of every 2 x 2 x 2 window, (8, B, C, D/2, H/2, W/2), in the order (z, y, x). A
+/// last odd plane, row or column belongs to no window.
 fn windows(input: &Tensor) -> Result<Tensor> {
     let (samples, channels, depth, height, width) = input.dims5()?;
     let (d, h, w) = (depth / 2, height / 2, width / 2);
-    let even = input.narrow(2, 0, 2 * d)?.narrow(3, 0, 2 * h)?.narrow(4, 0, 2 * w)?;
-    let split = even.contiguous()?.reshape(vec![samples * channels, d, 2, h, 2, w, 2])?;
+    let even = input
+        .narrow(2, 0, 2 * d)?
+        .narrow(3, 0, 2 * h)?
+        .narrow(4, 0, 2 * w)?;
+    let split = even
+        .contiguous()?
+        .reshape(vec![samples * channels, d, 2, h, 2, w, 2])?;
     let corners = split.permute(vec![2, 4, 6, 0, 1, 3, 5])?.contiguous()?;
     Ok(corners.reshape(vec![8, samples, channels, d, h, w])?)
 }
@@ -80,7 +97,8 @@ pub fn average_pool3d(input: &Tensor) -> Result<Tensor> {
 
 /// Group normalisation (Wu and He, ECCV 2018): over each group of channels of a sample,
 ///
-/// y = weight (x - mean) / √(variance + ε) + bias, with weight and bias per channel and ε = [`NORM_EPSILON`].
+/// y = weight (x - mean) / √(variance + ε) + bias, with weight and bias per channel and ε =
+/// [`NORM_EPSILON`].
 ///
 /// # Errors
 /// [`LearnError::Settings`] if the channels do not divide into the groups.
@@ -88,7 +106,9 @@ pub fn group_norm(input: &Tensor, groups: usize, weight: &Tensor, bias: &Tensor)
     let shape = input.dims().to_vec();
     let (samples, channels, ..) = input.dims5()?;
     if groups == 0 || channels % groups != 0 {
-        return Err(LearnError::Settings(format!("{channels} channels do not divide into {groups} groups")));
+        return Err(LearnError::Settings(format!(
+            "{channels} channels do not divide into {groups} groups"
+        )));
     }
     let grouped = input.contiguous()?.reshape((samples, groups, ()))?;
     let centred = grouped.broadcast_sub(&grouped.mean_keepdim(2)?)?;
@@ -105,7 +125,10 @@ pub fn group_norm(input: &Tensor, groups: usize, weight: &Tensor, bias: &Tensor)
 /// [`LearnError::Tensor`] for an input of another rank.
 pub fn global_average_pool(input: &Tensor) -> Result<Tensor> {
     let (samples, channels, ..) = input.dims5()?;
-    Ok(input.contiguous()?.reshape((samples, channels, ()))?.mean(2)?)
+    Ok(input
+        .contiguous()?
+        .reshape((samples, channels, ()))?
+        .mean(2)?)
 }
 
 /// The maximum over all voxels: (B, C, D, H, W) to (B, C).
@@ -114,6 +137,9 @@ pub fn global_average_pool(input: &Tensor) -> Result<Tensor> {
 /// [`LearnError::Tensor`] for an input of another rank.
 pub fn global_maximum_pool(input: &Tensor) -> Result<Tensor> {
     let (samples, channels, ..) = input.dims5()?;
-    let columns = input.contiguous()?.reshape((samples * channels, ()))?.transpose(0, 1)?;
+    let columns = input
+        .contiguous()?
+        .reshape((samples * channels, ()))?
+        .transpose(0, 1)?;
     Ok(first_maximum(&columns)?.reshape((samples, channels))?)
 }

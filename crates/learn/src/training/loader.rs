@@ -1,4 +1,5 @@
-//! Batches: samples are read, turned, scaled and spread into one buffer while the batch before is being worked on.
+//! Batches: samples are read, turned, scaled and spread into one buffer while the batch before is
+//! being worked on.
 
 use crate::augmentation::CubeRotation;
 use crate::scaling::{ChannelScaling, read_checked};
@@ -23,7 +24,8 @@ pub(super) struct Loader<'a> {
 }
 
 impl Loader<'_> {
-    /// The batch as (sample, channel, z, y, x). Memory is that of one batch: sparse samples are spread where they belong.
+    /// The batch as (sample, channel, z, y, x). Memory is that of one batch: sparse samples are
+    /// spread where they belong.
     pub fn read(&self, items: &[Item]) -> Result<Vec<f32>> {
         let stride = self.channels.len() * self.source.size().pow(3);
         let turns = CubeRotation::all();
@@ -35,7 +37,10 @@ impl Loader<'_> {
             }
             self.scaling.write_dense(grid, self.channels, dense)
         };
-        buffer.par_chunks_mut(stride.max(1)).zip(items).try_for_each(read)?;
+        buffer
+            .par_chunks_mut(stride.max(1))
+            .zip(items)
+            .try_for_each(read)?;
         Ok(buffer)
     }
 
@@ -46,11 +51,20 @@ impl Loader<'_> {
         mut work: impl FnMut(usize, Tensor) -> Result<ControlFlow<()>> + Send,
     ) -> Result<bool> {
         let size = self.source.size();
-        let load = |number: usize| batches.get(number).map(|items| self.read(items)).transpose();
+        let load = |number: usize| {
+            batches
+                .get(number)
+                .map(|items| self.read(items))
+                .transpose()
+        };
         let mut next = load(0)?;
         for (number, items) in batches.iter().enumerate() {
             let Some(values) = next.take() else { break };
-            let batch = Tensor::from_vec(values, (items.len(), self.channels.len(), size, size, size), self.device)?;
+            let batch = Tensor::from_vec(
+                values,
+                (items.len(), self.channels.len(), size, size, size),
+                self.device,
+            )?;
             let (done, loaded) = rayon::join(|| work(number, batch), || load(number + 1));
             if done?.is_break() {
                 return Ok(false);

@@ -5,8 +5,8 @@
 //! validation part ------------------------------------------------------------------> log-loss: the best epoch
 //! ```
 //!
-//! Order and rotations come from (seed, epoch, sample), so a training does not depend on threads, and one that was
-//! interrupted goes on from the bytes of a checkpoint as if nothing had happened.
+//! Order and rotations come from (seed, epoch, sample), so a training does not depend on threads,
+//! and one that was interrupted goes on from the bytes of a checkpoint as if nothing had happened.
 
 mod container;
 mod loader;
@@ -23,7 +23,9 @@ use crate::scaling::{ChannelScaling, Quarantined, screen};
 use crate::scores::Scores;
 use crate::split::{Split, family_weights, shuffle};
 use crate::targets::Classes;
-use crate::{Adam, AdamSettings, LearnError, Network, NetworkSettings, Result, SampleSource, cross_entropy};
+use crate::{
+    Adam, AdamSettings, LearnError, Network, NetworkSettings, Result, SampleSource, cross_entropy,
+};
 use candle_core::{Device, Tensor};
 use container::{pack, unpack};
 use loader::{Item, Loader};
@@ -59,7 +61,8 @@ pub struct Trained {
     pub model: Model,
     /// All epochs.
     pub history: Vec<EpochRecord>,
-    /// The epoch with the smallest validation loss, counted from 1; without validation samples the last; 0 if none ended.
+    /// The epoch with the smallest validation loss, counted from 1; without validation samples the
+    /// last; 0 if none ended.
     pub best_epoch: usize,
     /// Samples of the training and validation part that could not be used.
     pub quarantined: Vec<Quarantined>,
@@ -94,7 +97,11 @@ pub trait Observer: Send {
     ///
     /// # Errors
     /// An error ends the training.
-    fn epoch(&mut self, _record: &EpochRecord, _checkpoint: &dyn Fn() -> Result<Vec<u8>>) -> Result<ControlFlow<()>> {
+    fn epoch(
+        &mut self,
+        _record: &EpochRecord,
+        _checkpoint: &dyn Fn() -> Result<Vec<u8>>,
+    ) -> Result<ControlFlow<()>> {
         Ok(ControlFlow::Continue(()))
     }
 }
@@ -114,7 +121,15 @@ pub fn train(
     settings: &TrainingSettings,
     observer: &mut dyn Observer,
 ) -> Result<Trained> {
-    Training { source, classes, split, network, settings, device: Device::Cpu }.run(None, observer)
+    Training {
+        source,
+        classes,
+        split,
+        network,
+        settings,
+        device: Device::Cpu,
+    }
+    .run(None, observer)
 }
 
 /// The part of a checkpoint that is no tensor.
@@ -140,16 +155,17 @@ struct State {
 }
 
 impl Training<'_> {
-    /// Trains, from the beginning or from a checkpoint of the same training; with a checkpoint, `epochs` and `patience`
-    /// may be new.
+    /// Trains, from the beginning or from a checkpoint of the same training; with a checkpoint,
+    /// `epochs` and `patience` may be new.
     ///
-    /// The head's bias starts at (1 - τ) ln(share of the class). The loss is Σ w l / (B w̄) over the B samples of a
-    /// batch, with w one over the size of a sample's family and w̄ its mean over the training part. Samples that cannot
-    /// be read are left out.
+    /// The head's bias starts at (1 - τ) ln(share of the class). The loss is Σ w l / (B w̄) over
+    /// the B samples of a batch, with w one over the size of a sample's family and w̄ its mean over
+    /// the training part. Samples that cannot be read are left out.
     ///
     /// # Errors
-    /// [`LearnError::Settings`] if settings, classes, split, network and source do not fit together, a class loses all
-    /// its training samples, or the checkpoint is that of another training; [`LearnError::Diverged`] if training diverges.
+    /// [`LearnError::Settings`] if settings, classes, split, network and source do not fit
+    /// together, a class loses all its training samples, or the checkpoint is that of another
+    /// training; [`LearnError::Diverged`] if training diverges.
     pub fn run(&self, checkpoint: Option<&[u8]>, observer: &mut dyn Observer) -> Result<Trained> {
         self.check()?;
         let places = self.settings.channel_places(self.source)?;
@@ -161,17 +177,26 @@ impl Training<'_> {
         observer.started(&state.progress.quarantined);
         let good = |part: &[usize]| {
             let bad = &state.progress.quarantined;
-            part.iter().copied().filter(|sample| bad.iter().all(|bad| bad.sample != *sample)).collect::<Vec<_>>()
+            part.iter()
+                .copied()
+                .filter(|sample| bad.iter().all(|bad| bad.sample != *sample))
+                .collect::<Vec<_>>()
         };
         let (training, validation) = (good(&self.split.training), good(&self.split.validation));
         let mut outcome = Outcome::Completed;
         while state.progress.history.len() < self.settings.epochs {
             let epoch = state.progress.history.len() + 1;
-            if self.settings.patience.is_some_and(|patience| epoch > state.progress.best_epoch + patience.max(1)) {
+            if self
+                .settings
+                .patience
+                .is_some_and(|patience| epoch > state.progress.best_epoch + patience.max(1))
+            {
                 outcome = Outcome::Stopped;
                 break;
             }
-            let Some(mut record) = self.epoch(&mut state, epoch, &training, &places, &weights, observer)? else {
+            let Some(mut record) =
+                self.epoch(&mut state, epoch, &training, &places, &weights, observer)?
+            else {
                 outcome = Outcome::Interrupted;
                 break;
             };
@@ -181,7 +206,11 @@ impl Training<'_> {
                 record.validation_balanced_accuracy = Some(scores.balanced_accuracy);
             }
             let loss_of = |record: &EpochRecord| record.validation_loss_nats;
-            let before = state.progress.best_epoch.checked_sub(1).and_then(|best| state.progress.history.get(best));
+            let before = state
+                .progress
+                .best_epoch
+                .checked_sub(1)
+                .and_then(|best| state.progress.history.get(best));
             let better = match (loss_of(&record), before.and_then(loss_of)) {
                 (Some(now), Some(before)) => now < before,
                 _ => true,
@@ -199,7 +228,8 @@ impl Training<'_> {
         state.finish(outcome)
     }
 
-    /// Whether settings, classes, split, network and source fit together; [`Training::run`] asks this first.
+    /// Whether settings, classes, split, network and source fit together; [`Training::run`] asks
+    /// this first.
     ///
     /// # Errors
     /// [`LearnError::Settings`] says what does not fit.
@@ -211,7 +241,10 @@ impl Training<'_> {
         let refuse = |reason: String| Err(LearnError::Settings(reason));
         let (names, labels) = (self.classes.names.len(), &self.classes.labels);
         if labels.len() != samples || labels.iter().any(|label| *label >= names) {
-            return refuse(format!("{} labels of {names} classes for {samples} samples", labels.len()));
+            return refuse(format!(
+                "{} labels of {names} classes for {samples} samples",
+                labels.len()
+            ));
         }
         if self.split.training.is_empty() {
             return refuse("the training part is empty".into());
@@ -220,7 +253,9 @@ impl Training<'_> {
         if self.network.channels != channels || self.network.classes != names {
             let (seen, told_apart) = (self.network.channels, self.network.classes);
             let network = format!("the network is for {seen} channels and {told_apart} classes");
-            return refuse(format!("{network}, the data have {channels} channels and {names} classes"));
+            return refuse(format!(
+                "{network}, the data have {channels} channels and {names} classes"
+            ));
         }
         if self.source.size() < self.network.smallest_edge() {
             let (size, smallest) = (self.source.size(), self.network.smallest_edge());
@@ -239,8 +274,13 @@ impl Training<'_> {
             let class = labels[*sample];
             if !training.iter().any(|kept| labels[*kept] == class) {
                 let name = &self.classes.names[class];
-                let why = quarantined.iter().find(|bad| bad.sample == *sample).map_or("", |bad| &bad.reason);
-                let reason = format!("no training sample of the class {name} can be read, for instance: {why}");
+                let why = quarantined
+                    .iter()
+                    .find(|bad| bad.sample == *sample)
+                    .map_or("", |bad| &bad.reason);
+                let reason = format!(
+                    "no training sample of the class {name} can be read, for instance: {why}"
+                );
                 return Err(LearnError::Settings(reason));
             }
         }
@@ -254,7 +294,10 @@ impl Training<'_> {
         let card = ModelCard {
             network: self.network.clone(),
             size: self.source.size(),
-            channels: places.iter().map(|place| self.source.channels()[*place].clone()).collect(),
+            channels: places
+                .iter()
+                .map(|place| self.source.channels()[*place].clone())
+                .collect(),
             scaling,
             classes: self.classes.names.clone(),
             log_prior,
@@ -270,19 +313,37 @@ impl Training<'_> {
             history: Vec::new(),
             best_epoch: 0,
         };
-        Ok(State { best: copies(&network)?, adam: self.adam(&network)?, network, progress })
+        Ok(State {
+            best: copies(&network)?,
+            adam: self.adam(&network)?,
+            network,
+            progress,
+        })
     }
 
     fn adam(&self, network: &Network) -> Result<Adam> {
-        let TrainingSettings { learning_rate, weight_decay, .. } = *self.settings;
-        Adam::new(network.parameters(), AdamSettings { learning_rate, weight_decay, ..AdamSettings::default() })
+        let TrainingSettings {
+            learning_rate,
+            weight_decay,
+            ..
+        } = *self.settings;
+        Adam::new(
+            network.parameters(),
+            AdamSettings {
+                learning_rate,
+                weight_decay,
+                ..AdamSettings::default()
+            },
+        )
     }
 
     fn resume(&self, bytes: &[u8]) -> Result<State> {
-        let (tensors, mut progress): (Vec<(String, Tensor)>, Progress) = unpack(bytes, "checkpoint", &self.device)?;
+        let (tensors, mut progress): (Vec<(String, Tensor)>, Progress) =
+            unpack(bytes, "checkpoint", &self.device)?;
         let refuse = |what: &str| {
-            let reason =
-                format!("the checkpoint is that of another training: {what}; start anew or use what it was for");
+            let reason = format!(
+                "the checkpoint is that of another training: {what}; start anew or use what it was for"
+            );
             Err(LearnError::Settings(reason))
         };
         if progress.fingerprint != self.fingerprint() {
@@ -296,21 +357,29 @@ impl Training<'_> {
         }
         progress.settings = self.settings.clone();
         let part = |prefix: &str| {
-            let strip =
-                |(name, tensor): &(String, Tensor)| Some((name.strip_prefix(prefix)?.to_string(), tensor.clone()));
+            let strip = |(name, tensor): &(String, Tensor)| {
+                Some((name.strip_prefix(prefix)?.to_string(), tensor.clone()))
+            };
             tensors.iter().filter_map(strip).collect::<Vec<_>>()
         };
         let network = Network::new(self.network, self.settings.seed, &self.device)?;
         let (weights, best) = (part("network."), part("best."));
         if weights.len() != network.parameters().len() || best.len() != weights.len() {
-            return Err(LearnError::Settings("the checkpoint lacks weights: it is damaged".into()));
+            return Err(LearnError::Settings(
+                "the checkpoint lacks weights: it is damaged".into(),
+            ));
         }
         for (name, tensor) in &weights {
             network.set_parameter(name, tensor)?;
         }
         let mut adam = self.adam(&network)?;
         adam.load_state(&part("optimiser."))?;
-        Ok(State { progress, network, adam, best })
+        Ok(State {
+            progress,
+            network,
+            adam,
+            best,
+        })
     }
 
     /// One pass over the training part; none if the observer ends it.
@@ -326,16 +395,38 @@ impl Training<'_> {
         let settings = self.settings;
         let items = self.items(training, epoch);
         let batches: Vec<&[Item]> = items.chunks(settings.batch).collect();
-        let mean_weight = training.iter().map(|sample| weights[*sample]).sum::<f64>() / training.len() as f64;
-        let log_prior: Vec<f32> = state.progress.card.log_prior.iter().map(|value| *value as f32).collect();
-        let State { network, adam, progress, .. } = state;
-        let loader =
-            Loader { source: self.source, scaling: &progress.card.scaling, channels: places, device: &self.device };
+        let mean_weight =
+            training.iter().map(|sample| weights[*sample]).sum::<f64>() / training.len() as f64;
+        let log_prior: Vec<f32> = state
+            .progress
+            .card
+            .log_prior
+            .iter()
+            .map(|value| *value as f32)
+            .collect();
+        let State {
+            network,
+            adam,
+            progress,
+            ..
+        } = state;
+        let loader = Loader {
+            source: self.source,
+            scaling: &progress.card.scaling,
+            channels: places,
+            device: &self.device,
+        };
         let (mut loss_sum, mut weight_sum) = (0.0, 0.0);
         let (mut norm_sum, mut largest_norm, mut skipped, mut rate) = (0.0, 0.0_f64, 0, 0.0);
         let completed = loader.each(&batches, |step, batch| {
-            let labels: Vec<u32> = batches[step].iter().map(|item| self.classes.labels[item.sample] as u32).collect();
-            let of_batch: Vec<f32> = batches[step].iter().map(|item| weights[item.sample] as f32).collect();
+            let labels: Vec<u32> = batches[step]
+                .iter()
+                .map(|item| self.classes.labels[item.sample] as u32)
+                .collect();
+            let of_batch: Vec<f32> = batches[step]
+                .iter()
+                .map(|item| weights[item.sample] as f32)
+                .collect();
             let weight: f64 = batches[step].iter().map(|item| weights[item.sample]).sum();
             let logits = network.forward(&batch)?;
             let logits = adjust_logits(&logits, &log_prior, settings.logit_adjustment)?;
@@ -352,13 +443,20 @@ impl Training<'_> {
             } else {
                 skipped += 1;
             }
-            Ok(observer.step(StepReport { epoch, step: step + 1, steps: batches.len(), loss_nats: value }))
+            Ok(observer.step(StepReport {
+                epoch,
+                step: step + 1,
+                steps: batches.len(),
+                loss_nats: value,
+            }))
         })?;
         if !completed {
             return Ok(None);
         }
         if skipped == batches.len() {
-            return Err(LearnError::Diverged(format!("no step of epoch {epoch} had a finite gradient")));
+            return Err(LearnError::Diverged(format!(
+                "no step of epoch {epoch} had a finite gradient"
+            )));
         }
         Ok(Some(EpochRecord {
             epoch,
@@ -377,24 +475,46 @@ impl Training<'_> {
         let (seed, step) = (self.settings.seed, epoch as u64);
         let turn = |sample: usize| {
             let mut rng = CounterRng::for_purpose(seed, sample as u32, step, ROTATION);
-            if self.settings.augment { rng.index(CubeRotation::COUNT) } else { 0 }
+            if self.settings.augment {
+                rng.index(CubeRotation::COUNT)
+            } else {
+                0
+            }
         };
-        let mut items: Vec<Item> =
-            training.iter().map(|sample| Item { sample: *sample, turn: turn(*sample) }).collect();
-        shuffle(&mut items, &mut CounterRng::for_purpose(seed, 0, step, ORDER));
+        let mut items: Vec<Item> = training
+            .iter()
+            .map(|sample| Item {
+                sample: *sample,
+                turn: turn(*sample),
+            })
+            .collect();
+        shuffle(
+            &mut items,
+            &mut CounterRng::for_purpose(seed, 0, step, ORDER),
+        );
         items
     }
 
     fn validate(&self, state: &State, validation: &[usize], weights: &[f64]) -> Result<Scores> {
-        let model = Model { network: state.network.clone(), card: state.progress.card.clone() };
-        let how = PredictionSettings { batch: self.settings.batch, ..PredictionSettings::default() };
+        let model = Model {
+            network: state.network.clone(),
+            card: state.progress.card.clone(),
+        };
+        let how = PredictionSettings {
+            batch: self.settings.batch,
+            ..PredictionSettings::default()
+        };
         let p = model.probabilities(self.source, validation, how)?;
-        let labels: Vec<usize> = validation.iter().map(|sample| self.classes.labels[*sample]).collect();
+        let labels: Vec<usize> = validation
+            .iter()
+            .map(|sample| self.classes.labels[*sample])
+            .collect();
         let weights: Vec<f64> = validation.iter().map(|sample| weights[*sample]).collect();
         Scores::of(&p, &labels, self.classes.names.len(), Some(&weights))
     }
 
-    /// The hash of Fowler, Noll and Vo (FNV-1a, 64 bits) over everything that decides which sample is what.
+    /// The hash of Fowler, Noll and Vo (FNV-1a, 64 bits) over everything that decides which sample
+    /// is what.
     fn fingerprint(&self) -> u64 {
         let mut hash = 0xcbf2_9ce4_8422_2325_u64;
         let mut add = |bytes: &[u8]| {
@@ -403,14 +523,21 @@ impl Training<'_> {
             }
         };
         add(&(self.source.size() as u64).to_le_bytes());
-        self.source.channels().iter().chain(&self.classes.names).for_each(|name| add(name.as_bytes()));
+        self.source
+            .channels()
+            .iter()
+            .chain(&self.classes.names)
+            .for_each(|name| add(name.as_bytes()));
         for (description, label) in self.source.descriptions().iter().zip(&self.classes.labels) {
             add(description.name.as_bytes());
             add(description.family.as_bytes());
             add(&(*label as u64).to_le_bytes());
         }
         for part in [&self.split.training, &self.split.validation] {
-            let bytes: Vec<u8> = part.iter().flat_map(|sample| (*sample as u64).to_le_bytes()).collect();
+            let bytes: Vec<u8> = part
+                .iter()
+                .flat_map(|sample| (*sample as u64).to_le_bytes())
+                .collect();
             add(&bytes);
         }
         hash
@@ -419,10 +546,14 @@ impl Training<'_> {
 
 impl State {
     fn checkpoint(&self) -> Result<Vec<u8>> {
-        let named = |prefix: &'static str| move |(name, tensor): (String, Tensor)| (format!("{prefix}.{name}"), tensor);
+        let named = |prefix: &'static str| {
+            move |(name, tensor): (String, Tensor)| (format!("{prefix}.{name}"), tensor)
+        };
         let tensors = copies(&self.network)?.into_iter().map(named("network"));
         let tensors = tensors.chain(self.best.iter().cloned().map(named("best")));
-        let tensors: Vec<_> = tensors.chain(self.adam.state().into_iter().map(named("optimiser"))).collect();
+        let tensors: Vec<_> = tensors
+            .chain(self.adam.state().into_iter().map(named("optimiser")))
+            .collect();
         pack(&tensors, &self.progress)
     }
 
@@ -430,14 +561,33 @@ impl State {
         for (name, tensor) in &self.best {
             self.network.set_parameter(name, tensor)?;
         }
-        let Progress { card, quarantined, history, best_epoch, .. } = self.progress;
-        Ok(Trained { model: Model { network: self.network, card }, history, best_epoch, quarantined, outcome })
+        let Progress {
+            card,
+            quarantined,
+            history,
+            best_epoch,
+            ..
+        } = self.progress;
+        Ok(Trained {
+            model: Model {
+                network: self.network,
+                card,
+            },
+            history,
+            best_epoch,
+            quarantined,
+            outcome,
+        })
     }
 }
 
 /// The weights as they are now; the parameters themselves change in place.
 fn copies(network: &Network) -> Result<Vec<(String, Tensor)>> {
-    network.parameters().iter().map(|(name, var)| Ok((name.clone(), var.as_detached_tensor().copy()?))).collect()
+    network
+        .parameters()
+        .iter()
+        .map(|(name, var)| Ok((name.clone(), var.as_detached_tensor().copy()?)))
+        .collect()
 }
 
 #[cfg(test)]

@@ -24,8 +24,9 @@ pub struct TrainingSettings {
     pub patience: Option<usize>,
     /// Whether every sample is turned by a random rotation of the cube in every epoch.
     pub augment: bool,
-    /// τ: the loss sees logits + τ ln(share of the class), so that for τ = 1 the plain logits treat all classes as equally
-    /// common (Menon et al., ICLR 2021). Predictions restore the shares unless asked not to.
+    /// τ: the loss sees logits + τ ln(share of the class), so that for τ = 1 the plain logits treat
+    /// all classes as equally common (Menon et al., ICLR 2021). Predictions restore the shares
+    /// unless asked not to.
     pub logit_adjustment: f64,
     /// Names of the channels the network sees, in order; empty: all.
     pub channels: Vec<String>,
@@ -60,13 +61,17 @@ impl TrainingSettings {
     /// # Errors
     /// [`LearnError::Settings`] names the first that does not.
     pub fn check(&self) -> Result<()> {
-        let refuse = |what: &str, value: String| Err(LearnError::Settings(format!("{what}, not {value}")));
+        let refuse =
+            |what: &str, value: String| Err(LearnError::Settings(format!("{what}, not {value}")));
         let not_negative = |value: f64| value >= 0.0 && value.is_finite();
         if self.batch == 0 {
             return refuse("batch must be 1 or more", self.batch.to_string());
         }
         if !(self.learning_rate > 0.0 && self.learning_rate.is_finite()) {
-            return refuse("learning_rate must be positive", self.learning_rate.to_string());
+            return refuse(
+                "learning_rate must be positive",
+                self.learning_rate.to_string(),
+            );
         }
         let others = [
             ("warm_up", self.warm_up),
@@ -74,10 +79,15 @@ impl TrainingSettings {
             ("logit_adjustment", self.logit_adjustment),
         ];
         if let Some((name, value)) = others.into_iter().find(|(_, value)| !not_negative(*value)) {
-            return refuse(&format!("{name} must be zero or positive"), value.to_string());
+            return refuse(
+                &format!("{name} must be zero or positive"),
+                value.to_string(),
+            );
         }
         match self.clip {
-            Some(clip) if clip.is_nan() || clip <= 0.0 => refuse("clip must be positive", clip.to_string()),
+            Some(clip) if clip.is_nan() || clip <= 0.0 => {
+                refuse("clip must be positive", clip.to_string())
+            }
             _ => Ok(()),
         }
     }
@@ -95,7 +105,9 @@ impl TrainingSettings {
             match source.channels().iter().position(|channel| channel == name) {
                 Some(place) if !places.contains(&place) => places.push(place),
                 Some(_) => {
-                    return Err(LearnError::Settings(format!("the channel {name} is chosen twice; name it once")));
+                    return Err(LearnError::Settings(format!(
+                        "the channel {name} is chosen twice; name it once"
+                    )));
                 }
                 None => {
                     let there = source.channels().join(", ");
@@ -110,10 +122,15 @@ impl TrainingSettings {
 
     /// Whether a training under `other` may go on under these: only its end may differ.
     pub(super) fn continues(&self, other: &Self) -> bool {
-        Self { epochs: other.epochs, patience: other.patience, ..self.clone() } == *other
+        Self {
+            epochs: other.epochs,
+            patience: other.patience,
+            ..self.clone()
+        } == *other
     }
 
-    /// The learning rate of a step, steps counted from zero: r min(1, (t + 1) / (warm-up in steps)).
+    /// The learning rate of a step, steps counted from zero: r min(1, (t + 1) / (warm-up in
+    /// steps)).
     pub(super) fn rate(&self, step: usize, steps_per_epoch: usize) -> f64 {
         let warm_up = self.warm_up * steps_per_epoch as f64;
         self.learning_rate * f64::min(1.0, (step + 1) as f64 / warm_up.max(1.0))

@@ -17,31 +17,53 @@ pub struct DirectSum {
 impl DirectSum {
     /// The direct sum of this potential.
     pub fn new(yukawa: Yukawa) -> Self {
-        Self { yukawa, energies: PairTable::new(0), proposed: Vec::new() }
+        Self {
+            yukawa,
+            energies: PairTable::new(0),
+            proposed: Vec::new(),
+        }
     }
 
     /// The energy of one pair of bodies, kT; `None` beyond the range of their charges.
     fn pair_energy(&self, pair: &Pair<'_>) -> Result<Option<f64>> {
         let (first, second) = pair.types();
-        let reach = first.charge_radius_angstrom() + second.charge_radius_angstrom() + self.yukawa.cutoff_angstrom;
-        if first.charges.is_empty() || second.charges.is_empty() || pair.displacement.norm_squared() >= reach * reach {
+        let reach = first.charge_radius_angstrom()
+            + second.charge_radius_angstrom()
+            + self.yukawa.cutoff_angstrom;
+        if first.charges.is_empty()
+            || second.charges.is_empty()
+            || pair.displacement.norm_squared() >= reach * reach
+        {
             return Ok(None);
         }
-        let energy = yukawa_energy_kt(&self.yukawa, &first.charges, &second.charges, &pair.relative());
+        let energy = yukawa_energy_kt(
+            &self.yukawa,
+            &first.charges,
+            &second.charges,
+            &pair.relative(),
+        );
         finite(pair.first, pair.second, energy).map(Some)
     }
 
     fn propose(&mut self, pair: &Pair<'_>) -> Result<f64> {
-        let Some(energy_kt) = self.pair_energy(pair)? else { return Ok(0.0) };
-        self.proposed.push(PairEnergy::new(pair.first, pair.second, energy_kt));
+        let Some(energy_kt) = self.pair_energy(pair)? else {
+            return Ok(0.0);
+        };
+        self.proposed
+            .push(PairEnergy::new(pair.first, pair.second, energy_kt));
         Ok(energy_kt)
     }
 }
 
 impl EnergyModel for DirectSum {
     fn range_angstrom(&self, system: &System) -> f64 {
-        let charged = system.types().iter().filter(|kind| !kind.charges.is_empty());
-        charged.map(|kind| 2.0 * kind.charge_radius_angstrom() + self.yukawa.cutoff_angstrom).fold(0.0, f64::max)
+        let charged = system
+            .types()
+            .iter()
+            .filter(|kind| !kind.charges.is_empty());
+        charged
+            .map(|kind| 2.0 * kind.charge_radius_angstrom() + self.yukawa.cutoff_angstrom)
+            .fold(0.0, f64::max)
     }
 
     fn reset(&mut self, system: &System) -> Result<()> {
@@ -54,13 +76,21 @@ impl EnergyModel for DirectSum {
         self.proposed.clear();
         self.energies = PairTable::new(system.len());
         for pair in pairs {
-            self.energies.set(pair.first, pair.second, finite(pair.first, pair.second, pair.energy_kt)?);
+            self.energies.set(
+                pair.first,
+                pair.second,
+                finite(pair.first, pair.second, pair.energy_kt)?,
+            );
         }
         Ok(())
     }
 
     fn accept(&mut self, trial: &Trial<'_>, partners: &[usize], budget_kt: f64) -> Result<bool> {
-        let old: f64 = self.energies.row(trial.body).map(|(_, energy)| energy).sum();
+        let old: f64 = self
+            .energies
+            .row(trial.body)
+            .map(|(_, energy)| energy)
+            .sum();
         let mut new = 0.0;
         for &partner in partners {
             new += self.propose(&trial.pair(partner))?;
@@ -75,7 +105,10 @@ impl EnergyModel for DirectSum {
     }
 
     fn commit(&mut self, moved: &[usize]) {
-        let proposed = self.proposed.drain(..).map(|pair| (pair.first, pair.second, pair.energy_kt));
+        let proposed = self
+            .proposed
+            .drain(..)
+            .map(|pair| (pair.first, pair.second, pair.energy_kt));
         self.energies.take_over(moved, proposed);
     }
 
@@ -84,6 +117,9 @@ impl EnergyModel for DirectSum {
     }
 
     fn pairs(&self) -> Vec<PairEnergy> {
-        self.energies.pairs().map(|(first, second, energy_kt)| PairEnergy::new(first, second, energy_kt)).collect()
+        self.energies
+            .pairs()
+            .map(|(first, second, energy_kt)| PairEnergy::new(first, second, energy_kt))
+            .collect()
     }
 }

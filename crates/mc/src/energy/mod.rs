@@ -1,8 +1,9 @@
 //! The seam between moves and energies.
 //!
-//! A model keeps the energy of every pair of bodies, so an old energy is never computed twice, and it decides: the
-//! engine draws the random number first and asks "is the change below this budget?". The direct sum answers by summing;
-//! a model with bounds may stop as soon as the answer is certain.
+//! A model keeps the energy of every pair of bodies, so an old energy is never computed twice, and
+//! it decides: the engine draws the random number first and asks "is the change below this
+//! budget?". The direct sum answers by summing; a model with bounds may stop as soon as the answer
+//! is certain.
 
 pub mod certified;
 mod direct;
@@ -28,8 +29,9 @@ pub struct PairEnergy {
     pub second: usize,
     /// Energy, kT.
     pub energy_kt: f64,
-    /// The second body in the frame of the first where the energy was computed, from models that may compute it again:
-    /// a group that moves rigidly keeps its energies, while its relative poses drift by rounding.
+    /// The second body in the frame of the first where the energy was computed, from models that
+    /// may compute it again: a group that moves rigidly keeps its energies, while its relative
+    /// poses drift by rounding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub computed_at: Option<RelativePose>,
 }
@@ -37,17 +39,24 @@ pub struct PairEnergy {
 impl PairEnergy {
     /// An energy that nobody will compute again.
     pub(crate) fn new(first: usize, second: usize, energy_kt: f64) -> Self {
-        Self { first, second, energy_kt, computed_at: None }
+        Self {
+            first,
+            second,
+            energy_kt,
+            computed_at: None,
+        }
     }
 }
 
 /// Keeps the pair energies of a system and decides on moves.
 ///
-/// The engine proposes with [`accept`](EnergyModel::accept) or [`exceeds`](EnergyModel::exceeds) (only for poses without
-/// overlap) and then either [`commit`](EnergyModel::commit)s or [`reject`](EnergyModel::reject)s everything proposed
-/// since the last of the two. What a decision answers must depend on the poses and the budget only.
+/// The engine proposes with [`accept`](EnergyModel::accept) or [`exceeds`](EnergyModel::exceeds)
+/// (only for poses without overlap) and then either [`commit`](EnergyModel::commit)s or
+/// [`reject`](EnergyModel::reject)s everything proposed since the last of the two. What a decision
+/// answers must depend on the poses and the budget only.
 pub trait EnergyModel: Send {
-    /// The largest distance (Å) of two origins at which bodies of this system interact; zero if they never do.
+    /// The largest distance (Å) of two origins at which bodies of this system interact; zero if
+    /// they never do.
     fn range_angstrom(&self, system: &System) -> f64;
 
     /// Forgets everything and computes the energies of this system.
@@ -56,16 +65,17 @@ pub trait EnergyModel: Send {
     /// [`McError::NonFiniteEnergy`] names a pair whose energy is not finite.
     fn reset(&mut self, system: &System) -> Result<()>;
 
-    /// Takes the energies over from [`pairs`](EnergyModel::pairs) of the same system, so that a continued run makes the
-    /// decisions of the uninterrupted one, bit for bit. A model whose energies are exact functions of the poses may
-    /// compute them anew instead.
+    /// Takes the energies over from [`pairs`](EnergyModel::pairs) of the same system, so that a
+    /// continued run makes the decisions of the uninterrupted one, bit for bit. A model whose
+    /// energies are exact functions of the poses may compute them anew instead.
     ///
     /// # Errors
     /// As [`reset`](EnergyModel::reset).
     fn restore(&mut self, system: &System, pairs: &[PairEnergy]) -> Result<()>;
 
-    /// Whether the total energy would rise by less than `budget_kt` if the trial's body stood where the trial puts it.
-    /// `partners` (ascending, without the body itself) holds every body in range of the new pose.
+    /// Whether the total energy would rise by less than `budget_kt` if the trial's body stood where
+    /// the trial puts it. `partners` (ascending, without the body itself) holds every body in range
+    /// of the new pose.
     ///
     /// The Metropolis rule u < exp(-ΔU) is the question for a budget of -ln u.
     ///
@@ -73,14 +83,15 @@ pub trait EnergyModel: Send {
     /// [`McError::NonFiniteEnergy`] names a pair whose energy is not finite.
     fn accept(&mut self, trial: &Trial<'_>, partners: &[usize], budget_kt: f64) -> Result<bool>;
 
-    /// Whether the energy of the trial's body with this one partner would rise by more than `threshold_kt` (not
-    /// negative): the bond of a geometric cluster move.
+    /// Whether the energy of the trial's body with this one partner would rise by more than
+    /// `threshold_kt` (not negative): the bond of a geometric cluster move.
     ///
     /// # Errors
     /// As [`accept`](EnergyModel::accept).
     fn exceeds(&mut self, trial: &Trial<'_>, partner: usize, threshold_kt: f64) -> Result<bool>;
 
-    /// The bodies `moved` (ascending) took the poses proposed, as rigid groups: energies among them stay.
+    /// The bodies `moved` (ascending) took the poses proposed, as rigid groups: energies among them
+    /// stay.
     fn commit(&mut self, moved: &[usize]);
 
     /// Nothing moved.
@@ -106,7 +117,10 @@ pub trait EnergyModel: Send {
 }
 
 /// What `energy` says of every pair of a system.
-fn all_pairs<T: Copy>(system: &System, mut energy: impl FnMut(&Pair<'_>) -> Result<Option<T>>) -> Result<PairTable<T>> {
+fn all_pairs<T: Copy>(
+    system: &System,
+    mut energy: impl FnMut(&Pair<'_>) -> Result<Option<T>>,
+) -> Result<PairTable<T>> {
     let mut energies = PairTable::new(system.len());
     for first in 0..system.len() {
         for second in first + 1..system.len() {
@@ -123,6 +137,11 @@ fn finite(first: usize, second: usize, energy_kt: f64) -> Result<f64> {
     if energy_kt.is_finite() {
         Ok(energy_kt)
     } else {
-        Err(McError::NonFiniteEnergy { step: 0, first, second, energy_kt })
+        Err(McError::NonFiniteEnergy {
+            step: 0,
+            first,
+            second,
+            energy_kt,
+        })
     }
 }

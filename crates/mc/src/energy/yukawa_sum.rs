@@ -4,12 +4,19 @@ use crate::charges::{ChargeCloud, ChargeGroup, LANES};
 use protomer_kernel::pose::RelativePose;
 use protomer_kernel::potential::{Yukawa, exp_of_minus};
 
-/// Energy of two bodies, kT: λ_B Σ Z_i Z_j exp(-κ r_ij)/r_ij over the pairs nearer than the cut-off (thesis, eq. 3.1).
+/// Energy of two bodies, kT: λ_B Σ Z_i Z_j exp(-κ r_ij)/r_ij over the pairs nearer than the cut-off
+/// (thesis, eq. 3.1).
 ///
-/// `relative` is the pose of the second body in the frame of the first. Groups of charges that are out of range as a
-/// whole are passed over; every pair that is in range is summed in double precision, in one order and without fused
-/// operations, so that every processor gives the same bits.
-pub fn yukawa_energy_kt(yukawa: &Yukawa, first: &ChargeCloud, second: &ChargeCloud, relative: &RelativePose) -> f64 {
+/// `relative` is the pose of the second body in the frame of the first. Groups of charges that are
+/// out of range as a whole are passed over; every pair that is in range is summed in double
+/// precision, in one order and without fused operations, so that every processor gives the same
+/// bits.
+pub fn yukawa_energy_kt(
+    yukawa: &Yukawa,
+    first: &ChargeCloud,
+    second: &ChargeCloud,
+    relative: &RelativePose,
+) -> f64 {
     #[cfg(target_arch = "x86_64")]
     {
         if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
@@ -26,13 +33,23 @@ pub fn yukawa_energy_kt(yukawa: &Yukawa, first: &ChargeCloud, second: &ChargeClo
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512dq")]
-fn sum_avx512(yukawa: &Yukawa, first: &ChargeCloud, second: &ChargeCloud, relative: &RelativePose) -> f64 {
+fn sum_avx512(
+    yukawa: &Yukawa,
+    first: &ChargeCloud,
+    second: &ChargeCloud,
+    relative: &RelativePose,
+) -> f64 {
     sum(yukawa, first, second, relative)
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn sum_avx2(yukawa: &Yukawa, first: &ChargeCloud, second: &ChargeCloud, relative: &RelativePose) -> f64 {
+fn sum_avx2(
+    yukawa: &Yukawa,
+    first: &ChargeCloud,
+    second: &ChargeCloud,
+    relative: &RelativePose,
+) -> f64 {
     sum(yukawa, first, second, relative)
 }
 
@@ -57,7 +74,10 @@ fn sum(yukawa: &Yukawa, first: &ChargeCloud, second: &ChargeCloud, relative: &Re
 #[inline(always)]
 fn transform(group: &ChargeGroup, relative: &RelativePose) -> ChargeGroup {
     let (r, t) = (&relative.rotation, &relative.translation);
-    let mut moved = ChargeGroup { centre: relative.transform_point(&group.centre), ..*group };
+    let mut moved = ChargeGroup {
+        centre: relative.transform_point(&group.centre),
+        ..*group
+    };
     for lane in 0..LANES {
         let (x, y, z) = (group.x[lane], group.y[lane], group.z[lane]);
         moved.x[lane] = r.m11 * x + r.m12 * y + r.m13 * z + t.x;
@@ -69,7 +89,10 @@ fn transform(group: &ChargeGroup, relative: &RelativePose) -> ChargeGroup {
 
 #[inline(always)]
 fn add_group_pair(yukawa: &Yukawa, a: &ChargeGroup, b: &ChargeGroup, total: &mut [f64; LANES]) {
-    let (kappa, cutoff) = (yukawa.inverse_debye_length_per_angstrom, yukawa.cutoff_angstrom);
+    let (kappa, cutoff) = (
+        yukawa.inverse_debye_length_per_angstrom,
+        yukawa.cutoff_angstrom,
+    );
     for k in 0..LANES {
         let (x, y, z, charge) = (a.x[k], a.y[k], a.z[k], a.charge_e[k]);
         for (lane, total) in total.iter_mut().enumerate() {
@@ -88,7 +111,12 @@ mod tests {
     use protomer_kernel::{Pose, Vec3};
 
     /// The slow, obvious twin.
-    fn double_loop(yukawa: &Yukawa, a: &[(Vec3, f64)], b: &[(Vec3, f64)], relative: &RelativePose) -> f64 {
+    fn double_loop(
+        yukawa: &Yukawa,
+        a: &[(Vec3, f64)],
+        b: &[(Vec3, f64)],
+        relative: &RelativePose,
+    ) -> f64 {
         let mut energy = 0.0;
         for (place, charge) in a {
             for (other_place, other_charge) in b {
@@ -104,24 +132,40 @@ mod tests {
         let mut rng = CounterRng::new(17, 0, 0);
         for case in 0..40 {
             let mut cloud = |count: usize| -> Vec<(Vec3, f64)> {
-                (0..count).map(|_| (rng.vector_in_ball(15.0), rng.uniform_in(-1.0, 1.0))).collect()
+                (0..count)
+                    .map(|_| (rng.vector_in_ball(15.0), rng.uniform_in(-1.0, 1.0)))
+                    .collect()
             };
             let (a, b) = (cloud(1 + 37 * case % 211), cloud(1 + 53 * case % 173));
             let kappa = [0.0, 0.1, 1.0][case % 3];
-            let yukawa = Yukawa::new(7.0, kappa, [12.0, 48.0, f64::INFINITY][case / 3 % 3]).unwrap();
-            let pose = Pose { position: rng.unit_vector() * (25.0 + case as f64), rotation: rng.rotation() };
+            let yukawa =
+                Yukawa::new(7.0, kappa, [12.0, 48.0, f64::INFINITY][case / 3 % 3]).unwrap();
+            let pose = Pose {
+                position: rng.unit_vector() * (25.0 + case as f64),
+                rotation: rng.rotation(),
+            };
             let relative = RelativePose::new(&Pose::identity(), &pose, &pose.position);
             let expected = double_loop(&yukawa, &a, &b, &relative);
             let scale = double_loop(
                 &yukawa,
-                &a.iter().map(|(place, charge)| (*place, charge.abs())).collect::<Vec<_>>(),
-                &b.iter().map(|(place, charge)| (*place, charge.abs())).collect::<Vec<_>>(),
+                &a.iter()
+                    .map(|(place, charge)| (*place, charge.abs()))
+                    .collect::<Vec<_>>(),
+                &b.iter()
+                    .map(|(place, charge)| (*place, charge.abs()))
+                    .collect::<Vec<_>>(),
                 &relative,
             );
             let (a, b) = (ChargeCloud::new(&a), ChargeCloud::new(&b));
             let portable = sum(&yukawa, &a, &b, &relative);
-            assert!((portable - expected).abs() <= 1e-13 * scale, "case {case}: {portable} {expected}");
-            assert_eq!(portable.to_bits(), yukawa_energy_kt(&yukawa, &a, &b, &relative).to_bits());
+            assert!(
+                (portable - expected).abs() <= 1e-13 * scale,
+                "case {case}: {portable} {expected}"
+            );
+            assert_eq!(
+                portable.to_bits(),
+                yukawa_energy_kt(&yukawa, &a, &b, &relative).to_bits()
+            );
         }
     }
 }

@@ -1,15 +1,17 @@
-//! Geometric cluster moves (Liu and Luijten, Phys. Rev. Lett. 92, 035504 (2004)) by proper rotations.
+//! Geometric cluster moves (Liu and Luijten, Phys. Rev. Lett. 92, 035504 (2004)) by proper
+//! rotations.
 //!
-//! A half turn T about an axis is carried out on a seed body. A partner j of a moved body i follows with probability
-//! 1 - exp(-max(0, Δ)), Δ = u(T i, j) - u(i, j), which is one when T i overlaps j; then j's partners are asked, and so
-//! on. The result is always accepted.
+//! A half turn T about an axis is carried out on a seed body. A partner j of a moved body i follows
+//! with probability 1 - exp(-max(0, Δ)), Δ = u(T i, j) - u(i, j), which is one when T i overlaps j;
+//! then j's partners are asked, and so on. The result is always accepted.
 //!
-//! **Why this is exact.** T is an isometry of the space and its own inverse (Dress and Krauth, J. Phys. A 28, L597
-//! (1995)), so the move back starts from the same seed with the same T, and every bond inside the cluster has the same
-//! Δ in both directions. Only the bonds that failed between the cluster and the rest differ, and the ratio of their
-//! probabilities is Π exp(-Δ) = exp(-ΔU): the Boltzmann factor. It remains that T must be as likely in the state
-//! after the move as before; see [`HalfTurn::random`]. A half turn is a proper rotation, so it does not turn a protein
-//! into its mirror image, as a point reflection would.
+//! **Why this is exact.** T is an isometry of the space and its own inverse (Dress and Krauth, J.
+//! Phys. A 28, L597 (1995)), so the move back starts from the same seed with the same T, and every
+//! bond inside the cluster has the same Δ in both directions. Only the bonds that failed between
+//! the cluster and the rest differ, and the ratio of their probabilities is Π exp(-Δ) = exp(-ΔU):
+//! the Boltzmann factor. It remains that T must be as likely in the state after the move as before;
+//! see [`HalfTurn::random`]. A half turn is a proper rotation, so it does not turn a protein into
+//! its mirror image, as a point reflection would.
 
 use crate::Result;
 use crate::energy::EnergyModel;
@@ -32,22 +34,27 @@ pub struct HalfTurn {
 impl HalfTurn {
     /// Draws a half turn for the body `seed` that carries this space into itself.
     ///
-    /// * Open space: any axis at a distance d from the seed's origin, d uniform in 0..reach, in a random direction.
-    /// * A periodic box, which need not be a cube: an axis along a random edge of the box. Only these turns carry the
-    ///   lattice of images into itself. One time in two the axis passes at a distance below `reach_angstrom` from the
-    ///   seed, one time in two anywhere through the box.
+    /// * Open space: any axis at a distance d from the seed's origin, d uniform in 0..reach, in a
+    ///   random direction.
+    /// * A periodic box, which need not be a cube: an axis along a random edge of the box. Only
+    ///   these turns carry the lattice of images into itself. One time in two the axis passes at a
+    ///   distance below `reach_angstrom` from the seed, one time in two anywhere through the box.
     /// * A spherical wall: an axis through the wall's centre.
     ///
-    /// **Why T is as likely after the move as before.** The density with which an axis is drawn depends only on its
-    /// direction and its distance from the seed's origin (or on neither). A half turn keeps the distance between
-    /// the seed's origin and its own axis. On a periodic box one and the same T has several axes, at half the box
-    /// length from each other; T carries each of them into itself up to images, so the sum over them is kept too.
+    /// **Why T is as likely after the move as before.** The density with which an axis is drawn
+    /// depends only on its direction and its distance from the seed's origin (or on neither). A
+    /// half turn keeps the distance between the seed's origin and its own axis. On a periodic box
+    /// one and the same T has several axes, at half the box length from each other; T carries each
+    /// of them into itself up to images, so the sum over them is kept too.
     pub fn random(system: &System, seed: usize, reach_angstrom: f64, rng: &mut CounterRng) -> Self {
         let origin = system.pose(seed).position;
         match system.boundary() {
             Boundary::Open => {
                 let direction = rng.unit_vector();
-                Self { point: origin + beside(&direction, reach_angstrom, rng), direction }
+                Self {
+                    point: origin + beside(&direction, reach_angstrom, rng),
+                    direction,
+                }
             }
             Boundary::Periodic { lengths_angstrom } => {
                 let mut direction = Vec3::zeros();
@@ -59,7 +66,10 @@ impl HalfTurn {
                 };
                 Self { point, direction }
             }
-            Boundary::SphereWall { .. } => Self { point: Vec3::zeros(), direction: rng.unit_vector() },
+            Boundary::SphereWall { .. } => Self {
+                point: Vec3::zeros(),
+                direction: rng.unit_vector(),
+            },
         }
     }
 
@@ -68,7 +78,10 @@ impl HalfTurn {
         let from_axis = pose.position - self.point;
         let along = self.direction * (2.0 * self.direction.dot(&from_axis));
         let turn: Rotation = Unit::new_unchecked(Quaternion::from_imag(self.direction));
-        Pose { position: self.point + along - from_axis, rotation: turn * pose.rotation }
+        Pose {
+            position: self.point + along - from_axis,
+            rotation: turn * pose.rotation,
+        }
     }
 }
 
@@ -83,11 +96,12 @@ fn beside(direction: &Vec3, reach: f64, rng: &mut CounterRng) -> Vec3 {
     }
 }
 
-/// Grows the cluster of `seed` under the half turn and returns its members, ascending. Energies are left proposed in
-/// the model, ready to be committed; the system is not changed.
+/// Grows the cluster of `seed` under the half turn and returns its members, ascending. Energies are
+/// left proposed in the model, ready to be committed; the system is not changed.
 ///
 /// # Errors
-/// [`McError::NonFiniteEnergy`](crate::McError::NonFiniteEnergy) names a pair whose energy is not finite.
+/// [`McError::NonFiniteEnergy`](crate::McError::NonFiniteEnergy) names a pair whose energy is not
+/// finite.
 pub(crate) fn grow(
     system: &System,
     seed: usize,
@@ -102,7 +116,11 @@ pub(crate) fn grow(
     let mut to_ask = vec![seed];
     let (mut near, mut near_old) = (Vec::new(), Vec::new());
     while let Some(body) = to_ask.pop() {
-        let trial = Trial { system, body, pose: system.tidy(turn.apply(system.pose(body))) };
+        let trial = Trial {
+            system,
+            body,
+            pose: system.tidy(turn.apply(system.pose(body))),
+        };
         cells.candidates(&trial.pose.position, &mut near);
         cells.candidates(&system.pose(body).position, &mut near_old);
         merge(&mut near, &near_old);
@@ -112,7 +130,9 @@ pub(crate) fn grow(
             }
             // Bound with probability 1 - exp(-Δ): Δ > -ln(1 - w), with w drawn first.
             let threshold_kt = -(1.0 - rng.uniform()).ln();
-            if hard.overlap(&trial.pair(partner)) || energy.exceeds(&trial, partner, threshold_kt)? {
+            if hard.overlap(&trial.pair(partner))
+                || energy.exceeds(&trial, partner, threshold_kt)?
+            {
                 in_cluster[partner] = true;
                 to_ask.push(partner);
             }
@@ -136,16 +156,24 @@ mod tests {
     fn a_half_turn_is_a_proper_rotation_and_its_own_inverse() {
         let mut rng = CounterRng::new(9, 0, 0);
         for _ in 0..100 {
-            let turn = HalfTurn { point: rng.vector_in_ball(30.0), direction: rng.unit_vector() };
-            let pose = Pose { position: rng.vector_in_ball(50.0), rotation: rng.rotation() };
+            let turn = HalfTurn {
+                point: rng.vector_in_ball(30.0),
+                direction: rng.unit_vector(),
+            };
+            let pose = Pose {
+                position: rng.vector_in_ball(50.0),
+                rotation: rng.rotation(),
+            };
             let moved = turn.apply(&pose);
             let back = turn.apply(&moved);
             assert!((back.position - pose.position).norm() < 1e-12);
             assert!(back.rotation.angle_to(&pose.rotation) < 1e-7);
-            // Every point of the body moves as the half turn moves it: the pose is turned as a whole.
+            // Every point of the body moves as the half turn moves it: the pose is turned as a
+            // whole.
             let point = rng.vector_in_ball(10.0);
             let from_axis = pose.transform_point(&point) - turn.point;
-            let expected = turn.point + turn.direction * (2.0 * turn.direction.dot(&from_axis)) - from_axis;
+            let expected =
+                turn.point + turn.direction * (2.0 * turn.direction.dot(&from_axis)) - from_axis;
             assert!((moved.transform_point(&point) - expected).norm() < 1e-12);
         }
     }

@@ -56,15 +56,22 @@ impl Tuner {
     /// Starts with these steps; a translation is never tuned beyond `largest_translation_angstrom`.
     pub fn new(steps: StepSizes, largest_translation_angstrom: f64) -> Self {
         let (translation, rotation) = (Acceptance::default(), Acceptance::default());
-        Self { steps, largest_translation_angstrom, translation, rotation }
+        Self {
+            steps,
+            largest_translation_angstrom,
+            translation,
+            rotation,
+        }
     }
 
     /// Counts a trial and, every so many of a kind, moves that step towards the target acceptance.
     pub fn learn(&mut self, kind: Kind, accepted: bool, target_acceptance: f64) {
         let (step, largest, window) = match kind {
-            Kind::Translation => {
-                (&mut self.steps.translation_angstrom, self.largest_translation_angstrom, &mut self.translation)
-            }
+            Kind::Translation => (
+                &mut self.steps.translation_angstrom,
+                self.largest_translation_angstrom,
+                &mut self.translation,
+            ),
             Kind::Rotation => (&mut self.steps.rotation_rad, PI, &mut self.rotation),
         };
         window.count(accepted);
@@ -84,7 +91,13 @@ mod tests {
 
     #[test]
     fn tuning_finds_the_target() {
-        let mut tuner = Tuner::new(StepSizes { translation_angstrom: 10.0, rotation_rad: 1e-3 }, 20.0);
+        let mut tuner = Tuner::new(
+            StepSizes {
+                translation_angstrom: 10.0,
+                rotation_rad: 1e-3,
+            },
+            20.0,
+        );
         let mut rng = CounterRng::new(1, 0, 0);
         for _ in 0..20_000 {
             // A model system whose acceptance is exp(-step).

@@ -36,7 +36,14 @@ pub fn bench_folder() -> Option<std::path::PathBuf> {
 pub fn bench_system(folder: &Path, mesh: &str) -> System {
     let mesh = read_off(&folder.join(mesh));
     let kind = |name: &str| {
-        Arc::new(BodyType::new(name, &mesh, &read_charges(&folder.join(format!("charges_{name}.xyzq")))).unwrap())
+        Arc::new(
+            BodyType::new(
+                name,
+                &mesh,
+                &read_charges(&folder.join(format!("charges_{name}.xyzq"))),
+            )
+            .unwrap(),
+        )
     };
     let (boundary, bodies) = read_assembly(&folder.join("cluster16.json"));
     System::new(vec![kind("a"), kind("b")], &bodies, boundary).unwrap()
@@ -47,7 +54,11 @@ pub fn icosphere(radius: f64, level: usize) -> TriangleMesh {
     let g = (1.0 + 5.0_f64.sqrt()) / 2.0;
     let mut vertices: Vec<Vec3> = Vec::new();
     for (a, b) in [(1.0, g), (1.0, -g), (-1.0, g), (-1.0, -g)] {
-        vertices.extend([Vec3::new(0.0, a, b), Vec3::new(a, b, 0.0), Vec3::new(b, 0.0, a)]);
+        vertices.extend([
+            Vec3::new(0.0, a, b),
+            Vec3::new(a, b, 0.0),
+            Vec3::new(b, 0.0, a),
+        ]);
     }
     let mut triangles = hull_faces(&vertices);
     for _ in 0..level {
@@ -57,7 +68,10 @@ pub fn icosphere(radius: f64, level: usize) -> TriangleMesh {
             .flat_map(|&[a, b, c]| {
                 let mut middle = |i: u32, j: u32| {
                     *middles.entry((i.min(j), i.max(j))).or_insert_with(|| {
-                        vertices.push((vertices[i as usize] + vertices[j as usize]).normalize() * (1.0 + g * g).sqrt());
+                        vertices.push(
+                            (vertices[i as usize] + vertices[j as usize]).normalize()
+                                * (1.0 + g * g).sqrt(),
+                        );
                         vertices.len() as u32 - 1
                     })
                 };
@@ -66,7 +80,13 @@ pub fn icosphere(radius: f64, level: usize) -> TriangleMesh {
             })
             .collect();
     }
-    TriangleMesh { vertices: vertices.iter().map(|vertex| vertex.normalize() * radius).collect(), triangles }
+    TriangleMesh {
+        vertices: vertices
+            .iter()
+            .map(|vertex| vertex.normalize() * radius)
+            .collect(),
+        triangles,
+    }
 }
 
 /// The faces of the convex hull of a few points in general position, by trying all triples.
@@ -77,7 +97,9 @@ pub fn hull_faces(points: &[Vec3]) -> Vec<[u32; 3]> {
             for c in 0..points.len() {
                 let lowest_first = a < b && a < c && b != c;
                 let normal = (points[b] - points[a]).cross(&(points[c] - points[a]));
-                let behind = |k: usize| k == a || k == b || k == c || normal.dot(&(points[k] - points[a])) < -1e-9;
+                let behind = |k: usize| {
+                    k == a || k == b || k == c || normal.dot(&(points[k] - points[a])) < -1e-9
+                };
                 if lowest_first && (0..points.len()).all(behind) {
                     faces.push([a as u32, b as u32, c as u32]);
                 }
@@ -96,13 +118,18 @@ pub fn chiral_tetrahedron() -> TriangleMesh {
         Vec3::new(0.5, 1.0, 6.0),
     ];
     let triangles = hull_faces(&vertices);
-    TriangleMesh { vertices, triangles }
+    TriangleMesh {
+        vertices,
+        triangles,
+    }
 }
 
 /// A nonconvex body without any symmetry.
 pub fn chiral_bump(radius: f64) -> TriangleMesh {
     icosphere(1.0, 1).map_vertices(|v| {
-        v * (radius * (1.0 + 0.35 * v.x * v.y + 0.5 * v.y * v.z * v.z - 0.3 * v.z * v.x + 0.9 * v.x * v.y * v.z))
+        v * (radius
+            * (1.0 + 0.35 * v.x * v.y + 0.5 * v.y * v.z * v.z - 0.3 * v.z * v.x
+                + 0.9 * v.x * v.y * v.z))
     })
 }
 
@@ -118,8 +145,15 @@ impl Estimate {
     pub fn of(samples: &[f64]) -> Self {
         let count = samples.len() as f64;
         let mean = samples.iter().sum::<f64>() / count;
-        let variance = samples.iter().map(|sample| (sample - mean).powi(2)).sum::<f64>() / (count - 1.0);
-        Self { mean, error: (variance / count).sqrt() }
+        let variance = samples
+            .iter()
+            .map(|sample| (sample - mean).powi(2))
+            .sum::<f64>()
+            / (count - 1.0);
+        Self {
+            mean,
+            error: (variance / count).sqrt(),
+        }
     }
 
     pub fn exact(mean: f64) -> Self {
@@ -132,7 +166,8 @@ impl Estimate {
     }
 }
 
-/// Holds estimates against each other: at most 3 standard errors apart, and sharp enough to mean something.
+/// Holds estimates against each other: at most 3 standard errors apart, and sharp enough to mean
+/// something.
 #[track_caller]
 pub fn assert_agree(name: &str, measured: Estimate, expected: Estimate, largest_error: f64) {
     let sigmas = measured.sigmas_from(&expected);
@@ -140,11 +175,19 @@ pub fn assert_agree(name: &str, measured: Estimate, expected: Estimate, largest_
         "{name}: {:.5} ± {:.5} against {:.5} ± {:.5}: {sigmas:.2} sigma",
         measured.mean, measured.error, expected.mean, expected.error
     );
-    assert!(measured.error < largest_error, "{name}: the error {} is too large to decide", measured.error);
-    assert!(sigmas < 3.0, "{name}: {measured:?} against {expected:?} is {sigmas:.2} sigma");
+    assert!(
+        measured.error < largest_error,
+        "{name}: the error {} is too large to decide",
+        measured.error
+    );
+    assert!(
+        sigmas < 3.0,
+        "{name}: {measured:?} against {expected:?} is {sigmas:.2} sigma"
+    );
 }
 
-/// Averages of `measure` over production sweeps, one estimate per quantity from independent replicas.
+/// Averages of `measure` over production sweeps, one estimate per quantity from independent
+/// replicas.
 pub fn simulate<const N: usize>(
     system: &System,
     settings: Settings,
@@ -156,11 +199,16 @@ pub fn simulate<const N: usize>(
         .map(|replica| {
             let mut simulation = Simulation::new(system.clone(), settings, 20, replica).unwrap();
             let equilibration = settings.equilibration_sweeps;
-            simulation.run_until(equilibration, &mut |_| ControlFlow::Continue(())).unwrap();
+            simulation
+                .run_until(equilibration, &mut |_| ControlFlow::Continue(()))
+                .unwrap();
             let mut sums = [0.0; N];
             simulation
                 .run_until(equilibration + sweeps, &mut |state| {
-                    measure(state).iter().zip(&mut sums).for_each(|(value, sum)| *sum += value);
+                    measure(state)
+                        .iter()
+                        .zip(&mut sums)
+                        .for_each(|(value, sum)| *sum += value);
                     ControlFlow::Continue(())
                 })
                 .unwrap();
@@ -171,7 +219,8 @@ pub fn simulate<const N: usize>(
     std::array::from_fn(|k| Estimate::of(&means.iter().map(|mean| mean[k]).collect::<Vec<_>>()))
 }
 
-/// Boltzmann averages over uniformly drawn states of two bodies: the direct integral, in independent batches.
+/// Boltzmann averages over uniformly drawn states of two bodies: the direct integral, in
+/// independent batches.
 pub fn integrate<const N: usize>(
     types: &[Arc<BodyType>; 2],
     boundary: Boundary,
@@ -186,8 +235,12 @@ pub fn integrate<const N: usize>(
             let mut rng = CounterRng::new(77, batch, 0);
             let (mut sums, mut weights) = ([0.0; N], 0.0);
             for _ in 0..states / BATCHES {
-                let mut pose = || Pose { position: uniform_in(&boundary, &mut rng), rotation: rng.rotation() };
-                let system = System::new(types.to_vec(), &[(0, pose()), (1, pose())], boundary).unwrap();
+                let mut pose = || Pose {
+                    position: uniform_in(&boundary, &mut rng),
+                    rotation: rng.rotation(),
+                };
+                let system =
+                    System::new(types.to_vec(), &[(0, pose()), (1, pose())], boundary).unwrap();
                 if !overlapping_pairs(&system).is_empty() {
                     continue;
                 }
@@ -197,7 +250,10 @@ pub fn integrate<const N: usize>(
                 });
                 let weight = (-energy).exp();
                 weights += weight;
-                measure(&system, energy).iter().zip(&mut sums).for_each(|(value, sum)| *sum += weight * value);
+                measure(&system, energy)
+                    .iter()
+                    .zip(&mut sums)
+                    .for_each(|(value, sum)| *sum += weight * value);
             }
             sums.map(|sum| sum / weights)
         })
@@ -207,7 +263,9 @@ pub fn integrate<const N: usize>(
 
 fn uniform_in(boundary: &Boundary, rng: &mut CounterRng) -> Vec3 {
     match boundary {
-        Boundary::Periodic { lengths_angstrom } => lengths_angstrom.map(|length| length * rng.uniform_in(-0.5, 0.5)),
+        Boundary::Periodic { lengths_angstrom } => {
+            lengths_angstrom.map(|length| length * rng.uniform_in(-0.5, 0.5))
+        }
         Boundary::SphereWall { radius_angstrom } => rng.vector_in_ball(*radius_angstrom),
         Boundary::Open => panic!("open space has no uniform distribution"),
     }

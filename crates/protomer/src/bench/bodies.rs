@@ -1,4 +1,5 @@
-//! Bodies that the benchmark makes itself: barrels with bumps and dents, and point charges inside them.
+//! Bodies that the benchmark makes itself: barrels with bumps and dents, and point charges inside
+//! them.
 
 use anyhow::Result;
 use protomer_kernel::random::CounterRng;
@@ -10,7 +11,8 @@ use std::sync::Arc;
 /// Half the width and half the height of the barrel without its bumps, Å.
 const HALF_WIDTH_ANGSTROM: f64 = 12.5;
 const HALF_HEIGHT_ANGSTROM: f64 = 19.5;
-/// Bumps and dents: how many, how high at most (Å), and how far they reach (1 - cosine of the angle).
+/// Bumps and dents: how many, how high at most (Å), and how far they reach (1 - cosine of the
+/// angle).
 const BUMPS: usize = 60;
 const BUMP_HEIGHT_ANGSTROM: f64 = 2.5;
 const BUMP_REACH: f64 = 0.1;
@@ -34,14 +36,22 @@ impl Barrel {
     /// The barrel of this seed.
     pub(super) fn new(seed: u64) -> Self {
         let mut rng = CounterRng::for_purpose(seed, 0, 0, SHAPE);
-        let bump = |_| (rng.unit_vector(), rng.uniform_in(-BUMP_HEIGHT_ANGSTROM, BUMP_HEIGHT_ANGSTROM));
-        Self { bumps: (0..BUMPS).map(bump).collect() }
+        let bump = |_| {
+            (
+                rng.unit_vector(),
+                rng.uniform_in(-BUMP_HEIGHT_ANGSTROM, BUMP_HEIGHT_ANGSTROM),
+            )
+        };
+        Self {
+            bumps: (0..BUMPS).map(bump).collect(),
+        }
     }
 
-    /// Distance of the surface from the middle along a unit vector, Å:
-    /// (ρ⁴/a⁴ + z⁴/c⁴)^(-1/4) for the barrel, and h (1 - (1 - cos θ)/w)² for each bump nearer than its reach w.
+    /// Distance of the surface from the middle along a unit vector, Å: (ρ⁴/a⁴ + z⁴/c⁴)^(-1/4) for
+    /// the barrel, and h (1 - (1 - cos θ)/w)² for each bump nearer than its reach w.
     fn radius_angstrom(&self, direction: &Vec3) -> f64 {
-        let across = (direction.x * direction.x + direction.y * direction.y) / HALF_WIDTH_ANGSTROM.powi(2);
+        let across =
+            (direction.x * direction.x + direction.y * direction.y) / HALF_WIDTH_ANGSTROM.powi(2);
         let along = direction.z * direction.z / HALF_HEIGHT_ANGSTROM.powi(2);
         let barrel = (across * across + along * along).sqrt().sqrt().recip();
         let bump = |(middle, height): &(Vec3, f64)| {
@@ -66,8 +76,18 @@ impl Barrel {
     }
 
     /// Random charges (Å, e) inside, with this sum.
-    pub(super) fn charges(&self, count: usize, net_charge_e: f64, rng: &mut CounterRng) -> Vec<(Vec3, f64)> {
-        let largest = Vec3::new(HALF_WIDTH_ANGSTROM, HALF_WIDTH_ANGSTROM, HALF_HEIGHT_ANGSTROM).add_scalar(5.0);
+    pub(super) fn charges(
+        &self,
+        count: usize,
+        net_charge_e: f64,
+        rng: &mut CounterRng,
+    ) -> Vec<(Vec3, f64)> {
+        let largest = Vec3::new(
+            HALF_WIDTH_ANGSTROM,
+            HALF_WIDTH_ANGSTROM,
+            HALF_HEIGHT_ANGSTROM,
+        )
+        .add_scalar(5.0);
         let mut charges = Vec::with_capacity(count);
         while charges.len() < count {
             let point = largest.map(|length| length * rng.uniform_in(-1.0, 1.0));
@@ -100,8 +120,8 @@ pub fn two_kinds(charges: usize, edge_divisions: i32, seed: u64) -> Result<Vec<A
         .collect()
 }
 
-/// The octahedron |x| + |y| + |z| = n with every face divided into n² triangles: its vertices are the points of the
-/// integer lattice on it.
+/// The octahedron |x| + |y| + |z| = n with every face divided into n² triangles: its vertices are
+/// the points of the integer lattice on it.
 fn octahedron(n: i32) -> TriangleMesh {
     let mut mesh = TriangleMesh::default();
     let mut numbers: HashMap<[i32; 3], u32> = HashMap::new();
@@ -120,9 +140,12 @@ fn octahedron(n: i32) -> TriangleMesh {
             for a in 0..=n - taken {
                 for b in 0..=n - taken - a {
                     let from = [a, b, n - taken - a - b];
-                    let point = |corner: [i32; 3]| [0, 1, 2].map(|axis| signs[axis] * (from[axis] + corner[axis]));
+                    let point = |corner: [i32; 3]| {
+                        [0, 1, 2].map(|axis| signs[axis] * (from[axis] + corner[axis]))
+                    };
                     let [p, q, r] = corners.map(|corner| vertex(point(corner), &mut mesh.vertices));
-                    mesh.triangles.push(if mirrored { [p, r, q] } else { [p, q, r] });
+                    mesh.triangles
+                        .push(if mirrored { [p, r, q] } else { [p, q, r] });
                 }
             }
         }
@@ -138,21 +161,34 @@ mod tests {
     #[test]
     fn the_mesh_is_one_closed_outward_barrel_with_dents() {
         let mesh = Barrel::new(1).mesh(14);
-        assert_eq!((mesh.triangles.len(), mesh.vertices.len()), (8 * 14 * 14, 4 * 14 * 14 + 2));
+        assert_eq!(
+            (mesh.triangles.len(), mesh.vertices.len()),
+            (8 * 14 * 14, 4 * 14 * 14 + 2)
+        );
         let topology = mesh.topology().unwrap();
-        assert_eq!((topology.components, topology.genus, topology.cavities), (1, 0, 0));
+        assert_eq!(
+            (topology.components, topology.genus, topology.cavities),
+            (1, 0, 0)
+        );
         let extent = |axis: usize| {
             let of = |vertex: &Vec3| vertex[axis];
             let high = mesh.vertices.iter().map(of).fold(f64::MIN, f64::max);
             high - mesh.vertices.iter().map(of).fold(f64::MAX, f64::min)
         };
-        assert!((23.0..30.0).contains(&extent(0)) && (23.0..30.0).contains(&extent(1)), "{} {}", extent(0), extent(1));
+        assert!(
+            (23.0..30.0).contains(&extent(0)) && (23.0..30.0).contains(&extent(1)),
+            "{} {}",
+            extent(0),
+            extent(1)
+        );
         assert!((37.0..45.0).contains(&extent(2)), "{}", extent(2));
         // A convex body lies behind each of its faces.
         let dented = (0..mesh.triangles.len()).any(|triangle| {
             let [a, b, c] = mesh.corners(triangle);
             let normal = (b - a).cross(&(c - a)).normalize();
-            mesh.vertices.iter().any(|vertex| normal.dot(&(vertex - a)) > 0.5)
+            mesh.vertices
+                .iter()
+                .any(|vertex| normal.dot(&(vertex - a)) > 0.5)
         });
         assert!(dented);
     }
@@ -163,7 +199,11 @@ mod tests {
         for (kind, net) in kinds.iter().zip(NET_CHARGES_E) {
             assert_eq!(kind.charges.len(), 400);
             assert!((kind.charges.net_charge_e() - net).abs() < 1e-9);
-            assert!(kind.charges.iter().all(|(place, _)| kind.shape.contains_point(&place)));
+            assert!(
+                kind.charges
+                    .iter()
+                    .all(|(place, _)| kind.shape.contains_point(&place))
+            );
         }
     }
 

@@ -12,8 +12,8 @@ use protomer_mc::energy::{DirectSum, EnergyModel, NoCharges};
 use protomer_mc::{Interaction, Settings, Simulation, System};
 use std::sync::Arc;
 
-/// Rates are measured over at least this many moves where moves are cheap (what overlap tests remember fills up at first),
-/// and over so many times the direct sum's where they are not.
+/// Rates are measured over at least this many moves where moves are cheap (what overlap tests
+/// remember fills up at first), and over so many times the direct sum's where they are not.
 const FEWEST_CHEAP_MOVES: u64 = 320;
 const MOST_TIMES_THE_DIRECT_SUM: u64 = 8;
 
@@ -71,11 +71,20 @@ impl Prepared {
     ) -> Result<Self> {
         let start = process_seconds();
         let tables = match energy {
-            EnergyMode::Certified | EnergyMode::Approximate => tables.of(system.types(), &yukawa)?,
+            EnergyMode::Certified | EnergyMode::Approximate => {
+                tables.of(system.types(), &yukawa)?
+            }
             EnergyMode::None | EnergyMode::Direct => Vec::new(),
         };
         let setup_seconds = process_seconds() - start;
-        Ok(Self { system: system.clone(), yukawa, energy, tolerance_kt, tables, setup_seconds })
+        Ok(Self {
+            system: system.clone(),
+            yukawa,
+            energy,
+            tolerance_kt,
+            tables,
+            setup_seconds,
+        })
     }
 
     /// A model of certified energies with the prepared tables.
@@ -93,11 +102,17 @@ impl Prepared {
         }
     }
 
-    /// A simulation of this state about to make its first move, with the benchmark's fixed small steps.
+    /// A simulation of this state about to make its first move, with the benchmark's fixed small
+    /// steps.
     ///
     /// # Errors
     /// If the box is too small for the interaction or an energy is not finite.
-    pub(super) fn simulation(&self, model: Box<dyn EnergyModel>, seed: u64, replica: u32) -> Result<Simulation> {
+    pub(super) fn simulation(
+        &self,
+        model: Box<dyn EnergyModel>,
+        seed: u64,
+        replica: u32,
+    ) -> Result<Simulation> {
         let steps = super::BenchSettings::default();
         // The model decides; the settings only travel with it.
         let settings = Settings {
@@ -106,16 +121,29 @@ impl Prepared {
             equilibration_sweeps: 0,
             ..Settings::new(Interaction::HardOnly)
         };
-        Ok(Simulation::with_model(self.system.clone(), settings, model, seed, replica)?)
+        Ok(Simulation::with_model(
+            self.system.clone(),
+            settings,
+            model,
+            seed,
+            replica,
+        )?)
     }
 
-    /// Makes `moves` moves from the state, with random numbers of their own again and again until `seconds` of processor
-    /// time are spent: a state close to contact loosens as bodies move, so one long run would time another state. The
-    /// first run decides what is hashed; how often it is repeated changes the rate's precision alone.
+    /// Makes `moves` moves from the state, with random numbers of their own again and again until
+    /// `seconds` of processor time are spent: a state close to contact loosens as bodies move, so
+    /// one long run would time another state. The first run decides what is hashed; how often it is
+    /// repeated changes the rate's precision alone.
     ///
     /// # Errors
     /// As [`Prepared::simulation`].
-    pub(super) fn time(&self, moves: u64, seconds: f64, seed: u64, interrupt: &Interrupt) -> Result<Timing> {
+    pub(super) fn time(
+        &self,
+        moves: u64,
+        seconds: f64,
+        seed: u64,
+        interrupt: &Interrupt,
+    ) -> Result<Timing> {
         self.time_with(&mut || self.model(), moves, seconds, seed, interrupt)
     }
 
@@ -137,16 +165,29 @@ impl Prepared {
         };
         let per_run = moves.max(fewest);
         let watch = Stopwatch::default();
-        let mut timing =
-            Timing { moves: 0, accepted: 0, watch, decisions: Vec::new(), memory_bytes: 0, error_bound_kt: 0.0 };
+        let mut timing = Timing {
+            moves: 0,
+            accepted: 0,
+            watch,
+            decisions: Vec::new(),
+            memory_bytes: 0,
+            error_bound_kt: 0.0,
+        };
         for run in 0.. {
             let mut simulation = self.simulation(model(), seed, run)?;
             let mut decisions = Vec::with_capacity(per_run as usize);
             let mut note = |accepted| decisions.push(u8::from(accepted));
-            timing.watch.time(|| simulation.trial_moves(per_run, &mut note))?;
+            timing
+                .watch
+                .time(|| simulation.trial_moves(per_run, &mut note))?;
             timing.moves += per_run;
-            timing.error_bound_kt = timing.error_bound_kt.max(simulation.energy_error_bound_kt());
-            timing.accepted += decisions.iter().map(|decision| u64::from(*decision)).sum::<u64>();
+            timing.error_bound_kt = timing
+                .error_bound_kt
+                .max(simulation.energy_error_bound_kt());
+            timing.accepted += decisions
+                .iter()
+                .map(|decision| u64::from(*decision))
+                .sum::<u64>();
             if run == 0 {
                 decisions.truncate(moves as usize);
                 timing.decisions = decisions;

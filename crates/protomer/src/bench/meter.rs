@@ -1,5 +1,5 @@
-//! The parts of a move's cost: a model of energies that watches the one inside it. Only the benchmark uses it, so
-//! ordinary runs carry no clocks.
+//! The parts of a move's cost: a model of energies that watches the one inside it. Only the
+//! benchmark uses it, so ordinary runs carry no clocks.
 
 use protomer_mc::Result;
 use protomer_mc::energy::certified::CertifiedSum;
@@ -31,10 +31,11 @@ pub(super) struct Decisions {
 }
 
 impl Readings {
-    /// Time of the refinement alone: what refined decisions took beyond their intervals, at the price an interval has in
-    /// a decision that bounds settled.
+    /// Time of the refinement alone: what refined decisions took beyond their intervals, at the
+    /// price an interval has in a decision that bounds settled.
     pub(super) fn refinement(&self) -> Duration {
-        let interval_seconds = self.settled.time.as_secs_f64() / self.settled.intervals.max(1) as f64;
+        let interval_seconds =
+            self.settled.time.as_secs_f64() / self.settled.intervals.max(1) as f64;
         let bounds = Duration::from_secs_f64(interval_seconds * self.refined.intervals as f64);
         self.refined.time.saturating_sub(bounds)
     }
@@ -65,10 +66,17 @@ impl Metered {
         let (before, start) = (self.inner.counts(), Instant::now());
         let decision = decide(&mut self.inner);
         let (time, after) = (start.elapsed(), self.inner.counts());
-        let (intervals, direct_sums) = (after.intervals - before.intervals, after.direct_sums - before.direct_sums);
+        let (intervals, direct_sums) = (
+            after.intervals - before.intervals,
+            after.direct_sums - before.direct_sums,
+        );
         self.read(|readings| {
             readings.direct_sums += direct_sums;
-            let sort = if direct_sums == 0 { &mut readings.settled } else { &mut readings.refined };
+            let sort = if direct_sums == 0 {
+                &mut readings.settled
+            } else {
+                &mut readings.refined
+            };
             sort.count += 1;
             sort.intervals += intervals;
             sort.time += time;
@@ -132,10 +140,16 @@ mod tests {
 
     #[test]
     fn refinement_is_what_exceeds_the_intervals() {
-        let decisions =
-            |count, intervals, milliseconds| Decisions { count, intervals, time: Duration::from_millis(milliseconds) };
-        let mut readings =
-            Readings { settled: decisions(10, 100, 200), refined: decisions(2, 20, 90), ..Readings::default() };
+        let decisions = |count, intervals, milliseconds| Decisions {
+            count,
+            intervals,
+            time: Duration::from_millis(milliseconds),
+        };
+        let mut readings = Readings {
+            settled: decisions(10, 100, 200),
+            refined: decisions(2, 20, 90),
+            ..Readings::default()
+        };
         assert_eq!(readings.refinement(), Duration::from_millis(50));
         assert_eq!(readings.bounds(), Duration::from_millis(240));
         readings.refined.time = Duration::from_millis(10);

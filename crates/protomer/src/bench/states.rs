@@ -1,4 +1,5 @@
-//! States that the benchmark makes itself: sixteen bodies close to contact, and many bodies spread through a box.
+//! States that the benchmark makes itself: sixteen bodies close to contact, and many bodies spread
+//! through a box.
 
 use anyhow::{Context, Result};
 use protomer_kernel::overlap::overlaps;
@@ -22,7 +23,8 @@ const WAYS: usize = 24;
 const SHAKES: usize = 300;
 /// How far a body turns in a shake for each Å it moves, rad.
 const RAD_PER_ANGSTROM: f64 = 0.1;
-/// In the end all places are drawn apart by this factor, so that neighbours have about a tenth of an Å between them.
+/// In the end all places are drawn apart by this factor, so that neighbours have about a tenth of
+/// an Å between them.
 const LOOSENED: f64 = 1.004;
 /// Purposes of random numbers: each with a stream of its own.
 const CLUSTER: u8 = 3;
@@ -30,7 +32,8 @@ const SPREAD: u8 = 4;
 /// Places tried for each body of a spread state.
 const MOST_PLACES: u32 = 10_000;
 
-/// Sixteen bodies of alternating kinds, each close to contact with its neighbours, none overlapping, in a large box.
+/// Sixteen bodies of alternating kinds, each close to contact with its neighbours, none
+/// overlapping, in a large box.
 ///
 /// # Errors
 /// If the bodies of this seed do not come apart.
@@ -40,7 +43,11 @@ pub fn cluster(types: &[Arc<BodyType>], seed: u64) -> Result<System> {
     for index in 0..CLUSTER_BODIES {
         let kind = index % types.len();
         let ways = (0..WAYS).map(|_| way_in(types, &bodies, kind, &mut rng));
-        let nearest = ways.min_by(|a, b| a.position.norm_squared().total_cmp(&b.position.norm_squared()));
+        let nearest = ways.min_by(|a, b| {
+            a.position
+                .norm_squared()
+                .total_cmp(&b.position.norm_squared())
+        });
         bodies.push((kind, nearest.unwrap_or(Pose::identity())));
     }
     for round in 0..SHAKES {
@@ -53,10 +60,19 @@ pub fn cluster(types: &[Arc<BodyType>], seed: u64) -> Result<System> {
     system(types, &bodies, CLUSTER_BOX_ANGSTROM)
 }
 
-/// Where a body comes to rest on its way to the middle from a random direction, in a random orientation.
-fn way_in(types: &[Arc<BodyType>], bodies: &[(usize, Pose)], kind: usize, rng: &mut CounterRng) -> Pose {
+/// Where a body comes to rest on its way to the middle from a random direction, in a random
+/// orientation.
+fn way_in(
+    types: &[Arc<BodyType>],
+    bodies: &[(usize, Pose)],
+    kind: usize,
+    rng: &mut CounterRng,
+) -> Pose {
     let (direction, rotation) = (rng.unit_vector(), rng.rotation());
-    let at = |distance: f64| Pose { position: direction * distance, rotation };
+    let at = |distance: f64| Pose {
+        position: direction * distance,
+        rotation,
+    };
     let free = |distance: f64| is_free(types, &Boundary::Open, bodies.iter(), kind, &at(distance));
     let mut distance = FROM_ANGSTROM;
     while distance > 0.0 && free((distance - STEP_ANGSTROM).max(0.0)) {
@@ -65,7 +81,8 @@ fn way_in(types: &[Arc<BodyType>], bodies: &[(usize, Pose)], kind: usize, rng: &
     at(distance)
 }
 
-/// Every body tries one small move (of at most `step` Å, and in proportion rad) and takes it if it leads towards the middle.
+/// Every body tries one small move (of at most `step` Å, and in proportion rad) and takes it if it
+/// leads towards the middle.
 fn shake(types: &[Arc<BodyType>], bodies: &mut [(usize, Pose)], step: f64, rng: &mut CounterRng) {
     for index in 0..bodies.len() {
         let (kind, old) = bodies[index];
@@ -73,7 +90,11 @@ fn shake(types: &[Arc<BodyType>], bodies: &mut [(usize, Pose)], step: f64, rng: 
             position: old.position + rng.vector_in_ball(step),
             rotation: rng.small_rotation(RAD_PER_ANGSTROM * step) * old.rotation,
         };
-        let others = bodies.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, body)| body);
+        let others = bodies
+            .iter()
+            .enumerate()
+            .filter(|(other, _)| *other != index)
+            .map(|(_, body)| body);
         if new.position.norm_squared() < old.position.norm_squared()
             && is_free(types, &Boundary::Open, others, kind, &new)
         {
@@ -95,7 +116,11 @@ fn is_free<'a>(
         let displacement = boundary.displacement(&pose.position, &other.position);
         let reach = shape.bounding_radius_angstrom() + other_shape.bounding_radius_angstrom();
         displacement.norm_squared() >= reach * reach
-            || !overlaps(shape, other_shape, &RelativePose::new(pose, other, &displacement))
+            || !overlaps(
+                shape,
+                other_shape,
+                &RelativePose::new(pose, other, &displacement),
+            )
     })
 }
 
@@ -103,7 +128,12 @@ fn is_free<'a>(
 ///
 /// # Errors
 /// If the cube is too full for random places.
-pub fn spread(types: &[Arc<BodyType>], count: usize, box_angstrom: f64, seed: u64) -> Result<System> {
+pub fn spread(
+    types: &[Arc<BodyType>],
+    count: usize,
+    box_angstrom: f64,
+    seed: u64,
+) -> Result<System> {
     let mut rng = CounterRng::for_purpose(seed, 0, count as u64, SPREAD);
     let boundary = Boundary::periodic(Vec3::repeat(box_angstrom))?;
     let mut bodies: Vec<(usize, Pose)> = Vec::with_capacity(count);
@@ -112,7 +142,10 @@ pub fn spread(types: &[Arc<BodyType>], count: usize, box_angstrom: f64, seed: u6
         let mut places = (0..MOST_PLACES).map(|_| {
             let half = 0.5 * box_angstrom;
             let position = Vec3::from([0, 1, 2].map(|_| rng.uniform_in(-half, half)));
-            Pose { position, rotation: rng.rotation() }
+            Pose {
+                position,
+                rotation: rng.rotation(),
+            }
         });
         let pose = places
             .find(|pose| is_free(types, &boundary, bodies.iter(), kind, pose))
@@ -124,7 +157,11 @@ pub fn spread(types: &[Arc<BodyType>], count: usize, box_angstrom: f64, seed: u6
 
 /// The system, if nothing overlaps.
 fn system(types: &[Arc<BodyType>], bodies: &[(usize, Pose)], box_angstrom: f64) -> Result<System> {
-    let system = System::new(types.to_vec(), bodies, Boundary::periodic(Vec3::repeat(box_angstrom))?)?;
+    let system = System::new(
+        types.to_vec(),
+        bodies,
+        Boundary::periodic(Vec3::repeat(box_angstrom))?,
+    )?;
     let pairs = overlapping_pairs(&system);
     if !pairs.is_empty() {
         return Err(McError::OverlappingStart { pairs })
@@ -148,7 +185,10 @@ mod tests {
         assert_eq!(overlapping_pairs(&system), []);
         // Every body touches its neighbours, as in a tight cluster of sixteen.
         let near = contacts(&system, 3.0);
-        assert!((0..CLUSTER_BODIES).all(|body| near.iter().any(|(i, j)| *i == body || *j == body)), "{near:?}");
+        assert!(
+            (0..CLUSTER_BODIES).all(|body| near.iter().any(|(i, j)| *i == body || *j == body)),
+            "{near:?}"
+        );
         assert!(near.len() > 30, "{}", near.len());
         let again = cluster(&types, 1).unwrap();
         assert_eq!(system.poses(), again.poses());
@@ -159,6 +199,11 @@ mod tests {
         let types = two_kinds(5, 6, 1).unwrap();
         let system = spread(&types, 60, 180.0, 2).unwrap();
         assert_eq!(overlapping_pairs(&system), []);
-        assert!(spread(&types, 60, 90.0, 2).unwrap_err().to_string().contains("do not fit"));
+        assert!(
+            spread(&types, 60, 90.0, 2)
+                .unwrap_err()
+                .to_string()
+                .contains("do not fit")
+        );
     }
 }

@@ -1,5 +1,5 @@
-//! The benchmark without an assembly: how the cost of a trial move grows with charges and with bodies, what it is made of,
-//! and what threads bring, on states made here.
+//! The benchmark without an assembly: how the cost of a trial move grows with charges and with
+//! bodies, what it is made of, and what threads bring, on states made here.
 
 use super::bodies::two_kinds;
 use super::measure::{Prepared, Timing};
@@ -54,9 +54,11 @@ pub struct SuiteSettings {
     pub few_charges: usize,
     /// Numbers of threads.
     pub threads: Vec<usize>,
-    /// Trial moves that the direct sum makes and that are hashed; by the number of charges where `None`.
+    /// Trial moves that the direct sum makes and that are hashed; by the number of charges where
+    /// `None`.
     pub moves: Option<u64>,
-    /// Moves of a replica in the part on threads: hard bodies, certified energies, approximate energies.
+    /// Moves of a replica in the part on threads: hard bodies, certified energies, approximate
+    /// energies.
     pub replica_moves: [u64; 3],
     /// Largest error of the energy of two bodies in the rows of approximate energies, kT.
     pub tolerance_kt: f64,
@@ -159,7 +161,8 @@ pub struct BodiesRow {
     pub box_angstrom: f64,
     /// How energies were computed.
     pub energy: EnergyMode,
-    /// Other bodies within the range of the interaction (of the surfaces, for hard bodies), on average.
+    /// Other bodies within the range of the interaction (of the surfaces, for hard bodies), on
+    /// average.
     pub neighbours: f64,
     /// Moves timed.
     pub moves: u64,
@@ -217,15 +220,25 @@ pub struct SuiteResult {
 }
 
 /// Energy modes of the part on charges: the direct sum before those that are compared with it.
-const MODES: [EnergyMode; 4] = [EnergyMode::None, EnergyMode::Direct, EnergyMode::Certified, EnergyMode::Approximate];
+const MODES: [EnergyMode; 4] = [
+    EnergyMode::None,
+    EnergyMode::Direct,
+    EnergyMode::Certified,
+    EnergyMode::Approximate,
+];
 
 /// Energy modes where moves must be cheap.
-const CHEAP_MODES: [EnergyMode; 3] = [EnergyMode::None, EnergyMode::Certified, EnergyMode::Approximate];
+const CHEAP_MODES: [EnergyMode; 3] = [
+    EnergyMode::None,
+    EnergyMode::Certified,
+    EnergyMode::Approximate,
+];
 
 /// Volume of the bodies in that of the cube at most, in the part on bodies.
 const VOLUME_FRACTION: f64 = 0.15;
 
-/// Rows to come: how often `begin` of [`run_suite`] is called, and with it the length of the progress bar.
+/// Rows to come: how often `begin` of [`run_suite`] is called, and with it the length of the
+/// progress bar.
 pub fn rows(settings: &SuiteSettings) -> usize {
     let of = |part: &Part| match part {
         Part::Charges => settings.charges.len() * MODES.len(),
@@ -236,12 +249,12 @@ pub fn rows(settings: &SuiteSettings) -> usize {
     settings.parts.iter().map(of).sum()
 }
 
-/// Runs the parts. `begin` hears what is measured next. An interrupt ends the work within about a run of moves; the
-/// result holds what was measured until then.
+/// Runs the parts. `begin` hears what is measured next. An interrupt ends the work within about a
+/// run of moves; the result holds what was measured until then.
 ///
 /// # Errors
-/// For an interaction that makes no sense or reaches too far for the states, tables over their limit, and an energy that
-/// is not finite.
+/// For an interaction that makes no sense or reaches too far for the states, tables over their
+/// limit, and an energy that is not finite.
 pub fn run_suite(
     settings: &SuiteSettings,
     interaction: Interaction,
@@ -250,7 +263,13 @@ pub fn run_suite(
     begin: &dyn Fn(&str),
 ) -> Result<SuiteResult> {
     let yukawa = yukawa(&interaction)?;
-    let suite = Suite { settings, yukawa, interrupt, begin, tables };
+    let suite = Suite {
+        settings,
+        yukawa,
+        interrupt,
+        begin,
+        tables,
+    };
     suite.check_room()?;
     let mut result = SuiteResult {
         version: env!("CARGO_PKG_VERSION").into(),
@@ -264,7 +283,10 @@ pub fn run_suite(
         bodies: Vec::new(),
         threads: Vec::new(),
     };
-    for part in Part::ALL.into_iter().filter(|part| settings.parts.contains(part)) {
+    for part in Part::ALL
+        .into_iter()
+        .filter(|part| settings.parts.contains(part))
+    {
         match part {
             Part::Charges => result.charges = suite.rates()?,
             Part::Parts => result.parts = suite.parts()?,
@@ -309,7 +331,13 @@ impl Suite<'_> {
     }
 
     fn prepared_from(&self, system: &System, energy: EnergyMode) -> Result<Prepared> {
-        Prepared::new(system, self.yukawa, energy, self.settings.tolerance_kt, self.tables)
+        Prepared::new(
+            system,
+            self.yukawa,
+            energy,
+            self.settings.tolerance_kt,
+            self.tables,
+        )
     }
 
     /// Before anything is measured.
@@ -331,7 +359,11 @@ impl Suite<'_> {
                 }
                 let prepared = self.prepared(charges, energy)?;
                 // The direct sum makes its moves once.
-                let seconds = if energy == EnergyMode::Direct { 0.0 } else { self.settings.seconds_per_rate };
+                let seconds = if energy == EnergyMode::Direct {
+                    0.0
+                } else {
+                    self.settings.seconds_per_rate
+                };
                 let timing = prepared.time(moves, seconds, self.settings.seed, self.interrupt)?;
                 if energy == EnergyMode::Direct {
                     direct = Some(timing.clone());
@@ -342,7 +374,9 @@ impl Suite<'_> {
                     energy,
                     moves: timing.moves,
                     moves_per_cpu_second: timing.moves_per_cpu_second(),
-                    speed_up: charged.map(|direct| timing.moves_per_cpu_second() / direct.moves_per_cpu_second()),
+                    speed_up: charged.map(|direct| {
+                        timing.moves_per_cpu_second() / direct.moves_per_cpu_second()
+                    }),
                     acceptance: timing.acceptance(),
                     setup_seconds: prepared.setup_seconds,
                     memory_bytes: timing.memory_bytes,
@@ -364,11 +398,18 @@ impl Suite<'_> {
             }
             let prepared = self.prepared(charges, EnergyMode::Certified)?;
             let readings = Arc::new(Mutex::new(Readings::default()));
-            let mut model =
-                || -> Box<dyn EnergyModel> { Box::new(Metered::new(prepared.certified(), Arc::clone(&readings))) };
+            let mut model = || -> Box<dyn EnergyModel> {
+                Box::new(Metered::new(prepared.certified(), Arc::clone(&readings)))
+            };
             let moves = self.settings.moves.unwrap_or(affordable_moves(charges));
             let seconds = self.settings.seconds_per_rate;
-            let timing = prepared.time_with(&mut model, moves, seconds, self.settings.seed, self.interrupt)?;
+            let timing = prepared.time_with(
+                &mut model,
+                moves,
+                seconds,
+                self.settings.seed,
+                self.interrupt,
+            )?;
             let readings = *readings.lock().unwrap_or_else(PoisonError::into_inner);
             rows.push(parts_row(charges, &timing, &readings));
         }
@@ -386,12 +427,20 @@ impl Suite<'_> {
                 let box_angstrom = self.box_angstrom(&kinds, energy, bodies);
                 let system = spread(&kinds, bodies, box_angstrom, self.settings.seed)?;
                 let prepared = self.prepared_from(&system, energy)?;
-                let range = prepared.model().range_angstrom(&system).max(system.hard_range_angstrom());
+                let range = prepared
+                    .model()
+                    .range_angstrom(&system)
+                    .max(system.hard_range_angstrom());
                 let neighbours = mean_neighbours(&system, range);
-                // Every body moves some times in each run, so that gaps are remembered as in a long simulation.
+                // Every body moves some times in each run, so that gaps are remembered as in a long
+                // simulation.
                 let moves = self.settings.moves.unwrap_or(10 * bodies as u64);
-                let timing =
-                    prepared.time(moves, self.settings.seconds_per_rate, self.settings.seed, self.interrupt)?;
+                let timing = prepared.time(
+                    moves,
+                    self.settings.seconds_per_rate,
+                    self.settings.seed,
+                    self.interrupt,
+                )?;
                 let move_microseconds = 1e6 / timing.moves_per_cpu_second();
                 rows.push(BodiesRow {
                     bodies,
@@ -400,21 +449,28 @@ impl Suite<'_> {
                     neighbours,
                     moves: timing.moves,
                     move_microseconds,
-                    microseconds_per_neighbour: move_microseconds / neighbours.max(f64::MIN_POSITIVE),
+                    microseconds_per_neighbour: move_microseconds
+                        / neighbours.max(f64::MIN_POSITIVE),
                 });
             }
         }
         Ok(rows)
     }
 
-    /// Edge of the cube for this many bodies, Å. The first number of bodies gets a cube with room for the interaction and
-    /// for [`VOLUME_FRACTION`]; the others have its density.
+    /// Edge of the cube for this many bodies, Å. The first number of bodies gets a cube with room
+    /// for the interaction and for [`VOLUME_FRACTION`]; the others have its density.
     fn box_angstrom(&self, kinds: &[Arc<BodyType>], energy: EnergyMode, bodies: usize) -> f64 {
         const ROOM: f64 = 2.05;
-        let largest = |length: fn(&BodyType) -> f64| kinds.iter().map(|kind| length(kind)).fold(0.0, f64::max);
+        let largest = |length: fn(&BodyType) -> f64| {
+            kinds.iter().map(|kind| length(kind)).fold(0.0, f64::max)
+        };
         let hard = 2.0 * largest(BodyType::hard_radius_angstrom);
         let charged = 2.0 * largest(BodyType::charge_radius_angstrom) + self.yukawa.cutoff_angstrom;
-        let range = if energy == EnergyMode::None { hard } else { charged.max(hard) };
+        let range = if energy == EnergyMode::None {
+            hard
+        } else {
+            charged.max(hard)
+        };
         let first = self.settings.bodies.first().copied().unwrap_or(1).max(1) as f64;
         let full = (first * largest(|kind| kind.volume_angstrom3) / VOLUME_FRACTION).cbrt();
         (ROOM * range).max(full) * (bodies as f64 / first).cbrt()
@@ -449,8 +505,9 @@ impl Suite<'_> {
     }
 }
 
-/// The time outside the energy model is the overlap test's and that of proposing and finding neighbours. Shares are told
-/// by the wall clock within the run and applied to its processor time, which other work on the machine does not lengthen.
+/// The time outside the energy model is the overlap test's and that of proposing and finding
+/// neighbours. Shares are told by the wall clock within the run and applied to its processor time,
+/// which other work on the machine does not lengthen.
 fn parts_row(charges: usize, timing: &Timing, readings: &Readings) -> PartsRow {
     let moves = timing.moves as f64;
     let move_microseconds = 1e6 / timing.moves_per_cpu_second();
@@ -459,7 +516,8 @@ fn parts_row(charges: usize, timing: &Timing, readings: &Readings) -> PartsRow {
     };
     let (settled, refined) = (readings.settled, readings.refined);
     let decisions = settled.count + refined.count;
-    let [bounds, refinement, keeping] = [readings.bounds(), readings.refinement(), readings.keeping].map(per_move);
+    let [bounds, refinement, keeping] =
+        [readings.bounds(), readings.refinement(), readings.keeping].map(per_move);
     PartsRow {
         charges,
         moves: timing.moves,
@@ -480,7 +538,9 @@ fn mean_neighbours(system: &System, range_angstrom: f64) -> f64 {
     let near = |first: usize, second: &usize| {
         system.pair(first, *second).displacement.norm_squared() < range_angstrom * range_angstrom
     };
-    let pairs: usize = (0..system.len()).map(|i| (i + 1..system.len()).filter(|j| near(i, j)).count()).sum();
+    let pairs: usize = (0..system.len())
+        .map(|i| (i + 1..system.len()).filter(|j| near(i, j)).count())
+        .sum();
     2.0 * pairs as f64 / system.len() as f64
 }
 
@@ -491,24 +551,45 @@ struct Replicas {
     decisions: Vec<u8>,
 }
 
-/// Makes moves in independent replicas on a pool of its own; the simulations are set up before the clock starts.
-fn run_replicas(prepared: &Prepared, seed: u64, replicas: u32, moves: u64, threads: usize) -> Result<Replicas> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().context("cannot start the threads")?;
+/// Makes moves in independent replicas on a pool of its own; the simulations are set up before the
+/// clock starts.
+fn run_replicas(
+    prepared: &Prepared,
+    seed: u64,
+    replicas: u32,
+    moves: u64,
+    threads: usize,
+) -> Result<Replicas> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .context("cannot start the threads")?;
     let simulations = (0..replicas)
         .map(|replica| prepared.simulation(prepared.model(), seed, replica))
         .collect::<Result<Vec<_>>>()?;
     let run = |mut simulation: Simulation| -> Result<(f64, Vec<u8>)> {
         let mut watch = Stopwatch::default();
         let mut decisions = Vec::with_capacity(moves as usize);
-        watch.time(|| simulation.trial_moves(moves, &mut |accepted| decisions.push(u8::from(accepted))))?;
+        watch.time(|| {
+            simulation.trial_moves(moves, &mut |accepted| decisions.push(u8::from(accepted)))
+        })?;
         Ok((watch.seconds(), decisions))
     };
     let start = Instant::now();
-    let done = pool.install(|| simulations.into_par_iter().with_max_len(1).map(run).collect::<Result<Vec<_>>>())?;
+    let done = pool.install(|| {
+        simulations
+            .into_par_iter()
+            .with_max_len(1)
+            .map(run)
+            .collect::<Result<Vec<_>>>()
+    })?;
     Ok(Replicas {
         wall_seconds: start.elapsed().as_secs_f64(),
         cpu_seconds: done.iter().map(|(seconds, _)| seconds).sum(),
-        decisions: done.into_iter().flat_map(|(_, decisions)| decisions).collect(),
+        decisions: done
+            .into_iter()
+            .flat_map(|(_, decisions)| decisions)
+            .collect(),
     })
 }
 

@@ -1,15 +1,19 @@
-//! `protomer assemble`: assemblies from a structure's own copies, from a ring or stack recipe, or as a fluid.
+//! `protomer assemble`: assemblies from a structure's own copies, from a ring or stack recipe, or
+//! as a fluid.
 
 use super::ingest::{ChargeArgs, SelectionArgs, SurfaceFlags, body_settings};
 use super::{Global, Outcome, output};
-use crate::assemble::{BodyFiles, StructureAssembly, StructureSettings, assemble_structure, write_assembly};
+use crate::assemble::{
+    BodyFiles, StructureAssembly, StructureSettings, assemble_structure, write_assembly,
+};
 use crate::fluid::fluid;
 use anyhow::{Result, bail};
 use clap::{Args, Subcommand};
 use protomer_body::assembly::{Recipe, RecipeSite};
 use std::path::PathBuf;
 
-/// Put bodies together: from a structure's own copies, as a ring or a stack of two rings, or at random.
+/// Put bodies together: from a structure's own copies, as a ring or a stack of two rings, or at
+/// random.
 #[derive(Debug, Args)]
 pub struct AssembleArgs {
     #[command(subcommand)]
@@ -59,13 +63,15 @@ pub struct RingArgs {
     /// Direction of each body of the pattern: u for up, d for down, such as ud; all up if left out.
     #[arg(long)]
     directions: Option<String>,
-    /// Lean of each body's axis about the outward direction, degrees, such as 0,40; upright if left out.
+    /// Lean of each body's axis about the outward direction, degrees, such as 0,40; upright if left
+    /// out.
     #[arg(long, value_delimiter = ',', allow_hyphen_values = true)]
     tilt: Vec<f64>,
     /// Turn of each body about its own axis, degrees.
     #[arg(long, value_delimiter = ',', allow_hyphen_values = true)]
     spin: Vec<f64>,
-    /// How much further apart than at contact neighbours around the ring, and the rings, are placed, Å.
+    /// How much further apart than at contact neighbours around the ring, and the rings, are
+    /// placed, Å.
     #[arg(long, default_value_t = 0.5, allow_negative_numbers = true)]
     gap: f64,
     #[command(flatten)]
@@ -109,9 +115,15 @@ impl SpaceArgs {
             [] => return Ok(None),
             [edge] => [*edge; 3],
             [x, y, z] => [*x, *y, *z],
-            other => bail!("--box takes one or three lengths, and {} are given", other.len()),
+            other => bail!(
+                "--box takes one or three lengths, and {} are given",
+                other.len()
+            ),
         };
-        match lengths.iter().find(|length| !(length.is_finite() && **length > 0.0)) {
+        match lengths
+            .iter()
+            .find(|length| !(length.is_finite() && **length > 0.0))
+        {
             Some(length) => bail!("--box has a length of {length} Å; lengths are positive"),
             None => Ok(Some(lengths)),
         }
@@ -146,10 +158,18 @@ impl StructureArgs {
 }
 
 fn describe(made: &StructureAssembly) -> String {
-    let mut rows = vec![["body", "copies", "largest RMSD (Å)"].map(str::to_owned).to_vec()];
+    let mut rows = vec![
+        ["body", "copies", "largest RMSD (Å)"]
+            .map(str::to_owned)
+            .to_vec(),
+    ];
     for body in &made.bodies {
         let largest = body.rmsd_angstrom.iter().copied().fold(0.0, f64::max);
-        rows.push(vec![body.file.display().to_string(), body.chains.join(" "), format!("{largest:.3}")]);
+        rows.push(vec![
+            body.file.display().to_string(),
+            body.chains.join(" "),
+            format!("{largest:.3}"),
+        ]);
     }
     format!(
         "{}\n{} pairs of chains overlapped; expanded by a factor {:.6} (at most {:.3} Å)\n{}",
@@ -185,7 +205,12 @@ impl RingArgs {
             "recipe": recipe, "gap_angstrom": self.gap,
             "radius_angstrom": closed.radius_angstrom, "ring_distance_angstrom": closed.ring_distance_angstrom,
         });
-        let file = files.assembly_file(&self.output, &closed.placements, self.space.box_angstrom()?, provenance)?;
+        let file = files.assembly_file(
+            &self.output,
+            &closed.placements,
+            self.space.box_angstrom()?,
+            provenance,
+        )?;
         write_assembly(&self.output, &file)?;
         if global.json {
             output::json(&serde_json::json!({
@@ -216,7 +241,11 @@ impl RingArgs {
             given => given.iter().map(|angle| angle.to_radians()).collect(),
         };
         let (tilt, spin) = (angles(&self.tilt), angles(&self.spin));
-        for (flag, given) in [("--directions", up.len()), ("--tilt", tilt.len()), ("--spin", spin.len())] {
+        for (flag, given) in [
+            ("--directions", up.len()),
+            ("--tilt", tilt.len()),
+            ("--spin", spin.len()),
+        ] {
             if given != count {
                 bail!("{flag} has {given} values for {count} bodies; give one per body");
             }
@@ -226,7 +255,12 @@ impl RingArgs {
                 bail!("{flag} has an angle that is not a finite number; give degrees");
             }
         }
-        let site = |body: usize| RecipeSite { body, up: up[body], tilt_radian: tilt[body], spin_radian: spin[body] };
+        let site = |body: usize| RecipeSite {
+            body,
+            up: up[body],
+            tilt_radian: tilt[body],
+            spin_radian: spin[body],
+        };
         Ok((0..count).map(site).collect())
     }
 }
@@ -238,8 +272,10 @@ impl FluidArgs {
         };
         let files = BodyFiles::read(&self.bodies)?;
         let placements = fluid(&files, &self.counts, box_angstrom, self.seed)?;
-        let provenance = serde_json::json!({ "fluid": { "counts": self.counts, "seed": self.seed } });
-        let file = files.assembly_file(&self.output, &placements, Some(box_angstrom), provenance)?;
+        let provenance =
+            serde_json::json!({ "fluid": { "counts": self.counts, "seed": self.seed } });
+        let file =
+            files.assembly_file(&self.output, &placements, Some(box_angstrom), provenance)?;
         write_assembly(&self.output, &file)?;
         let millimolar = 1e3 * placements.len() as f64
             / box_angstrom.iter().product::<f64>()
@@ -263,6 +299,8 @@ fn direction(letter: char) -> Result<bool> {
     match letter {
         'u' => Ok(true),
         'd' => Ok(false),
-        other => bail!("--directions has '{other}'; write u for up and d for down, one letter per body"),
+        other => {
+            bail!("--directions has '{other}'; write u for up and d for down, one letter per body")
+        }
     }
 }

@@ -16,16 +16,18 @@ use std::path::{Path, PathBuf};
 /// More charges than a direct sum over sixteen bodies can be waited for.
 const MOST_CHARGES: usize = 50_000;
 
-/// Measure trial moves per CPU-second on an assembly, from the state it is in, and hash the decisions made.
+/// Measure trial moves per CPU-second on an assembly, from the state it is in, and hash the
+/// decisions made.
 ///
-/// Without an assembly: measure on states that the program makes itself, and print a table of each energy mode's rate
-/// against the number of charges, of the parts of a move, of the cost against the number of bodies, and of replicas on
-/// several threads. That takes a few minutes.
+/// Without an assembly: measure on states that the program makes itself, and print a table of each
+/// energy mode's rate against the number of charges, of the parts of a move, of the cost against
+/// the number of bodies, and of replicas on several threads. That takes a few minutes.
 #[derive(Debug, Args)]
 pub struct BenchArgs {
     /// Assembly file; left out, the program makes its own states.
     assembly: Option<PathBuf>,
-    /// Trial moves [default: 10000; without an assembly, as many as the direct sum makes in a few seconds].
+    /// Trial moves [default: 10000; without an assembly, as many as the direct sum makes in a few
+    /// seconds].
     #[arg(long)]
     moves: Option<u64>,
     /// How energies are computed [default: direct; without an assembly, each way].
@@ -93,24 +95,52 @@ impl BenchArgs {
 
     fn on_own_states(&self, global: &Global) -> Result<Outcome> {
         let usual = SuiteSettings::default();
-        let parts = if self.part.is_empty() { usual.parts.clone() } else { self.part.clone() };
-        if let Some(charges) = self.charges.iter().find(|charges| !(1..=MOST_CHARGES).contains(*charges)) {
-            bail!("--charges has {charges}; give numbers from 1 to {MOST_CHARGES}, such as 500,3000");
+        let parts = if self.part.is_empty() {
+            usual.parts.clone()
+        } else {
+            self.part.clone()
+        };
+        if let Some(charges) = self
+            .charges
+            .iter()
+            .find(|charges| !(1..=MOST_CHARGES).contains(*charges))
+        {
+            bail!(
+                "--charges has {charges}; give numbers from 1 to {MOST_CHARGES}, such as 500,3000"
+            );
         }
-        let charges = if self.charges.is_empty() { usual.charges.clone() } else { self.charges.clone() };
-        let tolerance_kt =
-            EnergyMode::Approximate.tolerance_kt(self.tolerance.tolerance)?.unwrap_or(usual.tolerance_kt);
-        let settings = SuiteSettings { parts, charges, moves: self.moves, seed: self.seed, tolerance_kt, ..usual };
+        let charges = if self.charges.is_empty() {
+            usual.charges.clone()
+        } else {
+            self.charges.clone()
+        };
+        let tolerance_kt = EnergyMode::Approximate
+            .tolerance_kt(self.tolerance.tolerance)?
+            .unwrap_or(usual.tolerance_kt);
+        let settings = SuiteSettings {
+            parts,
+            charges,
+            moves: self.moves,
+            seed: self.seed,
+            tolerance_kt,
+            ..usual
+        };
         let interaction = self.interaction_of_own_states()?;
         let interrupt = interrupt_saying(global, "stopping after the present run of moves", None)?;
         let bar = global.progress(rows(&settings) as u64, "bench");
         // A row counts when the next one begins.
         let begun = std::cell::Cell::new(0);
-        let result = run_suite(&settings, interaction, &self.tables.tables(global), &interrupt, &|what| {
-            bar.set_position(begun.replace(begun.get() + 1));
-            bar.set_message(what.to_owned());
-            global.explain(what);
-        })?;
+        let result = run_suite(
+            &settings,
+            interaction,
+            &self.tables.tables(global),
+            &interrupt,
+            &|what| {
+                bar.set_position(begun.replace(begun.get() + 1));
+                bar.set_message(what.to_owned());
+                global.explain(what);
+            },
+        )?;
         bar.finish_and_clear();
         if global.json {
             output::json(&result)?;
@@ -146,7 +176,10 @@ impl BenchArgs {
 fn describe(result: &SuiteResult) -> String {
     let processor = result.processor.as_deref().unwrap_or("unknown processor");
     let mut text = vec![
-        format!("protomer {}, {processor}, {} threads", result.version, result.machine_threads),
+        format!(
+            "protomer {}, {processor}, {} threads",
+            result.version, result.machine_threads
+        ),
         format!("medium: {}", result.interaction.describe()),
     ];
     let mut section = |title: &str, heading: &[&str], rows: Vec<Vec<String>>| {
@@ -173,17 +206,42 @@ fn describe(result: &SuiteResult) -> String {
     );
     section(
         "Parts of a move with certified energies (µs of processor time)",
-        &["charges", "move", "overlap", "bounds", "refinement", "keeping", "intervals/move", "refined"],
+        &[
+            "charges",
+            "move",
+            "overlap",
+            "bounds",
+            "refinement",
+            "keeping",
+            "intervals/move",
+            "refined",
+        ],
         result.parts.iter().map(parts_cells).collect(),
     );
     section(
         "Cost of a move at equal density",
-        &["bodies", "box (Å)", "energy", "neighbours", "move (µs)", "per neighbour (µs)"],
+        &[
+            "bodies",
+            "box (Å)",
+            "energy",
+            "neighbours",
+            "move (µs)",
+            "per neighbour (µs)",
+        ],
         result.bodies.iter().map(bodies_cells).collect(),
     );
     section(
         "Independent replicas",
-        &["energy", "threads", "replicas", "moves", "wall (s)", "CPU (s)", "speed-up", "decisions"],
+        &[
+            "energy",
+            "threads",
+            "replicas",
+            "moves",
+            "wall (s)",
+            "CPU (s)",
+            "speed-up",
+            "decisions",
+        ],
         result.threads.iter().map(threads_cells).collect(),
     );
     text.join("\n")
@@ -215,7 +273,11 @@ fn rate_cells(row: &crate::bench::suite::RateRow) -> Vec<String> {
 
 fn parts_cells(row: &crate::bench::suite::PartsRow) -> Vec<String> {
     let part = |microseconds: f64| {
-        format!("{} ({:.0} %)", figures(microseconds), 100.0 * microseconds / row.move_microseconds)
+        format!(
+            "{} ({:.0} %)",
+            figures(microseconds),
+            100.0 * microseconds / row.move_microseconds
+        )
     };
     vec![
         row.charges.to_string(),
@@ -255,7 +317,15 @@ fn threads_cells(row: &crate::bench::suite::ThreadsRow) -> Vec<String> {
 
 /// Three figures.
 fn figures(value: f64) -> String {
-    let digits = if value.is_finite() && value > 0.0 { 2 - value.log10().floor() as i32 } else { 0 };
+    let digits = if value.is_finite() && value > 0.0 {
+        2 - value.log10().floor() as i32
+    } else {
+        0
+    };
     let unit = 10_f64.powi(-digits);
-    format!("{:.*}", digits.max(0) as usize, (value / unit).round() * unit)
+    format!(
+        "{:.*}",
+        digits.max(0) as usize,
+        (value / unit).round() * unit
+    )
 }

@@ -7,8 +7,8 @@ use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
 
-/// Make a body from a mesh (PLY, OFF, OBJ, STL) and charges (PQR, or whitespace-separated x y z charge). Coordinates are
-/// kept: the body's origin is that of the files.
+/// Make a body from a mesh (PLY, OFF, OBJ, STL) and charges (PQR, or whitespace-separated x y z
+/// charge). Coordinates are kept: the body's origin is that of the files.
 #[derive(Debug, Args)]
 pub struct BodyArgs {
     /// Closed, outward mesh, Å.
@@ -28,15 +28,27 @@ pub struct BodyArgs {
 impl BodyArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
         if self.output.is_dir() {
-            bail!("{} is a folder; name the body file, such as a.body", self.output.display());
+            bail!(
+                "{} is a folder; name the body file, such as a.body",
+                self.output.display()
+            );
         }
-        let stem = self.output.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let own =
-            OwnBody { name: self.name.clone().unwrap_or(stem), mesh: self.mesh.clone(), charges: self.charges.clone() };
+        let stem = self
+            .output
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
+        let own = OwnBody {
+            name: self.name.clone().unwrap_or(stem),
+            mesh: self.mesh.clone(),
+            charges: self.charges.clone(),
+        };
         let body = build(&own)?;
         body_file::write(&self.output, &body)?;
         if global.json {
-            return output::json(&ingest::describe_body(&body, &self.output)).map(|()| Outcome::Done);
+            return output::json(&ingest::describe_body(&body, &self.output))
+                .map(|()| Outcome::Done);
         }
         global.say(&format!(
             "{}: {} triangles, {:.1} Å³, {} charges, net {:+.3} e",

@@ -1,4 +1,5 @@
-//! `protomer candidates`: the up/down arrangements of a ring or stack that are different under its symmetry.
+//! `protomer candidates`: the up/down arrangements of a ring or stack that are different under its
+//! symmetry.
 
 use super::assemble::SpaceArgs;
 use super::{Global, Outcome, output};
@@ -8,8 +9,8 @@ use clap::{Args, ValueEnum};
 use protomer_body::assembly::{Stack, Symmetry};
 use std::path::PathBuf;
 
-/// Enumerate the up/down arrangements of bodies in a ring or a stack of two rings that are different under the stack's
-/// own symmetry, and write each as an assembly closed to contact.
+/// Enumerate the up/down arrangements of bodies in a ring or a stack of two rings that are
+/// different under the stack's own symmetry, and write each as an assembly closed to contact.
 #[derive(Debug, Args)]
 pub struct CandidatesArgs {
     /// Body files, in the order in which they alternate.
@@ -24,7 +25,8 @@ pub struct CandidatesArgs {
     /// Symmetry asked of an arrangement.
     #[arg(long, value_enum, default_value_t = Asked::Dihedral)]
     symmetry: Asked,
-    /// How much further apart than at contact neighbours around the ring, and the rings, are placed, Å.
+    /// How much further apart than at contact neighbours around the ring, and the rings, are
+    /// placed, Å.
     #[arg(long, default_value_t = 0.5)]
     gap: f64,
     #[command(flatten)]
@@ -63,10 +65,12 @@ impl CandidatesArgs {
                 let recipe = stack.recipe(arrangement);
                 let closed = files.close(&recipe, self.gap)?;
                 let path = folder.join(format!("candidate_{}.json", index + 1));
-                let provenance =
-                    serde_json::json!({"arrangement": arrangement, "recipe": recipe, "gap_angstrom": self.gap});
+                let provenance = serde_json::json!({"arrangement": arrangement, "recipe": recipe, "gap_angstrom": self.gap});
                 let space = self.space.box_angstrom()?;
-                write_assembly(&path, &files.assembly_file(&path, &closed.placements, space, provenance)?)?;
+                write_assembly(
+                    &path,
+                    &files.assembly_file(&path, &closed.placements, space, provenance)?,
+                )?;
                 written.push(path);
             }
         }
@@ -74,10 +78,18 @@ impl CandidatesArgs {
             output::json(&serde_json::json!({"candidates": found, "assemblies": written}))?;
             return Ok(Outcome::Done);
         }
-        let mut rows = vec![["candidate", "directions", "equivalent"].map(str::to_owned).to_vec()];
+        let mut rows = vec![
+            ["candidate", "directions", "equivalent"]
+                .map(str::to_owned)
+                .to_vec(),
+        ];
         for (index, arrangement) in found.arrangements.iter().enumerate() {
             let rings: Vec<String> = arrangement.up.chunks(self.ring).map(letters).collect();
-            rows.push(vec![(index + 1).to_string(), rings.join(" / "), arrangement.equivalent.to_string()]);
+            rows.push(vec![
+                (index + 1).to_string(),
+                rings.join(" / "),
+                arrangement.equivalent.to_string(),
+            ]);
         }
         output::text(&format!(
             "{} arrangements, {} of the symmetry asked for, {} different under a group of order {}, {} in their contacts\n{}",

@@ -34,13 +34,17 @@ impl Command {
     pub fn of<S: AsRef<str>>(words: &[S]) -> Result<Self, UsageError> {
         let mut syntax = Cli::command();
         syntax.build();
-        let words = ["protomer"].into_iter().chain(words.iter().map(AsRef::as_ref));
+        let words = ["protomer"]
+            .into_iter()
+            .chain(words.iter().map(AsRef::as_ref));
         let parsed = syntax.try_get_matches_from_mut(words);
         let parsed = parsed.map_err(|error| UsageError(error.to_string().trim().to_owned()))?;
         let (mut syntax, mut given) = (&syntax, &parsed);
         let mut command = Self::default();
         while let Some((name, inner)) = given.subcommand() {
-            let Some(verb) = syntax.find_subcommand(name) else { break };
+            let Some(verb) = syntax.find_subcommand(name) else {
+                break;
+            };
             (syntax, given) = (verb, inner);
             command.verb.push(name.to_owned());
         }
@@ -56,16 +60,29 @@ impl Command {
         }
         let is_path = arg.get_value_parser().type_id() == TypeId::of::<PathBuf>();
         let values = given.get_raw(arg.get_id().as_str()).unwrap_or_default();
-        let values = values.map(|value| if is_path { from_the_root(value) } else { value.display().to_string() });
+        let values = values.map(|value| {
+            if is_path {
+                from_the_root(value)
+            } else {
+                value.display().to_string()
+            }
+        });
         match arg.get_long() {
             None => self.places.extend(values),
-            Some(long) if matches!(arg.get_action(), ArgAction::SetTrue) => self.flags.push((long.to_owned(), None)),
-            Some(long) => self.flags.extend(values.map(|value| (long.to_owned(), Some(value)))),
+            Some(long) if matches!(arg.get_action(), ArgAction::SetTrue) => {
+                self.flags.push((long.to_owned(), None))
+            }
+            Some(long) => self
+                .flags
+                .extend(values.map(|value| (long.to_owned(), Some(value)))),
         }
     }
 }
 
 fn from_the_root(path: &OsStr) -> String {
     // Fails for an empty path only, which whoever opens it complains of.
-    std::path::absolute(path).unwrap_or_else(|_| Path::new(path).to_owned()).display().to_string()
+    std::path::absolute(path)
+        .unwrap_or_else(|_| Path::new(path).to_owned())
+        .display()
+        .to_string()
 }

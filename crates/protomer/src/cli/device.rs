@@ -9,8 +9,8 @@ use protomer_learn::device::DeviceChoice;
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Run")]
 pub struct DeviceArgs {
-    /// Where the network is computed: cpu, cuda, or cuda:1 for the second NVIDIA device. CUDA needs a build with
-    /// --features cuda.
+    /// Where the network is computed: cpu, cuda, or cuda:1 for the second NVIDIA device. CUDA needs
+    /// a build with --features cuda.
     #[arg(long, default_value_t)]
     device: DeviceChoice,
 }

@@ -11,7 +11,11 @@ use std::time::Duration;
 #[command(next_help_heading = "Run")]
 pub struct ExecutionArgs {
     /// Stop (resumably, exit code 3) after this many minutes.
-    #[arg(long, env = "ACTION_WALLTIME_IN_MINUTES", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        env = "ACTION_WALLTIME_IN_MINUTES",
+        allow_negative_numbers = true
+    )]
     time_limit: Option<f64>,
     /// Seconds between checkpoints: what a killed run loses at most.
     #[arg(long, default_value_t = 20.0, allow_negative_numbers = true)]
@@ -22,10 +26,18 @@ impl ExecutionArgs {
     /// How the run is to be carried out. From here on, Ctrl-C stops it resumably.
     pub(super) fn execution(&self, global: &Global) -> Result<Execution> {
         let Ok(checkpoint_interval) = Duration::try_from_secs_f64(self.checkpoint_every) else {
-            bail!("--checkpoint-every is {} seconds; give zero or more", self.checkpoint_every);
+            bail!(
+                "--checkpoint-every is {} seconds; give zero or more",
+                self.checkpoint_every
+            );
         };
         let interrupt = interrupt_on_signals(global, self.time_limit)?;
-        Ok(Execution { interrupt, checkpoint_interval, start_anew: global.force, ..Execution::default() })
+        Ok(Execution {
+            interrupt,
+            checkpoint_interval,
+            start_anew: global.force,
+            ..Execution::default()
+        })
     }
 }
 

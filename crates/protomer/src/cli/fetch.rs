@@ -6,7 +6,8 @@ use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
 
-/// Download entries (mmCIF, gzipped) from the RCSB Protein Data Bank. Nothing else in protomer uses the network.
+/// Download entries (mmCIF, gzipped) from the RCSB Protein Data Bank. Nothing else in protomer uses
+/// the network.
 #[derive(Debug, Args)]
 pub struct FetchArgs {
     /// Entries, such as 6MDR.

@@ -15,14 +15,23 @@ use protomer_crystal::framework::{AVOGADRO_PER_MOL, Framework, StressKind};
 use std::path::PathBuf;
 
 /// What `framework` builds, besides files.
-const BUILDERS: [&str; 8] =
-    ["honeycomb", "rotating-squares", "rotating-triangles", "arrowhead", "rod-lattice", "fcc", "diamond", "tables"];
+const BUILDERS: [&str; 8] = [
+    "honeycomb",
+    "rotating-squares",
+    "rotating-triangles",
+    "arrowhead",
+    "rod-lattice",
+    "fcc",
+    "diamond",
+    "tables",
+];
 
 /// More nodes than can be analysed in reasonable time and memory.
 const MOST_NODES: usize = 1_000_000;
 
-/// Elastic constants, mechanisms and deformation of a periodic network of rods and hinges: one that is built from a few
-/// numbers, or one of your own in a TOML file (--write shows what that looks like).
+/// Elastic constants, mechanisms and deformation of a periodic network of rods and hinges: one that
+/// is built from a few numbers, or one of your own in a TOML file (--write shows what that looks
+/// like).
 #[derive(Debug, Args)]
 #[command(
     args_conflicts_with_subcommands = false,
@@ -88,20 +97,33 @@ enum Kind {
 
 impl FrameworkArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
-        let thickness = self.analysis.thickness.as_deref().map(length_angstrom).transpose()?;
+        let thickness = self
+            .analysis
+            .thickness
+            .as_deref()
+            .map(length_angstrom)
+            .transpose()?;
         let (mut network, name) = match (&self.builder, &self.file) {
             (Some(_), Some(file)) => {
-                bail!("{} and a builder are both named; give one of them", file.display())
+                bail!(
+                    "{} and a builder are both named; give one of them",
+                    file.display()
+                )
             }
-            (None, None) => bail!("name a network: a TOML file or one of {}", BUILDERS.join(", ")),
+            (None, None) => bail!(
+                "name a network: a TOML file or one of {}",
+                BUILDERS.join(", ")
+            ),
             (None, Some(file)) => {
                 self.refuse_unknown(file)?;
                 (network_file::read(file)?, file.display().to_string())
             }
-            (Some(builder), None) => match (builder.build(thickness.unwrap_or(1.0))?, builder.describe()) {
-                (Some(network), Some(name)) => (network, name),
-                _ => return self.tables(global),
-            },
+            (Some(builder), None) => {
+                match (builder.build(thickness.unwrap_or(1.0))?, builder.describe()) {
+                    (Some(network), Some(name)) => (network, name),
+                    _ => return self.tables(global),
+                }
+            }
         };
         if let Some(thickness) = thickness {
             if network.dimension() == 3 {
@@ -111,7 +133,11 @@ impl FrameworkArgs {
         }
         if let Some(cells) = &self.analysis.cells {
             let counts = cell_counts(cells, network.dimension())?;
-            let nodes = counts.iter().try_fold(network.nodes_angstrom.len(), |nodes, count| nodes.checked_mul(*count));
+            let nodes = counts
+                .iter()
+                .try_fold(network.nodes_angstrom.len(), |nodes, count| {
+                    nodes.checked_mul(*count)
+                });
             if nodes.is_none_or(|nodes| nodes > MOST_NODES) {
                 bail!("--cells {cells} makes more than {MOST_NODES} nodes; ask for fewer cells");
             }
@@ -142,7 +168,13 @@ impl FrameworkArgs {
                 _ => StressKind::Nominal,
             };
             let stresses = curve::stresses_gpa(stress)?;
-            let (curve, last) = curve::load(&placed, axis, &stresses, kind, report.gpa_per_kcal_mol_angstrom3)?;
+            let (curve, last) = curve::load(
+                &placed,
+                axis,
+                &stresses,
+                kind,
+                report.gpa_per_kcal_mol_angstrom3,
+            )?;
             report.curve = Some(curve);
             loaded = Some(last);
         } else if args.stress_kind.is_some() {
@@ -164,7 +196,10 @@ impl FrameworkArgs {
             output::text(&describe(&report)?)?;
         }
         if let Some(folder) = &args.output {
-            global.say(&format!("drawing: {}", folder.join("drawing.svg").display()));
+            global.say(&format!(
+                "drawing: {}",
+                folder.join("drawing.svg").display()
+            ));
         }
         Ok(Outcome::Done)
     }
@@ -192,7 +227,10 @@ impl FrameworkArgs {
         let text = format!("{}\n{}", text.join("\n"), tables::legend(&rows));
         if let Some(folder) = &args.output {
             let files = [
-                ("tables.json".to_owned(), (serde_json::to_string_pretty(&rows)? + "\n").into_bytes()),
+                (
+                    "tables.json".to_owned(),
+                    (serde_json::to_string_pretty(&rows)? + "\n").into_bytes(),
+                ),
                 ("tables.txt".to_owned(), (text.clone() + "\n").into_bytes()),
             ];
             directory::write(folder, TABLES, &files, global.force)?;
@@ -216,8 +254,12 @@ impl FrameworkArgs {
 }
 
 fn unknown(word: &str) -> String {
-    let hint = nearest(word, BUILDERS).map_or_else(String::new, |name| format!("; did you mean '{name}'?"));
-    format!("'{word}' is no network file and no builder ({}){hint}", BUILDERS.join(", "))
+    let hint = nearest(word, BUILDERS)
+        .map_or_else(String::new, |name| format!("; did you mean '{name}'?"));
+    format!(
+        "'{word}' is no network file and no builder ({}){hint}",
+        BUILDERS.join(", ")
+    )
 }
 
 /// Where an unknown flag follows a misspelt builder, the builder is what is wrong.
@@ -252,24 +294,38 @@ impl AnalysisArgs {
             (true, false) => Some(Relax::FreeCell),
             (true, true) => Some(Relax::FixedCell),
         };
-        Ok(Settings { avogadro_per_mol, relax, derivatives: self.derivatives })
+        Ok(Settings {
+            avogadro_per_mol,
+            relax,
+            derivatives: self.derivatives,
+        })
     }
 }
 
 /// `2x2`, or one number for all directions.
 fn cell_counts(text: &str, dimension: usize) -> Result<Vec<usize>> {
-    let counts: Result<Vec<usize>, _> = text.split('x').map(|count| count.trim().parse::<usize>()).collect();
-    let counts = counts.ok().context(format!("--cells is '{text}'; write it like 2x2"))?;
+    let counts: Result<Vec<usize>, _> = text
+        .split('x')
+        .map(|count| count.trim().parse::<usize>())
+        .collect();
+    let counts = counts
+        .ok()
+        .context(format!("--cells is '{text}'; write it like 2x2"))?;
     match counts.as_slice() {
         [one] => Ok(vec![*one; dimension]),
         several if several.len() == dimension => Ok(counts),
-        _ => bail!("--cells is '{text}'; the network has {dimension} dimensions, so give {dimension} counts"),
+        _ => bail!(
+            "--cells is '{text}'; the network has {dimension} dimensions, so give {dimension} counts"
+        ),
     }
 }
 
 fn describe(report: &Report) -> Result<String> {
     let [head, tail] = report.describe();
-    let mut text = format!("{head}\n\n{}\n\n{tail}", output::table(&report.moduli_rows()));
+    let mut text = format!(
+        "{head}\n\n{}\n\n{tail}",
+        output::table(&report.moduli_rows())
+    );
     if let Some(curve) = &report.curve {
         text += &format!("\n\n{}", describe_curve(curve)?);
     }
@@ -281,5 +337,9 @@ fn describe_curve(curve: &Curve) -> Result<String> {
         StressKind::Nominal => "nominal",
         StressKind::Cauchy => "Cauchy",
     };
-    Ok(format!("loaded along {} ({kind} stress):\n{}", curve.axis, output::table(&curve.rows()?)))
+    Ok(format!(
+        "loaded along {} ({kind} stress):\n{}",
+        curve.axis,
+        output::table(&curve.rows()?)
+    ))
 }

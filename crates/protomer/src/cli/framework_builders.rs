@@ -26,7 +26,8 @@ pub(super) enum Builder {
     Tables,
 }
 
-/// Hexagonal honeycomb: ribs h along z, ribs l at the angle theta to them; re-entrant below 90 degrees.
+/// Hexagonal honeycomb: ribs h along z, ribs l at the angle theta to them; re-entrant below 90
+/// degrees.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Network")]
 pub(super) struct HoneycombArgs {
@@ -155,13 +156,22 @@ impl Builder {
     pub(super) fn describe(&self) -> Option<String> {
         Some(match self {
             Builder::Honeycomb(a) => {
-                format!("honeycomb, h = {} Å, l = {} Å, θ = {}°, k_h = {}, k_s = {}", a.h, a.l, a.theta, a.kh, a.ks)
+                format!(
+                    "honeycomb, h = {} Å, l = {} Å, θ = {}°, k_h = {}, k_s = {}",
+                    a.h, a.l, a.theta, a.kh, a.ks
+                )
             }
             Builder::RotatingSquares(a) => {
-                format!("rotating squares, side {} Å, {}°, k_h = {}, k_s = {}", a.side, a.angle, a.kh, a.ks)
+                format!(
+                    "rotating squares, side {} Å, {}°, k_h = {}, k_s = {}",
+                    a.side, a.angle, a.kh, a.ks
+                )
             }
             Builder::RotatingTriangles(a) => {
-                format!("rotating triangles, side {} Å, {}°, k_h = {}, k_s = {}", a.side, a.angle, a.kh, a.ks)
+                format!(
+                    "rotating triangles, side {} Å, {}°, k_h = {}, k_s = {}",
+                    a.side, a.angle, a.kh, a.ks
+                )
             }
             Builder::Arrowhead(a) => format!(
                 "arrowheads, width {} Å, {}° and {}°, k_h = {}, k_s = {}",
@@ -172,7 +182,9 @@ impl Builder {
                 a.l, a.r0, a.angle, a.kh, a.ks, a.square_ks
             ),
             Builder::Fcc(a) => format!("face-centred cubic, edge {} Å, k_s = {}", a.edge, a.ks),
-            Builder::Diamond(a) => format!("diamond, edge {} Å, k_h = {}, k_s = {}", a.edge, a.kh, a.ks),
+            Builder::Diamond(a) => {
+                format!("diamond, edge {} Å, k_h = {}, k_s = {}", a.edge, a.kh, a.ks)
+            }
             Builder::Tables => return None,
         })
     }
@@ -181,10 +193,22 @@ impl Builder {
     pub(super) fn build(&self, thickness_angstrom: f64) -> Result<Option<Framework>> {
         let mut network = match self {
             Builder::Honeycomb(a) => build::honeycomb(&a.made_of(thickness_angstrom))?,
-            Builder::RotatingSquares(a) => build::rotating_squares(a.side, a.angle.to_radians(), a.ks, a.kh)?,
-            Builder::RotatingTriangles(a) => build::rotating_triangles(a.side, a.angle.to_radians(), a.ks, a.kh)?,
-            Builder::Arrowhead(a) => build::arrowhead(a.width, a.outer.to_radians(), a.inner.to_radians(), a.ks, a.kh)?,
-            Builder::RodLattice(a) => build::rod_lattice(a.l, a.r0, a.angle.to_radians(), a.square_ks, a.ks, a.kh)?,
+            Builder::RotatingSquares(a) => {
+                build::rotating_squares(a.side, a.angle.to_radians(), a.ks, a.kh)?
+            }
+            Builder::RotatingTriangles(a) => {
+                build::rotating_triangles(a.side, a.angle.to_radians(), a.ks, a.kh)?
+            }
+            Builder::Arrowhead(a) => build::arrowhead(
+                a.width,
+                a.outer.to_radians(),
+                a.inner.to_radians(),
+                a.ks,
+                a.kh,
+            )?,
+            Builder::RodLattice(a) => {
+                build::rod_lattice(a.l, a.r0, a.angle.to_radians(), a.square_ks, a.ks, a.kh)?
+            }
             Builder::Fcc(a) => build::face_centred_cubic(a.edge, a.ks)?,
             Builder::Diamond(a) => build::diamond(a.edge, a.ks, a.kh)?,
             Builder::Tables => return Ok(None),

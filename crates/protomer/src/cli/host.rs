@@ -23,7 +23,10 @@ pub struct Host {
 
 impl fmt::Debug for Host {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.debug_struct("Host").field("interrupt", &self.interrupt).finish_non_exhaustive()
+        formatter
+            .debug_struct("Host")
+            .field("interrupt", &self.interrupt)
+            .finish_non_exhaustive()
     }
 }
 
@@ -60,15 +63,21 @@ impl std::error::Error for UsageError {}
 /// # Errors
 /// [`UsageError`] for words that are no command, else what the verb met.
 pub fn call<S: AsRef<str>>(words: &[S], host: Host) -> Result<Answer> {
-    let words = ["protomer", "--json", "--quiet"].into_iter().chain(words.iter().map(AsRef::as_ref));
-    let mut cli = Cli::try_parse_from(words).map_err(|error| UsageError(error.to_string().trim().to_owned()))?;
+    let words = ["protomer", "--json", "--quiet"]
+        .into_iter()
+        .chain(words.iter().map(AsRef::as_ref));
+    let mut cli = Cli::try_parse_from(words)
+        .map_err(|error| UsageError(error.to_string().trim().to_owned()))?;
     cli.global.host = host;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(cli.global.checked_threads()?)
         .build()
         .map_err(|error| anyhow!("cannot start the threads: {error}; try fewer"))?;
     let (outcome, json) = pool.install(|| output::captured(|| cli.verb.run(&cli.global)));
-    Ok(Answer { outcome: outcome?, json })
+    Ok(Answer {
+        outcome: outcome?,
+        json,
+    })
 }
 
 /// How far a piece of work has come: a bar on a terminal, calls to a listener, or nothing.
@@ -81,8 +90,19 @@ pub struct Progress {
 }
 
 impl Progress {
-    pub(super) fn new(bar: ProgressBar, listener: Option<ProgressListener>, length: u64, what: &'static str) -> Self {
-        Self { bar, listener, done: AtomicU64::new(0), length: AtomicU64::new(length), what }
+    pub(super) fn new(
+        bar: ProgressBar,
+        listener: Option<ProgressListener>,
+        length: u64,
+        what: &'static str,
+    ) -> Self {
+        Self {
+            bar,
+            listener,
+            done: AtomicU64::new(0),
+            length: AtomicU64::new(length),
+            what,
+        }
     }
 
     /// So many units more are done.

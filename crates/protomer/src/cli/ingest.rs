@@ -10,7 +10,8 @@ use protomer_body::structure::{MissingAtoms, SelectionSettings};
 use protomer_body::{BodySettings, SurfaceSettings};
 use std::path::PathBuf;
 
-/// Turn structure files (PDB, mmCIF, PQR, each also gzipped) into bodies: surface mesh, charges, hydropathy.
+/// Turn structure files (PDB, mmCIF, PQR, each also gzipped) into bodies: surface mesh, charges,
+/// hydropathy.
 #[derive(Debug, Args)]
 pub struct IngestArgs {
     /// Structure files, or folders of them.
@@ -172,7 +173,11 @@ impl SurfaceFlags {
 impl IngestArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
         let files = input::expand(&self.inputs)?;
-        if self.name.as_ref().is_some_and(|name| name.contains(['/', '\\'])) {
+        if self
+            .name
+            .as_ref()
+            .is_some_and(|name| name.contains(['/', '\\']))
+        {
             bail!("--name is the name of the body, not a path; use --output for the folder");
         }
         if self.name.is_some() && files.len() > 1 {
@@ -196,7 +201,11 @@ impl IngestArgs {
             output::text(&summary(&outcomes))?;
         }
         let failed = outcomes.iter().any(|outcome| outcome.error.is_some());
-        Ok(if failed { Outcome::Partial } else { Outcome::Done })
+        Ok(if failed {
+            Outcome::Partial
+        } else {
+            Outcome::Done
+        })
     }
 
     fn say(&self, outcome: &FileOutcome, global: &Global) {
@@ -210,7 +219,11 @@ impl IngestArgs {
 }
 
 /// The settings these flags describe.
-pub fn body_settings(selection: &SelectionArgs, charges: &ChargeArgs, surface: &SurfaceFlags) -> Result<BodySettings> {
+pub fn body_settings(
+    selection: &SelectionArgs,
+    charges: &ChargeArgs,
+    surface: &SurfaceFlags,
+) -> Result<BodySettings> {
     let model = match charges.charges {
         Charges::ForceField => ChargeModel::ForceField,
         Charges::Formal => ChargeModel::Formal,
@@ -218,8 +231,16 @@ pub fn body_settings(selection: &SelectionArgs, charges: &ChargeArgs, surface: &
     };
     Ok(BodySettings {
         selection: selection.settings(),
-        sites: SiteSettings { ph: charges.ph, charges: model },
-        mutations: charges.mutate.as_deref().map(parse_mutations).transpose()?.unwrap_or_default(),
+        sites: SiteSettings {
+            ph: charges.ph,
+            charges: model,
+        },
+        mutations: charges
+            .mutate
+            .as_deref()
+            .map(parse_mutations)
+            .transpose()?
+            .unwrap_or_default(),
         surface: surface.settings(),
     })
 }
@@ -237,10 +258,23 @@ impl Export {
 }
 
 fn summary(outcomes: &[FileOutcome]) -> String {
-    let heading = ["file", "status", "atoms", "residues", "net charge (e)", "area (Å²)", "volume (Å³)", "skipped"];
+    let heading = [
+        "file",
+        "status",
+        "atoms",
+        "residues",
+        "net charge (e)",
+        "area (Å²)",
+        "volume (Å³)",
+        "skipped",
+    ];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
     for outcome in outcomes {
-        let skipped: Vec<String> = outcome.skipped.iter().map(|(why, count)| format!("{count} {why}")).collect();
+        let skipped: Vec<String> = outcome
+            .skipped
+            .iter()
+            .map(|(why, count)| format!("{count} {why}"))
+            .collect();
         rows.push(match &outcome.measures {
             None => vec![outcome.file.clone(), outcome.status.into()],
             Some(body) => vec![

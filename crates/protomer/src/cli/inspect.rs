@@ -33,7 +33,8 @@ pub struct InspectArgs {
 impl InspectArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
         let interaction = self.conditions.interaction()?;
-        let engine = Engine::new(Assembly::read(&self.assembly)?)?.with_tables(self.tables.tables(global));
+        let engine =
+            Engine::new(Assembly::read(&self.assembly)?)?.with_tables(self.tables.tables(global));
         let settings = inspection_settings(self.energy, self.tolerance.tolerance, self.contact_gap);
         let inspection = inspect(&engine, &settings, interaction)?;
         if global.json {

@@ -7,7 +7,8 @@ use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
 
-/// Join sets of voxel grids of the same settings; the parts of one manifest become the set that one run would have made.
+/// Join sets of voxel grids of the same settings; the parts of one manifest become the set that one
+/// run would have made.
 #[derive(Debug, Args)]
 pub struct MergeArgs {
     /// Sets to join.
@@ -21,15 +22,27 @@ pub struct MergeArgs {
 impl MergeArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
         let report = merge(&self.inputs, &self.output, global.force)?;
-        for line in report.missing.iter().map(Missing::line).chain(report.manifest_warnings.iter().cloned()) {
+        for line in report
+            .missing
+            .iter()
+            .map(Missing::line)
+            .chain(report.manifest_warnings.iter().cloned())
+        {
             global.say(&format!("warning: {line}"));
         }
         if global.json {
             output::json(&report)?;
         } else if !global.quiet {
-            let end = if report.nothing_to_do { ", nothing to do" } else { "" };
+            let end = if report.nothing_to_do {
+                ", nothing to do"
+            } else {
+                ""
+            };
             let (set, samples, excluded) = (report.set.display(), report.samples, report.excluded);
-            output::text(&format!("{set}: {samples} samples of {} sets, {excluded} left out{end}", report.sets))?;
+            output::text(&format!(
+                "{set}: {samples} samples of {} sets, {excluded} left out{end}",
+                report.sets
+            ))?;
         }
         if report.samples == 0 {
             bail!(
@@ -38,6 +51,10 @@ impl MergeArgs {
                 report.excluded
             );
         }
-        Ok(if report.missing.is_empty() { Outcome::Done } else { Outcome::Partial })
+        Ok(if report.missing.is_empty() {
+            Outcome::Done
+        } else {
+            Outcome::Partial
+        })
     }
 }

@@ -46,9 +46,15 @@ pub use command::Command;
 pub use host::{Answer, Host, Progress, ProgressListener, UsageError, call};
 pub use python_source::python_functions;
 
-/// Coarse-grained protein assembly modelling: structures to rigid bodies, bodies to assemblies, assemblies to stability.
+/// Coarse-grained protein assembly modelling: structures to rigid bodies, bodies to assemblies,
+/// assemblies to stability.
 #[derive(Debug, Parser)]
-#[command(name = "protomer", version, propagate_version = true, max_term_width = 100)]
+#[command(
+    name = "protomer",
+    version,
+    propagate_version = true,
+    max_term_width = 100
+)]
 pub struct Cli {
     #[command(flatten)]
     global: Global,
@@ -66,7 +72,13 @@ pub struct Global {
     #[arg(long, global = true)]
     json: bool,
     /// Threads to use; 0 means all.
-    #[arg(short = 'j', long, global = true, default_value_t = 0, env = "PROTOMER_THREADS")]
+    #[arg(
+        short = 'j',
+        long,
+        global = true,
+        default_value_t = 0,
+        env = "PROTOMER_THREADS"
+    )]
     threads: usize,
     /// Say less: errors only.
     #[arg(short, long, global = true)]
@@ -122,8 +134,8 @@ pub enum Outcome {
     Stopped,
 }
 
-/// Parses the words of a command line, the program's name first, and runs the verb. Returns the exit code: 0 done, 1 error,
-/// 2 usage, 3 stopped early and resumable.
+/// Parses the words of a command line, the program's name first, and runs the verb. Returns the
+/// exit code: 0 done, 1 error, 2 usage, 3 stopped early and resumable.
 pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
     let cli = match Cli::try_parse_from(words) {
         Ok(cli) => cli,
@@ -135,8 +147,12 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
         }
     };
     let start = Instant::now();
-    let outcome = cli.global.build_thread_pool().and_then(|()| cli.verb.run(&cli.global));
-    cli.global.explain(&format!("{:.2} s", start.elapsed().as_secs_f64()));
+    let outcome = cli
+        .global
+        .build_thread_pool()
+        .and_then(|()| cli.verb.run(&cli.global));
+    cli.global
+        .explain(&format!("{:.2} s", start.elapsed().as_secs_f64()));
     match outcome {
         Ok(Outcome::Done) => 0,
         Ok(Outcome::Partial) => 1,
@@ -188,7 +204,8 @@ impl Global {
 
     fn build_thread_pool(&self) -> Result<()> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(self.checked_threads()?);
-        pool.build_global().context("cannot start the threads; try a smaller --threads")
+        pool.build_global()
+            .context("cannot start the threads; try a smaller --threads")
     }
 
     /// A line for the user, unless quiet.
@@ -207,7 +224,12 @@ impl Global {
 
     /// A bar on a terminal, calls to a program that listens; nothing elsewhere.
     fn progress(&self, length: u64, what: &'static str) -> Progress {
-        Progress::new(self.bar(length, what), self.host.progress.clone(), length, what)
+        Progress::new(
+            self.bar(length, what),
+            self.host.progress.clone(),
+            length,
+            what,
+        )
     }
 
     fn bar(&self, length: u64, what: &'static str) -> indicatif::ProgressBar {
@@ -215,7 +237,8 @@ impl Global {
         if self.quiet || self.no_progress || !std::io::stderr().is_terminal() {
             return indicatif::ProgressBar::hidden();
         }
-        let style = indicatif::ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} ({eta} left)");
+        let style =
+            indicatif::ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} ({eta} left)");
         let bar = indicatif::ProgressBar::new(length).with_message(what);
         match style {
             Ok(style) => bar.with_style(style),
@@ -224,14 +247,22 @@ impl Global {
     }
 }
 
-/// An interrupt that the first Ctrl-C or SIGTERM requests; the second one ends the process at once. A program that called
-/// has an interrupt of its own.
+/// An interrupt that the first Ctrl-C or SIGTERM requests; the second one ends the process at once.
+/// A program that called has an interrupt of its own.
 fn interrupt_on_signals(global: &Global, limit_minutes: Option<f64>) -> Result<Interrupt> {
-    interrupt_saying(global, "stopping at the next step; the same command goes on from there", limit_minutes)
+    interrupt_saying(
+        global,
+        "stopping at the next step; the same command goes on from there",
+        limit_minutes,
+    )
 }
 
 /// As [`interrupt_on_signals`], saying this when the first signal comes.
-fn interrupt_saying(global: &Global, what: &'static str, limit_minutes: Option<f64>) -> Result<Interrupt> {
+fn interrupt_saying(
+    global: &Global,
+    what: &'static str,
+    limit_minutes: Option<f64>,
+) -> Result<Interrupt> {
     let duration = |minutes: f64| {
         Duration::try_from_secs_f64(minutes * 60.0)
             .map_err(|_| anyhow!("--time-limit is {minutes} minutes; give zero or more"))
@@ -242,7 +273,8 @@ fn interrupt_saying(global: &Global, what: &'static str, limit_minutes: Option<f
     }
     let interrupt = Interrupt::after(limit);
     let on_signal = interrupt.clone();
-    // Not `is_requested`: a time limit that is over as well does not make the first signal the second.
+    // Not `is_requested`: a time limit that is over as well does not make the first signal the
+    // second.
     let signalled = AtomicBool::new(false);
     ctrlc::set_handler(move || {
         if signalled.swap(true, Ordering::Relaxed) {

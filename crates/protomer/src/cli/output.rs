@@ -25,7 +25,9 @@ pub fn is_captured() -> bool {
 /// Whether a program listens: then the text is its, and true is returned.
 fn capture(text: &str) -> bool {
     CAPTURED.with_borrow_mut(|captured| {
-        let Some(captured) = captured else { return false };
+        let Some(captured) = captured else {
+            return false;
+        };
         captured.push_str(text);
         captured.push('\n');
         true
@@ -64,10 +66,20 @@ pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
 /// Columns padded to the same width, the first row being the heading.
 pub fn table(rows: &[Vec<String>]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
-    let width = |column: usize| rows.iter().filter_map(|row| row.get(column)).map(|c| c.chars().count()).max();
-    let widths: Vec<usize> = (0..columns).map(|column| width(column).unwrap_or(0)).collect();
+    let width = |column: usize| {
+        rows.iter()
+            .filter_map(|row| row.get(column))
+            .map(|c| c.chars().count())
+            .max()
+    };
+    let widths: Vec<usize> = (0..columns)
+        .map(|column| width(column).unwrap_or(0))
+        .collect();
     let line = |row: &Vec<String>| {
-        let cells = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:<width$}"));
+        let cells = row
+            .iter()
+            .zip(&widths)
+            .map(|(cell, width)| format!("{cell:<width$}"));
         cells.collect::<Vec<_>>().join("  ").trim_end().to_owned()
     };
     rows.iter().map(line).collect::<Vec<_>>().join("\n")

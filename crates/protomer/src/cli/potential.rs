@@ -12,8 +12,8 @@ use protomer_io::volume::{dx::write_dx, mrc::write_mrc, write_volume_npz};
 use protomer_kernel::Conditions;
 use std::path::PathBuf;
 
-/// Solve the linearised Poisson-Boltzmann equation around a structure, PQR or body: potential in kT/e and solvation
-/// energy.
+/// Solve the linearised Poisson-Boltzmann equation around a structure, PQR or body: potential in
+/// kT/e and solvation energy.
 #[derive(Debug, Args)]
 pub struct PotentialArgs {
     /// Structure, PQR or body file, perhaps gzipped.
@@ -84,16 +84,30 @@ impl PotentialArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
         let name = self.output.as_ref().map(|path| path.display().to_string());
         let known = [".mrc", ".map", ".ccp4", ".dx", ".npz"];
-        if let Some(name) = name.as_ref().filter(|name| !known.iter().any(|ending| name.ends_with(ending))) {
-            bail!("{name} has none of the endings {}; name one of them", known.join(", "));
+        if let Some(name) = name
+            .as_ref()
+            .filter(|name| !known.iter().any(|ending| name.ends_with(ending)))
+        {
+            bail!(
+                "{name} has none of the endings {}; name one of them",
+                known.join(", ")
+            );
         }
-        let folder =
-            self.output.as_ref().and_then(|path| path.parent()).filter(|folder| !folder.as_os_str().is_empty());
+        let folder = self
+            .output
+            .as_ref()
+            .and_then(|path| path.parent())
+            .filter(|folder| !folder.as_os_str().is_empty());
         if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
-            bail!("there is no folder {} to write into; make it first", folder.display());
+            bail!(
+                "there is no folder {} to write into; make it first",
+                folder.display()
+            );
         }
         let conditions = match self.outer_permittivity {
-            Some(permittivity) => Conditions::with_permittivity(self.temperature, self.salt, 7.0, permittivity)?,
+            Some(permittivity) => {
+                Conditions::with_permittivity(self.temperature, self.salt, 7.0, permittivity)?
+            }
             None => Conditions::new(self.temperature, self.salt, 7.0)?,
         };
         let medium = Medium {
@@ -116,11 +130,21 @@ impl PotentialArgs {
             },
             ..SolveSettings::default()
         };
-        let places = self.points.as_ref().map(|path| read_places(path)).transpose()?;
+        let places = self
+            .points
+            .as_ref()
+            .map(|path| read_places(path))
+            .transpose()?;
         let model = self.model.model();
         let estimate_error = !self.no_error_estimate;
-        let (field, report) =
-            potential_of_file(&self.input, &medium, &settings, model, estimate_error, places.as_deref())?;
+        let (field, report) = potential_of_file(
+            &self.input,
+            &medium,
+            &settings,
+            model,
+            estimate_error,
+            places.as_deref(),
+        )?;
         if let (Some(path), Some(name)) = (&self.output, name) {
             let volume = volume(field);
             let bytes = if name.ends_with(".dx") {
@@ -142,17 +166,31 @@ impl PotentialArgs {
 }
 
 fn describe(report: &PotentialReport) -> String {
-    let debye = report.debye_length_angstrom.map_or("no salt".into(), |debye| format!("Debye length {debye:.2} Å"));
-    let mut lines = vec![format!("{} atoms, net charge {:+.2} e, {debye}", report.atoms, report.net_charge_e)];
+    let debye = report
+        .debye_length_angstrom
+        .map_or("no salt".into(), |debye| {
+            format!("Debye length {debye:.2} Å")
+        });
+    let mut lines = vec![format!(
+        "{} atoms, net charge {:+.2} e, {debye}",
+        report.atoms, report.net_charge_e
+    )];
     if let Some(energy) = report.solvation_energy_kj_mol {
         // Of the estimate no more than its size is worth telling.
-        let error = report.error_estimate_kj_mol.map_or(String::new(), |error| format!(", error about {error:.1e}"));
+        let error = report
+            .error_estimate_kj_mol
+            .map_or(String::new(), |error| format!(", error about {error:.1e}"));
         lines.push(format!("solvation energy {energy:.2} kJ/mol{error}"));
     }
     let [nx, ny, nz] = report.grid.shape;
-    let iterations = report.iterations.map_or(String::new(), |count| format!(", {count} iterations"));
+    let iterations = report
+        .iterations
+        .map_or(String::new(), |count| format!(", {count} iterations"));
     let spacing = report.grid.spacing_angstrom;
-    lines.push(format!("grid {nx} x {ny} x {nz} at {spacing} Å{iterations}, {:.2} s", report.seconds));
+    lines.push(format!(
+        "grid {nx} x {ny} x {nz} at {spacing} Å{iterations}, {:.2} s",
+        report.seconds
+    ));
     let potentials = report.potentials_kt_per_e.iter().flatten();
     lines.extend(potentials.map(|value| value.map_or("nan".into(), |value| format!("{value:.6}"))));
     lines.join("\n")

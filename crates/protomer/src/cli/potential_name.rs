@@ -8,7 +8,8 @@ use protomer_field::PotentialModel;
 pub enum PotentialName {
     /// The linearised Poisson-Boltzmann equation.
     PoissonBoltzmann,
-    /// The sum of the atoms' Debye-Hückel potentials in a uniform solvent: quicker, and blind to the dielectric boundary.
+    /// The sum of the atoms' Debye-Hückel potentials in a uniform solvent: quicker, and blind to
+    /// the dielectric boundary.
     DebyeHueckel,
 }
 

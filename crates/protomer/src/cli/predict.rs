@@ -8,8 +8,8 @@ use anyhow::{Result, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
-/// Apply a network that 'protomer train' has made to every sample of a set of voxels: class and probabilities, and scores
-/// where the labels are known.
+/// Apply a network that 'protomer train' has made to every sample of a set of voxels: class and
+/// probabilities, and scores where the labels are known.
 #[derive(Debug, Args)]
 pub struct PredictArgs {
     /// Directory of a finished training.
@@ -30,14 +30,31 @@ impl PredictArgs {
         }
         let bar = global.progress(0, "samples");
         let (begin, advanced) = (|count| bar.set_length(count), |count| bar.inc(count));
-        let stop = || global.host.interrupt.as_ref().is_some_and(|interrupt| interrupt.is_requested());
-        let report = predict(&self.run, &self.set, &self.device.open()?, &begin, &advanced, &stop)?;
+        let stop = || {
+            global
+                .host
+                .interrupt
+                .as_ref()
+                .is_some_and(|interrupt| interrupt.is_requested())
+        };
+        let report = predict(
+            &self.run,
+            &self.set,
+            &self.device.open()?,
+            &begin,
+            &advanced,
+            &stop,
+        )?;
         bar.finish_and_clear();
         if let Some(path) = &self.output {
             write_one(path, &report.table()?.to_csv(), global.force)?;
         }
         self.tell(global, &report)?;
-        Ok(if report.left_out.is_empty() { Outcome::Done } else { Outcome::Partial })
+        Ok(if report.left_out.is_empty() {
+            Outcome::Done
+        } else {
+            Outcome::Partial
+        })
     }
 
     fn tell(&self, global: &Global, report: &PredictReport) -> Result<()> {
@@ -45,7 +62,10 @@ impl PredictArgs {
             global.say(&format!("left out: {}: {}", sample.name, sample.reason));
         }
         for difference in &report.differences {
-            global.say(&format!("warning: the voxels were made otherwise: {}", difference.line()));
+            global.say(&format!(
+                "warning: the voxels were made otherwise: {}",
+                difference.line()
+            ));
         }
         if global.json {
             return output::json(report);
@@ -54,7 +74,11 @@ impl PredictArgs {
             global.say(&report.summary());
             return output::text(report.table()?.to_csv().trim_end());
         }
-        if global.quiet { Ok(()) } else { output::text(&report.summary()) }
+        if global.quiet {
+            Ok(())
+        } else {
+            output::text(&report.summary())
+        }
     }
 }
 
@@ -63,7 +87,11 @@ fn check_output(path: &Path, force: bool) -> Result<()> {
     refuse_to_overwrite(path, force)?;
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
-            bail!("cannot write {}: there is no folder {}; make it first", path.display(), folder.display())
+            bail!(
+                "cannot write {}: there is no folder {}; make it first",
+                path.display(),
+                folder.display()
+            )
         }
         _ => Ok(()),
     }

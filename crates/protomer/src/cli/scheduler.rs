@@ -1,4 +1,5 @@
-//! The flag of verbs whose parts many machines may share. What understands it is the Python package.
+//! The flag of verbs whose parts many machines may share. What understands it is the Python
+//! package.
 
 use anyhow::{Result, bail};
 use clap::Args;
@@ -6,8 +7,8 @@ use clap::Args;
 /// Who shares the work out.
 #[derive(Debug, Clone, Args)]
 pub struct SchedulerArgs {
-    /// Have the work done by the workers of a Dask scheduler, such as tcp://host:8786; `local`, or nothing: of this machine.
-    /// Needs the Python package.
+    /// Have the work done by the workers of a Dask scheduler, such as tcp://host:8786; `local`, or
+    /// nothing: of this machine. Needs the Python package.
     #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = "local")]
     scheduler: Option<String>,
 }

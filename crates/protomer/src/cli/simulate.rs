@@ -13,7 +13,8 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use std::path::PathBuf;
 
-/// Flags of every run. What is left out comes from the configuration file, or else from the defaults.
+/// Flags of every run. What is left out comes from the configuration file, or else from the
+/// defaults.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Run")]
 pub struct RunArgs {
@@ -23,7 +24,8 @@ pub struct RunArgs {
     /// Configuration (TOML), such as the run.toml of another run; flags override it.
     #[arg(long)]
     pub config: Option<PathBuf>,
-    /// Production sweeps to run to (one trial move per body, and the cluster moves) [default: 2000].
+    /// Production sweeps to run to (one trial move per body, and the cluster moves) [default:
+    /// 2000].
     #[arg(long)]
     pub sweeps: Option<u64>,
     /// Sweeps before production, in which step sizes are tuned and then frozen [default: 500].
@@ -61,7 +63,8 @@ impl RunArgs {
         let mut settings = match &self.config {
             None => RunSettings::default(),
             Some(path) => {
-                let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+                let text = std::fs::read_to_string(path)
+                    .with_context(|| format!("cannot read {}", path.display()))?;
                 keys::from_toml(path, &text)?
             }
         };
@@ -77,8 +80,11 @@ impl RunArgs {
             settings.energy = energy;
             settings.tolerance_kt = None;
         }
-        // Written down also where it is the usual one, so that a run keeps it whatever will be usual later.
-        settings.tolerance_kt = settings.energy.tolerance_kt(self.tolerance.tolerance.or(settings.tolerance_kt))?;
+        // Written down also where it is the usual one, so that a run keeps it whatever will be
+        // usual later.
+        settings.tolerance_kt = settings
+            .energy
+            .tolerance_kt(self.tolerance.tolerance.or(settings.tolerance_kt))?;
         medium.override_in(&mut settings.medium);
         Ok(settings)
     }
@@ -101,22 +107,36 @@ impl SimulateArgs {
         settings.replicas = 1;
         match self.conditions.salt {
             Some(salt) => settings.salt_molar = vec![salt],
-            None if self.run.config.is_none() && settings.medium.debye_length_angstrom.is_none() => {
+            None if self.run.config.is_none()
+                && settings.medium.debye_length_angstrom.is_none() =>
+            {
                 bail!("no salt concentration is given; add --salt 100mM")
             }
             None => {}
         }
         if settings.salt_molar.len() != 1 {
-            bail!("simulate takes one salt concentration, and {} are given; use sweep", settings.salt_molar.len());
+            bail!(
+                "simulate takes one salt concentration, and {} are given; use sweep",
+                settings.salt_molar.len()
+            );
         }
         let assembly = Assembly::read(&self.assembly)?;
         let bar = global.progress(settings.total_sweeps(), "sweeps");
         let execution = self.run.execution.execution(global)?;
         let engine = Engine::new(assembly)?.with_tables(self.run.tables.tables(global));
-        let end = run_sweep(&engine, &settings, &self.run.output, &execution, &|sweeps| bar.inc(sweeps))?;
+        let end = run_sweep(
+            &engine,
+            &settings,
+            &self.run.output,
+            &execution,
+            &|sweeps| bar.inc(sweeps),
+        )?;
         bar.finish_and_clear();
         let SweepEnd::Finished(result) = end else {
-            global.say(&format!("stopped; the same command continues {}", self.run.output.display()));
+            global.say(&format!(
+                "stopped; the same command continues {}",
+                self.run.output.display()
+            ));
             return Ok(Outcome::Stopped);
         };
         let replica = &result.replicas[0][0];

@@ -9,8 +9,8 @@ use protomer_io::atomic::write_atomically;
 use protomer_io::mesh::{MeshFormat, write_mesh};
 use std::path::PathBuf;
 
-/// Compute the solvent-excluded surface of a structure, a PQR, a body, or an .xyzr file (x y z radius per line): mesh,
-/// exact area and volume. Cavities are kept unless told otherwise.
+/// Compute the solvent-excluded surface of a structure, a PQR, a body, or an .xyzr file (x y z
+/// radius per line): mesh, exact area and volume. Cavities are kept unless told otherwise.
 #[derive(Debug, Args)]
 pub struct SurfaceArgs {
     /// Structure, PQR, body or .xyzr file, perhaps gzipped.
@@ -34,10 +34,18 @@ pub struct SurfaceArgs {
 
 impl SurfaceArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
-        let flags =
-            SurfaceFlags { density: self.density, probe: self.probe, cavities: self.cavities, offset: self.offset };
+        let flags = SurfaceFlags {
+            density: self.density,
+            probe: self.probe,
+            cavities: self.cavities,
+            offset: self.offset,
+        };
         // A wrong ending is told before the work, not after it.
-        let format = self.output.as_ref().map(|path| MeshFormat::from_name(&path.display().to_string())).transpose()?;
+        let format = self
+            .output
+            .as_ref()
+            .map(|path| MeshFormat::from_name(&path.display().to_string()))
+            .transpose()?;
         let (mesh, report) = surface_of_file(&self.input, &flags.settings())?;
         if let (Some(path), Some(format)) = (&self.output, format) {
             let bytes = write_mesh(format, &mesh);

@@ -13,8 +13,8 @@ use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
 
-/// Simulate an assembly at several salt concentrations, several replicas each: radius of gyration and surviving contacts
-/// against salt. The same command continues a sweep that was stopped.
+/// Simulate an assembly at several salt concentrations, several replicas each: radius of gyration
+/// and surviving contacts against salt. The same command continues a sweep that was stopped.
 #[derive(Debug, Args)]
 pub struct SweepArgs {
     /// Assembly file.
@@ -25,8 +25,8 @@ pub struct SweepArgs {
     /// Independent replicas per salt concentration.
     #[arg(long)]
     replicas: Option<u32>,
-    /// Only a part of the simulations, such as 2/8, beside other processes in the same directory; the command without it
-    /// collects the parts.
+    /// Only a part of the simulations, such as 2/8, beside other processes in the same directory;
+    /// the command without it collects the parts.
     #[arg(long, value_parser = Shard::parse, default_value = "1/1")]
     shard: Shard,
     #[command(flatten)]
@@ -52,20 +52,41 @@ impl SweepArgs {
         for salt in &settings.salt_molar {
             global.explain(&settings.medium.interaction(Some(*salt))?.describe());
         }
-        let bar = global.progress(settings.simulations().saturating_mul(settings.total_sweeps()), "sweeps");
+        let bar = global.progress(
+            settings
+                .simulations()
+                .saturating_mul(settings.total_sweeps()),
+            "sweeps",
+        );
         let execution = self.run.execution.execution(global)?;
         let engine = Engine::new(assembly)?.with_tables(self.run.tables.tables(global));
         if !self.shard.is_whole() {
             let sweeps = |sweeps| bar.inc(sweeps);
-            let end = run_shard(&engine, &settings, &self.run.output, self.shard, &execution, &sweeps)?;
+            let end = run_shard(
+                &engine,
+                &settings,
+                &self.run.output,
+                self.shard,
+                &execution,
+                &sweeps,
+            )?;
             bar.finish_and_clear();
             return self.report_shard(end, global);
         }
-        let end = run_sweep(&engine, &settings, &self.run.output, &execution, &|sweeps| bar.inc(sweeps))?;
+        let end = run_sweep(
+            &engine,
+            &settings,
+            &self.run.output,
+            &execution,
+            &|sweeps| bar.inc(sweeps),
+        )?;
         bar.finish_and_clear();
         match end {
             SweepEnd::Stopped => {
-                global.say(&format!("stopped; the same command continues {}", self.run.output.display()));
+                global.say(&format!(
+                    "stopped; the same command continues {}",
+                    self.run.output.display()
+                ));
                 Ok(Outcome::Stopped)
             }
             SweepEnd::Finished(result) => {
@@ -78,13 +99,19 @@ impl SweepArgs {
     fn report_shard(&self, end: ShardEnd, global: &Global) -> Result<Outcome> {
         let Shard { index, of } = self.shard;
         let ShardEnd::Finished(simulations) = end else {
-            global.say(&format!("stopped; the same command continues part {index} of {of}"));
+            global.say(&format!(
+                "stopped; the same command continues part {index} of {of}"
+            ));
             return Ok(Outcome::Stopped);
         };
         if global.json {
-            output::json(&serde_json::json!({ "shard": index, "of": of, "simulations": simulations }))?;
+            output::json(
+                &serde_json::json!({ "shard": index, "of": of, "simulations": simulations }),
+            )?;
         } else {
-            global.say(&format!("part {index} of {of}: {simulations} simulations done; without --shard: the table"));
+            global.say(&format!(
+                "part {index} of {of}: {simulations} simulations done; without --shard: the table"
+            ));
         }
         Ok(Outcome::Done)
     }
@@ -111,7 +138,14 @@ impl SweepArgs {
         if global.quiet {
             return Ok(());
         }
-        let heading = ["salt (M)", "R_g (Å)", "± sd", "native contacts", "largest cluster", "energy (kT)"];
+        let heading = [
+            "salt (M)",
+            "R_g (Å)",
+            "± sd",
+            "native contacts",
+            "largest cluster",
+            "energy (kT)",
+        ];
         let mut rows = vec![heading.map(str::to_owned).to_vec()];
         for row in &result.salts {
             rows.push(vec![
@@ -124,7 +158,10 @@ impl SweepArgs {
             ]);
         }
         output::text(&output::table(&rows))?;
-        global.say(&format!("figure: {}", self.run.output.join("sweep.png").display()));
+        global.say(&format!(
+            "figure: {}",
+            self.run.output.join("sweep.png").display()
+        ));
         Ok(())
     }
 }

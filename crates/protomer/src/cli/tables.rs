@@ -14,8 +14,9 @@ pub struct TablesArgs {
     /// Memory that tables of certified energies may take together, such as 500MB.
     #[arg(long, value_parser = quantity::memory_bytes, default_value = "4GB", allow_hyphen_values = true)]
     pub memory_limit: u64,
-    /// Neither look for tables of certified energies in the cache folder nor keep them there. The folder is
-    /// PROTOMER_CACHE_DIR (empty: none), else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB.
+    /// Neither look for tables of certified energies in the cache folder nor keep them there. The
+    /// folder is PROTOMER_CACHE_DIR (empty: none), else protomer in XDG_CACHE_HOME or ~/.cache; it
+    /// holds at most 2 GB.
     #[arg(long)]
     pub no_cache: bool,
 }
@@ -24,7 +25,11 @@ impl TablesArgs {
     /// The tables of a run.
     pub(super) fn tables(&self, global: &Global) -> Arc<EnergyTables> {
         let tables = EnergyTables::new(self.memory_limit);
-        let warn = if global.quiet { |_: &str| () } else { output::note };
+        let warn = if global.quiet {
+            |_: &str| ()
+        } else {
+            output::note
+        };
         Arc::new(match DiskCache::of_user().filter(|_| !self.no_cache) {
             Some(cache) => tables.with_cache(cache, warn),
             None => tables,

@@ -5,7 +5,8 @@ use clap::Args;
 /// How far an energy may be off.
 #[derive(Debug, Clone, Args)]
 pub struct ToleranceArgs {
-    /// Largest likely error of the energy of two bodies, kT, with --energy approximate [default: 0.001].
+    /// Largest likely error of the energy of two bodies, kT, with --energy approximate [default:
+    /// 0.001].
     #[arg(long, value_name = "KT", allow_hyphen_values = true)]
     pub tolerance: Option<f64>,
 }

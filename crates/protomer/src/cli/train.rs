@@ -1,11 +1,13 @@
-//! `protomer train`: one network, or a control, in its directory; and the flags that `tune` shares with it.
+//! `protomer train`: one network, or a control, in its directory; and the flags that `tune` shares
+//! with it.
 
 use super::device::DeviceArgs;
 use super::execution::{ExecutionArgs, override_with};
 use super::{Global, Outcome, output, scores};
 use crate::run::Execution;
 use crate::train::{
-    ControlRun, Job, Metrics, SplitBy, TrainEnd, TrainSettings, blocks, channels_of, open_set, run_control, run_job,
+    ControlRun, Job, Metrics, SplitBy, TrainEnd, TrainSettings, blocks, channels_of, open_set,
+    run_control, run_job,
 };
 use anyhow::{Result, anyhow, bail};
 use clap::{Args, ValueEnum};
@@ -42,7 +44,8 @@ enum Scaling {
     BoxStandardised,
 }
 
-/// What is learnt from what. What is left out comes from the defaults, for a control from the control.
+/// What is learnt from what. What is left out comes from the defaults, for a control from the
+/// control.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Task")]
 pub struct TaskArgs {
@@ -87,11 +90,21 @@ impl TaskArgs {
         settings.split_seed = self.split_seed.or(settings.split_seed);
         if let Some(shares) = &self.fractions {
             let [training, validation, test] = shares[..] else {
-                bail!("--fractions has {} shares; give three, such as 0.7,0.15,0.15", shares.len())
+                bail!(
+                    "--fractions has {} shares; give three, such as 0.7,0.15,0.15",
+                    shares.len()
+                )
             };
-            settings.fractions = Fractions { training, validation, test };
+            settings.fractions = Fractions {
+                training,
+                validation,
+                test,
+            };
         }
-        override_with(&mut settings.training.scaling, self.scaling.map(Scaling::mode));
+        override_with(
+            &mut settings.training.scaling,
+            self.scaling.map(Scaling::mode),
+        );
         override_with(&mut settings.permutations, self.permutations);
         settings.rotations |= self.rotations;
         Ok(())
@@ -142,11 +155,12 @@ struct NetworkArgs {
     /// Passes over the training part, at most [default: 50].
     #[arg(long)]
     epochs: Option<usize>,
-    /// Epochs without a smaller validation loss after which training ends; 0 for never [default: 10].
+    /// Epochs without a smaller validation loss after which training ends; 0 for never [default:
+    /// 10].
     #[arg(long)]
     patience: Option<usize>,
-    /// τ: 0 learns the classes as common as they are; 1 as if all were equally common, with their shares put back into
-    /// the predictions [default: 0].
+    /// τ: 0 learns the classes as common as they are; 1 as if all were equally common, with their
+    /// shares put back into the predictions [default: 0].
     #[arg(long, allow_negative_numbers = true)]
     logit_adjustment: Option<f64>,
     /// Samples per step [default: 8].
@@ -163,14 +177,21 @@ struct NetworkArgs {
 impl NetworkArgs {
     fn override_in(&self, settings: &mut TrainSettings) -> Result<()> {
         if self.widths.is_some() || self.kernels.is_some() || self.groups.is_some() {
-            let present =
-                |value: fn(&protomer_learn::BlockSettings) -> usize| settings.blocks.iter().map(value).collect();
-            let widths = self.widths.clone().unwrap_or_else(|| present(|block| block.width));
+            let present = |value: fn(&protomer_learn::BlockSettings) -> usize| {
+                settings.blocks.iter().map(value).collect()
+            };
+            let widths = self
+                .widths
+                .clone()
+                .unwrap_or_else(|| present(|block| block.width));
             let kernels = self.kernels.clone().unwrap_or_else(|| match self.widths {
                 Some(_) => vec![3],
                 None => present(|block| block.kernel),
             });
-            let groups = self.groups.or(settings.blocks.first().map(|block| block.groups.unwrap_or(0)));
+            let groups = self.groups.or(settings
+                .blocks
+                .first()
+                .map(|block| block.groups.unwrap_or(0)));
             settings.blocks = blocks(&widths, &kernels, groups.unwrap_or(0))?;
         }
         if self.average_only {
@@ -182,7 +203,10 @@ impl NetworkArgs {
             settings.training.patience = Some(if patience > 0 { patience } else { 1_000_000 });
         }
         override_with(&mut settings.training.batch, self.batch);
-        override_with(&mut settings.training.logit_adjustment, self.logit_adjustment);
+        override_with(
+            &mut settings.training.logit_adjustment,
+            self.logit_adjustment,
+        );
         override_with(&mut settings.training.learning_rate, self.learning_rate);
         override_with(&mut settings.training.seed, self.seed);
         Ok(())
@@ -195,14 +219,15 @@ pub struct TrainArgs {
     /// Set of voxels (zarr), as 'protomer voxelize' makes it.
     #[arg(required_unless_present = "control", conflicts_with = "control")]
     set: Option<PathBuf>,
-    /// Synthetic set with a known answer: shapes, charge, patch, xor, assemblies, permuted, identity, orientation, size or
-    /// heavy-tails.
+    /// Synthetic set with a known answer: shapes, charge, patch, xor, assemblies, permuted,
+    /// identity, orientation, size or heavy-tails.
     #[arg(long)]
     control: Option<String>,
     /// The control's short form: coarser grids, fewer samples.
     #[arg(long, requires = "control")]
     short: bool,
-    /// Settings (TOML), such as the best.toml of a search or the settings.toml of another training; flags override them.
+    /// Settings (TOML), such as the best.toml of a search or the settings.toml of another training;
+    /// flags override them.
     #[arg(long, conflicts_with = "control")]
     config: Option<PathBuf>,
     /// Train every subset of the channels as well.
@@ -226,13 +251,21 @@ pub struct TrainArgs {
 
 impl TrainArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
-        let execution = Execution { device: self.device.open()?, ..self.execution.execution(global)? };
+        let execution = Execution {
+            device: self.device.open()?,
+            ..self.execution.execution(global)?
+        };
         // With a set in the place of a control, clap does not look at what --short requires.
         if self.short && self.control.is_none() {
-            bail!("--short is the short form of a control; give --control NAME as well, or leave --short out");
+            bail!(
+                "--short is the short form of a control; give --control NAME as well, or leave --short out"
+            );
         }
         if !(1..=MOST_ABLATION_SEEDS).contains(&self.ablation_seeds) {
-            bail!("--ablation-seeds is {}; give 1 to {MOST_ABLATION_SEEDS}", self.ablation_seeds);
+            bail!(
+                "--ablation-seeds is {}; give 1 to {MOST_ABLATION_SEEDS}",
+                self.ablation_seeds
+            );
         }
         let seeds = if self.ablate { self.ablation_seeds } else { 0 };
         let end = match (&self.control, &self.set) {
@@ -260,20 +293,31 @@ impl TrainArgs {
                 let (source, set) = open_set(path)?;
                 let mut settings = match &self.config {
                     None => TrainSettings::of_set(source, channels_of(&set))?,
-                    Some(path) => TrainSettings { source, ..TrainSettings::read(path)? },
+                    Some(path) => TrainSettings {
+                        source,
+                        ..TrainSettings::read(path)?
+                    },
                 };
                 self.task.override_in(&mut settings)?;
                 self.network.override_in(&mut settings)?;
-                let job = Job { settings, ablation_seeds: seeds };
+                let job = Job {
+                    settings,
+                    ablation_seeds: seeds,
+                };
                 let bar = global.progress(job.epochs(), "epochs");
-                let end = run_job(&job, &set, &self.output, &execution, &|epochs| bar.inc(epochs))?;
+                let end = run_job(&job, &set, &self.output, &execution, &|epochs| {
+                    bar.inc(epochs)
+                })?;
                 bar.finish_and_clear();
                 end
             }
             (None, None) => return Err(anyhow!("give a set of voxels, or --control NAME")),
         };
         let TrainEnd::Finished(metrics) = end else {
-            global.say(&format!("stopped; the same command continues {}", self.output.display()));
+            global.say(&format!(
+                "stopped; the same command continues {}",
+                self.output.display()
+            ));
             return Ok(Outcome::Stopped);
         };
         report(global, &metrics)
@@ -292,6 +336,13 @@ fn report(global: &Global, metrics: &Metrics) -> Result<Outcome> {
             output::text(&control.summary())?;
         }
     }
-    let missed = metrics.control.as_ref().is_some_and(|control| !control.reached);
-    Ok(if missed { Outcome::Partial } else { Outcome::Done })
+    let missed = metrics
+        .control
+        .as_ref()
+        .is_some_and(|control| !control.reached);
+    Ok(if missed {
+        Outcome::Partial
+    } else {
+        Outcome::Done
+    })
 }

@@ -1,4 +1,5 @@
-//! `protomer tune`: a random search for the shape of the network, with early stopping of the losers.
+//! `protomer tune`: a random search for the shape of the network, with early stopping of the
+//! losers.
 
 use super::device::DeviceArgs;
 use super::execution::ExecutionArgs;
@@ -13,7 +14,8 @@ use anyhow::Result;
 use clap::Args;
 use std::path::{Path, PathBuf};
 
-/// Search for the network that predicts best: blocks, kernels, channels, learning rate. The same command continues it.
+/// Search for the network that predicts best: blocks, kernels, channels, learning rate. The same
+/// command continues it.
 #[derive(Debug, Args)]
 pub struct TuneArgs {
     /// Set of voxels (zarr), as 'protomer voxelize' makes it.
@@ -33,8 +35,8 @@ pub struct TuneArgs {
     /// Directory of the results.
     #[arg(short, long)]
     output: PathBuf,
-    /// Only a part of the trials, such as 2/8, beside other processes in the same directory, until other parts have to come as
-    /// far; the command without it collects them.
+    /// Only a part of the trials, such as 2/8, beside other processes in the same directory, until
+    /// other parts have to come as far; the command without it collects them.
     #[arg(long, value_parser = Shard::parse, default_value = "1/1")]
     shard: Shard,
     #[command(flatten)]
@@ -50,7 +52,10 @@ pub struct TuneArgs {
 impl TuneArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
         self.scheduler.check()?;
-        let execution = Execution { device: self.device.open()?, ..self.execution.execution(global)? };
+        let execution = Execution {
+            device: self.device.open()?,
+            ..self.execution.execution(global)?
+        };
         let (source, set) = open_set(&self.set)?;
         let mut base = TrainSettings::of_set(source, channels_of(&set))?;
         self.task.override_in(&mut base)?;
@@ -65,14 +70,26 @@ impl TuneArgs {
         };
         let bar = global.progress(settings.total_epochs(), "epochs");
         if !self.shard.is_whole() {
-            let end = tune_shard(&settings, &set, &self.output, self.shard, &execution, &|epochs| bar.inc(epochs))?;
+            let end = tune_shard(
+                &settings,
+                &set,
+                &self.output,
+                self.shard,
+                &execution,
+                &|epochs| bar.inc(epochs),
+            )?;
             bar.finish_and_clear();
             return self.report_shard(end, global);
         }
-        let end = tune_in(&settings, &set, &self.output, &execution, &|epochs| bar.inc(epochs))?;
+        let end = tune_in(&settings, &set, &self.output, &execution, &|epochs| {
+            bar.inc(epochs)
+        })?;
         bar.finish_and_clear();
         let TuneEnd::Finished(trials) = end else {
-            global.say(&format!("stopped; the same command continues {}", self.output.display()));
+            global.say(&format!(
+                "stopped; the same command continues {}",
+                self.output.display()
+            ));
             return Ok(Outcome::Stopped);
         };
         report(global, &trials, &self.set, &self.output)?;
@@ -83,7 +100,9 @@ impl TuneArgs {
         let Shard { index, of } = self.shard;
         let state = match end {
             ShardEnd::Stopped => {
-                global.say(&format!("stopped; the same command continues part {index} of {of}"));
+                global.say(&format!(
+                    "stopped; the same command continues part {index} of {of}"
+                ));
                 return Ok(Outcome::Stopped);
             }
             ShardEnd::Waiting => "waits for the others; then the same command goes on",
@@ -110,17 +129,45 @@ fn report(global: &Global, trials: &[Trial], set: &Path, directory: &Path) -> Re
     if global.quiet {
         return Ok(());
     }
-    let mut rows =
-        vec![["trial", "epochs", "validation loss (nats)", "balanced accuracy", "widths"].map(String::from).to_vec()];
+    let mut rows = vec![
+        [
+            "trial",
+            "epochs",
+            "validation loss (nats)",
+            "balanced accuracy",
+            "widths",
+        ]
+        .map(String::from)
+        .to_vec(),
+    ];
     for trial in trials.iter().take(SHOWN) {
-        let widths: Vec<String> = trial.settings.blocks.iter().map(|block| block.width.to_string()).collect();
-        let loss = trial.validation_loss_nats.map_or_else(|| "diverged".into(), |loss| format!("{loss:.4}"));
-        let accuracy = trial.validation_balanced_accuracy.map_or_else(String::new, |value| format!("{value:.3}"));
-        rows.push(vec![trial.number.to_string(), trial.epochs.to_string(), loss, accuracy, widths.join("-")]);
+        let widths: Vec<String> = trial
+            .settings
+            .blocks
+            .iter()
+            .map(|block| block.width.to_string())
+            .collect();
+        let loss = trial
+            .validation_loss_nats
+            .map_or_else(|| "diverged".into(), |loss| format!("{loss:.4}"));
+        let accuracy = trial
+            .validation_balanced_accuracy
+            .map_or_else(String::new, |value| format!("{value:.3}"));
+        rows.push(vec![
+            trial.number.to_string(),
+            trial.epochs.to_string(),
+            loss,
+            accuracy,
+            widths.join("-"),
+        ]);
     }
     output::text(&output::table(&rows))?;
     if trials.len() > SHOWN {
-        output::text(&format!("the best {SHOWN} of {}; all in {}/trials.csv", trials.len(), directory.display()))?;
+        output::text(&format!(
+            "the best {SHOWN} of {}; all in {}/trials.csv",
+            trials.len(),
+            directory.display()
+        ))?;
     }
     output::text(&format!(
         "the validation part chose the best, so its scores there are too good; for scores on the test part:\n\

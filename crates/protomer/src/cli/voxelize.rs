@@ -13,10 +13,12 @@ use protomer_field::voxels::{Channel, Orientation};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// Turn the structures of a manifest into a set of sparse voxel grids, a zarr v3 group: surface, potential, hydropathy.
+/// Turn the structures of a manifest into a set of sparse voxel grids, a zarr v3 group: surface,
+/// potential, hydropathy.
 #[derive(Debug, Args)]
 pub struct VoxelizeArgs {
-    /// CSV with the columns file, label, cluster and perhaps family, name; paths start from its folder.
+    /// CSV with the columns file, label, cluster and perhaps family, name; paths start from its
+    /// folder.
     #[arg(long)]
     manifest: PathBuf,
     /// The set to write, such as SET.zarr.
@@ -29,7 +31,12 @@ pub struct VoxelizeArgs {
     #[arg(long, default_value = "1.0", value_parser = Spacing::parse, allow_hyphen_values = true)]
     spacing: Spacing,
     /// What the voxels carry.
-    #[arg(long, value_enum, value_delimiter = ',', default_value = "shape,potential,hydropathy")]
+    #[arg(
+        long,
+        value_enum,
+        value_delimiter = ',',
+        default_value = "shape,potential,hydropathy"
+    )]
     channels: Vec<ChannelName>,
     /// How structures are turned.
     #[arg(long, value_enum, default_value_t = OrientationName::Random)]
@@ -96,14 +103,30 @@ impl VoxelizeArgs {
         let settings = self.settings();
         settings.check()?;
         let manifest = Manifest::read(&self.manifest)?;
-        let interrupt =
-            interrupt_saying(global, "finishing the structures at hand; the same command goes on", self.time_limit)?;
+        let interrupt = interrupt_saying(
+            global,
+            "finishing the structures at hand; the same command goes on",
+            self.time_limit,
+        )?;
         let bar = global.progress(0, "structures");
         let (begin, advanced) = (|count| bar.set_length(count as u64), || bar.inc(1));
         let (shard, force) = (self.shard, global.force);
-        let report = voxelize(&manifest, shard, &settings, &self.output, force, &interrupt, &begin, &advanced)?;
+        let report = voxelize(
+            &manifest,
+            shard,
+            &settings,
+            &self.output,
+            force,
+            &interrupt,
+            &begin,
+            &advanced,
+        )?;
         bar.finish_and_clear();
-        for excluded in report.excluded.iter().filter(|_| report.state == State::Written) {
+        for excluded in report
+            .excluded
+            .iter()
+            .filter(|_| report.state == State::Written)
+        {
             global.say(&format!("left out: {}: {}", excluded.name, excluded.detail));
         }
         if report.state == State::Written {
@@ -124,14 +147,16 @@ impl VoxelizeArgs {
         Ok(Outcome::Done)
     }
 
-    /// A set without samples is of no use to anyone; a part without samples may be, and `protomer merge` looks again.
+    /// A set without samples is of no use to anyone; a part without samples may be, and `protomer
+    /// merge` looks again.
     fn check_samples(&self, global: &Global, report: &VoxelizeReport) -> Result<()> {
         if report.samples > 0 || report.structures == 0 {
             return Ok(());
         }
         let (count, set) = (report.structures, report.set.display());
-        let message =
-            format!("none of the {count} structures could be used; the attribute 'excluded' of {set} says why of each");
+        let message = format!(
+            "none of the {count} structures could be used; the attribute 'excluded' of {set} says why of each"
+        );
         if !self.shard.is_whole() {
             global.say(&format!("warning: {message}"));
             return Ok(());
@@ -171,7 +196,11 @@ impl VoxelizeArgs {
 const SHOWN_WARNINGS: usize = 10;
 
 fn tell_warnings(global: &Global, warnings: &BTreeMap<String, Vec<String>>) {
-    let lines = || warnings.iter().flat_map(|(name, of)| of.iter().map(move |warning| (name, warning)));
+    let lines = || {
+        warnings
+            .iter()
+            .flat_map(|(name, of)| of.iter().map(move |warning| (name, warning)))
+    };
     for (name, warning) in lines().take(SHOWN_WARNINGS) {
         global.say(&format!("warning: {name}: {warning}"));
     }
@@ -187,8 +216,14 @@ fn tell_warnings(global: &Global, warnings: &BTreeMap<String, Vec<String>>) {
 fn describe(report: &VoxelizeReport) -> String {
     let set = report.set.display();
     match report.state {
-        State::NothingToDo => format!("{set} is complete: {} samples, nothing to do", report.samples),
-        State::Stopped => format!("stopped: {} of {} structures done", report.samples, report.structures),
+        State::NothingToDo => format!(
+            "{set} is complete: {} samples, nothing to do",
+            report.samples
+        ),
+        State::Stopped => format!(
+            "stopped: {} of {} structures done",
+            report.samples, report.structures
+        ),
         State::Written => {
             let per_sample = |total: u64| total as f64 / report.samples.max(1) as f64;
             format!(

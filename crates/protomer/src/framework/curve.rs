@@ -83,17 +83,45 @@ pub fn load(
 ) -> Result<(Curve, Framework)> {
     let names = axes(network.dimension());
     let Some((index, name)) = names.iter().enumerate().find(|(_, name)| **name == axis) else {
-        bail!("--load is {axis}; the network has the axes {}", names.join(", "));
+        bail!(
+            "--load is {axis}; the network has the axes {}",
+            names.join(", ")
+        );
     };
-    let loads: Vec<Load> =
-        stresses_gpa.iter().map(|stress| Load { axis: index, stress_kcal_mol_angstrom3: stress / gpa, kind }).collect();
+    let loads: Vec<Load> = stresses_gpa
+        .iter()
+        .map(|stress| Load {
+            axis: index,
+            stress_kcal_mol_angstrom3: stress / gpa,
+            kind,
+        })
+        .collect();
     let loaded = stretch_curve(network, &loads)?;
-    let points = loaded.iter().zip(stresses_gpa).map(|(at, stress)| point(network, at, index, *stress, kind)).collect();
-    let last = loaded.last().map_or_else(|| network.clone(), |at| at.configuration.place(network));
-    Ok((Curve { axis: name, stress_kind: kind, points }, last))
+    let points = loaded
+        .iter()
+        .zip(stresses_gpa)
+        .map(|(at, stress)| point(network, at, index, *stress, kind))
+        .collect();
+    let last = loaded
+        .last()
+        .map_or_else(|| network.clone(), |at| at.configuration.place(network));
+    Ok((
+        Curve {
+            axis: name,
+            stress_kind: kind,
+            points,
+        },
+        last,
+    ))
 }
 
-fn point(network: &Framework, at: &Loaded, axis: usize, stress_gpa: f64, kind: StressKind) -> CurvePoint {
+fn point(
+    network: &Framework,
+    at: &Loaded,
+    axis: usize,
+    stress_gpa: f64,
+    kind: StressKind,
+) -> CurvePoint {
     let placed = at.configuration.place(network);
     let names = axes(network.dimension());
     // P A0 = σ A, with A = V/(length along the load).
@@ -102,13 +130,25 @@ fn point(network: &Framework, at: &Loaded, axis: usize, stress_gpa: f64, kind: S
         StressKind::Nominal => (stress_gpa, stress_gpa / area),
         StressKind::Cauchy => (stress_gpa * area, stress_gpa),
     };
-    let others = || names.iter().zip(&at.stretch).enumerate().filter(|(index, _)| *index != axis);
+    let others = || {
+        names
+            .iter()
+            .zip(&at.stretch)
+            .enumerate()
+            .filter(|(index, _)| *index != axis)
+    };
     let ratio = |strain: f64| -strain / at.stretch[axis];
     CurvePoint {
         nominal_gpa,
         cauchy_gpa,
-        strains: names.iter().zip(&at.stretch).map(|(name, strain)| (format!("strain_{name}"), *strain)).collect(),
-        ratios: others().map(|(_, (name, strain))| (format!("nu_{}{name}", names[axis]), ratio(*strain))).collect(),
+        strains: names
+            .iter()
+            .zip(&at.stretch)
+            .map(|(name, strain)| (format!("strain_{name}"), *strain))
+            .collect(),
+        ratios: others()
+            .map(|(_, (name, strain))| (format!("nu_{}{name}", names[axis]), ratio(*strain)))
+            .collect(),
         energy_kcal_mol: at.energy_kcal_mol,
         volume_angstrom3: placed.volume_angstrom3(),
         cell_angstrom: placed.cell_angstrom,
@@ -124,7 +164,9 @@ impl Curve {
     /// Never in practice; rows of unequal length would be refused.
     pub fn table(&self) -> Result<Table> {
         let keys = |map: fn(&CurvePoint) -> &BTreeMap<String, f64>| {
-            self.points.first().map_or_else(Vec::new, |point| map(point).keys().cloned().collect())
+            self.points
+                .first()
+                .map_or_else(Vec::new, |point| map(point).keys().cloned().collect())
         };
         let mut columns = vec!["nominal_gpa".to_owned(), "cauchy_gpa".to_owned()];
         columns.extend(keys(|point| &point.strains));
@@ -133,7 +175,9 @@ impl Curve {
         let mut table = Table::new(columns);
         for point in &self.points {
             let middle = point.strains.values().chain(point.ratios.values());
-            let row = [point.nominal_gpa, point.cauchy_gpa].into_iter().chain(middle.copied());
+            let row = [point.nominal_gpa, point.cauchy_gpa]
+                .into_iter()
+                .chain(middle.copied());
             let row = row.chain([point.energy_kcal_mol, point.volume_angstrom3]);
             table.push(row.map(Into::into))?;
         }

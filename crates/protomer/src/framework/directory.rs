@@ -15,21 +15,39 @@ use std::path::Path;
 /// A file by its name in the directory, and what is in it.
 pub type NamedFile = (String, Vec<u8>);
 
-/// All files of a report: `result.json`, `network.toml`, `stiffness.csv`, `polar.csv`, `polar.svg`, `polar.png`,
-/// `drawing.svg`, `curve.csv`; those of polar plot and curve only where there are such.
+/// All files of a report: `result.json`, `network.toml`, `stiffness.csv`, `polar.csv`, `polar.svg`,
+/// `polar.png`, `drawing.svg`, `curve.csv`; those of polar plot and curve only where there are
+/// such.
 ///
 /// # Errors
 /// If a figure cannot be drawn.
-pub fn files(report: &Report, unloaded: &Framework, loaded: Option<&Framework>) -> Result<Vec<NamedFile>> {
+pub fn files(
+    report: &Report,
+    unloaded: &Framework,
+    loaded: Option<&Framework>,
+) -> Result<Vec<NamedFile>> {
     let mut files = Vec::new();
     let mut add = |name: &str, bytes: Vec<u8>| files.push((name.to_owned(), bytes));
-    add("result.json", (serde_json::to_string_pretty(report)? + "\n").into_bytes());
-    add("network.toml", network_file::to_toml(unloaded, &report.network).into_bytes());
-    add("stiffness.csv", stiffness_table(report)?.to_csv().into_bytes());
+    add(
+        "result.json",
+        (serde_json::to_string_pretty(report)? + "\n").into_bytes(),
+    );
+    add(
+        "network.toml",
+        network_file::to_toml(unloaded, &report.network).into_bytes(),
+    );
+    add(
+        "stiffness.csv",
+        stiffness_table(report)?.to_csv().into_bytes(),
+    );
     if !report.polar.is_empty() {
         let mut table = Table::new(["angle_deg", "e_gpa", "nu"]);
         for direction in &report.polar {
-            table.push([direction.angle_deg.into(), direction.e_gpa.into(), direction.nu.into()])?;
+            table.push([
+                direction.angle_deg.into(),
+                direction.e_gpa.into(),
+                direction.nu.into(),
+            ])?;
         }
         add("polar.csv", table.to_csv().into_bytes());
     }
@@ -47,7 +65,9 @@ pub fn files(report: &Report, unloaded: &Framework, loaded: Option<&Framework>) 
 fn draw(report: &Report, unloaded: &Framework, loaded: Option<&Framework>) -> String {
     let under = |curve: &Curve| -> Option<(String, usize, bool)> {
         let last = curve.points.last()?;
-        let axis = super::axes(report.dimension).iter().position(|name| *name == curve.axis)?;
+        let axis = super::axes(report.dimension)
+            .iter()
+            .position(|name| *name == curve.axis)?;
         let label = format!(
             "under {:.4} GPa along {} (Cauchy; nominal {:.4} GPa)",
             last.cauchy_gpa, curve.axis, last.nominal_gpa
@@ -55,39 +75,52 @@ fn draw(report: &Report, unloaded: &Framework, loaded: Option<&Framework>) -> St
         Some((label, axis, last.cauchy_gpa < 0.0))
     };
     let under = report.curve.as_ref().and_then(under);
-    let loaded = loaded.zip(under.as_ref()).map(|(network, (label, axis, pushed))| LoadedNetwork {
-        network,
-        axis: *axis,
-        pushed: *pushed,
-        label,
-    });
+    let loaded = loaded
+        .zip(under.as_ref())
+        .map(|(network, (label, axis, pushed))| LoadedNetwork {
+            network,
+            axis: *axis,
+            pushed: *pushed,
+            label,
+        });
     drawing::svg(&report.network, unloaded, loaded)
 }
 
 fn stiffness_table(report: &Report) -> Result<Table> {
-    let head = ["kind", "strain"].iter().chain(&report.strain_order).copied();
+    let head = ["kind", "strain"]
+        .iter()
+        .chain(&report.strain_order)
+        .copied();
     let mut table = Table::new(head);
-    for (kind, matrix) in [("relaxed_gpa", &report.c_gpa), ("clamped_gpa", &report.c_clamped_gpa)] {
+    for (kind, matrix) in [
+        ("relaxed_gpa", &report.c_gpa),
+        ("clamped_gpa", &report.c_clamped_gpa),
+    ] {
         for (name, row) in report.strain_order.iter().zip(matrix) {
             let first: [Cell; 2] = [kind.into(), (*name).into()];
-            table.push(first.into_iter().chain(row.iter().map(|value| (*value).into())))?;
+            table.push(
+                first
+                    .into_iter()
+                    .chain(row.iter().map(|value| (*value).into())),
+            )?;
         }
     }
     Ok(table)
 }
 
-/// Writes files into a folder, which is made if need be; each appears under its name only when complete. `holds` is the
-/// kind of result they are.
+/// Writes files into a folder, which is made if need be; each appears under its name only when
+/// complete. `holds` is the kind of result they are.
 ///
 /// # Errors
-/// If one of them is there already and `force` is not given, the folder holds another kind of result, or the disk does
-/// not take it.
+/// If one of them is there already and `force` is not given, the folder holds another kind of
+/// result, or the disk does not take it.
 pub fn write(folder: &Path, holds: &str, files: &[NamedFile], force: bool) -> Result<()> {
     refuse_other(folder, holds)?;
     for (name, _) in files {
         refuse_to_overwrite(&folder.join(name), force)?;
     }
-    std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
     for (name, bytes) in files {
         write_atomically(&folder.join(name), |file| file.write_all(bytes))?;
     }
@@ -100,7 +133,9 @@ pub fn write(folder: &Path, holds: &str, files: &[NamedFile], force: bool) -> Re
 /// As [`write()`].
 pub fn write_one(path: &Path, text: &str, force: bool) -> Result<()> {
     refuse_to_overwrite(path, force)?;
-    Ok(write_atomically(path, |file| file.write_all(text.as_bytes()))?)
+    Ok(write_atomically(path, |file| {
+        file.write_all(text.as_bytes())
+    })?)
 }
 
 /// Refuses a file that is there already, unless `force` is given.
@@ -109,7 +144,10 @@ pub fn write_one(path: &Path, text: &str, force: bool) -> Result<()> {
 /// If it is.
 pub fn refuse_to_overwrite(path: &Path, force: bool) -> Result<()> {
     if path.exists() && !force {
-        bail!("{} is already there; choose another name, or overwrite it with --force", path.display());
+        bail!(
+            "{} is already there; choose another name, or overwrite it with --force",
+            path.display()
+        );
     }
     Ok(())
 }

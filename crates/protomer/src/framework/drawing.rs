@@ -1,7 +1,7 @@
 //! Several cells of a network as SVG, the loaded one drawn over the unloaded one.
 //!
-//! Two-dimensional networks are seen along x, with y to the right and z up. Three-dimensional ones are drawn in the oblique
-//! projection with x coming towards the reader.
+//! Two-dimensional networks are seen along x, with y to the right and z up. Three-dimensional ones
+//! are drawn in the oblique projection with x coming towards the reader.
 
 use protomer_crystal::framework::{Framework, Neighbour};
 use std::fmt::Write;
@@ -46,9 +46,14 @@ pub fn svg(title: &str, unloaded: &Framework, loaded: Option<LoadedNetwork>) -> 
     let centre = [0, 1].map(|axis| 0.5 * (low[axis] + high[axis]));
     let half = [0, 1].map(|axis| 0.5 * (high[axis] - low[axis]));
     let room = [0.5 * WIDTH - MARGIN, 0.5 * (HEIGHT - HEAD) - MARGIN];
-    let scale = (0..2).map(|i| room[i] / half[i].max(1e-9)).fold(f64::INFINITY, f64::min);
+    let scale = (0..2)
+        .map(|i| room[i] / half[i].max(1e-9))
+        .fold(f64::INFINITY, f64::min);
     let place = |point: &[f64; 2]| {
-        let [x, y] = [scale * (point[0] - centre[0]), scale * (point[1] - centre[1])];
+        let [x, y] = [
+            scale * (point[0] - centre[0]),
+            scale * (point[1] - centre[1]),
+        ];
         [0.5 * WIDTH + x, HEAD + 0.5 * (HEIGHT - HEAD) - y]
     };
     let mut text = format!(
@@ -66,7 +71,13 @@ pub fn svg(title: &str, unloaded: &Framework, loaded: Option<LoadedNetwork>) -> 
         ),
     };
     text += &legend;
-    draw(&mut text, &before, &place, BEFORE, if loaded.is_some() { 3.0 } else { 4.0 });
+    draw(
+        &mut text,
+        &before,
+        &place,
+        BEFORE,
+        if loaded.is_some() { 3.0 } else { 4.0 },
+    );
     if let (Some(patch), Some(loaded)) = (&after, loaded) {
         draw(&mut text, patch, &place, AFTER, 4.0);
         arrows(&mut text, &half.map(|x| scale * x), loaded);
@@ -81,11 +92,16 @@ fn cell_counts(network: &Framework) -> Vec<usize> {
     let lengths: Vec<f64> = network.cell_angstrom.iter().map(length).collect();
     let longest = lengths.iter().copied().fold(0.0, f64::max);
     let cells = if network.dimension() == 2 { CELLS } else { 2.0 };
-    let mut counts: Vec<usize> =
-        lengths.iter().map(|length| (cells * longest / length).round().clamp(1.0, 12.0) as usize).collect();
-    while counts.iter().product::<usize>() * network.nodes_angstrom.len() > MOST_NODES && counts.iter().any(|c| *c > 1)
+    let mut counts: Vec<usize> = lengths
+        .iter()
+        .map(|length| (cells * longest / length).round().clamp(1.0, 12.0) as usize)
+        .collect();
+    while counts.iter().product::<usize>() * network.nodes_angstrom.len() > MOST_NODES
+        && counts.iter().any(|c| *c > 1)
     {
-        counts.iter_mut().for_each(|count| *count = (*count / 2).max(1));
+        counts
+            .iter_mut()
+            .for_each(|count| *count = (*count / 2).max(1));
     }
     counts
 }
@@ -108,7 +124,11 @@ impl Patch {
                 }
             }
             // x comes down and to the left.
-            if dimension == 2 { [place[0], place[1]] } else { [place[1] - 0.35 * place[0], place[2] - 0.22 * place[0]] }
+            if dimension == 2 {
+                [place[0], place[1]]
+            } else {
+                [place[1] - 0.35 * place[0], place[2] - 0.22 * place[0]]
+            }
         };
         let total: usize = counts.iter().product();
         let cells: Vec<Vec<usize>> = (0..total)
@@ -130,7 +150,14 @@ impl Patch {
             }
         }
         let ends = 2.0 * lines.len() as f64;
-        let middle = [0, 1].map(|axis| lines.iter().flatten().map(|point: &[f64; 2]| point[axis]).sum::<f64>() / ends);
+        let middle = [0, 1].map(|axis| {
+            lines
+                .iter()
+                .flatten()
+                .map(|point: &[f64; 2]| point[axis])
+                .sum::<f64>()
+                / ends
+        });
         for point in lines.iter_mut().flatten() {
             *point = [point[0] - middle[0], point[1] - middle[1]];
         }
@@ -138,7 +165,13 @@ impl Patch {
     }
 }
 
-fn draw(text: &mut String, patch: &Patch, place: &dyn Fn(&[f64; 2]) -> [f64; 2], colour: &str, width: f64) {
+fn draw(
+    text: &mut String,
+    patch: &Patch,
+    place: &dyn Fn(&[f64; 2]) -> [f64; 2],
+    colour: &str,
+    width: f64,
+) {
     // Writing to a string does not fail.
     let _ = write!(
         text,
@@ -163,11 +196,29 @@ fn arrows(text: &mut String, half: &[f64; 2], loaded: LoadedNetwork) {
         let [u, v] = direction.map(|component: f64| side * component);
         let (near, far) = (8.0, 40.0);
         let reach = [x + u * half[0], y + v * half[1]];
-        let (tail, tip) = if loaded.pushed { (far, near) } else { (near, far) };
-        let at = |along: f64, across: f64| (reach[0] + u * along - v * across, reach[1] + v * along + u * across);
+        let (tail, tip) = if loaded.pushed {
+            (far, near)
+        } else {
+            (near, far)
+        };
+        let at = |along: f64, across: f64| {
+            (
+                reach[0] + u * along - v * across,
+                reach[1] + v * along + u * across,
+            )
+        };
         let back = tip + if loaded.pushed { 14.0 } else { -14.0 };
-        let points = [at(tail, 0.0), at(tip, 0.0), at(back, 8.0), at(tip, 0.0), at(back, -8.0)];
-        let points: Vec<String> = points.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
+        let points = [
+            at(tail, 0.0),
+            at(tip, 0.0),
+            at(back, 8.0),
+            at(tip, 0.0),
+            at(back, -8.0),
+        ];
+        let points: Vec<String> = points
+            .iter()
+            .map(|(x, y)| format!("{x:.1},{y:.1}"))
+            .collect();
         let _ = writeln!(
             text,
             "<polyline points=\"{}\" fill=\"none\" stroke=\"black\" stroke-width=\"3\"/>",
@@ -177,5 +228,7 @@ fn arrows(text: &mut String, half: &[f64; 2], loaded: LoadedNetwork) {
 }
 
 fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
 }

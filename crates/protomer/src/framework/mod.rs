@@ -1,4 +1,5 @@
-//! Networks of rods and hinges: their elastic constants, what they do under load, and how that is shown.
+//! Networks of rods and hinges: their elastic constants, what they do under load, and how that is
+//! shown.
 //!
 //! | module | one idea |
 //! |---|---|
@@ -19,10 +20,18 @@ pub mod tables;
 
 /// Names of the axes of two- and three-dimensional networks.
 pub fn axes(dimension: usize) -> &'static [&'static str] {
-    if dimension == 2 { &["y", "z"] } else { &["x", "y", "z"] }
+    if dimension == 2 {
+        &["y", "z"]
+    } else {
+        &["x", "y", "z"]
+    }
 }
 
 /// Names of the strain components, in the order of all matrices.
 pub fn strain_names(dimension: usize) -> &'static [&'static str] {
-    if dimension == 2 { &["yy", "zz", "yz"] } else { &["xx", "yy", "zz", "yz", "xz", "xy"] }
+    if dimension == 2 {
+        &["yy", "zz", "yz"]
+    } else {
+        &["xx", "yy", "zz", "yz", "xz", "xy"]
+    }
 }

@@ -9,11 +9,15 @@ use std::path::Path;
 /// Reads a network and checks it.
 ///
 /// # Errors
-/// Names the file and the line or the node, rod or hinge that makes no sense; for an unknown key the nearest valid one.
+/// Names the file and the line or the node, rod or hinge that makes no sense; for an unknown key
+/// the nearest valid one.
 pub fn read(path: &Path) -> Result<Framework> {
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let text =
+        std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
     let network: Framework = keys::from_toml(path, &text)?;
-    network.check().with_context(|| path.display().to_string())?;
+    network
+        .check()
+        .with_context(|| path.display().to_string())?;
     Ok(network)
 }
 
@@ -36,12 +40,22 @@ pub fn to_toml(network: &Framework, about: &str) -> String {
     if network.dimension() == 2 {
         text += &format!("thickness_angstrom = {:?}\n", network.thickness_angstrom);
     }
-    text += &list("nodes_angstrom", network.nodes_angstrom.iter().map(|node| format!("{node:?}")));
+    text += &list(
+        "nodes_angstrom",
+        network
+            .nodes_angstrom
+            .iter()
+            .map(|node| format!("{node:?}")),
+    );
     text += &list(
         "rods",
         network.rods.iter().map(|rod| {
             let rest = optional("rest_length_angstrom", rod.rest_length_angstrom);
-            let (from, to, k) = (rod.from, neighbour(&rod.to), rod.stiffness_kcal_mol_angstrom2);
+            let (from, to, k) = (
+                rod.from,
+                neighbour(&rod.to),
+                rod.stiffness_kcal_mol_angstrom2,
+            );
             format!("{{ from = {from}, to = {to}, stiffness_kcal_mol_angstrom2 = {k:?}{rest} }}")
         }),
     );
@@ -59,7 +73,10 @@ pub fn to_toml(network: &Framework, about: &str) -> String {
         network.torsions.iter().map(|torsion| {
             let rest = optional("rest_angle_rad", torsion.rest_angle_rad);
             let along = torsion.along.each_ref().map(neighbour).join(", ");
-            format!("{{ along = [{along}], stiffness_kcal_mol_rad2 = {:?}{rest} }}", torsion.stiffness_kcal_mol_rad2)
+            format!(
+                "{{ along = [{along}], stiffness_kcal_mol_rad2 = {:?}{rest} }}",
+                torsion.stiffness_kcal_mol_rad2
+            )
         }),
     );
     text
@@ -71,7 +88,11 @@ fn list(key: &str, items: impl Iterator<Item = String>) -> String {
         // Writing to a string does not fail.
         let _ = writeln!(text, "  {item},");
     }
-    if text.is_empty() { text } else { format!("{key} = [\n{text}]\n") }
+    if text.is_empty() {
+        text
+    } else {
+        format!("{key} = [\n{text}]\n")
+    }
 }
 
 fn optional(key: &str, value: Option<f64>) -> String {
@@ -82,6 +103,9 @@ fn neighbour(neighbour: &Neighbour) -> String {
     if neighbour.image.is_empty() {
         format!("{{ node = {} }}", neighbour.node)
     } else {
-        format!("{{ node = {}, image = {:?} }}", neighbour.node, neighbour.image)
+        format!(
+            "{{ node = {}, image = {:?} }}",
+            neighbour.node, neighbour.image
+        )
     }
 }

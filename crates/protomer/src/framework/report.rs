@@ -1,4 +1,5 @@
-//! The elastic constants of a network, with units, and closed formulas beside them where there are any.
+//! The elastic constants of a network, with units, and closed formulas beside them where there are
+//! any.
 
 use super::curve::Curve;
 use super::{axes, strain_names};
@@ -9,13 +10,16 @@ use protomer_crystal::framework::elastic::MaxwellCount;
 use protomer_crystal::framework::energy::{Configuration, Derivatives, NetworkEnergy};
 use protomer_crystal::framework::load::minimise;
 use protomer_crystal::framework::moduli::polar;
-use protomer_crystal::framework::{Elasticity, Framework, Mechanism, Moduli, gpa_per_kcal_mol_angstrom3};
+use protomer_crystal::framework::{
+    Elasticity, Framework, Mechanism, Moduli, gpa_per_kcal_mol_angstrom3,
+};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// Directions over half a turn in [`Report::polar`].
 const POLAR_DIRECTIONS: usize = 36;
-/// A force on a node (kcal/mol/Å) above which a network is not at rest: what the paper's minimisations stop at.
+/// A force on a node (kcal/mol/Å) above which a network is not at rest: what the paper's
+/// minimisations stop at.
 const REST_FORCE: f64 = 1e-3;
 /// The most node coordinates whose Hessian is printed in full.
 const MOST_PRINTED_COORDINATES: usize = 1500;
@@ -48,7 +52,8 @@ pub struct Report {
     pub network: String,
     /// 2 or 3.
     pub dimension: usize,
-    /// Names of the components of strain and stress, in the order of all matrices; shear strains are engineering strains.
+    /// Names of the components of strain and stress, in the order of all matrices; shear strains
+    /// are engineering strains.
     pub strain_order: Vec<&'static str>,
     /// Nodes.
     pub nodes: usize,
@@ -92,7 +97,8 @@ pub struct Report {
     pub maxwell: MaxwellCount,
     /// Strains that cost nothing.
     pub mechanisms: Vec<Mechanism>,
-    /// Floppy motions of the nodes at fixed cell, beyond translations; null for networks too large to count them.
+    /// Floppy motions of the nodes at fixed cell, beyond translations; null for networks too large
+    /// to count them.
     pub internal_mechanisms: Option<usize>,
     /// E and ν against the direction of the load in the plane, from y; empty in three dimensions.
     pub polar: Vec<Direction>,
@@ -151,11 +157,16 @@ pub struct PrintedDerivatives {
     pub strain_gradient_kcal_mol: Vec<f64>,
 }
 
-/// The network as it is analysed (relaxed if that was asked for, with all rest lengths written out), and its constants.
+/// The network as it is analysed (relaxed if that was asked for, with all rest lengths written
+/// out), and its constants.
 ///
 /// # Errors
 /// If the network makes no sense, or is not at a minimum of its energy.
-pub fn analyse(network: &Framework, name: &str, settings: &Settings) -> Result<(Framework, Report)> {
+pub fn analyse(
+    network: &Framework,
+    name: &str,
+    settings: &Settings,
+) -> Result<(Framework, Report)> {
     let gpa = gpa_per_kcal_mol_angstrom3(settings.avogadro_per_mol);
     let energy = NetworkEnergy::new(network)?;
     let fixed = energy.with_rests(network);
@@ -163,7 +174,9 @@ pub fn analyse(network: &Framework, name: &str, settings: &Settings) -> Result<(
     let at = match settings.relax {
         None => built,
         Some(Relax::FixedCell) => minimise(&fixed, false, None)?.configuration,
-        Some(Relax::FreeCell) => minimise(&fixed, true, None)?.configuration.without_rotation(&built),
+        Some(Relax::FreeCell) => minimise(&fixed, true, None)?
+            .configuration
+            .without_rotation(&built),
     };
     let placed = at.place(&fixed);
     let derivatives = energy.derivatives(&at);
@@ -174,7 +187,10 @@ pub fn analyse(network: &Framework, name: &str, settings: &Settings) -> Result<(
     };
     let elasticity = Elasticity::at(network, &energy, &at).context(hint)?;
     let dimension = placed.dimension();
-    let printed = settings.derivatives.then(|| print_derivatives(&energy, &at, &derivatives)).transpose()?;
+    let printed = settings
+        .derivatives
+        .then(|| print_derivatives(&energy, &at, &derivatives))
+        .transpose()?;
     let direction = |d: protomer_crystal::framework::moduli::Direction| Direction {
         angle_deg: d.angle_deg,
         e_gpa: d.youngs_gpa,
@@ -197,14 +213,24 @@ pub fn analyse(network: &Framework, name: &str, settings: &Settings) -> Result<(
         c_clamped_gpa: rows(&(&elasticity.clamped_stiffness * gpa)),
         moduli: named_moduli(&Moduli::new(&elasticity, gpa), dimension),
         analytic: None,
-        stress_gpa: elasticity.stress.iter().map(|stress| stress * gpa).collect(),
+        stress_gpa: elasticity
+            .stress
+            .iter()
+            .map(|stress| stress * gpa)
+            .collect(),
         energy_kcal_mol: derivatives.energy,
-        largest_force_kcal_mol_angstrom: derivatives.gradient.iter().fold(0.0, |most: f64, g| most.max(g.abs())),
+        largest_force_kcal_mol_angstrom: derivatives
+            .gradient
+            .iter()
+            .fold(0.0, |most: f64, g| most.max(g.abs())),
         relaxed: settings.relax,
         maxwell: elasticity.maxwell,
         mechanisms: elasticity.mechanisms.clone(),
         internal_mechanisms: elasticity.internal_mechanisms,
-        polar: polar(&elasticity, gpa, POLAR_DIRECTIONS).into_iter().map(direction).collect(),
+        polar: polar(&elasticity, gpa, POLAR_DIRECTIONS)
+            .into_iter()
+            .map(direction)
+            .collect(),
         curve: None,
         derivatives: printed,
     };
@@ -214,7 +240,10 @@ pub fn analyse(network: &Framework, name: &str, settings: &Settings) -> Result<(
 impl Analytic {
     /// The formulas for this honeycomb.
     pub fn of(honeycomb: &Honeycomb, gpa: f64) -> Self {
-        let with_stiffness = |axial: AxialModuli| AnalyticModuli { axial, c_gpa: axial.stiffness_gpa() };
+        let with_stiffness = |axial: AxialModuli| AnalyticModuli {
+            axial,
+            c_gpa: axial.stiffness_gpa(),
+        };
         Self {
             analytic: with_stiffness(honeycomb.both(gpa)),
             analytic_hinging: with_stiffness(honeycomb.hinging(gpa)),
@@ -223,7 +252,11 @@ impl Analytic {
     }
 }
 
-fn print_derivatives(energy: &NetworkEnergy, at: &Configuration, d: &Derivatives) -> Result<PrintedDerivatives> {
+fn print_derivatives(
+    energy: &NetworkEnergy,
+    at: &Configuration,
+    d: &Derivatives,
+) -> Result<PrintedDerivatives> {
     let n = energy.coordinates();
     anyhow::ensure!(
         n <= MOST_PRINTED_COORDINATES,
@@ -244,20 +277,33 @@ fn print_derivatives(energy: &NetworkEnergy, at: &Configuration, d: &Derivatives
 }
 
 fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
-    matrix.row_iter().map(|row| row.iter().copied().collect()).collect()
+    matrix
+        .row_iter()
+        .map(|row| row.iter().copied().collect())
+        .collect()
 }
 
 fn named_moduli(moduli: &Moduli, dimension: usize) -> BTreeMap<String, Option<f64>> {
     let axes = axes(dimension);
     let mut named = BTreeMap::new();
     for (i, first) in axes.iter().enumerate() {
-        named.insert(format!("e_{first}_gpa"), moduli.youngs_gpa.get(i).copied().flatten());
+        named.insert(
+            format!("e_{first}_gpa"),
+            moduli.youngs_gpa.get(i).copied().flatten(),
+        );
         for (j, second) in axes.iter().enumerate().filter(|(j, _)| *j != i) {
-            let ratio = moduli.poissons.get(i).and_then(|row| row.get(j).copied().flatten());
+            let ratio = moduli
+                .poissons
+                .get(i)
+                .and_then(|row| row.get(j).copied().flatten());
             named.insert(format!("nu_{first}{second}"), ratio);
         }
     }
-    for (name, shear) in strain_names(dimension).iter().skip(dimension).zip(&moduli.shear_gpa) {
+    for (name, shear) in strain_names(dimension)
+        .iter()
+        .skip(dimension)
+        .zip(&moduli.shear_gpa)
+    {
         named.insert(format!("g_{name}_gpa"), *shear);
     }
     named
@@ -269,12 +315,14 @@ impl Report {
         self.largest_force_kcal_mol_angstrom <= REST_FORCE
     }
 
-    /// The moduli as rows of name, this network and, where there are formulas, the formulas and the deviation from them; the
-    /// first row is the heading.
+    /// The moduli as rows of name, this network and, where there are formulas, the formulas and the
+    /// deviation from them; the first row is the heading.
     pub fn moduli_rows(&self) -> Vec<Vec<String>> {
         let mut rows = vec![vec!["".to_owned(), "network".to_owned()]];
         if self.analytic.is_some() {
-            rows[0].extend(["formula", "deviation", "hinging only", "stretching only"].map(str::to_owned));
+            rows[0].extend(
+                ["formula", "deviation", "hinging only", "stretching only"].map(str::to_owned),
+            );
         }
         for (key, value) in &self.moduli {
             let mut row = vec![label(key), number(*value)];
@@ -294,9 +342,16 @@ impl Report {
 
     /// The lines above and below the table of moduli, for people.
     pub fn describe(&self) -> [String; 2] {
-        let thickness =
-            self.thickness_angstrom.map_or_else(String::new, |thickness| format!(" (thickness {thickness} Å)"));
-        let vectors: Vec<String> = self.cell_angstrom.iter().map(|v| format!("({})", fixed(v, 4))).collect();
+        let thickness = self
+            .thickness_angstrom
+            .map_or_else(String::new, |thickness| {
+                format!(" (thickness {thickness} Å)")
+            });
+        let vectors: Vec<String> = self
+            .cell_angstrom
+            .iter()
+            .map(|v| format!("({})", fixed(v, 4)))
+            .collect();
         let head = format!(
             "{}: {} nodes, {} rods, {} hinges, {} torsions\ncell: {} Å, volume {:.4} Å³{thickness}\nN_A: {:e} /mol, 1 \
              kcal/mol/Å³ = {:.7} GPa",
@@ -311,17 +366,28 @@ impl Report {
             self.gpa_per_kcal_mol_angstrom3
         );
         let matrix = |c: &[Vec<f64>]| -> String {
-            let largest = c.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
+            let largest = c
+                .iter()
+                .flatten()
+                .fold(0.0_f64, |most, x| most.max(x.abs()));
             // What is zero but for rounding is shown as zero.
             let tidy = |x: f64| if x.abs() < 1e-9 * largest { 0.0 } else { x };
-            let line = |row: &Vec<f64>| row.iter().map(|x| format!("{:>14}", rounded(tidy(*x), 4))).collect::<String>();
+            let line = |row: &Vec<f64>| {
+                row.iter()
+                    .map(|x| format!("{:>14}", rounded(tidy(*x), 4)))
+                    .collect::<String>()
+            };
             c.iter().map(line).collect::<Vec<_>>().join("\n")
         };
         let order = self.strain_order.join(", ");
         let m = &self.maxwell;
         let mechanisms = match self.mechanisms.as_slice() {
             [] => "none".to_owned(),
-            found => found.iter().map(|m| format!("({})", fixed(&m.strain, 4))).collect::<Vec<_>>().join(" "),
+            found => found
+                .iter()
+                .map(|m| format!("({})", fixed(&m.strain, 4)))
+                .collect::<Vec<_>>()
+                .join(" "),
         };
         let internal = match self.internal_mechanisms {
             Some(count) => format!("{count} floppy motions of the nodes at fixed cell"),
@@ -354,7 +420,11 @@ fn field(moduli: &AxialModuli, key: &str) -> Option<f64> {
 /// `e_y_gpa` as `E_y (GPa)`.
 fn label(key: &str) -> String {
     let unit = if key.ends_with("_gpa") { " (GPa)" } else { "" };
-    let name = key.trim_end_matches("_gpa").replace("nu_", "ν_").replace("e_", "E_").replace("g_", "G_");
+    let name = key
+        .trim_end_matches("_gpa")
+        .replace("nu_", "ν_")
+        .replace("e_", "E_")
+        .replace("g_", "G_");
     format!("{name}{unit}")
 }
 
@@ -371,11 +441,19 @@ fn number(value: Option<f64>) -> String {
 
 fn percent(fraction: f64) -> String {
     let percent = 100.0 * fraction;
-    if percent.abs() < 5e-5 { "0 %".into() } else { format!("{percent:+.4} %") }
+    if percent.abs() < 5e-5 {
+        "0 %".into()
+    } else {
+        format!("{percent:+.4} %")
+    }
 }
 
 fn fixed(values: &[f64], decimals: usize) -> String {
-    values.iter().map(|x| rounded(*x, decimals)).collect::<Vec<_>>().join(", ")
+    values
+        .iter()
+        .map(|x| rounded(*x, decimals))
+        .collect::<Vec<_>>()
+        .join(", ")
 }
 
 /// A number with so many decimals; what rounds to zero has no sign.

@@ -1,7 +1,9 @@
-//! Tables 2, 3 and 4 of Grima, Gatt, Bray, Alderson and Evans, Mol. Simul. 31, 925 (2005), printed and recomputed.
+//! Tables 2, 3 and 4 of Grima, Gatt, Bray, Alderson and Evans, Mol. Simul. 31, 925 (2005), printed
+//! and recomputed.
 //!
-//! The columns of the simulation (EMUDA) follow with N_A = 6.022e23 /mol, those of the formulas (AM) with 6.023e23 /mol and a
-//! hinge at both ends of a rib (K_h = 2 k_h). Honeycombs of h = 2 Å, l = 1 Å, thickness 1 Å.
+//! The columns of the simulation (EMUDA) follow with N_A = 6.022e23 /mol, those of the formulas
+//! (AM) with 6.023e23 /mol and a hinge at both ends of a rib (K_h = 2 k_h). Honeycombs of h = 2 Å,
+//! l = 1 Å, thickness 1 Å.
 
 use anyhow::Result;
 use protomer_crystal::framework::analytic::{AxialModuli, Honeycomb};
@@ -76,32 +78,104 @@ type PrintedRow = (f64, Printed, Printed);
 
 /// Table 3 (A), hinging.
 const HINGING: [PrintedRow; 6] = [
-    (30.0, ["408", "6301.91", "-0.255", "-3.928"], ["407.11", "5678.19", "-0.251", "-3.504"]),
-    (45.0, ["760", "2540.31", "-0.547", "-1.828"], ["752.45", "2419.72", "-0.536", "-1.724"]),
-    (60.0, ["1604", "1604.27", "-1.000", "-1.000"], ["1557.78", "1557.80", "-0.961", "-0.961"]),
-    (120.0, ["963", "2673.79", "0.600", "1.667"], ["934.67", "2596.31", "0.577", "1.602"]),
-    (135.0, ["363", "5318.99", "0.261", "3.828"], ["359.40", "5067.11", "0.256", "3.610"]),
-    (150.0, ["162", "15927.54", "0.101", "9.928"], ["161.11", "14353.74", "0.099", "8.855"]),
+    (
+        30.0,
+        ["408", "6301.91", "-0.255", "-3.928"],
+        ["407.11", "5678.19", "-0.251", "-3.504"],
+    ),
+    (
+        45.0,
+        ["760", "2540.31", "-0.547", "-1.828"],
+        ["752.45", "2419.72", "-0.536", "-1.724"],
+    ),
+    (
+        60.0,
+        ["1604", "1604.27", "-1.000", "-1.000"],
+        ["1557.78", "1557.80", "-0.961", "-0.961"],
+    ),
+    (
+        120.0,
+        ["963", "2673.79", "0.600", "1.667"],
+        ["934.67", "2596.31", "0.577", "1.602"],
+    ),
+    (
+        135.0,
+        ["363", "5318.99", "0.261", "3.828"],
+        ["359.40", "5067.11", "0.256", "3.610"],
+    ),
+    (
+        150.0,
+        ["162", "15927.54", "0.101", "9.928"],
+        ["161.11", "14353.74", "0.099", "8.855"],
+    ),
 ];
 
 /// Table 3 (B), stretching.
 const STRETCHING: [PrintedRow; 6] = [
-    (30.0, ["612.60", "286.45", "0.764", "0.357"], ["608.13", "286.43", "0.756", "0.356"]),
-    (45.0, ["379.93", "254.03", "0.547", "0.366"], ["379.04", "253.94", "0.544", "0.365"]),
-    (60.0, ["267.38", "267.38", "0.333", "0.333"], ["267.20", "267.20", "0.332", "0.332"]),
-    (120.0, ["160.43", "445.63", "-0.200", "-0.556"], ["160.32", "445.34", "-0.199", "-0.554"]),
-    (135.0, ["181.45", "531.9", "-0.261", "-0.766"], ["181.03", "531.72", "-0.260", "-0.763"]),
-    (150.0, ["242.38", "723.98", "-0.302", "-0.903"], ["240.64", "723.86", "-0.299", "-0.900"]),
+    (
+        30.0,
+        ["612.60", "286.45", "0.764", "0.357"],
+        ["608.13", "286.43", "0.756", "0.356"],
+    ),
+    (
+        45.0,
+        ["379.93", "254.03", "0.547", "0.366"],
+        ["379.04", "253.94", "0.544", "0.365"],
+    ),
+    (
+        60.0,
+        ["267.38", "267.38", "0.333", "0.333"],
+        ["267.20", "267.20", "0.332", "0.332"],
+    ),
+    (
+        120.0,
+        ["160.43", "445.63", "-0.200", "-0.556"],
+        ["160.32", "445.34", "-0.199", "-0.554"],
+    ),
+    (
+        135.0,
+        ["181.45", "531.9", "-0.261", "-0.766"],
+        ["181.03", "531.72", "-0.260", "-0.763"],
+    ),
+    (
+        150.0,
+        ["242.38", "723.98", "-0.302", "-0.903"],
+        ["240.64", "723.86", "-0.299", "-0.900"],
+    ),
 ];
 
 /// Table 4. Its simulated ratios have four decimals, filled up with a zero in print.
 const MIXED: [PrintedRow; 6] = [
-    (30.0, ["245.04", "274.00", "0.15274", "0.17079"], ["245.08", "274.04", "0.1527", "0.1708"]),
-    (45.0, ["253.29", "230.94", "0.18231", "0.16622"], ["253.35", "231.18", "0.1820", "0.1661"]),
-    (60.0, ["229.18", "229.18", "0.14286", "0.14286"], ["229.22", "229.22", "0.1429", "0.1429"]),
-    (120.0, ["137.51", "381.97", "-0.08571", "-0.23810"], ["137.53", "382.03", "-0.0857", "-0.2381"]),
-    (135.0, ["120.97", "483.54", "-0.08707", "-0.34804"], ["120.64", "483.61", "-0.0869", "-0.3485"]),
-    (150.0, ["96.95", "692.50", "-0.06043", "-0.43166"], ["96.97", "692.61", "-0.0604", "-0.4317"]),
+    (
+        30.0,
+        ["245.04", "274.00", "0.15274", "0.17079"],
+        ["245.08", "274.04", "0.1527", "0.1708"],
+    ),
+    (
+        45.0,
+        ["253.29", "230.94", "0.18231", "0.16622"],
+        ["253.35", "231.18", "0.1820", "0.1661"],
+    ),
+    (
+        60.0,
+        ["229.18", "229.18", "0.14286", "0.14286"],
+        ["229.22", "229.22", "0.1429", "0.1429"],
+    ),
+    (
+        120.0,
+        ["137.51", "381.97", "-0.08571", "-0.23810"],
+        ["137.53", "382.03", "-0.0857", "-0.2381"],
+    ),
+    (
+        135.0,
+        ["120.97", "483.54", "-0.08707", "-0.34804"],
+        ["120.64", "483.61", "-0.0869", "-0.3485"],
+    ),
+    (
+        150.0,
+        ["96.95", "692.50", "-0.06043", "-0.43166"],
+        ["96.97", "692.61", "-0.0604", "-0.4317"],
+    ),
 ];
 
 /// Table 2: θ = 45°, cells of 1, 2 and 4 along both axes.
@@ -144,7 +218,11 @@ pub fn rows() -> Result<Vec<Row>> {
             rows.push(simulated(2, mechanism, 45.0, cells, &numbers)?);
         }
     }
-    for (table, mechanism, printed) in [(3, "hinging", HINGING), (3, "stretching", STRETCHING), (4, "mixed", MIXED)] {
+    for (table, mechanism, printed) in [
+        (3, "hinging", HINGING),
+        (3, "stretching", STRETCHING),
+        (4, "mixed", MIXED),
+    ] {
         for (theta_deg, formula, simulation) in printed {
             rows.push(by_formula(table, mechanism, theta_deg, &formula));
             rows.push(simulated(table, mechanism, theta_deg, 1, &simulation)?);
@@ -153,7 +231,13 @@ pub fn rows() -> Result<Vec<Row>> {
     Ok(rows)
 }
 
-fn simulated(table: u32, mechanism: &'static str, theta_deg: f64, cells: usize, printed: &Printed) -> Result<Row> {
+fn simulated(
+    table: u32,
+    mechanism: &'static str,
+    theta_deg: f64,
+    cells: usize,
+    printed: &Printed,
+) -> Result<Row> {
     let network = build::honeycomb(&honeycomb(mechanism, theta_deg))?.supercell(&[cells, cells])?;
     let gpa = gpa_per_kcal_mol_angstrom3(AVOGADRO_OF_SIMULATION);
     let moduli = Moduli::new(&Elasticity::of(&network)?, gpa);
@@ -175,7 +259,13 @@ fn simulated(table: u32, mechanism: &'static str, theta_deg: f64, cells: usize, 
 fn by_formula(table: u32, mechanism: &'static str, theta_deg: f64, printed: &Printed) -> Row {
     let gpa = gpa_per_kcal_mol_angstrom3(AVOGADRO_OF_FORMULAS);
     let honeycomb = honeycomb(mechanism, theta_deg);
-    let AxialModuli { e_y_gpa, e_z_gpa, nu_yz, nu_zy, .. } = match mechanism {
+    let AxialModuli {
+        e_y_gpa,
+        e_z_gpa,
+        nu_yz,
+        nu_zy,
+        ..
+    } = match mechanism {
         "hinging" => honeycomb.hinging(gpa),
         "stretching" => honeycomb.stretching(gpa),
         _ => honeycomb.both(gpa),
@@ -194,7 +284,9 @@ fn by_formula(table: u32, mechanism: &'static str, theta_deg: f64, printed: &Pri
 
 fn values(computed: [f64; 4], printed: &Printed) -> Vec<Value> {
     let one = |((quantity, computed), printed): ((&'static str, f64), &&'static str)| {
-        let decimals = printed.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+        let decimals = printed
+            .split_once('.')
+            .map_or(0, |(_, decimals)| decimals.len());
         let number: f64 = printed.parse().unwrap_or(f64::NAN);
         let unit = 10f64.powi(-(decimals as i32));
         let agreement = if format!("{computed:.decimals$}") == **printed {
@@ -212,12 +304,27 @@ fn values(computed: [f64; 4], printed: &Printed) -> Vec<Value> {
             deviation: number / computed - 1.0,
         }
     };
-    QUANTITIES.into_iter().zip(computed).zip(printed).map(one).collect()
+    QUANTITIES
+        .into_iter()
+        .zip(computed)
+        .zip(printed)
+        .map(one)
+        .collect()
 }
 
 /// The tables for people, each value with the printed one and a mark.
 pub fn describe(rows: &[Row]) -> Vec<(String, Vec<Vec<String>>)> {
-    let heading = ["mechanism", "θ", "method", "cells", "E_y (GPa)", "E_z (GPa)", "ν_yz", "ν_zy", ""];
+    let heading = [
+        "mechanism",
+        "θ",
+        "method",
+        "cells",
+        "E_y (GPa)",
+        "E_z (GPa)",
+        "ν_yz",
+        "ν_zy",
+        "",
+    ];
     let title = |table: u32| match table {
         2 => "Table 2: size of the box",
         3 => "Table 3: hinging or stretching",
@@ -236,7 +343,10 @@ pub fn describe(rows: &[Row]) -> Vec<(String, Vec<Vec<String>>)> {
                 ];
                 line.extend(row.values.iter().map(describe_value));
                 line.push(
-                    row.note.as_deref().map_or("", |note| if note == UNCONVERGED { "(a)" } else { "(b)" }).to_owned(),
+                    row.note
+                        .as_deref()
+                        .map_or("", |note| if note == UNCONVERGED { "(a)" } else { "(b)" })
+                        .to_owned(),
                 );
                 lines.push(line);
             }
@@ -247,7 +357,10 @@ pub fn describe(rows: &[Row]) -> Vec<(String, Vec<Vec<String>>)> {
 
 /// `computed | printed mark`.
 fn describe_value(value: &Value) -> String {
-    let decimals = value.printed.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+    let decimals = value
+        .printed
+        .split_once('.')
+        .map_or(0, |(_, decimals)| decimals.len());
     let mark = match value.agreement {
         Agreement::Same => "=".to_owned(),
         Agreement::OneUnit => "~".to_owned(),
@@ -259,7 +372,10 @@ fn describe_value(value: &Value) -> String {
 /// What the marks of [`describe`] mean, and how many there are.
 pub fn legend(rows: &[Row]) -> String {
     let count = |agreement: Agreement| {
-        rows.iter().flat_map(|row| &row.values).filter(|value| value.agreement == agreement).count()
+        rows.iter()
+            .flat_map(|row| &row.values)
+            .filter(|value| value.agreement == agreement)
+            .count()
     };
     format!(
         "computed | printed (Grima et al., Mol. Simul. 31, 925 (2005)): {} the same to the last printed digit (=), {} off by \

@@ -1,6 +1,7 @@
 //! The page that plays a run: one HTML file that needs nothing else, and its frames as SVG.
 //!
-//! Squares are coloured by their orientation, θ modulo 90°, on a wheel of colours: what turns together has one colour.
+//! Squares are coloured by their orientation, θ modulo 90°, on a wheel of colours: what turns
+//! together has one colour.
 
 use super::directory::read_settings;
 use super::start::network;
@@ -31,7 +32,8 @@ pub struct Animation {
 }
 
 impl Animation {
-    /// Reads the trajectory of a run directory, of which at most so many frames are kept, evenly spread.
+    /// Reads the trajectory of a run directory, of which at most so many frames are kept, evenly
+    /// spread.
     ///
     /// # Errors
     /// If the directory holds no run of a lattice, or no frames.
@@ -39,19 +41,30 @@ impl Animation {
         if most_frames == 0 {
             bail!("--most-frames is 0; give at least 1");
         }
-        let settings = read_settings(directory)
-            .with_context(|| format!("{} is no directory of 'protomer lattice run'", directory.display()))?;
+        let settings = read_settings(directory).with_context(|| {
+            format!(
+                "{} is no directory of 'protomer lattice run'",
+                directory.display()
+            )
+        })?;
         let path = directory.join("trajectory.gsd");
         let states = read_states(&path)?;
         if states.is_empty() {
-            bail!("{} has no frames; run with --trajectory-every 50 or so", path.display());
+            bail!(
+                "{} has no frames; run with --trajectory-every 50 or so",
+                path.display()
+            );
         }
         let stride = states.len().div_ceil(most_frames);
         let title = format!(
             "{} × {} squares, r0 = {:.4}, κ = {}",
             settings.rows, settings.columns, settings.r0, settings.kappa
         );
-        Ok(Self { network: network(&settings)?, title, frames: states.into_iter().step_by(stride).collect() })
+        Ok(Self {
+            network: network(&settings)?,
+            title,
+            frames: states.into_iter().step_by(stride).collect(),
+        })
     }
 
     /// Number of frames.
@@ -66,12 +79,33 @@ impl Animation {
 
     /// Left, lower, right and upper end of all frames.
     fn bounds(&self) -> [f64; 4] {
-        let margin = 1.05 * self.network.squares.iter().map(|square| square.half_diagonal).fold(0.0, f64::max);
-        let centres = self.frames.iter().flat_map(|(_, positions)| positions.chunks_exact(3));
-        let [left, low, right, up] = centres
-            .fold([f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY], |b, s| {
-                [b[0].min(s[0]), b[1].min(s[1]), b[2].max(s[0]), b[3].max(s[1])]
-            });
+        let margin = 1.05
+            * self
+                .network
+                .squares
+                .iter()
+                .map(|square| square.half_diagonal)
+                .fold(0.0, f64::max);
+        let centres = self
+            .frames
+            .iter()
+            .flat_map(|(_, positions)| positions.chunks_exact(3));
+        let [left, low, right, up] = centres.fold(
+            [
+                f64::INFINITY,
+                f64::INFINITY,
+                f64::NEG_INFINITY,
+                f64::NEG_INFINITY,
+            ],
+            |b, s| {
+                [
+                    b[0].min(s[0]),
+                    b[1].min(s[1]),
+                    b[2].max(s[0]),
+                    b[3].max(s[1]),
+                ]
+            },
+        );
         [left - margin, low - margin, right + margin, up + margin]
     }
 
@@ -93,12 +127,34 @@ impl Animation {
     pub(crate) fn to_json(&self) -> String {
         let rods = self.network.rods.iter().map(|rod| {
             let [x, y] = shift(&self.network, rod);
-            serde_json::json!([rod.from.square, rod.from.vertex, rod.to.square, rod.to.vertex, x, y])
+            serde_json::json!([
+                rod.from.square,
+                rod.from.vertex,
+                rod.to.square,
+                rod.to.vertex,
+                x,
+                y
+            ])
         });
         let rods: Vec<serde_json::Value> = rods.collect();
-        let half_diagonals: Vec<f64> = self.network.squares.iter().map(|square| square.half_diagonal).collect();
-        let frames: Vec<Vec<f64>> = self.frames.iter().map(|(_, positions)| rounded(positions)).collect();
-        let times = rounded(&self.frames.iter().map(|(time, _)| *time).collect::<Vec<_>>());
+        let half_diagonals: Vec<f64> = self
+            .network
+            .squares
+            .iter()
+            .map(|square| square.half_diagonal)
+            .collect();
+        let frames: Vec<Vec<f64>> = self
+            .frames
+            .iter()
+            .map(|(_, positions)| rounded(positions))
+            .collect();
+        let times = rounded(
+            &self
+                .frames
+                .iter()
+                .map(|(time, _)| *time)
+                .collect::<Vec<_>>(),
+        );
         let data = serde_json::json!({
             "title": self.title, "bounds": self.bounds(), "size": half_diagonals, "rods": rods, "times": times,
             "frames": frames,
@@ -109,7 +165,9 @@ impl Animation {
 
     /// One frame as an SVG file.
     pub fn to_svg(&self, frame: usize) -> String {
-        let Some((time, positions)) = self.frames.get(frame) else { return String::new() };
+        let Some((time, positions)) = self.frames.get(frame) else {
+            return String::new();
+        };
         let [left, low, right, up] = self.bounds();
         let scale = FRAME_PIXELS / (right - left).max(up - low);
         let (width, height) = (scale * (right - left), scale * (up - low));
@@ -167,7 +225,10 @@ const CAPTION_PIXELS: f64 = 30.0;
 /// Where the other end of a rod lies from where its corner is drawn: the periodic image.
 fn shift(network: &Network, rod: &Rod) -> [f64; 2] {
     let cell = network.cell.unwrap_or([0.0; 2]);
-    [f64::from(rod.image[0]) * cell[0], f64::from(rod.image[1]) * cell[1]]
+    [
+        f64::from(rod.image[0]) * cell[0],
+        f64::from(rod.image[1]) * cell[1],
+    ]
 }
 
 /// A tenth of a pixel is enough to draw.
@@ -179,5 +240,10 @@ fn rounded(numbers: &[f64]) -> Vec<f64> {
 fn colour(angle: f64) -> String {
     let turn = (angle / FRAC_PI_2).rem_euclid(1.0);
     let part = |phase: f64| (165.0 + 75.0 * (TAU * (turn - phase)).cos()).round() as u8;
-    format!("#{:02x}{:02x}{:02x}", part(0.0), part(1.0 / 3.0), part(2.0 / 3.0))
+    format!(
+        "#{:02x}{:02x}{:02x}",
+        part(0.0),
+        part(1.0 / 3.0),
+        part(2.0 / 3.0)
+    )
 }

@@ -1,9 +1,9 @@
 //! How many steps per CPU-second a lattice allows, and how exact they are.
 //!
-//! The start is half open, θ = ± 0.4, with random angular velocities, ω drawn evenly from -1 to 1; the time step is the one
-//! that `time_step = "auto"` stands for. There rods of every length and lattices of every size are well resolved: the open
-//! state is the largest extension, and squares that leave it each their own way pull at their rods, the more the larger the
-//! lattice is.
+//! The start is half open, θ = ± 0.4, with random angular velocities, ω drawn evenly from -1 to 1;
+//! the time step is the one that `time_step = "auto"` stands for. There rods of every length and
+//! lattices of every size are well resolved: the open state is the largest extension, and squares
+//! that leave it each their own way pull at their rods, the more the larger the lattice is.
 
 use super::mover::Mover;
 use super::settings::{LatticeSettings, Start, TimeStep, Velocities};
@@ -63,7 +63,11 @@ pub fn bench(settings: &LatticeSettings, steps: u64) -> Result<LatticeBench> {
     }
     let start = thread_seconds();
     let start_angle = Start::Angle(START_ANGLE_RAD);
-    let settings = LatticeSettings { velocities: Velocities::Random, start: start_angle, ..settings.clone() };
+    let settings = LatticeSettings {
+        velocities: Velocities::Random,
+        start: start_angle,
+        ..settings.clone()
+    };
     let begun = begin(&settings)?;
     let time_step = match (settings.time_step, time_step(&settings, &begun)?) {
         (TimeStep::Fixed(step), _) => step,
@@ -84,7 +88,8 @@ pub fn bench(settings: &LatticeSettings, steps: u64) -> Result<LatticeBench> {
         max_rod_violation = max_rod_violation.max(mover.rod_violation(&state));
         energy_error = energy_error.max((mover.energy(&state) / first_energy - 1.0).abs());
     }
-    // Looking is included: it costs less than a step. Very short runs are below what the system's count resolves.
+    // Looking is included: it costs less than a step. Very short runs are below what the system's
+    // count resolves.
     let seconds = match thread_seconds() - begin {
         seconds if seconds > 0.0 => seconds,
         _ => clock.elapsed().as_secs_f64(),

@@ -1,4 +1,5 @@
-//! The directory of a run or a sweep of lattices: whose it is, who works in it, what of it may be removed.
+//! The directory of a run or a sweep of lattices: whose it is, who works in it, what of it may be
+//! removed.
 
 use super::settings::LatticeSettings;
 use crate::keys;
@@ -10,8 +11,8 @@ use std::path::Path;
 /// The resolved settings.
 const SETTINGS: &str = "run.toml";
 
-/// Makes the directory, or enters one that holds the same work, whose length may differ; [`ResultsDirectory::enter`] tells
-/// the rest. `holds` and `results` are as in [`Layout`].
+/// Makes the directory, or enters one that holds the same work, whose length may differ;
+/// [`ResultsDirectory::enter`] tells the rest. `holds` and `results` are as in [`Layout`].
 ///
 /// # Errors
 /// If the directory holds something else, another process works in it, or the disk refuses.
@@ -22,8 +23,14 @@ pub fn enter(
     results: &[&str],
     start_anew: bool,
 ) -> Result<ResultsDirectory> {
-    let layout = Layout { settings: SETTINGS, holds, results, is_result: |_| false };
-    let continues = |present: &LatticeSettings| Ok(present.without_length() == settings.without_length());
+    let layout = Layout {
+        settings: SETTINGS,
+        holds,
+        results,
+        is_result: |_| false,
+    };
+    let continues =
+        |present: &LatticeSettings| Ok(present.without_length() == settings.without_length());
     ResultsDirectory::enter(path, layout, settings, start_anew, continues)
 }
 
@@ -40,8 +47,13 @@ pub fn to_toml(settings: &LatticeSettings) -> Result<String> {
 /// # Errors
 /// Names the file, the line and the key.
 pub fn read_settings(path: &Path) -> Result<LatticeSettings> {
-    let file = if path.is_dir() { path.join(SETTINGS) } else { path.to_owned() };
-    let text = std::fs::read_to_string(&file).with_context(|| format!("cannot read {}", file.display()))?;
+    let file = if path.is_dir() {
+        path.join(SETTINGS)
+    } else {
+        path.to_owned()
+    };
+    let text = std::fs::read_to_string(&file)
+        .with_context(|| format!("cannot read {}", file.display()))?;
     keys::from_toml(&file, &text)
 }
 
@@ -54,7 +66,12 @@ pub fn identity(settings: &LatticeSettings) -> Result<String> {
 }
 
 /// The record of a run.
-pub fn record(verb: &str, identity: &str, exit_reason: &str, details: serde_json::Value) -> RunRecord {
+pub fn record(
+    verb: &str,
+    identity: &str,
+    exit_reason: &str,
+    details: serde_json::Value,
+) -> RunRecord {
     RunRecord {
         version: env!("CARGO_PKG_VERSION").into(),
         verb: verb.into(),

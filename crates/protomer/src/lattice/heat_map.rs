@@ -26,7 +26,9 @@ const MARGIN: usize = 40;
 /// If the disk does not take it.
 pub fn write_svg(path: &Path, title: &str, maps: &[HeatMap], columns: usize) -> Result<()> {
     let svg = to_svg(title, maps, columns)?;
-    Ok(write_atomically(path, |file| file.write_all(svg.as_bytes()))?)
+    Ok(write_atomically(path, |file| {
+        file.write_all(svg.as_bytes())
+    })?)
 }
 
 fn to_svg(title: &str, maps: &[HeatMap], columns: usize) -> Result<String> {
@@ -39,13 +41,23 @@ fn to_svg(title: &str, maps: &[HeatMap], columns: usize) -> Result<String> {
     );
     for (index, map) in maps.iter().enumerate() {
         let (x, y) = (index % columns * step, MARGIN + index / columns * step);
-        let inside = picture([MARGIN, MARGIN], [EDGE, EDGE], &png(map.size, map.size, &map.values)?)
-            + &format!("<text x=\"{MARGIN}\" y=\"{}\">{}</text>\n", MARGIN - 8, map.title);
+        let inside = picture(
+            [MARGIN, MARGIN],
+            [EDGE, EDGE],
+            &png(map.size, map.size, &map.values)?,
+        ) + &format!(
+            "<text x=\"{MARGIN}\" y=\"{}\">{}</text>\n",
+            MARGIN - 8,
+            map.title
+        );
         svg += &part([x, y], [MARGIN + EDGE, MARGIN + EDGE], &inside);
     }
     let scale: Vec<f64> = (0..100).map(|k| f64::from(k) / 99.0).collect();
     let inside = picture([MARGIN + 20, 0], [EDGE - 40, 16], &png(100, 1, &scale)?)
-        + &format!("<text x=\"{MARGIN}\" y=\"14\">0</text><text x=\"{}\" y=\"14\">1</text>\n", MARGIN + EDGE - 14);
+        + &format!(
+            "<text x=\"{MARGIN}\" y=\"14\">0</text><text x=\"{}\" y=\"14\">1</text>\n",
+            MARGIN + EDGE - 14
+        );
     svg += &part([0, height - MARGIN], [MARGIN + EDGE, 20], &inside);
     Ok(svg + "</svg>\n")
 }
@@ -68,12 +80,23 @@ fn picture([x, y]: [usize; 2], [width, height]: [usize; 2], png: &[u8]) -> Strin
 
 /// From dark blue over green to yellow, ever lighter.
 fn colour(value: f64) -> [u8; 3] {
-    const STOPS: [[f64; 3]; 5] =
-        [[48.0, 18.0, 85.0], [52.0, 84.0, 139.0], [31.0, 146.0, 140.0], [108.0, 204.0, 92.0], [252.0, 231.0, 55.0]];
-    let value = if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) } * (STOPS.len() - 1) as f64;
+    const STOPS: [[f64; 3]; 5] = [
+        [48.0, 18.0, 85.0],
+        [52.0, 84.0, 139.0],
+        [31.0, 146.0, 140.0],
+        [108.0, 204.0, 92.0],
+        [252.0, 231.0, 55.0],
+    ];
+    let value = if value.is_nan() {
+        0.0
+    } else {
+        value.clamp(0.0, 1.0)
+    } * (STOPS.len() - 1) as f64;
     let below = (value.floor() as usize).min(STOPS.len() - 2);
     let part = value - below as f64;
-    [0, 1, 2].map(|channel| (STOPS[below][channel] * (1.0 - part) + STOPS[below + 1][channel] * part).round() as u8)
+    [0, 1, 2].map(|channel| {
+        (STOPS[below][channel] * (1.0 - part) + STOPS[below + 1][channel] * part).round() as u8
+    })
 }
 
 fn png(width: usize, height: usize, values: &[f64]) -> Result<Vec<u8>> {
@@ -82,7 +105,9 @@ fn png(width: usize, height: usize, values: &[f64]) -> Result<Vec<u8>> {
     encoder.set_color(png::ColorType::Rgb);
     let pixels: Vec<u8> = values.iter().flat_map(|value| colour(*value)).collect();
     let mut writer = encoder.write_header().context("a picture of a matrix")?;
-    writer.write_image_data(&pixels).context("a picture of a matrix")?;
+    writer
+        .write_image_data(&pixels)
+        .context("a picture of a matrix")?;
     writer.finish().context("a picture of a matrix")?;
     Ok(bytes)
 }
@@ -93,7 +118,12 @@ mod tests {
 
     #[test]
     fn colours_get_lighter() {
-        let light = |value: f64| colour(value).iter().map(|part| u32::from(*part)).sum::<u32>();
+        let light = |value: f64| {
+            colour(value)
+                .iter()
+                .map(|part| u32::from(*part))
+                .sum::<u32>()
+        };
         assert!((0..99).all(|k| light(f64::from(k) / 100.0) <= light(f64::from(k + 1) / 100.0)));
         assert_eq!(colour(f64::NAN), colour(-1.0));
         assert_eq!(colour(2.0), colour(1.0));

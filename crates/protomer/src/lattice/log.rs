@@ -29,7 +29,8 @@ pub struct LogRow {
     pub vertical: f64,
     /// Amplitude of (-1)^i.
     pub horizontal: f64,
-    /// Share of the checkerboard mode in the rotational energy, without that of the uniform mode; NaN where nothing turns.
+    /// Share of the checkerboard mode in the rotational energy, without that of the uniform mode;
+    /// NaN where nothing turns.
     pub checkerboard_fraction: f64,
     /// The same of the energy as a whole.
     pub checkerboard_fraction_of_total: f64,
@@ -52,7 +53,11 @@ pub struct LogRow {
 }
 
 /// A column: its name and its number in a row.
-type Column = (&'static str, fn(&LogRow) -> f64, fn(&mut LogRow) -> &mut f64);
+type Column = (
+    &'static str,
+    fn(&LogRow) -> f64,
+    fn(&mut LogRow) -> &mut f64,
+);
 
 macro_rules! columns {
     ($($name:ident),*) => { [$((stringify!($name), |row| row.$name, |row| &mut row.$name)),*] };
@@ -82,18 +87,26 @@ const NUMBERS: [Column; 17] = columns![
 /// The names of the columns, in order.
 pub fn columns() -> Vec<&'static str> {
     let numbers = NUMBERS.iter().map(|(name, ..)| *name);
-    std::iter::once("step").chain(numbers).chain(std::iter::once("events")).collect()
+    std::iter::once("step")
+        .chain(numbers)
+        .chain(std::iter::once("events"))
+        .collect()
 }
 
 impl LogRow {
-    /// What there is to say of a state; strains are against the positions of the start and of the last row.
+    /// What there is to say of a state; strains are against the positions of the start and of the
+    /// last row.
     pub fn new(step: u64, mover: &mut Mover, state: &State, start: &[f64], last: &[f64]) -> Self {
         let network = mover.network().clone();
         let potential_energy = mover.potential_energy();
         let kinetic_energy = state.kinetic_energy(&network);
         let modes = Modes::of(&network, &state.positions);
         let energies = ModeEnergies::of(&network, state);
-        let fraction = |out_of| energies.checkerboard_fraction(out_of, potential_energy).unwrap_or(f64::NAN);
+        let fraction = |out_of| {
+            energies
+                .checkerboard_fraction(out_of, potential_energy)
+                .unwrap_or(f64::NAN)
+        };
         let [strain_xx, strain_yy, strain_xy] = strain(&network, start, &state.positions);
         let [step_strain_xx, step_strain_yy, _] = strain(&network, last, &state.positions);
         Self {
@@ -119,16 +132,24 @@ impl LogRow {
         }
     }
 
-    /// The row as a line of the log. Rust prints the shortest decimal that reads back as the same number.
+    /// The row as a line of the log. Rust prints the shortest decimal that reads back as the same
+    /// number.
     pub fn to_line(&self) -> String {
-        let numbers = NUMBERS.iter().map(|(_, number, _)| number(self).to_string());
-        let cells = std::iter::once(self.step.to_string()).chain(numbers).chain([self.events.to_string()]);
+        let numbers = NUMBERS
+            .iter()
+            .map(|(_, number, _)| number(self).to_string());
+        let cells = std::iter::once(self.step.to_string())
+            .chain(numbers)
+            .chain([self.events.to_string()]);
         cells.collect::<Vec<_>>().join(",")
     }
 
     fn from_line(line: &str) -> Option<Self> {
         let mut cells = line.split(',');
-        let mut row = Self { step: cells.next()?.parse().ok()?, ..Self::default() };
+        let mut row = Self {
+            step: cells.next()?.parse().ok()?,
+            ..Self::default()
+        };
         for (_, _, place) in NUMBERS {
             *place(&mut row) = cells.next()?.parse().ok()?;
         }
@@ -145,7 +166,8 @@ pub fn read_log(path: &Path) -> Result<Vec<LogRow>> {
     rows_of(path, &read_text(path)?)
 }
 
-/// Reads the log of a run that may still go on, or was killed: without a last line that is not complete.
+/// Reads the log of a run that may still go on, or was killed: without a last line that is not
+/// complete.
 ///
 /// # Errors
 /// As [`read_log`].
@@ -159,13 +181,18 @@ fn rows_of(path: &Path, text: &str) -> Result<Vec<LogRow>> {
     for (index, line) in text.lines().enumerate().skip(1) {
         match LogRow::from_line(line) {
             Some(row) => rows.push(row),
-            None => bail!("{}:{}: '{line}' is not a row of a log; run again with --force", path.display(), index + 1),
+            None => bail!(
+                "{}:{}: '{line}' is not a row of a log; run again with --force",
+                path.display(),
+                index + 1
+            ),
         }
     }
     Ok(rows)
 }
 
-/// xx, yy and xy of the strain from one array of positions to another; NaN for squares that show none.
+/// xx, yy and xy of the strain from one array of positions to another; NaN for squares that show
+/// none.
 fn strain(network: &Network, from: &[f64], to: &[f64]) -> [f64; 3] {
     match deformation_gradient(&corners(network, from), &corners(network, to)) {
         Ok(gradient) => {
@@ -182,7 +209,13 @@ mod tests {
 
     #[test]
     fn rows_survive_a_round_trip() {
-        let row = LogRow { step: 3, time: 0.1 + 0.2, checkerboard_fraction: 0.5, events: 7, ..LogRow::default() };
+        let row = LogRow {
+            step: 3,
+            time: 0.1 + 0.2,
+            checkerboard_fraction: 0.5,
+            events: 7,
+            ..LogRow::default()
+        };
         assert_eq!(LogRow::from_line(&row.to_line()), Some(row));
         assert_eq!(row.to_line().split(',').count(), columns().len());
         assert_eq!(LogRow::from_line("1,2,3"), None);

@@ -5,7 +5,8 @@ use super::start::heat_bath;
 use anyhow::Result;
 use protomer_crystal::lattice::paper::{PaperEngine, PaperSettings};
 use protomer_crystal::lattice::{
-    Coherence, CollisionSettings, Dynamics, Engine, Force, Langevin, Network, ScreenedCharges, State,
+    Coherence, CollisionSettings, Dynamics, Engine, Force, Langevin, Network, ScreenedCharges,
+    State,
 };
 use protomer_kernel::potential::Yukawa;
 use std::sync::Arc;
@@ -33,20 +34,39 @@ impl Mover {
     /// The engine of a run, prepared at the first state of the run.
     ///
     /// # Errors
-    /// For a network or state that makes no sense, rods that depend on each other, or squares that overlap.
+    /// For a network or state that makes no sense, rods that depend on each other, or squares that
+    /// overlap.
     pub fn new(settings: &LatticeSettings, network: Arc<Network>, first: &State) -> Result<Self> {
         let (shared, sigma) = (network.clone(), vec![0.0; network.rods.len()]);
         let forces = forces(settings, &network)?;
         let kind = if settings.paper {
-            Kind::Paper(PaperEngine::new(network, forces, first, PaperSettings::default())?)
+            Kind::Paper(PaperEngine::new(
+                network,
+                forces,
+                first,
+                PaperSettings::default(),
+            )?)
         } else if settings.collisions {
-            let collisions = CollisionSettings { restitution: settings.restitution, ..CollisionSettings::default() };
+            let collisions = CollisionSettings {
+                restitution: settings.restitution,
+                ..CollisionSettings::default()
+            };
             Kind::Colliding(Engine::new(network, forces, first, collisions)?)
         } else {
             Kind::Free(Dynamics::new(network, forces, first)?)
         };
-        let bath = if settings.friction > 0.0 { Some(heat_bath(settings)?) } else { None };
-        Ok(Self { kind, network: shared, bath, sigma, earlier_events: 0 })
+        let bath = if settings.friction > 0.0 {
+            Some(heat_bath(settings)?)
+        } else {
+            None
+        };
+        Ok(Self {
+            kind,
+            network: shared,
+            bath,
+            sigma,
+            earlier_events: 0,
+        })
     }
 
     /// Goes on from another state, that of a checkpoint.
@@ -99,7 +119,12 @@ impl Mover {
     /// Largest deviation of a rod from its length.
     pub fn rod_violation(&mut self, state: &State) -> f64 {
         let mut sigma = std::mem::take(&mut self.sigma);
-        let violation = self.dynamics().rods().violations(&state.positions, &mut sigma).1.abs();
+        let violation = self
+            .dynamics()
+            .rods()
+            .violations(&state.positions, &mut sigma)
+            .1
+            .abs();
         self.sigma = sigma;
         violation
     }
@@ -118,7 +143,9 @@ impl Mover {
     }
 
     fn step_with_bath(&mut self, state: &mut State, time_step: f64, step: u64) -> Result<()> {
-        let Some(bath) = self.bath else { return self.step_without_bath(state, time_step) };
+        let Some(bath) = self.bath else {
+            return self.step_without_bath(state, time_step);
+        };
         bath.before(self.dynamics(), state, time_step, step);
         self.step_without_bath(state, time_step)?;
         bath.after(self.dynamics(), state, time_step, step);
@@ -140,7 +167,9 @@ impl Mover {
 /// # Errors
 /// For charges or a screening that make no sense.
 pub fn forces(settings: &LatticeSettings, network: &Network) -> Result<Vec<Box<dyn Force>>> {
-    let mut forces: Vec<Box<dyn Force>> = vec![Box::new(Coherence { kappa: settings.kappa })];
+    let mut forces: Vec<Box<dyn Force>> = vec![Box::new(Coherence {
+        kappa: settings.kappa,
+    })];
     if let Some(screening) = &settings.screening {
         let yukawa = Yukawa::new(
             screening.bjerrum_length_angstrom,
@@ -149,8 +178,13 @@ pub fn forces(settings: &LatticeSettings, network: &Network) -> Result<Vec<Box<d
         )?;
         // check() has seen to it that there is a scale.
         let scale_angstrom = settings.half_diagonal_angstrom.unwrap_or(f64::NAN);
-        let charges =
-            ScreenedCharges::on_every_square(network, yukawa, scale_angstrom, screening.kt, &settings.charges)?;
+        let charges = ScreenedCharges::on_every_square(
+            network,
+            yukawa,
+            scale_angstrom,
+            screening.kt,
+            &settings.charges,
+        )?;
         forces.push(Box::new(charges));
     }
     Ok(forces)

@@ -1,7 +1,8 @@
 //! A state from a file, followed without collisions, to the first contact, and through it.
 //!
-//! The file is JSON with `ns` (squares along an edge), `r0`, `s0` and `v0` (x, y, θ and their rates, square after square),
-//! `times`; `kappa`, `l` and `I` are optional, and what else it holds is left alone.
+//! The file is JSON with `ns` (squares along an edge), `r0`, `s0` and `v0` (x, y, θ and their
+//! rates, square after square), `times`; `kappa`, `l` and `I` are optional, and what else it holds
+//! is left alone.
 
 use crate::keys;
 use anyhow::{Context, Result, bail};
@@ -102,7 +103,8 @@ pub struct Response {
     pub v_after: Vec<f64>,
     /// Square whose corner strikes, which corner (1 to 4), square that is struck.
     pub contacts: Vec<[usize; 3]>,
-    /// Impulses along the normals; corners that meet head on are listed from either side and share one.
+    /// Impulses along the normals; corners that meet head on are listed from either side and share
+    /// one.
     pub impulses: Vec<f64>,
     /// Change of the kinetic energy.
     pub energy_change: f64,
@@ -114,28 +116,47 @@ impl LatticeFile {
     /// # Errors
     /// Names the file, the line and the key.
     pub fn read(path: &Path) -> Result<Self> {
-        let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+        let bytes =
+            std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
         keys::from_json(path, &bytes)
     }
 
     fn network(&self) -> Result<Arc<Network>> {
-        let square =
-            Square { half_diagonal: self.l, mass: 1.0, inertia: self.inertia.unwrap_or(self.l * self.l / 3.0) };
+        let square = Square {
+            half_diagonal: self.l,
+            mass: 1.0,
+            inertia: self.inertia.unwrap_or(self.l * self.l / 3.0),
+        };
         let size = self.squares_along_edge;
-        Ok(Arc::new(Network::lattice(size, size, self.r0, square, Edges::Open, FRAC_PI_4)?))
+        Ok(Arc::new(Network::lattice(
+            size,
+            size,
+            self.r0,
+            square,
+            Edges::Open,
+            FRAC_PI_4,
+        )?))
     }
 
     fn first_state(&self) -> State {
-        State { time: 0.0, positions: self.s0.clone(), velocities: self.v0.clone() }
+        State {
+            time: 0.0,
+            positions: self.s0.clone(),
+            velocities: self.v0.clone(),
+        }
     }
 
     fn dynamics(&self, state: &State) -> Result<Dynamics> {
-        Ok(Dynamics::new(self.network()?, vec![Box::new(Coherence { kappa: self.kappa })], state)?)
+        Ok(Dynamics::new(
+            self.network()?,
+            vec![Box::new(Coherence { kappa: self.kappa })],
+            state,
+        )?)
     }
 }
 
-/// Follows the state of a file with steps of at most `time_step`, and to its first contact unless that is later than
-/// `longest`.
+/// Follows the state of a file with steps of at most `time_step`, and to its first contact unless
+/// that is later than `longest`.
 ///
 /// # Errors
 /// For a state that does not fit the lattice, times that do not rise, or a step that is too large.
@@ -159,7 +180,9 @@ pub fn replay(file: &LatticeFile, time_step: f64, longest: f64) -> Result<Replay
         advance(&mut dynamics, &mut state, *time, time_step)?;
         replay.s.push(state.positions.clone());
         replay.v.push(state.velocities.clone());
-        replay.energy.push(state.kinetic_energy(dynamics.network()) + dynamics.potential_energy());
+        replay
+            .energy
+            .push(state.kinetic_energy(dynamics.network()) + dynamics.potential_energy());
     }
     Ok(replay)
 }
@@ -179,16 +202,31 @@ fn advance(dynamics: &mut Dynamics, state: &mut State, time: f64, time_step: f64
     Ok(())
 }
 
-fn first_collision(file: &LatticeFile, time_step: f64, longest: f64) -> Result<Option<FirstCollision>> {
+fn first_collision(
+    file: &LatticeFile,
+    time_step: f64,
+    longest: f64,
+) -> Result<Option<FirstCollision>> {
     let mut state = file.first_state();
     let mut dynamics = file.dynamics(&state)?;
-    let Some(found) = replay::first_contact(&mut dynamics, &mut state, time_step, longest, false)? else {
+    let Some(found) = replay::first_contact(&mut dynamics, &mut state, time_step, longest, false)?
+    else {
         return Ok(None);
     };
     let contacts = found.listed();
-    let State { positions: s, velocities: v, .. } = found.state;
+    let State {
+        positions: s,
+        velocities: v,
+        ..
+    } = found.state;
     let response = replay::respond(dynamics.network(), &s, &v, &contacts, 1.0)?;
-    Ok(Some(FirstCollision { t: found.time, s, v, contacts, v_after: response.velocities_after }))
+    Ok(Some(FirstCollision {
+        t: found.time,
+        s,
+        v,
+        contacts,
+        v_after: response.velocities_after,
+    }))
 }
 
 /// The elastic impact at the state of contact of a file.
@@ -197,18 +235,39 @@ fn first_collision(file: &LatticeFile, time_step: f64, longest: f64) -> Result<O
 /// If the file has no such state, it does not fit the lattice, or nothing touches.
 pub fn respond(file: &LatticeFile) -> Result<Response> {
     let Some(contact) = &file.first_collision else {
-        bail!("the file has no first_collision; add one with the state s and the rates v just before");
+        bail!(
+            "the file has no first_collision; add one with the state s and the rates v just before"
+        );
     };
     let network = file.network()?;
-    let state = State { time: contact.t, positions: contact.s.clone(), velocities: contact.v.clone() };
+    let state = State {
+        time: contact.t,
+        positions: contact.s.clone(),
+        velocities: contact.v.clone(),
+    };
     state.check(&network)?;
     let found = touching(&network, &state);
-    let contacts = if found.is_empty() { contact.contacts.clone() } else { found };
+    let contacts = if found.is_empty() {
+        contact.contacts.clone()
+    } else {
+        found
+    };
     if contacts.is_empty() {
-        bail!("no two squares of first_collision.s are within {TOUCHING} of each other; give a state of contact");
+        bail!(
+            "no two squares of first_collision.s are within {TOUCHING} of each other; give a state of contact"
+        );
     }
-    let response = replay::respond(&network, &state.positions, &state.velocities, &contacts, 1.0)?;
-    let after = State { velocities: response.velocities_after.clone(), ..state.clone() };
+    let response = replay::respond(
+        &network,
+        &state.positions,
+        &state.velocities,
+        &contacts,
+        1.0,
+    )?;
+    let after = State {
+        velocities: response.velocities_after.clone(),
+        ..state.clone()
+    };
     Ok(Response {
         energy_change: after.kinetic_energy(&network) - state.kinetic_energy(&network),
         v_after: response.velocities_after,
@@ -221,8 +280,16 @@ pub fn respond(file: &LatticeFile) -> Result<Response> {
 fn touching(network: &Network, state: &State) -> Vec<[usize; 3]> {
     let detector = Detector::new(network, &state.positions, false);
     let mut contacts = Vec::new();
-    for watch in detector.watches().filter(|watch| watch.gap(network, &state.positions) <= TOUCHING) {
+    for watch in detector
+        .watches()
+        .filter(|watch| watch.gap(network, &state.positions) <= TOUCHING)
+    {
         watch.contacts(network, &state.positions, &mut contacts);
     }
-    FirstContact { time: state.time, state: state.clone(), contacts }.listed()
+    FirstContact {
+        time: state.time,
+        state: state.clone(),
+        contacts,
+    }
+    .listed()
 }

@@ -11,7 +11,8 @@ use super::settings::LatticeSettings;
 use super::start::{Begun, begin, time_step};
 use super::trajectory::Trajectory;
 use crate::run::{
-    Execution, LATTICE_RUN, Log, LogMark, RunRecord, check_log, read_checkpoint, read_record, write_checkpoint,
+    Execution, LATTICE_RUN, Log, LogMark, RunRecord, check_log, read_checkpoint, read_record,
+    write_checkpoint,
 };
 use anyhow::{Context, Result, bail};
 use protomer_crystal::lattice::State;
@@ -24,7 +25,14 @@ const CHECKPOINT: &str = "checkpoint.bin";
 const LOG: &str = "log.csv";
 const TRAJECTORY: &str = "trajectory.gsd";
 /// Everything that a run writes beside its settings.
-pub const RESULTS: [&str; 6] = ["run.json", LOG, TRAJECTORY, CHECKPOINT, "trajectory.gsd.partial", "report.html"];
+pub const RESULTS: [&str; 6] = [
+    "run.json",
+    LOG,
+    TRAJECTORY,
+    CHECKPOINT,
+    "trajectory.gsd.partial",
+    "report.html",
+];
 /// What the container says it holds.
 const KIND: &str = "lattice checkpoint";
 
@@ -67,7 +75,8 @@ pub struct LatticeResult {
     pub time: f64,
     /// Time step.
     pub time_step: f64,
-    /// Standard deviation of the angles about the coherent state at the start: less than was asked for where rods are short.
+    /// Standard deviation of the angles about the coherent state at the start: less than was asked
+    /// for where rods are short.
     pub start_angle_spread: f64,
     /// Collisions.
     pub events: u64,
@@ -75,8 +84,8 @@ pub struct LatticeResult {
     pub start_energy: f64,
     /// Energy at the end.
     pub energy: f64,
-    /// Largest deviation of the energy from that of the start in the log, in parts of it; it says nothing of a run with
-    /// a heat bath, friction or inelastic collisions.
+    /// Largest deviation of the energy from that of the start in the log, in parts of it; it says
+    /// nothing of a run with a heat bath, friction or inelastic collisions.
     pub energy_error: f64,
     /// Largest deviation of a rod from its length in the log.
     pub max_rod_violation: f64,
@@ -94,8 +103,9 @@ pub enum LatticeEnd {
 /// Runs or continues a lattice in a directory. `advanced` hears how many steps were done.
 ///
 /// # Errors
-/// For settings or a start that make no sense, a directory that holds another run, a disk that takes no more, and a step
-/// that failed: the last good state is then in the checkpoint, and `run.json` says what happened.
+/// For settings or a start that make no sense, a directory that holds another run, a disk that
+/// takes no more, and a step that failed: the last good state is then in the checkpoint, and
+/// `run.json` says what happened.
 pub fn run_lattice(
     settings: &LatticeSettings,
     path: &Path,
@@ -122,7 +132,10 @@ pub fn run_lattice(
     let saved = run.save();
     let (record, end) = match (outcome, saved) {
         (Ok(true), Ok(())) => (run.record("done")?, Ok(LatticeEnd::Finished(run.result()))),
-        (Ok(false), Ok(())) => (run.record("stopped")?.stopped_by(&execution.interrupt), Ok(LatticeEnd::Stopped)),
+        (Ok(false), Ok(())) => (
+            run.record("stopped")?.stopped_by(&execution.interrupt),
+            Ok(LatticeEnd::Stopped),
+        ),
         (Err(error), Ok(())) => {
             let context = format!(
                 "step {} (the last good state, t = {}, is kept in {})",
@@ -130,26 +143,37 @@ pub fn run_lattice(
                 run.state.time,
                 path.join(CHECKPOINT).display()
             );
-            (run.record(&format!("{error:#}"))?, Err(error.context(context)))
+            (
+                run.record(&format!("{error:#}"))?,
+                Err(error.context(context)),
+            )
         }
-        (Ok(_), Err(error)) | (Err(error), Err(_)) => (run.record(&format!("{error:#}"))?, Err(error)),
+        (Ok(_), Err(error)) | (Err(error), Err(_)) => {
+            (run.record(&format!("{error:#}"))?, Err(error))
+        }
     };
     let written = record.write(path);
-    // An error of the run is what counts; on a full disk there may be no room for the record either.
+    // An error of the run is what counts; on a full disk there may be no room for the record
+    // either.
     end.and_then(|end| written.map(|()| end))
 }
 
 /// The result of a run that is done already.
 fn finished(path: &Path, identity: &str, total: u64) -> Result<Option<LatticeResult>> {
-    let Some(present) = read_record(path)? else { return Ok(None) };
+    let Some(present) = read_record(path)? else {
+        return Ok(None);
+    };
     if present.identity != identity {
-        bail!("{} holds another run; choose another directory, or start anew with --force", path.display());
+        bail!(
+            "{} holds another run; choose another directory, or start anew with --force",
+            path.display()
+        );
     }
     if present.exit_reason != "done" {
         return Ok(None);
     }
-    let result: LatticeResult =
-        serde_json::from_value(present.details).with_context(|| format!("run.json in {}", path.display()))?;
+    let result: LatticeResult = serde_json::from_value(present.details)
+        .with_context(|| format!("run.json in {}", path.display()))?;
     if result.steps > total {
         bail!(
             "{} is at step {}, which is more than {total}; ask for at least as many, or choose another directory",
@@ -194,7 +218,13 @@ impl<'a> Run<'a> {
     ) -> Result<Self> {
         let network = mover.network().clone();
         let first_energy = mover.energy(&begun.state);
-        let new = Progress { steps: 0, events: 0, largest_rod_violation: 0.0, largest_energy_error: 0.0, first_energy };
+        let new = Progress {
+            steps: 0,
+            events: 0,
+            largest_rod_violation: 0.0,
+            largest_energy_error: 0.0,
+            first_energy,
+        };
         let mut state = begun.state.clone();
         let mut logged = state.positions.clone();
         let (mut mark, mut frames, mut progress) = (LogMark::default(), 0, new);
@@ -202,7 +232,10 @@ impl<'a> Run<'a> {
         let is_new = saved.is_none();
         if let Some(saved) = saved {
             if saved.identity != identity {
-                bail!("{} holds another run; choose another directory, or start anew with --force", path.display());
+                bail!(
+                    "{} holds another run; choose another directory, or start anew with --force",
+                    path.display()
+                );
             }
             (mark, frames, progress) = (saved.log, saved.frames, saved.progress);
             (state, logged) = (saved.state, saved.logged);
@@ -235,12 +268,18 @@ impl<'a> Run<'a> {
     }
 
     /// Steps until done (true) or interrupted (false).
-    fn advance(&mut self, total: u64, execution: &Execution, advanced: &dyn Fn(u64)) -> Result<bool> {
+    fn advance(
+        &mut self,
+        total: u64,
+        execution: &Execution,
+        advanced: &dyn Fn(u64),
+    ) -> Result<bool> {
         while self.progress.steps < total {
             if execution.interrupt.is_requested() {
                 return Ok(false);
             }
-            self.mover.step(&mut self.state, self.time_step, self.progress.steps)?;
+            self.mover
+                .step(&mut self.state, self.time_step, self.progress.steps)?;
             self.progress.steps += 1;
             self.progress.events = self.mover.events();
             // Not by adding up, which would drift off round times.
@@ -258,11 +297,19 @@ impl<'a> Run<'a> {
     fn write_outputs(&mut self) -> Result<()> {
         let step = self.progress.steps;
         if step.is_multiple_of(self.settings.log_every) {
-            let row = LogRow::new(step, &mut self.mover, &self.state, &self.start.positions, &self.logged);
+            let row = LogRow::new(
+                step,
+                &mut self.mover,
+                &self.state,
+                &self.start.positions,
+                &self.logged,
+            );
             let scale = self.progress.first_energy.abs();
-            let error = (row.energy - self.progress.first_energy).abs() / if scale > 0.0 { scale } else { 1.0 };
+            let error = (row.energy - self.progress.first_energy).abs()
+                / if scale > 0.0 { scale } else { 1.0 };
             self.progress.largest_energy_error = self.progress.largest_energy_error.max(error);
-            self.progress.largest_rod_violation = self.progress.largest_rod_violation.max(row.rod_violation);
+            self.progress.largest_rod_violation =
+                self.progress.largest_rod_violation.max(row.rod_violation);
             self.log.write_line(&row.to_line())?;
             self.logged.copy_from_slice(&self.state.positions);
         }

@@ -5,8 +5,8 @@ use protomer_crystal::lattice::pair::SquareCharge;
 use protomer_crystal::lattice::{Edges, Square};
 use serde::{Deserialize, Serialize};
 
-/// Settings of a run. Everything that can change a result is here and nothing else. Reduced units: the half-diagonal of a
-/// square is 1, its mass is 1.
+/// Settings of a run. Everything that can change a result is here and nothing else. Reduced units:
+/// the half-diagonal of a square is 1, its mass is 1.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LatticeSettings {
@@ -22,11 +22,13 @@ pub struct LatticeSettings {
     pub edges: Edges,
     /// The orientation of the squares at the start.
     pub start: Start,
-    /// Standard deviation of random angles added to the start; the rods allow less where they are short.
+    /// Standard deviation of random angles added to the start; the rods allow less where they are
+    /// short.
     pub angle_spread: f64,
     /// The velocities at the start.
     pub velocities: Velocities,
-    /// Angular velocity at the start: of every square (checkerboard), or the largest that is drawn (random).
+    /// Angular velocity at the start: of every square (checkerboard), or the largest that is drawn
+    /// (random).
     pub speed: f64,
     /// Run *to* this time.
     pub time: f64,
@@ -39,7 +41,8 @@ pub struct LatticeSettings {
     pub collisions: bool,
     /// Coefficient of restitution of the collisions: 1 is elastic.
     pub restitution: f64,
-    /// The collisions of the paper (one mean collision time per step, equalities) instead of one event after the other.
+    /// The collisions of the paper (one mean collision time per step, equalities) instead of one
+    /// event after the other.
     pub paper: bool,
     /// kT of a heat bath, in units of mass times (half-diagonal per time)²; needs a friction.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -52,7 +55,8 @@ pub struct LatticeSettings {
     pub log_every: u64,
     /// Steps between two frames of the trajectory; zero for no trajectory.
     pub trajectory_every: u64,
-    /// Length of one reduced unit in Å, where the lattice stands for real bodies; only screened charges need it.
+    /// Length of one reduced unit in Å, where the lattice stands for real bodies; only screened
+    /// charges need it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub half_diagonal_angstrom: Option<f64>,
     /// Squares that are missing, with their rods: row and column, from 0 at the upper left.
@@ -82,7 +86,10 @@ pub struct LatticeSettings {
 
 /// θ = ± this at the start, in radians.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(untagged, expecting = "start is 'open', 'closed', or the angle of the squares in radians")]
+#[serde(
+    untagged,
+    expecting = "start is 'open', 'closed', or the angle of the squares in radians"
+)]
 pub enum Start {
     /// Open or closed.
     Named(NamedStart),
@@ -132,8 +139,8 @@ impl std::str::FromStr for Start {
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "lowercase")]
 pub enum Velocities {
-    /// Every square turns against its neighbours, ω = ±(-1)^(i+j) speed: from the open state it closes, from any other it
-    /// opens.
+    /// Every square turns against its neighbours, ω = ±(-1)^(i+j) speed: from the open state it
+    /// closes, from any other it opens.
     Checkerboard,
     /// Every ω drawn evenly from -speed to speed.
     Random,
@@ -191,7 +198,8 @@ pub struct OtherSquare {
     /// Mass.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mass: Option<f64>,
-    /// Moment of inertia about the centre; if left out, that of the same material, in proportion to m l².
+    /// Moment of inertia about the centre; if left out, that of the same material, in proportion to
+    /// m l².
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inertia: Option<f64>,
 }
@@ -275,9 +283,14 @@ impl Default for LatticeSettings {
 const MOST_SQUARES: usize = 1_000_000;
 
 impl LatticeSettings {
-    /// The same settings with no length: what runs have in common that differ only in how far they went.
+    /// The same settings with no length: what runs have in common that differ only in how far they
+    /// went.
     pub fn without_length(&self) -> Self {
-        Self { time: 0.0, steps: None, ..self.clone() }
+        Self {
+            time: 0.0,
+            steps: None,
+            ..self.clone()
+        }
     }
 
     /// Checks what neither the types nor the engine do.
@@ -308,7 +321,11 @@ impl LatticeSettings {
             bail!("r0 is {}; the length of the rods must be positive", self.r0);
         }
         if self.rows.saturating_mul(self.columns) > MOST_SQUARES {
-            bail!("{} x {} squares are too many; ask for at most {MOST_SQUARES}", self.rows, self.columns);
+            bail!(
+                "{} x {} squares are too many; ask for at most {MOST_SQUARES}",
+                self.rows,
+                self.columns
+            );
         }
         if let TimeStep::Fixed(step) = self.time_step
             && !(step.is_finite() && step > 0.0)
@@ -316,19 +333,28 @@ impl LatticeSettings {
             bail!("time_step is {step}; it must be positive, or 'auto'");
         }
         if !(0.0..=1.0).contains(&self.restitution) {
-            bail!("restitution is {}; it must lie between 0 (no rebound) and 1 (elastic)", self.restitution);
+            bail!(
+                "restitution is {}; it must lie between 0 (no rebound) and 1 (elastic)",
+                self.restitution
+            );
         }
         if self.log_every == 0 {
             bail!("log_every is 0; it must be at least 1");
         }
         if self.temperature.is_some() && self.friction == 0.0 {
-            bail!("a heat bath needs a friction to act; add friction = 1, or leave out temperature");
+            bail!(
+                "a heat bath needs a friction to act; add friction = 1, or leave out temperature"
+            );
         }
         if self.paper && (self.restitution != 1.0 || !self.collisions) {
-            bail!("the paper's collisions are elastic; leave out restitution and collisions, or leave out paper");
+            bail!(
+                "the paper's collisions are elastic; leave out restitution and collisions, or leave out paper"
+            );
         }
         if self.screening.is_some() && self.half_diagonal_angstrom.is_none() {
-            bail!("screened charges need a scale; add half_diagonal_angstrom, the length of one unit in Å");
+            bail!(
+                "screened charges need a scale; add half_diagonal_angstrom, the length of one unit in Å"
+            );
         }
         if self.velocities == Velocities::Thermal && self.temperature.is_none() {
             bail!("thermal velocities need a temperature; add temperature = 0.1");

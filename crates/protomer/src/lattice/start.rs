@@ -5,7 +5,9 @@ use super::settings::{LatticeSettings, OtherSquare, TimeStep, Velocities};
 use anyhow::{Result, bail};
 use protomer_crystal::CrystalError;
 use protomer_crystal::lattice::rods::RodSystem;
-use protomer_crystal::lattice::{AngularVelocities, Corner, Dynamics, Langevin, Network, Rod, Square, Start, State};
+use protomer_crystal::lattice::{
+    AngularVelocities, Corner, Dynamics, Langevin, Network, Rod, Square, Start, State,
+};
 use std::collections::BTreeSet;
 use std::f64::consts::FRAC_PI_4;
 use std::sync::Arc;
@@ -34,15 +36,25 @@ pub fn begin(settings: &LatticeSettings) -> Result<Begun> {
     let closes = (angle - FRAC_PI_4).abs() < 1e-9;
     let velocities = match settings.velocities {
         Velocities::Rest | Velocities::Thermal => AngularVelocities::Rest,
-        Velocities::Random if settings.speed > 0.0 => {
-            AngularVelocities::Uniform { largest: settings.speed, sum_of_squares: None }
-        }
+        Velocities::Random if settings.speed > 0.0 => AngularVelocities::Uniform {
+            largest: settings.speed,
+            sum_of_squares: None,
+        },
         Velocities::Random => AngularVelocities::Rest,
-        Velocities::Checkerboard => {
-            AngularVelocities::Checkerboard { rate: if closes { -settings.speed } else { settings.speed } }
-        }
+        Velocities::Checkerboard => AngularVelocities::Checkerboard {
+            rate: if closes {
+                -settings.speed
+            } else {
+                settings.speed
+            },
+        },
     };
-    let start = Start { angle, angle_spread: settings.angle_spread, velocities, seed: settings.seed };
+    let start = Start {
+        angle,
+        angle_spread: settings.angle_spread,
+        velocities,
+        seed: settings.seed,
+    };
     let started = start.build(&network, 0).map_err(|error| match error {
         CrystalError::OverConstrained { .. } if network.cell.is_some() => anyhow::Error::from(error).context(
             "straight rows and columns across periodic edges hold each other; leave out a rod of each with removed_rods",
@@ -72,7 +84,12 @@ pub fn begin(settings: &LatticeSettings) -> Result<Begun> {
 /// # Errors
 /// For a temperature or friction that makes no sense.
 pub fn heat_bath(settings: &LatticeSettings) -> Result<Langevin> {
-    Ok(Langevin::new(settings.temperature.unwrap_or(0.0), settings.friction, settings.seed, 0)?)
+    Ok(Langevin::new(
+        settings.temperature.unwrap_or(0.0),
+        settings.friction,
+        settings.seed,
+        0,
+    )?)
 }
 
 /// What is joined to what.
@@ -81,8 +98,14 @@ pub fn heat_bath(settings: &LatticeSettings) -> Result<Langevin> {
 /// Names the square or rod that is not there.
 pub fn network(settings: &LatticeSettings) -> Result<Network> {
     let angle = settings.start.angle_rad();
-    let mut network =
-        Network::lattice(settings.rows, settings.columns, settings.r0, settings.square, settings.edges, angle)?;
+    let mut network = Network::lattice(
+        settings.rows,
+        settings.columns,
+        settings.r0,
+        settings.square,
+        settings.edges,
+        angle,
+    )?;
     let place = |what: &str, row: usize, column: usize| {
         if row >= settings.rows || column >= settings.columns {
             bail!(
@@ -97,7 +120,9 @@ pub fn network(settings: &LatticeSettings) -> Result<Network> {
         let square = place(what, row, column)?;
         match u8::try_from(vertex) {
             Ok(vertex @ 1..=4) => Ok(Corner { square, vertex }),
-            _ => bail!("{what} names vertex {vertex}; vertices are 1 (upper left), 2, 3 (lower left), 4"),
+            _ => bail!(
+                "{what} names vertex {vertex}; vertices are 1 (upper left), 2, 3 (lower left), 4"
+            ),
         }
     };
     for other in &settings.other_squares {
@@ -109,7 +134,12 @@ pub fn network(settings: &LatticeSettings) -> Result<Network> {
             .iter()
             .map(|rod| {
                 let (from, to) = (corner("rods", rod.from)?, corner("rods", rod.to)?);
-                Ok(Rod { from, to, length: rod.length.unwrap_or(settings.r0), image: [0, 0] })
+                Ok(Rod {
+                    from,
+                    to,
+                    length: rod.length.unwrap_or(settings.r0),
+                    image: [0, 0],
+                })
             })
             .collect::<Result<_>>()?;
     }
@@ -121,7 +151,10 @@ pub fn network(settings: &LatticeSettings) -> Result<Network> {
             bail!("removed_rods names {ends:?}, where no rod ends; leave it out");
         }
     }
-    let removed = settings.removed_squares.iter().map(|[row, column]| place("removed_squares", *row, *column));
+    let removed = settings
+        .removed_squares
+        .iter()
+        .map(|[row, column]| place("removed_squares", *row, *column));
     let removed = removed.collect::<Result<BTreeSet<usize>>>()?;
     if !removed.is_empty() {
         network = network.without_squares(&removed.into_iter().collect::<Vec<_>>())?;
@@ -135,22 +168,39 @@ fn different(usual: &Square, other: &OtherSquare) -> Square {
     let half_diagonal = other.half_diagonal.unwrap_or(usual.half_diagonal);
     let mass = other.mass.unwrap_or(usual.mass);
     let usual_ratio = usual.inertia / (usual.mass * usual.half_diagonal * usual.half_diagonal);
-    Square { half_diagonal, mass, inertia: other.inertia.unwrap_or(usual_ratio * mass * half_diagonal * half_diagonal) }
+    Square {
+        half_diagonal,
+        mass,
+        inertia: other
+            .inertia
+            .unwrap_or(usual_ratio * mass * half_diagonal * half_diagonal),
+    }
 }
 
 /// Steps end in 1, 2 or 5 times a power of ten, so that times are round.
 fn round_down(step: f64) -> f64 {
     let power = step.log10().floor() as i32;
     let scale = 10f64.powi(power.abs());
-    let value = |digit: f64| if power < 0 { digit / scale } else { digit * scale };
-    [5.0, 2.0].into_iter().map(value).find(|value| *value <= step).unwrap_or_else(|| value(1.0))
+    let value = |digit: f64| {
+        if power < 0 {
+            digit / scale
+        } else {
+            digit * scale
+        }
+    };
+    [5.0, 2.0]
+        .into_iter()
+        .map(value)
+        .find(|value| *value <= step)
+        .unwrap_or_else(|| value(1.0))
 }
 
 /// The time step of a run: as given, or as long as keeps the energy.
 ///
-/// The first guess lets the rod that turns fastest turn by a twentieth per step. Where squares start to pull at their rods
-/// (all open, say, each turning its own way) rods soon turn faster than that, and the energy makes a jump in the first steps
-/// that falls with the square of the step: the step is halved until a short trial without collisions keeps the energy.
+/// The first guess lets the rod that turns fastest turn by a twentieth per step. Where squares
+/// start to pull at their rods (all open, say, each turning its own way) rods soon turn faster than
+/// that, and the energy makes a jump in the first steps that falls with the square of the step: the
+/// step is halved until a short trial without collisions keeps the energy.
 ///
 /// # Errors
 /// For a network or state that makes no sense.
@@ -161,9 +211,16 @@ pub fn time_step(settings: &LatticeSettings, begun: &Begun) -> Result<f64> {
     let mut rods = RodSystem::new(&begun.network);
     let turning = rods.largest_turning_rate(&begun.state.positions, &begun.state.velocities);
     // A coherent start has rods at rest: then what the squares could give them counts.
-    let spinning = begun.state.velocities.chunks_exact(3).map(|v| v[2].abs()).fold(0.0, f64::max);
+    let spinning = begun
+        .state
+        .velocities
+        .chunks_exact(3)
+        .map(|v| v[2].abs())
+        .fold(0.0, f64::max);
     let thermal = (settings.temperature.unwrap_or(0.0) / settings.square.mass).sqrt();
-    let rate = turning.max(spinning * settings.square.half_diagonal / settings.r0).max(thermal / settings.r0);
+    let rate = turning
+        .max(spinning * settings.square.half_diagonal / settings.r0)
+        .max(thermal / settings.r0);
     let mut step = round_down((0.05 / rate).min(LONGEST_STEP));
     let forces = forces(settings, &begun.network)?;
     let mut dynamics = Dynamics::new(Arc::new(begun.network.clone()), forces, &begun.state)?;
@@ -180,8 +237,9 @@ pub fn time_step(settings: &LatticeSettings, begun: &Begun) -> Result<f64> {
 fn trial(dynamics: &mut Dynamics, first: &State, step: f64) -> Result<f64> {
     let mut state = first.clone();
     dynamics.prepare(&state)?;
-    let energy =
-        |dynamics: &Dynamics, state: &State| state.kinetic_energy(dynamics.network()) + dynamics.potential_energy();
+    let energy = |dynamics: &Dynamics, state: &State| {
+        state.kinetic_energy(dynamics.network()) + dynamics.potential_energy()
+    };
     let start = energy(dynamics, &state);
     let mut largest = 0.0_f64;
     for _ in 0..TRIAL_STEPS {
@@ -203,6 +261,7 @@ const MOST_HALVINGS: usize = 8;
 impl LatticeSettings {
     /// Steps to do in all.
     pub fn total_steps(&self, time_step: f64) -> u64 {
-        self.steps.unwrap_or_else(|| (self.time / time_step - 1e-9).ceil().max(0.0) as u64)
+        self.steps
+            .unwrap_or_else(|| (self.time / time_step - 1e-9).ceil().max(0.0) as u64)
     }
 }

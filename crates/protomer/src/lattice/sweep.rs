@@ -1,4 +1,5 @@
-//! A sweep of lattices: every r0 with every κ, once per seed, on all threads, resumable; tables and figures at the end.
+//! A sweep of lattices: every r0 with every κ, once per seed, on all threads, resumable; tables and
+//! figures at the end.
 //!
 //! ```text
 //! DIR/run.toml  run.json  lattice.csv  runs.csv  lattice.json  *.svg  *.png
@@ -24,7 +25,13 @@ use std::path::{Path, PathBuf};
 /// A run directory with more folders than this serves nobody.
 const MOST_RUNS: usize = 100_000;
 /// Files of a sweep beside its settings; the folders of its runs come on top.
-const RESULTS: [&str; 5] = ["run.json", "lattice.csv", "runs.csv", "lattice.json", "report.html"];
+const RESULTS: [&str; 5] = [
+    "run.json",
+    "lattice.csv",
+    "runs.csv",
+    "lattice.json",
+    "report.html",
+];
 
 /// What a sweep leaves behind.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -73,22 +80,36 @@ pub struct Series {
 /// The axes with what the settings say where they are empty.
 pub fn axes(settings: &LatticeSettings) -> SweepAxes {
     let axes = settings.sweep.clone().unwrap_or_default();
-    let or = |values: Vec<f64>, value: f64| if values.is_empty() { vec![value] } else { values };
+    let or = |values: Vec<f64>, value: f64| {
+        if values.is_empty() {
+            vec![value]
+        } else {
+            values
+        }
+    };
     SweepAxes {
         r0: or(axes.r0, settings.r0),
         kappa: or(axes.kappa, settings.kappa),
-        seeds: if axes.seeds.is_empty() { vec![settings.seed] } else { axes.seeds },
+        seeds: if axes.seeds.is_empty() {
+            vec![settings.seed]
+        } else {
+            axes.seeds
+        },
     }
 }
 
-/// Every run of the sweep, the first seed of every condition first: an interrupted sweep has something everywhere early.
+/// Every run of the sweep, the first seed of every condition first: an interrupted sweep has
+/// something everywhere early.
 ///
 /// # Errors
 /// For too many runs, or settings of a run that make no sense.
 pub fn tasks(settings: &LatticeSettings, directory: &Path) -> Result<Vec<Task>> {
     let axes = axes(settings);
-    let conditions: Vec<(f64, f64)> =
-        axes.r0.iter().flat_map(|r0| axes.kappa.iter().map(move |kappa| (*r0, *kappa))).collect();
+    let conditions: Vec<(f64, f64)> = axes
+        .r0
+        .iter()
+        .flat_map(|r0| axes.kappa.iter().map(move |kappa| (*r0, *kappa)))
+        .collect();
     if conditions.len().saturating_mul(axes.seeds.len()) > MOST_RUNS {
         bail!(
             "{} conditions with {} seeds each are too many; ask for at most {MOST_RUNS} runs",
@@ -99,13 +120,25 @@ pub fn tasks(settings: &LatticeSettings, directory: &Path) -> Result<Vec<Task>> 
     let mut tasks = Vec::new();
     for seed in &axes.seeds {
         for (condition, (r0, kappa)) in conditions.iter().enumerate() {
-            let settings = LatticeSettings { r0: *r0, kappa: *kappa, seed: *seed, sweep: None, ..settings.clone() };
+            let settings = LatticeSettings {
+                r0: *r0,
+                kappa: *kappa,
+                seed: *seed,
+                sweep: None,
+                ..settings.clone()
+            };
             settings.check()?;
-            let directory = directory.join(format!("r0_{r0}_kappa_{kappa}")).join(format!("seed_{seed}"));
+            let directory = directory
+                .join(format!("r0_{r0}_kappa_{kappa}"))
+                .join(format!("seed_{seed}"));
             if tasks.iter().any(|task: &Task| task.directory == directory) {
                 bail!("r0 = {r0}, κ = {kappa}, seed {seed} is listed twice; list each once");
             }
-            tasks.push(Task { condition, settings, directory });
+            tasks.push(Task {
+                condition,
+                settings,
+                directory,
+            });
         }
     }
     Ok(tasks)
@@ -114,8 +147,9 @@ pub fn tasks(settings: &LatticeSettings, directory: &Path) -> Result<Vec<Task>> 
 /// Runs or continues a sweep in a directory. `advanced` hears of every run that ended.
 ///
 /// # Errors
-/// For settings that make no sense, a directory that holds another sweep, and the first run that fails; the others stop at
-/// their next step then, what they did is kept, and `run.json` says what happened.
+/// For settings that make no sense, a directory that holds another sweep, and the first run that
+/// fails; the others stop at their next step then, what they did is kept, and `run.json` says what
+/// happened.
 pub fn run_sweep(
     settings: &LatticeSettings,
     path: &Path,
@@ -125,15 +159,35 @@ pub fn run_sweep(
     let tasks = tasks(settings, path)?;
     let identity = identity(settings)?;
     let folders: Vec<String> = folders(settings);
-    let results: Vec<&str> = RESULTS.iter().copied().chain(folders.iter().map(String::as_str)).collect();
-    let entered = enter(path, settings, LATTICE_SWEEP, &results, execution.start_anew)?;
+    let results: Vec<&str> = RESULTS
+        .iter()
+        .copied()
+        .chain(folders.iter().map(String::as_str))
+        .collect();
+    let entered = enter(
+        path,
+        settings,
+        LATTICE_SWEEP,
+        &results,
+        execution.start_anew,
+    )?;
     // A finished sweep stays one, whatever becomes of a second look at it.
-    let was_done = !entered.settings_are_new() && read_record(path)?.is_some_and(|present| present.is_done());
+    let was_done =
+        !entered.settings_are_new() && read_record(path)?.is_some_and(|present| present.is_done());
     let end = to_the_end(settings, &tasks, path, execution, advanced);
-    let record = |exit_reason: &str| record("lattice sweep", &identity, exit_reason, serde_json::Value::Null);
+    let record = |exit_reason: &str| {
+        record(
+            "lattice sweep",
+            &identity,
+            exit_reason,
+            serde_json::Value::Null,
+        )
+    };
     match &end {
         Ok(LatticeSweepEnd::Finished(_)) => record("done").write(path)?,
-        Ok(LatticeSweepEnd::Stopped) => record("stopped").stopped_by(&execution.interrupt).write(path)?,
+        Ok(LatticeSweepEnd::Stopped) => record("stopped")
+            .stopped_by(&execution.interrupt)
+            .write(path)?,
         Err(_) if was_done => {}
         // The error is what counts; on a full disk there may be no room for the record either.
         Err(error) => drop(record(&format!("{error:#}")).write(path)),
@@ -150,15 +204,19 @@ fn to_the_end(
     advanced: &(dyn Fn() + Sync),
 ) -> Result<LatticeSweepEnd> {
     // The folders are gone already where a new start was asked for.
-    let execution = Execution { start_anew: false, ..execution.clone() };
+    let execution = Execution {
+        start_anew: false,
+        ..execution.clone()
+    };
     let ends: Vec<Result<LatticeEnd>> = tasks
         .par_iter()
         .map(|task| {
             if execution.interrupt.is_requested() {
                 return Ok(LatticeEnd::Stopped);
             }
-            std::fs::create_dir_all(&task.directory)
-                .with_context(|| format!("cannot make the directory {}", task.directory.display()))?;
+            std::fs::create_dir_all(&task.directory).with_context(|| {
+                format!("cannot make the directory {}", task.directory.display())
+            })?;
             let end = run_lattice(&task.settings, &task.directory, &execution, &|_| {});
             if end.is_err() {
                 execution.interrupt.request_after_failure();
@@ -173,7 +231,9 @@ fn to_the_end(
         LatticeEnd::Stopped => None,
     };
     let results: Option<Vec<LatticeResult>> = ends.into_iter().map(finished).collect();
-    let Some(results) = results else { return Ok(LatticeSweepEnd::Stopped) };
+    let Some(results) = results else {
+        return Ok(LatticeSweepEnd::Stopped);
+    };
     let (sweep, series) = collect(settings, tasks, &results)?;
     write_results(&sweep, &series, path)?;
     Ok(LatticeSweepEnd::Finished(Box::new(sweep)))
@@ -181,8 +241,15 @@ fn to_the_end(
 
 fn folders(settings: &LatticeSettings) -> Vec<String> {
     let axes = axes(settings);
-    let of = |r0: f64| axes.kappa.iter().map(move |kappa| format!("r0_{r0}_kappa_{kappa}"));
-    axes.r0.iter().flat_map(|r0| of(*r0).collect::<Vec<_>>()).collect()
+    let of = |r0: f64| {
+        axes.kappa
+            .iter()
+            .map(move |kappa| format!("r0_{r0}_kappa_{kappa}"))
+    };
+    axes.r0
+        .iter()
+        .flat_map(|r0| of(*r0).collect::<Vec<_>>())
+        .collect()
 }
 
 /// Reads what the runs wrote.
@@ -192,7 +259,11 @@ fn collect(
     results: &[LatticeResult],
 ) -> Result<(LatticeSweep, Vec<Series>)> {
     let mut runs = Vec::with_capacity(tasks.len());
-    let conditions = tasks.iter().map(|task| task.condition + 1).max().unwrap_or(0);
+    let conditions = tasks
+        .iter()
+        .map(|task| task.condition + 1)
+        .max()
+        .unwrap_or(0);
     let mut series: Vec<Option<Series>> = vec![None; conditions];
     let mut of_condition: Vec<Vec<RunRow>> = vec![Vec::new(); conditions];
     for (task, result) in tasks.iter().zip(results) {
@@ -208,16 +279,23 @@ fn collect(
             }
         }
         let row = RunRow::new(task, result, &rows, &synchronisation)?;
-        let strains = rows.iter().skip(1).map(|row| [row.step_strain_xx, row.step_strain_yy]);
+        let strains = rows
+            .iter()
+            .skip(1)
+            .map(|row| [row.step_strain_xx, row.step_strain_yy]);
         match &mut series[task.condition] {
             None => {
-                series[task.condition] =
-                    Some(Series { phase_differences: differences, strains: strains.collect(), synchronisation });
+                series[task.condition] = Some(Series {
+                    phase_differences: differences,
+                    strains: strains.collect(),
+                    synchronisation,
+                });
             }
             Some(series) => {
                 series.strains.extend(strains);
                 series.synchronisation.merge(&synchronisation)?;
-                // A running mean over the runs; frames of equal number are compared, and time steps may differ a little.
+                // A running mean over the runs; frames of equal number are compared, and time steps
+                // may differ a little.
                 let earlier = of_condition[task.condition].len() as f64;
                 for (mean, [_, new]) in series.phase_differences.iter_mut().zip(&differences) {
                     mean[1] += (new - mean[1]) / (earlier + 1.0);
@@ -228,7 +306,10 @@ fn collect(
         runs.push(row);
     }
     let series: Vec<Series> = series.into_iter().flatten().collect();
-    let conditions = of_condition.iter().zip(&series).map(|(runs, series)| ConditionRow::new(runs, series));
+    let conditions = of_condition
+        .iter()
+        .zip(&series)
+        .map(|(runs, series)| ConditionRow::new(runs, series));
     let sweep = LatticeSweep {
         version: env!("CARGO_PKG_VERSION").into(),
         settings: settings.clone(),
@@ -243,15 +324,26 @@ fn root_mean_square_difference(angles: &[f64]) -> f64 {
     let count = angles.len() as f64;
     let mean = angles.iter().sum::<f64>() / count;
     let squares: f64 = angles.iter().map(|angle| (angle - mean).powi(2)).sum();
-    if count > 1.0 { (2.0 * squares / (count - 1.0)).sqrt() } else { 0.0 }
+    if count > 1.0 {
+        (2.0 * squares / (count - 1.0)).sqrt()
+    } else {
+        0.0
+    }
 }
 
 fn write_results(sweep: &LatticeSweep, series: &[Series], directory: &Path) -> Result<()> {
     let json = serde_json::to_string_pretty(sweep).context("the result cannot be written down")?;
-    let tables = [("lattice.csv", conditions_to_csv(&sweep.conditions)?), ("runs.csv", runs_to_csv(&sweep.runs)?)];
+    let tables = [
+        ("lattice.csv", conditions_to_csv(&sweep.conditions)?),
+        ("runs.csv", runs_to_csv(&sweep.runs)?),
+    ];
     for (name, text) in tables {
-        write_atomically(&directory.join(name), |file| file.write_all(text.as_bytes()))?;
+        write_atomically(&directory.join(name), |file| {
+            file.write_all(text.as_bytes())
+        })?;
     }
-    write_atomically(&directory.join("lattice.json"), |file| writeln!(file, "{json}"))?;
+    write_atomically(&directory.join("lattice.json"), |file| {
+        writeln!(file, "{json}")
+    })?;
     sweep_figures::write(sweep, series, directory)
 }

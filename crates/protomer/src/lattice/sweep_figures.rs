@@ -34,8 +34,18 @@ pub fn write(sweep: &LatticeSweep, data: &[Data], directory: &Path) -> Result<()
                 sweep,
                 "Synchronisation against rod length",
                 &[
-                    ("", "λ(|R|) / squares", |row| row.synchronisation, |run| run.synchronisation),
-                    ("", "λ(|P|) / squares", |row| row.partial_synchronisation, |run| run.partial_synchronisation),
+                    (
+                        "",
+                        "λ(|R|) / squares",
+                        |row| row.synchronisation,
+                        |run| run.synchronisation,
+                    ),
+                    (
+                        "",
+                        "λ(|P|) / squares",
+                        |row| row.partial_synchronisation,
+                        |run| run.partial_synchronisation,
+                    ),
                 ],
             ),
         ),
@@ -45,8 +55,18 @@ pub fn write(sweep: &LatticeSweep, data: &[Data], directory: &Path) -> Result<()
                 sweep,
                 "Poisson's ratio against rod length",
                 &[
-                    ("total least squares", "ν", |row| row.poisson_ratio, |_| f64::NAN),
-                    ("ordinary least squares", "ν", |row| row.poisson_ratio_ordinary, |_| f64::NAN),
+                    (
+                        "total least squares",
+                        "ν",
+                        |row| row.poisson_ratio,
+                        |_| f64::NAN,
+                    ),
+                    (
+                        "ordinary least squares",
+                        "ν",
+                        |row| row.poisson_ratio_ordinary,
+                        |_| f64::NAN,
+                    ),
                     ("", "r²", |row| row.r_squared, |run| run.r_squared),
                 ],
             ),
@@ -57,15 +77,27 @@ pub fn write(sweep: &LatticeSweep, data: &[Data], directory: &Path) -> Result<()
                 sweep,
                 "The checkerboard mode against rod length",
                 &[
-                    ("", "σ of its share", |row| row.checkerboard_deviation, |run| run.checkerboard_deviation),
-                    ("", "mean share", |row| row.checkerboard_fraction, |run| run.checkerboard_fraction),
+                    (
+                        "",
+                        "σ of its share",
+                        |row| row.checkerboard_deviation,
+                        |run| run.checkerboard_deviation,
+                    ),
+                    (
+                        "",
+                        "mean share",
+                        |row| row.checkerboard_fraction,
+                        |run| run.checkerboard_fraction,
+                    ),
                 ],
             ),
         ),
         ("spread", spread(sweep)),
     ];
     for (name, figure) in figures {
-        let Some(figure) = figure.and_then(drawable) else { continue };
+        let Some(figure) = figure.and_then(drawable) else {
+            continue;
+        };
         figure.write_svg(&directory.join(format!("{name}.svg")))?;
         figure.write_png(&directory.join(format!("{name}.png")))?;
     }
@@ -76,14 +108,20 @@ pub fn write(sweep: &LatticeSweep, data: &[Data], directory: &Path) -> Result<()
 fn drawable(mut figure: Figure) -> Option<Figure> {
     for panel in &mut figure.panels {
         panel.series.iter_mut().for_each(|series| {
-            series.points.retain(|point| point.y.is_finite() && point.x.is_finite());
-            series.replicas.retain(|[x, y]| x.is_finite() && y.is_finite());
+            series
+                .points
+                .retain(|point| point.y.is_finite() && point.x.is_finite());
+            series
+                .replicas
+                .retain(|[x, y]| x.is_finite() && y.is_finite());
             if panel.y.log {
                 series.points.retain(|point| point.y > 0.0);
                 series.replicas.retain(|[_, y]| *y > 0.0);
             }
         });
-        panel.series.retain(|series| !(series.points.is_empty() && series.replicas.is_empty()));
+        panel
+            .series
+            .retain(|series| !(series.points.is_empty() && series.replicas.is_empty()));
     }
     figure.panels.retain(|panel| !panel.series.is_empty());
     (!figure.panels.is_empty()).then_some(figure)
@@ -115,17 +153,29 @@ const MOST_SERIES: usize = 8;
 const MOST_MATRICES: usize = 24;
 
 /// Where both vary, the rod lengths of the first κ.
-fn shown<'a>(sweep: &'a LatticeSweep, data: &'a [Data]) -> impl Iterator<Item = (&'a ConditionRow, &'a Data)> {
+fn shown<'a>(
+    sweep: &'a LatticeSweep,
+    data: &'a [Data],
+) -> impl Iterator<Item = (&'a ConditionRow, &'a Data)> {
     let axes = axes(&sweep.settings);
-    let first = (axes.r0.len() > 1).then(|| axes.kappa.first().copied()).flatten();
+    let first = (axes.r0.len() > 1)
+        .then(|| axes.kappa.first().copied())
+        .flatten();
     let is_shown = move |row: &ConditionRow| first.is_none_or(|kappa| row.kappa == kappa);
-    sweep.conditions.iter().zip(data).filter(move |(row, _)| is_shown(row)).take(MOST_SERIES)
+    sweep
+        .conditions
+        .iter()
+        .zip(data)
+        .filter(move |(row, _)| is_shown(row))
+        .take(MOST_SERIES)
 }
 
 fn phase_differences(sweep: &LatticeSweep, data: &[Data]) -> Figure {
     let series = shown(sweep, data).map(|(row, data)| Series {
         name: name(row, sweep),
-        points: thinned(&data.phase_differences).map(|[x, y]| Point { x, y, error: None }).collect(),
+        points: thinned(&data.phase_differences)
+            .map(|[x, y]| Point { x, y, error: None })
+            .collect(),
         replicas: Vec::new(),
         line: true,
     });
@@ -133,7 +183,10 @@ fn phase_differences(sweep: &LatticeSweep, data: &[Data]) -> Figure {
         title: "Phase differences".into(),
         caption: caption(sweep),
         x: Axis::linear("time"),
-        panels: vec![Panel { y: Axis::linear("√⟨(Δθ)^{2}⟩ over pairs"), series: series.collect() }],
+        panels: vec![Panel {
+            y: Axis::linear("√⟨(Δθ)^{2}⟩ over pairs"),
+            series: series.collect(),
+        }],
     }
 }
 
@@ -151,39 +204,60 @@ fn strains(sweep: &LatticeSweep, data: &[Data]) -> Figure {
             sweep.settings.log_every, sweep.settings.rows, sweep.settings.columns
         ),
         x: Axis::linear("strain ε_{xx}"),
-        panels: vec![Panel { y: Axis::linear("-ε_{yy}"), series: series.collect() }],
+        panels: vec![Panel {
+            y: Axis::linear("-ε_{yy}"),
+            series: series.collect(),
+        }],
     }
 }
 
 fn thinned(points: &[[f64; 2]]) -> impl Iterator<Item = [f64; 2]> + '_ {
-    points.iter().copied().step_by(points.len().div_ceil(MOST_POINTS).max(1))
+    points
+        .iter()
+        .copied()
+        .step_by(points.len().div_ceil(MOST_POINTS).max(1))
 }
 
 /// What is said of it behind its label, the label, and the value of a condition and of a run.
-type Quantity = (&'static str, &'static str, fn(&ConditionRow) -> Estimate, fn(&RunRow) -> f64);
+type Quantity = (
+    &'static str,
+    &'static str,
+    fn(&ConditionRow) -> Estimate,
+    fn(&RunRow) -> f64,
+);
 
 /// A panel per quantity, a series per κ.
 fn against_r0(sweep: &LatticeSweep, title: &str, quantities: &[Quantity]) -> Option<Figure> {
     let axes = axes(&sweep.settings);
-    let panels = quantities.iter().map(|(what, label, of_row, of_run)| Panel {
-        y: Axis::linear(if what.is_empty() { (*label).to_owned() } else { format!("{label}, {what}") }),
-        series: axes
-            .kappa
-            .iter()
-            .take(MOST_SERIES)
-            .map(|kappa| Series {
-                name: format!("κ = {kappa}"),
-                points: points(sweep, |row| row.kappa == *kappa, |row| row.r0, of_row),
-                replicas: replicas(sweep, |run| run.kappa == *kappa, |run| run.r0, of_run),
-                line: true,
-            })
-            .collect(),
-    });
+    let panels = quantities
+        .iter()
+        .map(|(what, label, of_row, of_run)| Panel {
+            y: Axis::linear(if what.is_empty() {
+                (*label).to_owned()
+            } else {
+                format!("{label}, {what}")
+            }),
+            series: axes
+                .kappa
+                .iter()
+                .take(MOST_SERIES)
+                .map(|kappa| Series {
+                    name: format!("κ = {kappa}"),
+                    points: points(sweep, |row| row.kappa == *kappa, |row| row.r0, of_row),
+                    replicas: replicas(sweep, |run| run.kappa == *kappa, |run| run.r0, of_run),
+                    line: true,
+                })
+                .collect(),
+        });
     let log = axes.r0.len() > 1;
     Some(Figure {
         title: title.into(),
         caption: caption(sweep),
-        x: if log { Axis::log("rod length r_{0} / l") } else { Axis::linear("rod length r_{0} / l") },
+        x: if log {
+            Axis::log("rod length r_{0} / l")
+        } else {
+            Axis::linear("rod length r_{0} / l")
+        },
         panels: panels.collect(),
     })
 }
@@ -198,7 +272,11 @@ fn points(
     let mut points: Vec<Point> = rows
         .map(|row| {
             let Estimate { mean, error } = y(row);
-            Point { x: x(row), y: mean, error: error.is_finite().then_some(error) }
+            Point {
+                x: x(row),
+                y: mean,
+                error: error.is_finite().then_some(error),
+            }
         })
         .collect();
     points.sort_by(|a, b| a.x.total_cmp(&b.x));
@@ -211,7 +289,12 @@ fn replicas(
     x: impl Fn(&RunRow) -> f64,
     y: impl Fn(&RunRow) -> f64,
 ) -> Vec<[f64; 2]> {
-    sweep.runs.iter().filter(|run| is_meant(run)).map(|run| [x(run), y(run)]).collect()
+    sweep
+        .runs
+        .iter()
+        .filter(|run| is_meant(run))
+        .map(|run| [x(run), y(run)])
+        .collect()
 }
 
 /// Against κ, a series per r0; κ = 0 has no place on a logarithmic axis.
@@ -222,27 +305,50 @@ fn spread(sweep: &LatticeSweep) -> Option<Figure> {
     }
     let log = axes.kappa.iter().filter(|kappa| **kappa > 0.0).count() > 1;
     let shown = move |kappa: f64| !log || kappa > 0.0;
-    let panel = |y: Axis, of_row: fn(&ConditionRow) -> Estimate, of_run: fn(&RunRow) -> f64| Panel {
-        y,
-        series: axes
-            .r0
-            .iter()
-            .take(MOST_SERIES)
-            .map(|r0| Series {
-                name: format!("r_{{0}} = {r0:.4}"),
-                points: points(sweep, |row| row.r0 == *r0 && shown(row.kappa), |row| row.kappa, of_row),
-                replicas: replicas(sweep, |run| run.r0 == *r0 && shown(run.kappa), |run| run.kappa, of_run),
-                line: true,
-            })
-            .collect(),
-    };
+    let panel =
+        |y: Axis, of_row: fn(&ConditionRow) -> Estimate, of_run: fn(&RunRow) -> f64| Panel {
+            y,
+            series: axes
+                .r0
+                .iter()
+                .take(MOST_SERIES)
+                .map(|r0| Series {
+                    name: format!("r_{{0}} = {r0:.4}"),
+                    points: points(
+                        sweep,
+                        |row| row.r0 == *r0 && shown(row.kappa),
+                        |row| row.kappa,
+                        of_row,
+                    ),
+                    replicas: replicas(
+                        sweep,
+                        |run| run.r0 == *r0 && shown(run.kappa),
+                        |run| run.kappa,
+                        of_run,
+                    ),
+                    line: true,
+                })
+                .collect(),
+        };
     Some(Figure {
         title: "Spread of the angles against κ".into(),
         caption: caption(sweep),
-        x: if log { Axis::log("κ") } else { Axis::linear("κ") },
+        x: if log {
+            Axis::log("κ")
+        } else {
+            Axis::linear("κ")
+        },
         panels: vec![
-            panel(Axis::log("first maximum σ_{max} (rad)"), |row| row.largest_spread, |run| run.largest_spread),
-            panel(Axis::linear("its time"), |row| row.largest_spread_time, |run| run.largest_spread_time),
+            panel(
+                Axis::log("first maximum σ_{max} (rad)"),
+                |row| row.largest_spread,
+                |run| run.largest_spread,
+            ),
+            panel(
+                Axis::linear("its time"),
+                |row| row.largest_spread_time,
+                |run| run.largest_spread_time,
+            ),
         ],
     })
 }
@@ -255,14 +361,28 @@ fn indices(sweep: &LatticeSweep, data: &[Data], directory: &Path) -> Result<()> 
             return Ok(());
         }
         let whole = data.synchronisation.index()?;
-        let values =
-            |matrix: &nalgebra::DMatrix<nalgebra::Complex<f64>>| matrix.transpose().iter().map(|x| x.norm()).collect();
+        let values = |matrix: &nalgebra::DMatrix<nalgebra::Complex<f64>>| {
+            matrix.transpose().iter().map(|x| x.norm()).collect()
+        };
         let size = whole.nrows();
-        maps.push(HeatMap { title: format!("whole, {}", name(row, sweep)), size, values: values(&whole) });
+        maps.push(HeatMap {
+            title: format!("whole, {}", name(row, sweep)),
+            size,
+            values: values(&whole),
+        });
         // Squares that never part have no partial indices.
         if let Ok(partial) = data.synchronisation.partial(RIDGE) {
-            maps.push(HeatMap { title: format!("partial, {}", name(row, sweep)), size, values: values(&partial) });
+            maps.push(HeatMap {
+                title: format!("partial, {}", name(row, sweep)),
+                size,
+                values: values(&partial),
+            });
         }
     }
-    write_svg(&directory.join("indices.svg"), "Synchronisation indices between squares", &maps, 2)
+    write_svg(
+        &directory.join("indices.svg"),
+        "Synchronisation indices between squares",
+        &maps,
+        2,
+    )
 }

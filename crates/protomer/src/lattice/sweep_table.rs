@@ -14,7 +14,8 @@ use serde::Serialize;
 
 /// Blocks per run of the jackknife behind the errors of Poisson's ratio.
 const BLOCKS: usize = 10;
-/// R is mixed with this much of the identity before it is inverted: squares that never part leave it singular.
+/// R is mixed with this much of the identity before it is inverted: squares that never part leave
+/// it singular.
 pub const RIDGE: f64 = 1e-6;
 
 /// What one run gave. What it could not tell is NaN.
@@ -55,13 +56,26 @@ impl RunRow {
     ///
     /// # Errors
     /// If the angles make no matrix.
-    pub fn new(task: &Task, result: &LatticeResult, rows: &[LogRow], angles: &Synchronisation) -> Result<Self> {
-        let fractions: RunningMoments =
-            rows.iter().map(|row| row.checkerboard_fraction).filter(|fraction| fraction.is_finite()).collect();
+    pub fn new(
+        task: &Task,
+        result: &LatticeResult,
+        rows: &[LogRow],
+        angles: &Synchronisation,
+    ) -> Result<Self> {
+        let fractions: RunningMoments = rows
+            .iter()
+            .map(|row| row.checkerboard_fraction)
+            .filter(|fraction| fraction.is_finite())
+            .collect();
         let mut first = FirstMaximum::new(0.0);
-        rows.iter().for_each(|row| first.push(row.time, row.angle_spread));
+        rows.iter()
+            .for_each(|row| first.push(row.time, row.angle_spread));
         let largest = first.found();
-        let strains: Vec<[f64; 2]> = rows.iter().skip(1).map(|row| [row.step_strain_xx, row.step_strain_yy]).collect();
+        let strains: Vec<[f64; 2]> = rows
+            .iter()
+            .skip(1)
+            .map(|row| [row.step_strain_xx, row.step_strain_yy])
+            .collect();
         let ratio = poisson_ratio(&strains, BLOCKS).ok();
         let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
         let [whole, partial] = leading(angles)?;
@@ -71,8 +85,16 @@ impl RunRow {
             seed: task.settings.seed,
             collision_rate: result.events as f64 / result.time,
             energy_error: result.energy_error,
-            checkerboard_deviation: if fractions.count() > 1 { fractions.standard_deviation() } else { f64::NAN },
-            checkerboard_fraction: if fractions.count() > 0 { fractions.mean() } else { f64::NAN },
+            checkerboard_deviation: if fractions.count() > 1 {
+                fractions.standard_deviation()
+            } else {
+                f64::NAN
+            },
+            checkerboard_fraction: if fractions.count() > 0 {
+                fractions.mean()
+            } else {
+                f64::NAN
+            },
             largest_spread: or_nan(largest.map(|maximum| maximum.value)),
             largest_spread_time: or_nan(largest.map(|maximum| maximum.time)),
             poisson_ratio: or_nan(ratio.map(|ratio| ratio.total)),
@@ -86,17 +108,26 @@ impl RunRow {
 
 /// Leading eigenvalues of |R| and |P|, over the number of squares; NaN without frames.
 ///
-/// Of the magnitudes: P itself, with ones on its diagonal, is 2 less a normalised inverse, whose smallest eigenvalue is near 0
-/// wherever squares hold together, so that its own leading eigenvalue is 2 whatever they do.
+/// Of the magnitudes: P itself, with ones on its diagonal, is 2 less a normalised inverse, whose
+/// smallest eigenvalue is near 0 wherever squares hold together, so that its own leading eigenvalue
+/// is 2 whatever they do.
 fn leading(angles: &Synchronisation) -> Result<[f64; 2]> {
     if angles.samples() == 0 {
         return Ok([f64::NAN; 2]);
     }
     let first = |matrix: &DMatrix<Complex<f64>>| {
-        let largest = matrix.map(|entry| entry.norm()).symmetric_eigenvalues().max();
+        let largest = matrix
+            .map(|entry| entry.norm())
+            .symmetric_eigenvalues()
+            .max();
         largest / matrix.nrows() as f64
     };
-    Ok([first(&angles.index()?), angles.partial(RIDGE).map_or(f64::NAN, |partial| first(&partial))])
+    Ok([
+        first(&angles.index()?),
+        angles
+            .partial(RIDGE)
+            .map_or(f64::NAN, |partial| first(&partial)),
+    ])
 }
 
 /// A mean over runs with its standard error: NaN where there is one run only.
@@ -111,8 +142,16 @@ pub struct Estimate {
 impl Estimate {
     fn of(values: impl Iterator<Item = f64>) -> Self {
         let values: RunningMoments = values.filter(|value| value.is_finite()).collect();
-        let mean = if values.count() > 0 { values.mean() } else { f64::NAN };
-        let error = if values.count() > 1 { values.independent_standard_error() } else { f64::NAN };
+        let mean = if values.count() > 0 {
+            values.mean()
+        } else {
+            f64::NAN
+        };
+        let error = if values.count() > 1 {
+            values.independent_standard_error()
+        } else {
+            f64::NAN
+        };
         Self { mean, error }
     }
 }
@@ -136,7 +175,8 @@ pub struct ConditionRow {
     pub largest_spread: Estimate,
     /// As in [`RunRow`].
     pub largest_spread_time: Estimate,
-    /// By total least squares from the strains of all runs together; the error is that of a jackknife over blocks.
+    /// By total least squares from the strains of all runs together; the error is that of a
+    /// jackknife over blocks.
     pub poisson_ratio: Estimate,
     /// The same by ordinary least squares.
     pub poisson_ratio_ordinary: Estimate,
@@ -166,7 +206,8 @@ impl ConditionRow {
             let (mean, error) = ratio.as_ref().map_or((f64::NAN, f64::NAN), value);
             Estimate { mean, error }
         };
-        let [pooled_synchronisation, pooled_partial_synchronisation] = leading(&series.synchronisation)?;
+        let [pooled_synchronisation, pooled_partial_synchronisation] =
+            leading(&series.synchronisation)?;
         Ok(Self {
             r0: runs.first().map_or(f64::NAN, |run| run.r0),
             kappa: runs.first().map_or(f64::NAN, |run| run.kappa),
@@ -210,8 +251,15 @@ const ESTIMATES: [EstimateColumn; 10] = [
 /// Never for rows of this module; the table checks its own shape.
 pub fn conditions_to_csv(rows: &[ConditionRow]) -> Result<String> {
     let head = ["r0", "kappa", "runs"].map(str::to_owned).into_iter();
-    let estimates = ESTIMATES.iter().flat_map(|(name, _)| [(*name).to_owned(), format!("{name}_error")]);
-    let tail = ["pooled_synchronisation", "pooled_partial_synchronisation", "energy_error"].map(str::to_owned);
+    let estimates = ESTIMATES
+        .iter()
+        .flat_map(|(name, _)| [(*name).to_owned(), format!("{name}_error")]);
+    let tail = [
+        "pooled_synchronisation",
+        "pooled_partial_synchronisation",
+        "energy_error",
+    ]
+    .map(str::to_owned);
     let mut table = Table::new(head.chain(estimates).chain(tail));
     for row in rows {
         let mut cells: Vec<Cell> = vec![row.r0.into(), row.kappa.into(), row.runs.into()];
@@ -219,7 +267,11 @@ pub fn conditions_to_csv(rows: &[ConditionRow]) -> Result<String> {
             let Estimate { mean, error } = estimate(row);
             cells.extend([Cell::from(mean), error.into()]);
         }
-        let pooled = [row.pooled_synchronisation, row.pooled_partial_synchronisation, row.energy_error];
+        let pooled = [
+            row.pooled_synchronisation,
+            row.pooled_partial_synchronisation,
+            row.energy_error,
+        ];
         cells.extend(pooled.map(Cell::from));
         table.push(cells)?;
     }
@@ -248,9 +300,17 @@ const OF_RUNS: [RunColumn; 11] = [
 /// # Errors
 /// Never for rows of this module; the table checks its own shape.
 pub fn runs_to_csv(rows: &[RunRow]) -> Result<String> {
-    let mut table = Table::new(["r0", "kappa", "seed"].into_iter().chain(OF_RUNS.iter().map(|(name, _)| *name)));
+    let mut table = Table::new(
+        ["r0", "kappa", "seed"]
+            .into_iter()
+            .chain(OF_RUNS.iter().map(|(name, _)| *name)),
+    );
     for row in rows {
-        let mut cells: Vec<Cell> = vec![row.r0.into(), row.kappa.into(), Cell::Integer(row.seed as i64)];
+        let mut cells: Vec<Cell> = vec![
+            row.r0.into(),
+            row.kappa.into(),
+            Cell::Integer(row.seed as i64),
+        ];
         cells.extend(OF_RUNS.iter().map(|(_, value)| Cell::from(value(row))));
         table.push(cells)?;
     }

@@ -1,4 +1,5 @@
-//! `trajectory.gsd`: squares as polygons, the ends of the rods as dots on their corners, the rods as bonds between these.
+//! `trajectory.gsd`: squares as polygons, the ends of the rods as dots on their corners, the rods
+//! as bonds between these.
 //!
 //! Particles 0 to n-1 are the squares; particles n + 2k and n + 2k + 1 are the two ends of rod k.
 
@@ -31,7 +32,10 @@ impl Trajectory {
     pub fn open(path: &Path, network: &Network, frames: u64) -> Result<Self> {
         let header = header(network);
         if frames == 0 {
-            return Ok(Self { writer: GsdWriter::create(path, APPLICATION, SCHEMA, SCHEMA_VERSION)?, header });
+            return Ok(Self {
+                writer: GsdWriter::create(path, APPLICATION, SCHEMA, SCHEMA_VERSION)?,
+                header,
+            });
         }
         let mut old = GsdFile::open(path)?;
         if old.frames() < frames {
@@ -55,7 +59,13 @@ impl Trajectory {
     ///
     /// # Errors
     /// If the disk does not take it.
-    pub fn append(&mut self, step: u64, network: &Network, state: &State, energy: f64) -> Result<()> {
+    pub fn append(
+        &mut self,
+        step: u64,
+        network: &Network,
+        state: &State,
+        energy: f64,
+    ) -> Result<()> {
         let mut chunks = frame(step, network, state, energy);
         if self.writer.frames() == 0 {
             chunks.extend(self.header.iter().cloned());
@@ -92,7 +102,11 @@ fn corner_angle(vertex: u8) -> f64 {
 }
 
 fn chunk(name: &str, columns: u32, data: ChunkData) -> Chunk {
-    Chunk { name: name.to_owned(), columns, data }
+    Chunk {
+        name: name.to_owned(),
+        columns,
+        data,
+    }
 }
 
 /// The sizes of squares, from the first to appear on, and for each square the index of its size.
@@ -120,12 +134,16 @@ fn header(network: &Network) -> Vec<Chunk> {
         });
         json!({ "type": "Polygon", "rounding_radius": 0.0, "vertices": vertices }).to_string()
     };
-    let names: Vec<String> = (0..sizes.len()).map(|kind| format!("square{}", kind + 1)).collect();
+    let names: Vec<String> = (0..sizes.len())
+        .map(|kind| format!("square{}", kind + 1))
+        .collect();
     let shapes: Vec<String> = sizes.iter().map(polygon).collect();
     let dot = json!({ "type": "Sphere", "diameter": DOT_DIAMETER }).to_string();
     kinds.extend(vec![sizes.len() as u32; 2 * network.rods.len()]);
     let squares = network.squares.len() as u32;
-    let ends = (0..2 * network.rods.len() as u32).map(|end| squares + end).collect();
+    let ends = (0..2 * network.rods.len() as u32)
+        .map(|end| squares + end)
+        .collect();
     let masses = network.squares.iter().map(|square| square.mass as f32);
     vec![
         chunk("configuration/dimensions", 1, ChunkData::U8(vec![2])),
@@ -135,41 +153,93 @@ fn header(network: &Network) -> Vec<Chunk> {
         chunk(
             "particles/mass",
             1,
-            ChunkData::F32(masses.chain(std::iter::repeat_n(1e-6, 2 * network.rods.len())).collect()),
+            ChunkData::F32(
+                masses
+                    .chain(std::iter::repeat_n(1e-6, 2 * network.rods.len()))
+                    .collect(),
+            ),
         ),
         text_chunk("bonds/types", &["rod".into()]),
-        chunk("bonds/N", 1, ChunkData::U32(vec![network.rods.len() as u32])),
-        chunk("bonds/typeid", 1, ChunkData::U32(vec![0; network.rods.len()])),
+        chunk(
+            "bonds/N",
+            1,
+            ChunkData::U32(vec![network.rods.len() as u32]),
+        ),
+        chunk(
+            "bonds/typeid",
+            1,
+            ChunkData::U32(vec![0; network.rods.len()]),
+        ),
         chunk("bonds/group", 2, ChunkData::U32(ends)),
     ]
 }
 
 /// What changes from frame to frame.
 fn frame(step: u64, network: &Network, state: &State, energy: f64) -> Vec<Chunk> {
-    let mut places: Vec<[f64; 2]> = state.positions.chunks_exact(3).map(|s| [s[0], s[1]]).collect();
+    let mut places: Vec<[f64; 2]> = state
+        .positions
+        .chunks_exact(3)
+        .map(|s| [s[0], s[1]])
+        .collect();
     let mut angles: Vec<f64> = state.positions.chunks_exact(3).map(|s| s[2]).collect();
     for corner in network.rods.iter().flat_map(|rod| [rod.from, rod.to]) {
         places.push(corner_position(network, &state.positions, corner));
         angles.push(0.0);
     }
-    let largest = network.squares.iter().map(|square| square.half_diagonal).fold(0.0, f64::max);
+    let largest = network
+        .squares
+        .iter()
+        .map(|square| square.half_diagonal)
+        .fold(0.0, f64::max);
     let lengths = network.cell.unwrap_or_else(|| {
-        [0, 1].map(|axis| 2.0 * (places.iter().map(|place| place[axis].abs()).fold(0.0, f64::max) + largest))
+        [0, 1].map(|axis| {
+            2.0 * (places
+                .iter()
+                .map(|place| place[axis].abs())
+                .fold(0.0, f64::max)
+                + largest)
+        })
     });
     // Readers want particles inside the box.
-    let inside = |x: f64, length: f64| if network.cell.is_some() { x - length * (x / length).round() } else { x };
-    let positions =
-        places.iter().flat_map(|[x, y]| [inside(*x, lengths[0]) as f32, inside(*y, lengths[1]) as f32, 0.0]);
+    let inside = |x: f64, length: f64| {
+        if network.cell.is_some() {
+            x - length * (x / length).round()
+        } else {
+            x
+        }
+    };
+    let positions = places.iter().flat_map(|[x, y]| {
+        [
+            inside(*x, lengths[0]) as f32,
+            inside(*y, lengths[1]) as f32,
+            0.0,
+        ]
+    });
     let orientations = angles.iter().flat_map(|angle| {
         let (sine, cosine) = (0.5 * angle).sin_cos();
         [cosine as f32, 0.0, 0.0, sine as f32]
     });
     vec![
         chunk("configuration/step", 1, ChunkData::U64(vec![step])),
-        chunk("configuration/box", 1, ChunkData::F32(vec![lengths[0] as f32, lengths[1] as f32, 0.0, 0.0, 0.0, 0.0])),
+        chunk(
+            "configuration/box",
+            1,
+            ChunkData::F32(vec![
+                lengths[0] as f32,
+                lengths[1] as f32,
+                0.0,
+                0.0,
+                0.0,
+                0.0,
+            ]),
+        ),
         chunk("particles/N", 1, ChunkData::U32(vec![places.len() as u32])),
         chunk("particles/position", 3, ChunkData::F32(positions.collect())),
-        chunk("particles/orientation", 4, ChunkData::F32(orientations.collect())),
+        chunk(
+            "particles/orientation",
+            4,
+            ChunkData::F32(orientations.collect()),
+        ),
         chunk("log/time", 1, ChunkData::F64(vec![state.time])),
         chunk("log/energy", 1, ChunkData::F64(vec![energy])),
         chunk("log/positions", 3, ChunkData::F64(state.positions.clone())),
@@ -196,8 +266,14 @@ pub fn read_states(path: &Path) -> Result<Vec<(f64, Vec<f64>)>> {
     (0..file.frames())
         .map(|frame| {
             let mut numbers = |name: &str| match file.chunk(frame, name)? {
-                Some(Chunk { data: ChunkData::F64(values), .. }) => Ok(values),
-                _ => bail!("{}: frame {frame} has no {name}; is it the trajectory of a lattice?", path.display()),
+                Some(Chunk {
+                    data: ChunkData::F64(values),
+                    ..
+                }) => Ok(values),
+                _ => bail!(
+                    "{}: frame {frame} has no {name}; is it the trajectory of a lattice?",
+                    path.display()
+                ),
             };
             let time = numbers("log/time")?.first().copied().unwrap_or(f64::NAN);
             Ok((time, numbers("log/positions")?))

@@ -1,7 +1,7 @@
 //! Lines, markers and text, in units of the figure, on SVG or on pixels.
 //!
-//! Both are drawn several times too large, because the drawing library has whole coordinates: the SVG is scaled by its
-//! view box, the pixels are averaged, which also smooths their edges.
+//! Both are drawn several times too large, because the drawing library has whole coordinates: the
+//! SVG is scaled by its view box, the pixels are averaged, which also smooths their edges.
 
 use super::Shape;
 use super::text::runs;
@@ -19,7 +19,8 @@ const TYPEFACE: &str = "DejaVu Sans, Verdana, Helvetica, Arial, sans-serif";
 
 pub(super) type Rgb = [u8; 3];
 
-/// Colours that are told apart with every kind of colour vision (Okabe and Ito, <https://jfly.uni-koeln.de/color/>).
+/// Colours that are told apart with every kind of colour vision (Okabe and Ito,
+/// <https://jfly.uni-koeln.de/color/>).
 pub(super) const PALETTE: [Rgb; 7] = [
     [0x00, 0x72, 0xB2], // blue
     [0xD5, 0x5E, 0x00], // vermilion
@@ -31,7 +32,12 @@ pub(super) const PALETTE: [Rgb; 7] = [
 ];
 
 /// Shapes of points, so that series are told apart without colour too.
-const MARKERS: [Marker; 4] = [Marker::Circle, Marker::Square, Marker::Triangle, Marker::Diamond];
+const MARKERS: [Marker; 4] = [
+    Marker::Circle,
+    Marker::Square,
+    Marker::Triangle,
+    Marker::Diamond,
+];
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Marker {
@@ -43,7 +49,10 @@ pub(super) enum Marker {
 
 /// Colour and marker of the series of this number.
 pub(super) fn style(series: usize) -> (Rgb, Marker) {
-    (PALETTE[series % PALETTE.len()], MARKERS[series % MARKERS.len()])
+    (
+        PALETTE[series % PALETTE.len()],
+        MARKERS[series % MARKERS.len()],
+    )
 }
 
 /// Where a text stands relative to its position.
@@ -69,7 +78,14 @@ pub(super) trait Canvas {
     fn disc(&mut self, centre: [f64; 2], radius: f64, colour: Rgb, opacity: f64) -> Result<()>;
     fn polygon(&mut self, corners: &[[f64; 2]], colour: Rgb) -> Result<()>;
     /// One run of text whose baseline begins at `position`; `size` is the length of an em.
-    fn run(&mut self, text: &str, position: [f64; 2], size: f64, colour: Rgb, direction: Direction) -> Result<()>;
+    fn run(
+        &mut self,
+        text: &str,
+        position: [f64; 2],
+        size: f64,
+        colour: Rgb,
+        direction: Direction,
+    ) -> Result<()>;
 
     /// A point: a filled shape of the marker's "radius".
     fn marker(&mut self, marker: Marker, centre: [f64; 2], radius: f64, colour: Rgb) -> Result<()> {
@@ -80,7 +96,10 @@ pub(super) trait Canvas {
             Marker::Triangle => &[[0.0, -1.25], [1.15, 0.75], [-1.15, 0.75]],
             Marker::Diamond => &[[0.0, -1.3], [1.3, 0.0], [0.0, 1.3], [-1.3, 0.0]],
         };
-        let corners: Vec<_> = corners.iter().map(|[dx, dy]| [x + dx * radius, y + dy * radius]).collect();
+        let corners: Vec<_> = corners
+            .iter()
+            .map(|[dx, dy]| [x + dx * radius, y + dy * radius])
+            .collect();
         self.polygon(&corners, colour)
     }
 
@@ -115,7 +134,10 @@ pub(super) trait Canvas {
 
 /// Width of a text with subscripts and superscripts.
 pub(super) fn text_width(text: &str, size: f64) -> Result<f64> {
-    runs(text).iter().map(|run| run_width(&run.text, size * run.level.scale_and_raise().0)).sum()
+    runs(text)
+        .iter()
+        .map(|run| run_width(&run.text, size * run.level.scale_and_raise().0))
+        .sum()
 }
 
 fn run_width(text: &str, size: f64) -> Result<f64> {
@@ -134,70 +156,120 @@ struct Typeset {
 
 impl Typeset {
     fn new(text: &str, size: f64) -> Result<Self> {
-        let font = FontRef::try_from_slice(dejavu::sans::regular()).context("the built-in typeface cannot be read")?;
+        let font = FontRef::try_from_slice(dejavu::sans::regular())
+            .context("the built-in typeface cannot be read")?;
         // The font library scales by the height from descent to ascent, not by the em.
-        let em = font.units_per_em().context("the built-in typeface has no em")?;
+        let em = font
+            .units_per_em()
+            .context("the built-in typeface has no em")?;
         let scale = PxScale::from(size as f32 * font.height_unscaled() / em);
         let scaled = font.as_scaled(scale);
         let mut glyphs: Vec<(GlyphId, f32)> = Vec::new();
         let mut along = 0.0;
         for character in text.chars() {
             let glyph = scaled.glyph_id(character);
-            along += glyphs.last().map_or(0.0, |(previous, _)| scaled.kern(*previous, glyph));
+            along += glyphs
+                .last()
+                .map_or(0.0, |(previous, _)| scaled.kern(*previous, glyph));
             glyphs.push((glyph, along));
             along += scaled.h_advance(glyph);
         }
-        Ok(Self { font, scale, glyphs, width: f64::from(along) })
+        Ok(Self {
+            font,
+            scale,
+            glyphs,
+            width: f64::from(along),
+        })
     }
 
-    /// Calls `draw` with each pixel that the run covers, relative to the beginning of the baseline, and how much of it.
+    /// Calls `draw` with each pixel that the run covers, relative to the beginning of the baseline,
+    /// and how much of it.
     fn rasterize(&self, mut draw: impl FnMut(i32, i32, f32)) {
         for (glyph, along) in &self.glyphs {
             let glyph = glyph.with_scale_and_position(self.scale, point(*along, 0.0));
             if let Some(outline) = self.font.outline_glyph(glyph) {
                 let corner = outline.px_bounds().min;
-                outline.draw(|x, y, cover| draw(corner.x as i32 + x as i32, corner.y as i32 + y as i32, cover));
+                outline.draw(|x, y, cover| {
+                    draw(
+                        corner.x as i32 + x as i32,
+                        corner.y as i32 + y as i32,
+                        cover,
+                    )
+                });
             }
         }
     }
 }
 
 /// Draws on SVG and returns its text.
-pub(super) fn draw_svg(shape: Shape, draw: impl FnOnce(&mut dyn Canvas) -> Result<()>) -> Result<String> {
+pub(super) fn draw_svg(
+    shape: Shape,
+    draw: impl FnOnce(&mut dyn Canvas) -> Result<()>,
+) -> Result<String> {
     let mut svg = String::new();
     let size = (shape.width * OVERSIZE, shape.height * OVERSIZE);
     {
         let backend = SVGBackend::with_string(&mut svg, size);
-        let mut surface = Surface { backend, text: Text::Element, shape };
+        let mut surface = Surface {
+            backend,
+            text: Text::Element,
+            shape,
+        };
         draw(&mut surface)?;
-        surface.backend.present().map_err(|error| anyhow!("cannot draw SVG: {error}"))?;
+        surface
+            .backend
+            .present()
+            .map_err(|error| anyhow!("cannot draw SVG: {error}"))?;
     }
     let start = format!("<svg width=\"{}\" height=\"{}\"", size.0, size.1);
-    let begin = svg.find(&start).context("the drawing library has written an unknown kind of SVG")?;
-    Ok(format!("<svg width=\"{}\" height=\"{}\"{}", shape.width, shape.height, &svg[begin + start.len()..]))
+    let begin = svg
+        .find(&start)
+        .context("the drawing library has written an unknown kind of SVG")?;
+    Ok(format!(
+        "<svg width=\"{}\" height=\"{}\"{}",
+        shape.width,
+        shape.height,
+        &svg[begin + start.len()..]
+    ))
 }
 
 /// Draws on pixels and returns the bytes of a PNG file.
-pub(super) fn draw_png(shape: Shape, draw: impl FnOnce(&mut dyn Canvas) -> Result<()>) -> Result<Vec<u8>> {
+pub(super) fn draw_png(
+    shape: Shape,
+    draw: impl FnOnce(&mut dyn Canvas) -> Result<()>,
+) -> Result<Vec<u8>> {
     let size = (shape.width * OVERSIZE, shape.height * OVERSIZE);
     let mut pixels = vec![255; size.0 as usize * size.1 as usize * 3];
     {
         let backend = BitMapBackend::with_buffer(&mut pixels, size);
-        let mut surface = Surface { backend, text: Text::Pixels, shape };
+        let mut surface = Surface {
+            backend,
+            text: Text::Pixels,
+            shape,
+        };
         draw(&mut surface)?;
-        surface.backend.present().map_err(|error| anyhow!("cannot draw pixels: {error}"))?;
+        surface
+            .backend
+            .present()
+            .map_err(|error| anyhow!("cannot draw pixels: {error}"))?;
     }
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, shape.width, shape.height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
-    encoder.write_header()?.write_image_data(&average(&pixels, shape))?;
+    encoder
+        .write_header()?
+        .write_image_data(&average(&pixels, shape))?;
     Ok(bytes)
 }
 
 /// Each pixel the mean of the oversized pixels it covers.
 fn average(pixels: &[u8], shape: Shape) -> Vec<u8> {
-    let (width, height, oversize) = (shape.width as usize, shape.height as usize, OVERSIZE as usize);
+    let (width, height, oversize) = (
+        shape.width as usize,
+        shape.height as usize,
+        OVERSIZE as usize,
+    );
     let mut averaged = Vec::with_capacity(width * height * 3);
     for y in 0..height {
         for x in 0..width {
@@ -275,20 +347,40 @@ impl<B: DrawingBackend> Canvas for Surface<B> {
 
     fn line(&mut self, points: &[[f64; 2]], width: f64, colour: Rgb) -> Result<()> {
         let stroke = (width * f64::from(OVERSIZE)).round().max(1.0) as u32;
-        let style = plotters::style::ShapeStyle { color: colour_of(colour, 1.0), filled: false, stroke_width: stroke };
-        self.backend.draw_path(points.iter().copied().map(enlarge), &style).map_err(failed)
+        let style = plotters::style::ShapeStyle {
+            color: colour_of(colour, 1.0),
+            filled: false,
+            stroke_width: stroke,
+        };
+        self.backend
+            .draw_path(points.iter().copied().map(enlarge), &style)
+            .map_err(failed)
     }
 
     fn disc(&mut self, centre: [f64; 2], radius: f64, colour: Rgb, opacity: f64) -> Result<()> {
         let radius = (radius * f64::from(OVERSIZE)).round() as u32;
-        self.backend.draw_circle(enlarge(centre), radius, &colour_of(colour, opacity), true).map_err(failed)
+        self.backend
+            .draw_circle(enlarge(centre), radius, &colour_of(colour, opacity), true)
+            .map_err(failed)
     }
 
     fn polygon(&mut self, corners: &[[f64; 2]], colour: Rgb) -> Result<()> {
-        self.backend.fill_polygon(corners.iter().copied().map(enlarge), &colour_of(colour, 1.0)).map_err(failed)
+        self.backend
+            .fill_polygon(
+                corners.iter().copied().map(enlarge),
+                &colour_of(colour, 1.0),
+            )
+            .map_err(failed)
     }
 
-    fn run(&mut self, text: &str, position: [f64; 2], size: f64, colour: Rgb, direction: Direction) -> Result<()> {
+    fn run(
+        &mut self,
+        text: &str,
+        position: [f64; 2],
+        size: f64,
+        colour: Rgb,
+        direction: Direction,
+    ) -> Result<()> {
         match self.text {
             Text::Element => self.text_element(text, position, size, colour, direction),
             Text::Pixels => self.text_pixels(text, position, size, colour, direction),
@@ -307,16 +399,23 @@ impl<B: DrawingBackend> Surface<B> {
     ) -> Result<()> {
         // SVG drops spaces at the ends of a run, but not those that do not break.
         let text = text.replace(' ', "\u{a0}");
-        // The library divides sizes by 1.24 to have the em, and puts the baseline 0.76 em below a text's top.
+        // The library divides sizes by 1.24 to have the em, and puts the baseline 0.76 em below a
+        // text's top.
         let drop = 0.76 * size;
         let (position, transform) = match direction {
             Direction::Right => ([x, y - drop], FontTransform::None),
             Direction::Up => ([x - drop, y], FontTransform::Rotate270),
         };
-        let font = (TYPEFACE, (size * f64::from(OVERSIZE)).round() * 1.24).into_font().transform(transform);
+        let font = (TYPEFACE, (size * f64::from(OVERSIZE)).round() * 1.24)
+            .into_font()
+            .transform(transform);
         let colour = colour_of(colour, 1.0);
-        let style = TextStyle::from(font).color(&colour).pos(Pos::new(HPos::Left, VPos::Top));
-        self.backend.draw_text(&text, &style, enlarge(position)).map_err(failed)
+        let style = TextStyle::from(font)
+            .color(&colour)
+            .pos(Pos::new(HPos::Left, VPos::Top));
+        self.backend
+            .draw_text(&text, &style, enlarge(position))
+            .map_err(failed)
     }
 
     fn text_pixels(

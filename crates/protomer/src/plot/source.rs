@@ -11,17 +11,35 @@ const ESCAPES: [(&str, &str); 3] = [("&", "&amp;"), ("<", "&lt;"), (">", "&gt;")
 /// Puts a figure before the end of its SVG.
 pub(super) fn within(svg: &str, figure: &Figure) -> Result<String> {
     let json = serde_json::to_string(&drawn(figure)).context("a figure cannot be written down")?;
-    let escaped = ESCAPES.iter().fold(json, |text, (sign, written)| text.replace(sign, written));
-    let end = svg.rfind("</svg>").context("the drawing library has written an unknown kind of SVG")?;
-    Ok(format!("{}{OPEN}{escaped}{CLOSE}{}", &svg[..end], &svg[end..]))
+    let escaped = ESCAPES
+        .iter()
+        .fold(json, |text, (sign, written)| text.replace(sign, written));
+    let end = svg
+        .rfind("</svg>")
+        .context("the drawing library has written an unknown kind of SVG")?;
+    Ok(format!(
+        "{}{OPEN}{escaped}{CLOSE}{}",
+        &svg[..end],
+        &svg[end..]
+    ))
 }
 
 /// The figure of an SVG, and the SVG without it.
 pub(super) fn take(svg: &str) -> Result<Option<(Figure, String)>> {
-    let Some((before, rest)) = svg.split_once(OPEN) else { return Ok(None) };
-    let (text, after) = rest.split_once(CLOSE).context("the figure inside an SVG has no end")?;
-    let json = ESCAPES.iter().rev().fold(text.to_owned(), |text, (sign, written)| text.replace(written, sign));
-    let figure = serde_json::from_str(&json).context("the figure inside an SVG is damaged or of another version")?;
+    let Some((before, rest)) = svg.split_once(OPEN) else {
+        return Ok(None);
+    };
+    let (text, after) = rest
+        .split_once(CLOSE)
+        .context("the figure inside an SVG has no end")?;
+    let json = ESCAPES
+        .iter()
+        .rev()
+        .fold(text.to_owned(), |text, (sign, written)| {
+            text.replace(written, sign)
+        });
+    let figure = serde_json::from_str(&json)
+        .context("the figure inside an SVG is damaged or of another version")?;
     Ok(Some((figure, format!("{before}{after}"))))
 }
 

@@ -30,7 +30,10 @@ pub(super) struct Run {
 
 /// `R_g` and `10^{-3}`: `_` and `^` lower and raise the next character or the next group in braces.
 pub(super) fn runs(text: &str) -> Vec<Run> {
-    let mut runs: Vec<Run> = vec![Run { text: String::new(), level: Level::Base }];
+    let mut runs: Vec<Run> = vec![Run {
+        text: String::new(),
+        level: Level::Base,
+    }];
     let mut characters = text.chars().peekable();
     while let Some(character) = characters.next() {
         let level = match character {
@@ -39,7 +42,10 @@ pub(super) fn runs(text: &str) -> Vec<Run> {
             other => {
                 match runs.last_mut().filter(|run| run.level == Level::Base) {
                     Some(run) => run.text.push(other),
-                    None => runs.push(Run { text: other.into(), level: Level::Base }),
+                    None => runs.push(Run {
+                        text: other.into(),
+                        level: Level::Base,
+                    }),
                 }
                 continue;
             }
@@ -69,12 +75,15 @@ impl Fitted {
     }
 }
 
-/// A text that is too long is made smaller, down to the part `least` of its size; where that does not do, it is broken
-/// between words.
+/// A text that is too long is made smaller, down to the part `least` of its size; where that does
+/// not do, it is broken between words.
 pub(super) fn fit(text: &str, size: f64, room: f64, least: f64) -> Result<Fitted> {
     let fitting = room / text_width(text, size)?;
     if fitting >= least {
-        return Ok(Fitted { lines: vec![text.to_owned()], size: size * fitting.min(1.0) });
+        return Ok(Fitted {
+            lines: vec![text.to_owned()],
+            size: size * fitting.min(1.0),
+        });
     }
     let mut lines: Vec<String> = Vec::new();
     for word in text.split(' ') {
@@ -87,10 +96,16 @@ pub(super) fn fit(text: &str, size: f64, room: f64, least: f64) -> Result<Fitted
             _ => lines.push(word.to_owned()),
         }
     }
-    let widths = lines.iter().map(|line| text_width(line, size)).collect::<Result<Vec<f64>>>()?;
+    let widths = lines
+        .iter()
+        .map(|line| text_width(line, size))
+        .collect::<Result<Vec<f64>>>()?;
     // A single word may still be too long.
     let widest = widths.into_iter().fold(room, f64::max);
-    Ok(Fitted { lines, size: size * room / widest })
+    Ok(Fitted {
+        lines,
+        size: size * room / widest,
+    })
 }
 
 #[cfg(test)]
@@ -99,12 +114,27 @@ mod tests {
 
     #[test]
     fn subscripts_and_superscripts_are_found() {
-        let found = |text: &str| runs(text).into_iter().map(|run| (run.text, run.level)).collect::<Vec<_>>();
+        let found = |text: &str| {
+            runs(text)
+                .into_iter()
+                .map(|run| (run.text, run.level))
+                .collect::<Vec<_>>()
+        };
         assert_eq!(
             found("R_g / Å"),
-            [("R".into(), Level::Base), ("g".into(), Level::Subscript), (" / Å".into(), Level::Base)]
+            [
+                ("R".into(), Level::Base),
+                ("g".into(), Level::Subscript),
+                (" / Å".into(), Level::Base)
+            ]
         );
-        assert_eq!(found("10^{−3}"), [("10".into(), Level::Base), ("−3".into(), Level::Superscript)]);
+        assert_eq!(
+            found("10^{−3}"),
+            [
+                ("10".into(), Level::Base),
+                ("−3".into(), Level::Superscript)
+            ]
+        );
         assert_eq!(found("plain"), [("plain".into(), Level::Base)]);
         assert_eq!(found("_{}^"), [("^".into(), Level::Superscript)]);
         assert!(found("").is_empty());
@@ -115,14 +145,28 @@ mod tests {
         let text = "error bars: standard error of five replicas";
         let room = text_width(text, 20.0).unwrap();
         let shown = |room: f64, least: f64| fit(text, 20.0, room, least).unwrap();
-        assert_eq!(shown(2.0 * room, 0.8), Fitted { lines: vec![text.into()], size: 20.0 });
+        assert_eq!(
+            shown(2.0 * room, 0.8),
+            Fitted {
+                lines: vec![text.into()],
+                size: 20.0
+            }
+        );
         assert_eq!(shown(0.9 * room, 0.8).lines, [text]);
         assert!((shown(0.9 * room, 0.8).size - 18.0).abs() < 1e-9);
         let broken = shown(0.6 * room, 0.8);
-        assert_eq!((broken.lines.len(), broken.size, broken.lines.join(" ")), (2, 20.0, text.to_owned()));
+        assert_eq!(
+            (broken.lines.len(), broken.size, broken.lines.join(" ")),
+            (2, 20.0, text.to_owned())
+        );
         assert_eq!(shown(0.9 * room, 1.0).lines.len(), 2);
         // Every line fits, also where a word is longer than the room.
         let narrow = shown(0.1 * room, 1.0);
-        assert!(narrow.lines.iter().all(|line| text_width(line, narrow.size).unwrap() <= 0.1 * room * 1.001));
+        assert!(
+            narrow
+                .lines
+                .iter()
+                .all(|line| text_width(line, narrow.size).unwrap() <= 0.1 * room * 1.001)
+        );
     }
 }

@@ -11,20 +11,27 @@ pub(super) struct Tick {
 pub(super) fn linear([from, to]: [f64; 2], count: usize) -> Vec<Tick> {
     let rough = (to - from) / count.max(1) as f64;
     let power = rough.log10().floor();
-    let mantissa = [1.0, 2.0, 5.0, 10.0].into_iter().find(|m| m * 10f64.powf(power) >= rough * 0.8).unwrap_or(10.0);
+    let mantissa = [1.0, 2.0, 5.0, 10.0]
+        .into_iter()
+        .find(|m| m * 10f64.powf(power) >= rough * 0.8)
+        .unwrap_or(10.0);
     let step = mantissa * 10f64.powf(power);
     let decimals = (-step.log10() - 1e-9).ceil().max(0.0) as usize;
     let first = (from / step - 1e-9).ceil() as i64;
     let last = (to / step + 1e-9).floor() as i64;
     let tick = |multiple: i64| {
         let value = multiple as f64 * step;
-        Tick { value, label: Some(decimal(value, decimals)) }
+        Tick {
+            value,
+            label: Some(decimal(value, decimals)),
+        }
     };
     (first..=last).map(tick).collect()
 }
 
-/// The ticks of a logarithmic axis: labels at 1, 2, 3, 5 of each decade, fewer over many decades; minor ticks at every
-/// digit. Within less than a decade these would be too few, and those of a linear axis serve.
+/// The ticks of a logarithmic axis: labels at 1, 2, 3, 5 of each decade, fewer over many decades;
+/// minor ticks at every digit. Within less than a decade these would be too few, and those of a
+/// linear axis serve.
 pub(super) fn logarithmic([from, to]: [f64; 2]) -> Vec<Tick> {
     let decades = (to / from).log10();
     if decades < 0.7 {
@@ -41,7 +48,9 @@ pub(super) fn logarithmic([from, to]: [f64; 2]) -> Vec<Tick> {
         for digit in 1..10 {
             let value = f64::from(digit) * 10f64.powi(exponent);
             if value >= from * (1.0 - 1e-9) && value <= to * (1.0 + 1e-9) {
-                let label = labelled.contains(&digit).then(|| power_label(digit, exponent));
+                let label = labelled
+                    .contains(&digit)
+                    .then(|| power_label(digit, exponent));
                 ticks.push(Tick { value, label });
             }
         }
@@ -51,7 +60,10 @@ pub(super) fn logarithmic([from, to]: [f64; 2]) -> Vec<Tick> {
 
 fn power_label(digit: i32, exponent: i32) -> String {
     if (-4..6).contains(&exponent) {
-        decimal(f64::from(digit) * 10f64.powi(exponent), exponent.min(0).unsigned_abs() as usize)
+        decimal(
+            f64::from(digit) * 10f64.powi(exponent),
+            exponent.min(0).unsigned_abs() as usize,
+        )
     } else if digit == 1 {
         format!("10^{{{}}}", with_minus_sign(exponent.to_string()))
     } else {
@@ -73,24 +85,51 @@ mod tests {
     use super::*;
 
     fn labels(ticks: &[Tick]) -> Vec<&str> {
-        ticks.iter().filter_map(|tick| tick.label.as_deref()).collect()
+        ticks
+            .iter()
+            .filter_map(|tick| tick.label.as_deref())
+            .collect()
     }
 
     #[test]
     fn linear_ticks_are_round() {
         assert_eq!(labels(&linear([0.0, 1.1], 3)), ["0.0", "0.5", "1.0"]);
-        assert_eq!(labels(&linear([0.0, 1.1], 6)), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
-        assert_eq!(labels(&linear([-21.0, 20.0], 5)), ["−20", "−10", "0", "10", "20"]);
-        assert_eq!(labels(&linear([51.2, 133.0], 5)), ["60", "80", "100", "120"]);
-        assert_eq!(labels(&linear([0.011, 0.0142], 4)), ["0.011", "0.012", "0.013", "0.014"]);
+        assert_eq!(
+            labels(&linear([0.0, 1.1], 6)),
+            ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]
+        );
+        assert_eq!(
+            labels(&linear([-21.0, 20.0], 5)),
+            ["−20", "−10", "0", "10", "20"]
+        );
+        assert_eq!(
+            labels(&linear([51.2, 133.0], 5)),
+            ["60", "80", "100", "120"]
+        );
+        assert_eq!(
+            labels(&linear([0.011, 0.0142], 4)),
+            ["0.011", "0.012", "0.013", "0.014"]
+        );
     }
 
     #[test]
     fn logarithmic_ticks_read_like_salt_concentrations() {
-        assert_eq!(labels(&logarithmic([9.0, 330.0])), ["10", "20", "30", "50", "100", "200", "300"]);
-        assert_eq!(labels(&logarithmic([0.01, 0.3])), ["0.01", "0.02", "0.03", "0.05", "0.1", "0.2", "0.3"]);
-        assert_eq!(labels(&logarithmic([1e-7, 1e-2])), ["10^{−7}", "10^{−6}", "10^{−5}", "0.0001", "0.001", "0.01"]);
+        assert_eq!(
+            labels(&logarithmic([9.0, 330.0])),
+            ["10", "20", "30", "50", "100", "200", "300"]
+        );
+        assert_eq!(
+            labels(&logarithmic([0.01, 0.3])),
+            ["0.01", "0.02", "0.03", "0.05", "0.1", "0.2", "0.3"]
+        );
+        assert_eq!(
+            labels(&logarithmic([1e-7, 1e-2])),
+            ["10^{−7}", "10^{−6}", "10^{−5}", "0.0001", "0.001", "0.01"]
+        );
         assert_eq!(logarithmic([1.0, 10.0]).len(), 10);
-        assert_eq!(labels(&logarithmic([48.0, 140.0])), ["60", "80", "100", "120", "140"]);
+        assert_eq!(
+            labels(&logarithmic([48.0, 140.0])),
+            ["60", "80", "100", "120", "140"]
+        );
     }
 }

@@ -7,7 +7,8 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 use std::path::Path;
 
-/// What changes nothing about the meaning of a voxel: the random rotations, and which structures are left out.
+/// What changes nothing about the meaning of a voxel: the random rotations, and which structures
+/// are left out.
 const INDIFFERENT: [&str; 2] = ["seed", "most_incomplete"];
 
 /// A condition under which the voxels of a set were made otherwise than those of the training.
@@ -21,12 +22,16 @@ pub struct Difference {
     pub set: Value,
 }
 
-/// How the voxels of a set differ from those of the training, where a network can still be applied. A model that does not
-/// say how its voxels were made is taken at its channels and size.
+/// How the voxels of a set differ from those of the training, where a network can still be applied.
+/// A model that does not say how its voxels were made is taken at its channels and size.
 ///
 /// # Errors
 /// If channels, size or spacing are other ones.
-pub fn differences(card: &ModelCard, set: &dyn SampleSource, path: &Path) -> Result<Vec<Difference>> {
+pub fn differences(
+    card: &ModelCard,
+    set: &dyn SampleSource,
+    path: &Path,
+) -> Result<Vec<Difference>> {
     let shown = path.display();
     let trained_channels = &card.scaling.channels;
     if set.channels() != trained_channels {
@@ -45,12 +50,23 @@ pub fn differences(card: &ModelCard, set: &dyn SampleSource, path: &Path) -> Res
              --size {trained}"
         );
     }
-    let (Some(Value::Object(trained)), Some(Value::Object(present))) = (&card.made_with, set.made_with()) else {
+    let (Some(Value::Object(trained)), Some(Value::Object(present))) =
+        (&card.made_with, set.made_with())
+    else {
         return Ok(Vec::new());
     };
     let differences = between(trained, present);
-    if let Some(Difference { trained_on, set, .. }) = differences.iter().find(|found| found.setting == "spacing") {
-        let with_unit = |value: &Value| format!("{}{}", plain(value), if value.is_number() { " Å" } else { "" });
+    if let Some(Difference {
+        trained_on, set, ..
+    }) = differences.iter().find(|found| found.setting == "spacing")
+    {
+        let with_unit = |value: &Value| {
+            format!(
+                "{}{}",
+                plain(value),
+                if value.is_number() { " Å" } else { "" }
+            )
+        };
         bail!(
             "the network was trained on voxels with the spacing {}, {shown} has {}; make the set anew with voxelize \
              --spacing {}",
@@ -67,20 +83,32 @@ fn between(trained: &Map<String, Value>, present: &Map<String, Value>) -> Vec<Di
     let mut keys: Vec<&String> = trained.keys().chain(present.keys()).collect();
     keys.sort();
     keys.dedup();
-    let differ = |key: &&String| trained.get(*key) != present.get(*key) && !INDIFFERENT.contains(&key.as_str());
-    let of_key =
-        |key: &String| Difference { setting: key.clone(), trained_on: of(trained, key), set: of(present, key) };
+    let differ = |key: &&String| {
+        trained.get(*key) != present.get(*key) && !INDIFFERENT.contains(&key.as_str())
+    };
+    let of_key = |key: &String| Difference {
+        setting: key.clone(),
+        trained_on: of(trained, key),
+        set: of(present, key),
+    };
     keys.into_iter().filter(differ).map(of_key).collect()
 }
 
 /// Text without its quotes.
 fn plain(value: &Value) -> String {
-    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
+    value
+        .as_str()
+        .map_or_else(|| value.to_string(), str::to_owned)
 }
 
 impl Difference {
     /// A line for a reader.
     pub fn line(&self) -> String {
-        format!("{}: {} here, {} in the training", self.setting, plain(&self.set), plain(&self.trained_on))
+        format!(
+            "{}: {} here, {} in the training",
+            self.setting,
+            plain(&self.set),
+            plain(&self.trained_on)
+        )
     }
 }

@@ -31,12 +31,12 @@ use std::path::Path;
 /// Samples between two looks at whether to stop: a multiple of the grids at a time.
 const CHUNK: usize = 64;
 
-/// Predicts the class of every sample of a set, on a device. `begin` hears how many samples there are, `advanced` how
-/// many more are done; `stop` is asked every so often.
+/// Predicts the class of every sample of a set, on a device. `begin` hears how many samples there
+/// are, `advanced` how many more are done; `stop` is asked every so often.
 ///
 /// # Errors
-/// If the directory holds no finished training on a set, the set has other voxels than the network is for, no sample can
-/// be read, or it was asked to stop.
+/// If the directory holds no finished training on a set, the set has other voxels than the network
+/// is for, no sample can be read, or it was asked to stop.
 pub fn predict(
     run: &Path,
     set_path: &Path,
@@ -51,12 +51,28 @@ pub fn predict(
     let differences = fit::differences(&trained.model.card, &set, set_path)?;
     let truth = Truth::of(&trained, &source, &set)?;
     begin(set.descriptions().len() as u64);
-    let how = PredictionSettings { rotations: trained.settings.rotations, ..PredictionSettings::default() };
+    let how = PredictionSettings {
+        rotations: trained.settings.rotations,
+        ..PredictionSettings::default()
+    };
     let predictions = in_chunks(&trained.model, &set, how, advanced, stop)?;
-    if let ([], Some(Quarantined { name, reason, .. })) = (&predictions.samples[..], predictions.quarantined.first()) {
-        bail!("no sample of {} can be read; the first, {name}: {reason}", set_path.display());
+    if let ([], Some(Quarantined { name, reason, .. })) =
+        (&predictions.samples[..], predictions.quarantined.first())
+    {
+        bail!(
+            "no sample of {} can be read; the first, {name}: {reason}",
+            set_path.display()
+        );
     }
-    PredictReport::of(run, set_path, &trained, &set, &truth, predictions, differences)
+    PredictReport::of(
+        run,
+        set_path,
+        &trained,
+        &set,
+        &truth,
+        predictions,
+        differences,
+    )
 }
 
 /// All samples, a chunk at a time: what comes out is the same as at once.
@@ -73,7 +89,11 @@ fn in_chunks(
         if stop() {
             bail!("stopped; nothing was written");
         }
-        let Predictions { samples, probabilities, quarantined } = model.predict(set, chunk, how)?;
+        let Predictions {
+            samples,
+            probabilities,
+            quarantined,
+        } = model.predict(set, chunk, how)?;
         all.samples.extend(samples);
         all.probabilities.extend(probabilities);
         all.quarantined.extend(quarantined);

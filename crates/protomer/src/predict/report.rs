@@ -108,8 +108,15 @@ impl PredictReport {
         let card = &trained.model.card;
         let class = |number: usize| card.classes.get(number).cloned().unwrap_or_default();
         let mut samples = Vec::with_capacity(predictions.samples.len());
-        for (sample, p) in predictions.samples.iter().zip(predictions.probabilities.chunks(card.classes.len().max(1))) {
-            let known = set.descriptions().get(*sample).ok_or_else(|| anyhow!("there is no sample {sample}"))?;
+        for (sample, p) in predictions
+            .samples
+            .iter()
+            .zip(predictions.probabilities.chunks(card.classes.len().max(1)))
+        {
+            let known = set
+                .descriptions()
+                .get(*sample)
+                .ok_or_else(|| anyhow!("there is no sample {sample}"))?;
             samples.push(SamplePrediction {
                 name: known.name.clone(),
                 file: set.files().get(*sample).cloned().unwrap_or_default(),
@@ -143,7 +150,11 @@ impl PredictReport {
     /// If rows and classes disagree.
     pub fn table(&self) -> Result<Table> {
         let fixed = ["name", "file", "label", "class", "part", "predicted"].map(str::to_owned);
-        let mut table = Table::new(fixed.into_iter().chain(self.classes.iter().map(|class| format!("p_{class}"))));
+        let mut table = Table::new(
+            fixed
+                .into_iter()
+                .chain(self.classes.iter().map(|class| format!("p_{class}"))),
+        );
         for sample in &self.samples {
             let text = |text: &String| Cell::from(text.as_str());
             let fixed = [
@@ -154,20 +165,34 @@ impl PredictReport {
                 Cell::from(sample.part.map(Part::name)),
                 text(&sample.predicted),
             ];
-            table.push(fixed.into_iter().chain(sample.probabilities.iter().map(|p| Cell::from(*p))))?;
+            table.push(
+                fixed
+                    .into_iter()
+                    .chain(sample.probabilities.iter().map(|p| Cell::from(*p))),
+            )?;
         }
         Ok(table)
     }
 
     /// Lines for a reader: the accuracy never without the majority's.
     pub fn summary(&self) -> String {
-        let mut lines = vec![format!("{} samples predicted, {} left out", self.samples.len(), self.left_out.len())];
+        let mut lines = vec![format!(
+            "{} samples predicted, {} left out",
+            self.samples.len(),
+            self.left_out.len()
+        )];
         match &self.scores {
             Some(scores) => {
                 lines.push(match self.is_training_set {
-                    true => format!("scores of the test part of the training, {} samples", scores.samples),
+                    true => format!(
+                        "scores of the test part of the training, {} samples",
+                        scores.samples
+                    ),
                     false => {
-                        format!("scores of the samples of known class that are new to the network, {}", scores.samples)
+                        format!(
+                            "scores of the samples of known class that are new to the network, {}",
+                            scores.samples
+                        )
                     }
                 });
                 lines.push(format!(
@@ -179,11 +204,15 @@ impl PredictReport {
                     scores.log_loss_nats, scores.prior_log_loss_nats, scores.nats_gained_over_prior
                 ));
             }
-            None if self.is_training_set => lines.push("no scores: no sample of the test part can be read".into()),
+            None if self.is_training_set => {
+                lines.push("no scores: no sample of the test part can be read".into())
+            }
             None => lines.push("no scores: no sample is left to score".into()),
         }
         let not_scored = self.not_scored.iter();
-        lines.extend(not_scored.map(|these| format!("not scored: {} {}", these.samples, these.why.words())));
+        lines.extend(
+            not_scored.map(|these| format!("not scored: {} {}", these.samples, these.why.words())),
+        );
         lines.join("\n")
     }
 }
@@ -191,25 +220,46 @@ impl PredictReport {
 /// Samples by the reason for which they are not scored.
 fn count(samples: &[SamplePrediction]) -> Vec<NotScored> {
     let mut counts: BTreeMap<Unscored, usize> = BTreeMap::new();
-    samples.iter().filter_map(|sample| sample.unscored).for_each(|why| *counts.entry(why).or_default() += 1);
-    counts.into_iter().map(|(why, samples)| NotScored { why, samples }).collect()
+    samples
+        .iter()
+        .filter_map(|sample| sample.unscored)
+        .for_each(|why| *counts.entry(why).or_default() += 1);
+    counts
+        .into_iter()
+        .map(|(why, samples)| NotScored { why, samples })
+        .collect()
 }
 
-/// Scores with the weights of the training's own: a sample counts one over the number of its family's samples with a
-/// class; in another set, of those that are scored.
-fn scores(log_prior: &[f64], set: &VoxelSet, truth: &Truth, predictions: &Predictions) -> Result<Option<SetScores>> {
+/// Scores with the weights of the training's own: a sample counts one over the number of its
+/// family's samples with a class; in another set, of those that are scored.
+fn scores(
+    log_prior: &[f64],
+    set: &VoxelSet,
+    truth: &Truth,
+    predictions: &Predictions,
+) -> Result<Option<SetScores>> {
     let count = log_prior.len();
-    let counts =
-        |sample: &usize| truth.classes[*sample].is_some() && (truth.is_training_set || truth.may_be_scored(*sample));
+    let counts = |sample: &usize| {
+        truth.classes[*sample].is_some() && (truth.is_training_set || truth.may_be_scored(*sample))
+    };
     let labelled: Vec<usize> = (0..truth.classes.len()).filter(counts).collect();
-    let descriptions: Vec<Description> = labelled.iter().map(|sample| set.descriptions()[*sample].clone()).collect();
+    let descriptions: Vec<Description> = labelled
+        .iter()
+        .map(|sample| set.descriptions()[*sample].clone())
+        .collect();
     let weight_of = |sample: usize| labelled.binary_search(&sample).ok();
     let all_weights = family_weights(&descriptions);
     let (mut probabilities, mut labels, mut weights) = (Vec::new(), Vec::new(), Vec::new());
-    for (sample, p) in predictions.samples.iter().zip(predictions.probabilities.chunks(count.max(1))) {
-        let (true, Some(class), Some(place)) =
-            (truth.may_be_scored(*sample), truth.classes[*sample], weight_of(*sample))
-        else {
+    for (sample, p) in predictions
+        .samples
+        .iter()
+        .zip(predictions.probabilities.chunks(count.max(1)))
+    {
+        let (true, Some(class), Some(place)) = (
+            truth.may_be_scored(*sample),
+            truth.classes[*sample],
+            weight_of(*sample),
+        ) else {
             continue;
         };
         probabilities.extend_from_slice(p);

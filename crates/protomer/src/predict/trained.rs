@@ -12,7 +12,8 @@ pub struct Trained {
     pub settings: TrainSettings,
     /// The network with its scaling and classes.
     pub model: Model,
-    /// The structures it has seen; none if an earlier version trained, which did not write them down.
+    /// The structures it has seen; none if an earlier version trained, which did not write them
+    /// down.
     pub seen: Option<TrainedOn>,
 }
 
@@ -25,7 +26,9 @@ impl Trained {
         let shown = directory.display();
         let is_there = |name: &str| directory.join(name).exists();
         if !directory.is_dir() {
-            bail!("{shown} is no directory; give the one that protomer train wrote its results into");
+            bail!(
+                "{shown} is no directory; give the one that protomer train wrote its results into"
+            );
         }
         if is_there("trials.csv") || is_there("trials") {
             bail!(
@@ -39,7 +42,9 @@ impl Trained {
                     "{shown} is not the directory of a training, but holds some; give one of them, such as {}",
                     below.display()
                 ),
-                None => anyhow::anyhow!("{shown} holds no training; give the directory that protomer train wrote into"),
+                None => anyhow::anyhow!(
+                    "{shown} holds no training; give the directory that protomer train wrote into"
+                ),
             });
         }
         let settings = TrainSettings::read(&directory.join(SETTINGS)).with_context(|| {
@@ -53,19 +58,30 @@ impl Trained {
             );
         }
         if !is_there(MODEL) || Metrics::read(directory)?.is_none() {
-            bail!("the training in {shown} is not finished; the same train command goes on with it");
+            bail!(
+                "the training in {shown} is not finished; the same train command goes on with it"
+            );
         }
         let path = directory.join(MODEL);
-        let bytes = std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
+        let bytes =
+            std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
         let model = Model::from_bytes(&bytes)
             .with_context(|| format!("{} is damaged; train again with --force", path.display()))?;
-        Ok(Self { settings, model, seen: TrainedOn::read(directory)? })
+        Ok(Self {
+            settings,
+            model,
+            seen: TrainedOn::read(directory)?,
+        })
     }
 }
 
 /// The first training some levels below, such as those of an ablation (`ablation/CHANNELS/seed_N`).
 fn training_below(directory: &Path, levels: usize) -> Option<PathBuf> {
-    let mut folders: Vec<PathBuf> = std::fs::read_dir(directory).ok()?.flatten().map(|entry| entry.path()).collect();
+    let mut folders: Vec<PathBuf> = std::fs::read_dir(directory)
+        .ok()?
+        .flatten()
+        .map(|entry| entry.path())
+        .collect();
     folders.retain(|path| path.is_dir());
     folders.sort();
     let is_training = |path: &&PathBuf| path.join(SETTINGS).is_file() && path.join(MODEL).is_file();

@@ -57,7 +57,8 @@ impl Unscored {
 pub struct Truth {
     /// Whether the network was trained on this very set.
     pub is_training_set: bool,
-    /// The number of the class of each sample; none where its label is none of the network's classes.
+    /// The number of the class of each sample; none where its label is none of the network's
+    /// classes.
     pub classes: Vec<Option<usize>>,
     /// The part each sample belonged to; none in another set than that of the training.
     pub parts: Vec<Option<Part>>,
@@ -92,31 +93,54 @@ impl Truth {
     /// Classes and split as the training made them, rare classes joined.
     fn of_training_set(trained: &Trained, set: &dyn SampleSource) -> Result<Self> {
         let prepared = Prepared::new(&trained.settings, set)?;
-        let Split { training, validation, test } = &prepared.split;
-        let parts = [(training, Part::Training), (validation, Part::Validation), (test, Part::Test)];
-        let part_of: BTreeMap<usize, Part> =
-            parts.into_iter().flat_map(|(samples, part)| samples.iter().map(move |sample| (*sample, part))).collect();
+        let Split {
+            training,
+            validation,
+            test,
+        } = &prepared.split;
+        let parts = [
+            (training, Part::Training),
+            (validation, Part::Validation),
+            (test, Part::Test),
+        ];
+        let part_of: BTreeMap<usize, Part> = parts
+            .into_iter()
+            .flat_map(|(samples, part)| samples.iter().map(move |sample| (*sample, part)))
+            .collect();
         // Samples without a class are not among those prepared; names are unique.
-        let known: BTreeMap<&str, usize> =
-            prepared.descriptions.iter().enumerate().map(|(place, known)| (known.name.as_str(), place)).collect();
+        let known: BTreeMap<&str, usize> = prepared
+            .descriptions
+            .iter()
+            .enumerate()
+            .map(|(place, known)| (known.name.as_str(), place))
+            .collect();
         let place = |name: &str| known.get(name).copied();
         let names = || set.descriptions().iter().map(|known| known.name.as_str());
         Ok(Self {
             is_training_set: true,
-            classes: names().map(|name| prepared.classes.labels.get(place(name)?).copied()).collect(),
-            parts: names().map(|name| part_of.get(&place(name)?).copied()).collect(),
+            classes: names()
+                .map(|name| prepared.classes.labels.get(place(name)?).copied())
+                .collect(),
+            parts: names()
+                .map(|name| part_of.get(&place(name)?).copied())
+                .collect(),
             unscored: vec![None; set.descriptions().len()],
         })
     }
 
-    /// Labels that are a class under the target of the training; what training has seen is not scored.
+    /// Labels that are a class under the target of the training; what training has seen is not
+    /// scored.
     fn of_other(trained: &Trained, set: &dyn SampleSource) -> Self {
         let names = &trained.model.card.classes;
         let class = |label: &str| {
             let class = trained.settings.target.of(label).ok()?;
             names.iter().position(|name| *name == class)
         };
-        let classes: Vec<Option<usize>> = set.descriptions().iter().map(|known| class(&known.label)).collect();
+        let classes: Vec<Option<usize>> = set
+            .descriptions()
+            .iter()
+            .map(|known| class(&known.label))
+            .collect();
         let seen = Seen::of(trained);
         let why = |(sample, class): (usize, &Option<usize>)| match class {
             None => Some(Unscored::NoClass),
@@ -134,7 +158,11 @@ impl Truth {
     pub fn may_be_scored(&self, sample: usize) -> bool {
         let part = self.parts.get(sample).copied().flatten();
         let why_not = self.unscored.get(sample).copied().flatten();
-        let fresh = if self.is_training_set { part == Some(Part::Test) } else { why_not.is_none() };
+        let fresh = if self.is_training_set {
+            part == Some(Part::Test)
+        } else {
+            why_not.is_none()
+        };
         fresh && self.classes.get(sample).copied().flatten().is_some()
     }
 }
@@ -156,11 +184,14 @@ impl<'a> Seen<'a> {
         }
     }
 
-    /// Why a sample may not be scored. Clusters are compared by name: those of another manifest may mean other
-    /// structures, and then a sample too many is left out, which is the safe side.
+    /// Why a sample may not be scored. Clusters are compared by name: those of another manifest may
+    /// mean other structures, and then a sample too many is left out, which is the safe side.
     fn why_not(&self, set: &dyn SampleSource, sample: usize) -> Option<Unscored> {
         let file = set.file_sha256(sample);
-        let cluster = set.descriptions().get(sample).map_or("", |known| known.cluster.as_str());
+        let cluster = set
+            .descriptions()
+            .get(sample)
+            .map_or("", |known| known.cluster.as_str());
         if !self.is_known {
             Some(Unscored::TrainingUnknown)
         } else if file.is_empty() {
@@ -168,7 +199,9 @@ impl<'a> Seen<'a> {
         } else if self.files.contains(file) {
             Some(Unscored::SameFile)
         } else {
-            self.clusters.contains(cluster).then_some(Unscored::SameCluster)
+            self.clusters
+                .contains(cluster)
+                .then_some(Unscored::SameCluster)
         }
     }
 }
@@ -176,7 +209,14 @@ impl<'a> Seen<'a> {
 /// A set that was moved is still the same.
 fn is_same(trained: &Source, present: &Source) -> bool {
     match (trained, present) {
-        (Source::Set { digest: trained, .. }, Source::Set { digest: present, .. }) => trained == present,
+        (
+            Source::Set {
+                digest: trained, ..
+            },
+            Source::Set {
+                digest: present, ..
+            },
+        ) => trained == present,
         _ => false,
     }
 }

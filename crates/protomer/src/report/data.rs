@@ -19,12 +19,23 @@ const DIGITS: usize = 6;
 /// If it is no CSV.
 pub fn data(name: &str, csv: &str) -> Result<String> {
     let mut lines = csv.lines().enumerate();
-    let columns = lines.next().map(|(_, line)| cells(name, 1, line)).transpose()?.unwrap_or_default();
+    let columns = lines
+        .next()
+        .map(|(_, line)| cells(name, 1, line))
+        .transpose()?
+        .unwrap_or_default();
     let count = csv.lines().count().saturating_sub(1);
-    let shown = lines.take(MOST_ROWS).map(|(number, line)| cells(name, number + 1, line));
-    let rows =
-        shown.map(|row| Ok(row?.iter().map(|cell| short(cell)).collect())).collect::<Result<Vec<Vec<String>>>>()?;
-    let note = if count > MOST_ROWS { format!("the first {MOST_ROWS} of {count} rows") } else { rows_of(count) };
+    let shown = lines
+        .take(MOST_ROWS)
+        .map(|(number, line)| cells(name, number + 1, line));
+    let rows = shown
+        .map(|row| Ok(row?.iter().map(|cell| short(cell)).collect()))
+        .collect::<Result<Vec<Vec<String>>>>()?;
+    let note = if count > MOST_ROWS {
+        format!("the first {MOST_ROWS} of {count} rows")
+    } else {
+        rows_of(count)
+    };
     Ok(format!(
         "<details><summary>{}: {note}</summary>\n<p>{}</p>\n{}</details>\n",
         escape(name),
@@ -42,7 +53,11 @@ pub fn of_file(directory: &Path, name: &str) -> Result<String> {
     if !path.is_file() {
         return Ok(String::new());
     }
-    data(name, &std::fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?)
+    data(
+        name,
+        &std::fs::read_to_string(&path)
+            .with_context(|| format!("cannot read {}", path.display()))?,
+    )
 }
 
 fn rows_of(count: usize) -> String {
@@ -51,9 +66,16 @@ fn rows_of(count: usize) -> String {
 
 fn link(name: &str, csv: &str) -> String {
     if csv.len() > MOST_BYTES {
-        return format!("The whole table is too long for this page; it is the file {} of the directory.", escape(name));
+        return format!(
+            "The whole table is too long for this page; it is the file {} of the directory.",
+            escape(name)
+        );
     }
-    format!("<a download=\"{}\" href=\"data:text/csv;charset=utf-8,{}\">Save as CSV</a>", escape(name), encode(csv))
+    format!(
+        "<a download=\"{}\" href=\"data:text/csv;charset=utf-8,{}\">Save as CSV</a>",
+        escape(name),
+        encode(csv)
+    )
 }
 
 /// What a URI may hold as it is; the rest by its bytes.
@@ -61,7 +83,16 @@ fn encode(text: &str) -> String {
     let mut encoded = String::with_capacity(text.len() + text.len() / 4);
     for byte in text.bytes() {
         match byte {
-            b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' | b',' | b':' | b'/' => {
+            b'A'..=b'Z'
+            | b'a'..=b'z'
+            | b'0'..=b'9'
+            | b'-'
+            | b'.'
+            | b'_'
+            | b'~'
+            | b','
+            | b':'
+            | b'/' => {
                 encoded.push(char::from(byte));
             }
             // Writing into a string cannot fail.
@@ -87,13 +118,24 @@ mod tests {
     #[test]
     fn every_number_is_kept_in_the_link() {
         let html = data("a.csv", "x,\"a, b\"\n0.12345678901234,1%\n").unwrap();
-        assert!(html.contains("x,%22a,%20b%22%0A0.12345678901234,1%25%0A"), "{html}");
-        assert!(html.contains("<td>0.123457</td>") && html.contains("<th>a, b</th>") && html.contains("1 row<"));
+        assert!(
+            html.contains("x,%22a,%20b%22%0A0.12345678901234,1%25%0A"),
+            "{html}"
+        );
+        assert!(
+            html.contains("<td>0.123457</td>")
+                && html.contains("<th>a, b</th>")
+                && html.contains("1 row<")
+        );
     }
 
     #[test]
     fn long_tables_say_so() {
         let csv = format!("x\n{}", "1\n".repeat(300));
-        assert!(data("a.csv", &csv).unwrap().contains("the first 200 of 300 rows"));
+        assert!(
+            data("a.csv", &csv)
+                .unwrap()
+                .contains("the first 200 of 300 rows")
+        );
     }
 }

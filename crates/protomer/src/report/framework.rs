@@ -22,16 +22,33 @@ pub fn page(directory: &Path) -> Result<Page> {
     let bytes = std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
     let result: Map<String, Value> = keys::from_json(&path, &bytes)?;
     network_file::read(&directory.join("network.toml"))?;
-    let text = |key: &str| result.get(key).and_then(Value::as_str).unwrap_or_default().to_owned();
+    let text = |key: &str| {
+        result
+            .get(key)
+            .and_then(Value::as_str)
+            .unwrap_or_default()
+            .to_owned()
+    };
     let mut problems = Vec::new();
-    let force = result.get("largest_force_kcal_mol_angstrom").and_then(Value::as_f64).unwrap_or(0.0);
+    let force = result
+        .get("largest_force_kcal_mol_angstrom")
+        .and_then(Value::as_f64)
+        .unwrap_or(0.0);
     if force > REST_FORCE {
-        problems.push(format!("The network is not at rest: a force of {} kcal/mol/Å is left.", significant(force, 3)));
+        problems.push(format!(
+            "The network is not at rest: a force of {} kcal/mol/Å is left.",
+            significant(force, 3)
+        ));
     }
     let mut results = moduli(&result);
     let polar = data::of_file(directory, "polar.csv")?;
     results += &match directory.join("polar.svg").is_file() {
-        true => figures::of_file(directory, "polar.svg", "Moduli against the direction of the load", &polar)?,
+        true => figures::of_file(
+            directory,
+            "polar.svg",
+            "Moduli against the direction of the load",
+            &polar,
+        )?,
         false => polar,
     };
     results += &data::of_file(directory, "stiffness.csv")?;
@@ -59,15 +76,21 @@ pub fn page(directory: &Path) -> Result<Page> {
 
 /// E, G and ν, with closed formulas beside them where there are.
 fn moduli(result: &Map<String, Value>) -> String {
-    let of = |key: &str| ["e_", "g_", "nu_"].iter().any(|start| key.starts_with(start));
+    let of = |key: &str| {
+        ["e_", "g_", "nu_"]
+            .iter()
+            .any(|start| key.starts_with(start))
+    };
     let formula = result.get("analytic").and_then(Value::as_object);
     let shown = |value: Option<&Value>| match value.and_then(Value::as_f64) {
         Some(value) if value.abs() > 1e20 => "unlimited".into(),
         Some(value) => significant(value, 7),
         None => "–".to_owned(),
     };
-    let rows =
-        result.iter().filter(|(key, value)| of(key) && (value.is_number() || value.is_null())).map(|(key, value)| {
+    let rows = result
+        .iter()
+        .filter(|(key, value)| of(key) && (value.is_number() || value.is_null()))
+        .map(|(key, value)| {
             let mut row = vec![label(key), shown(Some(value))];
             row.extend(formula.map(|formula| shown(formula.get(key))));
             row
@@ -94,29 +117,56 @@ fn label(key: &str) -> String {
 fn stretching(result: &Map<String, Value>) -> Option<Figure> {
     let curve = result.get("curve")?;
     let points = curve["points"].as_array()?;
-    let strains = points.first()?.as_object()?.keys().filter_map(|key| key.strip_prefix("strain_"));
+    let strains = points
+        .first()?
+        .as_object()?
+        .keys()
+        .filter_map(|key| key.strip_prefix("strain_"));
     let series = strains.map(|axis| {
         let at = |point: &Value| {
-            let (x, y) = (point["nominal_gpa"].as_f64()?, point[format!("strain_{axis}")].as_f64()?);
+            let (x, y) = (
+                point["nominal_gpa"].as_f64()?,
+                point[format!("strain_{axis}")].as_f64()?,
+            );
             Some(Point { x, y, error: None })
         };
-        let points = std::iter::once(Point::default()).chain(points.iter().filter_map(at)).collect();
-        Series { name: format!("along {axis}"), points, replicas: Vec::new(), line: true }
+        let points = std::iter::once(Point::default())
+            .chain(points.iter().filter_map(at))
+            .collect();
+        Series {
+            name: format!("along {axis}"),
+            points,
+            replicas: Vec::new(),
+            line: true,
+        }
     });
     Some(Figure {
         title: format!("Loaded along {}", curve["axis"].as_str()?),
         caption: "each stress applied from the state before".into(),
         x: Axis::linear("stress, force per area before loading (GPa)"),
-        panels: vec![Panel { y: Axis::linear("strain"), series: series.collect() }],
+        panels: vec![Panel {
+            y: Axis::linear("strain"),
+            series: series.collect(),
+        }],
     })
 }
 
 fn conditions(result: &Map<String, Value>) -> Section {
     let number = |key: &str, unit: &str| {
         let value = result.get(key).and_then(Value::as_f64);
-        value.map_or_else(|| "–".to_owned(), |value| format!("{} {unit}", significant(value, 8)).trim_end().to_owned())
+        value.map_or_else(
+            || "–".to_owned(),
+            |value| {
+                format!("{} {unit}", significant(value, 8))
+                    .trim_end()
+                    .to_owned()
+            },
+        )
     };
-    let mechanisms = result.get("mechanisms").and_then(Value::as_array).map_or(0, Vec::len);
+    let mechanisms = result
+        .get("mechanisms")
+        .and_then(Value::as_array)
+        .map_or(0, Vec::len);
     let relaxed = match result.get("relaxed").and_then(Value::as_str) {
         None => "as it was given",
         Some("fixed_cell") => "nodes relaxed in the given cell",
@@ -125,15 +175,23 @@ fn conditions(result: &Map<String, Value>) -> Section {
     let rows = [
         (
             "nodes, rods, hinges, torsions",
-            ["nodes", "rods", "hinges", "torsions"].map(|key| number(key, "")).join(", "),
+            ["nodes", "rods", "hinges", "torsions"]
+                .map(|key| number(key, ""))
+                .join(", "),
         ),
         ("volume of the cell", number("volume_angstrom3", "Å³")),
         ("Avogadro's number", number("avogadro_per_mol", "/mol")),
         ("1 kcal/mol/Å³", number("gpa_per_kcal_mol_angstrom3", "GPa")),
         ("geometry", relaxed.to_owned()),
-        ("largest force left", number("largest_force_kcal_mol_angstrom", "kcal/mol/Å")),
+        (
+            "largest force left",
+            number("largest_force_kcal_mol_angstrom", "kcal/mol/Å"),
+        ),
         ("strains that cost nothing", mechanisms.to_string()),
-        ("floppy motions of the nodes at fixed cell", number("internal_mechanisms", "")),
+        (
+            "floppy motions of the nodes at fixed cell",
+            number("internal_mechanisms", ""),
+        ),
     ];
     Section::new("Conditions", definitions(&rows))
 }

@@ -19,8 +19,16 @@ pub fn page(directory: &Path) -> Result<Page> {
     let rows: Vec<Row> = keys::from_json(&path, &bytes)?;
     let mut results = counts(&rows);
     for (title, mut lines) in describe(&rows) {
-        let head = if lines.is_empty() { Vec::new() } else { lines.remove(0) };
-        results += &format!("<h3>{}</h3>\n<div class=\"compact\">{}</div>\n", escape(&title), table(&head, &lines));
+        let head = if lines.is_empty() {
+            Vec::new()
+        } else {
+            lines.remove(0)
+        };
+        results += &format!(
+            "<h3>{}</h3>\n<div class=\"compact\">{}</div>\n",
+            escape(&title),
+            table(&head, &lines)
+        );
     }
     results += &data::data("tables.csv", &long(&rows)?.to_csv())?;
     let reading: String = legend(&rows).lines().map(paragraph).collect();
@@ -31,15 +39,26 @@ pub fn page(directory: &Path) -> Result<Page> {
         sections: vec![
             Section::new("Results", results),
             Section::new("How to read the tables", reading),
-            provenance::without_file(directory, None, vec![("command", "protomer framework tables".into())]),
+            provenance::without_file(
+                directory,
+                None,
+                vec![("command", "protomer framework tables".into())],
+            ),
         ],
     })
 }
 
 fn counts(rows: &[Row]) -> String {
     let values = || rows.iter().flat_map(|row| &row.values);
-    let count = |agreement: Agreement| values().filter(|value| value.agreement == agreement).count().to_string();
-    let largest = values().map(|value| value.deviation.abs()).fold(0.0, f64::max);
+    let count = |agreement: Agreement| {
+        values()
+            .filter(|value| value.agreement == agreement)
+            .count()
+            .to_string()
+    };
+    let largest = values()
+        .map(|value| value.deviation.abs())
+        .fold(0.0, f64::max);
     definitions(&[
         ("numbers", values().count().to_string()),
         ("the same to the last printed digit", count(Agreement::Same)),
@@ -51,8 +70,20 @@ fn counts(rows: &[Row]) -> String {
 
 /// A row for each number.
 fn long(rows: &[Row]) -> Result<Table> {
-    let head = ["table", "mechanism", "theta_deg", "method", "cells", "avogadro_per_mol", "quantity", "computed"];
-    let mut table = Table::new(head.into_iter().chain(["printed", "agreement", "deviation"]));
+    let head = [
+        "table",
+        "mechanism",
+        "theta_deg",
+        "method",
+        "cells",
+        "avogadro_per_mol",
+        "quantity",
+        "computed",
+    ];
+    let mut table = Table::new(
+        head.into_iter()
+            .chain(["printed", "agreement", "deviation"]),
+    );
     for row in rows {
         for value in &row.values {
             let agreement = match value.agreement {

@@ -22,7 +22,9 @@ pub fn paragraph(text: &str) -> String {
 
 /// Names and what they are.
 pub fn definitions(rows: &[(&str, String)]) -> String {
-    let row = |(name, value): &(&str, String)| format!("<dt>{}</dt><dd>{}</dd>\n", escape(name), escape(value));
+    let row = |(name, value): &(&str, String)| {
+        format!("<dt>{}</dt><dd>{}</dd>\n", escape(name), escape(value))
+    };
     format!("<dl>\n{}</dl>\n", rows.iter().map(row).collect::<String>())
 }
 
@@ -32,11 +34,19 @@ const LONG_CELL: usize = 28;
 /// A table.
 pub fn table(columns: &[String], rows: &[Vec<String>]) -> String {
     let cell = |cell: &String, tag: &str| {
-        let class = if cell.chars().count() > LONG_CELL { " class=\"long\"" } else { "" };
+        let class = if cell.chars().count() > LONG_CELL {
+            " class=\"long\""
+        } else {
+            ""
+        };
         format!("<{tag}{class}>{}</{tag}>", escape(cell))
     };
-    let cells = |row: &[String], tag: &str| -> String { row.iter().map(|text| cell(text, tag)).collect() };
-    let body: String = rows.iter().map(|row| format!("<tr>{}</tr>\n", cells(row, "td"))).collect();
+    let cells =
+        |row: &[String], tag: &str| -> String { row.iter().map(|text| cell(text, tag)).collect() };
+    let body: String = rows
+        .iter()
+        .map(|row| format!("<tr>{}</tr>\n", cells(row, "td")))
+        .collect();
     format!(
         "<div class=\"scroll\"><table>\n<thead><tr>{}</tr></thead>\n<tbody>\n{body}</tbody>\n</table></div>\n",
         cells(columns, "th")
@@ -45,18 +55,32 @@ pub fn table(columns: &[String], rows: &[Vec<String>]) -> String {
 
 /// Points of a list.
 pub fn list(items: &[String]) -> String {
-    format!("<ul>\n{}</ul>\n", items.iter().map(|item| format!("<li>{}</li>\n", escape(item))).collect::<String>())
+    format!(
+        "<ul>\n{}</ul>\n",
+        items
+            .iter()
+            .map(|item| format!("<li>{}</li>\n", escape(item)))
+            .collect::<String>()
+    )
 }
 
 /// Text as it is in a file, folded away.
 pub fn folded_text(title: &str, text: &str) -> String {
-    format!("<details><summary>{}</summary><pre>{}</pre></details>\n", escape(title), escape(text.trim_end()))
+    format!(
+        "<details><summary>{}</summary><pre>{}</pre></details>\n",
+        escape(title),
+        escape(text.trim_end())
+    )
 }
 
 /// A number with so many significant digits, without needless zeros.
 pub fn significant(value: f64, digits: usize) -> String {
     if !value.is_finite() || value == 0.0 {
-        return if value == 0.0 { "0".into() } else { "–".into() };
+        return if value == 0.0 {
+            "0".into()
+        } else {
+            "–".into()
+        };
     }
     let magnitude = value.abs().log10().floor() as i32;
     let text = if (-4..9).contains(&magnitude) {
@@ -65,8 +89,16 @@ pub fn significant(value: f64, digits: usize) -> String {
     } else {
         format!("{value:.*e}", digits.saturating_sub(1))
     };
-    let (number, exponent) = text.split_once('e').map_or((text.as_str(), String::new()), |(n, e)| (n, format!("e{e}")));
-    let number = if number.contains('.') { number.trim_end_matches('0').trim_end_matches('.') } else { number };
+    let (number, exponent) = text
+        .split_once('e')
+        .map_or((text.as_str(), String::new()), |(n, e)| {
+            (n, format!("e{e}"))
+        });
+    let number = if number.contains('.') {
+        number.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        number
+    };
     format!("{number}{exponent}").replace('-', "−")
 }
 
@@ -86,7 +118,13 @@ mod tests {
 
     #[test]
     fn numbers_are_short() {
-        let short = [(12.345_678, "12.346"), (-0.5, "−0.5"), (0.0, "0"), (1.0e-7, "1e−7"), (123_456.7, "123457")];
+        let short = [
+            (12.345_678, "12.346"),
+            (-0.5, "−0.5"),
+            (0.0, "0"),
+            (1.0e-7, "1e−7"),
+            (123_456.7, "123457"),
+        ];
         for (value, text) in short {
             assert_eq!(significant(value, 5), text);
         }

@@ -39,9 +39,14 @@ pub fn of(directory: &Path) -> Result<Kind> {
     if !directory.is_dir() {
         if work_path(directory).is_file() {
             let name = directory.display();
-            bail!("the set {name} is not complete yet; the same 'protomer voxelize' command goes on");
+            bail!(
+                "the set {name} is not complete yet; the same 'protomer voxelize' command goes on"
+            );
         }
-        bail!("{} is no directory; give one that protomer wrote its results into", directory.display());
+        bail!(
+            "{} is no directory; give one that protomer wrote its results into",
+            directory.display()
+        );
     }
     if is_there("run.toml") {
         return of_run(&directory.join("run.toml"));
@@ -59,7 +64,10 @@ pub fn of(directory: &Path) -> Result<Kind> {
         return Ok(Kind::VoxelSet);
     }
     if is_there("log.csv") && is_there("checkpoint.bin") {
-        bail!("{} is one simulation of a directory further up; give the one that holds run.toml", directory.display());
+        bail!(
+            "{} is one simulation of a directory further up; give the one that holds run.toml",
+            directory.display()
+        );
     }
     bail!(
         "{} holds no results that can be shown; give the directory of a simulate, sweep, lattice run, lattice sweep, \
@@ -70,13 +78,18 @@ pub fn of(directory: &Path) -> Result<Kind> {
 
 /// Lattices count squares, everything else has a salt.
 fn of_run(path: &Path) -> Result<Kind> {
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let text =
+        std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
     let table: toml::Table = keys::from_toml(path, &text)?;
     if !table.contains_key("rows") {
         return Ok(Kind::MonteCarlo(Box::new(keys::from_toml(path, &text)?)));
     }
     let settings: Box<LatticeSettings> = Box::new(keys::from_toml(path, &text)?);
-    Ok(if settings.sweep.is_some() { Kind::LatticeSweep(settings) } else { Kind::Lattice(settings) })
+    Ok(if settings.sweep.is_some() {
+        Kind::LatticeSweep(settings)
+    } else {
+        Kind::Lattice(settings)
+    })
 }
 
 /// A search has settings of a training in its own.
@@ -85,6 +98,7 @@ fn of_settings(directory: &Path) -> Result<Kind> {
     if !directory.join("trials").is_dir() && !directory.join("trials.csv").is_file() {
         return Ok(Kind::Training(Box::new(TrainSettings::read(&path)?)));
     }
-    let text = std::fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
+    let text = std::fs::read_to_string(&path)
+        .with_context(|| format!("cannot read {}", path.display()))?;
     Ok(Kind::Tune(Box::new(keys::from_toml(&path, &text)?)))
 }

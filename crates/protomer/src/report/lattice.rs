@@ -21,13 +21,19 @@ const MOST_FRAMES: usize = 200;
 const MOST_ROWS: usize = 1000;
 
 /// The player's own, and how large it is on this page.
-const STYLE: &str = concat!(include_str!("../lattice/player.css"), include_str!("stage.css"));
+const STYLE: &str = concat!(
+    include_str!("../lattice/player.css"),
+    include_str!("stage.css")
+);
 
 /// The figures of a sweep: file, title.
 const SWEEP_FIGURES: [(&str, &str); 7] = [
     ("poisson.svg", "Poisson's ratio against rod length"),
     ("synchronisation.svg", "Synchronisation against rod length"),
-    ("checkerboard.svg", "The checkerboard mode against rod length"),
+    (
+        "checkerboard.svg",
+        "The checkerboard mode against rod length",
+    ),
     ("spread.svg", "Spread of the angles against κ"),
     ("phase_differences.svg", "Phase differences"),
     ("strains.svg", "Strain against strain"),
@@ -40,7 +46,9 @@ const SWEEP_FIGURES: [(&str, &str); 7] = [
 /// If a file is damaged.
 pub fn page_of_run(directory: &Path, settings: &LatticeSettings) -> Result<Page> {
     let record = read_record(directory)?;
-    let mut problems: Vec<String> = provenance::unfinished(record.as_ref()).into_iter().collect();
+    let mut problems: Vec<String> = provenance::unfinished(record.as_ref())
+        .into_iter()
+        .collect();
     let mut sections = Vec::new();
     match animation(directory, settings) {
         Ok(section) => sections.push(section),
@@ -48,7 +56,12 @@ pub fn page_of_run(directory: &Path, settings: &LatticeSettings) -> Result<Page>
     }
     sections.push(history(directory, record.as_ref())?);
     sections.push(conditions(settings));
-    sections.push(provenance::section(directory, "run.toml", record.as_ref(), seed(settings))?);
+    sections.push(provenance::section(
+        directory,
+        "run.toml",
+        record.as_ref(),
+        seed(settings),
+    )?);
     Ok(Page {
         title: format!("Lattice: {}", provenance::name(directory)),
         subtitle: subtitle(settings),
@@ -63,7 +76,9 @@ pub fn page_of_run(directory: &Path, settings: &LatticeSettings) -> Result<Page>
 /// If a file is damaged.
 pub fn page_of_sweep(directory: &Path, settings: &LatticeSettings) -> Result<Page> {
     let record = read_record(directory)?;
-    let mut problems: Vec<String> = provenance::unfinished(record.as_ref()).into_iter().collect();
+    let mut problems: Vec<String> = provenance::unfinished(record.as_ref())
+        .into_iter()
+        .collect();
     let mut html = String::new();
     for (file, title) in SWEEP_FIGURES {
         html += &figures::of_file(directory, file, title, "")?;
@@ -79,22 +94,41 @@ pub fn page_of_sweep(directory: &Path, settings: &LatticeSettings) -> Result<Pag
     for task in &tasks {
         let record = read_record(&task.directory)?;
         let [r0, kappa] = [task.settings.r0, task.settings.kappa].map(|x| significant(x, 6));
-        let steps = record.as_ref().and_then(|record| record.details.get("steps")?.as_u64());
+        let steps = record
+            .as_ref()
+            .and_then(|record| record.details.get("steps")?.as_u64());
         let progress = steps.map_or_else(String::new, |steps| format!(" after {steps} steps"));
         if let Some(problem) = provenance::problem_of_part(record.as_ref(), &progress) {
-            problems.push(format!("r0 = {r0}, κ = {kappa}, seed {}: {problem}", task.settings.seed));
+            problems.push(format!(
+                "r0 = {r0}, κ = {kappa}, seed {}: {problem}",
+                task.settings.seed
+            ));
         }
-        rows.push(vec![r0, kappa, task.settings.seed.to_string(), provenance::ended(record.as_ref()).to_owned()]);
+        rows.push(vec![
+            r0,
+            kappa,
+            task.settings.seed.to_string(),
+            provenance::ended(record.as_ref()).to_owned(),
+        ]);
     }
-    let playable = tasks.iter().find_map(|task| animation(&task.directory, &task.settings).ok());
+    let playable = tasks
+        .iter()
+        .find_map(|task| animation(&task.directory, &task.settings).ok());
     match playable {
         Some(section) => sections.push(section),
-        None => problems.push("No run can be played: none has frames; run with --trajectory-every 50 or so".into()),
+        None => problems.push(
+            "No run can be played: none has frames; run with --trajectory-every 50 or so".into(),
+        ),
     }
     sections.push(conditions(settings));
     let head = ["r0", "κ", "seed", "ended"].map(str::to_owned);
     sections.push(Section::new("Runs", table(&head, &rows)));
-    sections.push(provenance::section(directory, "run.toml", record.as_ref(), seed(settings))?);
+    sections.push(provenance::section(
+        directory,
+        "run.toml",
+        record.as_ref(),
+        seed(settings),
+    )?);
     Ok(Page {
         title: format!("Sweep of lattices: {}", provenance::name(directory)),
         subtitle: format!("{}; {} runs", subtitle(settings), tasks.len()),
@@ -104,7 +138,10 @@ pub fn page_of_sweep(directory: &Path, settings: &LatticeSettings) -> Result<Pag
 }
 
 fn subtitle(settings: &LatticeSettings) -> String {
-    format!("{} × {} rigid squares joined by rigid rods; reduced units", settings.rows, settings.columns)
+    format!(
+        "{} × {} rigid squares joined by rigid rods; reduced units",
+        settings.rows, settings.columns
+    )
 }
 
 fn seed(settings: &LatticeSettings) -> Vec<(&'static str, String)> {
@@ -116,10 +153,17 @@ fn seed(settings: &LatticeSettings) -> Vec<(&'static str, String)> {
 fn animation(directory: &Path, settings: &LatticeSettings) -> Result<Section> {
     let numbers = 3 * settings.rows.saturating_mul(settings.columns).max(1);
     let animation = Animation::read(directory, (MOST_NUMBERS / numbers).clamp(20, MOST_FRAMES))?;
-    let note = format!("{}; {} frames, evenly spread over the run.", animation.title(), animation.len());
+    let note = format!(
+        "{}; {} frames, evenly spread over the run.",
+        animation.title(),
+        animation.len()
+    );
     Ok(Section {
         title: "Animation".into(),
-        html: format!("<div class=\"stage\" tabindex=\"0\">\n{PLAYER}</div>\n{}", paragraph(&note)),
+        html: format!(
+            "<div class=\"stage\" tabindex=\"0\">\n{PLAYER}</div>\n{}",
+            paragraph(&note)
+        ),
         style: STYLE,
         library: PLAYER_SCRIPT,
         script: format!(
@@ -131,10 +175,15 @@ fn animation(directory: &Path, settings: &LatticeSettings) -> Result<Section> {
 
 /// What a run came to, and its log.
 fn history(directory: &Path, record: Option<&RunRecord>) -> Result<Section> {
-    let result: Option<LatticeResult> = record.and_then(|record| serde_json::from_value(record.details.clone()).ok());
+    let result: Option<LatticeResult> =
+        record.and_then(|record| serde_json::from_value(record.details.clone()).ok());
     let mut html = result.as_ref().map_or_else(String::new, describe);
     let path = directory.join("log.csv");
-    let rows = if path.is_file() { read_log_so_far(&path)? } else { Vec::new() };
+    let rows = if path.is_file() {
+        read_log_so_far(&path)?
+    } else {
+        Vec::new()
+    };
     if rows.is_empty() {
         html += &paragraph("The log has no rows yet.");
         return Ok(Section::new("History", html));
@@ -142,7 +191,11 @@ fn history(directory: &Path, record: Option<&RunRecord>) -> Result<Section> {
     let every = rows.len().div_ceil(MOST_ROWS).max(1);
     let thinned: Vec<&LogRow> = rows.iter().step_by(every).collect();
     let lines: String = thinned.iter().map(|row| row.to_line() + "\n").collect();
-    let name = if every > 1 { format!("log.csv, every {every} rows") } else { "log.csv".into() };
+    let name = if every > 1 {
+        format!("log.csv, every {every} rows")
+    } else {
+        "log.csv".into()
+    };
     let table = data::data(&name, &format!("{}\n{lines}", columns().join(",")))?;
     html += &figures::drawn(&figure(&thinned), &table)?;
     Ok(Section::new("History", html))
@@ -150,17 +203,30 @@ fn history(directory: &Path, record: Option<&RunRecord>) -> Result<Section> {
 
 fn describe(result: &LatticeResult) -> String {
     definitions(&[
-        ("squares, rods", format!("{}, {}", result.squares, result.rods)),
+        (
+            "squares, rods",
+            format!("{}, {}", result.squares, result.rods),
+        ),
         ("steps", result.steps.to_string()),
         ("time", significant(result.time, 6)),
         ("time step", significant(result.time_step, 6)),
         ("collisions", result.events.to_string()),
         (
             "energy at the start and at the end",
-            format!("{}, {}", significant(result.start_energy, 6), significant(result.energy, 6)),
+            format!(
+                "{}, {}",
+                significant(result.start_energy, 6),
+                significant(result.energy, 6)
+            ),
         ),
-        ("largest relative deviation of the energy", significant(result.energy_error, 3)),
-        ("largest deviation of a rod from its length", significant(result.max_rod_violation, 3)),
+        (
+            "largest relative deviation of the energy",
+            significant(result.energy_error, 3),
+        ),
+        (
+            "largest deviation of a rod from its length",
+            significant(result.max_rod_violation, 3),
+        ),
     ])
 }
 
@@ -169,7 +235,11 @@ fn figure(rows: &[&LogRow]) -> Figure {
         name: name.into(),
         points: rows
             .iter()
-            .map(|row| Point { x: row.time, y: value(row), error: None })
+            .map(|row| Point {
+                x: row.time,
+                y: value(row),
+                error: None,
+            })
             .filter(|point| point.y.is_finite())
             .collect(),
         replicas: Vec::new(),
@@ -180,13 +250,28 @@ fn figure(rows: &[&LogRow]) -> Figure {
         energies.push(series("kinetic", |row| row.kinetic_energy));
     }
     let panels = [
-        ("turn (rad)", vec![series("checkerboard", |row| row.checkerboard), series("uniform", |row| row.uniform)]),
-        ("strain", vec![series("along x", |row| row.strain_xx), series("along y", |row| row.strain_yy)]),
+        (
+            "turn (rad)",
+            vec![
+                series("checkerboard", |row| row.checkerboard),
+                series("uniform", |row| row.uniform),
+            ],
+        ),
+        (
+            "strain",
+            vec![
+                series("along x", |row| row.strain_xx),
+                series("along y", |row| row.strain_yy),
+            ],
+        ),
         ("energy", energies),
     ];
     let panels = panels.into_iter().map(|(label, mut series)| {
         series.retain(|series| !series.points.is_empty());
-        Panel { y: Axis::linear(label), series }
+        Panel {
+            y: Axis::linear(label),
+            series,
+        }
     });
     Figure {
         title: "History of the lattice".into(),
@@ -198,11 +283,20 @@ fn figure(rows: &[&LogRow]) -> Figure {
 
 fn conditions(settings: &LatticeSettings) -> Section {
     let axes = axes(settings);
-    let list = |values: &[f64]| values.iter().map(|value| significant(*value, 6)).collect::<Vec<_>>().join(", ");
+    let list = |values: &[f64]| {
+        values
+            .iter()
+            .map(|value| significant(*value, 6))
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
     let collisions = match (settings.collisions, settings.paper) {
         (false, _) => "none: squares pass through each other".to_owned(),
         (true, true) => "those of the paper".to_owned(),
-        (true, false) => format!("event by event, coefficient of restitution {}", settings.restitution),
+        (true, false) => format!(
+            "event by event, coefficient of restitution {}",
+            settings.restitution
+        ),
     };
     let bath = match settings.temperature {
         Some(temperature) => format!("kT = {temperature}, friction {}", settings.friction),
@@ -210,12 +304,21 @@ fn conditions(settings: &LatticeSettings) -> Section {
         None => "none".into(),
     };
     let rows = [
-        ("squares", format!("{} rows of {}", settings.rows, settings.columns)),
+        (
+            "squares",
+            format!("{} rows of {}", settings.rows, settings.columns),
+        ),
         ("length of the rods, r0", list(&axes.r0)),
         ("κ of the coherence potential", list(&axes.kappa)),
         ("edges", format!("{:?}", settings.edges).to_lowercase()),
-        ("orientation at the start", format!("± {} rad", significant(settings.start.angle_rad(), 5))),
-        ("velocities at the start", format!("{:?}, {}", settings.velocities, settings.speed).to_lowercase()),
+        (
+            "orientation at the start",
+            format!("± {} rad", significant(settings.start.angle_rad(), 5)),
+        ),
+        (
+            "velocities at the start",
+            format!("{:?}, {}", settings.velocities, settings.speed).to_lowercase(),
+        ),
         ("collisions", collisions),
         ("heat bath", bath),
     ];

@@ -66,7 +66,12 @@ pub fn section(shown: &Shown, below: &str) -> Section {
 
 fn to_json(shown: &Shown) -> Value {
     let colouring = |colouring: &Colouring| {
-        let Colouring { name, unit, limit, colours } = colouring;
+        let Colouring {
+            name,
+            unit,
+            limit,
+            colours,
+        } = colouring;
         json!({ "name": name, "unit": unit, "colours": colours, "labels": [format!("−{limit}"), "0", format!("+{limit}")] })
     };
     json!({
@@ -81,7 +86,11 @@ fn mesh_to_json(shown: &ShownMesh, colourings: &[Colouring]) -> Value {
     let Bounds { low, high } = bounds(mesh.vertices.iter());
     // All axes are divided by the longest edge.
     let span = (high - low).max().max(1e-3);
-    let place = |x: f64, axis: usize| ((x - low[axis]) / span * 65535.0).round().clamp(0.0, 65535.0) as u16;
+    let place = |x: f64, axis: usize| {
+        ((x - low[axis]) / span * 65535.0)
+            .round()
+            .clamp(0.0, 65535.0) as u16
+    };
     let places: Vec<u8> = mesh
         .vertices
         .iter()
@@ -92,11 +101,20 @@ fn mesh_to_json(shown: &ShownMesh, colourings: &[Colouring]) -> Value {
     let corners = mesh.triangles.iter().flatten();
     let corners: Vec<u8> = match wide {
         true => corners.flat_map(|corner| corner.to_le_bytes()).collect(),
-        false => corners.flat_map(|corner| (*corner as u16).to_le_bytes()).collect(),
+        false => corners
+            .flat_map(|corner| (*corner as u16).to_le_bytes())
+            .collect(),
     };
     let values = colourings.iter().zip(&shown.values);
     let values: Vec<String> = values
-        .map(|(scale, values)| base64(&values.iter().map(|value| level(*value, scale.limit)).collect::<Vec<_>>()))
+        .map(|(scale, values)| {
+            base64(
+                &values
+                    .iter()
+                    .map(|value| level(*value, scale.limit))
+                    .collect::<Vec<_>>(),
+            )
+        })
         .collect();
     json!({
         "name": shown.name, "low": rounded(&low), "span": thousandths(span), "wide": wide,
@@ -106,20 +124,36 @@ fn mesh_to_json(shown: &ShownMesh, colourings: &[Colouring]) -> Value {
 
 /// 1 to 255 from -limit to limit; 0 for no value.
 fn level(value: f64, limit: f64) -> u8 {
-    if value.is_nan() { 0 } else { (128.0 + 127.0 * (value / limit).clamp(-1.0, 1.0)).round() as u8 }
+    if value.is_nan() {
+        0
+    } else {
+        (128.0 + 127.0 * (value / limit).clamp(-1.0, 1.0)).round() as u8
+    }
 }
 
 fn scene_to_json(scene: &Scene, meshes: &[ShownMesh]) -> Value {
     let centre = match scene.bodies.as_slice() {
         [(mesh, pose)] => {
-            let Bounds { low, high } = bounds(meshes.get(*mesh).iter().flat_map(|shown| &shown.mesh.vertices));
+            let Bounds { low, high } = bounds(
+                meshes
+                    .get(*mesh)
+                    .iter()
+                    .flat_map(|shown| &shown.mesh.vertices),
+            );
             pose.transform_point(&(0.5 * (low + high)))
         }
-        bodies => bodies.iter().map(|(_, pose)| pose.position).sum::<Vec3>() / bodies.len().max(1) as f64,
+        bodies => {
+            bodies.iter().map(|(_, pose)| pose.position).sum::<Vec3>() / bodies.len().max(1) as f64
+        }
     };
     let reach = |(mesh, pose): &(usize, Pose)| {
-        let vertices = meshes.get(*mesh).map_or(&[][..], |shown| &shown.mesh.vertices);
-        vertices.iter().map(|vertex| (pose.transform_point(vertex) - centre).norm()).fold(0.0, f64::max)
+        let vertices = meshes
+            .get(*mesh)
+            .map_or(&[][..], |shown| &shown.mesh.vertices);
+        vertices
+            .iter()
+            .map(|vertex| (pose.transform_point(vertex) - centre).norm())
+            .fold(0.0, f64::max)
     };
     let radius = scene.bodies.iter().map(reach).fold(1.0, f64::max);
     let body = |(mesh, pose): &(usize, Pose)| {
@@ -140,10 +174,19 @@ struct Bounds {
 
 fn bounds<'a>(vertices: impl Iterator<Item = &'a Vec3>) -> Bounds {
     let around = |both: Option<Bounds>, vertex: &Vec3| {
-        let Bounds { low, high } = both.unwrap_or(Bounds { low: *vertex, high: *vertex });
-        Some(Bounds { low: low.inf(vertex), high: high.sup(vertex) })
+        let Bounds { low, high } = both.unwrap_or(Bounds {
+            low: *vertex,
+            high: *vertex,
+        });
+        Some(Bounds {
+            low: low.inf(vertex),
+            high: high.sup(vertex),
+        })
     };
-    vertices.fold(None, around).unwrap_or(Bounds { low: Vec3::zeros(), high: Vec3::zeros() })
+    vertices.fold(None, around).unwrap_or(Bounds {
+        low: Vec3::zeros(),
+        high: Vec3::zeros(),
+    })
 }
 
 fn rounded(place: &Vec3) -> [f64; 3] {
@@ -160,17 +203,40 @@ mod tests {
 
     #[test]
     fn values_keep_their_sign_and_nothing_stays_nothing() {
-        assert_eq!([-9.0, -5.0, 0.0, 5.0, f64::NAN].map(|value| level(value, 5.0)), [1, 1, 128, 255, 0]);
+        assert_eq!(
+            [-9.0, -5.0, 0.0, 5.0, f64::NAN].map(|value| level(value, 5.0)),
+            [1, 1, 128, 255, 0]
+        );
     }
 
     #[test]
     fn positions_are_kept_to_a_part_in_65535_of_the_longest_edge() {
-        let vertices = vec![Vec3::new(-1.0, 2.0, 0.0), Vec3::new(3.0, 2.5, 0.0), Vec3::new(0.3, 2.1, 1.0)];
-        let mesh = TriangleMesh { vertices, triangles: vec![[0, 1, 2]] };
-        let json = mesh_to_json(&ShownMesh { name: "a".into(), mesh, values: vec![] }, &[]);
-        assert_eq!((json["span"].as_f64(), json["low"][1].as_f64()), (Some(4.0), Some(2.0)));
-        // 0.325 of 65535 is 21299 (0x5333), 0.025 is 1638 (0x0666), a quarter is 16384 (0x4000); low byte first.
-        let expected = [0, 0, 0, 0, 0, 0, 0xff, 0xff, 0x00, 0x20, 0, 0, 0x33, 0x53, 0x66, 0x06, 0x00, 0x40];
+        let vertices = vec![
+            Vec3::new(-1.0, 2.0, 0.0),
+            Vec3::new(3.0, 2.5, 0.0),
+            Vec3::new(0.3, 2.1, 1.0),
+        ];
+        let mesh = TriangleMesh {
+            vertices,
+            triangles: vec![[0, 1, 2]],
+        };
+        let json = mesh_to_json(
+            &ShownMesh {
+                name: "a".into(),
+                mesh,
+                values: vec![],
+            },
+            &[],
+        );
+        assert_eq!(
+            (json["span"].as_f64(), json["low"][1].as_f64()),
+            (Some(4.0), Some(2.0))
+        );
+        // 0.325 of 65535 is 21299 (0x5333), 0.025 is 1638 (0x0666), a quarter is 16384 (0x4000);
+        // low byte first.
+        let expected = [
+            0, 0, 0, 0, 0, 0, 0xff, 0xff, 0x00, 0x20, 0, 0, 0x33, 0x53, 0x66, 0x06, 0x00, 0x40,
+        ];
         assert_eq!(json["places"], base64(&expected));
         assert_eq!(json["corners"], base64(&[0, 0, 1, 0, 2, 0]));
     }

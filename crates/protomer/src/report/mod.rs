@@ -1,5 +1,5 @@
-//! A directory of results as one HTML page that needs nothing else: figures with the numbers behind them, shapes to turn,
-//! lattices that move, conditions, provenance, and what failed.
+//! A directory of results as one HTML page that needs nothing else: figures with the numbers behind
+//! them, shapes to turn, lattices that move, conditions, provenance, and what failed.
 //!
 //! ```text
 //! directory --kind--> what it holds --monte_carlo, lattice, framework, training, ...--> sections --page--> report.html
@@ -17,7 +17,8 @@
 //! | `provenance` | version, hashes, seed, how it ended |
 //! | `page`, `html` | the page around the sections, and its bits of markup |
 //!
-//! The same directory gives the same bytes. Nothing is loaded: the page carries a policy that forbids its browser to.
+//! The same directory gives the same bytes. Nothing is loaded: the page carries a policy that
+//! forbids its browser to.
 
 mod data;
 mod figures;
@@ -69,18 +70,26 @@ pub struct Written {
 /// Writes the page of a directory.
 ///
 /// # Errors
-/// If the directory holds nothing that can be shown, a file of it is damaged, the page is there already, or the disk does
-/// not take it.
+/// If the directory holds nothing that can be shown, a file of it is damaged, the page is there
+/// already, or the disk does not take it.
 pub fn report(directory: &Path, request: &Request) -> Result<Written> {
     let kind = kind::of(directory)?;
-    let page = request.output.clone().unwrap_or_else(|| default_page(directory, &kind));
+    let page = request
+        .output
+        .clone()
+        .unwrap_or_else(|| default_page(directory, &kind));
     let contents = page_of(directory, &kind, request.assembly.as_deref())?;
     let html = contents.to_html();
     write_one(&page, &html, request.force)?;
-    Ok(Written { page, bytes: html.len(), sections: contents.titles() })
+    Ok(Written {
+        page,
+        bytes: html.len(),
+        sections: contents.titles(),
+    })
 }
 
-/// `report.html` in the directory; a zarr group is to hold nothing else, so its page lies beside it: `SET.zarr.report.html`.
+/// `report.html` in the directory; a zarr group is to hold nothing else, so its page lies beside
+/// it: `SET.zarr.report.html`.
 fn default_page(directory: &Path, kind: &Kind) -> PathBuf {
     match kind {
         Kind::VoxelSet => directory.with_file_name(provenance::name(directory) + ".report.html"),
@@ -91,7 +100,10 @@ fn default_page(directory: &Path, kind: &Kind) -> PathBuf {
 fn page_of(directory: &Path, kind: &Kind, assembly: Option<&Path>) -> Result<Page> {
     match kind {
         Kind::MonteCarlo(settings) => monte_carlo::page(directory, settings, assembly),
-        _ if assembly.is_some() => bail!("{} has no assembly; leave out --assembly", directory.display()),
+        _ if assembly.is_some() => bail!(
+            "{} has no assembly; leave out --assembly",
+            directory.display()
+        ),
         Kind::Lattice(settings) => lattice::page_of_run(directory, settings),
         Kind::LatticeSweep(settings) => lattice::page_of_sweep(directory, settings),
         Kind::Framework => framework::page(directory),

@@ -17,21 +17,43 @@ use std::path::Path;
 pub fn page(directory: &Path, settings: &RunSettings, assembly: Option<&Path>) -> Result<Page> {
     let record = read_record(directory)?;
     let result = read_json(&directory.join("sweep.json"))?;
-    let periodic_box = result.as_ref().and_then(|result| serde_json::from_value(result["box_angstrom"].clone()).ok());
+    let periodic_box = result
+        .as_ref()
+        .and_then(|result| serde_json::from_value(result["box_angstrom"].clone()).ok());
     let collected = collect(directory, settings, record.as_ref(), periodic_box, assembly)?;
     let simulations = simulations(directory, settings)?;
-    let mut problems: Vec<String> = provenance::unfinished(record.as_ref()).into_iter().collect();
-    problems.extend(simulations.iter().filter_map(|simulation| simulation.problem(settings)));
+    let mut problems: Vec<String> = provenance::unfinished(record.as_ref())
+        .into_iter()
+        .collect();
+    problems.extend(
+        simulations
+            .iter()
+            .filter_map(|simulation| simulation.problem(settings)),
+    );
     problems.extend(collected.notes.iter().cloned());
     let mut sections = vec![results(directory, settings, result.as_ref())?];
-    sections.extend(collected.shown.as_ref().map(|shown| mesh_view::section(shown, &bodies_table(&collected))));
+    sections.extend(
+        collected
+            .shown
+            .as_ref()
+            .map(|shown| mesh_view::section(shown, &bodies_table(&collected))),
+    );
     sections.push(conditions(settings, result.as_ref(), &collected)?);
     sections.push(simulations_section(&simulations, settings));
     let seed = vec![("seed", settings.seed.to_string())];
-    sections.push(provenance::section(directory, "run.toml", record.as_ref(), seed)?);
+    sections.push(provenance::section(
+        directory,
+        "run.toml",
+        record.as_ref(),
+        seed,
+    )?);
     let single = settings.simulations() == 1;
     Ok(Page {
-        title: format!("{}: {}", if single { "Simulation" } else { "Salt sweep" }, provenance::name(directory)),
+        title: format!(
+            "{}: {}",
+            if single { "Simulation" } else { "Salt sweep" },
+            provenance::name(directory)
+        ),
         subtitle: subtitle(settings),
         problems,
         sections,
@@ -39,7 +61,11 @@ pub fn page(directory: &Path, settings: &RunSettings, assembly: Option<&Path>) -
 }
 
 fn subtitle(settings: &RunSettings) -> String {
-    let salts: Vec<String> = settings.salt_molar.iter().map(|salt| millimolar(*salt)).collect();
+    let salts: Vec<String> = settings
+        .salt_molar
+        .iter()
+        .map(|salt| millimolar(*salt))
+        .collect();
     format!(
         "Hard bodies with screened charges at {} mM salt; {} × {} sweeps after {} of equilibration; energies: {}",
         salts.join(", "),
@@ -61,7 +87,9 @@ fn read_json(path: &Path) -> Result<Option<Value>> {
 fn results(directory: &Path, settings: &RunSettings, result: Option<&Value>) -> Result<Section> {
     let table = data::of_file(directory, "sweep.csv")?;
     let mut html = match result {
-        None => paragraph("There is no result yet: the table and the curve are written when every simulation is done."),
+        None => paragraph(
+            "There is no result yet: the table and the curve are written when every simulation is done.",
+        ),
         // A curve through one point shows nothing.
         Some(result) if settings.salt_molar.len() == 1 => averages(result) + &table,
         Some(_) => figures::of_file(directory, "sweep.svg", "Stability against salt", &table)?,
@@ -75,15 +103,25 @@ fn results(directory: &Path, settings: &RunSettings, result: Option<&Value>) -> 
 /// What a single salt concentration gave.
 fn averages(result: &Value) -> String {
     let row = &result["salts"][0];
-    let number =
-        |key: &str, digits: usize| row[key].as_f64().map_or_else(|| "–".to_owned(), |x| significant(x, digits));
+    let number = |key: &str, digits: usize| {
+        row[key]
+            .as_f64()
+            .map_or_else(|| "–".to_owned(), |x| significant(x, digits))
+    };
     definitions(&[
         (
             "radius of gyration",
-            format!("{} ± {} Å (standard error)", number("r_g_mean_angstrom", 5), number("r_g_se_angstrom", 2)),
+            format!(
+                "{} ± {} Å (standard error)",
+                number("r_g_mean_angstrom", 5),
+                number("r_g_se_angstrom", 2)
+            ),
         ),
         ("native contacts left", number("native_contacts_mean", 4)),
-        ("bodies in the largest cluster", number("largest_cluster_mean", 4)),
+        (
+            "bodies in the largest cluster",
+            number("largest_cluster_mean", 4),
+        ),
         ("energy", format!("{} kT", number("energy_mean_kT", 6))),
         ("accepted translations", number("translation_acceptance", 3)),
         ("accepted rotations", number("rotation_acceptance", 3)),
@@ -91,13 +129,28 @@ fn averages(result: &Value) -> String {
 }
 
 fn bodies_table(collected: &Collected) -> String {
-    let Some(assembly) = &collected.assembly else { return String::new() };
-    let head =
-        ["body", "copies", "net charge (e)", "charges", "triangles", "volume (Å³)", "made from"].map(str::to_owned);
+    let Some(assembly) = &collected.assembly else {
+        return String::new();
+    };
+    let head = [
+        "body",
+        "copies",
+        "net charge (e)",
+        "charges",
+        "triangles",
+        "volume (Å³)",
+        "made from",
+    ]
+    .map(str::to_owned);
     let rows = assembly.bodies.iter().enumerate().map(|(kind, body)| {
         vec![
             body.name.clone(),
-            assembly.kinds.iter().filter(|other| **other == kind).count().to_string(),
+            assembly
+                .kinds
+                .iter()
+                .filter(|other| **other == kind)
+                .count()
+                .to_string(),
             significant(body.net_charge_e(), 4),
             body.sites.len().to_string(),
             body.mesh.triangles.len().to_string(),
@@ -108,24 +161,53 @@ fn bodies_table(collected: &Collected) -> String {
     table(&head, &rows.collect::<Vec<_>>())
 }
 
-fn conditions(settings: &RunSettings, result: Option<&Value>, collected: &Collected) -> Result<Section> {
+fn conditions(
+    settings: &RunSettings,
+    result: Option<&Value>,
+    collected: &Collected,
+) -> Result<Section> {
     let space = match (&collected.assembly, result) {
-        (Some(assembly), _) => {
-            assembly.box_angstrom().map(|lengths| lengths.map(|length| length.to_string()).join(" × "))
-        }
-        (None, Some(result)) => result["box_angstrom"]
-            .as_array()
-            .map(|lengths| lengths.iter().map(ToString::to_string).collect::<Vec<_>>().join(" × ")),
+        (Some(assembly), _) => assembly
+            .box_angstrom()
+            .map(|lengths| lengths.map(|length| length.to_string()).join(" × ")),
+        (None, Some(result)) => result["box_angstrom"].as_array().map(|lengths| {
+            lengths
+                .iter()
+                .map(ToString::to_string)
+                .collect::<Vec<_>>()
+                .join(" × ")
+        }),
         (None, None) => Some("not known before the end".into()),
     };
     let mut rows = vec![("periodic box (Å)", space.unwrap_or_else(|| "none".into()))];
-    if let Some(concentration) = result.and_then(|result| result["concentration_M"].as_f64()).filter(|c| *c > 0.0) {
-        rows.push(("concentration of bodies", format!("{} mM", significant(1e3 * concentration, 4))));
+    if let Some(concentration) = result
+        .and_then(|result| result["concentration_M"].as_f64())
+        .filter(|c| *c > 0.0)
+    {
+        rows.push((
+            "concentration of bodies",
+            format!("{} mM", significant(1e3 * concentration, 4)),
+        ));
     }
-    rows.push(("temperature", format!("{} K", settings.medium.temperature_kelvin)));
-    rows.push(("contact", format!("surfaces closer than {} Å", settings.contact_gap_angstrom)));
-    rows.push(("cluster moves per sweep", settings.cluster_moves_per_sweep.to_string()));
-    let head = ["salt (mM)", "relative permittivity", "Bjerrum length (Å)", "Debye length (Å)", "cut-off (Å)"];
+    rows.push((
+        "temperature",
+        format!("{} K", settings.medium.temperature_kelvin),
+    ));
+    rows.push((
+        "contact",
+        format!("surfaces closer than {} Å", settings.contact_gap_angstrom),
+    ));
+    rows.push((
+        "cluster moves per sweep",
+        settings.cluster_moves_per_sweep.to_string(),
+    ));
+    let head = [
+        "salt (mM)",
+        "relative permittivity",
+        "Bjerrum length (Å)",
+        "Debye length (Å)",
+        "cut-off (Å)",
+    ];
     let lines = settings.salt_molar.iter().map(|salt| {
         let medium = settings.medium.interaction(Some(*salt))?;
         let lengths = [
@@ -135,10 +217,15 @@ fn conditions(settings: &RunSettings, result: Option<&Value>, collected: &Collec
             medium.cutoff_angstrom,
         ];
         let salt = millimolar(*salt);
-        Ok(std::iter::once(salt).chain(lengths.map(|length| significant(length, 5))).collect::<Vec<String>>())
+        Ok(std::iter::once(salt)
+            .chain(lengths.map(|length| significant(length, 5)))
+            .collect::<Vec<String>>())
     });
     let lines = lines.collect::<Result<Vec<_>>>()?;
-    Ok(Section::new("Conditions", definitions(&rows) + &table(&head.map(str::to_owned), &lines)))
+    Ok(Section::new(
+        "Conditions",
+        definitions(&rows) + &table(&head.map(str::to_owned), &lines),
+    ))
 }
 
 /// One simulation as its own record has it.
@@ -153,7 +240,11 @@ fn simulations(directory: &Path, settings: &RunSettings) -> Result<Vec<Simulatio
     for salt_molar in settings.salt_molar.iter().copied() {
         for replica in 0..settings.replicas {
             let record = read_record(&replica_directory(directory, salt_molar, replica))?;
-            simulations.push(Simulation { salt_molar, replica, record });
+            simulations.push(Simulation {
+                salt_molar,
+                replica,
+                record,
+            });
         }
     }
     Ok(simulations)
@@ -161,35 +252,64 @@ fn simulations(directory: &Path, settings: &RunSettings) -> Result<Vec<Simulatio
 
 impl Simulation {
     fn sweeps_done(&self) -> u64 {
-        self.record.as_ref().and_then(|record| record.details.get("sweeps_done")?.as_u64()).unwrap_or(0)
+        self.record
+            .as_ref()
+            .and_then(|record| record.details.get("sweeps_done")?.as_u64())
+            .unwrap_or(0)
     }
 
     fn problem(&self, settings: &RunSettings) -> Option<String> {
-        let progress = format!(" after {} of {} sweeps", self.sweeps_done(), settings.total_sweeps());
+        let progress = format!(
+            " after {} of {} sweeps",
+            self.sweeps_done(),
+            settings.total_sweeps()
+        );
         let problem = provenance::problem_of_part(self.record.as_ref(), &progress).or_else(|| {
             // Finished, and to be longer since.
-            (self.sweeps_done() < settings.total_sweeps()).then(|| format!("not at its end{progress}"))
+            (self.sweeps_done() < settings.total_sweeps())
+                .then(|| format!("not at its end{progress}"))
         });
-        problem.map(|problem| format!("{} mM, replica {}: {problem}", millimolar(self.salt_molar), self.replica))
+        problem.map(|problem| {
+            format!(
+                "{} mM, replica {}: {problem}",
+                millimolar(self.salt_molar),
+                self.replica
+            )
+        })
     }
 }
 
 fn simulations_section(simulations: &[Simulation], settings: &RunSettings) -> Section {
-    let head = ["salt (mM)", "replica", "ended", "sweeps", "translations accepted", "rotations accepted"];
+    let head = [
+        "salt (mM)",
+        "replica",
+        "ended",
+        "sweeps",
+        "translations accepted",
+        "rotations accepted",
+    ];
     let rows = simulations.iter().map(|simulation| {
         let accepted = |kind: &str| {
             let record = simulation.record.as_ref();
-            let fraction = record.and_then(|record| record.details.get("acceptance")?.get(kind)?.as_f64());
+            let fraction =
+                record.and_then(|record| record.details.get("acceptance")?.get(kind)?.as_f64());
             fraction.map_or_else(|| "–".into(), |fraction| significant(fraction, 3))
         };
         vec![
             millimolar(simulation.salt_molar),
             simulation.replica.to_string(),
             provenance::ended(simulation.record.as_ref()).to_owned(),
-            format!("{} of {}", simulation.sweeps_done(), settings.total_sweeps()),
+            format!(
+                "{} of {}",
+                simulation.sweeps_done(),
+                settings.total_sweeps()
+            ),
             accepted("translation_acceptance"),
             accepted("rotation_acceptance"),
         ]
     });
-    Section::new("Simulations", table(&head.map(str::to_owned), &rows.collect::<Vec<_>>()))
+    Section::new(
+        "Simulations",
+        table(&head.map(str::to_owned), &rows.collect::<Vec<_>>()),
+    )
 }

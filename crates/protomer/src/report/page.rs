@@ -25,7 +25,13 @@ pub struct Section {
 impl Section {
     /// A section of text and pictures.
     pub fn new(title: &str, html: String) -> Self {
-        Self { title: title.into(), html, style: "", library: "", script: String::new() }
+        Self {
+            title: title.into(),
+            html,
+            style: "",
+            library: "",
+            script: String::new(),
+        }
     }
 }
 
@@ -45,7 +51,10 @@ pub struct Page {
 impl Page {
     /// The titles of the sections in order.
     pub fn titles(&self) -> Vec<String> {
-        std::iter::once("Status").map(str::to_owned).chain(self.sections.iter().map(|s| s.title.clone())).collect()
+        std::iter::once("Status")
+            .map(str::to_owned)
+            .chain(self.sections.iter().map(|s| s.title.clone()))
+            .collect()
     }
 
     /// The text of the file.
@@ -54,10 +63,18 @@ impl Page {
         let links: String = (self.titles().iter())
             .map(|title| format!("<a href=\"#{}\">{}</a>\n", anchor(title), escape(title)))
             .collect();
-        let body: String = self.sections.iter().map(|section| wrap(&section.title, &section.html)).collect();
+        let body: String = self
+            .sections
+            .iter()
+            .map(|section| wrap(&section.title, &section.html))
+            .collect();
         let styles: String = self.distinct(|section| section.style);
         let libraries = self.distinct(|section| section.library);
-        let scripts: String = self.sections.iter().map(|section| section.script.as_str()).collect();
+        let scripts: String = self
+            .sections
+            .iter()
+            .map(|section| section.script.as_str())
+            .collect();
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
@@ -90,9 +107,17 @@ impl Page {
 }
 
 fn wrap(title: &str, html: &str) -> String {
-    format!("<section id=\"{}\">\n<h2>{}</h2>\n{html}</section>\n", anchor(title), escape(title))
+    format!(
+        "<section id=\"{}\">\n<h2>{}</h2>\n{html}</section>\n",
+        anchor(title),
+        escape(title)
+    )
 }
 
 fn anchor(title: &str) -> String {
-    title.to_lowercase().chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' }).collect()
+    title
+        .to_lowercase()
+        .chars()
+        .map(|c| if c.is_ascii_alphanumeric() { c } else { '-' })
+        .collect()
 }

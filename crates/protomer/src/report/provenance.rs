@@ -19,15 +19,27 @@ pub fn section(
     more: Vec<(&str, String)>,
 ) -> Result<Section> {
     let path = directory.join(settings);
-    let text = std::fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
+    let text = std::fs::read_to_string(&path)
+        .with_context(|| format!("cannot read {}", path.display()))?;
     let folded = folded_text(settings, &text);
-    Ok(Section::new("Provenance", rows(directory, record, more) + &folded + &paragraph(NOTE)))
+    Ok(Section::new(
+        "Provenance",
+        rows(directory, record, more) + &folded + &paragraph(NOTE),
+    ))
 }
 
-/// The section of a directory that has no file of settings, but perhaps says them elsewhere: a heading and the text.
-pub fn without_file(directory: &Path, settings: Option<(&str, &str)>, more: Vec<(&str, String)>) -> Section {
+/// The section of a directory that has no file of settings, but perhaps says them elsewhere: a
+/// heading and the text.
+pub fn without_file(
+    directory: &Path,
+    settings: Option<(&str, &str)>,
+    more: Vec<(&str, String)>,
+) -> Section {
     let folded = settings.map_or_else(String::new, |(title, text)| folded_text(title, text));
-    Section::new("Provenance", rows(directory, None, more) + &folded + &paragraph(NOTE))
+    Section::new(
+        "Provenance",
+        rows(directory, None, more) + &folded + &paragraph(NOTE),
+    )
 }
 
 fn rows(directory: &Path, record: Option<&RunRecord>, more: Vec<(&str, String)>) -> String {
@@ -39,17 +51,27 @@ fn rows(directory: &Path, record: Option<&RunRecord>, more: Vec<(&str, String)>)
         if !record.input_sha256.is_empty() {
             rows.push(("SHA-256 of the input", record.input_sha256.clone()));
         }
-        rows.push(("identity (SHA-256 of settings and input)", record.identity.clone()));
+        rows.push((
+            "identity (SHA-256 of settings and input)",
+            record.identity.clone(),
+        ));
     }
     rows.extend(more);
-    rows.push(("page made by", format!("protomer {}", env!("CARGO_PKG_VERSION"))));
+    rows.push((
+        "page made by",
+        format!("protomer {}", env!("CARGO_PKG_VERSION")),
+    ));
     definitions(&rows)
 }
 
 /// The last part of the path, which says the same wherever the directory lies.
 pub fn name(directory: &Path) -> String {
     let absolute = std::path::absolute(directory).unwrap_or_else(|_| directory.to_owned());
-    absolute.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    absolute
+        .file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned()
 }
 
 /// What a record says of an end that was none.
@@ -82,10 +104,12 @@ pub fn ended(record: Option<&RunRecord>) -> &str {
     }
 }
 
-/// What kept a part from its end, as in "50 mM, replica 1: *stopped by a signal after 3 of 9 sweeps*"; nothing if it came
-/// to it. `progress` says how far it is by its record.
+/// What kept a part from its end, as in "50 mM, replica 1: *stopped by a signal after 3 of 9
+/// sweeps*"; nothing if it came to it. `progress` says how far it is by its record.
 pub fn problem_of_part(record: Option<&RunRecord>, progress: &str) -> Option<String> {
-    let Some(record) = record else { return Some("no record; it was not begun, or was killed before its end".into()) };
+    let Some(record) = record else {
+        return Some("no record; it was not begun, or was killed before its end".into());
+    };
     if let Some(error) = record.error() {
         return Some(format!("failed{progress}: {error}"));
     }

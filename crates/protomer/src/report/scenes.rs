@@ -1,6 +1,7 @@
 //! Which bodies of a sweep are shown, coloured by what, and where they stand.
 //!
-//! Body files have charges and residues, so that they come first; where they are gone, the trajectory has the shapes.
+//! Body files have charges and residues, so that they come first; where they are gone, the
+//! trajectory has the shapes.
 
 use super::html::millimolar;
 use super::mesh_view::{Colouring, Scene, Shown, ShownMesh};
@@ -24,7 +25,8 @@ const MOST_VERTICES: usize = 400_000;
 const MOST_BODIES: usize = 256;
 /// So many ends are in the menu.
 const MOST_ENDS: usize = 8;
-/// Residues with an atom this near count for the hydropathy of a place, Å; the voxel channel's default.
+/// Residues with an atom this near count for the hydropathy of a place, Å; the voxel channel's
+/// default.
 const HYDROPATHY_REACH_ANGSTROM: f64 = 5.0;
 /// Upper ends that a scale of potentials may have, kT/e.
 const POTENTIAL_LIMITS: [f64; 6] = [0.5, 1.0, 2.0, 5.0, 10.0, 20.0];
@@ -40,7 +42,8 @@ pub struct Collected {
     pub assembly: Option<Assembly>,
 }
 
-/// The bodies of a directory; `assembly` is the file to take instead of the one that the record names.
+/// The bodies of a directory; `assembly` is the file to take instead of the one that the record
+/// names.
 ///
 /// # Errors
 /// If `assembly` is given and is not what the results were made from.
@@ -64,28 +67,51 @@ pub fn collect(
     let mut shown = match (&collected.assembly, trajectories.first()) {
         (Some(assembly), _) => coloured(&assembly.bodies, settings),
         (None, Some((_, path))) => match shapes(path) {
-            Ok(meshes) => Shown { meshes, ..Shown::default() },
+            Ok(meshes) => Shown {
+                meshes,
+                ..Shown::default()
+            },
             Err(error) => return Ok(without(collected, format!("No shapes: {error:#}"))),
         },
-        (None, None) => return Ok(without(collected, "No shapes are known: there is no trajectory either.".into())),
+        (None, None) => {
+            return Ok(without(
+                collected,
+                "No shapes are known: there is no trajectory either.".into(),
+            ));
+        }
     };
-    let vertices: usize = shown.meshes.iter().map(|shown| shown.mesh.vertices.len()).sum();
+    let vertices: usize = shown
+        .meshes
+        .iter()
+        .map(|shown| shown.mesh.vertices.len())
+        .sum();
     if vertices > MOST_VERTICES {
-        let note =
-            format!("The surfaces have {vertices} vertices, which is more than a page can show ({MOST_VERTICES}).");
+        let note = format!(
+            "The surfaces have {vertices} vertices, which is more than a page can show ({MOST_VERTICES})."
+        );
         return Ok(without(collected, note));
     }
-    let alone = shown.meshes.iter().enumerate().map(|(number, shown)| Scene {
-        name: format!("body {}", shown.name),
-        bodies: vec![(number, Pose::identity())],
-    });
+    let alone = shown
+        .meshes
+        .iter()
+        .enumerate()
+        .map(|(number, shown)| Scene {
+            name: format!("body {}", shown.name),
+            bodies: vec![(number, Pose::identity())],
+        });
     let mut scenes: Vec<Scene> = alone.collect();
     let (states, unread) = states(collected.assembly.as_ref(), &trajectories, periodic_box);
     scenes.extend(states);
     collected.notes.extend(unread);
-    let many = scenes.iter().map(|scene| scene.bodies.len()).max().unwrap_or(0);
+    let many = scenes
+        .iter()
+        .map(|scene| scene.bodies.len())
+        .max()
+        .unwrap_or(0);
     if many > MOST_BODIES {
-        collected.notes.push(format!("States of {many} bodies are not drawn; OVITO opens the trajectories."));
+        collected.notes.push(format!(
+            "States of {many} bodies are not drawn; OVITO opens the trajectories."
+        ));
         scenes.retain(|scene| scene.bodies.len() <= MOST_BODIES);
     }
     shown.scenes = scenes;
@@ -94,23 +120,51 @@ pub fn collect(
 }
 
 fn without(collected: Collected, note: String) -> Collected {
-    Collected { notes: collected.notes.into_iter().chain([note]).collect(), ..collected }
+    Collected {
+        notes: collected.notes.into_iter().chain([note]).collect(),
+        ..collected
+    }
 }
 
-fn find_assembly(directory: &Path, record: Option<&RunRecord>, given: Option<&Path>) -> Result<Assembly> {
-    let named = record.and_then(|record| record.details.get("assembly")?.as_str().map(|path| directory.join(path)));
-    let Some(path) = given.map(Path::to_owned).or(named) else { bail!("run.json names no assembly") };
+fn find_assembly(
+    directory: &Path,
+    record: Option<&RunRecord>,
+    given: Option<&Path>,
+) -> Result<Assembly> {
+    let named = record.and_then(|record| {
+        record
+            .details
+            .get("assembly")?
+            .as_str()
+            .map(|path| directory.join(path))
+    });
+    let Some(path) = given.map(Path::to_owned).or(named) else {
+        bail!("run.json names no assembly")
+    };
     let assembly = Assembly::read(&path)?;
     if record.is_some_and(|record| record.input_sha256 != assembly.sha256) {
-        bail!("{} or a body of it is not what these results were made from", path.display());
+        bail!(
+            "{} or a body of it is not what these results were made from",
+            path.display()
+        );
     }
     Ok(assembly)
 }
 
 /// The first replica's trajectory of each salt concentration that has one.
 fn trajectories(directory: &Path, settings: &RunSettings) -> Vec<(f64, PathBuf)> {
-    let of = |salt: &f64| (*salt, replica_directory(directory, *salt, 0).join("trajectory.gsd"));
-    settings.salt_molar.iter().map(of).filter(|(_, path)| path.is_file()).collect()
+    let of = |salt: &f64| {
+        (
+            *salt,
+            replica_directory(directory, *salt, 0).join("trajectory.gsd"),
+        )
+    };
+    settings
+        .salt_molar
+        .iter()
+        .map(of)
+        .filter(|(_, path)| path.is_file())
+        .collect()
 }
 
 /// The start and the last frames, and what is wrong with those that cannot be read.
@@ -120,29 +174,47 @@ fn states(
     periodic_box: Option<[f64; 3]>,
 ) -> (Vec<Scene>, Vec<String>) {
     let start = assembly.iter().map(|assembly| {
-        let bodies = assembly.kinds.iter().copied().zip(assembly.poses.iter().copied()).collect();
-        Scene { name: "the start".into(), bodies }
+        let bodies = assembly
+            .kinds
+            .iter()
+            .copied()
+            .zip(assembly.poses.iter().copied())
+            .collect();
+        Scene {
+            name: "the start".into(),
+            bodies,
+        }
     });
     let mut scenes: Vec<Scene> = start.collect();
     let mut unread = Vec::new();
     let step = trajectories.len().div_ceil(MOST_ENDS).max(1);
     for (salt, path) in trajectories.iter().step_by(step) {
         match last_frame(path) {
-            Ok(bodies) => scenes.push(Scene { name: format!("the end at {} mM", millimolar(*salt)), bodies }),
+            Ok(bodies) => scenes.push(Scene {
+                name: format!("the end at {} mM", millimolar(*salt)),
+                bodies,
+            }),
             Err(error) => unread.push(format!("{error:#}")),
         }
     }
     if let Some(lengths) = assembly.map_or(periodic_box, Assembly::box_angstrom) {
-        scenes.iter_mut().for_each(|scene| gather(&mut scene.bodies, lengths));
+        scenes
+            .iter_mut()
+            .for_each(|scene| gather(&mut scene.bodies, lengths));
     }
     (scenes, unread)
 }
 
-/// Puts bodies around their circular mean, so that a cluster across the border of the box is seen in one piece.
+/// Puts bodies around their circular mean, so that a cluster across the border of the box is seen
+/// in one piece.
 fn gather(bodies: &mut [(usize, Pose)], lengths: [f64; 3]) {
     for (axis, length) in lengths.into_iter().enumerate() {
-        let angles = bodies.iter().map(|(_, pose)| TAU * pose.position[axis] / length);
-        let (sine, cosine) = angles.fold((0.0, 0.0), |(s, c), angle| (s + angle.sin(), c + angle.cos()));
+        let angles = bodies
+            .iter()
+            .map(|(_, pose)| TAU * pose.position[axis] / length);
+        let (sine, cosine) = angles.fold((0.0, 0.0), |(s, c), angle| {
+            (s + angle.sin(), c + angle.cos())
+        });
         let middle = sine.atan2(cosine) / TAU * length;
         for (_, pose) in bodies.iter_mut() {
             let offset = pose.position[axis] - middle;
@@ -159,26 +231,47 @@ fn coloured(bodies: &[std::sync::Arc<Body>], settings: &RunSettings) -> Shown {
         mesh: body.mesh.clone(),
         values: Vec::new(),
     }));
-    let mut salts: Vec<f64> =
-        settings.salt_molar.first().into_iter().chain(settings.salt_molar.last()).copied().collect();
+    let mut salts: Vec<f64> = settings
+        .salt_molar
+        .first()
+        .into_iter()
+        .chain(settings.salt_molar.last())
+        .copied()
+        .collect();
     salts.dedup();
-    let potentials: Vec<(f64, Yukawa)> =
-        salts.iter().filter_map(|salt| Some((*salt, uncut(settings, *salt)?))).collect();
+    let potentials: Vec<(f64, Yukawa)> = salts
+        .iter()
+        .filter_map(|salt| Some((*salt, uncut(settings, *salt)?)))
+        .collect();
     let values: Vec<Vec<Vec<f64>>> = potentials
         .iter()
-        .map(|(_, yukawa)| bodies.iter().map(|body| potential_at_vertices(body, yukawa)).collect())
+        .map(|(_, yukawa)| {
+            bodies
+                .iter()
+                .map(|body| potential_at_vertices(body, yukawa))
+                .collect()
+        })
         .collect();
     let limit = limit_of(values.iter().flatten().flatten().copied());
     for ((salt, _), of_bodies) in potentials.iter().zip(values) {
         shown.colourings.push(Colouring {
             name: format!("potential at {} mM", millimolar(*salt)),
-            unit: "screened potential of the body's charges, kT/e; beyond the ends: as at the ends".into(),
+            unit: "screened potential of the body's charges, kT/e; beyond the ends: as at the ends"
+                .into(),
             limit,
             colours: ["#c0282d", "#f7f7f7", "#2457b8"],
         });
-        shown.meshes.iter_mut().zip(of_bodies).for_each(|(mesh, values)| mesh.values.push(values));
+        shown
+            .meshes
+            .iter_mut()
+            .zip(of_bodies)
+            .for_each(|(mesh, values)| mesh.values.push(values));
     }
-    if bodies.iter().any(|body| body.residues.iter().any(|residue| residue.hydropathy.is_some())) {
+    if bodies.iter().any(|body| {
+        body.residues
+            .iter()
+            .any(|residue| residue.hydropathy.is_some())
+    }) {
         shown.colourings.push(Colouring {
             name: "hydropathy".into(),
             unit: format!(
@@ -188,41 +281,73 @@ fn coloured(bodies: &[std::sync::Arc<Body>], settings: &RunSettings) -> Shown {
             colours: ["#1b8a9e", "#f7f7f7", "#b8741a"],
         });
         let values = bodies.iter().map(|body| hydropathy_at_vertices(body));
-        shown.meshes.iter_mut().zip(values).for_each(|(mesh, values)| mesh.values.push(values));
+        shown
+            .meshes
+            .iter_mut()
+            .zip(values)
+            .for_each(|(mesh, values)| mesh.values.push(values));
     }
     shown
 }
 
-/// The interaction of the run, without its cut-off: bodies are coloured by what they are, however far it reaches.
+/// The interaction of the run, without its cut-off: bodies are coloured by what they are, however
+/// far it reaches.
 fn uncut(settings: &RunSettings, salt_molar: f64) -> Option<Yukawa> {
     let cut = yukawa(&settings.medium.interaction(Some(salt_molar)).ok()?).ok()?;
-    Some(Yukawa { cutoff_angstrom: f64::INFINITY, ..cut })
+    Some(Yukawa {
+        cutoff_angstrom: f64::INFINITY,
+        ..cut
+    })
 }
 
 /// φ(r) = λ_B Σ q exp(-κ d)/d over the charges at distance d, kT/e.
 fn potential_at_vertices(body: &Body, yukawa: &Yukawa) -> Vec<f64> {
-    let charged: Vec<(Vec3, f64)> =
-        body.sites.iter().filter(|site| site.charge_e != 0.0).map(|site| (site.position, site.charge_e)).collect();
+    let charged: Vec<(Vec3, f64)> = body
+        .sites
+        .iter()
+        .filter(|site| site.charge_e != 0.0)
+        .map(|site| (site.position, site.charge_e))
+        .collect();
     let at = |vertex: &Vec3| -> f64 {
-        charged.iter().map(|(place, charge)| charge * yukawa.energy_kt((vertex - place).norm())).sum()
+        charged
+            .iter()
+            .map(|(place, charge)| charge * yukawa.energy_kt((vertex - place).norm()))
+            .sum()
     };
     body.mesh.vertices.par_iter().map(at).collect()
 }
 
 fn hydropathy_at_vertices(body: &Body) -> Vec<f64> {
-    let values: Vec<Option<f64>> = body.residues.iter().map(|residue| residue.hydropathy).collect();
+    let values: Vec<Option<f64>> = body
+        .residues
+        .iter()
+        .map(|residue| residue.hydropathy)
+        .collect();
     let places = body.sites.iter().map(|site| (site.position, site.residue));
     let map = HydropathyMap::new(places, &values, HYDROPATHY_REACH_ANGSTROM);
-    body.mesh.vertices.par_iter().map(|vertex| map.at(vertex).unwrap_or(f64::NAN)).collect()
+    body.mesh
+        .vertices
+        .par_iter()
+        .map(|vertex| map.at(vertex).unwrap_or(f64::NAN))
+        .collect()
 }
 
 /// The smallest scale that 95 of 100 values fit on.
 fn limit_of(values: impl Iterator<Item = f64>) -> f64 {
-    let mut sizes: Vec<f64> = values.map(f64::abs).filter(|size| size.is_finite()).collect();
+    let mut sizes: Vec<f64> = values
+        .map(f64::abs)
+        .filter(|size| size.is_finite())
+        .collect();
     sizes.sort_by(f64::total_cmp);
-    let most = sizes.get((sizes.len() * 95 / 100).min(sizes.len().saturating_sub(1))).copied().unwrap_or(0.0);
+    let most = sizes
+        .get((sizes.len() * 95 / 100).min(sizes.len().saturating_sub(1)))
+        .copied()
+        .unwrap_or(0.0);
     let [.., largest] = POTENTIAL_LIMITS;
-    POTENTIAL_LIMITS.into_iter().find(|limit| *limit >= most).unwrap_or(largest)
+    POTENTIAL_LIMITS
+        .into_iter()
+        .find(|limit| *limit >= most)
+        .unwrap_or(largest)
 }
 
 /// A mesh as HOOMD's schema has it.
@@ -240,22 +365,45 @@ fn shapes(path: &Path) -> Result<Vec<ShownMesh>> {
     let shown = names.into_iter().zip(shapes).map(|(name, text)| {
         let context = || format!("{} has no mesh of body '{name}'", path.display());
         let Shape { vertices, indices } = serde_json::from_str(&text).with_context(context)?;
-        if indices.iter().flatten().any(|corner| *corner as usize >= vertices.len()) {
-            bail!("{}: the mesh of body '{name}' has a corner that is not there", path.display());
+        if indices
+            .iter()
+            .flatten()
+            .any(|corner| *corner as usize >= vertices.len())
+        {
+            bail!(
+                "{}: the mesh of body '{name}' has a corner that is not there",
+                path.display()
+            );
         }
-        let mesh = TriangleMesh { vertices: vertices.into_iter().map(Vec3::from).collect(), triangles: indices };
-        Ok(ShownMesh { name, mesh, values: Vec::new() })
+        let mesh = TriangleMesh {
+            vertices: vertices.into_iter().map(Vec3::from).collect(),
+            triangles: indices,
+        };
+        Ok(ShownMesh {
+            name,
+            mesh,
+            values: Vec::new(),
+        })
     });
     shown.collect()
 }
 
 /// Rows of text, each ended by a zero.
 fn texts(file: &mut GsdFile, path: &Path, name: &str) -> Result<Vec<String>> {
-    let Some(Chunk { columns, data: ChunkData::I8(letters), .. }) = file.chunk(0, name)? else {
+    let Some(Chunk {
+        columns,
+        data: ChunkData::I8(letters),
+        ..
+    }) = file.chunk(0, name)?
+    else {
         bail!("{} has no {name}", path.display())
     };
     let text = |row: &[i8]| {
-        let bytes: Vec<u8> = row.iter().map(|letter| *letter as u8).take_while(|byte| *byte != 0).collect();
+        let bytes: Vec<u8> = row
+            .iter()
+            .map(|letter| *letter as u8)
+            .take_while(|byte| *byte != 0)
+            .collect();
         String::from_utf8_lossy(&bytes).into_owned()
     };
     Ok(letters.chunks(columns.max(1) as usize).map(text).collect())
@@ -264,18 +412,41 @@ fn texts(file: &mut GsdFile, path: &Path, name: &str) -> Result<Vec<String>> {
 /// Type and pose of each body in the last frame.
 fn last_frame(path: &Path) -> Result<Vec<(usize, Pose)>> {
     let mut file = GsdFile::open(path)?;
-    let Some(last) = file.frames().checked_sub(1) else { bail!("{} has no frame yet", path.display()) };
+    let Some(last) = file.frames().checked_sub(1) else {
+        bail!("{} has no frame yet", path.display())
+    };
     let mut numbers = |name: &str| match file.chunk(last, name)? {
-        Some(Chunk { data: ChunkData::F32(values), .. }) => Ok(values.into_iter().map(f64::from).collect::<Vec<f64>>()),
+        Some(Chunk {
+            data: ChunkData::F32(values),
+            ..
+        }) => Ok(values.into_iter().map(f64::from).collect::<Vec<f64>>()),
         _ => bail!("{}: frame {last} has no {name}", path.display()),
     };
-    let (positions, orientations) = (numbers("particles/position")?, numbers("particles/orientation")?);
-    let Some(Chunk { data: ChunkData::U32(kinds), .. }) = file.chunk(0, "particles/typeid")? else {
-        bail!("{} does not say which body is of which kind", path.display())
+    let (positions, orientations) = (
+        numbers("particles/position")?,
+        numbers("particles/orientation")?,
+    );
+    let Some(Chunk {
+        data: ChunkData::U32(kinds),
+        ..
+    }) = file.chunk(0, "particles/typeid")?
+    else {
+        bail!(
+            "{} does not say which body is of which kind",
+            path.display()
+        )
     };
-    let poses = positions.as_chunks::<3>().0.iter().zip(orientations.as_chunks::<4>().0);
+    let poses = positions
+        .as_chunks::<3>()
+        .0
+        .iter()
+        .zip(orientations.as_chunks::<4>().0);
     let poses = poses.map(|(position, wxyz)| Pose::from_wxyz(Vec3::from(*position), *wxyz));
-    Ok(kinds.into_iter().map(|kind| kind as usize).zip(poses).collect())
+    Ok(kinds
+        .into_iter()
+        .map(|kind| kind as usize)
+        .zip(poses)
+        .collect())
 }
 
 #[cfg(test)]
@@ -284,15 +455,26 @@ mod tests {
 
     #[test]
     fn a_cluster_across_the_border_is_gathered() {
-        let at = |x: f64| (0, Pose::from_wxyz(Vec3::new(x, 0.0, 0.0), [1.0, 0.0, 0.0, 0.0]));
+        let at = |x: f64| {
+            (
+                0,
+                Pose::from_wxyz(Vec3::new(x, 0.0, 0.0), [1.0, 0.0, 0.0, 0.0]),
+            )
+        };
         let mut bodies = vec![at(-48.0), at(47.0)];
         gather(&mut bodies, [100.0; 3]);
-        assert!((bodies[0].1.position.x - bodies[1].1.position.x - 5.0).abs() < 1e-9, "{bodies:?}");
+        assert!(
+            (bodies[0].1.position.x - bodies[1].1.position.x - 5.0).abs() < 1e-9,
+            "{bodies:?}"
+        );
     }
 
     #[test]
     fn scales_end_at_round_numbers() {
-        assert_eq!(limit_of((0..100).map(|k| if k < 96 { -3.0 } else { 900.0 })), 5.0);
+        assert_eq!(
+            limit_of((0..100).map(|k| if k < 96 { -3.0 } else { 900.0 })),
+            5.0
+        );
         assert_eq!(limit_of(std::iter::empty()), 0.5);
         assert_eq!(limit_of(std::iter::once(1e9)), 20.0);
     }

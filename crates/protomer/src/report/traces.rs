@@ -38,7 +38,11 @@ pub fn traces(directory: &Path, settings: &RunSettings) -> Result<Option<(Figure
             if path.is_file() {
                 let rows = read_log_so_far(&path)?;
                 let every = rows.len().div_ceil(most_rows).max(1);
-                traces.push(Trace { salt_molar, replica, rows: rows.into_iter().step_by(every).collect() });
+                traces.push(Trace {
+                    salt_molar,
+                    replica,
+                    rows: rows.into_iter().step_by(every).collect(),
+                });
             }
         }
     }
@@ -54,27 +58,52 @@ fn figure(traces: &[Trace]) -> Figure {
         let mut series: Vec<Series> = Vec::new();
         for trace in traces {
             let name = format!("{} mM", millimolar(trace.salt_molar));
-            let points = trace.rows.iter().map(|row| [row.sweep as f64, value(row)]).filter(|[_, y]| y.is_finite());
+            let points = trace
+                .rows
+                .iter()
+                .map(|row| [row.sweep as f64, value(row)])
+                .filter(|[_, y]| y.is_finite());
             match series.iter_mut().find(|series| series.name == name) {
                 Some(series) => series.replicas.extend(points),
-                None => series.push(Series { name, replicas: points.collect(), ..Series::default() }),
+                None => series.push(Series {
+                    name,
+                    replicas: points.collect(),
+                    ..Series::default()
+                }),
             }
         }
         series.retain(|series| !series.replicas.is_empty());
-        Panel { y: Axis::linear(label), series }
+        Panel {
+            y: Axis::linear(label),
+            series,
+        }
     };
-    let panels = [panel("radius of gyration (Å)", |row| row.r_g_angstrom), panel("energy (kT)", |row| row.energy_kt)];
+    let panels = [
+        panel("radius of gyration (Å)", |row| row.r_g_angstrom),
+        panel("energy (kT)", |row| row.energy_kt),
+    ];
     Figure {
         title: "How the simulations went".into(),
-        caption: "rows of the logs, thinned; all replicas of a salt concentration have its colour".into(),
+        caption: "rows of the logs, thinned; all replicas of a salt concentration have its colour"
+            .into(),
         x: Axis::linear("sweeps of production"),
-        panels: panels.into_iter().filter(|panel| !panel.series.is_empty()).collect(),
+        panels: panels
+            .into_iter()
+            .filter(|panel| !panel.series.is_empty())
+            .collect(),
     }
 }
 
 fn table(traces: &[Trace]) -> Result<Table> {
-    let mut table =
-        Table::new(["salt_M", "replica", "sweep", "r_g_angstrom", "native_contacts", "largest_cluster", "energy_kT"]);
+    let mut table = Table::new([
+        "salt_M",
+        "replica",
+        "sweep",
+        "r_g_angstrom",
+        "native_contacts",
+        "largest_cluster",
+        "energy_kT",
+    ]);
     for trace in traces {
         for row in &trace.rows {
             table.push([

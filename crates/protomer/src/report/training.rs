@@ -21,9 +21,10 @@ pub fn page(directory: &Path, settings: &TrainSettings) -> Result<Page> {
     let mut sections = Vec::new();
     let curve = data::of_file(directory, "history.csv")?;
     match &metrics {
-        None => {
-            sections.push(Section::new("Scores", paragraph("There are no scores yet: they are written at the end.")))
-        }
+        None => sections.push(Section::new(
+            "Scores",
+            paragraph("There are no scores yet: they are written at the end."),
+        )),
         Some(metrics) => {
             let mut html = scores(metrics) + &table_of_baselines(metrics);
             html += &figures::of_file(directory, "learning_curve.svg", "Learning curve", &curve)?;
@@ -32,7 +33,10 @@ pub fn page(directory: &Path, settings: &TrainSettings) -> Result<Page> {
             sections.push(Section::new("Confusion", confusion(metrics)));
             sections.extend(verdict(metrics));
             if metrics.ablation.is_some() {
-                sections.push(Section::new("Ablation", data::of_file(directory, "ablation.csv")?));
+                sections.push(Section::new(
+                    "Ablation",
+                    data::of_file(directory, "ablation.csv")?,
+                ));
             }
         }
     }
@@ -44,7 +48,10 @@ pub fn page(directory: &Path, settings: &TrainSettings) -> Result<Page> {
     sections.push(provenance::section(directory, "settings.toml", None, more)?);
     Ok(Page {
         title: format!("Training: {}", provenance::name(directory)),
-        subtitle: format!("A network that sees {}", settings.training.channels.join(", ")),
+        subtitle: format!(
+            "A network that sees {}",
+            settings.training.channels.join(", ")
+        ),
         problems: problems(metrics.as_ref()),
         sections,
     })
@@ -52,27 +59,48 @@ pub fn page(directory: &Path, settings: &TrainSettings) -> Result<Page> {
 
 fn problems(metrics: Option<&Metrics>) -> Vec<String> {
     let Some(metrics) = metrics else {
-        return vec!["The training is not at its end; the same command goes on from where it is.".into()];
+        return vec![
+            "The training is not at its end; the same command goes on from where it is.".into(),
+        ];
     };
     let mut problems = Vec::new();
     if !metrics.quarantined.is_empty() {
-        problems.push(format!("{} samples were left out (see Conditions).", metrics.quarantined.len()));
+        problems.push(format!(
+            "{} samples were left out (see Conditions).",
+            metrics.quarantined.len()
+        ));
     }
-    let control = metrics.control.iter().flat_map(|control| &control.experiments).filter(|one| !one.reached);
-    problems
-        .extend(control.map(|one| format!("The control's experiment '{}' did not come out as expected.", one.name)));
+    let control = metrics
+        .control
+        .iter()
+        .flat_map(|control| &control.experiments)
+        .filter(|one| !one.reached);
+    problems.extend(control.map(|one| {
+        format!(
+            "The control's experiment '{}' did not come out as expected.",
+            one.name
+        )
+    }));
     problems
 }
 
 fn scores(metrics: &Metrics) -> String {
     let interval = |interval: &protomer_learn::bootstrap::Interval| {
-        format!("95 %: {} to {}", significant(interval.low, 3), significant(interval.high, 3))
+        format!(
+            "95 %: {} to {}",
+            significant(interval.low, 3),
+            significant(interval.high, 3)
+        )
     };
     let of = |value: f64| significant(value, 4);
     definitions(&[
         (
             "balanced accuracy",
-            format!("{} ({})", of(metrics.balanced_accuracy), interval(&metrics.bootstrap_95.balanced_accuracy)),
+            format!(
+                "{} ({})",
+                of(metrics.balanced_accuracy),
+                interval(&metrics.bootstrap_95.balanced_accuracy)
+            ),
         ),
         (
             "accuracy",
@@ -93,43 +121,102 @@ fn scores(metrics: &Metrics) -> String {
         ),
         (
             "permutation test",
-            format!("p = {} from {} exchanges of labels", of(metrics.permutation_p), metrics.permutations),
+            format!(
+                "p = {} from {} exchanges of labels",
+                of(metrics.permutation_p),
+                metrics.permutations
+            ),
         ),
         ("Matthews' correlation", of(metrics.matthews_correlation)),
-        ("expected calibration error", of(metrics.expected_calibration_error)),
-        ("epochs", format!("{}, of which {} was kept", metrics.epochs, metrics.best_epoch)),
+        (
+            "expected calibration error",
+            of(metrics.expected_calibration_error),
+        ),
+        (
+            "epochs",
+            format!(
+                "{}, of which {} was kept",
+                metrics.epochs, metrics.best_epoch
+            ),
+        ),
     ])
 }
 
 fn table_of_baselines(metrics: &Metrics) -> String {
-    let head = ["", "accuracy", "balanced accuracy", "macro F1", "top 3", "cross entropy (nats)"].map(str::to_owned);
+    let head = [
+        "",
+        "accuracy",
+        "balanced accuracy",
+        "macro F1",
+        "top 3",
+        "cross entropy (nats)",
+    ]
+    .map(str::to_owned);
     let row = |name: &str, values: [f64; 5]| {
-        std::iter::once(name.to_owned()).chain(values.map(|value| significant(value, 4))).collect::<Vec<_>>()
+        std::iter::once(name.to_owned())
+            .chain(values.map(|value| significant(value, 4)))
+            .collect::<Vec<_>>()
     };
-    let own =
-        [metrics.accuracy, metrics.balanced_accuracy, metrics.macro_f1, metrics.top3_accuracy, metrics.log_loss_nats];
-    let baselines = metrics
-        .baselines
-        .iter()
-        .map(|(name, b)| row(name, [b.accuracy, b.balanced_accuracy, b.macro_f1, b.top3_accuracy, b.log_loss_nats]));
-    let rows: Vec<Vec<String>> = std::iter::once(row("this network", own)).chain(baselines).collect();
-    format!("<h3>Beside what knows nothing of the voxels</h3>\n{}", table(&head, &rows))
+    let own = [
+        metrics.accuracy,
+        metrics.balanced_accuracy,
+        metrics.macro_f1,
+        metrics.top3_accuracy,
+        metrics.log_loss_nats,
+    ];
+    let baselines = metrics.baselines.iter().map(|(name, b)| {
+        row(
+            name,
+            [
+                b.accuracy,
+                b.balanced_accuracy,
+                b.macro_f1,
+                b.top3_accuracy,
+                b.log_loss_nats,
+            ],
+        )
+    });
+    let rows: Vec<Vec<String>> = std::iter::once(row("this network", own))
+        .chain(baselines)
+        .collect();
+    format!(
+        "<h3>Beside what knows nothing of the voxels</h3>\n{}",
+        table(&head, &rows)
+    )
 }
 
 /// Rows are true classes, columns predicted ones; the shade is the share of the row.
 fn confusion(metrics: &Metrics) -> String {
     if metrics.classes.len() > MOST_CLASSES {
-        return paragraph(&format!("{} classes; the matrix is in metrics.json.", metrics.classes.len()));
+        return paragraph(&format!(
+            "{} classes; the matrix is in metrics.json.",
+            metrics.classes.len()
+        ));
     }
-    let head: String = metrics.classes.iter().map(|class| format!("<th>{}</th>", escape(class))).collect();
-    let rows = metrics.classes.iter().zip(&metrics.confusion_matrix).map(|(class, row)| {
-        let sum: f64 = row.iter().sum();
-        let cell = |value: &f64| {
-            let share = if sum > 0.0 { value / sum } else { 0.0 };
-            format!("<td style=\"--share:{share:.3}\">{}</td>", significant(*value, 3))
-        };
-        format!("<tr><th>{}</th>{}</tr>\n", escape(class), row.iter().map(cell).collect::<String>())
-    });
+    let head: String = metrics
+        .classes
+        .iter()
+        .map(|class| format!("<th>{}</th>", escape(class)))
+        .collect();
+    let rows = metrics
+        .classes
+        .iter()
+        .zip(&metrics.confusion_matrix)
+        .map(|(class, row)| {
+            let sum: f64 = row.iter().sum();
+            let cell = |value: &f64| {
+                let share = if sum > 0.0 { value / sum } else { 0.0 };
+                format!(
+                    "<td style=\"--share:{share:.3}\">{}</td>",
+                    significant(*value, 3)
+                )
+            };
+            format!(
+                "<tr><th>{}</th>{}</tr>\n",
+                escape(class),
+                row.iter().map(cell).collect::<String>()
+            )
+        });
     let note = "Weight of test samples: the true class by row, the predicted one by column.";
     format!(
         "<div class=\"scroll\"><table class=\"heat\">\n<thead><tr><th>true \\ predicted</th>{head}</tr></thead>\n<tbody>\n{}\
@@ -142,7 +229,15 @@ fn confusion(metrics: &Metrics) -> String {
 /// What a control was expected to show, and whether it did.
 fn verdict(metrics: &Metrics) -> Option<Section> {
     let control = metrics.control.as_ref()?;
-    let head = ["experiment", "channels", "balanced accuracy", "at least", "at most", "as expected"].map(str::to_owned);
+    let head = [
+        "experiment",
+        "channels",
+        "balanced accuracy",
+        "at least",
+        "at most",
+        "as expected",
+    ]
+    .map(str::to_owned);
     let rows = control.experiments.iter().map(|one| {
         vec![
             one.name.clone(),
@@ -153,7 +248,10 @@ fn verdict(metrics: &Metrics) -> Option<Section> {
             if one.reached { "yes" } else { "no" }.to_owned(),
         ]
     });
-    Some(Section::new("Control", paragraph(&control.shows) + &table(&head, &rows.collect::<Vec<_>>())))
+    Some(Section::new(
+        "Control",
+        paragraph(&control.shows) + &table(&head, &rows.collect::<Vec<_>>()),
+    ))
 }
 
 /// The settings, as names and what they are.
@@ -163,21 +261,39 @@ pub fn describe(settings: &TrainSettings) -> Vec<(&'static str, String)> {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             format!("the set {name} (digest {digest})")
         }
-        Source::Control { name, samples, size, seed, .. } => {
-            format!("the control {}: {samples} samples of {size}³ voxels, seed {seed}", name.name())
+        Source::Control {
+            name,
+            samples,
+            size,
+            seed,
+            ..
+        } => {
+            format!(
+                "the control {}: {samples} samples of {size}³ voxels, seed {seed}",
+                name.name()
+            )
         }
     };
     vec![
         ("samples", source),
         ("target", format!("{:?}", settings.target).to_lowercase()),
         ("channels", settings.training.channels.join(", ")),
-        ("split by", format!("{:?}", settings.split_by).to_lowercase()),
+        (
+            "split by",
+            format!("{:?}", settings.split_by).to_lowercase(),
+        ),
         ("blocks (width × kernel)", {
-            let blocks = settings.blocks.iter().map(|block| format!("{} × {}³", block.width, block.kernel));
+            let blocks = settings
+                .blocks
+                .iter()
+                .map(|block| format!("{} × {}³", block.width, block.kernel));
             blocks.collect::<Vec<_>>().join(", ")
         }),
         ("epochs at most", settings.training.epochs.to_string()),
-        ("learning rate", significant(settings.training.learning_rate, 6)),
+        (
+            "learning rate",
+            significant(settings.training.learning_rate, 6),
+        ),
         ("batch", settings.training.batch.to_string()),
     ]
 }
@@ -194,11 +310,19 @@ fn conditions(settings: &TrainSettings, metrics: Option<&Metrics>) -> Section {
         rows.push(("parts", text));
         rows.push(("numbers fitted", metrics.parameters.to_string()));
         if !metrics.quarantined.is_empty() {
-            let named = metrics.quarantined.iter().take(MOST_NAMED).map(|one| format!("{}: {}", one.name, one.reason));
+            let named = metrics
+                .quarantined
+                .iter()
+                .take(MOST_NAMED)
+                .map(|one| format!("{}: {}", one.name, one.reason));
             left_out = format!(
                 "<h3>Left out: {} samples{}</h3>\n{}",
                 metrics.quarantined.len(),
-                if metrics.quarantined.len() > MOST_NAMED { ", among them" } else { "" },
+                if metrics.quarantined.len() > MOST_NAMED {
+                    ", among them"
+                } else {
+                    ""
+                },
                 list(&named.collect::<Vec<_>>())
             );
         }

@@ -32,15 +32,26 @@ pub fn page(directory: &Path, settings: &TuneSettings) -> Result<Page> {
     let best = Some(directory.join("best.toml")).filter(|path| path.is_file());
     let best = best.map(|path| TrainSettings::read(&path)).transpose()?;
     let mut sections = vec![best_settings(best.as_ref(), trials.as_ref())];
-    let mut html = figures::of_file(directory, "trials.svg", "Validation loss against learning rate", "")?;
+    let mut html = figures::of_file(
+        directory,
+        "trials.svg",
+        "Validation loss against learning rate",
+        "",
+    )?;
     html += &match &trials {
         Some(trials) => trials.shown() + &data::data("trials.csv", &trials.csv)?,
-        None => paragraph("There is no table yet: it is written when the first round of epochs is over."),
+        None => paragraph(
+            "There is no table yet: it is written when the first round of epochs is over.",
+        ),
     };
     sections.push(Section::new("Trials", html));
     sections.push(conditions(settings));
-    let mut provenance =
-        provenance::section(directory, "settings.toml", None, vec![("seed", settings.seed.to_string())])?;
+    let mut provenance = provenance::section(
+        directory,
+        "settings.toml",
+        None,
+        vec![("seed", settings.seed.to_string())],
+    )?;
     if best.is_some() {
         let text = std::fs::read_to_string(directory.join("best.toml")).context("best.toml")?;
         provenance.html += &folded_text("best.toml", &text);
@@ -48,12 +59,18 @@ pub fn page(directory: &Path, settings: &TuneSettings) -> Result<Page> {
     sections.push(provenance);
     let mut problems = Vec::new();
     if best.is_none() {
-        problems.push("The search is not at its end; the same command goes on from where it is.".into());
+        problems.push(
+            "The search is not at its end; the same command goes on from where it is.".into(),
+        );
     }
     problems.extend(trials.as_ref().and_then(Trials::diverged));
     Ok(Page {
         title: format!("Search: {}", provenance::name(directory)),
-        subtitle: format!("{} networks that see {}", settings.trials, settings.base.training.channels.join(", ")),
+        subtitle: format!(
+            "{} networks that see {}",
+            settings.trials,
+            settings.base.training.channels.join(", ")
+        ),
         problems,
         sections,
     })
@@ -65,10 +82,18 @@ impl Trials {
         if !path.is_file() {
             return Ok(None);
         }
-        let csv = std::fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
-        let lines = csv.lines().enumerate().map(|(number, line)| cells("trials.csv", number + 1, line));
+        let csv = std::fs::read_to_string(&path)
+            .with_context(|| format!("cannot read {}", path.display()))?;
+        let lines = csv
+            .lines()
+            .enumerate()
+            .map(|(number, line)| cells("trials.csv", number + 1, line));
         let mut rows = lines.collect::<Result<Vec<_>>>()?;
-        let columns = if rows.is_empty() { Vec::new() } else { rows.remove(0) };
+        let columns = if rows.is_empty() {
+            Vec::new()
+        } else {
+            rows.remove(0)
+        };
         Ok(Some(Self { csv, columns, rows }))
     }
 
@@ -78,21 +103,41 @@ impl Trials {
     }
 
     fn number(&self, row: usize, column: &str) -> Option<f64> {
-        self.cell(row, column)?.parse().ok().filter(|value: &f64| value.is_finite())
+        self.cell(row, column)?
+            .parse()
+            .ok()
+            .filter(|value: &f64| value.is_finite())
     }
 
     fn diverged(&self) -> Option<String> {
-        let count = (0..self.rows.len()).filter(|row| self.number(*row, "validation_loss_nats").is_none()).count();
+        let count = (0..self.rows.len())
+            .filter(|row| self.number(*row, "validation_loss_nats").is_none())
+            .count();
         (count > 0).then(|| format!("{count} of {} trials diverged.", self.rows.len()))
     }
 
     /// The best ones.
     fn shown(&self) -> String {
-        let head = ["trial", "epochs", "validation loss (nats)", "balanced accuracy", "widths", "kernels", "groups"];
-        let head: Vec<String> = head.iter().chain(&["learning rate", "channels"]).map(ToString::to_string).collect();
+        let head = [
+            "trial",
+            "epochs",
+            "validation loss (nats)",
+            "balanced accuracy",
+            "widths",
+            "kernels",
+            "groups",
+        ];
+        let head: Vec<String> = head
+            .iter()
+            .chain(&["learning rate", "channels"])
+            .map(ToString::to_string)
+            .collect();
         let row = |row: usize| -> Vec<String> {
             let text = |column: &str| self.cell(row, column).unwrap_or("–").to_owned();
-            let number = |column: &str| self.number(row, column).map_or_else(|| "–".into(), |x| significant(x, DIGITS));
+            let number = |column: &str| {
+                self.number(row, column)
+                    .map_or_else(|| "–".into(), |x| significant(x, DIGITS))
+            };
             let loss = self.number(row, "validation_loss_nats");
             vec![
                 text("trial"),
@@ -107,7 +152,11 @@ impl Trials {
             ]
         };
         let count = self.rows.len();
-        let title = if count > MOST_SHOWN { format!("The best {MOST_SHOWN} of {count}") } else { "Best first".into() };
+        let title = if count > MOST_SHOWN {
+            format!("The best {MOST_SHOWN} of {count}")
+        } else {
+            "Best first".into()
+        };
         let rows: Vec<Vec<String>> = (0..count.min(MOST_SHOWN)).map(row).collect();
         format!("<h3>{}</h3>\n{}", escape(&title), table(&head, &rows))
     }
@@ -115,17 +164,34 @@ impl Trials {
 
 fn best_settings(best: Option<&TrainSettings>, trials: Option<&Trials>) -> Section {
     let Some(best) = best else {
-        return Section::new("Best settings", paragraph("They are written when the search is at its end."));
+        return Section::new(
+            "Best settings",
+            paragraph("They are written when the search is at its end."),
+        );
     };
     let mut rows = Vec::new();
     if let Some(trials) = trials {
-        let number = |column: &str| trials.number(0, column).map_or_else(|| "–".into(), |x| significant(x, DIGITS));
+        let number = |column: &str| {
+            trials
+                .number(0, column)
+                .map_or_else(|| "–".into(), |x| significant(x, DIGITS))
+        };
         rows.push(("trial", trials.cell(0, "trial").unwrap_or("–").to_owned()));
-        rows.push(("validation loss", format!("{} nats", number("validation_loss_nats"))));
-        rows.push(("balanced accuracy on the validation part", number("validation_balanced_accuracy")));
+        rows.push((
+            "validation loss",
+            format!("{} nats", number("validation_loss_nats")),
+        ));
+        rows.push((
+            "balanced accuracy on the validation part",
+            number("validation_balanced_accuracy"),
+        ));
     }
     let described = training::describe(best);
-    rows.extend(described.into_iter().filter(|(name, _)| DRAWN.contains(name) || *name == "channels"));
+    rows.extend(
+        described
+            .into_iter()
+            .filter(|(name, _)| DRAWN.contains(name) || *name == "channels"),
+    );
     let note = "The validation part chose the best, so its scores there are too good. For scores on the test part: \
                 protomer train SET --config best.toml -o DIRECTORY.";
     Section::new("Best settings", definitions(&rows) + &paragraph(note))
@@ -135,13 +201,28 @@ fn conditions(settings: &TuneSettings) -> Section {
     let rounds: Vec<String> = settings.rungs().iter().map(usize::to_string).collect();
     let mut rows = vec![
         ("trials", settings.trials.to_string()),
-        ("rounds", format!("after {} epochs; a third of the trials goes on each time", rounds.join(", "))),
+        (
+            "rounds",
+            format!(
+                "after {} epochs; a third of the trials goes on each time",
+                rounds.join(", ")
+            ),
+        ),
         ("drawn for each trial", {
-            let channels = if settings.vary_channels { ", channels" } else { "" };
+            let channels = if settings.vary_channels {
+                ", channels"
+            } else {
+                ""
+            };
             format!("number, widths and kernels of blocks, normalisation, learning rate{channels}")
         }),
     ];
-    let differs = |name: &str| DRAWN.contains(&name) || (settings.vary_channels && name == "channels");
-    rows.extend(training::describe(&settings.base).into_iter().filter(|(name, _)| !differs(name)));
+    let differs =
+        |name: &str| DRAWN.contains(&name) || (settings.vary_channels && name == "channels");
+    rows.extend(
+        training::describe(&settings.base)
+            .into_iter()
+            .filter(|(name, _)| !differs(name)),
+    );
     Section::new("Conditions", definitions(&rows))
 }

@@ -30,47 +30,111 @@ pub fn section(set: &VoxelSet) -> Result<Section> {
     let step = set.reader().len().div_ceil(MOST_SAMPLES).max(1);
     let read: Vec<usize> = (0..set.reader().len()).step_by(step).collect();
     if read.is_empty() {
-        return Ok(Section::new("Channels", paragraph("There is no sample to look at.")));
+        return Ok(Section::new(
+            "Channels",
+            paragraph("There is no sample to look at."),
+        ));
     }
     let of_sample = |sample: &usize| -> Result<Vec<Values>> {
-        let stored = set.reader().sample(*sample).with_context(|| format!("sample {sample}"))?;
-        Ok(stored.values.iter().map(|values| Values::of(values)).collect())
+        let stored = set
+            .reader()
+            .sample(*sample)
+            .with_context(|| format!("sample {sample}"))?;
+        Ok(stored
+            .values
+            .iter()
+            .map(|values| Values::of(values))
+            .collect())
     };
     let of_samples = read.par_iter().map(of_sample).collect::<Result<Vec<_>>>()?;
     let scaling = ChannelScaling::fit(set, &read, ScalingMode::Robust)?;
-    let meanings = set.reader().attributes().get("channel_meanings").cloned().unwrap_or_default();
-    let rows = set.channels().iter().zip(&scaling.transforms).enumerate().map(|(channel, (name, transform))| {
-        let values = of_samples.iter().filter_map(|sample| sample.get(channel)).copied().reduce(Values::and);
-        let mut row = vec![name.clone(), meanings.get(name).and_then(Value::as_str).unwrap_or("–").to_owned()];
-        row.extend(values.map_or_else(|| [const { String::new() }; 4], |values| values.shown()));
-        row.push(describe(transform));
-        row
-    });
-    let head = ["channel", "value", "lowest", "mean", "deviation", "highest", "as a training scales it"];
-    let of =
-        if step > 1 { format!("{} of the {} samples", read.len(), set.reader().len()) } else { "all samples".into() };
+    let meanings = set
+        .reader()
+        .attributes()
+        .get("channel_meanings")
+        .cloned()
+        .unwrap_or_default();
+    let rows = set
+        .channels()
+        .iter()
+        .zip(&scaling.transforms)
+        .enumerate()
+        .map(|(channel, (name, transform))| {
+            let values = of_samples
+                .iter()
+                .filter_map(|sample| sample.get(channel))
+                .copied()
+                .reduce(Values::and);
+            let mut row = vec![
+                name.clone(),
+                meanings
+                    .get(name)
+                    .and_then(Value::as_str)
+                    .unwrap_or("–")
+                    .to_owned(),
+            ];
+            row.extend(
+                values.map_or_else(|| [const { String::new() }; 4], |values| values.shown()),
+            );
+            row.push(describe(transform));
+            row
+        });
+    let head = [
+        "channel",
+        "value",
+        "lowest",
+        "mean",
+        "deviation",
+        "highest",
+        "as a training scales it",
+    ];
+    let of = if step > 1 {
+        format!("{} of the {} samples", read.len(), set.reader().len())
+    } else {
+        "all samples".into()
+    };
     let note = format!(
         "Numbers are over the occupied voxels of {of}. A training fits its scale to its own training part, so that it may \
          differ in the last digits; 'train --scaling' says what else there is."
     );
-    Ok(Section::new("Channels", table(&head.map(str::to_owned), &rows.collect::<Vec<_>>()) + &paragraph(&note)))
+    Ok(Section::new(
+        "Channels",
+        table(&head.map(str::to_owned), &rows.collect::<Vec<_>>()) + &paragraph(&note),
+    ))
 }
 
 fn describe(transform: &Transform) -> String {
     match transform {
         Transform::Unchanged => "as it is".into(),
         Transform::Divided { scale } => format!("x / {}", significant(*scale, 4)),
-        Transform::Arcsinh { scale } => format!("arcsinh(x / {}), at most ±4", significant(*scale, 4)),
+        Transform::Arcsinh { scale } => {
+            format!("arcsinh(x / {}), at most ±4", significant(*scale, 4))
+        }
         Transform::BoxStandardised => "mean 0, deviation 1 in each box".into(),
     }
 }
 
 impl Values {
     fn of(values: &[f32]) -> Self {
-        let nothing = Self { count: 0, sum: 0.0, sum_of_squares: 0.0, low: f64::INFINITY, high: f64::NEG_INFINITY };
-        values.iter().map(|value| f64::from(*value)).fold(nothing, |so_far, value| {
-            so_far.and(Self { count: 1, sum: value, sum_of_squares: value * value, low: value, high: value })
-        })
+        let nothing = Self {
+            count: 0,
+            sum: 0.0,
+            sum_of_squares: 0.0,
+            low: f64::INFINITY,
+            high: f64::NEG_INFINITY,
+        };
+        values
+            .iter()
+            .map(|value| f64::from(*value))
+            .fold(nothing, |so_far, value| {
+                so_far.and(Self {
+                    count: 1,
+                    sum: value,
+                    sum_of_squares: value * value,
+                    low: value,
+                    high: value,
+                })
+            })
     }
 
     fn and(self, other: Self) -> Self {

@@ -31,7 +31,14 @@ pub fn page(directory: &Path) -> Result<Page> {
     let excluded = set::exclusions(reader)?;
     let samples = set::samples_of(reader)?;
     let channels = voxel_channels::section(&opened)?;
-    let text = |key: &str| reader.attributes().get(key).and_then(Value::as_str).unwrap_or("–").to_owned();
+    let text = |key: &str| {
+        reader
+            .attributes()
+            .get(key)
+            .and_then(Value::as_str)
+            .unwrap_or("–")
+            .to_owned()
+    };
     let more = vec![
         ("program", text("made_by")),
         ("command", "protomer voxelize".into()),
@@ -39,11 +46,20 @@ pub fn page(directory: &Path) -> Result<Page> {
         ("identity (SHA-256 of settings and input)", text("identity")),
         ("seed", settings.seed.to_string()),
     ];
-    let written_down = toml::to_string_pretty(&settings).context("the settings cannot be written down")?;
-    let mut sections = vec![overview(directory, &samples, &excluded)?, groups(&samples, &excluded), channels];
+    let written_down =
+        toml::to_string_pretty(&settings).context("the settings cannot be written down")?;
+    let mut sections = vec![
+        overview(directory, &samples, &excluded)?,
+        groups(&samples, &excluded),
+        channels,
+    ];
     sections.extend(left_out(&excluded)?);
     sections.push(conditions(&settings));
-    sections.push(provenance::without_file(directory, Some(("settings", &written_down)), more));
+    sections.push(provenance::without_file(
+        directory,
+        Some(("settings", &written_down)),
+        more,
+    ));
     let mut problems = problems(&samples, &excluded);
     let missing = |of: &Missing| {
         let parts = of.parts.join(", ");
@@ -55,14 +71,24 @@ pub fn page(directory: &Path) -> Result<Page> {
     problems.extend(Missing::of(&origins(reader)?).iter().map(missing));
     Ok(Page {
         title: format!("Set of voxels: {}", provenance::name(directory)),
-        subtitle: format!("{} samples of {}³ voxels: {}", samples.len(), settings.size, names(&settings)),
+        subtitle: format!(
+            "{} samples of {}³ voxels: {}",
+            samples.len(),
+            settings.size,
+            names(&settings)
+        ),
         problems,
         sections,
     })
 }
 
 fn names(settings: &VoxelizeSettings) -> String {
-    settings.channels.iter().map(|channel| channel.name()).collect::<Vec<_>>().join(", ")
+    settings
+        .channels
+        .iter()
+        .map(|channel| channel.name())
+        .collect::<Vec<_>>()
+        .join(", ")
 }
 
 fn problems(samples: &[SampleRecord], excluded: &[Exclusion]) -> Vec<String> {
@@ -71,47 +97,94 @@ fn problems(samples: &[SampleRecord], excluded: &[Exclusion]) -> Vec<String> {
         problems.push("There is no sample in the set.".to_owned());
     }
     if !excluded.is_empty() {
-        let counts: Vec<String> = by_reason(excluded).iter().map(|(reason, n)| format!("{reason}: {n}")).collect();
+        let counts: Vec<String> = by_reason(excluded)
+            .iter()
+            .map(|(reason, n)| format!("{reason}: {n}"))
+            .collect();
         let of = samples.len() + excluded.len();
-        problems.push(format!("{} of {of} structures were left out ({}).", excluded.len(), counts.join(", ")));
+        problems.push(format!(
+            "{} of {of} structures were left out ({}).",
+            excluded.len(),
+            counts.join(", ")
+        ));
     }
     problems
 }
 
 /// The word that `excluded` has for it.
 fn word(reason: Reason) -> String {
-    serde_json::to_value(reason).ok().and_then(|word| word.as_str().map(str::to_owned)).unwrap_or_default()
+    serde_json::to_value(reason)
+        .ok()
+        .and_then(|word| word.as_str().map(str::to_owned))
+        .unwrap_or_default()
 }
 
 fn by_reason(excluded: &[Exclusion]) -> BTreeMap<String, usize> {
     let mut counts = BTreeMap::new();
-    excluded.iter().for_each(|one| *counts.entry(word(one.reason)).or_insert(0) += 1);
+    excluded
+        .iter()
+        .for_each(|one| *counts.entry(word(one.reason)).or_insert(0) += 1);
     counts
 }
 
 fn overview(directory: &Path, samples: &[SampleRecord], excluded: &[Exclusion]) -> Result<Section> {
-    let different =
-        |word: fn(&SampleRecord) -> &String| samples.iter().map(word).collect::<BTreeSet<_>>().len().to_string();
+    let different = |word: fn(&SampleRecord) -> &String| {
+        samples
+            .iter()
+            .map(word)
+            .collect::<BTreeSet<_>>()
+            .len()
+            .to_string()
+    };
     let voxels: usize = samples.iter().map(|sample| sample.voxels).sum();
     let mut html = definitions(&[
         ("samples", samples.len().to_string()),
         ("structures left out", excluded.len().to_string()),
         ("labels", different(|sample| &sample.label)),
         ("clusters", different(|sample| &sample.cluster)),
-        ("occupied voxels", format!("{voxels}, {} per sample", voxels / samples.len().max(1))),
-        ("size of the files", format!("{} MB", significant(set::bytes_on_disk(directory) as f64 / 1e6, 3))),
+        (
+            "occupied voxels",
+            format!("{voxels}, {} per sample", voxels / samples.len().max(1)),
+        ),
+        (
+            "size of the files",
+            format!(
+                "{} MB",
+                significant(set::bytes_on_disk(directory) as f64 / 1e6, 3)
+            ),
+        ),
     ]);
     let csv = data::data("samples.csv", &samples_table(samples)?.to_csv())?;
-    html += &if samples.is_empty() { csv } else { figures::drawn(&figure(samples), &csv)? };
+    html += &if samples.is_empty() {
+        csv
+    } else {
+        figures::drawn(&figure(samples), &csv)?
+    };
     Ok(Section::new("Samples", html))
 }
 
 fn samples_table(samples: &[SampleRecord]) -> Result<Table> {
     let words = ["name", "label", "cluster", "family", "file", "sha256"];
-    let numbers = ["voxels", "residues", "radius_of_gyration_angstrom", "largest_extent_angstrom", "net_charge_e"];
+    let numbers = [
+        "voxels",
+        "residues",
+        "radius_of_gyration_angstrom",
+        "largest_extent_angstrom",
+        "net_charge_e",
+    ];
     let mut table = Table::new(words.into_iter().chain(numbers).chain(["spacing_angstrom"]));
     for sample in samples {
-        let SampleRecord { name, label, cluster, family, file, sha256, voxels, properties, .. } = sample;
+        let SampleRecord {
+            name,
+            label,
+            cluster,
+            family,
+            file,
+            sha256,
+            voxels,
+            properties,
+            ..
+        } = sample;
         let words = [name, label, cluster, family, file, sha256].map(|word| word.as_str().into());
         let [longest, ..] = properties.extents_angstrom;
         table.push(words.into_iter().chain([
@@ -132,8 +205,16 @@ fn figure(samples: &[SampleRecord]) -> Figure {
     let groups: Vec<(String, Vec<&SampleRecord>)> = if labels.len() > MOST_COLOURS {
         vec![("all samples".into(), samples.iter().collect())]
     } else {
-        let of = |label: &str| samples.iter().filter(|sample| sample.label == label).collect();
-        labels.iter().map(|label| ((*label).to_owned(), of(label))).collect()
+        let of = |label: &str| {
+            samples
+                .iter()
+                .filter(|sample| sample.label == label)
+                .collect()
+        };
+        labels
+            .iter()
+            .map(|label| ((*label).to_owned(), of(label)))
+            .collect()
     };
     let size = |sample: &SampleRecord| sample.properties.radius_of_gyration_angstrom;
     let bins = Bins::new(samples.iter().map(size));
@@ -146,16 +227,28 @@ fn figure(samples: &[SampleRecord]) -> Figure {
     let occupied = groups.iter().map(|(name, samples)| Series {
         name: name.clone(),
         points: Vec::new(),
-        replicas: samples.iter().map(|sample| [size(sample), sample.voxels as f64]).collect(),
+        replicas: samples
+            .iter()
+            .map(|sample| [size(sample), sample.voxels as f64])
+            .collect(),
         line: false,
     });
     Figure {
         title: "Sizes of the samples".into(),
-        caption: format!("counts in steps of {} Å; below, a point for each sample", significant(bins.width, 3)),
+        caption: format!(
+            "counts in steps of {} Å; below, a point for each sample",
+            significant(bins.width, 3)
+        ),
         x: Axis::linear("radius of gyration (Å)"),
         panels: vec![
-            Panel { y: Axis::linear("samples"), series: counts.collect() },
-            Panel { y: Axis::linear("occupied voxels"), series: occupied.collect() },
+            Panel {
+                y: Axis::linear("samples"),
+                series: counts.collect(),
+            },
+            Panel {
+                y: Axis::linear("occupied voxels"),
+                series: occupied.collect(),
+            },
         ],
     }
 }
@@ -175,20 +268,33 @@ impl Bins {
         let high = values.fold(f64::NEG_INFINITY, f64::max);
         let count = (number as f64).sqrt().ceil().clamp(1.0, 20.0) as usize;
         let width = (high - low) / count as f64;
-        Self { low, width: if width > 0.0 { width } else { 1.0 }, count }
+        Self {
+            low,
+            width: if width > 0.0 { width } else { 1.0 },
+            count,
+        }
     }
 
     /// How many values are in each step, at its middle.
     fn count(&self, values: impl Iterator<Item = f64>) -> Vec<Point> {
         let mut counts = vec![0usize; self.count];
         for value in values {
-            let step = (((value - self.low) / self.width).max(0.0) as usize).min(self.count.saturating_sub(1));
+            let step = (((value - self.low) / self.width).max(0.0) as usize)
+                .min(self.count.saturating_sub(1));
             if let Some(count) = counts.get_mut(step) {
                 *count += 1;
             }
         }
         let middle = |step: usize| self.low + (step as f64 + 0.5) * self.width;
-        counts.iter().enumerate().map(|(n, count)| Point { x: middle(n), y: *count as f64, error: None }).collect()
+        counts
+            .iter()
+            .enumerate()
+            .map(|(n, count)| Point {
+                x: middle(n),
+                y: *count as f64,
+                error: None,
+            })
+            .collect()
     }
 }
 
@@ -204,9 +310,16 @@ fn groups(samples: &[SampleRecord], excluded: &[Exclusion]) -> Section {
         cluster.0 += 1;
         cluster.1.insert(&sample.label);
     }
-    excluded.iter().for_each(|one| labels.entry(&one.label).or_default().2 += 1);
+    excluded
+        .iter()
+        .for_each(|one| labels.entry(&one.label).or_default().2 += 1);
     let label_rows = labels.iter().map(|(name, (samples, clusters, left_out))| {
-        vec![(*name).to_owned(), samples.to_string(), clusters.len().to_string(), left_out.to_string()]
+        vec![
+            (*name).to_owned(),
+            samples.to_string(),
+            clusters.len().to_string(),
+            left_out.to_string(),
+        ]
     });
     let mut largest: Vec<_> = clusters.iter().collect();
     largest.sort_by_key(|(name, (samples, _))| (std::cmp::Reverse(*samples), **name));
@@ -215,9 +328,15 @@ fn groups(samples: &[SampleRecord], excluded: &[Exclusion]) -> Section {
         vec![(**name).to_owned(), samples.to_string(), labels]
     });
     let note = "Related structures share a cluster, which no split may put on both sides.";
-    let html = counted("Labels", &["label", "samples", "clusters", "left out"], label_rows.collect())
-        + &counted("Clusters, largest first", &["cluster", "samples", "labels"], cluster_rows.collect())
-        + &paragraph(note);
+    let html = counted(
+        "Labels",
+        &["label", "samples", "clusters", "left out"],
+        label_rows.collect(),
+    ) + &counted(
+        "Clusters, largest first",
+        &["cluster", "samples", "labels"],
+        cluster_rows.collect(),
+    ) + &paragraph(note);
     Section::new("Labels and clusters", html)
 }
 
@@ -236,16 +355,42 @@ fn left_out(excluded: &[Exclusion]) -> Result<Option<Section>> {
     if excluded.is_empty() {
         return Ok(None);
     }
-    let reasons = by_reason(excluded).into_iter().map(|(reason, count)| vec![reason, count.to_string()]);
+    let reasons = by_reason(excluded)
+        .into_iter()
+        .map(|(reason, count)| vec![reason, count.to_string()]);
     let mut html = counted("Reasons", &["reason", "structures"], reasons.collect());
-    let rows =
-        excluded.iter().map(|one| vec![one.name.clone(), one.label.clone(), word(one.reason), one.detail.clone()]);
-    html += &counted("Structures", &["name", "label", "reason", "in words"], rows.collect());
-    let mut csv = Table::new(["name", "file", "label", "cluster", "family", "sha256", "reason", "detail"]);
+    let rows = excluded.iter().map(|one| {
+        vec![
+            one.name.clone(),
+            one.label.clone(),
+            word(one.reason),
+            one.detail.clone(),
+        ]
+    });
+    html += &counted(
+        "Structures",
+        &["name", "label", "reason", "in words"],
+        rows.collect(),
+    );
+    let mut csv = Table::new([
+        "name", "file", "label", "cluster", "family", "sha256", "reason", "detail",
+    ]);
     for one in excluded {
-        let Exclusion { name, file, label, cluster, family, sha256, detail, .. } = one;
+        let Exclusion {
+            name,
+            file,
+            label,
+            cluster,
+            family,
+            sha256,
+            detail,
+            ..
+        } = one;
         let reason = word(one.reason);
-        csv.push([name, file, label, cluster, family, sha256, &reason, detail].map(|word| word.as_str().into()))?;
+        csv.push(
+            [name, file, label, cluster, family, sha256, &reason, detail]
+                .map(|word| word.as_str().into()),
+        )?;
     }
     html += &data::data("excluded.csv", &csv.to_csv())?;
     Ok(Some(Section::new("Left out", html)))
@@ -253,7 +398,10 @@ fn left_out(excluded: &[Exclusion]) -> Result<Option<Section>> {
 
 fn conditions(settings: &VoxelizeSettings) -> Section {
     let word = |value: Result<Value, serde_json::Error>| {
-        value.ok().and_then(|word| word.as_str().map(str::to_owned)).unwrap_or_default()
+        value
+            .ok()
+            .and_then(|word| word.as_str().map(str::to_owned))
+            .unwrap_or_default()
     };
     let spacing = match settings.spacing {
         Spacing::Angstrom(spacing) => format!("{spacing} Å"),
@@ -264,14 +412,26 @@ fn conditions(settings: &VoxelizeSettings) -> Section {
         definitions(&[
             ("grid", format!("{0} × {0} × {0} voxels", settings.size)),
             ("edge of a voxel", spacing),
-            ("orientation", word(serde_json::to_value(settings.orientation))),
+            (
+                "orientation",
+                word(serde_json::to_value(settings.orientation)),
+            ),
             ("potential", word(serde_json::to_value(settings.potential))),
-            ("salt", format!("{} mM", super::html::millimolar(settings.salt_molar))),
+            (
+                "salt",
+                format!("{} mM", super::html::millimolar(settings.salt_molar)),
+            ),
             ("temperature", format!("{} K", settings.temperature_kelvin)),
             ("pH", settings.ph.to_string()),
             ("probe radius", format!("{} Å", settings.probe_angstrom)),
-            ("reach of the hydropathy", format!("{} Å", settings.hydropathy_reach_angstrom)),
-            ("left out where more residues lack heavy atoms", format!("{} %", 100.0 * settings.most_incomplete)),
+            (
+                "reach of the hydropathy",
+                format!("{} Å", settings.hydropathy_reach_angstrom),
+            ),
+            (
+                "left out where more residues lack heavy atoms",
+                format!("{} %", 100.0 * settings.most_incomplete),
+            ),
         ]),
     )
 }
@@ -284,9 +444,16 @@ mod tests {
     fn every_value_is_in_one_step() {
         let values = [1.0, 1.5, 2.0, 4.9, 5.0];
         let bins = Bins::new(values.into_iter());
-        let counts: Vec<f64> = bins.count(values.into_iter()).iter().map(|point| point.y).collect();
+        let counts: Vec<f64> = bins
+            .count(values.into_iter())
+            .iter()
+            .map(|point| point.y)
+            .collect();
         assert_eq!((bins.count, counts.iter().sum::<f64>()), (3, 5.0));
         assert_eq!(counts, [3.0, 0.0, 2.0]);
-        assert_eq!(Bins::new([2.0].into_iter()).count([2.0].into_iter())[0].y, 1.0);
+        assert_eq!(
+            Bins::new([2.0].into_iter()).count([2.0].into_iter())[0].y,
+            1.0
+        );
     }
 }

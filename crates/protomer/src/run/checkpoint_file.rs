@@ -39,10 +39,12 @@ pub fn read_checkpoint<T: DeserializeOwned>(path: &Path, kind: &str) -> Result<O
         Err(error) => return Err(error).with_context(|| format!("cannot read {}", path.display())),
     };
     let name = path.display().to_string();
-    let container = Container::from_bytes(&name, kind, &bytes)
-        .with_context(|| format!("cannot continue {name}; restore it, or start anew with --force"))?;
-    let checkpoint = serde_json::from_value(container.header)
-        .with_context(|| format!("{name} was written by another version of protomer; start anew with --force"))?;
+    let container = Container::from_bytes(&name, kind, &bytes).with_context(|| {
+        format!("cannot continue {name}; restore it, or start anew with --force")
+    })?;
+    let checkpoint = serde_json::from_value(container.header).with_context(|| {
+        format!("{name} was written by another version of protomer; start anew with --force")
+    })?;
     Ok(Some(checkpoint))
 }
 

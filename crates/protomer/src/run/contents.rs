@@ -1,7 +1,7 @@
 //! What kind of result a directory holds, told from the files in it.
 //!
-//! Several verbs have files of the same names. Without this one would write into the results of another, or take them
-//! for its own of an older version.
+//! Several verbs have files of the same names. Without this one would write into the results of
+//! another, or take them for its own of an older version.
 
 use anyhow::{Result, bail};
 use std::path::Path;
@@ -25,15 +25,28 @@ const SIMULATION: &str = "one simulation of a sweep";
 fn kind(directory: &Path) -> Option<&'static str> {
     let is_there = |name: &str| directory.join(name).is_file();
     let table = |name: &str| -> Option<toml::Table> {
-        std::fs::read_to_string(directory.join(name)).ok()?.parse::<toml::Table>().ok()
+        std::fs::read_to_string(directory.join(name))
+            .ok()?
+            .parse::<toml::Table>()
+            .ok()
     };
     if let Some(run) = table("run.toml") {
-        let kinds = [("salt_M", SWEEP), ("sweep", LATTICE_SWEEP), ("rows", LATTICE_RUN)];
-        return kinds.into_iter().find(|(key, _)| run.contains_key(*key)).map(|(_, kind)| kind);
+        let kinds = [
+            ("salt_M", SWEEP),
+            ("sweep", LATTICE_SWEEP),
+            ("rows", LATTICE_RUN),
+        ];
+        return kinds
+            .into_iter()
+            .find(|(key, _)| run.contains_key(*key))
+            .map(|(_, kind)| kind);
     }
     if let Some(settings) = table("settings.toml") {
         let kinds = [("base", SEARCH), ("training", TRAINING)];
-        return kinds.into_iter().find(|(key, _)| settings.contains_key(*key)).map(|(_, kind)| kind);
+        return kinds
+            .into_iter()
+            .find(|(key, _)| settings.contains_key(*key))
+            .map(|(_, kind)| kind);
     }
     let kinds: [(&[&str], _); 4] = [
         (&["zarr.json"], VOXEL_SET),
@@ -41,7 +54,10 @@ fn kind(directory: &Path) -> Option<&'static str> {
         (&["tables.json"], TABLES),
         (&["run.json", "checkpoint.bin"], SIMULATION),
     ];
-    kinds.into_iter().find(|(files, _)| files.iter().all(|file| is_there(file))).map(|(_, kind)| kind)
+    kinds
+        .into_iter()
+        .find(|(files, _)| files.iter().all(|file| is_there(file)))
+        .map(|(_, kind)| kind)
 }
 
 /// Refuses a directory that holds another kind of result than `ours`.
@@ -50,19 +66,25 @@ fn kind(directory: &Path) -> Option<&'static str> {
 /// If it does.
 pub fn refuse_other(directory: &Path, ours: &str) -> Result<()> {
     match kind(directory) {
-        Some(other) if other != ours => bail!("{} holds {other}; give another directory", directory.display()),
+        Some(other) if other != ours => bail!(
+            "{} holds {other}; give another directory",
+            directory.display()
+        ),
         _ => Ok(()),
     }
 }
 
-/// Refuses the directory of a voxel set, for files that may lie beside any other result: a set is replaced as a whole,
-/// with all that is in its directory.
+/// Refuses the directory of a voxel set, for files that may lie beside any other result: a set is
+/// replaced as a whole, with all that is in its directory.
 ///
 /// # Errors
 /// If it is one.
 pub fn refuse_set(directory: &Path) -> Result<()> {
     match kind(directory) {
-        Some(VOXEL_SET) => bail!("{} holds {VOXEL_SET}; give another directory", directory.display()),
+        Some(VOXEL_SET) => bail!(
+            "{} holds {VOXEL_SET}; give another directory",
+            directory.display()
+        ),
         _ => Ok(()),
     }
 }

@@ -1,4 +1,5 @@
-//! From an assembly and an interaction to a system with an energy model: what all replicas of a sweep share.
+//! From an assembly and an interaction to a system with an energy model: what all replicas of a
+//! sweep share.
 
 use crate::assembly_file::Assembly;
 use crate::energy_tables::EnergyTables;
@@ -28,11 +29,16 @@ impl Engine {
     /// Names the body whose mesh does not bound a solid.
     pub fn new(assembly: Assembly) -> Result<Self> {
         let prepare = |body: &Arc<protomer_body::Body>| {
-            let kind = BodyType::from_body(body).with_context(|| format!("body '{}'", body.name))?;
+            let kind =
+                BodyType::from_body(body).with_context(|| format!("body '{}'", body.name))?;
             Ok(Arc::new(kind))
         };
         let types = assembly.bodies.iter().map(prepare).collect::<Result<_>>()?;
-        Ok(Self { assembly, types, tables: Arc::default() })
+        Ok(Self {
+            assembly,
+            types,
+            tables: Arc::default(),
+        })
     }
 
     /// The same engine with energy tables from elsewhere.
@@ -50,28 +56,47 @@ impl Engine {
     /// # Errors
     /// If a placement lies outside a wall.
     pub fn system(&self) -> Result<System> {
-        let placed: Vec<_> = self.assembly.kinds.iter().copied().zip(self.assembly.poses.iter().copied()).collect();
-        Ok(System::new(self.types.clone(), &placed, self.assembly.boundary)?)
+        let placed: Vec<_> = self
+            .assembly
+            .kinds
+            .iter()
+            .copied()
+            .zip(self.assembly.poses.iter().copied())
+            .collect();
+        Ok(System::new(
+            self.types.clone(),
+            &placed,
+            self.assembly.boundary,
+        )?)
     }
 
     /// A model of the energies for one salt concentration; models of one engine share their tables.
     ///
     /// # Errors
     /// If the interaction makes no sense, or its tables take more memory than is allowed.
-    pub fn energy_model(&self, run: &RunSettings, interaction: &Interaction) -> Result<Box<dyn EnergyModel>> {
+    pub fn energy_model(
+        &self,
+        run: &RunSettings,
+        interaction: &Interaction,
+    ) -> Result<Box<dyn EnergyModel>> {
         let tables = |yukawa: Yukawa| -> Result<CertifiedSum> {
-            Ok(CertifiedSum::with_tables(yukawa, self.tables.of(&self.types, &yukawa)?))
+            Ok(CertifiedSum::with_tables(
+                yukawa,
+                self.tables.of(&self.types, &yukawa)?,
+            ))
         };
         Ok(match self.settings(run, interaction)?.interaction {
             protomer_mc::Interaction::YukawaCertified(yukawa) => Box::new(tables(yukawa)?),
-            protomer_mc::Interaction::YukawaApproximate { yukawa, tolerance_kt } => {
-                Box::new(tables(yukawa)?.with_tolerance(tolerance_kt))
-            }
+            protomer_mc::Interaction::YukawaApproximate {
+                yukawa,
+                tolerance_kt,
+            } => Box::new(tables(yukawa)?.with_tolerance(tolerance_kt)),
             other => other.model(),
         })
     }
 
-    /// Checks what would stop every simulation at its start: an overlap, or a box too small for an interaction.
+    /// Checks what would stop every simulation at its start: an overlap, or a box too small for an
+    /// interaction.
     ///
     /// # Errors
     /// Lists the overlapping pairs; says which box is needed.
@@ -96,11 +121,16 @@ impl Engine {
     pub fn settings(&self, run: &RunSettings, interaction: &Interaction) -> Result<Settings> {
         let interaction = match run.energy {
             EnergyMode::None => protomer_mc::Interaction::HardOnly,
-            EnergyMode::Certified => protomer_mc::Interaction::YukawaCertified(yukawa(interaction)?),
+            EnergyMode::Certified => {
+                protomer_mc::Interaction::YukawaCertified(yukawa(interaction)?)
+            }
             EnergyMode::Direct => protomer_mc::Interaction::YukawaDirect(yukawa(interaction)?),
             EnergyMode::Approximate => protomer_mc::Interaction::YukawaApproximate {
                 yukawa: yukawa(interaction)?,
-                tolerance_kt: run.energy.tolerance_kt(run.tolerance_kt)?.unwrap_or(DEFAULT_TOLERANCE_KT),
+                tolerance_kt: run
+                    .energy
+                    .tolerance_kt(run.tolerance_kt)?
+                    .unwrap_or(DEFAULT_TOLERANCE_KT),
             },
         };
         Ok(Settings {
@@ -116,10 +146,19 @@ impl Engine {
 ///
 /// # Errors
 /// Says how large the box must be, and for which interaction.
-pub fn require_room(system: &System, model: &dyn EnergyModel, interaction: &Interaction) -> Result<()> {
-    let range = model.range_angstrom(system).max(system.hard_range_angstrom());
+pub fn require_room(
+    system: &System,
+    model: &dyn EnergyModel,
+    interaction: &Interaction,
+) -> Result<()> {
+    let range = model
+        .range_angstrom(system)
+        .max(system.hard_range_angstrom());
     require_minimum_image(system.boundary(), range).with_context(|| {
-        format!("the box is too small: enlarge box_angstrom or state a shorter --cutoff ({})", interaction.describe())
+        format!(
+            "the box is too small: enlarge box_angstrom or state a shorter --cutoff ({})",
+            interaction.describe()
+        )
     })
 }
 

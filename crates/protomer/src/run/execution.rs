@@ -11,7 +11,8 @@ pub struct Execution {
     pub interrupt: Interrupt,
     /// Time between two checkpoints: what a killed run loses at most.
     pub checkpoint_interval: Duration,
-    /// Remove the results of an earlier run in the same directory, once the new one is known to make sense.
+    /// Remove the results of an earlier run in the same directory, once the new one is known to
+    /// make sense.
     pub start_anew: bool,
     /// Where networks are computed; everything else is computed on the processor.
     pub device: Device,

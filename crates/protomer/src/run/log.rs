@@ -8,8 +8,14 @@ use std::io::{BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// The columns, in order.
-const COLUMNS: [&str; 6] =
-    ["sweep", "r_g_angstrom", "native_contacts", "largest_cluster", "energy_kT", "cluster_moved"];
+const COLUMNS: [&str; 6] = [
+    "sweep",
+    "r_g_angstrom",
+    "native_contacts",
+    "largest_cluster",
+    "energy_kT",
+    "cluster_moved",
+];
 
 /// One row of the log.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,7 +44,8 @@ pub struct LogMark {
     pub sha256: String,
 }
 
-/// A log that is being written. What lies beyond the last checkpoint is cut off when a run is resumed.
+/// A log that is being written. What lies beyond the last checkpoint is cut off when a run is
+/// resumed.
 #[derive(Debug)]
 pub struct Log {
     path: PathBuf,
@@ -61,13 +68,27 @@ impl Log {
     /// # Errors
     /// As [`Log::open`].
     pub fn open_with_columns(path: &Path, columns: &[&str], mark: &LogMark) -> Result<Self> {
-        let hash = if mark.bytes == 0 { Sha256::new() } else { check_log(path, mark)? };
+        let hash = if mark.bytes == 0 {
+            Sha256::new()
+        } else {
+            check_log(path, mark)?
+        };
         let context = || format!("cannot write the log {}", path.display());
-        let file = OpenOptions::new().create(true).truncate(false).write(true).open(path).with_context(context)?;
+        let file = OpenOptions::new()
+            .create(true)
+            .truncate(false)
+            .write(true)
+            .open(path)
+            .with_context(context)?;
         file.set_len(mark.bytes).with_context(context)?;
         let mut file = BufWriter::new(file);
         file.seek(SeekFrom::End(0)).with_context(context)?;
-        let mut log = Self { path: path.to_owned(), file, length: mark.bytes, hash };
+        let mut log = Self {
+            path: path.to_owned(),
+            file,
+            length: mark.bytes,
+            hash,
+        };
         if mark.bytes == 0 {
             log.write_line(&columns.join(","))?;
         }
@@ -82,7 +103,12 @@ impl Log {
         // Rust prints the shortest decimal that reads back as the same number, so nothing is lost.
         self.write_line(&format!(
             "{},{},{},{},{},{}",
-            row.sweep, row.r_g_angstrom, row.native_contacts, row.largest_cluster, row.energy_kt, row.cluster_moved
+            row.sweep,
+            row.r_g_angstrom,
+            row.native_contacts,
+            row.largest_cluster,
+            row.energy_kt,
+            row.cluster_moved
         ))
     }
 
@@ -95,7 +121,10 @@ impl Log {
         let context = || format!("cannot write the log {}", path.display());
         self.file.flush().with_context(context)?;
         self.file.get_ref().sync_data().with_context(context)?;
-        Ok(LogMark { bytes: self.length, sha256: hexadecimal(&self.hash) })
+        Ok(LogMark {
+            bytes: self.length,
+            sha256: hexadecimal(&self.hash),
+        })
     }
 
     /// Appends a line as it is.
@@ -106,7 +135,9 @@ impl Log {
         let line = format!("{line}\n");
         self.hash.update(&line);
         self.length += line.len() as u64;
-        self.file.write_all(line.as_bytes()).with_context(|| format!("cannot write the log {}", self.path.display()))
+        self.file
+            .write_all(line.as_bytes())
+            .with_context(|| format!("cannot write the log {}", self.path.display()))
     }
 }
 
@@ -118,16 +149,28 @@ pub fn check_log(path: &Path, mark: &LogMark) -> Result<Sha256> {
     let mut start = Vec::new();
     File::open(path)
         .and_then(|file| file.take(mark.bytes).read_to_end(&mut start))
-        .with_context(|| format!("cannot read the log {}; restore it, or start anew with --force", path.display()))?;
+        .with_context(|| {
+            format!(
+                "cannot read the log {}; restore it, or start anew with --force",
+                path.display()
+            )
+        })?;
     let hash = Sha256::new_with_prefix(&start);
     if start.len() as u64 != mark.bytes || hexadecimal(&hash) != mark.sha256 {
-        bail!("{} was changed since its checkpoint; restore it, or start anew with --force", path.display());
+        bail!(
+            "{} was changed since its checkpoint; restore it, or start anew with --force",
+            path.display()
+        );
     }
     Ok(hash)
 }
 
 fn hexadecimal(hash: &Sha256) -> String {
-    hash.clone().finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    hash.clone()
+        .finalize()
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
 }
 
 /// Reads a log.
@@ -138,7 +181,8 @@ pub fn read_log(path: &Path) -> Result<Vec<LogRow>> {
     rows_of(path, &read_text(path)?)
 }
 
-/// Reads the log of a run that may still go on, or was killed: without a last line that is not complete.
+/// Reads the log of a run that may still go on, or was killed: without a last line that is not
+/// complete.
 ///
 /// # Errors
 /// As [`read_log`].
@@ -162,7 +206,11 @@ fn rows_of(path: &Path, text: &str) -> Result<Vec<LogRow>> {
     for (index, line) in text.lines().enumerate().skip(1) {
         match parse_row(line) {
             Some(row) => rows.push(row),
-            None => bail!("{}:{}: '{line}' is not a row of a log; run again with --force", path.display(), index + 1),
+            None => bail!(
+                "{}:{}: '{line}' is not a row of a log; run again with --force",
+                path.display(),
+                index + 1
+            ),
         }
     }
     Ok(rows)
@@ -208,10 +256,22 @@ mod tests {
         let mark = resumed.sync().unwrap();
         assert_eq!(read_log(&path).unwrap(), vec![row(1), row(3)]);
         let text = std::fs::read_to_string(&path).unwrap();
-        for changed in [text.replace("0.3333", "0.4333"), text[..text.len() - 2].to_owned()] {
+        for changed in [
+            text.replace("0.3333", "0.4333"),
+            text[..text.len() - 2].to_owned(),
+        ] {
             std::fs::write(&path, &changed).unwrap();
-            assert!(Log::open(&path, &mark).unwrap_err().to_string().contains("--force"));
-            assert_eq!(std::fs::read_to_string(&path).unwrap(), changed, "a refused log stays as it is");
+            assert!(
+                Log::open(&path, &mark)
+                    .unwrap_err()
+                    .to_string()
+                    .contains("--force")
+            );
+            assert_eq!(
+                std::fs::read_to_string(&path).unwrap(),
+                changed,
+                "a refused log stays as it is"
+            );
         }
     }
 }

@@ -1,5 +1,6 @@
-//! A simulation is a directory: settings, log, trajectory, checkpoint, and a record of how it was made. The same command
-//! continues it; a run cut anywhere and continued equals the uninterrupted one bit for bit.
+//! A simulation is a directory: settings, log, trajectory, checkpoint, and a record of how it was
+//! made. The same command continues it; a run cut anywhere and continued equals the uninterrupted
+//! one bit for bit.
 
 mod checkpoint_file;
 mod contents;
@@ -13,7 +14,9 @@ mod settings;
 mod trajectory;
 
 pub(crate) use checkpoint_file::{read_checkpoint, write_checkpoint};
-pub(crate) use contents::{ELASTIC_CONSTANTS, LATTICE_RUN, LATTICE_SWEEP, SWEEP, TABLES, refuse_other, refuse_set};
+pub(crate) use contents::{
+    ELASTIC_CONSTANTS, LATTICE_RUN, LATTICE_SWEEP, SWEEP, TABLES, refuse_other, refuse_set,
+};
 pub use directory::{Hold, Layout, ResultsDirectory, refuse};
 pub(crate) use directory::{lock, lock_file};
 pub use engine::{Engine, require_room, yukawa};

@@ -37,12 +37,16 @@ impl RunRecord {
 
     /// The error that ended it, in words.
     pub fn error(&self) -> Option<&str> {
-        Some(self.exit_reason.as_str()).filter(|reason| !["done", "stopped", "running"].contains(reason))
+        Some(self.exit_reason.as_str())
+            .filter(|reason| !["done", "stopped", "running"].contains(reason))
     }
 
     /// What stopped it, if it was stopped and that is known.
     pub fn stopper(&self) -> Option<&str> {
-        self.details.get(STOPPED_BY)?.as_str().filter(|_| self.exit_reason == "stopped")
+        self.details
+            .get(STOPPED_BY)?
+            .as_str()
+            .filter(|_| self.exit_reason == "stopped")
     }
 
     /// The same record, with what stopped the run.

@@ -29,7 +29,8 @@ pub struct ReplicaTask<'a> {
     pub settings: &'a RunSettings,
     /// The medium at this salt concentration.
     pub interaction: Interaction,
-    /// Index of the salt concentration: part of the random stream, so that no two simulations share one.
+    /// Index of the salt concentration: part of the random stream, so that no two simulations share
+    /// one.
     pub salt_index: u32,
     /// Index of the replica.
     pub replica: u32,
@@ -67,12 +68,18 @@ pub struct ReplicaCounts {
     pub rotation_acceptance: f64,
 }
 
-/// Runs a simulation to its end, from the checkpoint if there is one. `advanced` hears how many sweeps were done.
+/// Runs a simulation to its end, from the checkpoint if there is one. `advanced` hears how many
+/// sweeps were done.
 ///
 /// # Errors
-/// For an overlapping start, a directory that belongs to another run, a disk that takes no more, or an energy that is
-/// not finite. `run.json` of the simulation then says what happened and after how many sweeps.
-pub fn run_replica(task: &ReplicaTask<'_>, execution: &Execution, advanced: &dyn Fn(u64)) -> Result<ReplicaEnd> {
+/// For an overlapping start, a directory that belongs to another run, a disk that takes no more, or
+/// an energy that is not finite. `run.json` of the simulation then says what happened and after how
+/// many sweeps.
+pub fn run_replica(
+    task: &ReplicaTask<'_>,
+    execution: &Execution,
+    advanced: &dyn Fn(u64),
+) -> Result<ReplicaEnd> {
     std::fs::create_dir_all(&task.directory)
         .with_context(|| format!("cannot make the directory {}", task.directory.display()))?;
     remove_abandoned(&task.directory)?;
@@ -82,24 +89,35 @@ pub fn run_replica(task: &ReplicaTask<'_>, execution: &Execution, advanced: &dyn
     }
     let mut run = Run::open(task).inspect_err(|error| task.record_failed_start(error))?;
     // What an earlier process said of its end no longer holds.
-    task.record("running", run.details()).write(&task.directory)?;
+    task.record("running", run.details())
+        .write(&task.directory)?;
     advanced(run.simulation.sweep());
-    let outcome = match run.advance(execution, advanced).and_then(|outcome| run.save().map(|()| outcome)) {
+    let outcome = match run
+        .advance(execution, advanced)
+        .and_then(|outcome| run.save().map(|()| outcome))
+    {
         Ok(outcome) => outcome,
         Err(error) => {
             // The error is what counts; on a full disk there may be no room for the record either.
-            let _ = task.record(&format!("{error:#}"), run.details()).write(&task.directory);
+            let _ = task
+                .record(&format!("{error:#}"), run.details())
+                .write(&task.directory);
             return Err(error);
         }
     };
     let (end, record) = match outcome {
         Outcome::Finished => {
             let counts = acceptance(run.simulation.statistics());
-            (ReplicaEnd::Finished(counts), task.record("done", run.details()))
+            (
+                ReplicaEnd::Finished(counts),
+                task.record("done", run.details()),
+            )
         }
-        Outcome::Stopped => {
-            (ReplicaEnd::Stopped, task.record("stopped", run.details()).stopped_by(&execution.interrupt))
-        }
+        Outcome::Stopped => (
+            ReplicaEnd::Stopped,
+            task.record("stopped", run.details())
+                .stopped_by(&execution.interrupt),
+        ),
     };
     record.write(&task.directory)?;
     Ok(end)
@@ -107,17 +125,28 @@ pub fn run_replica(task: &ReplicaTask<'_>, execution: &Execution, advanced: &dyn
 
 /// The counts of a run that is done already; an error if the directory holds another run.
 fn finished(task: &ReplicaTask<'_>) -> Result<Option<ReplicaCounts>> {
-    let Some(record) = read_record(&task.directory)? else { return Ok(None) };
+    let Some(record) = read_record(&task.directory)? else {
+        return Ok(None);
+    };
     check_identity(&task.directory, &record.identity, task.identity)?;
-    let sweeps_done = record.details.get("sweeps_done").and_then(serde_json::Value::as_u64);
+    let sweeps_done = record
+        .details
+        .get("sweeps_done")
+        .and_then(serde_json::Value::as_u64);
     if record.exit_reason != "done" || sweeps_done != Some(task.settings.total_sweeps()) {
         return Ok(None);
     }
     if let Some(saved) = read_checkpoint::<RunCheckpoint>(&task.path(CHECKPOINT), KIND)? {
         check_log(&task.path(LOG), &saved.log)?;
     }
-    let counts = record.details.get("acceptance").cloned().unwrap_or_default();
-    serde_json::from_value(counts).map(Some).with_context(|| format!("run.json in {}", task.directory.display()))
+    let counts = record
+        .details
+        .get("acceptance")
+        .cloned()
+        .unwrap_or_default();
+    serde_json::from_value(counts)
+        .map(Some)
+        .with_context(|| format!("run.json in {}", task.directory.display()))
 }
 
 fn check_identity(directory: &Path, present: &str, wanted: &str) -> Result<()> {
@@ -151,13 +180,15 @@ impl ReplicaTask<'_> {
         }
     }
 
-    /// Keeps the reason why a simulation could not begin. A directory that holds anything of an earlier process is left
-    /// alone: what is wrong with it can be seen there only.
+    /// Keeps the reason why a simulation could not begin. A directory that holds anything of an
+    /// earlier process is left alone: what is wrong with it can be seen there only.
     fn record_failed_start(&self, error: &anyhow::Error) {
         if matches!(read_record(&self.directory), Ok(None)) && !self.path(CHECKPOINT).exists() {
             let details = serde_json::json!({ "replica": self.replica, "medium": self.interaction, "sweeps_done": 0 });
             // The error is what counts, also where its record cannot be written.
-            let _ = self.record(&format!("{error:#}"), details).write(&self.directory);
+            let _ = self
+                .record(&format!("{error:#}"), details)
+                .write(&self.directory);
         }
     }
 }
@@ -182,21 +213,43 @@ impl<'a> Run<'a> {
             match read_checkpoint::<RunCheckpoint>(&task.path(CHECKPOINT), KIND)? {
                 Some(saved) => {
                     check_identity(&task.directory, &saved.identity, task.identity)?;
-                    let simulation = Simulation::resume_with_model(system, saved.simulation, model)?;
-                    (simulation, saved.log, saved.trajectory_frames, saved.cluster_moves_logged)
+                    let simulation =
+                        Simulation::resume_with_model(system, saved.simulation, model)?;
+                    (
+                        simulation,
+                        saved.log,
+                        saved.trajectory_frames,
+                        saved.cluster_moves_logged,
+                    )
                 }
                 None => {
-                    let simulation =
-                        Simulation::with_model(system, settings, model, task.settings.seed, task.stream())?;
+                    let simulation = Simulation::with_model(
+                        system,
+                        settings,
+                        model,
+                        task.settings.seed,
+                        task.stream(),
+                    )?;
                     (simulation, LogMark::default(), 0, (0, 0))
                 }
             };
         let log = Log::open(&task.path(LOG), &log)?;
         let trajectory = match task.settings.trajectory_every {
             0 => None,
-            _ => Some(Trajectory::open(&task.path(TRAJECTORY), task.engine.assembly(), frames)?),
+            _ => Some(Trajectory::open(
+                &task.path(TRAJECTORY),
+                task.engine.assembly(),
+                frames,
+            )?),
         };
-        Ok(Self { task, simulation, log, trajectory, cluster_moves_logged, saved: Instant::now() })
+        Ok(Self {
+            task,
+            simulation,
+            log,
+            trajectory,
+            cluster_moves_logged,
+            saved: Instant::now(),
+        })
     }
 
     /// Sweeps until done or interrupted, one row or frame at a time.
@@ -208,7 +261,10 @@ impl<'a> Run<'a> {
                 true => ControlFlow::Break(()),
                 false => ControlFlow::Continue(()),
             };
-            let outcome = self.simulation.run_until(settings.next_stop(self.simulation.sweep()), &mut until_asked)?;
+            let outcome = self.simulation.run_until(
+                settings.next_stop(self.simulation.sweep()),
+                &mut until_asked,
+            )?;
             let sweep = self.simulation.sweep();
             self.write_outputs(sweep)?;
             advanced(sweep - reported);
@@ -226,7 +282,10 @@ impl<'a> Run<'a> {
     /// The row and the frame that are due at this sweep. Equilibration leaves neither.
     fn write_outputs(&mut self, sweep: u64) -> Result<()> {
         let settings = self.task.settings;
-        let Some(production) = sweep.checked_sub(settings.equilibration_sweeps).filter(|sweep| *sweep > 0) else {
+        let Some(production) = sweep
+            .checked_sub(settings.equilibration_sweeps)
+            .filter(|sweep| *sweep > 0)
+        else {
             self.cluster_moves_logged = (0, 0);
             return Ok(());
         };
@@ -246,7 +305,10 @@ impl<'a> Run<'a> {
         let observables = self.simulation.observables();
         let statistics = self.simulation.statistics();
         let counted = (statistics.cluster_moves, statistics.cluster_bodies);
-        let (moves, bodies) = (counted.0 - self.cluster_moves_logged.0, counted.1 - self.cluster_moves_logged.1);
+        let (moves, bodies) = (
+            counted.0 - self.cluster_moves_logged.0,
+            counted.1 - self.cluster_moves_logged.1,
+        );
         self.cluster_moves_logged = counted;
         LogRow {
             sweep: production,
@@ -254,7 +316,11 @@ impl<'a> Run<'a> {
             native_contacts: observables.native_contacts.unwrap_or(f64::NAN),
             largest_cluster: observables.largest_cluster,
             energy_kt: observables.energy_kt,
-            cluster_moved: if moves == 0 { 0.0 } else { bodies as f64 / moves as f64 },
+            cluster_moved: if moves == 0 {
+                0.0
+            } else {
+                bodies as f64 / moves as f64
+            },
         }
     }
 
@@ -294,8 +360,14 @@ impl<'a> Run<'a> {
 
 fn acceptance(statistics: &Statistics) -> ReplicaCounts {
     let fraction = |counts: &[protomer_mc::moves::Acceptance]| {
-        let (accepted, tried) = counts.iter().fold((0, 0), |(a, t), c| (a + c.accepted, t + c.trials));
-        if tried == 0 { 0.0 } else { accepted as f64 / tried as f64 }
+        let (accepted, tried) = counts
+            .iter()
+            .fold((0, 0), |(a, t), c| (a + c.accepted, t + c.trials));
+        if tried == 0 {
+            0.0
+        } else {
+            accepted as f64 / tried as f64
+        }
     };
     ReplicaCounts {
         translation_acceptance: fraction(&statistics.translation),

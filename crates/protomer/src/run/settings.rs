@@ -4,8 +4,9 @@ use crate::interaction::Medium;
 use anyhow::{Result, bail};
 use serde::{Deserialize, Serialize};
 
-/// Settings of a simulation or of each simulation of a sweep. Everything that can change a result is here and nothing
-/// else: two runs with equal settings on equal input give equal results on any number of threads.
+/// Settings of a simulation or of each simulation of a sweep. Everything that can change a result
+/// is here and nothing else: two runs with equal settings on equal input give equal results on any
+/// number of threads.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct RunSettings {
@@ -14,7 +15,8 @@ pub struct RunSettings {
     pub salt_molar: Vec<f64>,
     /// Independent replicas per salt concentration.
     pub replicas: u32,
-    /// Production sweeps: run *to* this many. A sweep is one trial move per body, and the cluster moves.
+    /// Production sweeps: run *to* this many. A sweep is one trial move per body, and the cluster
+    /// moves.
     pub sweeps: u64,
     /// Sweeps before production, in which the step sizes are tuned; then they are frozen.
     pub equilibration_sweeps: u64,
@@ -38,7 +40,8 @@ pub struct RunSettings {
     pub medium: Medium,
 }
 
-/// Largest error of the energy of two bodies, kT, where approximate energies are asked for without a tolerance.
+/// Largest error of the energy of two bodies, kT, where approximate energies are asked for without
+/// a tolerance.
 pub const DEFAULT_TOLERANCE_KT: f64 = 1e-3;
 
 /// How pair energies are computed.
@@ -48,9 +51,11 @@ pub const DEFAULT_TOLERANCE_KT: f64 = 1e-3;
 pub enum EnergyMode {
     /// The plain sum over all pairs of charges.
     Direct,
-    /// Bounds first, the plain sum where they leave the decision open: the decisions of the plain sum.
+    /// Bounds first, the plain sum where they leave the decision open: the decisions of the plain
+    /// sum.
     Certified,
-    /// The middle of the bounds, the plain sum for a pair of bodies whose bounds are wider than a tolerance.
+    /// The middle of the bounds, the plain sum for a pair of bodies whose bounds are wider than a
+    /// tolerance.
     Approximate,
     /// Hard bodies without charges.
     None,
@@ -67,17 +72,23 @@ impl EnergyMode {
         }
     }
 
-    /// The tolerance (kT for each pair of bodies) that energies of this mode are computed to, from the one that was
-    /// asked for, if any; `None` for modes without one.
+    /// The tolerance (kT for each pair of bodies) that energies of this mode are computed to, from
+    /// the one that was asked for, if any; `None` for modes without one.
     ///
     /// # Errors
     /// For a tolerance that is not positive, or given to a mode without one.
     pub fn tolerance_kt(self, asked_for: Option<f64>) -> Result<Option<f64>> {
         match (self, asked_for) {
             (EnergyMode::Approximate, None) => Ok(Some(DEFAULT_TOLERANCE_KT)),
-            (EnergyMode::Approximate, Some(tolerance)) if tolerance.is_finite() && tolerance > 0.0 => Ok(asked_for),
+            (EnergyMode::Approximate, Some(tolerance))
+                if tolerance.is_finite() && tolerance > 0.0 =>
+            {
+                Ok(asked_for)
+            }
             (EnergyMode::Approximate, Some(tolerance)) => {
-                bail!("the tolerance is {tolerance} kT; give a positive one, such as --tolerance 1e-3")
+                bail!(
+                    "the tolerance is {tolerance} kT; give a positive one, such as --tolerance 1e-3"
+                )
             }
             (_, None) => Ok(None),
             (mode, Some(tolerance)) => bail!(
@@ -119,10 +130,13 @@ const LARGEST_NUMBER_OF_SIMULATIONS: u64 = 100_000;
 const MOST_CLUSTER_MOVES: u32 = 100_000;
 
 impl RunSettings {
-    /// The same settings with no length: what runs have in common that differ only in how far they went. A run to 1000
-    /// sweeps can be run on to 2000.
+    /// The same settings with no length: what runs have in common that differ only in how far they
+    /// went. A run to 1000 sweeps can be run on to 2000.
     pub fn without_length(&self) -> Self {
-        Self { sweeps: 0, ..self.clone() }
+        Self {
+            sweeps: 0,
+            ..self.clone()
+        }
     }
 
     /// Number of simulations of a sweep: salt concentrations times replicas.
@@ -143,10 +157,14 @@ impl RunSettings {
         let production = sweep - self.equilibration_sweeps;
         let after = |interval: u64| match interval {
             0 => u64::MAX,
-            _ => (production / interval).saturating_add(1).saturating_mul(interval),
+            _ => (production / interval)
+                .saturating_add(1)
+                .saturating_mul(interval),
         };
         let next = after(self.log_every).min(after(self.trajectory_every));
-        self.equilibration_sweeps.saturating_add(next).min(self.total_sweeps())
+        self.equilibration_sweeps
+            .saturating_add(next)
+            .min(self.total_sweeps())
     }
 
     /// Checks what the types cannot.
@@ -158,9 +176,15 @@ impl RunSettings {
             bail!("no salt concentration is given; add --salt 10mM,100mM,300mM");
         }
         if self.medium.debye_length_angstrom.is_some() && self.salt_molar.len() > 1 {
-            bail!("a stated Debye length makes all salt concentrations the same; leave out --debye, or give one salt");
+            bail!(
+                "a stated Debye length makes all salt concentrations the same; leave out --debye, or give one salt"
+            );
         }
-        if let Some(salt) = self.salt_molar.iter().find(|salt| !(salt.is_finite() && **salt >= 0.0)) {
+        if let Some(salt) = self
+            .salt_molar
+            .iter()
+            .find(|salt| !(salt.is_finite() && **salt >= 0.0))
+        {
             bail!("salt_M contains {salt}; concentrations are zero or positive, in mol/L");
         }
         for (index, salt) in self.salt_molar.iter().enumerate() {
@@ -188,9 +212,11 @@ impl RunSettings {
                 self.cluster_moves_per_sweep
             );
         }
-        for (name, value) in
-            [("replicas", u64::from(self.replicas)), ("sweeps", self.sweeps), ("log_every", self.log_every)]
-        {
+        for (name, value) in [
+            ("replicas", u64::from(self.replicas)),
+            ("sweeps", self.sweeps),
+            ("log_every", self.log_every),
+        ] {
             if value == 0 {
                 bail!("{name} is 0; it must be at least 1");
             }

@@ -26,8 +26,16 @@ impl Trajectory {
             0 => TrajectoryWriter::create(path, &header)?,
             _ => TrajectoryWriter::resume(path, &header, frames)?,
         };
-        let largest = assembly.bodies.iter().map(|body| body.mesh_radius_angstrom()).fold(0.0, f64::max);
-        Ok(Self { writer, box_angstrom: assembly.box_angstrom(), largest_radius_angstrom: largest })
+        let largest = assembly
+            .bodies
+            .iter()
+            .map(|body| body.mesh_radius_angstrom())
+            .fold(0.0, f64::max);
+        Ok(Self {
+            writer,
+            box_angstrom: assembly.box_angstrom(),
+            largest_radius_angstrom: largest,
+        })
     }
 
     /// Appends the present state.
@@ -37,10 +45,19 @@ impl Trajectory {
     pub fn append(&mut self, sweep: u64, simulation: &Simulation) -> Result<()> {
         let poses = simulation.system().poses();
         let observables = simulation.observables();
-        let box_lengths_angstrom =
-            self.box_angstrom.unwrap_or_else(|| enclosing_box(poses, self.largest_radius_angstrom));
-        let log = [("r_g_angstrom", observables.r_g_angstrom), ("energy_kT", observables.energy_kt)];
-        Ok(self.writer.append(&TrajectoryFrame { step: sweep, box_lengths_angstrom, poses, log: &log })?)
+        let box_lengths_angstrom = self
+            .box_angstrom
+            .unwrap_or_else(|| enclosing_box(poses, self.largest_radius_angstrom));
+        let log = [
+            ("r_g_angstrom", observables.r_g_angstrom),
+            ("energy_kT", observables.energy_kt),
+        ];
+        Ok(self.writer.append(&TrajectoryFrame {
+            step: sweep,
+            box_lengths_angstrom,
+            poses,
+            log: &log,
+        })?)
     }
 
     /// Forces everything onto the disk and returns the number of frames.
@@ -61,6 +78,10 @@ fn header(assembly: &Assembly) -> TrajectoryHeader {
     TrajectoryHeader {
         types: assembly.bodies.iter().map(particle_type).collect(),
         type_ids: assembly.kinds.iter().map(|kind| *kind as u32).collect(),
-        charges_e: assembly.kinds.iter().map(|kind| assembly.bodies[*kind].net_charge_e()).collect(),
+        charges_e: assembly
+            .kinds
+            .iter()
+            .map(|kind| assembly.bodies[*kind].net_charge_e())
+            .collect(),
     }
 }

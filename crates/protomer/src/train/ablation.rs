@@ -42,8 +42,15 @@ impl Mean {
     fn of(values: &[f64]) -> Self {
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;
-        let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
-        Self { mean, standard_error: (values.len() > 1).then(|| (variance / count).sqrt()) }
+        let variance = values
+            .iter()
+            .map(|value| (value - mean).powi(2))
+            .sum::<f64>()
+            / (count - 1.0);
+        Self {
+            mean,
+            standard_error: (values.len() > 1).then(|| (variance / count).sqrt()),
+        }
     }
 }
 
@@ -84,7 +91,12 @@ pub struct Ablation {
 /// ```
 pub fn subsets(channels: &[String]) -> Vec<Vec<String>> {
     let of_mask = |mask: usize| -> Vec<String> {
-        channels.iter().enumerate().filter(|(i, _)| mask >> i & 1 == 1).map(|(_, name)| name.clone()).collect()
+        channels
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| mask >> i & 1 == 1)
+            .map(|(_, name)| name.clone())
+            .collect()
     };
     let mut subsets: Vec<Vec<String>> = (1..1 << channels.len()).map(of_mask).collect();
     subsets.sort_by_key(|subset| std::cmp::Reverse(subset.len()));
@@ -120,7 +132,10 @@ impl Ablation {
         }
         sets.sort_by_key(|channels| std::cmp::Reverse(channels.len()));
         let values = |channels: &[String], value: fn(&AblationRun) -> f64| -> Vec<f64> {
-            let of_seed = |seed: &u64| runs.iter().find(|run| run.seed == *seed && run.channels == channels);
+            let of_seed = |seed: &u64| {
+                runs.iter()
+                    .find(|run| run.seed == *seed && run.channels == channels)
+            };
             seeds.iter().filter_map(of_seed).map(value).collect()
         };
         let all = sets.first().cloned().unwrap_or_default();
@@ -165,8 +180,14 @@ impl Ablation {
     /// # Errors
     /// If the disk does not take it.
     pub fn write_csv(&self, directory: &Path) -> Result<()> {
-        let columns =
-            ["channels", "seed", "balanced_accuracy", "accuracy", "majority_accuracy", "nats_gained_over_prior"];
+        let columns = [
+            "channels",
+            "seed",
+            "balanced_accuracy",
+            "accuracy",
+            "majority_accuracy",
+            "nats_gained_over_prior",
+        ];
         let mut table = Table::new(columns);
         for run in &self.runs {
             let seed = i64::try_from(run.seed).map_or(Cell::Text(run.seed.to_string()), Cell::from);
@@ -179,7 +200,9 @@ impl Ablation {
                 run.nats_gained_over_prior.into(),
             ])?;
         }
-        write_atomically(&directory.join("ablation.csv"), |file| file.write_all(table.to_csv().as_bytes()))?;
+        write_atomically(&directory.join("ablation.csv"), |file| {
+            file.write_all(table.to_csv().as_bytes())
+        })?;
         Ok(())
     }
 }
@@ -199,17 +222,36 @@ mod tests {
             nats_gained_over_prior: accuracy - 0.5,
         };
         let both = ["shape", "potential"];
-        let runs = vec![run(&["shape"], 1, 0.5), run(&both, 1, 0.8), run(&["shape"], 2, 0.6), run(&both, 2, 1.0)];
+        let runs = vec![
+            run(&["shape"], 1, 0.5),
+            run(&both, 1, 0.8),
+            run(&["shape"], 2, 0.6),
+            run(&both, 2, 1.0),
+        ];
         let table = Ablation::of(runs);
         assert_eq!(table.seeds, [1, 2]);
         assert_eq!(table.rows[0].channels, both);
-        assert_eq!(table.rows[0].balanced_accuracy_less_all, Mean { mean: 0.0, standard_error: Some(0.0) });
+        assert_eq!(
+            table.rows[0].balanced_accuracy_less_all,
+            Mean {
+                mean: 0.0,
+                standard_error: Some(0.0)
+            }
+        );
         let shape = &table.rows[1];
         assert!((shape.balanced_accuracy.mean - 0.55).abs() < 1e-12);
         // -0.3 and -0.4: mean -0.35, standard error 0.05.
         let difference = shape.balanced_accuracy_less_all;
-        assert!((difference.mean + 0.35).abs() < 1e-12 && (difference.standard_error.unwrap() - 0.05).abs() < 1e-12);
-        assert_eq!(Ablation::of(vec![run(&both, 1, 0.7)]).rows[0].balanced_accuracy.standard_error, None);
+        assert!(
+            (difference.mean + 0.35).abs() < 1e-12
+                && (difference.standard_error.unwrap() - 0.05).abs() < 1e-12
+        );
+        assert_eq!(
+            Ablation::of(vec![run(&both, 1, 0.7)]).rows[0]
+                .balanced_accuracy
+                .standard_error,
+            None
+        );
     }
 
     #[test]
@@ -218,6 +260,10 @@ mod tests {
         let subsets = subsets(&names);
         assert_eq!(subsets.len(), 7);
         assert_eq!(subsets[0], names);
-        assert!(subsets.windows(2).all(|pair| pair[0].len() >= pair[1].len()));
+        assert!(
+            subsets
+                .windows(2)
+                .all(|pair| pair[0].len() >= pair[1].len())
+        );
     }
 }

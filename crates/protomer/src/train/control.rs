@@ -45,9 +45,19 @@ pub struct ControlReport {
 impl ExperimentReport {
     /// Judges the metrics of an experiment.
     pub fn of(experiment: &Experiment, metrics: &Metrics) -> Self {
-        let clusters = if experiment.split_by_cluster { metrics.samples.test_clusters } else { metrics.samples.test };
-        let Verdict { at_least, at_most, balanced_accuracy, is_reached } =
-            experiment.expected.verdict(metrics.balanced_accuracy, metrics.classes.len(), clusters);
+        let clusters = if experiment.split_by_cluster {
+            metrics.samples.test_clusters
+        } else {
+            metrics.samples.test
+        };
+        let Verdict {
+            at_least,
+            at_most,
+            balanced_accuracy,
+            is_reached,
+        } = experiment
+            .expected
+            .verdict(metrics.balanced_accuracy, metrics.classes.len(), clusters);
         Self {
             name: experiment.name.to_owned(),
             channels: metrics.channels.clone(),
@@ -65,23 +75,44 @@ impl ControlReport {
     /// The report of a control.
     pub fn of(control: Control, form: Form, experiments: Vec<ExperimentReport>) -> Self {
         let reached = experiments.iter().all(|experiment| experiment.reached);
-        Self { name: control, form, shows: control.shows().to_owned(), experiments, reached }
+        Self {
+            name: control,
+            form,
+            shows: control.shows().to_owned(),
+            experiments,
+            reached,
+        }
     }
 
     /// Lines for a reader.
     pub fn summary(&self) -> String {
         let line = |experiment: &ExperimentReport| {
-            let ExperimentReport { name, balanced_accuracy, at_least, at_most, reached, .. } = experiment;
+            let ExperimentReport {
+                name,
+                balanced_accuracy,
+                at_least,
+                at_most,
+                reached,
+                ..
+            } = experiment;
             let wanted = match at_most {
                 1.0 => format!("at least {at_least:.2}"),
                 _ => format!("chance, {at_least:.2} to {at_most:.2}"),
             };
-            let verdict = if *reached { "as expected" } else { "NOT AS EXPECTED" };
+            let verdict = if *reached {
+                "as expected"
+            } else {
+                "NOT AS EXPECTED"
+            };
             format!(
                 "{} {name}: balanced accuracy {balanced_accuracy:.3}, expected {wanted}: {verdict}",
                 self.name.name()
             )
         };
-        self.experiments.iter().map(line).collect::<Vec<_>>().join("\n")
+        self.experiments
+            .iter()
+            .map(line)
+            .collect::<Vec<_>>()
+            .join("\n")
     }
 }

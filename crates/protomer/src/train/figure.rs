@@ -5,11 +5,25 @@ use protomer_learn::training::EpochRecord;
 
 /// The figure of a training.
 ///
-/// `prior_nats`: cross entropy of the class shares on the validation split; `classes`: their number.
-pub fn learning_curve(title: &str, caption: &str, curve: &[EpochRecord], prior_nats: f64, classes: usize) -> Figure {
+/// `prior_nats`: cross entropy of the class shares on the validation split; `classes`: their
+/// number.
+pub fn learning_curve(
+    title: &str,
+    caption: &str,
+    curve: &[EpochRecord],
+    prior_nats: f64,
+    classes: usize,
+) -> Figure {
     let line = |name: &str, value: &dyn Fn(&EpochRecord) -> f64| Series {
         name: name.into(),
-        points: curve.iter().map(|at| Point { x: at.epoch as f64, y: value(at), error: None }).collect(),
+        points: curve
+            .iter()
+            .map(|at| Point {
+                x: at.epoch as f64,
+                y: value(at),
+                error: None,
+            })
+            .collect(),
         replicas: Vec::new(),
         line: true,
     };
@@ -17,18 +31,27 @@ pub fn learning_curve(title: &str, caption: &str, curve: &[EpochRecord], prior_n
         y: Axis::linear("cross entropy (nats)"),
         series: vec![
             line("training", &|at| at.training_loss_nats),
-            line("validation", &|at| at.validation_loss_nats.unwrap_or(f64::NAN)),
+            line("validation", &|at| {
+                at.validation_loss_nats.unwrap_or(f64::NAN)
+            }),
             line("prior", &|_| prior_nats),
         ],
     };
     let accuracy = Panel {
         y: Axis::linear("balanced accuracy").with_range(0.0, 1.05),
         series: vec![
-            line("validation", &|at| at.validation_balanced_accuracy.unwrap_or(f64::NAN)),
+            line("validation", &|at| {
+                at.validation_balanced_accuracy.unwrap_or(f64::NAN)
+            }),
             line("guessing", &|_| 1.0 / classes.max(1) as f64),
         ],
     };
-    Figure { title: title.into(), caption: caption.into(), x: Axis::linear("epoch"), panels: vec![loss, accuracy] }
+    Figure {
+        title: title.into(),
+        caption: caption.into(),
+        x: Axis::linear("epoch"),
+        panels: vec![loss, accuracy],
+    }
 }
 
 #[cfg(test)]
@@ -47,11 +70,17 @@ mod tests {
             learning_rate: 1e-3,
             skipped_steps: 0,
         };
-        let svg = learning_curve("shapes", "seed 1", &[point(1), point(2)], 1.79, 6).to_svg().unwrap();
+        let svg = learning_curve("shapes", "seed 1", &[point(1), point(2)], 1.79, 6)
+            .to_svg()
+            .unwrap();
         for word in ["prior", "guessing", "validation", "epoch"] {
             assert!(svg.contains(word), "{word}");
         }
         // A single epoch can be drawn as well.
-        assert!(learning_curve("", "", &[point(1)], 0.69, 2).to_svg().is_ok());
+        assert!(
+            learning_curve("", "", &[point(1)], 0.69, 2)
+                .to_svg()
+                .is_ok()
+        );
     }
 }

@@ -30,14 +30,18 @@ pub struct Job {
 }
 
 impl Job {
-    /// The trainings of the ablation with their folders. The one that equals the main training is left to it.
+    /// The trainings of the ablation with their folders. The one that equals the main training is
+    /// left to it.
     fn ablation(&self) -> Result<Vec<(String, TrainSettings)>> {
         if self.ablation_seeds == 0 {
             return Ok(Vec::new());
         }
         let channels = &self.settings.training.channels;
         if channels.len() > MOST_CHANNELS {
-            bail!("{} channels have too many subsets; choose at most {MOST_CHANNELS} with --channels", channels.len());
+            bail!(
+                "{} channels have too many subsets; choose at most {MOST_CHANNELS} with --channels",
+                channels.len()
+            );
         }
         let first = self.settings.training.seed;
         let mut trainings = Vec::new();
@@ -46,8 +50,13 @@ impl Job {
                 let mut settings = self.settings.clone();
                 (settings.training.channels, settings.training.seed) = (subset, seed);
                 if settings != self.settings {
-                    trainings
-                        .push((format!("ablation/{}/seed_{seed}", settings.training.channels.join("+")), settings));
+                    trainings.push((
+                        format!(
+                            "ablation/{}/seed_{seed}",
+                            settings.training.channels.join("+")
+                        ),
+                        settings,
+                    ));
                 }
             }
         }
@@ -64,7 +73,8 @@ impl Job {
 /// Runs or continues a training and its ablation in a directory. `advanced` hears of every epoch.
 ///
 /// # Errors
-/// For settings that make no sense, a directory that holds something else, and a disk that takes no more.
+/// For settings that make no sense, a directory that holds something else, and a disk that takes no
+/// more.
 pub fn run_job(
     job: &Job,
     set: &dyn SampleSource,
@@ -73,7 +83,8 @@ pub fn run_job(
     advanced: &(dyn Fn(u64) + Sync),
 ) -> Result<TrainEnd> {
     let trainings = job.ablation()?;
-    let TrainEnd::Finished(mut metrics) = train_in(&job.settings, set, path, execution, advanced)? else {
+    let TrainEnd::Finished(mut metrics) = train_in(&job.settings, set, path, execution, advanced)?
+    else {
         return Ok(TrainEnd::Stopped);
     };
     if trainings.is_empty() {
@@ -81,7 +92,9 @@ pub fn run_job(
     }
     let mut runs = vec![AblationRun::of(&metrics, job.settings.training.seed)];
     for (folder, settings) in &trainings {
-        let TrainEnd::Finished(of_subset) = train_in(settings, set, &path.join(folder), execution, advanced)? else {
+        let TrainEnd::Finished(of_subset) =
+            train_in(settings, set, &path.join(folder), execution, advanced)?
+        else {
             return Ok(TrainEnd::Stopped);
         };
         runs.push(AblationRun::of(&of_subset, settings.training.seed));
@@ -118,13 +131,27 @@ impl ControlRun {
         for (number, experiment) in control.experiments().into_iter().enumerate() {
             let mut settings = TrainSettings::of_control(control, &experiment, form, seed);
             if number == 0 && ablation_seeds > 0 {
-                settings.training.channels = control.channels().iter().map(|name| (*name).to_owned()).collect();
+                settings.training.channels = control
+                    .channels()
+                    .iter()
+                    .map(|name| (*name).to_owned())
+                    .collect();
             }
             adjust(&mut settings)?;
             let ablation_seeds = if number == 0 { ablation_seeds } else { 0 };
-            experiments.push((experiment, Job { settings, ablation_seeds }));
+            experiments.push((
+                experiment,
+                Job {
+                    settings,
+                    ablation_seeds,
+                },
+            ));
         }
-        Ok(Self { control, form, experiments })
+        Ok(Self {
+            control,
+            form,
+            experiments,
+        })
     }
 
     /// Epochs of everything together.
@@ -133,8 +160,8 @@ impl ControlRun {
     }
 }
 
-/// Runs or continues a control in a directory: the main experiment in it, the others in folders. `advanced` hears of every
-/// epoch.
+/// Runs or continues a control in a directory: the main experiment in it, the others in folders.
+/// `advanced` hears of every epoch.
 ///
 /// # Errors
 /// As [`run_job`].
@@ -147,18 +174,31 @@ pub fn run_control(
     let mut main = None;
     let mut reports = Vec::new();
     for (number, (experiment, job)) in run.experiments.iter().enumerate() {
-        let Source::Control { name, variant, samples, size, seed } = job.settings.source else {
+        let Source::Control {
+            name,
+            variant,
+            samples,
+            size,
+            seed,
+        } = job.settings.source
+        else {
             bail!("a control makes its own samples");
         };
         let set = name.samples(variant, samples, size, seed);
-        let folder = if number == 0 { path.to_owned() } else { path.join(experiment.name) };
+        let folder = if number == 0 {
+            path.to_owned()
+        } else {
+            path.join(experiment.name)
+        };
         let TrainEnd::Finished(metrics) = run_job(job, &set, &folder, execution, advanced)? else {
             return Ok(TrainEnd::Stopped);
         };
         reports.push(ExperimentReport::of(experiment, &metrics));
         main.get_or_insert(metrics);
     }
-    let Some(mut metrics) = main else { bail!("the control {} has no experiment", run.control.name()) };
+    let Some(mut metrics) = main else {
+        bail!("the control {} has no experiment", run.control.name())
+    };
     metrics.control = Some(ControlReport::of(run.control, run.form, reports));
     metrics.write(path)?;
     Ok(TrainEnd::Finished(metrics))

@@ -1,4 +1,5 @@
-//! `metrics.json`: how well a network predicts the test part, beside what can be predicted without it.
+//! `metrics.json`: how well a network predicts the test part, beside what can be predicted without
+//! it.
 
 use anyhow::{Context, Result};
 use protomer_io::atomic::write_atomically;
@@ -104,15 +105,16 @@ pub struct Metrics {
     pub baselines: BTreeMap<String, BaselineScores>,
     /// 95 % intervals.
     pub bootstrap_95: Intervals,
-    /// Share of exchanges of labels between clusters of one size in the test part under which the same predictions have no
-    /// larger log-loss (each sample counting once; the real labels count as one exchange). Only labels of the test part
-    /// move and no network is fitted again: it asks whether these predictions go with the labels of the test part, not how
-    /// often a training on exchanged labels would do as well.
+    /// Share of exchanges of labels between clusters of one size in the test part under which the
+    /// same predictions have no larger log-loss (each sample counting once; the real labels count
+    /// as one exchange). Only labels of the test part move and no network is fitted again: it asks
+    /// whether these predictions go with the labels of the test part, not how often a training on
+    /// exchanged labels would do as well.
     pub permutation_p: f64,
     /// Exchanges that were tried.
     pub permutations: usize,
-    /// Share of the test part's samples whose clusters have another of their size, so that their labels can move: near
-    /// 0 the test above cannot tell anything.
+    /// Share of the test part's samples whose clusters have another of their size, so that their
+    /// labels can move: near 0 the test above cannot tell anything.
     #[serde(default)]
     pub permutation_movable: f64,
     /// The epoch whose weights were kept.
@@ -164,7 +166,11 @@ pub struct Predictions<'a> {
 
 impl Predictions<'_> {
     fn of_test<T: Copy>(&self, all: &[T]) -> Vec<T> {
-        self.split.test.iter().filter_map(|sample| all.get(*sample).copied()).collect()
+        self.split
+            .test
+            .iter()
+            .filter_map(|sample| all.get(*sample).copied())
+            .collect()
     }
 
     /// Scores everything.
@@ -178,22 +184,45 @@ impl Predictions<'_> {
         let weights = self.of_test(&all_weights);
         let score = |p: &[f64], weights: &[f64]| Scores::of(p, &truth, count, Some(weights));
         let own = score(self.probabilities, &weights)?;
-        let others = baselines(self.descriptions, self.labels, count, Some(&all_weights), self.split)?;
+        let others = baselines(
+            self.descriptions,
+            self.labels,
+            count,
+            Some(&all_weights),
+            self.split,
+        )?;
         let mut scores = BTreeMap::new();
         for baseline in &others {
-            scores.insert(baseline.name.to_owned(), short(&score(&baseline.probabilities, &weights)?));
+            scores.insert(
+                baseline.name.to_owned(),
+                short(&score(&baseline.probabilities, &weights)?),
+            );
         }
         let of = |name: &str| scores.get(name).copied().context("a baseline is missing");
         let (majority, prior) = (of("majority")?, of("prior")?);
         let prior_probabilities = others.iter().find(|baseline| baseline.name == "prior");
-        let prior_probabilities = prior_probabilities.map(|prior| prior.probabilities.as_slice()).unwrap_or_default();
+        let prior_probabilities = prior_probabilities
+            .map(|prior| prior.probabilities.as_slice())
+            .unwrap_or_default();
 
-        let clusters: Vec<&str> =
-            self.split.test.iter().filter_map(|i| self.descriptions.get(*i)).map(|d| d.cluster.as_str()).collect();
+        let clusters: Vec<&str> = self
+            .split
+            .test
+            .iter()
+            .filter_map(|i| self.descriptions.get(*i))
+            .map(|d| d.cluster.as_str())
+            .collect();
         let interval = |statistic: &(dyn Fn(&Scores, &Scores) -> f64 + Sync)| {
             let of_draw = |drawn: &[f64]| {
-                let weights: Vec<f64> = drawn.iter().zip(&weights).map(|(drawn, weight)| drawn * weight).collect();
-                match (score(self.probabilities, &weights), score(prior_probabilities, &weights)) {
+                let weights: Vec<f64> = drawn
+                    .iter()
+                    .zip(&weights)
+                    .map(|(drawn, weight)| drawn * weight)
+                    .collect();
+                match (
+                    score(self.probabilities, &weights),
+                    score(prior_probabilities, &weights),
+                ) {
                     (Ok(own), Ok(prior)) => statistic(&own, &prior),
                     _ => f64::NAN,
                 }
@@ -242,8 +271,9 @@ impl Predictions<'_> {
         })
     }
 
-    /// Exact under exchanges of labels between clusters of one size in the test part, for predictions that have seen no
-    /// label of it: p = (1 + exchanges with no larger loss) / (1 + exchanges).
+    /// Exact under exchanges of labels between clusters of one size in the test part, for
+    /// predictions that have seen no label of it: p = (1 + exchanges with no larger loss) / (1 +
+    /// exchanges).
     fn permutation_p(&self) -> Result<f64> {
         let count = self.classes.len();
         let loss = |labels: &[usize]| -> Result<f64> {
@@ -251,11 +281,21 @@ impl Predictions<'_> {
         };
         let observed = loss(self.labels)?;
         let as_good = |number: usize| {
-            let permuted = permute_labels(self.descriptions, self.labels, self.split, self.seed, number as u64)?;
-            // Equal labels give equal losses, summed in the same order; a sum may differ in its last digit otherwise.
+            let permuted = permute_labels(
+                self.descriptions,
+                self.labels,
+                self.split,
+                self.seed,
+                number as u64,
+            )?;
+            // Equal labels give equal losses, summed in the same order; a sum may differ in its
+            // last digit otherwise.
             Ok(usize::from(loss(&permuted)? <= observed * (1.0 + 1e-12)))
         };
-        let counts = (0..self.permutations).into_par_iter().map(as_good).collect::<Result<Vec<usize>>>()?;
+        let counts = (0..self.permutations)
+            .into_par_iter()
+            .map(as_good)
+            .collect::<Result<Vec<usize>>>()?;
         Ok((1 + counts.iter().sum::<usize>()) as f64 / (1 + self.permutations) as f64)
     }
 
@@ -265,15 +305,30 @@ impl Predictions<'_> {
     /// If the disk does not take it.
     pub fn write_csv(&self, path: &Path) -> Result<()> {
         let fixed = ["name", "cluster", "label", "predicted"].map(str::to_owned);
-        let mut table = Table::new(fixed.into_iter().chain(self.classes.iter().map(|class| format!("p_{class}"))));
+        let mut table = Table::new(
+            fixed
+                .into_iter()
+                .chain(self.classes.iter().map(|class| format!("p_{class}"))),
+        );
         let name = |class: usize| self.classes.get(class).map_or("", String::as_str);
-        for (sample, p) in self.split.test.iter().zip(self.probabilities.chunks(self.classes.len().max(1))) {
-            let (Some(known), Some(label)) = (self.descriptions.get(*sample), self.labels.get(*sample)) else {
+        for (sample, p) in self
+            .split
+            .test
+            .iter()
+            .zip(self.probabilities.chunks(self.classes.len().max(1)))
+        {
+            let (Some(known), Some(label)) =
+                (self.descriptions.get(*sample), self.labels.get(*sample))
+            else {
                 continue;
             };
             let best = name(most_probable(p)).into();
-            let fixed: [Cell; 4] =
-                [known.name.as_str().into(), known.cluster.as_str().into(), name(*label).into(), best];
+            let fixed: [Cell; 4] = [
+                known.name.as_str().into(),
+                known.cluster.as_str().into(),
+                name(*label).into(),
+                best,
+            ];
             table.push(fixed.into_iter().chain(p.iter().map(|p| Cell::from(*p))))?;
         }
         write_atomically(path, |file| file.write_all(table.to_csv().as_bytes()))?;

@@ -1,4 +1,5 @@
-//! Training a network in a directory: start or continue, evaluate beside baselines, write everything down.
+//! Training a network in a directory: start or continue, evaluate beside baselines, write
+//! everything down.
 //!
 //! ```text
 //! DIR/settings.toml  metrics.json  model.safetensors  history.csv  learning_curve.svg  predictions.csv  checkpoint.bin

@@ -18,7 +18,8 @@ use protomer_learn::scores::Scores;
 use protomer_learn::split::{Split, family_weights};
 use protomer_learn::targets::Classes;
 use protomer_learn::training::{
-    EpochRecord, Observer, Outcome, PredictionSettings, StepReport, Trained, Training, TrainingSettings,
+    EpochRecord, Observer, Outcome, PredictionSettings, StepReport, Trained, Training,
+    TrainingSettings,
 };
 use protomer_learn::view::View;
 use std::ops::{ControlFlow, Range};
@@ -82,14 +83,32 @@ impl<'a> Prepared<'a> {
                 Ok(_) => continue,
                 Err(error) => error.to_string(),
             };
-            quarantined.push(Quarantined { sample, name: description.name.clone(), reason });
+            quarantined.push(Quarantined {
+                sample,
+                name: description.name.clone(),
+                reason,
+            });
         }
-        let view = View::new(set)
-            .relabelled(|description| target.of(&description.label).ok().filter(|class| !class.is_empty()));
-        let labels: Vec<&str> = view.descriptions().iter().map(|description| description.label.as_str()).collect();
-        let classes = Classes::of(&labels, protomer_learn::targets::Target::Label, settings.least_samples)?;
+        let view = View::new(set).relabelled(|description| {
+            target
+                .of(&description.label)
+                .ok()
+                .filter(|class| !class.is_empty())
+        });
+        let labels: Vec<&str> = view
+            .descriptions()
+            .iter()
+            .map(|description| description.label.as_str())
+            .collect();
+        let classes = Classes::of(
+            &labels,
+            protomer_learn::targets::Target::Label,
+            settings.least_samples,
+        )?;
         if classes.names.len() < 2 {
-            let example = quarantined.first().map(|bad| format!(" ({} has none: {})", bad.name, bad.reason));
+            let example = quarantined
+                .first()
+                .map(|bad| format!(" ({} has none: {})", bad.name, bad.reason));
             bail!(
                 "{} of {} samples have a class{}, and there are {} classes of at least {} samples; two are needed: \
                  take more samples, another --target, or a smaller --least-samples",
@@ -102,8 +121,12 @@ impl<'a> Prepared<'a> {
         }
         let name = |class: &usize| classes.names.get(*class).cloned().unwrap_or_default();
         let labelled = view.descriptions().iter().zip(&classes.labels);
-        let descriptions: Vec<Description> =
-            labelled.map(|(known, class)| Description { label: name(class), ..known.clone() }).collect();
+        let descriptions: Vec<Description> = labelled
+            .map(|(known, class)| Description {
+                label: name(class),
+                ..known.clone()
+            })
+            .collect();
         let seed = settings.split_seed.unwrap_or(settings.training.seed);
         let split = match settings.split_by {
             SplitBy::Cluster => Split::grouped(&descriptions, seed, settings.fractions)?,
@@ -114,19 +137,38 @@ impl<'a> Prepared<'a> {
             quarantined.extend(bad);
             good
         };
-        let split =
-            Split { training: part(&split.training), validation: part(&split.validation), test: part(&split.test) };
-        for (part, samples) in [("training", &split.training), ("validation", &split.validation), ("test", &split.test)]
-        {
+        let split = Split {
+            training: part(&split.training),
+            validation: part(&split.validation),
+            test: part(&split.test),
+        };
+        for (part, samples) in [
+            ("training", &split.training),
+            ("validation", &split.validation),
+            ("test", &split.test),
+        ] {
             if samples.is_empty() {
                 let why = quarantined.first().map_or_else(
                     || "give it a share with --fractions, or take more clusters".to_owned(),
-                    |bad| format!("{} samples cannot be used, such as {}: {}", quarantined.len(), bad.name, bad.reason),
+                    |bad| {
+                        format!(
+                            "{} samples cannot be used, such as {}: {}",
+                            quarantined.len(),
+                            bad.name,
+                            bad.reason
+                        )
+                    },
                 );
                 bail!("the {part} part has no samples: {why}");
             }
         }
-        Ok(Self { view, descriptions, classes, split, quarantined })
+        Ok(Self {
+            view,
+            descriptions,
+            classes,
+            split,
+            quarantined,
+        })
     }
 }
 
@@ -148,12 +190,25 @@ fn training<'a>(
     settings: &'a TrainingSettings,
     device: Device,
 ) -> Training<'a> {
-    let Prepared { view, classes, split, .. } = prepared;
-    Training { source: view, classes, split, network, settings, device }
+    let Prepared {
+        view,
+        classes,
+        split,
+        ..
+    } = prepared;
+    Training {
+        source: view,
+        classes,
+        split,
+        network,
+        settings,
+        device,
+    }
 }
 
-/// Trains to the end of a range of epochs, going on from a checkpoint file where there is one; `advanced` hears of as many
-/// epochs as the range is long. `None`: it was asked to stop, and the file holds how far it came.
+/// Trains to the end of a range of epochs, going on from a checkpoint file where there is one;
+/// `advanced` hears of as many epochs as the range is long. `None`: it was asked to stop, and the
+/// file holds how far it came.
 ///
 /// # Errors
 /// If training fails, the checkpoint is that of another training, or the disk takes no more.
@@ -168,13 +223,26 @@ pub fn advance(
     let present = match std::fs::read(checkpoint) {
         Ok(bytes) => Some(bytes),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => None,
-        Err(error) => return Err(error).with_context(|| format!("cannot read {}", checkpoint.display())),
+        Err(error) => {
+            return Err(error).with_context(|| format!("cannot read {}", checkpoint.display()));
+        }
     };
     let network = settings.network(prepared.classes.names.len());
-    let to_here = TrainingSettings { epochs: epochs.end, ..settings.training.clone() };
-    let mut keeper =
-        Keeper { path: checkpoint, execution, advanced, latest: None, saved: Instant::now(), failed: None, epochs: 0 };
-    let trained = training(prepared, &network, &to_here, execution.device.clone()).run(present.as_deref(), &mut keeper);
+    let to_here = TrainingSettings {
+        epochs: epochs.end,
+        ..settings.training.clone()
+    };
+    let mut keeper = Keeper {
+        path: checkpoint,
+        execution,
+        advanced,
+        latest: None,
+        saved: Instant::now(),
+        failed: None,
+        epochs: 0,
+    };
+    let trained = training(prepared, &network, &to_here, execution.device.clone())
+        .run(present.as_deref(), &mut keeper);
     // What was reached is kept, also where training failed.
     keeper.save()?;
     if let Some(error) = keeper.failed.take() {
@@ -241,10 +309,12 @@ impl Observer for Keeper<'_> {
     }
 }
 
-/// Trains or continues in a directory and scores the result. `advanced` hears how many epochs were done.
+/// Trains or continues in a directory and scores the result. `advanced` hears how many epochs were
+/// done.
 ///
 /// # Errors
-/// For settings that make no sense, a directory that holds something else, and a disk that takes no more.
+/// For settings that make no sense, a directory that holds something else, and a disk that takes no
+/// more.
 pub fn train_in(
     settings: &TrainSettings,
     set: &dyn SampleSource,
@@ -254,8 +324,9 @@ pub fn train_in(
 ) -> Result<TrainEnd> {
     let prepared = Prepared::new(settings, set)?;
     check(settings, &prepared)?;
-    let _mine =
-        ResultsDirectory::enter(path, LAYOUT, settings, execution.start_anew, |present| Ok(present == settings))?;
+    let _mine = ResultsDirectory::enter(path, LAYOUT, settings, execution.start_anew, |present| {
+        Ok(present == settings)
+    })?;
     let epochs = settings.training.epochs;
     if let Some(metrics) = Metrics::read(path)? {
         advanced(epochs as u64);
@@ -266,7 +337,15 @@ pub fn train_in(
         return Ok(TrainEnd::Finished(Box::new(metrics)));
     }
     let checkpoint = path.join(CHECKPOINT);
-    let Some(trained) = advance(settings, &prepared, &checkpoint, 0..epochs, execution, advanced)? else {
+    let Some(trained) = advance(
+        settings,
+        &prepared,
+        &checkpoint,
+        0..epochs,
+        execution,
+        advanced,
+    )?
+    else {
         return Ok(TrainEnd::Stopped);
     };
     let metrics = write_results(settings, &prepared, trained, path)?;
@@ -281,13 +360,39 @@ fn note_samples(settings: &TrainSettings, prepared: &Prepared, path: &Path) -> R
     }
 }
 
-/// Calibrates, predicts the test part, and writes everything down; the metrics last, as they say that all is done.
-fn write_results(settings: &TrainSettings, prepared: &Prepared, trained: Trained, path: &Path) -> Result<Metrics> {
-    let Prepared { view, descriptions, classes, split, .. } = prepared;
-    let Trained { mut model, history, best_epoch, .. } = trained;
-    let how = PredictionSettings { rotations: settings.rotations, ..PredictionSettings::default() };
+/// Calibrates, predicts the test part, and writes everything down; the metrics last, as they say
+/// that all is done.
+fn write_results(
+    settings: &TrainSettings,
+    prepared: &Prepared,
+    trained: Trained,
+    path: &Path,
+) -> Result<Metrics> {
+    let Prepared {
+        view,
+        descriptions,
+        classes,
+        split,
+        ..
+    } = prepared;
+    let Trained {
+        mut model,
+        history,
+        best_epoch,
+        ..
+    } = trained;
+    let how = PredictionSettings {
+        rotations: settings.rotations,
+        ..PredictionSettings::default()
+    };
     let weights = family_weights(descriptions);
-    let temperature = model.calibrate(view, &split.validation, &classes.labels, Some(&weights), how)?;
+    let temperature = model.calibrate(
+        view,
+        &split.validation,
+        &classes.labels,
+        Some(&weights),
+        how,
+    )?;
     let predicted = model.predict(view, &split.test, how)?;
     let predictions = Predictions {
         descriptions,
@@ -300,7 +405,12 @@ fn write_results(settings: &TrainSettings, prepared: &Prepared, trained: Trained
         quarantined: &prepared.quarantined,
         epochs: history.len(),
         best_epoch,
-        parameters: model.network.parameters().iter().map(|(_, values)| values.elem_count()).sum(),
+        parameters: model
+            .network
+            .parameters()
+            .iter()
+            .map(|(_, values)| values.elem_count())
+            .sum(),
         permutations: settings.permutations,
         seed: settings.training.seed,
     };
@@ -309,21 +419,46 @@ fn write_results(settings: &TrainSettings, prepared: &Prepared, trained: Trained
     let bytes = model.to_bytes()?;
     write_atomically(&path.join(MODEL), |file| file.write_all(&bytes))?;
     let history_csv = history_table(&history)?.to_csv();
-    write_atomically(&path.join(HISTORY), |file| file.write_all(history_csv.as_bytes()))?;
+    write_atomically(&path.join(HISTORY), |file| {
+        file.write_all(history_csv.as_bytes())
+    })?;
     if !history.is_empty() {
-        let shares = prior(&split.training, &classes.labels, Some(&weights), classes.names.len());
-        let truth: Vec<usize> = split.validation.iter().filter_map(|i| classes.labels.get(*i).copied()).collect();
-        let of_validation: Vec<f64> = split.validation.iter().filter_map(|i| weights.get(*i).copied()).collect();
-        let prior =
-            Scores::of(&shares.repeat(truth.len()), &truth, classes.names.len(), Some(&of_validation))?.log_loss_nats;
-        let title = format!("{} classes from {}", classes.names.len(), settings.training.channels.join(", "));
+        let shares = prior(
+            &split.training,
+            &classes.labels,
+            Some(&weights),
+            classes.names.len(),
+        );
+        let truth: Vec<usize> = split
+            .validation
+            .iter()
+            .filter_map(|i| classes.labels.get(*i).copied())
+            .collect();
+        let of_validation: Vec<f64> = split
+            .validation
+            .iter()
+            .filter_map(|i| weights.get(*i).copied())
+            .collect();
+        let prior = Scores::of(
+            &shares.repeat(truth.len()),
+            &truth,
+            classes.names.len(),
+            Some(&of_validation),
+        )?
+        .log_loss_nats;
+        let title = format!(
+            "{} classes from {}",
+            classes.names.len(),
+            settings.training.channels.join(", ")
+        );
         let caption = format!(
             "{} training and {} validation samples, seed {}, best epoch {best_epoch}",
             split.training.len(),
             split.validation.len(),
             settings.training.seed
         );
-        learning_curve(&title, &caption, &history, prior, classes.names.len()).write_svg(&path.join(CURVE))?;
+        learning_curve(&title, &caption, &history, prior, classes.names.len())
+            .write_svg(&path.join(CURVE))?;
     }
     note_samples(settings, prepared, path)?;
     metrics.write(path)?;

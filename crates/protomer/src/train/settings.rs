@@ -37,12 +37,18 @@ pub enum Source {
     },
 }
 
-/// A set is what it holds, wherever it lies: a training goes on after its set has moved, or on a machine that mounts it
-/// elsewhere.
+/// A set is what it holds, wherever it lies: a training goes on after its set has moved, or on a
+/// machine that mounts it elsewhere.
 impl PartialEq for Source {
     fn eq(&self, other: &Self) -> bool {
         let control = |source: &Self| match source {
-            Self::Control { name, variant, samples, size, seed } => Some((*name, *variant, *samples, *size, *seed)),
+            Self::Control {
+                name,
+                variant,
+                samples,
+                size,
+                seed,
+            } => Some((*name, *variant, *samples, *size, *seed)),
             Self::Set { .. } => None,
         };
         match (self, other) {
@@ -74,8 +80,8 @@ pub struct TrainSettings {
     pub least_samples: usize,
     /// What stays together in the split.
     pub split_by: SplitBy,
-    /// Seed of the split; none: that of the training. What a search has found keeps the search's, so that no other seed
-    /// deals out its validation samples as test samples.
+    /// Seed of the split; none: that of the training. What a search has found keeps the search's,
+    /// so that no other seed deals out its validation samples as test samples.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub split_seed: Option<u64>,
     /// Exchanges of labels in the permutation test.
@@ -100,14 +106,27 @@ pub struct TrainSettings {
 /// If there are not as many kernels as widths (or one for all), or a block makes no sense.
 pub fn blocks(widths: &[usize], kernels: &[usize], groups: usize) -> Result<Vec<BlockSettings>> {
     if kernels.len() != 1 && kernels.len() != widths.len() {
-        bail!("{} kernels for {} blocks; give one for all, or one for each", kernels.len(), widths.len());
+        bail!(
+            "{} kernels for {} blocks; give one for all, or one for each",
+            kernels.len(),
+            widths.len()
+        );
     }
     let block = |(i, width): (usize, &usize)| {
         let kernel = kernels.get(i).or(kernels.first()).copied().unwrap_or(3);
-        let block = BlockSettings { width: *width, kernel, groups: (groups > 0).then_some(groups), pool: true };
+        let block = BlockSettings {
+            width: *width,
+            kernel,
+            groups: (groups > 0).then_some(groups),
+            pool: true,
+        };
         block.check().map(|()| block)
     };
-    Ok(widths.iter().enumerate().map(block).collect::<Result<_, _>>()?)
+    Ok(widths
+        .iter()
+        .enumerate()
+        .map(block)
+        .collect::<Result<_, _>>()?)
 }
 
 impl TrainSettings {
@@ -116,14 +135,20 @@ impl TrainSettings {
     /// # Errors
     /// Names the file, the line and the key.
     pub fn read(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+        let text = std::fs::read_to_string(path)
+            .with_context(|| format!("cannot read {}", path.display()))?;
         keys::from_toml(path, &text)
     }
 
     /// The network for so many classes.
     pub fn network(&self, classes: usize) -> NetworkSettings {
         let blocks = self.blocks.clone();
-        NetworkSettings { channels: self.training.channels.len(), classes, blocks, pooling: self.pooling }
+        NetworkSettings {
+            channels: self.training.channels.len(),
+            classes,
+            blocks,
+            pooling: self.pooling,
+        }
     }
 
     /// The usual settings for a set on the disk with these channels.
@@ -141,24 +166,43 @@ impl TrainSettings {
             pooling: GlobalPooling::AverageAndMaximum,
             source,
             fractions: Fractions::default(),
-            training: TrainingSettings { channels, seed: 1, ..TrainingSettings::default() },
+            training: TrainingSettings {
+                channels,
+                seed: 1,
+                ..TrainingSettings::default()
+            },
             blocks: blocks(&[16, 32, 64], &[3], 8)?,
         })
     }
 
     /// The settings of one experiment of a control.
     pub fn of_control(control: Control, experiment: &Experiment, form: Form, seed: u64) -> Self {
-        let Plan { samples, size, fractions, .. } = control.plan(form);
+        let Plan {
+            samples,
+            size,
+            fractions,
+            ..
+        } = control.plan(form);
         let network = control.network(experiment, form);
         Self {
             target: Target::Label,
             least_samples: 1,
-            split_by: if experiment.split_by_cluster { SplitBy::Cluster } else { SplitBy::Sample },
+            split_by: if experiment.split_by_cluster {
+                SplitBy::Cluster
+            } else {
+                SplitBy::Sample
+            },
             split_seed: None,
             permutations: 1000,
             rotations: false,
             pooling: network.pooling,
-            source: Source::Control { name: control, variant: experiment.variant, samples, size, seed },
+            source: Source::Control {
+                name: control,
+                variant: experiment.variant,
+                samples,
+                size,
+                seed,
+            },
             fractions,
             training: control.training(experiment, form, seed),
             blocks: network.blocks,
@@ -172,9 +216,17 @@ mod tests {
 
     #[test]
     fn a_set_is_what_it_holds_wherever_it_lies() {
-        let set = |path: &str, digest: &str| Source::Set { path: path.into(), digest: digest.into() };
-        let control =
-            |seed| Source::Control { name: Control::Charge, variant: Variant::Usual, samples: 10, size: 16, seed };
+        let set = |path: &str, digest: &str| Source::Set {
+            path: path.into(),
+            digest: digest.into(),
+        };
+        let control = |seed| Source::Control {
+            name: Control::Charge,
+            variant: Variant::Usual,
+            samples: 10,
+            size: 16,
+            seed,
+        };
         assert_eq!(set("here/a.zarr", "1"), set("there/b.zarr", "1"));
         assert_ne!(set("here/a.zarr", "1"), set("here/a.zarr", "2"));
         assert_eq!(control(1), control(1));

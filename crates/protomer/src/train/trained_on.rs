@@ -1,4 +1,5 @@
-//! `trained_on.json`: which structures a network has seen, so that none of them is ever scored as if it were new.
+//! `trained_on.json`: which structures a network has seen, so that none of them is ever scored as
+//! if it were new.
 
 use super::run::Prepared;
 use anyhow::{Context, Result};
@@ -36,7 +37,9 @@ impl TrainedOn {
     /// Those of a training.
     pub fn of(prepared: &Prepared) -> Self {
         let part = |samples: &[usize]| {
-            let known = samples.iter().filter_map(|sample| Some((*sample, prepared.descriptions.get(*sample)?)));
+            let known = samples
+                .iter()
+                .filter_map(|sample| Some((*sample, prepared.descriptions.get(*sample)?)));
             let seen = known.map(|(sample, known)| Seen {
                 name: known.name.clone(),
                 cluster: known.cluster.clone(),
@@ -44,7 +47,10 @@ impl TrainedOn {
             });
             seen.collect()
         };
-        Self { training: part(&prepared.split.training), validation: part(&prepared.split.validation) }
+        Self {
+            training: part(&prepared.split.training),
+            validation: part(&prepared.split.validation),
+        }
     }
 
     /// Reads them from the directory of a training; none if an earlier version trained there.
@@ -56,13 +62,19 @@ impl TrainedOn {
         let bytes = match std::fs::read(&path) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-            Err(error) => return Err(error).with_context(|| format!("cannot read {}", path.display())),
+            Err(error) => {
+                return Err(error).with_context(|| format!("cannot read {}", path.display()));
+            }
         };
         let damaged = || {
             let name = path.display();
-            format!("{name} is damaged; remove it and repeat the train command, which writes it anew")
+            format!(
+                "{name} is damaged; remove it and repeat the train command, which writes it anew"
+            )
         };
-        serde_json::from_slice(&bytes).map(Some).with_context(damaged)
+        serde_json::from_slice(&bytes)
+            .map(Some)
+            .with_context(damaged)
     }
 
     /// Writes them into the directory of a training.
@@ -70,8 +82,11 @@ impl TrainedOn {
     /// # Errors
     /// If the disk takes no more.
     pub fn write(&self, directory: &Path) -> Result<()> {
-        let bytes = serde_json::to_vec(self).context("what was trained on cannot be written down")?;
-        Ok(write_atomically(&directory.join(TRAINED_ON), |file| file.write_all(&bytes))?)
+        let bytes =
+            serde_json::to_vec(self).context("what was trained on cannot be written down")?;
+        Ok(write_atomically(&directory.join(TRAINED_ON), |file| {
+            file.write_all(&bytes)
+        })?)
     }
 
     /// All of both parts.

@@ -10,12 +10,15 @@ use protomer_field::voxels::{Channel, PotentialModel, VoxelSettings};
 use protomer_io::atomic::sha256_hex;
 use serde_json::{Value, json};
 
-/// How the Poisson-Boltzmann equation is solved where settings leave no choice; nothing where it is not solved.
+/// How the Poisson-Boltzmann equation is solved where settings leave no choice; nothing where it is
+/// not solved.
 ///
 /// # Errors
 /// For conditions that no solvent has.
 pub(super) fn fixed_conditions(settings: &VoxelizeSettings) -> Result<Value> {
-    if !settings.channels.contains(&Channel::Potential) || settings.potential != PotentialModel::PoissonBoltzmann {
+    if !settings.channels.contains(&Channel::Potential)
+        || settings.potential != PotentialModel::PoissonBoltzmann
+    {
         return Ok(Value::Null);
     }
     let VoxelSettings { medium, solve, .. } = settings.voxel_settings()?;
@@ -36,7 +39,12 @@ pub(super) fn fixed_conditions(settings: &VoxelizeSettings) -> Result<Value> {
 
 /// What all samples of a set depend on.
 fn making(settings: &VoxelizeSettings) -> Result<Value> {
-    Ok(json!([env!("CARGO_PKG_VERSION"), FORMAT, settings, fixed_conditions(settings)?]))
+    Ok(json!([
+        env!("CARGO_PKG_VERSION"),
+        FORMAT,
+        settings,
+        fixed_conditions(settings)?
+    ]))
 }
 
 /// A set's identity: a hash of its settings, its structures and what the manifest says of them.
@@ -48,7 +56,8 @@ pub fn identity(settings: &VoxelizeSettings, rows: &[Row]) -> Result<String> {
     Ok(sha256_hex(text.as_bytes()))
 }
 
-/// What a sample depends on, hashed: settings, name and the file's bytes; and what a record of it holds.
+/// What a sample depends on, hashed: settings, name and the file's bytes; and what a record of it
+/// holds.
 ///
 /// # Errors
 /// If the settings cannot be written down.
@@ -67,16 +76,40 @@ mod tests {
         let solved = VoxelizeSettings::default();
         let fixed = fixed_conditions(&solved).unwrap();
         assert_eq!(fixed["inner_permittivity"], 2.0);
-        assert_eq!((&fixed["ion_radius_angstrom"], &fixed["spacing_angstrom"]), (&json!(2.0), &json!(1.0)));
-        assert_eq!((&fixed["boundary"], &fixed["relative_tolerance"]), (&json!("screened-atoms"), &json!(1e-4)));
+        assert_eq!(
+            (&fixed["ion_radius_angstrom"], &fixed["spacing_angstrom"]),
+            (&json!(2.0), &json!(1.0))
+        );
+        assert_eq!(
+            (&fixed["boundary"], &fixed["relative_tolerance"]),
+            (&json!("screened-atoms"), &json!(1e-4))
+        );
         for settings in [
-            VoxelizeSettings { potential: PotentialModel::DebyeHueckel, ..solved.clone() },
-            VoxelizeSettings { channels: vec![Channel::Shape], ..solved.clone() },
+            VoxelizeSettings {
+                potential: PotentialModel::DebyeHueckel,
+                ..solved.clone()
+            },
+            VoxelizeSettings {
+                channels: vec![Channel::Shape],
+                ..solved.clone()
+            },
         ] {
             assert_eq!(fixed_conditions(&settings).unwrap(), Value::Null);
         }
         // Samples and sets are of their format and of these conditions.
-        assert!(making(&solved).unwrap().as_array().unwrap().contains(&json!(FORMAT)));
-        assert!(making(&solved).unwrap().as_array().unwrap().contains(&fixed));
+        assert!(
+            making(&solved)
+                .unwrap()
+                .as_array()
+                .unwrap()
+                .contains(&json!(FORMAT))
+        );
+        assert!(
+            making(&solved)
+                .unwrap()
+                .as_array()
+                .unwrap()
+                .contains(&fixed)
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! Which structures, and what is known of them: CSV with the columns `file`, `label`, `cluster` and perhaps `family`, `name`.
+//! Which structures, and what is known of them: CSV with the columns `file`, `label`, `cluster` and
+//! perhaps `family`, `name`.
 
 use crate::input::{InputFile, stem};
 use anyhow::{Context, Result, bail};
@@ -18,7 +19,8 @@ pub struct Entry {
     pub path: PathBuf,
     /// The class.
     pub label: String,
-    /// Related structures share a cluster; a cluster of its own, named like the entry, if left empty.
+    /// Related structures share a cluster; a cluster of its own, named like the entry, if left
+    /// empty.
     pub cluster: String,
     /// Copies of one crystal form share a family; perhaps empty.
     pub family: String,
@@ -51,15 +53,21 @@ impl Manifest {
     /// ```
     pub fn read(path: &Path) -> Result<Self> {
         let file = InputFile::read(path)?;
-        let text = std::str::from_utf8(&file.bytes).with_context(|| format!("{} is not UTF-8 text", file.name))?;
+        let text = std::str::from_utf8(&file.bytes)
+            .with_context(|| format!("{} is not UTF-8 text", file.name))?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        Ok(Self { entries: entries(&file.name, text, folder)?, sha256: file.sha256 })
+        Ok(Self {
+            entries: entries(&file.name, text, folder)?,
+            sha256: file.sha256,
+        })
     }
 }
 
 fn entries(file: &str, text: &str, folder: &Path) -> Result<Vec<Entry>> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty());
+    let mut lines = (1..)
+        .zip(text.lines())
+        .filter(|(_, line)| !line.trim().is_empty());
     let Some((number, heading)) = lines.next() else {
         bail!("{file} is empty; give a heading file,label,cluster and a line per structure");
     };
@@ -67,16 +75,24 @@ fn entries(file: &str, text: &str, folder: &Path) -> Result<Vec<Entry>> {
     for (place, column) in columns.iter().enumerate() {
         if !KNOWN.contains(&column.as_str()) {
             let known = KNOWN.join(", ");
-            bail!("{file}:{number}, column {}: '{column}' is not known; remove it, known are {known}", place + 1);
+            bail!(
+                "{file}:{number}, column {}: '{column}' is not known; remove it, known are {known}",
+                place + 1
+            );
         }
         if columns[..place].contains(column) {
-            bail!("{file}:{number}, column {}: '{column}' is there twice; remove one", place + 1);
+            bail!(
+                "{file}:{number}, column {}: '{column}' is there twice; remove one",
+                place + 1
+            );
         }
     }
     let place_of = |name: &str| columns.iter().position(|column| column == name);
     for needed in ["file", "label", "cluster"] {
         if place_of(needed).is_none() {
-            bail!("{file}:{number}: there is no column '{needed}'; the heading is to have file, label and cluster");
+            bail!(
+                "{file}:{number}: there is no column '{needed}'; the heading is to have file, label and cluster"
+            );
         }
     }
     let mut entries = Vec::new();
@@ -84,9 +100,18 @@ fn entries(file: &str, text: &str, folder: &Path) -> Result<Vec<Entry>> {
     for (line, text) in lines {
         let cells = cells(file, line, text)?;
         if cells.len() != columns.len() {
-            bail!("{file}:{line}: {} columns, the heading has {}; quote cells with commas", cells.len(), columns.len());
+            bail!(
+                "{file}:{line}: {} columns, the heading has {}; quote cells with commas",
+                cells.len(),
+                columns.len()
+            );
         }
-        let cell = |name: &str| place_of(name).and_then(|place| cells.get(place)).cloned().unwrap_or_default();
+        let cell = |name: &str| {
+            place_of(name)
+                .and_then(|place| cells.get(place))
+                .cloned()
+                .unwrap_or_default()
+        };
         for needed in ["file", "label"] {
             if cell(needed).is_empty() {
                 bail!("{file}:{line}, column {needed}: it is empty; give one");
@@ -104,7 +129,9 @@ fn entries(file: &str, text: &str, folder: &Path) -> Result<Vec<Entry>> {
             path: folder.join(cell("file")),
             file: cell("file"),
             label: cell("label"),
-            cluster: Some(cell("cluster")).filter(|cluster| !cluster.is_empty()).unwrap_or_else(|| name.clone()),
+            cluster: Some(cell("cluster"))
+                .filter(|cluster| !cluster.is_empty())
+                .unwrap_or_else(|| name.clone()),
             family: cell("family"),
             name,
         });
@@ -147,7 +174,10 @@ pub(crate) fn cells(file: &str, line: usize, text: &str) -> Result<Vec<String>> 
         }
     }
     if quoted {
-        bail!("{file}:{line}, column {}: a quote is not closed; close it in the same line", cells.len());
+        bail!(
+            "{file}:{line}, column {}: a quote is not closed; close it in the same line",
+            cells.len()
+        );
     }
     Ok(cells.iter().map(|cell| cell.trim().to_owned()).collect())
 }
@@ -158,7 +188,9 @@ mod tests {
     use super::*;
 
     fn message(text: &str) -> String {
-        entries("m.csv", text, Path::new("")).unwrap_err().to_string()
+        entries("m.csv", text, Path::new(""))
+            .unwrap_err()
+            .to_string()
     }
 
     #[test]
@@ -169,11 +201,29 @@ mod tests {
 
     #[test]
     fn columns_may_stand_in_any_order() {
-        let read = entries("m.csv", "label,family,file,cluster\nA,f,x/1abc.pdb.gz,\n\nB,,2abc.cif,c\n", Path::new("d"));
+        let read = entries(
+            "m.csv",
+            "label,family,file,cluster\nA,f,x/1abc.pdb.gz,\n\nB,,2abc.cif,c\n",
+            Path::new("d"),
+        );
         let read = read.unwrap();
         assert_eq!(read[0].path, Path::new("d/x/1abc.pdb.gz"));
-        assert_eq!((read[0].name.as_str(), read[0].cluster.as_str(), read[0].family.as_str()), ("1abc", "1abc", "f"));
-        assert_eq!((read[1].number, read[1].label.as_str(), read[1].cluster.as_str()), (1, "B", "c"));
+        assert_eq!(
+            (
+                read[0].name.as_str(),
+                read[0].cluster.as_str(),
+                read[0].family.as_str()
+            ),
+            ("1abc", "1abc", "f")
+        );
+        assert_eq!(
+            (
+                read[1].number,
+                read[1].label.as_str(),
+                read[1].cluster.as_str()
+            ),
+            (1, "B", "c")
+        );
     }
 
     #[test]
@@ -182,16 +232,35 @@ mod tests {
             ("", "empty"),
             ("file,label\n", "m.csv:1: there is no column 'cluster'"),
             ("file,label,cluster,colour\n", "m.csv:1, column 4: 'colour'"),
-            ("file,label,cluster,label\n", "m.csv:1, column 4: 'label' is there twice"),
+            (
+                "file,label,cluster,label\n",
+                "m.csv:1, column 4: 'label' is there twice",
+            ),
             ("file,label,cluster\n", "nothing else"),
             ("file,label,cluster\na,b\n", "m.csv:2: 2 columns"),
-            ("file,label,cluster\na.pdb,x,y\n\nb.pdb,,y\n", "m.csv:4, column label"),
-            ("file,label,cluster\na.pdb,x,y\nd/a.pdb,x,y\n", "m.csv:3, column file: 'a' is the name of line 2"),
-            ("file,label,cluster\na.pdb,\"x,y\n", "m.csv:2, column 2: a quote"),
-            ("file,label,cluster\na.pdb,\"x\"z,y\n", "m.csv:2, column 2: 'z'"),
+            (
+                "file,label,cluster\na.pdb,x,y\n\nb.pdb,,y\n",
+                "m.csv:4, column label",
+            ),
+            (
+                "file,label,cluster\na.pdb,x,y\nd/a.pdb,x,y\n",
+                "m.csv:3, column file: 'a' is the name of line 2",
+            ),
+            (
+                "file,label,cluster\na.pdb,\"x,y\n",
+                "m.csv:2, column 2: a quote",
+            ),
+            (
+                "file,label,cluster\na.pdb,\"x\"z,y\n",
+                "m.csv:2, column 2: 'z'",
+            ),
         ];
         for (text, expected) in cases {
-            assert!(message(text).contains(expected), "{text:?}: {}", message(text));
+            assert!(
+                message(text).contains(expected),
+                "{text:?}: {}",
+                message(text)
+            );
         }
     }
 }

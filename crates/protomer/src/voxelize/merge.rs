@@ -36,20 +36,25 @@ pub struct MergeReport {
     pub nothing_to_do: bool,
 }
 
-/// Joins sets of the same settings. Parts of one manifest are sorted as the manifest is, so that all parts together give the set
-/// that one run would have made, file by file; sets of different manifests follow each other as given. That parts are
-/// missing is in the report.
+/// Joins sets of the same settings. Parts of one manifest are sorted as the manifest is, so that
+/// all parts together give the set that one run would have made, file by file; sets of different
+/// manifests follow each other as given. That parts are missing is in the report.
 ///
 /// # Errors
 /// For sets of different settings, names that are in two of them, and files that cannot be read.
 pub fn merge(inputs: &[PathBuf], output: &Path, force: bool) -> Result<MergeReport> {
-    let readers = inputs.iter().map(|path| open_set(path)).collect::<Result<Vec<SetReader>>>()?;
+    let readers = inputs
+        .iter()
+        .map(|path| open_set(path))
+        .collect::<Result<Vec<SetReader>>>()?;
     let (Some(first), Some(first_path)) = (readers.first(), inputs.first()) else {
         bail!("there are no sets; give some")
     };
     let settings = set::settings_of(first).with_context(|| first_path.display().to_string())?;
-    let of_each =
-        readers.iter().zip(inputs).map(|(reader, path)| origins(reader).with_context(|| path.display().to_string()));
+    let of_each = readers
+        .iter()
+        .zip(inputs)
+        .map(|(reader, path)| origins(reader).with_context(|| path.display().to_string()));
     let of_each = of_each.collect::<Result<Vec<Vec<Origin>>>>()?;
     // A set that was merged from several manifests has no order that entries could follow.
     let parts_of_one = of_each.iter().all(|of_one| of_one.len() == 1);
@@ -62,28 +67,49 @@ pub fn merge(inputs: &[PathBuf], output: &Path, force: bool) -> Result<MergeRepo
         let shown = || path.display().to_string();
         let theirs = set::settings_of(reader).with_context(shown)?;
         if theirs != settings {
-            let (a, b, how) = (first_path.display(), path.display(), differences(&settings, &theirs)?);
+            let (a, b, how) = (
+                first_path.display(),
+                path.display(),
+                differences(&settings, &theirs)?,
+            );
             bail!("{a} and {b} have different settings: {how}; voxelize them alike");
         }
         let ours = set::samples_of(reader).with_context(shown)?;
         let theirs = set::exclusions(reader).with_context(shown)?;
-        let names = ours.iter().map(|sample| &sample.name).chain(theirs.iter().map(|excluded| &excluded.name));
+        let names = ours
+            .iter()
+            .map(|sample| &sample.name)
+            .chain(theirs.iter().map(|excluded| &excluded.name));
         // Sorted, so that of several the message names always the same.
         let names: BTreeSet<String> = names.cloned().collect();
         for name in names {
             if let Some(earlier) = seen.insert(name.clone(), path) {
-                bail!("'{name}' is in {} and in {}; give each part once", earlier.display(), path.display());
+                bail!(
+                    "'{name}' is in {} and in {}; give each part once",
+                    earlier.display(),
+                    path.display()
+                );
             }
         }
-        samples.extend(ours.into_iter().enumerate().map(|(place, sample)| (number, place, sample)));
+        samples.extend(
+            ours.into_iter()
+                .enumerate()
+                .map(|(place, sample)| (number, place, sample)),
+        );
         excluded.extend(theirs);
     }
     if one_manifest {
         samples.sort_by_key(|(_, _, sample)| sample.entry);
         excluded.sort_by_key(|excluded| excluded.entry);
     }
-    let places: Vec<(usize, usize)> = samples.iter().map(|(set, place, _)| (*set, *place)).collect();
-    let content = SetContent { samples: samples.into_iter().map(|(_, _, sample)| sample).collect(), excluded };
+    let places: Vec<(usize, usize)> = samples
+        .iter()
+        .map(|(set, place, _)| (*set, *place))
+        .collect();
+    let content = SetContent {
+        samples: samples.into_iter().map(|(_, _, sample)| sample).collect(),
+        excluded,
+    };
     let mut rows = Row::of_content(&content);
     if one_manifest {
         rows.sort_by_key(|row| row.entry);
@@ -103,19 +129,27 @@ pub fn merge(inputs: &[PathBuf], output: &Path, force: bool) -> Result<MergeRepo
     match set::state_of(output, &identity)? {
         set::OnDisk::Same(_) => return Ok(report(true)),
         set::OnDisk::Other if !force => {
-            bail!("{} holds another set; overwrite it with --force or name another output", output.display())
+            bail!(
+                "{} holds another set; overwrite it with --force or name another output",
+                output.display()
+            )
         }
         set::OnDisk::Other | set::OnDisk::Nothing => {}
     }
     let attributes = set::attributes(&settings, &manifests, &identity, &content)?;
     set::replace(output, |folder| {
         set::write(folder, &settings, &content, attributes, &mut |sample| {
-            let Some((reader, place)) = places.get(sample).and_then(|(set, place)| Some((readers.get(*set)?, *place)))
+            let Some((reader, place)) = places
+                .get(sample)
+                .and_then(|(set, place)| Some((readers.get(*set)?, *place)))
             else {
                 bail!("there is no sample {sample}");
             };
             let stored = reader.sample(place)?;
-            Ok(Voxels { index: stored.index, values: stored.values })
+            Ok(Voxels {
+                index: stored.index,
+                values: stored.values,
+            })
         })
     })?;
     Ok(report(false))
@@ -124,8 +158,12 @@ pub fn merge(inputs: &[PathBuf], output: &Path, force: bool) -> Result<MergeRepo
 /// `seed 0 and 3, size 32 and 64`: what differs between two settings.
 fn differences(first: &VoxelizeSettings, second: &VoxelizeSettings) -> Result<String> {
     let (first, second) = (serde_json::to_value(first)?, serde_json::to_value(second)?);
-    let keys = first.as_object().into_iter().flat_map(|settings| settings.keys());
+    let keys = first
+        .as_object()
+        .into_iter()
+        .flat_map(|settings| settings.keys());
     let differing = keys.filter(|key| first.get(key) != second.get(key));
-    let shown = differing.map(|key| format!("{key} {} and {}", first[key.as_str()], second[key.as_str()]));
+    let shown =
+        differing.map(|key| format!("{key} {} and {}", first[key.as_str()], second[key.as_str()]));
     Ok(shown.collect::<Vec<_>>().join(", "))
 }

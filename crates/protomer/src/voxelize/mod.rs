@@ -81,7 +81,8 @@ pub struct VoxelizeReport {
     pub read_ms_per_sample: Option<f64>,
     /// Structures left out.
     pub excluded: Vec<Exclusion>,
-    /// What of the files of samples a careful user should know, by the sample's name; ten lines of each at most.
+    /// What of the files of samples a careful user should know, by the sample's name; ten lines of
+    /// each at most.
     pub warnings: BTreeMap<String, Vec<String>>,
     /// Relatives that the manifest puts into different clusters; ten lines at most.
     pub manifest_warnings: Vec<String>,
@@ -89,13 +90,17 @@ pub struct VoxelizeReport {
     pub seconds: f64,
 }
 
-/// Voxelises the structures of a manifest into a set. `begin` hears how many structures are still to be done, `advanced` of
-/// each that is.
+/// Voxelises the structures of a manifest into a set. `begin` hears how many structures are still
+/// to be done, `advanced` of each that is.
 ///
 /// # Errors
-/// For settings or a manifest that make no sense, an output that holds something else, another process working on it, and a
-/// disk that takes no more. What is wrong with a structure excludes it and is in the report.
-#[allow(clippy::too_many_arguments, reason = "two of them only tell of progress")]
+/// For settings or a manifest that make no sense, an output that holds something else, another
+/// process working on it, and a disk that takes no more. What is wrong with a structure excludes it
+/// and is in the report.
+#[allow(
+    clippy::too_many_arguments,
+    reason = "two of them only tell of progress"
+)]
 pub fn voxelize(
     manifest: &Manifest,
     shard: Shard,
@@ -108,11 +113,20 @@ pub fn voxelize(
 ) -> Result<VoxelizeReport> {
     let start = Instant::now();
     settings.check()?;
-    let entries: Vec<&Entry> = manifest.entries.iter().filter(|entry| shard.has(entry.number)).collect();
-    let hashes: Vec<Option<String>> =
-        entries.par_iter().map(|entry| InputFile::read(&entry.path).ok().map(|file| file.sha256)).collect();
-    let rows: Vec<Row> =
-        entries.iter().zip(&hashes).map(|(entry, hash)| Row::of_entry(entry, hash.as_deref())).collect();
+    let entries: Vec<&Entry> = manifest
+        .entries
+        .iter()
+        .filter(|entry| shard.has(entry.number))
+        .collect();
+    let hashes: Vec<Option<String>> = entries
+        .par_iter()
+        .map(|entry| InputFile::read(&entry.path).ok().map(|file| file.sha256))
+        .collect();
+    let rows: Vec<Row> = entries
+        .iter()
+        .zip(&hashes)
+        .map(|(entry, hash)| Row::of_entry(entry, hash.as_deref()))
+        .collect();
     let relatives = relatives::in_several_clusters(&rows);
     let identity = identity::identity(settings, &rows)?;
     let report = |state, excluded: Vec<Exclusion>, samples, voxels, taken_over| VoxelizeReport {
@@ -132,35 +146,57 @@ pub fn voxelize(
     match set::state_of(output, &identity)? {
         set::OnDisk::Same(reader) => {
             let excluded = set::exclusions(&reader)?;
-            let voxels = (0..reader.len()).map(|sample| reader.voxels(sample) as u64).sum();
+            let voxels = (0..reader.len())
+                .map(|sample| reader.voxels(sample) as u64)
+                .sum();
             let warnings = set::warnings_of(&set::samples_of(&reader)?);
-            let report = report(State::NothingToDo, excluded, reader.len(), voxels, entries.len());
+            let report = report(
+                State::NothingToDo,
+                excluded,
+                reader.len(),
+                voxels,
+                entries.len(),
+            );
             return Ok(VoxelizeReport { warnings, ..report });
         }
         set::OnDisk::Other if !force => {
-            bail!("{} holds another set; overwrite it with --force or name another output", output.display())
+            bail!(
+                "{} holds another set; overwrite it with --force or name another output",
+                output.display()
+            )
         }
         set::OnDisk::Other | set::OnDisk::Nothing => {}
     }
     if let Some(folder) = output.parent() {
-        std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("cannot make the folder {}", folder.display()))?;
     }
     let work = WorkFile::open(&work_path(output))?;
-    let keys = entries.iter().zip(&hashes).map(|(entry, hash)| identity::key(settings, entry, hash.as_deref()));
+    let keys = entries
+        .iter()
+        .zip(&hashes)
+        .map(|(entry, hash)| identity::key(settings, entry, hash.as_deref()));
     let keys = keys.collect::<Result<Vec<String>>>()?;
-    let pending: Vec<(&Entry, &String)> =
-        entries.iter().copied().zip(&keys).filter(|(_, key)| !work.has(key)).collect();
+    let pending: Vec<(&Entry, &String)> = entries
+        .iter()
+        .copied()
+        .zip(&keys)
+        .filter(|(_, key)| !work.has(key))
+        .collect();
     let taken_over = entries.len() - pending.len();
     begin(pending.len());
-    pending.par_iter().try_for_each(|(entry, key)| -> Result<()> {
-        if interrupt.is_requested() {
-            return Ok(());
-        }
-        let outcome = structure::voxelize_structure(entry, settings);
-        work.keep(key, &outcome).inspect_err(|_| interrupt.request())?;
-        advanced();
-        Ok(())
-    })?;
+    pending
+        .par_iter()
+        .try_for_each(|(entry, key)| -> Result<()> {
+            if interrupt.is_requested() {
+                return Ok(());
+            }
+            let outcome = structure::voxelize_structure(entry, settings);
+            work.keep(key, &outcome)
+                .inspect_err(|_| interrupt.request())?;
+            advanced();
+            Ok(())
+        })?;
     if keys.iter().any(|key| !work.has(key)) {
         let samples = keys.iter().filter(|key| work.has(key)).count();
         return Ok(report(State::Stopped, Vec::new(), samples, 0, taken_over));
@@ -168,12 +204,19 @@ pub fn voxelize(
     let content = collect(&entries, &hashes, &keys, &work)?;
     let voxels = content.voxels();
     let (samples, excluded) = (content.samples.len(), content.excluded.clone());
-    let origin = Origin::new(&manifest.sha256, manifest.entries.len(), shard, entries.len());
+    let origin = Origin::new(
+        &manifest.sha256,
+        manifest.entries.len(),
+        shard,
+        entries.len(),
+    );
     let attributes = set::attributes(settings, &[origin], &identity, &content)?;
     let mut read_ms_per_sample = None;
     set::replace(output, |folder| {
         set::write(folder, settings, &content, attributes, &mut |sample| {
-            let Some(entry) = content.samples.get(sample) else { bail!("there is no sample {sample}") };
+            let Some(entry) = content.samples.get(sample) else {
+                bail!("there is no sample {sample}")
+            };
             match work.get(&entry.key)? {
                 Outcome::Sample(sample) => Ok(sample.voxels),
                 Outcome::Excluded { .. } => bail!("{} was excluded", entry.name),
@@ -184,7 +227,11 @@ pub fn voxelize(
     })?;
     work.remove()?;
     let report = report(State::Written, excluded, samples, voxels, taken_over);
-    Ok(VoxelizeReport { read_ms_per_sample, warnings: set::warnings_of(&content.samples), ..report })
+    Ok(VoxelizeReport {
+        read_ms_per_sample,
+        warnings: set::warnings_of(&content.samples),
+        ..report
+    })
 }
 
 /// The work file of a set.
@@ -195,15 +242,24 @@ pub fn work_path(output: &Path) -> PathBuf {
 }
 
 /// Everything about the set but its voxels.
-fn collect(entries: &[&Entry], hashes: &[Option<String>], keys: &[String], work: &WorkFile) -> Result<SetContent> {
+fn collect(
+    entries: &[&Entry],
+    hashes: &[Option<String>],
+    keys: &[String],
+    work: &WorkFile,
+) -> Result<SetContent> {
     let mut content = SetContent::default();
     for ((entry, hash), key) in entries.iter().zip(hashes).zip(keys) {
         match work.get(key).with_context(|| entry.name.clone())? {
             Outcome::Sample(sample) => {
-                content.samples.push(set::SampleRecord::new(entry, hash.as_deref(), key, &sample))
+                content
+                    .samples
+                    .push(set::SampleRecord::new(entry, hash.as_deref(), key, &sample))
             }
             Outcome::Excluded { reason, detail } => {
-                content.excluded.push(Exclusion::new(entry, hash.as_deref(), reason, detail));
+                content
+                    .excluded
+                    .push(Exclusion::new(entry, hash.as_deref(), reason, detail));
             }
         }
     }

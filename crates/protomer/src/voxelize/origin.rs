@@ -25,12 +25,18 @@ impl Origin {
     /// A part of a manifest with so many structures.
     pub fn new(manifest_sha256: &str, structures: usize, shard: Shard, present: usize) -> Self {
         let parts = vec![format!("{}/{}", shard.index, shard.of)];
-        Self { manifest_sha256: manifest_sha256.into(), structures: Some(structures), present, parts }
+        Self {
+            manifest_sha256: manifest_sha256.into(),
+            structures: Some(structures),
+            present,
+            parts,
+        }
     }
 
     /// Structures of the manifest that are not here.
     pub fn missing(&self) -> usize {
-        self.structures.map_or(0, |structures| structures.saturating_sub(self.present))
+        self.structures
+            .map_or(0, |structures| structures.saturating_sub(self.present))
     }
 }
 
@@ -43,19 +49,31 @@ pub fn origins(reader: &SetReader) -> Result<Vec<Origin>> {
         let damaged = "the attribute 'manifests' is damaged; make the set again";
         return serde_json::from_value(value.clone()).context(damaged);
     }
-    let sha256 = reader.attributes().get("manifest_sha256").and_then(Value::as_str).unwrap_or_default();
+    let sha256 = reader
+        .attributes()
+        .get("manifest_sha256")
+        .and_then(Value::as_str)
+        .unwrap_or_default();
     if sha256.is_empty() {
         return Ok(Vec::new());
     }
     let present = reader.len() + exclusions(reader)?.len();
-    Ok(vec![Origin { manifest_sha256: sha256.to_owned(), structures: None, present, parts: Vec::new() }])
+    Ok(vec![Origin {
+        manifest_sha256: sha256.to_owned(),
+        structures: None,
+        present,
+        parts: Vec::new(),
+    }])
 }
 
 /// The manifests of several sets together, each once, in the order in which they come.
 pub fn joined(all: impl Iterator<Item = Origin>) -> Vec<Origin> {
     let mut manifests: Vec<Origin> = Vec::new();
     for next in all {
-        match manifests.iter_mut().find(|known| known.manifest_sha256 == next.manifest_sha256) {
+        match manifests
+            .iter_mut()
+            .find(|known| known.manifest_sha256 == next.manifest_sha256)
+        {
             Some(known) => {
                 known.structures = known.structures.or(next.structures);
                 known.present += next.present;
@@ -66,7 +84,9 @@ pub fn joined(all: impl Iterator<Item = Origin>) -> Vec<Origin> {
     }
     for manifest in &mut manifests {
         // 2/16 before 10/16.
-        manifest.parts.sort_by_key(|part| (part.len(), part.clone()));
+        manifest
+            .parts
+            .sort_by_key(|part| (part.len(), part.clone()));
         if manifest.structures.is_some() && manifest.missing() == 0 {
             manifest.parts = vec!["1/1".to_owned()];
         }
@@ -123,11 +143,23 @@ mod tests {
         let other = Origin::new("f", 2, Shard::WHOLE, 2);
         let manifests = joined([part(10), other.clone(), part(2)].into_iter());
         assert_eq!((manifests.len(), &manifests[1]), (2, &other));
-        assert_eq!((manifests[0].parts.join(" "), manifests[0].missing()), ("2/16 10/16".into(), 34));
+        assert_eq!(
+            (manifests[0].parts.join(" "), manifests[0].missing()),
+            ("2/16 10/16".into(), 34)
+        );
         let lines: Vec<String> = Missing::of(&manifests).iter().map(Missing::line).collect();
-        assert!(lines.len() == 1 && lines[0].contains("0123456789ab... are missing: 34 of 40 structures"), "{lines:?}");
-        // A set of an earlier version does not say how many there are: nothing can be missing of it.
-        let unknown = Origin { structures: None, parts: Vec::new(), ..part(1) };
+        assert!(
+            lines.len() == 1
+                && lines[0].contains("0123456789ab... are missing: 34 of 40 structures"),
+            "{lines:?}"
+        );
+        // A set of an earlier version does not say how many there are: nothing can be missing of
+        // it.
+        let unknown = Origin {
+            structures: None,
+            parts: Vec::new(),
+            ..part(1)
+        };
         assert_eq!(Missing::of(&joined([unknown].into_iter())), []);
     }
 }

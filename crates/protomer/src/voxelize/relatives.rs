@@ -20,8 +20,12 @@ pub fn in_several_clusters(rows: &[Row]) -> Vec<String> {
     let of_file = |two: String| format!("{two}, and are the same file");
     let of_family = |family: &str, two: String| format!("{two}, and are of the family '{family}'");
     let files = files.values().filter_map(|group| apart(group)).map(of_file);
-    let families = families.iter().filter_map(|(family, group)| Some(of_family(family, apart(group)?)));
-    let remedy = |line: String| format!("{line}; give relatives one cluster, or no split keeps them on one side");
+    let families = families
+        .iter()
+        .filter_map(|(family, group)| Some(of_family(family, apart(group)?)));
+    let remedy = |line: String| {
+        format!("{line}; give relatives one cluster, or no split keeps them on one side")
+    };
     at_most(MOST_LINES, files.chain(families).map(remedy).collect())
 }
 
@@ -55,11 +59,27 @@ mod tests {
     #[test]
     fn a_file_and_a_family_in_two_clusters_are_named() {
         assert!(
-            lines(&[["a", "1", "f", "x"], ["b", "1", "f", "x"], ["c", "2", "", ""], ["d", "3", "", ""]]).is_empty()
+            lines(&[
+                ["a", "1", "f", "x"],
+                ["b", "1", "f", "x"],
+                ["c", "2", "", ""],
+                ["d", "3", "", ""]
+            ])
+            .is_empty()
         );
-        let found = lines(&[["a", "1", "f", "x"], ["b", "2", "", "x"], ["c", "1", "f", "y"], ["d", "3", "f", "z"]]);
+        let found = lines(&[
+            ["a", "1", "f", "x"],
+            ["b", "2", "", "x"],
+            ["c", "1", "f", "y"],
+            ["d", "3", "f", "z"],
+        ]);
         assert_eq!(found.len(), 2, "{found:?}");
-        assert!(found[0].starts_with("'a' and 'b' are in different clusters, '1' and '2', and are the same file"));
-        assert!(found[1].starts_with("'a' and 'd'") && found[1].contains("the family 'f'"), "{found:?}");
+        assert!(found[0].starts_with(
+            "'a' and 'b' are in different clusters, '1' and '2', and are the same file"
+        ));
+        assert!(
+            found[1].starts_with("'a' and 'd'") && found[1].contains("the family 'f'"),
+            "{found:?}"
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! A line of a manifest with the hash of its file, wherever it stands by now: in a manifest, in a set, or left out of one.
+//! A line of a manifest with the hash of its file, wherever it stands by now: in a manifest, in a
+//! set, or left out of one.
 
 use super::manifest::Entry;
 use super::set::{Exclusion, SampleRecord, SetContent};
@@ -26,23 +27,78 @@ pub struct Row<'a> {
 impl<'a> Row<'a> {
     /// The row of an entry.
     pub fn of_entry(entry: &'a Entry, sha256: Option<&'a str>) -> Self {
-        let Entry { number, name, file, label, cluster, family, .. } = entry;
-        Self { entry: *number, name, file, label, cluster, family, sha256: sha256.unwrap_or_default() }
+        let Entry {
+            number,
+            name,
+            file,
+            label,
+            cluster,
+            family,
+            ..
+        } = entry;
+        Self {
+            entry: *number,
+            name,
+            file,
+            label,
+            cluster,
+            family,
+            sha256: sha256.unwrap_or_default(),
+        }
     }
 
     fn of_sample(sample: &'a SampleRecord) -> Self {
-        let SampleRecord { entry, name, file, label, cluster, family, sha256, .. } = sample;
-        Self { entry: *entry, name, file, label, cluster, family, sha256 }
+        let SampleRecord {
+            entry,
+            name,
+            file,
+            label,
+            cluster,
+            family,
+            sha256,
+            ..
+        } = sample;
+        Self {
+            entry: *entry,
+            name,
+            file,
+            label,
+            cluster,
+            family,
+            sha256,
+        }
     }
 
     fn of_exclusion(exclusion: &'a Exclusion) -> Self {
-        let Exclusion { entry, name, file, label, cluster, family, sha256, .. } = exclusion;
-        Self { entry: *entry, name, file, label, cluster, family, sha256 }
+        let Exclusion {
+            entry,
+            name,
+            file,
+            label,
+            cluster,
+            family,
+            sha256,
+            ..
+        } = exclusion;
+        Self {
+            entry: *entry,
+            name,
+            file,
+            label,
+            cluster,
+            family,
+            sha256,
+        }
     }
 
     /// The rows of a set: samples, then what was left out.
     pub fn of_content(content: &'a SetContent) -> Vec<Self> {
         let excluded = content.excluded.iter().map(Self::of_exclusion);
-        content.samples.iter().map(Self::of_sample).chain(excluded).collect()
+        content
+            .samples
+            .iter()
+            .map(Self::of_sample)
+            .chain(excluded)
+            .collect()
     }
 }

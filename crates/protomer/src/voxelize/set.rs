@@ -42,9 +42,27 @@ pub struct Exclusion {
 impl Exclusion {
     /// The exclusion of an entry.
     pub fn new(entry: &Entry, sha256: Option<&str>, reason: Reason, detail: String) -> Self {
-        let Entry { number, name, file, label, cluster, family, .. } = entry.clone();
+        let Entry {
+            number,
+            name,
+            file,
+            label,
+            cluster,
+            family,
+            ..
+        } = entry.clone();
         let sha256 = sha256.unwrap_or_default().to_owned();
-        Self { entry: number, name, file, label, cluster, family, sha256, reason, detail }
+        Self {
+            entry: number,
+            name,
+            file,
+            label,
+            cluster,
+            family,
+            sha256,
+            reason,
+            detail,
+        }
     }
 }
 
@@ -78,7 +96,15 @@ pub struct SampleRecord {
 impl SampleRecord {
     /// The record of an entry's sample.
     pub fn new(entry: &Entry, sha256: Option<&str>, key: &str, sample: &Sample) -> Self {
-        let Entry { number, name, file, label, cluster, family, .. } = entry.clone();
+        let Entry {
+            number,
+            name,
+            file,
+            label,
+            cluster,
+            family,
+            ..
+        } = entry.clone();
         Self {
             entry: number,
             name,
@@ -129,10 +155,18 @@ pub fn state_of(output: &Path, identity: &str) -> Result<OnDisk> {
     if !output.exists() {
         return Ok(OnDisk::Nothing);
     }
-    let reader = SetReader::open(output)
-        .with_context(|| format!("{} is there and no voxel set; name another output", output.display()))?;
+    let reader = SetReader::open(output).with_context(|| {
+        format!(
+            "{} is there and no voxel set; name another output",
+            output.display()
+        )
+    })?;
     let same = reader.attributes().get("identity").and_then(Value::as_str) == Some(identity);
-    Ok(if same { OnDisk::Same(Box::new(reader)) } else { OnDisk::Other })
+    Ok(if same {
+        OnDisk::Same(Box::new(reader))
+    } else {
+        OnDisk::Other
+    })
 }
 
 /// The structures left out of a set.
@@ -140,7 +174,11 @@ pub fn state_of(output: &Path, identity: &str) -> Result<OnDisk> {
 /// # Errors
 /// If the attribute is damaged.
 pub fn exclusions(reader: &SetReader) -> Result<Vec<Exclusion>> {
-    let value = reader.attributes().get("excluded").cloned().unwrap_or_else(|| json!([]));
+    let value = reader
+        .attributes()
+        .get("excluded")
+        .cloned()
+        .unwrap_or_else(|| json!([]));
     serde_json::from_value(value).context("the attribute 'excluded' is damaged; make the set again")
 }
 
@@ -149,7 +187,11 @@ pub fn exclusions(reader: &SetReader) -> Result<Vec<Exclusion>> {
 /// # Errors
 /// If the attribute is damaged or of another version.
 pub fn settings_of(reader: &SetReader) -> Result<VoxelizeSettings> {
-    let value = reader.attributes().get("settings").cloned().unwrap_or_default();
+    let value = reader
+        .attributes()
+        .get("settings")
+        .cloned()
+        .unwrap_or_default();
     serde_json::from_value(value)
         .context("the attribute 'settings' is damaged or of another version; make the set again")
 }
@@ -164,15 +206,30 @@ pub fn attributes(
     identity: &str,
     content: &SetContent,
 ) -> Result<Map<String, Value>> {
-    let words = |word: fn(&SampleRecord) -> &String| content.samples.iter().map(word).collect::<Vec<&String>>();
-    let channel = |channel: &Channel| match channel {
-        Channel::Shape => (channel.name(), "1 where the surface passes through: centres at most half an edge from it"),
-        Channel::Solid => (channel.name(), "1 where the centre is inside the surface"),
-        Channel::Potential => (channel.name(), "kT/e, at the point of the surface nearest to the centre"),
-        Channel::Hydropathy => (channel.name(), "Kyte-Doolittle index, averaged over the residues near by"),
+    let words = |word: fn(&SampleRecord) -> &String| {
+        content.samples.iter().map(word).collect::<Vec<&String>>()
     };
-    let meanings: Map<String, Value> =
-        settings.channels.iter().map(channel).map(|(name, meaning)| (name.to_owned(), json!(meaning))).collect();
+    let channel = |channel: &Channel| match channel {
+        Channel::Shape => (
+            channel.name(),
+            "1 where the surface passes through: centres at most half an edge from it",
+        ),
+        Channel::Solid => (channel.name(), "1 where the centre is inside the surface"),
+        Channel::Potential => (
+            channel.name(),
+            "kT/e, at the point of the surface nearest to the centre",
+        ),
+        Channel::Hydropathy => (
+            channel.name(),
+            "Kyte-Doolittle index, averaged over the residues near by",
+        ),
+    };
+    let meanings: Map<String, Value> = settings
+        .channels
+        .iter()
+        .map(channel)
+        .map(|(name, meaning)| (name.to_owned(), json!(meaning)))
+        .collect();
     let manifest_sha256 = match origins {
         [only] => only.manifest_sha256.as_str(),
         _ => "",
@@ -211,7 +268,9 @@ pub fn attributes(
 /// The warnings of each sample that has any, by its name.
 pub fn warnings_of(samples: &[SampleRecord]) -> BTreeMap<String, Vec<String>> {
     let warned = samples.iter().filter(|sample| !sample.warnings.is_empty());
-    warned.map(|sample| (sample.name.clone(), sample.warnings.clone())).collect()
+    warned
+        .map(|sample| (sample.name.clone(), sample.warnings.clone()))
+        .collect()
 }
 
 /// Names of the columns of numbers.
@@ -235,13 +294,21 @@ pub fn columns() -> Vec<String> {
     ]
     .map(str::to_owned)
     .to_vec();
-    columns.extend(letters().iter().map(|letter| format!("composition_{letter}")));
+    columns.extend(
+        letters()
+            .iter()
+            .map(|letter| format!("composition_{letter}")),
+    );
     columns
 }
 
 fn row(sample: &SampleRecord) -> Vec<f64> {
     let p = &sample.properties;
-    let mut row = vec![sample.entry as f64, p.residues as f64, p.radius_of_gyration_angstrom];
+    let mut row = vec![
+        sample.entry as f64,
+        p.residues as f64,
+        p.radius_of_gyration_angstrom,
+    ];
     row.extend(p.extents_angstrom);
     row.extend([p.net_charge_e, p.spacing_angstrom]);
     row.extend(p.rotation_wxyz);
@@ -259,14 +326,25 @@ pub fn samples_of(reader: &SetReader) -> Result<Vec<SampleRecord>> {
         bail!("the columns of the properties are of another version; make the set again");
     }
     let words = |list: &str| {
-        let words = reader.words(list).filter(|words| words.len() == reader.len());
-        words.ok_or_else(|| anyhow!("the attribute 'samples' has no list '{list}' of {} words", reader.len()))
+        let words = reader
+            .words(list)
+            .filter(|words| words.len() == reader.len());
+        words.ok_or_else(|| {
+            anyhow!(
+                "the attribute 'samples' has no list '{list}' of {} words",
+                reader.len()
+            )
+        })
     };
     let (names, files, hashes) = (words("name")?, words("file")?, words("sha256")?);
     let (labels, clusters, families) = (words("label")?, words("cluster")?, words("family")?);
-    let warnings = reader.attributes().get("warnings").cloned().unwrap_or_else(|| json!({}));
-    let mut warnings: BTreeMap<String, Vec<String>> =
-        serde_json::from_value(warnings).context("the attribute 'warnings' is damaged; make the set again")?;
+    let warnings = reader
+        .attributes()
+        .get("warnings")
+        .cloned()
+        .unwrap_or_else(|| json!({}));
+    let mut warnings: BTreeMap<String, Vec<String>> = serde_json::from_value(warnings)
+        .context("the attribute 'warnings' is damaged; make the set again")?;
     let mut samples = Vec::with_capacity(reader.len());
     for sample in 0..reader.len() {
         let row = reader.row(sample);
@@ -292,13 +370,16 @@ pub fn samples_of(reader: &SetReader) -> Result<Vec<SampleRecord>> {
                 middle_angstrom: std::array::from_fn(|n| at(12 + n)),
                 composition: std::array::from_fn(|n| at(15 + n)),
             },
-            warnings: warnings.remove(names.get(sample).map_or("", String::as_str)).unwrap_or_default(),
+            warnings: warnings
+                .remove(names.get(sample).map_or("", String::as_str))
+                .unwrap_or_default(),
         });
     }
     Ok(samples)
 }
 
-/// Writes a set into an empty folder; `voxels` gives those of each sample in turn, with a list per channel.
+/// Writes a set into an empty folder; `voxels` gives those of each sample in turn, with a list per
+/// channel.
 ///
 /// # Errors
 /// If the disk takes no more, and what `voxels` says.
@@ -309,9 +390,14 @@ pub fn write(
     mut attributes: Map<String, Value>,
     voxels: &mut dyn FnMut(usize) -> Result<Voxels>,
 ) -> Result<()> {
-    let channels: Vec<String> = settings.channels.iter().map(|channel| channel.name().to_owned()).collect();
+    let channels: Vec<String> = settings
+        .channels
+        .iter()
+        .map(|channel| channel.name().to_owned())
+        .collect();
     let implied = settings.implied_channels();
-    let mut writer = SetWriter::create(folder, settings.size, &channels, &implied, content.voxels())?;
+    let mut writer =
+        SetWriter::create(folder, settings.size, &channels, &implied, content.voxels())?;
     let mut statistics = Gathering::new(settings, &content.samples);
     for (number, sample) in content.samples.iter().enumerate() {
         let voxels = voxels(number)?;
@@ -323,9 +409,14 @@ pub fn write(
             .filter(|(channel, _)| !implied.contains(channel))
             .map(|(_, values)| values.as_slice())
             .collect();
-        writer.push(&index, &stored).with_context(|| sample.name.clone())?;
+        writer
+            .push(&index, &stored)
+            .with_context(|| sample.name.clone())?;
     }
-    attributes.insert("statistics".into(), serde_json::to_value(statistics.finish())?);
+    attributes.insert(
+        "statistics".into(),
+        serde_json::to_value(statistics.finish())?,
+    );
     let rows: Vec<f64> = content.samples.iter().flat_map(row).collect();
     Ok(writer.finish(&columns(), &rows, attributes)?)
 }
@@ -365,7 +456,9 @@ pub fn replace(output: &Path, fill: impl FnOnce(&Path) -> Result<()>) -> Result<
 
 /// Bytes of all files of a folder; zero if there is none.
 pub fn bytes_on_disk(folder: &Path) -> u64 {
-    let Ok(entries) = folder.read_dir() else { return 0 };
+    let Ok(entries) = folder.read_dir() else {
+        return 0;
+    };
     let bytes = |entry: std::fs::DirEntry| match entry.metadata() {
         Ok(metadata) if metadata.is_dir() => bytes_on_disk(&entry.path()),
         Ok(metadata) => metadata.len(),

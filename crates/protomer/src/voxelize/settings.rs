@@ -105,13 +105,28 @@ impl VoxelizeSettings {
         }
         for (place, channel) in self.channels.iter().enumerate() {
             if self.channels[..place].contains(channel) {
-                bail!("the channel {} is given twice; name it once", channel.name());
+                bail!(
+                    "the channel {} is given twice; name it once",
+                    channel.name()
+                );
             }
         }
         let ranges = [
             ("the probe radius", self.probe_angstrom, 0.1, 20.0, " Å"),
-            ("the hydropathy reach", self.hydropathy_reach_angstrom, 0.1, 50.0, " Å"),
-            ("the share of incomplete residues", self.most_incomplete, 0.0, 1.0, ""),
+            (
+                "the hydropathy reach",
+                self.hydropathy_reach_angstrom,
+                0.1,
+                50.0,
+                " Å",
+            ),
+            (
+                "the share of incomplete residues",
+                self.most_incomplete,
+                0.0,
+                1.0,
+                "",
+            ),
             ("the pH", self.ph, -10.0, 30.0, ""),
         ];
         for (what, value, low, high, unit) in ranges {
@@ -129,7 +144,10 @@ impl VoxelizeSettings {
     /// For conditions that no solvent has.
     pub fn voxel_settings(&self) -> Result<VoxelSettings> {
         let conditions = Conditions::new(self.temperature_kelvin, self.salt_molar, self.ph)?;
-        let medium = Medium { probe_angstrom: self.probe_angstrom, ..Medium::new(conditions) };
+        let medium = Medium {
+            probe_angstrom: self.probe_angstrom,
+            ..Medium::new(conditions)
+        };
         Ok(VoxelSettings {
             channels: self.channels.clone(),
             potential: self.potential,
@@ -138,7 +156,8 @@ impl VoxelizeSettings {
         })
     }
 
-    /// Channels that are 1 in every occupied voxel: the shape, where nothing but the shell is occupied.
+    /// Channels that are 1 in every occupied voxel: the shape, where nothing but the shell is
+    /// occupied.
     pub fn implied_channels(&self) -> Vec<String> {
         let has = |channel| self.channels.contains(&channel);
         match has(Channel::Shape) && !has(Channel::Solid) {

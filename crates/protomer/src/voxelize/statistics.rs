@@ -1,8 +1,9 @@
-//! What values a channel has in occupied voxels of the training part: what a user needs to bring it to a usual size.
+//! What values a channel has in occupied voxels of the training part: what a user needs to bring it
+//! to a usual size.
 //!
-//! The training part is that of the split by cluster with the set's seed and the usual shares, so it has nothing of the
-//! validation and test parts. `protomer train` splits by its own seed and target, and takes the statistics of its own
-//! training part.
+//! The training part is that of the split by cluster with the set's seed and the usual shares, so
+//! it has nothing of the validation and test parts. `protomer train` splits by its own seed and
+//! target, and takes the statistics of its own training part.
 
 use super::set::SampleRecord;
 use super::settings::VoxelizeSettings;
@@ -17,7 +18,8 @@ use std::collections::{BTreeMap, BTreeSet};
 /// The attribute `statistics` of a set.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Statistics {
-    /// Which samples they are over: `training part`, or `all samples` where clusters are too few to split.
+    /// Which samples they are over: `training part`, or `all samples` where clusters are too few to
+    /// split.
     pub over: &'static str,
     /// These samples, counted from 0.
     pub samples: Vec<usize>,
@@ -27,8 +29,8 @@ pub struct Statistics {
     pub channels: BTreeMap<String, ChannelStatistics>,
 }
 
-/// Values of a channel over occupied voxels (of channels of the surface: over its voxels), in its unit; none of them if
-/// there is no voxel.
+/// Values of a channel over occupied voxels (of channels of the surface: over its voxels), in its
+/// unit; none of them if there is no voxel.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct ChannelStatistics {
     /// Occupied voxels.
@@ -60,7 +62,8 @@ pub struct Gathering {
 #[derive(Default)]
 struct Gathered {
     voxels: u64,
-    /// Of squares of differences from the first value, which loses no digits where values differ little.
+    /// Of squares of differences from the first value, which loses no digits where values differ
+    /// little.
     squares: f64,
     first: f64,
     shifted: f64,
@@ -77,14 +80,26 @@ impl Gathering {
             ..Description::default()
         };
         let descriptions: Vec<Description> = samples.iter().map(describe).collect();
-        let (over, chosen) = match Split::grouped(&descriptions, settings.seed, Fractions::default()) {
-            Ok(split) if !split.training.is_empty() => ("training part", split.training.into_iter().collect()),
-            _ => ("all samples", (0..samples.len()).collect::<BTreeSet<usize>>()),
-        };
+        let (over, chosen) =
+            match Split::grouped(&descriptions, settings.seed, Fractions::default()) {
+                Ok(split) if !split.training.is_empty() => {
+                    ("training part", split.training.into_iter().collect())
+                }
+                _ => (
+                    "all samples",
+                    (0..samples.len()).collect::<BTreeSet<usize>>(),
+                ),
+            };
         let most = (MOST_VALUES / chosen.len().max(1)).max(1);
         let empty = |channel: &Channel| (channel.name().to_owned(), Gathered::default());
         let channels = settings.channels.iter().map(empty).collect();
-        Self { over, samples: chosen, split_seed: settings.seed, most, channels }
+        Self {
+            over,
+            samples: chosen,
+            split_seed: settings.seed,
+            most,
+            channels,
+        }
     }
 
     /// Looks at a sample, if it is of the training part.
@@ -101,9 +116,18 @@ impl Gathering {
 
     /// The statistics.
     pub fn finish(self) -> Statistics {
-        let channels = self.channels.into_iter().map(|(name, gathered)| (name, gathered.finish())).collect();
+        let channels = self
+            .channels
+            .into_iter()
+            .map(|(name, gathered)| (name, gathered.finish()))
+            .collect();
         let samples = self.samples.into_iter().collect();
-        Statistics { over: self.over, samples, split_seed: self.split_seed, channels }
+        Statistics {
+            over: self.over,
+            samples,
+            split_seed: self.split_seed,
+            channels,
+        }
     }
 }
 
@@ -122,16 +146,21 @@ impl Gathered {
             self.squares += difference * difference;
             self.voxels += 1;
         }
-        self.kept.extend(stored().step_by(values.len().div_ceil(most).max(1)));
+        self.kept
+            .extend(stored().step_by(values.len().div_ceil(most).max(1)));
     }
 
     fn finish(mut self) -> ChannelStatistics {
-        let Some((minimum, maximum)) = self.range else { return ChannelStatistics::default() };
+        let Some((minimum, maximum)) = self.range else {
+            return ChannelStatistics::default();
+        };
         let count = self.voxels as f64;
         let shift = self.shifted / count;
         let variance = (self.squares / count - shift * shift).max(0.0);
         let middle = median(&mut self.kept);
-        self.kept.iter_mut().for_each(|value| *value = (*value - middle).abs());
+        self.kept
+            .iter_mut()
+            .for_each(|value| *value = (*value - middle).abs());
         ChannelStatistics {
             voxels: self.voxels,
             mean: Some(self.first + shift),
@@ -184,7 +213,10 @@ mod tests {
     }
 
     fn settings() -> VoxelizeSettings {
-        VoxelizeSettings { channels: vec![Channel::Shape, Channel::Potential], ..VoxelizeSettings::default() }
+        VoxelizeSettings {
+            channels: vec![Channel::Shape, Channel::Potential],
+            ..VoxelizeSettings::default()
+        }
     }
 
     #[test]
@@ -194,8 +226,12 @@ mod tests {
         gathering.add(0, &voxels(&[-1.0, 3.0]));
         gathering.add(1, &voxels(&[5.0, 7.0, -9.0]));
         let statistics = gathering.finish();
-        assert_eq!((statistics.over, &statistics.samples[..]), ("all samples", &[0, 1][..]));
-        // -9 -1 3 5 7: mean 1, squares of deviations 100 4 4 16 36, median 3, distances from it 12 4 0 2 4.
+        assert_eq!(
+            (statistics.over, &statistics.samples[..]),
+            ("all samples", &[0, 1][..])
+        );
+        // -9 -1 3 5 7: mean 1, squares of deviations 100 4 4 16 36, median 3, distances from it 12
+        // 4 0 2 4.
         let expected = ChannelStatistics {
             voxels: 5,
             mean: Some(1.0),
@@ -211,13 +247,19 @@ mod tests {
 
     #[test]
     fn what_is_not_of_the_training_part_changes_nothing() {
-        let samples: Vec<SampleRecord> = (0..40).map(|number| record(number, &format!("c{number}"))).collect();
+        let samples: Vec<SampleRecord> = (0..40)
+            .map(|number| record(number, &format!("c{number}")))
+            .collect();
         let of = |outside: f32| {
             let mut gathering = Gathering::new(&settings(), &samples);
             let inside = gathering.samples.clone();
             assert!(inside.len() > 20 && inside.len() < 35);
             for sample in 0..samples.len() {
-                let value = if inside.contains(&sample) { sample as f32 } else { outside };
+                let value = if inside.contains(&sample) {
+                    sample as f32
+                } else {
+                    outside
+                };
                 gathering.add(sample, &voxels(&[value]));
             }
             gathering.finish()
@@ -229,6 +271,9 @@ mod tests {
     #[test]
     fn no_voxels_have_no_mean() {
         let statistics = Gathering::new(&settings(), &[]).finish();
-        assert_eq!(statistics.channels["potential"], ChannelStatistics::default());
+        assert_eq!(
+            statistics.channels["potential"],
+            ChannelStatistics::default()
+        );
     }
 }

@@ -5,7 +5,9 @@ use super::settings::{Spacing, VoxelizeSettings};
 use crate::input::InputFile;
 use anyhow::{Result, anyhow, bail};
 use protomer_body::chemistry::residue_names::modified_residue;
-use protomer_body::chemistry::{AminoAcid, ChargedSites, SiteSettings, build_sites, sites_of_points};
+use protomer_body::chemistry::{
+    AminoAcid, ChargedSites, SiteSettings, build_sites, sites_of_points,
+};
 use protomer_body::structure::{Ending, Format, SelectionSettings, Structure};
 use protomer_body::structure_warnings;
 use protomer_field::voxels::channels::{bounds, pose};
@@ -96,20 +98,35 @@ type Checked<T> = std::result::Result<T, Excluded>;
 pub fn voxelize_structure(entry: &Entry, settings: &VoxelizeSettings) -> Outcome {
     match sample(entry, settings) {
         Ok(sample) => Outcome::Sample(Box::new(sample)),
-        Err(Excluded(reason, error)) => Outcome::Excluded { reason, detail: format!("{error:#}") },
+        Err(Excluded(reason, error)) => Outcome::Excluded {
+            reason,
+            detail: format!("{error:#}"),
+        },
     }
 }
 
 fn sample(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Sample> {
-    let Content { sites, incomplete, warnings } = read(entry, settings)?;
-    let amino_acids: Vec<AminoAcid> = sites.residues.iter().filter_map(|residue| amino_acid(&residue.name)).collect();
+    let Content {
+        sites,
+        incomplete,
+        warnings,
+    } = read(entry, settings)?;
+    let amino_acids: Vec<AminoAcid> = sites
+        .residues
+        .iter()
+        .filter_map(|residue| amino_acid(&residue.name))
+        .collect();
     if amino_acids.is_empty() {
-        let error = anyhow!("none of the {} residues is an amino acid", sites.residues.len());
+        let error = anyhow!(
+            "none of the {} residues is an amino acid",
+            sites.residues.len()
+        );
         return Err(Excluded(Reason::NoProtein, error));
     }
     if incomplete as f64 > settings.most_incomplete * amino_acids.len() as f64 {
         let count = amino_acids.len();
-        let error = anyhow!("{incomplete} of {count} residues lack heavy atoms, as in a trace of Cα atoms");
+        let error =
+            anyhow!("{incomplete} of {count} residues lack heavy atoms, as in a trace of Cα atoms");
         return Err(Excluded(Reason::Truncated, error));
     }
     let sphere = |site: &protomer_body::Site| ChargedSphere {
@@ -117,15 +134,27 @@ fn sample(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Sample> {
         radius_angstrom: site.radius_angstrom,
         charge_e: site.charge_e,
     };
-    let mut atoms: Vec<VoxelAtom> =
-        sites.sites.iter().map(|site| VoxelAtom { sphere: sphere(site), residue: site.residue }).collect();
+    let mut atoms: Vec<VoxelAtom> = sites
+        .sites
+        .iter()
+        .map(|site| VoxelAtom {
+            sphere: sphere(site),
+            residue: site.residue,
+        })
+        .collect();
     let positions: Vec<Vec3> = atoms.iter().map(|atom| atom.sphere.centre).collect();
-    let rotation = settings.orientation.rotation(&positions, settings.seed, key_of(&entry.name));
+    let rotation = settings
+        .orientation
+        .rotation(&positions, settings.seed, key_of(&entry.name));
     let middle = pose(&mut atoms, &rotation);
     let lattice = lattice(&atoms, settings).map_err(|error| Excluded(Reason::TooLarge, error))?;
     let failed = |error: anyhow::Error| Excluded(Reason::Failed, error);
     let voxel_settings = settings.voxel_settings().map_err(failed)?;
-    let hydropathy: Vec<Option<f64>> = sites.residues.iter().map(|residue| residue.hydropathy).collect();
+    let hydropathy: Vec<Option<f64>> = sites
+        .residues
+        .iter()
+        .map(|residue| residue.hydropathy)
+        .collect();
     let voxels = voxelise(&atoms, &hydropathy, &lattice, &voxel_settings).map_err(|error| {
         let reason = match error {
             FieldError::NotConverged { .. } | FieldError::ChargeOutside { .. } => Reason::Potential,
@@ -133,7 +162,8 @@ fn sample(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Sample> {
         };
         Excluded(reason, error.into())
     })?;
-    check_values(&voxels, &settings.channels).map_err(|error| Excluded(Reason::Potential, error))?;
+    check_values(&voxels, &settings.channels)
+        .map_err(|error| Excluded(Reason::Potential, error))?;
     let properties = Properties {
         residues: amino_acids.len(),
         radius_of_gyration_angstrom: radius_of_gyration(&positions),
@@ -144,14 +174,21 @@ fn sample(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Sample> {
         middle_angstrom: middle.into(),
         composition: composition(&amino_acids),
     };
-    Ok(Sample { properties, voxels, warnings })
+    Ok(Sample {
+        properties,
+        voxels,
+        warnings,
+    })
 }
 
 /// Whether a set can keep the values.
 fn check_values(voxels: &Voxels, channels: &[Channel]) -> Result<()> {
     for (channel, values) in channels.iter().zip(&voxels.values) {
         if let Some(value) = values.iter().find(|value| !as_stored(**value).is_finite()) {
-            bail!("the channel {} holds {value}; a set keeps finite values up to ± 65504", channel.name());
+            bail!(
+                "the channel {} holds {value}; a set keeps finite values up to ± 65504",
+                channel.name()
+            );
         }
     }
     Ok(())
@@ -169,20 +206,35 @@ fn read(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Content> {
     let unreadable = |error: anyhow::Error| Excluded(Reason::Unreadable, error);
     let file = InputFile::read(&entry.path).map_err(unreadable)?;
     if Format::of_name(&file.name) == Some(Format::Pqr) {
-        let points = read_points(&file.name, &file.bytes).map_err(|error| unreadable(error.into()))?;
+        let points =
+            read_points(&file.name, &file.bytes).map_err(|error| unreadable(error.into()))?;
         let sites = sites_of_points(&points).map_err(|error| unreadable(error.into()))?;
         let warnings = of_ending(&Ending::of_pqr(&String::from_utf8_lossy(&file.bytes)))?;
-        return Ok(Content { sites, incomplete: 0, warnings });
+        return Ok(Content {
+            sites,
+            incomplete: 0,
+            warnings,
+        });
     }
-    let structure = Structure::read(&file.name, &file.bytes).map_err(|error| unreadable(error.into()))?;
+    let structure =
+        Structure::read(&file.name, &file.bytes).map_err(|error| unreadable(error.into()))?;
     let mut warnings = of_ending(&structure.ending)?;
-    // With these settings a selection fails only if nothing is left without nucleic acids, ligands and water.
+    // With these settings a selection fails only if nothing is left without nucleic acids, ligands
+    // and water.
     let selection = structure.select(&SelectionSettings::default());
     let selection = selection.map_err(|error| Excluded(Reason::NoProtein, error.into()))?;
-    let site_settings = SiteSettings { ph: settings.ph, ..SiteSettings::default() };
-    let sites = build_sites(&selection, &site_settings).map_err(|error| Excluded(Reason::Failed, error.into()))?;
+    let site_settings = SiteSettings {
+        ph: settings.ph,
+        ..SiteSettings::default()
+    };
+    let sites = build_sites(&selection, &site_settings)
+        .map_err(|error| Excluded(Reason::Failed, error.into()))?;
     warnings.extend(structure_warnings(&structure, &selection.report));
-    Ok(Content { sites, incomplete: selection.report.incomplete.len(), warnings: at_most(MOST_WARNINGS, warnings) })
+    Ok(Content {
+        sites,
+        incomplete: selection.report.incomplete.len(),
+        warnings: at_most(MOST_WARNINGS, warnings),
+    })
 }
 
 /// Half a protein is no sample; where nothing is known of the end, the user hears of it.
@@ -223,7 +275,10 @@ fn lattice(atoms: &[VoxelAtom], settings: &VoxelizeSettings) -> Result<Lattice> 
     };
     let needed = (extent / spacing).ceil() as usize + 1;
     if needed > settings.size {
-        return Err(anyhow!("{extent:.1} Å need {needed} voxels of {spacing} Å, the grid has {}", settings.size));
+        return Err(anyhow!(
+            "{extent:.1} Å need {needed} voxels of {spacing} Å, the grid has {}",
+            settings.size
+        ));
     }
     if spacing > SPACING_RANGE_ANGSTROM.1 {
         return Err(anyhow!(
@@ -237,7 +292,12 @@ fn lattice(atoms: &[VoxelAtom], settings: &VoxelizeSettings) -> Result<Lattice> 
 fn radius_of_gyration(positions: &[Vec3]) -> f64 {
     let count = positions.len().max(1) as f64;
     let middle = positions.iter().sum::<Vec3>() / count;
-    (positions.iter().map(|position| (position - middle).norm_squared()).sum::<f64>() / count).sqrt()
+    (positions
+        .iter()
+        .map(|position| (position - middle).norm_squared())
+        .sum::<f64>()
+        / count)
+        .sqrt()
 }
 
 fn extents(atoms: &[VoxelAtom]) -> [f64; 3] {
@@ -246,7 +306,10 @@ fn extents(atoms: &[VoxelAtom]) -> [f64; 3] {
     let turned: Vec<VoxelAtom> = atoms
         .iter()
         .map(|atom| VoxelAtom {
-            sphere: ChargedSphere { centre: rotation * atom.sphere.centre, ..atom.sphere },
+            sphere: ChargedSphere {
+                centre: rotation * atom.sphere.centre,
+                ..atom.sphere
+            },
             ..*atom
         })
         .collect();
@@ -260,7 +323,10 @@ fn composition(amino_acids: &[AminoAcid]) -> [f64; 20] {
     let letters = letters();
     let mut shares = [0.0; 20];
     for amino_acid in amino_acids {
-        if let Some(place) = letters.iter().position(|letter| *letter == amino_acid.letter()) {
+        if let Some(place) = letters
+            .iter()
+            .position(|letter| *letter == amino_acid.letter())
+        {
             shares[place] += 1.0 / amino_acids.len() as f64;
         }
     }

@@ -1,8 +1,9 @@
 //! Finished samples, kept until all are done.
 //!
-//! One file, to which each finished structure appends a record: its length (8 bytes, little-endian) and a checksummed container.
-//! What a killed process left half-written at the end is cut off when the file is opened again. A whole record of
-//! another version is passed over: its key has another [`FORMAT`], so the sample is made again.
+//! One file, to which each finished structure appends a record: its length (8 bytes, little-endian)
+//! and a checksummed container. What a killed process left half-written at the end is cut off when
+//! the file is opened again. A whole record of another version is passed over: its key has another
+//! [`FORMAT`], so the sample is made again.
 
 use super::structure::{Outcome, Properties, Reason, Sample};
 use anyhow::{Context, Result, anyhow, bail};
@@ -53,18 +54,28 @@ impl WorkFile {
     /// Names the file.
     pub fn open(path: &Path) -> Result<Self> {
         let name = path.display().to_string();
-        let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path);
+        let file = OpenOptions::new()
+            .read(true)
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(path);
         let mut file = file.with_context(|| format!("cannot open {name}"))?;
         match file.try_lock() {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => bail!("another process works on {name}; wait for it"),
             Err(TryLockError::Error(error)) => {
-                return Err(error).with_context(|| format!("cannot lock {name}; use a disk of this machine"));
+                return Err(error)
+                    .with_context(|| format!("cannot lock {name}; use a disk of this machine"));
             }
         }
         let (records, end) = scan(&mut file).with_context(|| format!("cannot read {name}"))?;
-        file.set_len(end).with_context(|| format!("cannot cut the end off {name}"))?;
-        Ok(Self { path: path.to_owned(), inner: Mutex::new(Inner { file, records, end }) })
+        file.set_len(end)
+            .with_context(|| format!("cannot cut the end off {name}"))?;
+        Ok(Self {
+            path: path.to_owned(),
+            inner: Mutex::new(Inner { file, records, end }),
+        })
     }
 
     fn inner(&self) -> MutexGuard<'_, Inner> {
@@ -87,10 +98,15 @@ impl WorkFile {
         record.extend(bytes);
         let mut inner = self.inner();
         let begin = inner.end;
-        let written = inner.file.seek(SeekFrom::Start(begin)).and_then(|_| inner.file.write_all(&record));
+        let written = inner
+            .file
+            .seek(SeekFrom::Start(begin))
+            .and_then(|_| inner.file.write_all(&record));
         written.with_context(|| format!("cannot write {}", self.path.display()))?;
         inner.end += record.len() as u64;
-        inner.records.insert(key.to_owned(), (begin + 8, record.len() as u64 - 8));
+        inner
+            .records
+            .insert(key.to_owned(), (begin + 8, record.len() as u64 - 8));
         Ok(())
     }
 
@@ -101,9 +117,15 @@ impl WorkFile {
     pub fn get(&self, key: &str) -> Result<Outcome> {
         let name = self.path.display().to_string();
         let mut inner = self.inner();
-        let (begin, length) = *inner.records.get(key).ok_or_else(|| anyhow!("{name} has no record {key}"))?;
+        let (begin, length) = *inner
+            .records
+            .get(key)
+            .ok_or_else(|| anyhow!("{name} has no record {key}"))?;
         let mut bytes = vec![0; length as usize];
-        let read = inner.file.seek(SeekFrom::Start(begin)).and_then(|_| inner.file.read_exact(&mut bytes));
+        let read = inner
+            .file
+            .seek(SeekFrom::Start(begin))
+            .and_then(|_| inner.file.read_exact(&mut bytes));
         read.with_context(|| format!("cannot read {name}"))?;
         drop(inner);
         Ok(decode(&name, &Container::from_bytes(&name, KIND, &bytes)?)?.1)
@@ -114,7 +136,8 @@ impl WorkFile {
     /// # Errors
     /// Names the file.
     pub fn remove(self) -> Result<()> {
-        std::fs::remove_file(&self.path).with_context(|| format!("cannot remove {}", self.path.display()))
+        std::fs::remove_file(&self.path)
+            .with_context(|| format!("cannot remove {}", self.path.display()))
     }
 }
 
@@ -134,7 +157,9 @@ fn scan(file: &mut File) -> Result<(Records, u64)> {
         }
         let mut bytes = vec![0; size as usize];
         reader.read_exact(&mut bytes)?;
-        let Ok(container) = Container::from_bytes("", KIND, &bytes) else { break };
+        let Ok(container) = Container::from_bytes("", KIND, &bytes) else {
+            break;
+        };
         if let Ok((key, _)) = decode("", &container) {
             records.insert(key, (end + 8, size));
         }
@@ -154,29 +179,40 @@ fn encode(key: &str, outcome: &Outcome) -> Result<Vec<u8>> {
         properties: sample.map(|sample| sample.properties.clone()),
         excluded,
         channels: voxels.map_or(0, |voxels| voxels.values.len()),
-        warnings: sample.map(|sample| sample.warnings.clone()).unwrap_or_default(),
+        warnings: sample
+            .map(|sample| sample.warnings.clone())
+            .unwrap_or_default(),
     };
     let mut container = Container::new(KIND, serde_json::to_value(header)?);
     if let Some(voxels) = voxels {
         let count = voxels.index.len();
         container.insert("index", Array::u32(voxels.index.clone(), [count])?);
         for (channel, values) in voxels.values.iter().enumerate() {
-            container.insert(format!("channel_{channel}"), Array::f32(values.clone(), [count])?);
+            container.insert(
+                format!("channel_{channel}"),
+                Array::f32(values.clone(), [count])?,
+            );
         }
     }
     Ok(container.to_bytes()?)
 }
 
 fn decode(name: &str, container: &Container) -> Result<(String, Outcome)> {
-    let header: Header = serde_json::from_value(container.header.clone()).with_context(|| name.to_owned())?;
+    let header: Header =
+        serde_json::from_value(container.header.clone()).with_context(|| name.to_owned())?;
     let outcome = match (header.properties, header.excluded) {
         (Some(properties), None) => {
             let index = container.u32(name, "index", &[None])?.to_vec();
-            let channel = |channel| container.f32(name, &format!("channel_{channel}"), &[Some(index.len())]);
+            let channel =
+                |channel| container.f32(name, &format!("channel_{channel}"), &[Some(index.len())]);
             let values = (0..header.channels).map(|number| Ok(channel(number)?.to_vec()));
             let values = values.collect::<Result<Vec<_>>>()?;
             let voxels = Voxels { index, values };
-            Outcome::Sample(Box::new(Sample { properties, voxels, warnings: header.warnings }))
+            Outcome::Sample(Box::new(Sample {
+                properties,
+                voxels,
+                warnings: header.warnings,
+            }))
         }
         (None, Some((reason, detail))) => Outcome::Excluded { reason, detail },
         _ => bail!("{name}: a record is neither a sample nor an exclusion"),
@@ -200,15 +236,25 @@ mod tests {
             middle_angstrom: [0.0; 3],
             composition: [0.05; 20],
         };
-        let voxels = Voxels { index: vec![1, 5], values: vec![vec![1.0; 2], vec![seed, -seed]] };
-        Outcome::Sample(Box::new(Sample { properties, voxels, warnings: vec!["it lacks CB".into()] }))
+        let voxels = Voxels {
+            index: vec![1, 5],
+            values: vec![vec![1.0; 2], vec![seed, -seed]],
+        };
+        Outcome::Sample(Box::new(Sample {
+            properties,
+            voxels,
+            warnings: vec!["it lacks CB".into()],
+        }))
     }
 
     #[test]
     fn what_a_killed_process_left_is_cut_off() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.work");
-        let excluded = Outcome::Excluded { reason: Reason::TooLarge, detail: "x".into() };
+        let excluded = Outcome::Excluded {
+            reason: Reason::TooLarge,
+            detail: "x".into(),
+        };
         let work = WorkFile::open(&path).unwrap();
         work.keep("a", &sample(0.5)).unwrap();
         work.keep("b", &excluded).unwrap();
@@ -221,7 +267,10 @@ mod tests {
             std::fs::write(&path, &bytes[..cut as usize]).unwrap();
             let work = WorkFile::open(&path).unwrap();
             assert!(work.has("a") && work.has("b") && !work.has("c"));
-            assert_eq!((work.get("a").unwrap(), work.get("b").unwrap()), (sample(0.5), excluded.clone()));
+            assert_eq!(
+                (work.get("a").unwrap(), work.get("b").unwrap()),
+                (sample(0.5), excluded.clone())
+            );
             work.keep("c", &sample(3.0)).unwrap();
             assert_eq!(work.get("c").unwrap(), sample(3.0));
         }
@@ -245,7 +294,8 @@ mod tests {
             bytes.extend(record);
         };
         append(encode("a", &sample(0.5)).unwrap());
-        let older = serde_json::json!({"key": "b", "properties": null, "excluded": null, "channels": 0});
+        let older =
+            serde_json::json!({"key": "b", "properties": null, "excluded": null, "channels": 0});
         append(Container::new(KIND, older).to_bytes().unwrap());
         append(encode("c", &sample(1.5)).unwrap());
         std::fs::write(&path, &bytes).unwrap();
@@ -254,6 +304,9 @@ mod tests {
         assert_eq!(work.get("c").unwrap(), sample(1.5));
         work.keep("b", &sample(2.5)).unwrap();
         drop(work);
-        assert_eq!(WorkFile::open(&path).unwrap().get("b").unwrap(), sample(2.5));
+        assert_eq!(
+            WorkFile::open(&path).unwrap().get("b").unwrap(),
+            sample(2.5)
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! A folder with two small charged bodies and a square of four of them, and the program to run in it.
+//! A folder with two small charged bodies and a square of four of them, and the program to run in
+//! it.
 
 #![allow(dead_code)] // each test program uses its part
 
@@ -19,8 +20,10 @@ const RING: &str = r#"{"box_angstrom": [80, 80, 80],
   {"body": "b", "position_angstrom": [0, 12, 0], "orientation_wxyz": [1, 0, 0, 0]}]}"#;
 
 /// Charges of the two bodies: x, y, z (Å), charge (e).
-pub const CHARGES: [&[[f64; 4]]; 2] =
-    [&[[0.0, 0.0, 0.0, 4.0], [3.0, 0.0, 0.0, 1.0]], &[[0.0, 0.0, 0.0, -4.0], [0.0, 3.0, 0.0, -0.5]]];
+pub const CHARGES: [&[[f64; 4]]; 2] = [
+    &[[0.0, 0.0, 0.0, 4.0], [3.0, 0.0, 0.0, 1.0]],
+    &[[0.0, 0.0, 0.0, -4.0], [0.0, 3.0, 0.0, -0.5]],
+];
 
 /// A folder that is removed at the end.
 pub struct TemporaryFolder {
@@ -30,12 +33,19 @@ pub struct TemporaryFolder {
 impl TemporaryFolder {
     /// With `a.body`, `b.body` and `ring.json` in it.
     pub fn new() -> Self {
-        let place = Self { folder: tempfile::tempdir().unwrap() };
+        let place = Self {
+            folder: tempfile::tempdir().unwrap(),
+        };
         std::fs::write(place.path("cube.off"), CUBE).unwrap();
         for (name, charges) in ["a", "b"].into_iter().zip(CHARGES) {
-            let lines: Vec<String> = charges.iter().map(|[x, y, z, q]| format!("{x} {y} {z} {q}\n")).collect();
+            let lines: Vec<String> = charges
+                .iter()
+                .map(|[x, y, z, q]| format!("{x} {y} {z} {q}\n"))
+                .collect();
             std::fs::write(place.path(&format!("{name}.xyzq")), lines.concat()).unwrap();
-            is_ok(&place.run(&format!("body --mesh cube.off --charges {name}.xyzq -o {name}.body")));
+            is_ok(&place.run(&format!(
+                "body --mesh cube.off --charges {name}.xyzq -o {name}.body"
+            )));
         }
         std::fs::write(place.path("ring.json"), RING).unwrap();
         place
@@ -50,30 +60,50 @@ impl TemporaryFolder {
     pub fn command(&self, arguments: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_protomer"));
         cleaned(&mut command);
-        command.args(arguments.split_whitespace()).current_dir(self.folder.path());
-        command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+        command
+            .args(arguments.split_whitespace())
+            .current_dir(self.folder.path());
+        command
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null());
         command
     }
 
     /// Runs the program to its end.
     pub fn run(&self, arguments: &str) -> Output {
-        self.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).output().unwrap()
+        self.command(arguments)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .output()
+            .unwrap()
     }
 
-    /// Runs it with files limited to this many blocks, so that writing beyond fails as on a full disk.
+    /// Runs it with files limited to this many blocks, so that writing beyond fails as on a full
+    /// disk.
     #[cfg(unix)]
     pub fn run_limited(&self, blocks: u32, arguments: &str) -> Output {
         // The signal is ignored so that the write returns an error, as a full disk does.
         let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" {arguments}");
         let mut shell = Command::new("sh");
         cleaned(&mut shell);
-        shell.args(["-c", &script, env!("CARGO_BIN_EXE_protomer")]).current_dir(self.folder.path()).output().unwrap()
+        shell
+            .args(["-c", &script, env!("CARGO_BIN_EXE_protomer")])
+            .current_dir(self.folder.path())
+            .output()
+            .unwrap()
     }
 }
 
 /// Nothing of the tester's own environment may change what is tested.
 pub fn cleaned(command: &mut Command) {
-    for name in ["PROTOMER_THREADS", "PROTOMER_FETCH_BASE", "ACTION_WALLTIME_IN_MINUTES", "COLUMNS", "LINES"] {
+    for name in [
+        "PROTOMER_THREADS",
+        "PROTOMER_FETCH_BASE",
+        "ACTION_WALLTIME_IN_MINUTES",
+        "COLUMNS",
+        "LINES",
+    ] {
         command.env_remove(name);
     }
     // Nor may the tests use the tester's cache.
@@ -87,10 +117,16 @@ pub fn message(output: &Output) -> String {
 
 /// Panics with what the program said unless it succeeded.
 pub fn is_ok(output: &Output) {
-    assert!(output.status.success(), "{:?}: {}", output.status, message(output));
+    assert!(
+        output.status.success(),
+        "{:?}: {}",
+        output.status,
+        message(output)
+    );
 }
 
-/// Every file below a folder: its path relative to the folder, and its bytes. None if there is no such folder.
+/// Every file below a folder: its path relative to the folder, and its bytes. None if there is no
+/// such folder.
 pub fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut files = BTreeMap::new();
     let mut folders = vec![folder.to_owned()];
@@ -100,7 +136,11 @@ pub fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
             if path.is_dir() {
                 folders.push(path);
             } else {
-                let name = path.strip_prefix(folder).unwrap().to_string_lossy().into_owned();
+                let name = path
+                    .strip_prefix(folder)
+                    .unwrap()
+                    .to_string_lossy()
+                    .into_owned();
                 files.insert(name, std::fs::read(&path).unwrap());
             }
         }

@@ -1,8 +1,9 @@
 //! The expanded balls of the atoms, and the caps that they cut off each other.
 //!
-//! Exact coincidences (four contacts of one probe position, tangent balls, the same atom twice) have no generic
-//! combinatorics. They are resolved by growing each radius by its own tiny amount, a hash of the atom's index times
-//! an amplitude of 1e-8 Å, far below the accuracy of any radius; everything after this is generic.
+//! Exact coincidences (four contacts of one probe position, tangent balls, the same atom twice)
+//! have no generic combinatorics. They are resolved by growing each radius by its own tiny amount,
+//! a hash of the atom's index times an amplitude of 1e-8 Å, far below the accuracy of any radius;
+//! everything after this is generic.
 
 use super::cells::CellList;
 use super::circle::Cap;
@@ -15,7 +16,8 @@ const MAX_COORDINATE_ANGSTROM: f64 = 1e10;
 const MAX_RADIUS_ANGSTROM: f64 = 1e3;
 /// Expanded balls smaller than this are points and expose nothing, Å.
 const LEAST_EXPANDED_RADIUS_ANGSTROM: f64 = 1e-4;
-/// More candidate pairs than this are refused: minutes of work that only atoms piled on each other can ask for.
+/// More candidate pairs than this are refused: minutes of work that only atoms piled on each other
+/// can ask for.
 const MAX_CANDIDATE_PAIRS: u64 = 500_000_000;
 
 /// Balls of radius r + p (+ a perturbation) about the atoms.
@@ -27,23 +29,30 @@ pub(crate) struct Balls {
 }
 
 impl Balls {
-    /// Checks the input and sorts the atoms into cells. Of several atoms at exactly the same place only the largest
-    /// enters the cells, so that a pile of duplicates costs nothing.
+    /// Checks the input and sorts the atoms into cells. Of several atoms at exactly the same place
+    /// only the largest enters the cells, so that a pile of duplicates costs nothing.
     pub(crate) fn new(centres: &[Vec3], radii: &[f64], probe: f64) -> Result<Self> {
         check(centres, radii, probe)?;
         let radii: Vec<f64> = radii.iter().map(|radius| radius + probe).collect();
-        let mut order: Vec<u32> =
-            (0..centres.len() as u32).filter(|&i| radii[i as usize] >= LEAST_EXPANDED_RADIUS_ANGSTROM).collect();
+        let mut order: Vec<u32> = (0..centres.len() as u32)
+            .filter(|&i| radii[i as usize] >= LEAST_EXPANDED_RADIUS_ANGSTROM)
+            .collect();
         let place = |i: u32| {
             let c = &centres[i as usize];
             [c.x, c.y, c.z].map(|x| (x + 0.0).to_bits())
         };
         order.sort_unstable_by(|&i, &j| {
-            place(i).cmp(&place(j)).then(radii[j as usize].total_cmp(&radii[i as usize])).then(i.cmp(&j))
+            place(i)
+                .cmp(&place(j))
+                .then(radii[j as usize].total_cmp(&radii[i as usize]))
+                .then(i.cmp(&j))
         });
         order.dedup_by_key(|i| place(*i));
         let Some(largest) = order.iter().map(|&i| radii[i as usize]).reduce(f64::max) else {
-            return Err(invalid("no atom with a radius above zero", "give atoms radii, or a probe"));
+            return Err(invalid(
+                "no atom with a radius above zero",
+                "give atoms radii, or a probe",
+            ));
         };
         let cells = CellList::new(centres, order.into_iter(), 2.0 * largest * (1.0 + 1e-6));
         if cells.candidate_pairs() > MAX_CANDIDATE_PAIRS {
@@ -52,14 +61,25 @@ impl Balls {
                 "check the coordinates for atoms piled on each other and the radii and probe for their unit (Å)",
             ));
         }
-        Ok(Self { centres: centres.to_vec(), radii, cells })
+        Ok(Self {
+            centres: centres.to_vec(),
+            radii,
+            cells,
+        })
     }
 
     /// The same balls, each radius grown by a hash of the atom's index times `amplitude`, Å.
     pub(crate) fn perturbed(&self, amplitude: f64) -> Self {
         let salt = amplitude.to_bits();
-        let radii = self.radii.iter().enumerate().map(|(i, r)| r + amplitude * hashed_fraction(i as u64 ^ salt));
-        Self { radii: radii.collect(), ..self.clone() }
+        let radii = self
+            .radii
+            .iter()
+            .enumerate()
+            .map(|(i, r)| r + amplitude * hashed_fraction(i as u64 ^ salt));
+        Self {
+            radii: radii.collect(),
+            ..self.clone()
+        }
     }
 
     /// Atoms that take part, neighbours in space next to each other.
@@ -67,7 +87,8 @@ impl Balls {
         self.cells.members()
     }
 
-    /// The caps that the other balls cut off ball `atom`, largest first; `None` if another ball holds it whole.
+    /// The caps that the other balls cut off ball `atom`, largest first; `None` if another ball
+    /// holds it whole.
     pub(crate) fn caps(&self, atom: u32, caps: &mut Vec<Cap>) -> Option<()> {
         caps.clear();
         let (centre, radius) = (self.centres[atom as usize], self.radii[atom as usize]);
@@ -89,10 +110,15 @@ impl Balls {
                 swallowed |= excess > 0.0;
                 return;
             }
-            // Distance of the plane of intersection from the centre: h = (d² + R_i² - R_j²) / (2 d).
+            // Distance of the plane of intersection from the centre: h = (d² + R_i² - R_j²) / (2
+            // d).
             let height = (square - excess * reach) / (2.0 * distance * radius);
             let height = height.clamp(-1.0 + 1e-15, 1.0 - 1e-15);
-            caps.push(Cap { axis: offset / distance, height, owner: other });
+            caps.push(Cap {
+                axis: offset / distance,
+                height,
+                owner: other,
+            });
         });
         if swallowed {
             return None;
@@ -115,12 +141,21 @@ fn check(centres: &[Vec3], radii: &[f64], probe: f64) -> Result<()> {
     }
     let acceptable = |radius: f64| (0.0..=MAX_RADIUS_ANGSTROM).contains(&radius);
     if !acceptable(probe) {
-        return Err(invalid(format!("probe radius {probe} Å"), "use 0 to 1000 Å; water is 1.4 Å"));
+        return Err(invalid(
+            format!("probe radius {probe} Å"),
+            "use 0 to 1000 Å; water is 1.4 Å",
+        ));
     }
     for (index, (centre, &radius)) in centres.iter().zip(radii).enumerate() {
         if !centre.iter().all(|x| x.abs() <= MAX_COORDINATE_ANGSTROM) {
-            let cause = format!("atom {index} stands at ({}, {}, {}) Å", centre.x, centre.y, centre.z);
-            return Err(invalid(cause, "coordinates must be finite and below 1e10 Å"));
+            let cause = format!(
+                "atom {index} stands at ({}, {}, {}) Å",
+                centre.x, centre.y, centre.z
+            );
+            return Err(invalid(
+                cause,
+                "coordinates must be finite and below 1e10 Å",
+            ));
         }
         if !acceptable(radius) {
             let cause = format!("atom {index} has radius {radius} Å");
@@ -131,7 +166,10 @@ fn check(centres: &[Vec3], radii: &[f64], probe: f64) -> Result<()> {
 }
 
 pub(crate) fn invalid(cause: impl Into<String>, remedy: impl Into<String>) -> BodyError {
-    BodyError::Invalid { cause: cause.into(), remedy: remedy.into() }
+    BodyError::Invalid {
+        cause: cause.into(),
+        remedy: remedy.into(),
+    }
 }
 
 /// A fixed pseudo-random number in [0, 1) for each index (the finaliser of SplitMix64).

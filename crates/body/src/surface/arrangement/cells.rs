@@ -13,15 +13,31 @@ pub(crate) struct CellList {
 
 impl CellList {
     /// Sorts `members`, indices into `centres`, into cells of this edge, Å.
-    pub(crate) fn new(centres: &[Vec3], members: impl Iterator<Item = u32>, cell_edge: f64) -> Self {
-        let mut keyed: Vec<([i64; 3], u32)> =
-            members.filter_map(|atom| centres.get(atom as usize).map(|c| (cell_of(c, cell_edge), atom))).collect();
+    pub(crate) fn new(
+        centres: &[Vec3],
+        members: impl Iterator<Item = u32>,
+        cell_edge: f64,
+    ) -> Self {
+        let mut keyed: Vec<([i64; 3], u32)> = members
+            .filter_map(|atom| {
+                centres
+                    .get(atom as usize)
+                    .map(|c| (cell_of(c, cell_edge), atom))
+            })
+            .collect();
         keyed.sort_unstable();
         let mut ranges: HashMap<[i64; 3], (u32, u32)> = HashMap::new();
         for (position, (key, _)) in keyed.iter().enumerate() {
-            ranges.entry(*key).or_insert((position as u32, position as u32)).1 = position as u32 + 1;
+            ranges
+                .entry(*key)
+                .or_insert((position as u32, position as u32))
+                .1 = position as u32 + 1;
         }
-        Self { cell_edge, ranges, atoms: keyed.into_iter().map(|(_, atom)| atom).collect() }
+        Self {
+            cell_edge,
+            ranges,
+            atoms: keyed.into_iter().map(|(_, atom)| atom).collect(),
+        }
     }
 
     /// How many candidates all queries at the members' own places would visit together.
@@ -29,18 +45,23 @@ impl CellList {
         self.ranges
             .iter()
             .map(|(key, range)| {
-                let around: u64 = around(key).filter_map(|k| self.ranges.get(&k)).map(|r| u64::from(r.1 - r.0)).sum();
+                let around: u64 = around(key)
+                    .filter_map(|k| self.ranges.get(&k))
+                    .map(|r| u64::from(r.1 - r.0))
+                    .sum();
                 u64::from(range.1 - range.0) * around
             })
             .sum()
     }
 
-    /// Calls `visit` with every member in the cell of `point` and in the 26 cells about it: among them are all members
-    /// within one cell edge.
+    /// Calls `visit` with every member in the cell of `point` and in the 26 cells about it: among
+    /// them are all members within one cell edge.
     pub(crate) fn for_each_near(&self, point: &Vec3, mut visit: impl FnMut(u32)) {
         for key in around(&cell_of(point, self.cell_edge)) {
             if let Some(&(first, last)) = self.ranges.get(&key) {
-                self.atoms[first as usize..last as usize].iter().for_each(|&atom| visit(atom));
+                self.atoms[first as usize..last as usize]
+                    .iter()
+                    .for_each(|&atom| visit(atom));
             }
         }
     }

@@ -1,8 +1,9 @@
 //! One circle on a unit sphere and what half-spaces leave of it.
 //!
-//! A cap (axis n, height h) takes the points u with n·u > h away from the unit sphere. The rim of cap j is the circle
-//! u = h_j n_j + s_j (x e₁ + y e₂) with x² + y² = 1 and s_j² = 1 - h_j². Cap k leaves the part of it where
-//! A x + B y ≥ C: in the plane of the circle a cap is a half-plane, so arcs are clipped without trigonometry.
+//! A cap (axis n, height h) takes the points u with n·u > h away from the unit sphere. The rim of
+//! cap j is the circle u = h_j n_j + s_j (x e₁ + y e₂) with x² + y² = 1 and s_j² = 1 - h_j². Cap k
+//! leaves the part of it where A x + B y ≥ C: in the plane of the circle a cap is a half-plane, so
+//! arcs are clipped without trigonometry.
 
 use protomer_kernel::Vec3;
 
@@ -17,7 +18,8 @@ pub(crate) struct Cap {
     pub(crate) owner: u32,
 }
 
-/// A part of a circle, counter-clockwise about the axis of its cap, in the frame of [`CircleFrame`].
+/// A part of a circle, counter-clockwise about the axis of its cap, in the frame of
+/// [`CircleFrame`].
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct CircleArc {
     /// Unit vectors of the two ends in the circle's plane.
@@ -49,7 +51,13 @@ impl CircleFrame {
     pub(crate) fn new(cap: &Cap) -> Self {
         let (e1, e2) = perpendicular_axes(&cap.axis);
         let radius = ((1.0 - cap.height) * (1.0 + cap.height)).max(0.0).sqrt();
-        Self { axis: cap.axis, e1, e2, height: cap.height, radius }
+        Self {
+            axis: cap.axis,
+            e1,
+            e2,
+            height: cap.height,
+            radius,
+        }
     }
 
     /// The unit vector in the circle's plane with these coordinates.
@@ -60,15 +68,25 @@ impl CircleFrame {
 
 /// Two unit vectors that make a right-handed frame with `axis`.
 pub(crate) fn perpendicular_axes(axis: &Vec3) -> (Vec3, Vec3) {
-    let least = if axis.x.abs() < 0.6 { Vec3::x() } else { Vec3::y() };
+    let least = if axis.x.abs() < 0.6 {
+        Vec3::x()
+    } else {
+        Vec3::y()
+    };
     let e1 = least.cross(axis).normalize();
     (e1, axis.cross(&e1))
 }
 
-/// Clips the rim of `caps[index]` by all other caps and leaves what remains in `arcs` (emptied first).
+/// Clips the rim of `caps[index]` by all other caps and leaves what remains in `arcs` (emptied
+/// first).
 ///
 /// Caps in order of falling size make buried circles vanish after a few steps.
-pub(crate) fn exposed_arcs(caps: &[Cap], index: usize, frame: &CircleFrame, arcs: &mut Vec<CircleArc>) -> Exposure {
+pub(crate) fn exposed_arcs(
+    caps: &[Cap],
+    index: usize,
+    frame: &CircleFrame,
+    arcs: &mut Vec<CircleArc>,
+) -> Exposure {
     arcs.clear();
     let mut whole = true;
     for (other, cap) in caps.iter().enumerate() {
@@ -93,7 +111,11 @@ pub(crate) fn exposed_arcs(caps: &[Cap], index: usize, frame: &CircleFrame, arcs
             return Exposure::Arcs;
         }
     }
-    if whole { Exposure::Whole } else { Exposure::Arcs }
+    if whole {
+        Exposure::Whole
+    } else {
+        Exposure::Arcs
+    }
 }
 
 /// Intersects the arcs with the half-plane a x + b y >= c that cuts the unit circle.
@@ -104,7 +126,10 @@ fn clip(arcs: &mut Vec<CircleArc>, whole: bool, [a, b, c]: [f64; 3], square: f64
     let enter = [mx * cosine + my * sine, my * cosine - mx * sine];
     let leave = [mx * cosine - my * sine, my * cosine + mx * sine];
     if whole {
-        arcs.push(CircleArc { ends: [enter, leave], owners: [owner, owner] });
+        arcs.push(CircleArc {
+            ends: [enter, leave],
+            owners: [owner, owner],
+        });
         return;
     }
     let kept = |p: &[f64; 2]| a * p[0] + b * p[1] >= c;
@@ -113,18 +138,38 @@ fn clip(arcs: &mut Vec<CircleArc>, whole: bool, [a, b, c]: [f64; 3], square: f64
         let [start, end] = arc.ends;
         let within = |p: &[f64; 2]| turn(&start, p) < turn(&start, &end);
         match (kept(&start), kept(&end)) {
-            (true, false) => arcs[index] = CircleArc { ends: [start, leave], owners: [arc.owners[0], owner] },
-            (false, true) => arcs[index] = CircleArc { ends: [enter, end], owners: [owner, arc.owners[1]] },
+            (true, false) => {
+                arcs[index] = CircleArc {
+                    ends: [start, leave],
+                    owners: [arc.owners[0], owner],
+                }
+            }
+            (false, true) => {
+                arcs[index] = CircleArc {
+                    ends: [enter, end],
+                    owners: [owner, arc.owners[1]],
+                }
+            }
             (true, true) => {
-                // The half-plane takes a piece out of the middle only if both of its ends lie on the arc, in this order.
+                // The half-plane takes a piece out of the middle only if both of its ends lie on
+                // the arc, in this order.
                 if within(&leave) && turn(&start, &leave) < turn(&start, &enter) {
-                    arcs[index] = CircleArc { ends: [start, leave], owners: [arc.owners[0], owner] };
-                    arcs.push(CircleArc { ends: [enter, end], owners: [owner, arc.owners[1]] });
+                    arcs[index] = CircleArc {
+                        ends: [start, leave],
+                        owners: [arc.owners[0], owner],
+                    };
+                    arcs.push(CircleArc {
+                        ends: [enter, end],
+                        owners: [owner, arc.owners[1]],
+                    });
                 }
             }
             (false, false) => {
                 if within(&enter) && turn(&start, &enter) < turn(&start, &leave) {
-                    arcs[index] = CircleArc { ends: [enter, leave], owners: [owner, owner] };
+                    arcs[index] = CircleArc {
+                        ends: [enter, leave],
+                        owners: [owner, owner],
+                    };
                 } else {
                     arcs.swap_remove(index);
                 }
@@ -138,7 +183,11 @@ pub(crate) fn turn(from: &[f64; 2], to: &[f64; 2]) -> f64 {
     let cosine = from[0] * to[0] + from[1] * to[1];
     let sine = from[0] * to[1] - from[1] * to[0];
     let ratio = sine / (cosine.abs() + sine.abs());
-    if cosine >= 0.0 { if sine >= 0.0 { ratio } else { 4.0 + ratio } } else { 2.0 - ratio }
+    if cosine >= 0.0 {
+        if sine >= 0.0 { ratio } else { 4.0 + ratio }
+    } else {
+        2.0 - ratio
+    }
 }
 
 /// The counter-clockwise angle from unit vector `from` to `to`, within (0, 2π].
@@ -146,7 +195,11 @@ pub(crate) fn counter_clockwise_angle(from: &[f64; 2], to: &[f64; 2]) -> f64 {
     let cosine = from[0] * to[0] + from[1] * to[1];
     let sine = from[0] * to[1] - from[1] * to[0];
     let angle = sine.atan2(cosine);
-    if angle <= 0.0 { angle + std::f64::consts::TAU } else { angle }
+    if angle <= 0.0 {
+        angle + std::f64::consts::TAU
+    } else {
+        angle
+    }
 }
 
 #[cfg(test)]
@@ -160,7 +213,10 @@ mod tests {
         let mut last = -1.0;
         for step in 0..1000 {
             let angle = TAU * f64::from(step) / 1000.0 + 1e-4;
-            let to = [0.6 * angle.cos() - 0.8 * angle.sin(), 0.8 * angle.cos() + 0.6 * angle.sin()];
+            let to = [
+                0.6 * angle.cos() - 0.8 * angle.sin(),
+                0.8 * angle.cos() + 0.6 * angle.sin(),
+            ];
             let value = turn(&from, &to);
             assert!(value > last && value < 4.0);
             assert!((counter_clockwise_angle(&from, &to) - angle).abs() < 1e-12);
@@ -172,7 +228,9 @@ mod tests {
     fn clipped_arcs_agree_with_sampling() {
         let mut state = 1_u64;
         let mut random = || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            state = state
+                .wrapping_mul(6364136223846793005)
+                .wrapping_add(1442695040888963407);
             (state >> 33) as f64 / (1_u64 << 31) as f64 * 2.0 - 1.0
         };
         for _ in 0..2000 {
@@ -188,18 +246,25 @@ mod tests {
             let exposure = exposed_arcs(&caps, 0, &frame, &mut arcs);
             let length: f64 = match exposure {
                 Exposure::Whole => TAU,
-                Exposure::Arcs => arcs.iter().map(|arc| counter_clockwise_angle(&arc.ends[0], &arc.ends[1])).sum(),
+                Exposure::Arcs => arcs
+                    .iter()
+                    .map(|arc| counter_clockwise_angle(&arc.ends[0], &arc.ends[1]))
+                    .sum(),
             };
             let samples = 2000;
             let outside = (0..samples)
                 .filter(|&sample| {
                     let angle = TAU * (f64::from(sample) + 0.5) / f64::from(samples);
-                    let u = frame.axis * frame.height + frame.direction([angle.cos(), angle.sin()]) * frame.radius;
+                    let u = frame.axis * frame.height
+                        + frame.direction([angle.cos(), angle.sin()]) * frame.radius;
                     caps[1..].iter().all(|cap| cap.axis.dot(&u) <= cap.height)
                 })
                 .count();
             let sampled = TAU * outside as f64 / f64::from(samples);
-            assert!((sampled - length).abs() < 12.0 * PI / f64::from(samples), "{sampled} {length}");
+            assert!(
+                (sampled - length).abs() < 12.0 * PI / f64::from(samples),
+                "{sampled} {length}"
+            );
         }
     }
 }

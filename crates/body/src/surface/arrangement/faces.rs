@@ -1,4 +1,5 @@
-//! Faces: the loops of arcs on each ball, grouped into connected parts, and the shells these make up.
+//! Faces: the loops of arcs on each ball, grouped into connected parts, and the shells these make
+//! up.
 
 use super::balls::Balls;
 use super::join::Joined;
@@ -17,7 +18,8 @@ pub(crate) struct Traced {
     pub(crate) defects: u32,
 }
 
-/// Half-arc 2 a + s is arc a seen from its atom s: each arc bounds one face on each of its two balls.
+/// Half-arc 2 a + s is arc a seen from its atom s: each arc bounds one face on each of its two
+/// balls.
 pub(crate) fn trace(balls: &Balls, joined: &Joined) -> Traced {
     let next = successors(joined);
     let by_atom = half_arcs_by_atom(&joined.arcs);
@@ -30,28 +32,54 @@ pub(crate) fn trace(balls: &Balls, joined: &Joined) -> Traced {
         let numbers = spherical::regions(&loops);
         let parts = numbers.iter().max().map_or(0, |last| last + 1);
         for part in 0..parts {
-            let boundary: Vec<&Loop> =
-                loops.iter().zip(&numbers).filter(|(_, number)| **number == part).map(|(edges, _)| edges).collect();
+            let boundary: Vec<&Loop> = loops
+                .iter()
+                .zip(&numbers)
+                .filter(|(_, number)| **number == part)
+                .map(|(edges, _)| edges)
+                .collect();
             let solid_angle = spherical::solid_angle(&boundary);
             let possible = -SOLID_ANGLE_TOLERANCE..=4.0 * PI + SOLID_ANGLE_TOLERANCE;
             defects += u32::from(!possible.contains(&solid_angle));
-            for (half_arcs, _) in members.iter().zip(&numbers).filter(|(_, number)| **number == part) {
-                half_arcs.iter().for_each(|&half| face_of_half_arc[half as usize] = faces.len() as u32);
+            for (half_arcs, _) in members
+                .iter()
+                .zip(&numbers)
+                .filter(|(_, number)| **number == part)
+            {
+                half_arcs
+                    .iter()
+                    .for_each(|&half| face_of_half_arc[half as usize] = faces.len() as u32);
             }
             let vector_angle = spherical::vector_angle(&boundary);
-            faces.push(Face { atom, shell: 0, solid_angle: solid_angle.clamp(0.0, 4.0 * PI), vector_angle });
+            faces.push(Face {
+                atom,
+                shell: 0,
+                solid_angle: solid_angle.clamp(0.0, 4.0 * PI),
+                vector_angle,
+            });
         }
     }
     for &atom in &joined.free_atoms {
-        faces.push(Face { atom, shell: 0, solid_angle: 4.0 * PI, vector_angle: Vec3::zeros() });
+        faces.push(Face {
+            atom,
+            shell: 0,
+            solid_angle: 4.0 * PI,
+            vector_angle: Vec3::zeros(),
+        });
     }
     let (shells, arc_shells) = number_shells(&mut faces, &face_of_half_arc);
     faces.sort_by_key(|face| face.atom);
-    Traced { faces, shells, arc_shells, defects }
+    Traced {
+        faces,
+        shells,
+        arc_shells,
+        defects,
+    }
 }
 
-/// The half-arc that follows each half-arc around its face. On the first atom's ball the cap lies on the right if the
-/// arc is run through clockwise about the axis, from its end to its start; on the second atom's ball the other way.
+/// The half-arc that follows each half-arc around its face. On the first atom's ball the cap lies
+/// on the right if the arc is run through clockwise about the axis, from its end to its start; on
+/// the second atom's ball the other way.
 fn successors(joined: &Joined) -> Vec<u32> {
     let mut next: Vec<u32> = (0..2 * joined.arcs.len() as u32).collect();
     for (number, vertex) in joined.vertices.iter().enumerate() {
@@ -59,10 +87,16 @@ fn successors(joined: &Joined) -> Vec<u32> {
             let (mut arriving, mut departing) = (None, None);
             for arc_number in vertex.arcs {
                 let arc = &joined.arcs[arc_number as usize];
-                let Some(side) = arc.atoms.iter().position(|a| *a == atom) else { continue };
+                let Some(side) = arc.atoms.iter().position(|a| *a == atom) else {
+                    continue;
+                };
                 let starts_here = arc.vertices.is_some_and(|v| v[0] == number as u32);
                 let half = 2 * arc_number + side as u32;
-                if (side == 0) == starts_here { arriving = Some(half) } else { departing = Some(half) }
+                if (side == 0) == starts_here {
+                    arriving = Some(half)
+                } else {
+                    departing = Some(half)
+                }
             }
             if let (Some(arriving), Some(departing)) = (arriving, departing) {
                 next[arriving as usize] = departing;
@@ -74,14 +108,25 @@ fn successors(joined: &Joined) -> Vec<u32> {
 
 fn half_arcs_by_atom(arcs: &[Arc]) -> Vec<(u32, u32)> {
     let halves = arcs.iter().enumerate();
-    let mut by_atom: Vec<(u32, u32)> =
-        halves.flat_map(|(n, arc)| [(arc.atoms[0], 2 * n as u32), (arc.atoms[1], 2 * n as u32 + 1)]).collect();
+    let mut by_atom: Vec<(u32, u32)> = halves
+        .flat_map(|(n, arc)| {
+            [
+                (arc.atoms[0], 2 * n as u32),
+                (arc.atoms[1], 2 * n as u32 + 1),
+            ]
+        })
+        .collect();
     by_atom.sort_unstable();
     by_atom
 }
 
 /// The loops on one ball, as edges on the unit sphere and as half-arcs.
-fn loops_of(group: &[(u32, u32)], next: &[u32], arcs: &[Arc], balls: &Balls) -> (Vec<Loop>, Vec<Vec<u32>>) {
+fn loops_of(
+    group: &[(u32, u32)],
+    next: &[u32],
+    arcs: &[Arc],
+    balls: &Balls,
+) -> (Vec<Loop>, Vec<Vec<u32>>) {
     let (mut loops, mut members) = (Vec::new(), Vec::new());
     let mut visited = vec![false; group.len()];
     for first in 0..group.len() {
@@ -93,7 +138,9 @@ fn loops_of(group: &[(u32, u32)], next: &[u32], arcs: &[Arc], balls: &Balls) -> 
             half_arcs.push(half);
             edges.push(edge(&arcs[half as usize / 2], half as usize % 2, balls));
             let following = next[half as usize];
-            let Ok(found) = group.binary_search_by_key(&following, |entry| entry.1) else { break };
+            let Ok(found) = group.binary_search_by_key(&following, |entry| entry.1) else {
+                break;
+            };
             place = found;
         }
         if !edges.is_empty() {
@@ -111,12 +158,26 @@ fn edge(arc: &Arc, side: usize, balls: &Balls) -> Edge {
     if side == 0 {
         let scale = balls.radii[first].recip();
         let (height, radius) = (arc.height * scale, arc.radius * scale);
-        return Edge { axis: arc.axis, height, radius, ends: [end, start], middle: arc.middle, angle: arc.angle };
+        return Edge {
+            axis: arc.axis,
+            height,
+            radius,
+            ends: [end, start],
+            middle: arc.middle,
+            angle: arc.angle,
+        };
     }
     let scale = balls.radii[second].recip();
     let distance = (balls.centres[second] - balls.centres[first]).norm();
     let (height, radius) = ((distance - arc.height) * scale, arc.radius * scale);
-    Edge { axis: -arc.axis, height, radius, ends: arc.ends, middle: arc.middle, angle: arc.angle }
+    Edge {
+        axis: -arc.axis,
+        height,
+        radius,
+        ends: arc.ends,
+        middle: arc.middle,
+        angle: arc.angle,
+    }
 }
 
 /// Numbers the connected components: an arc joins the two faces that it bounds.
@@ -136,7 +197,10 @@ fn number_shells(faces: &mut [Face], face_of_half_arc: &[u32]) -> (u32, Vec<u32>
         }
         face.shell = numbers[representative];
     }
-    let arc_shells = face_of_half_arc.chunks_exact(2).map(|pair| faces[pair[0] as usize].shell).collect();
+    let arc_shells = face_of_half_arc
+        .chunks_exact(2)
+        .map(|pair| faces[pair[0] as usize].shell)
+        .collect();
     (shells, arc_shells)
 }
 

@@ -23,11 +23,16 @@ struct ArcEnd {
     end: u8,
 }
 
-/// Clips every circle and joins the arcs; `None` if rounding gave two circles different opinions about a vertex.
+/// Clips every circle and joins the arcs; `None` if rounding gave two circles different opinions
+/// about a vertex.
 pub(crate) fn join(balls: &Balls) -> Option<Joined> {
     let (mut arcs, ends, free_atoms) = clip_circles(balls);
     let vertices = join_ends(&mut arcs, ends)?;
-    Some(Joined { arcs, vertices, free_atoms })
+    Some(Joined {
+        arcs,
+        vertices,
+        free_atoms,
+    })
 }
 
 fn clip_circles(balls: &Balls) -> (Vec<Arc>, Vec<ArcEnd>, Vec<u32>) {
@@ -70,9 +75,19 @@ fn clip_circles(balls: &Balls) -> (Vec<Arc>, Vec<ArcEnd>, Vec<u32>) {
                 let directions = piece.ends.map(|end| frame.direction(end));
                 for (end, &third) in piece.owners.iter().enumerate() {
                     let name = vertex_name(atom, other, third, end == 0);
-                    ends.push(ArcEnd { name, arc: arcs.len() as u32, end: end as u8 });
+                    ends.push(ArcEnd {
+                        name,
+                        arc: arcs.len() as u32,
+                        end: end as u8,
+                    });
                 }
-                arcs.push(Arc { ends: directions, middle, angle, vertices: Some([u32::MAX; 2]), ..circle });
+                arcs.push(Arc {
+                    ends: directions,
+                    middle,
+                    angle,
+                    vertices: Some([u32::MAX; 2]),
+                    ..circle
+                });
             }
         }
     }
@@ -81,8 +96,8 @@ fn clip_circles(balls: &Balls) -> (Vec<Arc>, Vec<ArcEnd>, Vec<u32>) {
 
 /// The name of the vertex where an arc of circle (i, j), i < j, is bounded by ball k.
 ///
-/// At the start of an arc the circle leaves ball k, and det(c_j - c_i, c_k - c_i, v - c_i) > 0; at the end it is
-/// negative. Sorting the atoms changes the sign with the parity of the permutation.
+/// At the start of an arc the circle leaves ball k, and det(c_j - c_i, c_k - c_i, v - c_i) > 0; at
+/// the end it is negative. Sorting the atoms changes the sign with the parity of the permutation.
 fn vertex_name(i: u32, j: u32, k: u32, is_start: bool) -> Name {
     if k > j {
         ([i, j, k], is_start)
@@ -110,7 +125,9 @@ fn join_ends(arcs: &mut [Arc], mut ends: Vec<ArcEnd>) -> Option<Vec<Vertex>> {
         let mut position = Vec3::zeros();
         for end in three {
             let arc = &mut arcs[end.arc as usize];
-            let slot = [[a, b], [a, c], [b, c]].iter().position(|pair| *pair == arc.atoms)?;
+            let slot = [[a, b], [a, c], [b, c]]
+                .iter()
+                .position(|pair| *pair == arc.atoms)?;
             slots[slot] = end.arc;
             arc.vertices.as_mut()?[end.end as usize] = vertices.len() as u32;
             position = arc.point(&arc.ends[end.end as usize]);
@@ -118,7 +135,11 @@ fn join_ends(arcs: &mut [Arc], mut ends: Vec<ArcEnd>) -> Option<Vec<Vertex>> {
         if slots.contains(&u32::MAX) {
             return None;
         }
-        vertices.push(Vertex { atoms: name.0, position, arcs: slots });
+        vertices.push(Vertex {
+            atoms: name.0,
+            position,
+            arcs: slots,
+        });
     }
     Some(vertices)
 }

@@ -1,11 +1,12 @@
 //! The solvent-accessible surface as faces, arcs and vertices.
 //!
-//! The accessible surface is the boundary of the union of balls of radius R = r + p about the atoms (Lee and Richards,
-//! J. Mol. Biol. 55, 379 (1971)). A *face* is a connected part of it on one ball, an *arc* a part of the circle in
-//! which two balls meet, a *vertex* a probe position that touches three atoms. Arcs are found by clipping each circle
-//! with the balls near it (`circle`), which is linear in the number of atoms; the pieces are then joined by their
-//! names alone (`join`): each vertex must be met by exactly three circles, otherwise a coincidence was not resolved
-//! and everything is repeated with a larger perturbation (`balls`).
+//! The accessible surface is the boundary of the union of balls of radius R = r + p about the atoms
+//! (Lee and Richards, J. Mol. Biol. 55, 379 (1971)). A *face* is a connected part of it on one
+//! ball, an *arc* a part of the circle in which two balls meet, a *vertex* a probe position that
+//! touches three atoms. Arcs are found by clipping each circle with the balls near it (`circle`),
+//! which is linear in the number of atoms; the pieces are then joined by their names alone
+//! (`join`): each vertex must be met by exactly three circles, otherwise a coincidence was not
+//! resolved and everything is repeated with a larger perturbation (`balls`).
 
 mod balls;
 mod cells;
@@ -22,11 +23,12 @@ use circle::Cap;
 pub(crate) use faces::root;
 use protomer_kernel::Vec3;
 
-/// Amplitudes of the perturbation of the radii, Å, tried in turn. The first is the rule, the others have never been
-/// needed for real structures.
+/// Amplitudes of the perturbation of the radii, Å, tried in turn. The first is the rule, the others
+/// have never been needed for real structures.
 const PERTURBATIONS_ANGSTROM: [f64; 5] = [1e-8, 3e-8, 1e-7, 1e-6, 1e-5];
 
-/// An arc of the accessible surface: a part of the circle in which the expanded balls of two atoms meet, or all of it.
+/// An arc of the accessible surface: a part of the circle in which the expanded balls of two atoms
+/// meet, or all of it.
 #[derive(Debug, Clone, Copy)]
 pub struct Arc {
     /// The two atoms, the smaller index first.
@@ -39,8 +41,8 @@ pub struct Arc {
     pub radius: f64,
     /// Signed distance of the circle's plane from the first atom along the axis, Å.
     pub height: f64,
-    /// Unit vectors from the circle's centre to the start and the end of the arc, which runs counter-clockwise about
-    /// the axis; equal for a whole circle.
+    /// Unit vectors from the circle's centre to the start and the end of the arc, which runs
+    /// counter-clockwise about the axis; equal for a whole circle.
     pub ends: [Vec3; 2],
     /// Unit vector from the circle's centre to the middle of the arc.
     pub middle: Vec3,
@@ -102,13 +104,20 @@ impl Arrangement {
     /// `probe_radius_angstrom`.
     ///
     /// # Errors
-    /// [`crate::BodyError::Invalid`] for no atoms, for coordinates or radii that are negative, not finite or absurdly
-    /// large, and for so many atoms on top of each other that no result could be had in reasonable time.
-    pub fn new(centres: &[Vec3], radii_angstrom: &[f64], probe_radius_angstrom: f64) -> Result<Self> {
+    /// [`crate::BodyError::Invalid`] for no atoms, for coordinates or radii that are negative, not
+    /// finite or absurdly large, and for so many atoms on top of each other that no result could be
+    /// had in reasonable time.
+    pub fn new(
+        centres: &[Vec3],
+        radii_angstrom: &[f64],
+        probe_radius_angstrom: f64,
+    ) -> Result<Self> {
         let exact = Balls::new(centres, radii_angstrom, probe_radius_angstrom)?;
         for amplitude in PERTURBATIONS_ANGSTROM {
             let balls = exact.perturbed(amplitude);
-            let Some(joined) = join::join(&balls) else { continue };
+            let Some(joined) = join::join(&balls) else {
+                continue;
+            };
             let faces = faces::trace(&balls, &joined);
             return Ok(Self {
                 probe_radius: probe_radius_angstrom,
@@ -122,7 +131,10 @@ impl Arrangement {
                 defects: faces.defects,
             });
         }
-        Err(invalid("the atoms coincide in a way that no perturbation resolved", "move the atoms by about 1e-3 Å"))
+        Err(invalid(
+            "the atoms coincide in a way that no perturbation resolved",
+            "move the atoms by about 1e-3 Å",
+        ))
     }
 
     /// Radius of the probe, Å.
@@ -177,7 +189,8 @@ impl Arrangement {
         atoms
     }
 
-    /// Faces whose boundary did not close to a possible solid angle: zero, unless rounding defeated the arrangement.
+    /// Faces whose boundary did not close to a possible solid angle: zero, unless rounding defeated
+    /// the arrangement.
     pub(crate) fn defects(&self) -> u32 {
         self.defects
     }

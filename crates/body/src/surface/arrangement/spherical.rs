@@ -1,10 +1,10 @@
 //! Regions of a unit sphere bounded by circular edges: solid angle, vector angle, connected parts.
 //!
-//! An edge runs along the rim of a cap with the cap on its right, that is clockwise about the cap's axis. With the
-//! region on the left, its geodesic curvature integrates to -h φ (height h of the plane, angle φ of the edge), corners
-//! turn by their exterior angle ε, and the Gauss-Bonnet theorem gives the solid angle of a connected region with L
-//! boundary loops: Ω = 2π (2 - L) + Σ h φ - Σ ε.
-//! Stokes' theorem gives ∫ u dΩ = ½ ∮ u × du.
+//! An edge runs along the rim of a cap with the cap on its right, that is clockwise about the cap's
+//! axis. With the region on the left, its geodesic curvature integrates to -h φ (height h of the
+//! plane, angle φ of the edge), corners turn by their exterior angle ε, and the Gauss-Bonnet
+//! theorem gives the solid angle of a connected region with L boundary loops: Ω = 2π (2 - L) + Σ h
+//! φ - Σ ε. Stokes' theorem gives ∫ u dΩ = ½ ∮ u × du.
 
 use super::circle::{Cap, CircleFrame, Exposure, counter_clockwise_angle, exposed_arcs};
 use protomer_kernel::Vec3;
@@ -42,10 +42,12 @@ impl Edge {
     /// ½ ∫ u × du along the edge.
     fn vector_angle(&self) -> Vec3 {
         let swept = self.axis.cross(&(self.ends[1] - self.ends[0]));
-        (swept * (self.height * self.radius) - self.axis * (self.radius * self.radius * self.angle)) * 0.5
+        (swept * (self.height * self.radius) - self.axis * (self.radius * self.radius * self.angle))
+            * 0.5
     }
 
-    /// Where the plane through the sphere's centre with normal `normal` meets the edge's circle: directions.
+    /// Where the plane through the sphere's centre with normal `normal` meets the edge's circle:
+    /// directions.
     fn meets(&self, normal: &Vec3) -> Option<[Vec3; 2]> {
         let along = normal.dot(&self.axis);
         let in_plane = normal - self.axis * along;
@@ -72,17 +74,26 @@ fn turning(edges: &[Edge]) -> f64 {
         return curvature;
     }
     let next = edges.iter().cycle().skip(1);
-    let corners: f64 = edges.iter().zip(next).map(|(arriving, departing)| exterior_angle(arriving, departing)).sum();
+    let corners: f64 = edges
+        .iter()
+        .zip(next)
+        .map(|(arriving, departing)| exterior_angle(arriving, departing))
+        .sum();
     curvature - corners
 }
 
-/// The angle between the directions of travel before and after a corner, within [0, π]: where two caps meet, the region
-/// outside both has a convex corner. At a spike the sign that rounding gives must not turn π into -π.
+/// The angle between the directions of travel before and after a corner, within [0, π]: where two
+/// caps meet, the region outside both has a convex corner. At a spike the sign that rounding gives
+/// must not turn π into -π.
 fn exterior_angle(arriving: &Edge, departing: &Edge) -> f64 {
     let before = arriving.ends[1].cross(&arriving.axis);
     let after = departing.ends[0].cross(&departing.axis);
     let corner = departing.point(&departing.ends[0]);
-    before.cross(&after).dot(&corner).abs().atan2(before.dot(&after))
+    before
+        .cross(&after)
+        .dot(&corner)
+        .abs()
+        .atan2(before.dot(&after))
 }
 
 /// Solid angle of a connected region with these boundary loops.
@@ -92,7 +103,11 @@ pub(crate) fn solid_angle(loops: &[&Loop]) -> f64 {
 
 /// ∫ u dΩ over a region with these boundary loops.
 pub(crate) fn vector_angle(loops: &[&Loop]) -> Vec3 {
-    loops.iter().flat_map(|edges| edges.iter()).map(Edge::vector_angle).sum()
+    loops
+        .iter()
+        .flat_map(|edges| edges.iter())
+        .map(Edge::vector_angle)
+        .sum()
 }
 
 /// Groups loops into the connected regions that they bound: for each loop the number of its region.
@@ -102,15 +117,20 @@ pub(crate) fn regions(loops: &[Loop]) -> Vec<usize> {
     if loops.len() < 2 {
         return vec![0; loops.len()];
     }
-    let places: Vec<Vec3> =
-        loops.iter().map(|edges| longest(edges).map_or(Vec3::x(), |e| e.point(&e.middle))).collect();
+    let places: Vec<Vec3> = loops
+        .iter()
+        .map(|edges| longest(edges).map_or(Vec3::x(), |e| e.point(&e.middle)))
+        .collect();
     let mut numbers: HashMap<Vec<bool>, usize> = HashMap::new();
     places
         .iter()
         .enumerate()
         .map(|(index, place)| {
-            let sides =
-                loops.iter().enumerate().map(|(other, edges)| other == index || on_left(edges, place)).collect();
+            let sides = loops
+                .iter()
+                .enumerate()
+                .map(|(other, edges)| other == index || on_left(edges, place))
+                .collect();
             let next = numbers.len();
             *numbers.entry(sides).or_insert(next)
         })
@@ -118,14 +138,17 @@ pub(crate) fn regions(loops: &[Loop]) -> Vec<usize> {
 }
 
 fn longest(edges: &[Edge]) -> Option<&Edge> {
-    edges.iter().max_by(|a, b| (a.angle * a.radius).total_cmp(&(b.angle * b.radius)))
+    edges
+        .iter()
+        .max_by(|a, b| (a.angle * a.radius).total_cmp(&(b.angle * b.radius)))
 }
 
 /// Most paths that vote about the side of a point.
 const MOST_PATHS: usize = 8;
 
-/// Whether a point of the sphere lies on the left of a loop, the side of the region. Several paths vote, each with the
-/// sine of the angle at which it leaves the loop: a path along an edge decides nothing.
+/// Whether a point of the sphere lies on the left of a loop, the side of the region. Several paths
+/// vote, each with the sine of the angle at which it leaves the loop: a path along an edge decides
+/// nothing.
 fn on_left(edges: &[Edge], place: &Vec3) -> bool {
     if let [only] = edges
         && only.is_whole()
@@ -133,32 +156,49 @@ fn on_left(edges: &[Edge], place: &Vec3) -> bool {
         return only.axis.dot(place) < only.height;
     }
     let stride = edges.len().div_ceil(MOST_PATHS).max(1);
-    (0..edges.len()).step_by(stride).map(|start| vote(edges, start, place)).sum::<f64>() > 0.0
+    (0..edges.len())
+        .step_by(stride)
+        .map(|start| vote(edges, start, place))
+        .sum::<f64>()
+        > 0.0
 }
 
-/// Walks from the middle of edge `start` straight to `place` and counts the edges crossed: positive on the left.
+/// Walks from the middle of edge `start` straight to `place` and counts the edges crossed: positive
+/// on the left.
 fn vote(edges: &[Edge], start: usize, place: &Vec3) -> f64 {
-    let Some(first) = edges.get(start) else { return 0.0 };
+    let Some(first) = edges.get(start) else {
+        return 0.0;
+    };
     let origin = first.point(&first.middle);
     let normal = origin.cross(place);
     let departure = -normal.cross(&origin).dot(&first.axis);
     let mut crossings = 0;
     for (index, edge) in edges.iter().enumerate() {
-        let Some(directions) = edge.meets(&normal) else { continue };
+        let Some(directions) = edge.meets(&normal) else {
+            continue;
+        };
         let half = (0.5 * edge.angle).cos();
         let nearer = |a: &Vec3, b: &Vec3| a.dot(&first.middle) > b.dot(&first.middle);
-        for (direction, twin) in [(directions[0], directions[1]), (directions[1], directions[0])] {
+        for (direction, twin) in [
+            (directions[0], directions[1]),
+            (directions[1], directions[0]),
+        ] {
             if index == start && nearer(&direction, &twin) {
                 continue; // the origin of the path itself
             }
             let point = edge.point(&direction);
-            let on_path = origin.cross(&point).dot(&normal) > 0.0 && point.cross(place).dot(&normal) > 0.0;
+            let on_path =
+                origin.cross(&point).dot(&normal) > 0.0 && point.cross(place).dot(&normal) > 0.0;
             if on_path && direction.dot(&edge.middle) >= half {
                 crossings += 1;
             }
         }
     }
-    if crossings % 2 == 0 { departure } else { -departure }
+    if crossings % 2 == 0 {
+        departure
+    } else {
+        -departure
+    }
 }
 
 /// The boundary of a unit sphere less caps.
@@ -168,13 +208,14 @@ pub(crate) struct Boundary {
     pub(crate) owners: Vec<u32>,
 }
 
-/// Clips the rims of all caps and joins the pieces; `None` if they do not close. Owners must be different.
+/// Clips the rims of all caps and joins the pieces; `None` if they do not close. Owners must be
+/// different.
 pub(crate) fn boundary_loops(caps: &[Cap]) -> Option<Boundary> {
     let mut edges: Vec<Loop> = Vec::new();
     let mut owners = Vec::new();
-    // An edge runs against the sense of its arc, from the arc's end to its start, where another cap takes over: its
-    // arc ends there. So the key of an edge is (cap at the arc's end, its own cap), its successor's is (own cap, cap at
-    // the start).
+    // An edge runs against the sense of its arc, from the arc's end to its start, where another cap
+    // takes over: its arc ends there. So the key of an edge is (cap at the arc's end, its own cap),
+    // its successor's is (own cap, cap at the start).
     let mut open: HashMap<(u32, u32), (Edge, u32)> = HashMap::new();
     let mut arcs = Vec::new();
     let mut order = Vec::new();
@@ -202,7 +243,10 @@ pub(crate) fn boundary_loops(caps: &[Cap]) -> Option<Boundary> {
             let [start, end] = arc.ends.map(|place| frame.direction(place));
             let key = (arc.owners[1], cap.owner);
             order.push(key);
-            if open.insert(key, (edge([end, start], middle, angle), arc.owners[0])).is_some() {
+            if open
+                .insert(key, (edge([end, start], middle, angle), arc.owners[0]))
+                .is_some()
+            {
                 return None;
             }
         }
@@ -227,23 +271,44 @@ mod tests {
     use super::*;
 
     fn cap(axis: Vec3, height: f64, owner: u32) -> Cap {
-        Cap { axis: axis.normalize(), height, owner }
+        Cap {
+            axis: axis.normalize(),
+            height,
+            owner,
+        }
     }
 
     fn area(caps: &[Cap]) -> (usize, f64) {
         let loops = boundary_loops(caps).unwrap().edges;
         let numbers = regions(&loops);
         let parts = numbers.iter().max().map_or(0, |last| last + 1);
-        let part = |n: usize| loops.iter().zip(&numbers).filter(|(_, m)| **m == n).map(|(l, _)| l).collect::<Vec<_>>();
+        let part = |n: usize| {
+            loops
+                .iter()
+                .zip(&numbers)
+                .filter(|(_, m)| **m == n)
+                .map(|(l, _)| l)
+                .collect::<Vec<_>>()
+        };
         (parts, (0..parts).map(|n| solid_angle(&part(n))).sum())
     }
 
     #[test]
     fn an_octant_with_a_hole_is_one_region() {
-        // The hole lies on the octant's mirror planes, where paths between loops run through the seam of its circle.
-        let planes = [cap(-Vec3::x(), 0.0, 0), cap(-Vec3::y(), 0.0, 1), cap(-Vec3::z(), 0.0, 2)];
+        // The hole lies on the octant's mirror planes, where paths between loops run through the
+        // seam of its circle.
+        let planes = [
+            cap(-Vec3::x(), 0.0, 0),
+            cap(-Vec3::y(), 0.0, 1),
+            cap(-Vec3::z(), 0.0, 2),
+        ];
         assert!((area(&planes).1 - PI / 2.0).abs() < 1e-12);
-        for axis in [Vec3::repeat(1.0), Vec3::new(1.0, 1.0, 1.2), Vec3::new(1.0, 0.9, 1.0), Vec3::new(1.3, 1.0, 1.0)] {
+        for axis in [
+            Vec3::repeat(1.0),
+            Vec3::new(1.0, 1.0, 1.2),
+            Vec3::new(1.0, 0.9, 1.0),
+            Vec3::new(1.3, 1.0, 1.0),
+        ] {
             for height in [0.9, 0.95, 0.99] {
                 let caps = [planes[0], planes[1], planes[2], cap(axis, height, 3)];
                 let (parts, solid_angle) = area(&caps);
@@ -261,7 +326,12 @@ mod tests {
         assert!((whole - 4.0 * PI * 0.3).abs() < 1e-12);
         let once = [band[0], band[1], cap(Vec3::x(), 0.8, 2)];
         assert_eq!(area(&once).0, 1);
-        let twice = [band[0], band[1], cap(Vec3::x(), 0.8, 2), cap(-Vec3::x(), 0.8, 3)];
+        let twice = [
+            band[0],
+            band[1],
+            cap(Vec3::x(), 0.8, 2),
+            cap(-Vec3::x(), 0.8, 3),
+        ];
         let (parts, rest) = area(&twice);
         assert_eq!(parts, 2);
         assert!((whole - rest - 2.0 * (whole - area(&once).1)).abs() < 1e-12);

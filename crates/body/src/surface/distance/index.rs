@@ -41,11 +41,17 @@ const EMPTY: u32 = u32::MAX;
 
 impl Builder {
     pub(super) fn new(cell_edge: f64) -> Self {
-        Self { cell_edge, slots: vec![([0; 3], EMPTY); 64], lists: 0, pairs: Vec::new() }
+        Self {
+            cell_edge,
+            slots: vec![([0; 3], EMPTY); 64],
+            lists: 0,
+            pairs: Vec::new(),
+        }
     }
 
-    /// Enters a feature into every cell within `reach` of the ball (centre, radius) that holds it, unless `is_far` says
-    /// of a cell, given by the ball about it, that no point of it is within reach.
+    /// Enters a feature into every cell within `reach` of the ball (centre, radius) that holds it,
+    /// unless `is_far` says of a cell, given by the ball about it, that no point of it is within
+    /// reach.
     pub(super) fn insert(
         &mut self,
         (kind, feature): (Kind, u32),
@@ -57,8 +63,14 @@ impl Builder {
         let limit = radius + reach;
         let half_diagonal = 0.5 * 3.0_f64.sqrt() * edge * (1.0 + 1e-9);
         // How far a coordinate lies outside the cells numbered `n` along an axis.
-        let gap = |n: i64, x: f64| (n as f64 * edge - x).max(x - (n + 1) as f64 * edge).max(0.0);
-        let span = |x: f64, half: f64| (((x - half) / edge).floor() as i64)..=(((x + half) / edge).floor() as i64);
+        let gap = |n: i64, x: f64| {
+            (n as f64 * edge - x)
+                .max(x - (n + 1) as f64 * edge)
+                .max(0.0)
+        };
+        let span = |x: f64, half: f64| {
+            (((x - half) / edge).floor() as i64)..=(((x + half) / edge).floor() as i64)
+        };
         for x in span(centre.x, limit) {
             let square = limit * limit - gap(x, centre.x).powi(2);
             for y in span(centre.y, square.max(0.0).sqrt()) {
@@ -98,7 +110,9 @@ impl Builder {
 
     pub(super) fn finish(self) -> FeatureIndex {
         let mut starts = vec![0_u32; 3 * self.lists as usize + 1];
-        self.pairs.iter().for_each(|pair| starts[pair.0 as usize + 1] += 1);
+        self.pairs
+            .iter()
+            .for_each(|pair| starts[pair.0 as usize + 1] += 1);
         for list in 1..starts.len() {
             starts[list] += starts[list - 1];
         }
@@ -108,7 +122,12 @@ impl Builder {
             entries[filled[list as usize] as usize] = feature;
             filled[list as usize] += 1;
         }
-        FeatureIndex { cell_edge: self.cell_edge, slots: self.slots, starts, entries }
+        FeatureIndex {
+            cell_edge: self.cell_edge,
+            slots: self.slots,
+            starts,
+            entries,
+        }
     }
 }
 
@@ -122,7 +141,11 @@ impl FeatureIndex {
         }
         let first = 3 * list as usize;
         let [a, b, c, d] = [0, 1, 2, 3].map(|kind| self.starts[first + kind] as usize);
-        Nearby { atoms: &self.entries[a..b], arcs: &self.entries[b..c], vertices: &self.entries[c..d] }
+        Nearby {
+            atoms: &self.entries[a..b],
+            arcs: &self.entries[b..c],
+            vertices: &self.entries[c..d],
+        }
     }
 }
 
@@ -142,8 +165,12 @@ fn find(slots: &[([i64; 3], u32)], cell: &[i64; 3]) -> usize {
 
 fn hash(cell: &[i64; 3]) -> u64 {
     let mixed = (cell[0] as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15)
-        ^ (cell[1] as u64).wrapping_mul(0xc2b2_ae3d_27d4_eb4f).rotate_left(21)
-        ^ (cell[2] as u64).wrapping_mul(0x1656_67b1_9e37_79f9).rotate_left(42);
+        ^ (cell[1] as u64)
+            .wrapping_mul(0xc2b2_ae3d_27d4_eb4f)
+            .rotate_left(21)
+        ^ (cell[2] as u64)
+            .wrapping_mul(0x1656_67b1_9e37_79f9)
+            .rotate_left(42);
     let folded = mixed ^ (mixed >> 32);
     folded.wrapping_mul(0xd6e8_feb8_6659_fd93) >> 20
 }

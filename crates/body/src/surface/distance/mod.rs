@@ -1,16 +1,17 @@
 //! The signed distance to the solvent-excluded surface.
 //!
-//! Let A be the space that probe centres may occupy, closed: the complement of the union of the expanded balls. The
-//! solvent-excluded solid is what no probe reaches, {x : d(x) > p} with d(x) the distance from x to A, so f = p - d
-//! is zero exactly on the surface (Richards, Annu. Rev. Biophys. Bioeng. 6, 151 (1977)). The nearest point of A is
-//! one of
+//! Let A be the space that probe centres may occupy, closed: the complement of the union of the
+//! expanded balls. The solvent-excluded solid is what no probe reaches, {x : d(x) > p} with d(x)
+//! the distance from x to A, so f = p - d is zero exactly on the surface (Richards, Annu. Rev.
+//! Biophys. Bioeng. 6, 151 (1977)). The nearest point of A is one of
 //!
-//! * the radial projection onto a face, which can only belong to the ball in which x lies deepest: d ≥ max (R - |x - c|)
-//!   for every ball, with equality there;
+//! * the radial projection onto a face, which can only belong to the ball in which x lies deepest:
+//!   d ≥ max (R - |x - c|) for every ball, with equality there;
 //! * the point of an arc in the half-plane of x through the circle's axis;
 //! * a vertex.
 //!
-//! Inside the solid and between both surfaces f is the signed distance itself, cut off at a fixed depth.
+//! Inside the solid and between both surfaces f is the signed distance itself, cut off at a fixed
+//! depth.
 
 mod index;
 mod project;
@@ -20,10 +21,12 @@ use super::implicit::ImplicitSolid;
 use index::{Builder, FeatureIndex, Kind};
 use protomer_kernel::Vec3;
 
-/// How far inside and outside the excluded surface the function is followed, Å. Deeper inside it keeps the value it has
-/// there; outside it is followed to the accessible surface if that is farther.
+/// How far inside and outside the excluded surface the function is followed, Å. Deeper inside it
+/// keeps the value it has there; outside it is followed to the accessible surface if that is
+/// farther.
 const BAND_ANGSTROM: f64 = 1.0;
-/// Edge of the index cells in units of the largest reach of an atom, which then is listed in some hundred cells.
+/// Edge of the index cells in units of the largest reach of an atom, which then is listed in some
+/// hundred cells.
 const CELL_EDGE_PER_REACH: f64 = 0.35;
 
 /// This near its axis all points of a circle are equally near, Å.
@@ -62,7 +65,8 @@ pub struct SesSolid {
     probe_radius: f64,
     centres: Vec<Vec3>,
     radii: Vec<f64>,
-    /// For atom i the half-spaces `half_space_starts[i] .. half_space_starts[i + 1]`; for buried atoms none.
+    /// For atom i the half-spaces `half_space_starts[i] .. half_space_starts[i + 1]`; for buried
+    /// atoms none.
     half_space_starts: Vec<u32>,
     half_spaces: Vec<HalfSpace>,
     exposed: Vec<bool>,
@@ -92,10 +96,18 @@ impl SesSolid {
                 axis: arc.axis,
                 middle: arc.middle,
                 radius: arc.radius,
-                cosine_half_angle: if arc.vertices.is_some() { (0.5 * arc.angle).cos() } else { -2.0 },
+                cosine_half_angle: if arc.vertices.is_some() {
+                    (0.5 * arc.angle).cos()
+                } else {
+                    -2.0
+                },
             })
             .collect();
-        let vertices: Vec<Vec3> = accessible.vertices().iter().map(|vertex| vertex.position).collect();
+        let vertices: Vec<Vec3> = accessible
+            .vertices()
+            .iter()
+            .map(|vertex| vertex.position)
+            .collect();
         let (cover, bounds) = cover_of(accessible);
         let mut solid = Self {
             probe_radius: accessible.probe_radius_angstrom(),
@@ -115,7 +127,10 @@ impl SesSolid {
     }
 
     fn build_index(&self, members: &[u32]) -> FeatureIndex {
-        let largest = members.iter().map(|&i| self.radii[i as usize]).fold(1e-3, f64::max);
+        let largest = members
+            .iter()
+            .map(|&i| self.radii[i as usize])
+            .fold(1e-3, f64::max);
         let mut builder = Builder::new(CELL_EDGE_PER_REACH * (largest + BAND_ANGSTROM));
         for &atom in members {
             let (centre, radius) = (self.centres[atom as usize], self.radii[atom as usize]);
@@ -125,12 +140,20 @@ impl SesSolid {
         let reach = self.reach();
         for (number, arc) in self.arcs.iter().enumerate() {
             let ball = arc.ball();
-            builder.insert((Kind::Arc, number as u32), (&ball.0, ball.1), reach, |middle, half_diagonal| {
-                arc.distance_from_circle(middle) > reach + half_diagonal
-            });
+            builder.insert(
+                (Kind::Arc, number as u32),
+                (&ball.0, ball.1),
+                reach,
+                |middle, half_diagonal| arc.distance_from_circle(middle) > reach + half_diagonal,
+            );
         }
         for (number, vertex) in self.vertices.iter().enumerate() {
-            builder.insert((Kind::Vertex, number as u32), (vertex, 0.0), reach, |_, _| false);
+            builder.insert(
+                (Kind::Vertex, number as u32),
+                (vertex, 0.0),
+                reach,
+                |_, _| false,
+            );
         }
         builder.finish()
     }
@@ -167,10 +190,17 @@ impl SesSolid {
         }
         let offset = point - self.centres[atom];
         let length = offset.norm();
-        let direction = if length > 0.0 { offset / length } else { Vec3::x() };
+        let direction = if length > 0.0 {
+            offset / length
+        } else {
+            Vec3::x()
+        };
         let onto = direction * self.radii[atom];
-        let range = self.half_space_starts[atom] as usize..self.half_space_starts[atom + 1] as usize;
-        let inside = self.half_spaces[range].iter().all(|half_space| half_space.axis.dot(&onto) <= half_space.height);
+        let range =
+            self.half_space_starts[atom] as usize..self.half_space_starts[atom + 1] as usize;
+        let inside = self.half_spaces[range]
+            .iter()
+            .all(|half_space| half_space.axis.dot(&onto) <= half_space.height);
         inside.then(|| self.centres[atom] + onto)
     }
 
@@ -203,31 +233,42 @@ impl SesSolid {
             Ok(arc) => self.arcs[arc as usize].nearest(point),
             Err(vertex) => self.vertices[vertex as usize],
         };
-        Some(Nearest { point: nearest, distance: best.sqrt() })
+        Some(Nearest {
+            point: nearest,
+            distance: best.sqrt(),
+        })
     }
 
-    /// The nearest point of the accessible surface from a point inside it; searches everything if nothing is near.
+    /// The nearest point of the accessible surface from a point inside it; searches everything if
+    /// nothing is near.
     fn nearest_accessible(&self, point: &Vec3) -> Option<Nearest> {
         let nearby = self.index.nearby(point);
         if let Some((atom, depth)) = self.deepest(point, nearby.atoms)
             && let Some(onto) = self.on_face(point, atom)
         {
-            return Some(Nearest { point: onto, distance: depth });
+            return Some(Nearest {
+                point: onto,
+                distance: depth,
+            });
         }
         let (arcs, vertices) = (nearby.arcs.iter().copied(), nearby.vertices.iter().copied());
-        self.nearest_edge(point, arcs, vertices, self.reach()).or_else(|| {
-            let (arcs, vertices) = (0..self.arcs.len() as u32, 0..self.vertices.len() as u32);
-            self.nearest_edge(point, arcs, vertices, f64::INFINITY)
-        })
+        self.nearest_edge(point, arcs, vertices, self.reach())
+            .or_else(|| {
+                let (arcs, vertices) = (0..self.arcs.len() as u32, 0..self.vertices.len() as u32);
+                self.nearest_edge(point, arcs, vertices, f64::INFINITY)
+            })
     }
 
-    /// How deep `point` lies within the accessible solid, at least, and in which ball; searches everything if nothing
-    /// is near.
+    /// How deep `point` lies within the accessible solid, at least, and in which ball; searches
+    /// everything if nothing is near.
     fn deepest_anywhere(&self, point: &Vec3) -> Option<(u32, f64)> {
-        self.deepest(point, self.index.nearby(point).atoms).or_else(|| {
-            let atoms: Vec<u32> = (0..self.centres.len() as u32).filter(|&i| self.exposed[i as usize]).collect();
-            self.deepest(point, &atoms)
-        })
+        self.deepest(point, self.index.nearby(point).atoms)
+            .or_else(|| {
+                let atoms: Vec<u32> = (0..self.centres.len() as u32)
+                    .filter(|&i| self.exposed[i as usize])
+                    .collect();
+                self.deepest(point, &atoms)
+            })
     }
 }
 
@@ -248,7 +289,9 @@ impl ImplicitSolid for SesSolid {
         }
         let (arcs, vertices) = (nearby.arcs.iter().copied(), nearby.vertices.iter().copied());
         let nearest = self.nearest_edge(point, arcs, vertices, self.reach());
-        nearest.map_or(-BAND_ANGSTROM, |nearest| self.probe_radius - nearest.distance)
+        nearest.map_or(-BAND_ANGSTROM, |nearest| {
+            self.probe_radius - nearest.distance
+        })
     }
 
     fn project(&self, point: &Vec3) -> (Vec3, Vec3) {
@@ -265,7 +308,8 @@ impl ImplicitSolid for SesSolid {
 }
 
 impl CompactArc {
-    /// Square of the distance from `point` to the nearest point of the circle if that lies on the arc.
+    /// Square of the distance from `point` to the nearest point of the circle if that lies on the
+    /// arc.
     fn distance_squared(&self, point: &Vec3) -> Option<f64> {
         let offset = point - self.centre;
         let along = offset.dot(&self.axis);
@@ -282,7 +326,11 @@ impl CompactArc {
     fn nearest(&self, point: &Vec3) -> Vec3 {
         let offset = point - self.centre;
         let out = offset - self.axis * offset.dot(&self.axis);
-        self.centre + out.try_normalize(10.0 * ON_AXIS_ANGSTROM).unwrap_or(self.middle) * self.radius
+        self.centre
+            + out
+                .try_normalize(10.0 * ON_AXIS_ANGSTROM)
+                .unwrap_or(self.middle)
+                * self.radius
     }
 
     fn distance_from_circle(&self, point: &Vec3) -> f64 {
@@ -299,7 +347,10 @@ impl CompactArc {
         }
         // About the middle of the chord; half the chord is radius sin(angle / 2).
         let half_chord = self.radius * (1.0 - self.cosine_half_angle.powi(2)).max(0.0).sqrt();
-        (self.centre + self.middle * (self.radius * self.cosine_half_angle), half_chord)
+        (
+            self.centre + self.middle * (self.radius * self.cosine_half_angle),
+            half_chord,
+        )
     }
 }
 
@@ -307,13 +358,19 @@ impl CompactArc {
 fn half_spaces_of(accessible: &Arrangement) -> (Vec<u32>, Vec<HalfSpace>, Vec<bool>) {
     let radii = accessible.expanded_radii_angstrom();
     let mut exposed = vec![false; radii.len()];
-    accessible.faces().iter().for_each(|face| exposed[face.atom as usize] = true);
+    accessible
+        .faces()
+        .iter()
+        .for_each(|face| exposed[face.atom as usize] = true);
     let mut half_spaces = Vec::new();
     let mut starts = vec![0];
     let mut caps = Vec::new();
     for (atom, (radius, is_exposed)) in radii.iter().zip(&exposed).enumerate() {
         if *is_exposed && accessible.caps(atom as u32, &mut caps).is_some() {
-            half_spaces.extend(caps.iter().map(|cap| HalfSpace { axis: cap.axis, height: cap.height * radius }));
+            half_spaces.extend(caps.iter().map(|cap| HalfSpace {
+                axis: cap.axis,
+                height: cap.height * radius,
+            }));
         }
         starts.push(half_spaces.len() as u32);
     }
@@ -322,23 +379,37 @@ fn half_spaces_of(accessible: &Arrangement) -> (Vec<u32>, Vec<HalfSpace>, Vec<bo
 
 /// Balls that hold the surface, and their bounding box.
 ///
-/// A surface point lies on a segment from its nearest accessible point c towards the atoms that touch the probe at c,
-/// and as long as it does not pass their centres it lies in one of their expanded balls. Only a probe at a vertex that
-/// reaches through the plane of its three atoms can touch beyond; it is covered by a ball of its own.
+/// A surface point lies on a segment from its nearest accessible point c towards the atoms that
+/// touch the probe at c, and as long as it does not pass their centres it lies in one of their
+/// expanded balls. Only a probe at a vertex that reaches through the plane of its three atoms can
+/// touch beyond; it is covered by a ball of its own.
 fn cover_of(accessible: &Arrangement) -> (Vec<(Vec3, f64)>, (Vec3, Vec3)) {
     let (centres, radii) = (accessible.centres(), accessible.expanded_radii_angstrom());
     let probe = accessible.probe_radius_angstrom();
     let exposed = accessible.exposed_atoms();
-    let mut cover: Vec<(Vec3, f64)> =
-        exposed.iter().map(|&atom| (centres[atom as usize], radii[atom as usize])).collect();
-    let tight = exposed.iter().map(|&atom| (centres[atom as usize], radii[atom as usize] - probe));
+    let mut cover: Vec<(Vec3, f64)> = exposed
+        .iter()
+        .map(|&atom| (centres[atom as usize], radii[atom as usize]))
+        .collect();
+    let tight = exposed
+        .iter()
+        .map(|&atom| (centres[atom as usize], radii[atom as usize] - probe));
     let everywhere = |x: f64| (Vec3::repeat(x), Vec3::repeat(-x));
-    let mut bounds = tight.fold(everywhere(f64::INFINITY), |(low, high), (centre, radius)| {
-        (low.inf(&(centre - Vec3::repeat(radius))), high.sup(&(centre + Vec3::repeat(radius))))
-    });
+    let mut bounds = tight.fold(
+        everywhere(f64::INFINITY),
+        |(low, high), (centre, radius)| {
+            (
+                low.inf(&(centre - Vec3::repeat(radius))),
+                high.sup(&(centre + Vec3::repeat(radius))),
+            )
+        },
+    );
     for vertex in accessible.vertices() {
         let [a, b, c] = vertex.atoms.map(|atom| centres[atom as usize]);
-        let height = (b - a).cross(&(c - a)).try_normalize(0.0).map_or(0.0, |n| n.dot(&(vertex.position - a)).abs());
+        let height = (b - a)
+            .cross(&(c - a))
+            .try_normalize(0.0)
+            .map_or(0.0, |n| n.dot(&(vertex.position - a)).abs());
         if height < probe {
             cover.push((vertex.position, probe));
         }

@@ -1,8 +1,9 @@
 //! Projection onto the excluded surface.
 //!
-//! With c the accessible point nearest to x, the surface point is c + p (x - c)/|x - c|. From inside the solid this is
-//! exact. From outside, a second probe may reach over that point (at a cusp); then the surface point lies on the circle
-//! in which both probes meet, or where three of them meet.
+//! With c the accessible point nearest to x, the surface point is c + p (x - c)/|x - c|. From
+//! inside the solid this is exact. From outside, a second probe may reach over that point (at a
+//! cusp); then the surface point lies on the circle in which both probes meet, or where three of
+//! them meet.
 
 use super::SesSolid;
 use protomer_kernel::Vec3;
@@ -21,14 +22,20 @@ pub(super) fn project(solid: &SesSolid, point: &Vec3) -> (Vec3, Vec3) {
     let mut place = from;
     let mut probes: Vec<Vec3> = Vec::with_capacity(3);
     for _ in 0..MAX_STEPS {
-        let Some(nearest) = solid.nearest_accessible(&place) else { break };
+        let Some(nearest) = solid.nearest_accessible(&place) else {
+            break;
+        };
         let centre = nearest.point;
         normal = (centre - place).try_normalize(1e-8).unwrap_or(normal);
         if (nearest.distance - probe).abs() <= TOLERANCE_ANGSTROM {
             break;
         }
         let pushed = centre - normal * probe;
-        if nearest.distance > probe || probes.iter().any(|c| (c - centre).norm() < SAME_PROBE_ANGSTROM) {
+        if nearest.distance > probe
+            || probes
+                .iter()
+                .any(|c| (c - centre).norm() < SAME_PROBE_ANGSTROM)
+        {
             (place, from) = (pushed, pushed);
             probes.clear();
             continue;
@@ -43,15 +50,23 @@ pub(super) fn project(solid: &SesSolid, point: &Vec3) -> (Vec3, Vec3) {
     (place, normal)
 }
 
-/// `point` itself if a probe centred there would touch an atom, otherwise a point of an atom in its direction.
+/// `point` itself if a probe centred there would touch an atom, otherwise a point of an atom in its
+/// direction.
 fn onto_accessible_solid(solid: &SesSolid, point: &Vec3) -> (Vec3, Vec3) {
-    let Some((atom, depth)) = solid.deepest_anywhere(point) else { return (*point, Vec3::z()) };
+    let Some((atom, depth)) = solid.deepest_anywhere(point) else {
+        return (*point, Vec3::z());
+    };
     let (centre, radius) = (solid.centres[atom as usize], solid.radii[atom as usize]);
     let outward = (point - centre).try_normalize(0.0).unwrap_or_else(Vec3::z);
-    if depth > 1e-9 * radius { (*point, outward) } else { (centre + outward * (radius - solid.probe_radius), outward) }
+    if depth > 1e-9 * radius {
+        (*point, outward)
+    } else {
+        (centre + outward * (radius - solid.probe_radius), outward)
+    }
 }
 
-/// The point nearest to `from` among those at distance `radius` from each of one, two or three centres.
+/// The point nearest to `from` among those at distance `radius` from each of one, two or three
+/// centres.
 fn nearest_on_all(from: &Vec3, centres: &[Vec3], radius: f64) -> Option<Vec3> {
     match centres {
         [a] => Some(a + (from - a).try_normalize(0.0)? * radius),
@@ -69,9 +84,14 @@ fn nearest_on_all(from: &Vec3, centres: &[Vec3], radius: f64) -> Option<Vec3> {
             let area = normal.norm_squared();
             (area > 1e-14).then_some(())?;
             // Circumcentre of the three centres, then up or down along the normal.
-            let base = (v.cross(&normal) * u.norm_squared() + normal.cross(&u) * v.norm_squared()) / (2.0 * area);
+            let base = (v.cross(&normal) * u.norm_squared() + normal.cross(&u) * v.norm_squared())
+                / (2.0 * area);
             let height = ((radius * radius - base.norm_squared()).max(0.0) / area).sqrt();
-            let side = if normal.dot(&(from - a)) >= 0.0 { height } else { -height };
+            let side = if normal.dot(&(from - a)) >= 0.0 {
+                height
+            } else {
+                -height
+            };
             Some(a + base + normal * side)
         }
         _ => None,

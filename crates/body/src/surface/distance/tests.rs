@@ -1,10 +1,15 @@
 use super::*;
 use crate::surface::test_support::{clusters, probe_contacts, read_reference};
 
-/// The obvious twin: every radial projection, every nearest point of a circle, every probe contact of three atoms, of
-/// which those in no ball are allowed probe positions.
+/// The obvious twin: every radial projection, every nearest point of a circle, every probe contact
+/// of three atoms, of which those in no ball are allowed probe positions.
 fn brute_force_distance(point: &Vec3, centres: &[Vec3], radii: &[f64], contacts: &[Vec3]) -> f64 {
-    let outside = |x: &Vec3| centres.iter().zip(radii).all(|(c, r)| (x - c).norm() >= r - 1e-6);
+    let outside = |x: &Vec3| {
+        centres
+            .iter()
+            .zip(radii)
+            .all(|(c, r)| (x - c).norm() >= r - 1e-6)
+    };
     if outside(point) {
         return 0.0;
     }
@@ -41,8 +46,10 @@ fn the_distance_agrees_with_brute_force() {
         let contacts = probe_contacts(&centres, expanded);
         let (low, high) = solid.bounds();
         for step in 0..400 {
-            let fraction =
-                |axis: u64| super::super::test_support::fraction(number as u64 * 7919 + step * 3 + axis) * 1.4 - 0.2;
+            let fraction = |axis: u64| {
+                super::super::test_support::fraction(number as u64 * 7919 + step * 3 + axis) * 1.4
+                    - 0.2
+            };
             let point = Vec3::new(
                 low.x + (high.x - low.x) * fraction(0),
                 low.y + (high.y - low.y) * fraction(1),
@@ -51,10 +58,16 @@ fn the_distance_agrees_with_brute_force() {
             let expected = probe - brute_force_distance(&point, &centres, expanded, &contacts);
             let value = solid.signed_distance(&point);
             if expected >= probe - 1e-9 {
-                assert!(value >= probe - 1e-9, "cluster {number}: {value} where the probe may be");
+                assert!(
+                    value >= probe - 1e-9,
+                    "cluster {number}: {value} where the probe may be"
+                );
             } else {
                 near += i32::from(expected.abs() < 0.5);
-                assert!((value - expected.max(-BAND_ANGSTROM)).abs() < 1e-5, "cluster {number}: {value} {expected}");
+                assert!(
+                    (value - expected.max(-BAND_ANGSTROM)).abs() < 1e-5,
+                    "cluster {number}: {value} {expected}"
+                );
             }
         }
     }
@@ -67,8 +80,11 @@ fn projected_points_lie_on_the_surface_nearest_to_the_point() {
         let solid = SesSolid::new(&Arrangement::new(&centres, &radii, 1.4).unwrap());
         let (low, high) = solid.bounds();
         for step in 0..300 {
-            let fraction = |axis: u64| super::super::test_support::fraction(number as u64 * 104_729 + step * 3 + axis);
-            let point = low + (high - low).component_mul(&Vec3::new(fraction(0), fraction(1), fraction(2)));
+            let fraction = |axis: u64| {
+                super::super::test_support::fraction(number as u64 * 104_729 + step * 3 + axis)
+            };
+            let point =
+                low + (high - low).component_mul(&Vec3::new(fraction(0), fraction(1), fraction(2)));
             let value = solid.signed_distance(&point);
             let (onto, normal) = solid.project(&point);
             assert!(
@@ -90,15 +106,24 @@ fn projected_points_lie_on_the_surface_nearest_to_the_point() {
 
 #[test]
 fn the_function_is_1_lipschitz() {
-    let Some((centres, radii)) = read_reference("1crn_heavy.xyzr") else { return };
+    let Some((centres, radii)) = read_reference("1crn_heavy.xyzr") else {
+        return;
+    };
     let solid = SesSolid::new(&Arrangement::new(&centres, &radii, 1.4).unwrap());
     let (low, high) = solid.bounds();
     for step in 0..20_000 {
         let fraction = |axis: u64| super::super::test_support::fraction(step * 6 + axis);
-        let point = low + (high - low).component_mul(&Vec3::new(fraction(0), fraction(1), fraction(2)));
-        let other = point + Vec3::new(fraction(3) - 0.5, fraction(4) - 0.5, fraction(5) - 0.5) * fraction(step % 7);
+        let point =
+            low + (high - low).component_mul(&Vec3::new(fraction(0), fraction(1), fraction(2)));
+        let other = point
+            + Vec3::new(fraction(3) - 0.5, fraction(4) - 0.5, fraction(5) - 0.5)
+                * fraction(step % 7);
         let change = (solid.signed_distance(&point) - solid.signed_distance(&other)).abs();
-        assert!(change <= (point - other).norm() + 1e-9, "{change} over {}", (point - other).norm());
+        assert!(
+            change <= (point - other).norm() + 1e-9,
+            "{change} over {}",
+            (point - other).norm()
+        );
     }
 }
 
@@ -106,7 +131,12 @@ fn the_function_is_1_lipschitz() {
 fn every_place_has_an_answer() {
     let centres = [Vec3::zeros(), Vec3::new(1e9, 0.0, 0.0)];
     let solid = SesSolid::new(&Arrangement::new(&centres, &[1.7, 1.7], 1.4).unwrap());
-    for point in [Vec3::zeros(), Vec3::repeat(1e8), Vec3::new(1e9, 0.0, 0.0), Vec3::new(0.0, 3.1, 0.0)] {
+    for point in [
+        Vec3::zeros(),
+        Vec3::repeat(1e8),
+        Vec3::new(1e9, 0.0, 0.0),
+        Vec3::new(0.0, 3.1, 0.0),
+    ] {
         let (onto, normal) = solid.project(&point);
         assert!(onto.iter().chain(normal.iter()).all(|x| x.is_finite()));
         assert!(solid.signed_distance(&onto).abs() < 1e-6);

@@ -1,9 +1,10 @@
 //! Joins the vertices of a dual surface in coarse cells, where that keeps the topology.
 //!
-//! A vertex of the dual stands for a sheet in a cell, a patch of the surface; the patches tile it. Patches that hang
-//! together within one coarse cell are merged into one if their union is a disk, V - E + F = 1. Merging disks into disks
-//! changes nothing of the surface, only its tiling, so whatever the fine lattice resolves is kept, at the coarse number of
-//! vertices wherever the surface is simple. Merged patches that touch another one along two seams, or fewer than three
+//! A vertex of the dual stands for a sheet in a cell, a patch of the surface; the patches tile it.
+//! Patches that hang together within one coarse cell are merged into one if their union is a disk,
+//! V - E + F = 1. Merging disks into disks changes nothing of the surface, only its tiling, so
+//! whatever the fine lattice resolves is kept, at the coarse number of vertices wherever the
+//! surface is simple. Merged patches that touch another one along two seams, or fewer than three
 //! others, are taken apart again, since a triangle mesh cannot express them.
 
 use super::dual::{Dual, NOTHING};
@@ -39,7 +40,11 @@ impl Patches {
     /// The patch that a vertex of the dual belongs to.
     pub(super) fn of(&self, vertex: u32) -> u32 {
         let patch = self.patch[vertex as usize];
-        if self.apart[patch as usize] { vertex } else { patch }
+        if self.apart[patch as usize] {
+            vertex
+        } else {
+            patch
+        }
     }
 
     /// Undoes a merger; whether there was one to undo.
@@ -56,15 +61,22 @@ impl Patches {
     }
 
     /// Merged patches that have fewer than `least` corners.
-    pub(super) fn with_fewer_corners<'a>(&'a self, corners: &'a [u32], least: u32) -> impl Iterator<Item = u32> + 'a {
-        (0..corners.len() as u32).filter(move |&patch| self.is_merged(patch) && corners[patch as usize] < least)
+    pub(super) fn with_fewer_corners<'a>(
+        &'a self,
+        corners: &'a [u32],
+        least: u32,
+    ) -> impl Iterator<Item = u32> + 'a {
+        (0..corners.len() as u32)
+            .filter(move |&patch| self.is_merged(patch) && corners[patch as usize] < least)
     }
 
-    /// 2 (V - E + F) of each closed patch: its tiles are the vertices of the dual, its edges those of the dual (each on two
-    /// quadrangles), its vertices the quadrangles.
+    /// 2 (V - E + F) of each closed patch: its tiles are the vertices of the dual, its edges those
+    /// of the dual (each on two quadrangles), its vertices the quadrangles.
     fn doubled_euler_numbers(&self, dual: &Dual) -> Vec<i32> {
         let mut sum = vec![0; self.patch.len()];
-        self.patch.iter().for_each(|patch| sum[*patch as usize] += 2);
+        self.patch
+            .iter()
+            .for_each(|patch| sum[*patch as usize] += 2);
         for quad in &dual.quads {
             let corners = quad.corners.map(|vertex| self.patch[vertex as usize]);
             for i in 0..4 {
@@ -84,7 +96,11 @@ impl Patches {
 
 /// A forest over the vertices: neighbours in the same coarse cell are in the same tree.
 fn united(dual: &Dual, width: i32) -> Vec<u32> {
-    let coarse: Vec<_> = dual.cells.iter().map(|cell| cell.map(|x| x.div_euclid(width))).collect();
+    let coarse: Vec<_> = dual
+        .cells
+        .iter()
+        .map(|cell| cell.map(|x| x.div_euclid(width)))
+        .collect();
     let mut parent: Vec<u32> = (0..dual.cells.len() as u32).collect();
     if width == 1 {
         return parent;
@@ -124,7 +140,10 @@ struct EdgeCount {
 
 impl EdgeCounts {
     pub(super) fn new(vertices: usize) -> Self {
-        Self { head: vec![NOTHING; vertices], entries: Vec::new() }
+        Self {
+            head: vec![NOTHING; vertices],
+            entries: Vec::new(),
+        }
     }
 
     /// Counts an edge once more, and says how often it has been by now.
@@ -136,13 +155,18 @@ impl EdgeCounts {
             return entry.count;
         }
         let head = &mut self.head[low as usize];
-        self.entries.push(EdgeCount { other: high, next: *head, count: 1 });
+        self.entries.push(EdgeCount {
+            other: high,
+            next: *head,
+            count: 1,
+        });
         *head = self.entries.len() as u32 - 1;
         1
     }
 
     pub(super) fn count(&self, a: u32, b: u32) -> u32 {
-        self.find(a.min(b), a.max(b)).map_or(0, |entry| self.entries[entry as usize].count)
+        self.find(a.min(b), a.max(b))
+            .map_or(0, |entry| self.entries[entry as usize].count)
     }
 
     fn find(&self, low: u32, high: u32) -> Option<u32> {

@@ -1,10 +1,12 @@
 //! How the surface runs through a cell whose corners are inside or outside.
 //!
-//! Corner c of a cell has the coordinates (c & 1, c >> 1 & 1, c >> 2); edge 4a + p runs along axis a. On every face of the
-//! cell the crossed edges are linked in pairs, around each run of outside corners: a face with two outside corners on a
-//! diagonal keeps them apart and joins the inside corners, as seen from both cells that share it. A wall that is thinner
-//! than the lattice, as solvent-excluded surfaces have them at their cusps, then stays in one piece more often than with
-//! the opposite rule. Every crossed edge lies on two faces, so the links form closed cycles: one sheet of the surface each.
+//! Corner c of a cell has the coordinates (c & 1, c >> 1 & 1, c >> 2); edge 4a + p runs along axis
+//! a. On every face of the cell the crossed edges are linked in pairs, around each run of outside
+//! corners: a face with two outside corners on a diagonal keeps them apart and joins the inside
+//! corners, as seen from both cells that share it. A wall that is thinner than the lattice, as
+//! solvent-excluded surfaces have them at their cusps, then stays in one piece more often than with
+//! the opposite rule. Every crossed edge lies on two faces, so the links form closed cycles: one
+//! sheet of the surface each.
 
 /// Corner sets of a cell.
 const MASKS: usize = 256;
@@ -47,20 +49,27 @@ fn cycles(mask: usize) -> Cycles {
         let corners = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(i, j)| side << axis | i << u | j << v);
         let is_inside = |i: usize| mask >> corners[i % 4] & 1 == 1;
         // Side i of the face runs from its corner i to the next.
-        let side_edge = |i: usize| edge_between(if i.is_multiple_of(2) { u } else { v }, corners[i % 4]);
+        let side_edge =
+            |i: usize| edge_between(if i.is_multiple_of(2) { u } else { v }, corners[i % 4]);
         for start in (0..4).filter(|&i| is_inside(i) && !is_inside(i + 1)) {
-            let end = (start + 1..start + 4).find(|&i| is_inside(i + 1)).unwrap_or(start);
+            let end = (start + 1..start + 4)
+                .find(|&i| is_inside(i + 1))
+                .unwrap_or(start);
             let (from, to) = (side_edge(start), side_edge(end));
             (crossed[from], crossed[to]) = (true, true);
             let (kept, gone) = (label[from], label[to]);
-            label.iter_mut().filter(|label| **label == gone).for_each(|label| *label = kept);
+            label
+                .iter_mut()
+                .filter(|label| **label == gone)
+                .for_each(|label| *label = kept);
         }
     }
     let mut of_edge = [NOT_CROSSED; EDGES];
     let mut count = 0;
     for first in 0..EDGES {
         if crossed[first] && of_edge[first] == NOT_CROSSED {
-            for edge in (first..EDGES).filter(|&edge| crossed[edge] && label[edge] == label[first]) {
+            for edge in (first..EDGES).filter(|&edge| crossed[edge] && label[edge] == label[first])
+            {
                 of_edge[edge] = count;
             }
             count += 1;
@@ -80,7 +89,11 @@ mod tests {
                 let (low, high) = (lower_corner(edge), lower_corner(edge) | 1 << (edge / 4));
                 assert_ne!(low, high);
                 let changes = (mask >> low & 1) != (mask >> high & 1);
-                assert_eq!(changes, cycles.of_edge[edge] != NOT_CROSSED, "{mask} {edge}");
+                assert_eq!(
+                    changes,
+                    cycles.of_edge[edge] != NOT_CROSSED,
+                    "{mask} {edge}"
+                );
             }
             for sheet in 0..cycles.count {
                 assert!(cycles.of_edge.iter().filter(|of| **of == sheet).count() >= 3);
@@ -90,7 +103,19 @@ mod tests {
 
     #[test]
     fn outside_corners_on_a_diagonal_have_sheets_of_their_own() {
-        let inside = [0b0, 0b1, 0b1001, 0b0110_1001, 0b1111, 0b1000_0001, 0xff ^ 0b1001, 0xff ^ 0b1000_0001];
-        assert_eq!(inside.map(|mask| table()[mask].count), [0, 1, 1, 4, 1, 2, 2, 2]);
+        let inside = [
+            0b0,
+            0b1,
+            0b1001,
+            0b0110_1001,
+            0b1111,
+            0b1000_0001,
+            0xff ^ 0b1001,
+            0xff ^ 0b1000_0001,
+        ];
+        assert_eq!(
+            inside.map(|mask| table()[mask].count),
+            [0, 1, 1, 4, 1, 2, 2, 2]
+        );
     }
 }

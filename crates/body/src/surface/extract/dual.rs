@@ -1,18 +1,19 @@
 //! The quadrangles dual to the crossed edges of the lattice.
 //!
-//! Every sheet in a cell is a vertex, every crossed edge a quadrangle of the sheets in the four cells around it (dual
-//! marching cubes: Nielson, IEEE Visualization 2004, 489).
+//! Every sheet in a cell is a vertex, every crossed edge a quadrangle of the sheets in the four
+//! cells around it (dual marching cubes: Nielson, IEEE Visualization 2004, 489).
 
 use super::cycles::{self, Cycles, EDGES, NOT_CROSSED, lower_corner};
 use super::lattice::{BLOCK, Block, Cell, Mixer, NODES, SparseLattice, node_index};
 use protomer_kernel::Vec3;
 use std::hash::{Hash, Hasher};
 
-/// A crossing keeps at least this fraction of its edge away from both ends, so that the smallest shells keep a size; the
-/// vertices are projected to the surface later.
+/// A crossing keeps at least this fraction of its edge away from both ends, so that the smallest
+/// shells keep a size; the vertices are projected to the surface later.
 const CLEARANCE: f64 = 0.2;
-/// Crossings are displaced by up to this fraction of their edge, in a way fixed to the lattice. Where node values are only
-/// bounds, crossings would otherwise repeat from cell to cell, and rounding would decide between shapes that are equal.
+/// Crossings are displaced by up to this fraction of their edge, in a way fixed to the lattice.
+/// Where node values are only bounds, crossings would otherwise repeat from cell to cell, and
+/// rounding would decide between shapes that are equal.
 const DISPLACEMENT: f64 = 0.05;
 /// Nodes along the edge of a block with the first nodes of the blocks after it.
 const RIM: i32 = BLOCK + 1;
@@ -41,7 +42,13 @@ pub(super) struct Quad {
 /// The quadrangles of a lattice.
 pub(super) fn quadrangles(lattice: &SparseLattice) -> Dual {
     let slot_of_block = vec![NOTHING; lattice.blocks.len()];
-    let mut march = March { lattice, table: cycles::table(), slot_of_block, slots: Vec::new(), dual: Dual::default() };
+    let mut march = March {
+        lattice,
+        table: cycles::table(),
+        slot_of_block,
+        slots: Vec::new(),
+        dual: Dual::default(),
+    };
     for block in &lattice.blocks {
         march.block(block);
     }
@@ -61,8 +68,16 @@ struct March<'a> {
 
 impl March<'_> {
     fn block(&mut self, block: &Block) {
-        let blocks = std::array::from_fn(|after| self.lattice.index(&at_corner(block.place, after)).unwrap_or(NOTHING));
-        let around = || blocks.iter().filter_map(|&index| self.lattice.blocks.get(index as usize));
+        let blocks = std::array::from_fn(|after| {
+            self.lattice
+                .index(&at_corner(block.place, after))
+                .unwrap_or(NOTHING)
+        });
+        let around = || {
+            blocks
+                .iter()
+                .filter_map(|&index| self.lattice.blocks.get(index as usize))
+        };
         if block.side.is_some() && around().all(|other| other.side == block.side) {
             return;
         }
@@ -75,18 +90,28 @@ impl March<'_> {
     /// Makes the vertices of a cell and enters them into the quadrangles of its edges.
     fn cell(&mut self, rim: &Rim, cell: Cell) {
         let values: [f64; 8] = std::array::from_fn(|corner| rim.value(at_corner(cell, corner)));
-        let mask = (0..8).filter(|&corner| values[corner] < 0.0).fold(0, |mask, corner| mask | 1 << corner);
+        let mask = (0..8)
+            .filter(|&corner| values[corner] < 0.0)
+            .fold(0, |mask, corner| mask | 1 << corner);
         // A node that is not there belongs to a block whose cells the surface does not cross.
         if mask == 0 || mask == 255 || values.iter().any(|value| value.is_nan()) {
             return;
         }
         let cycles = self.table[mask];
         let first = self.dual.cells.len() as u32;
-        self.dual.cells.extend((0..cycles.count).map(|_| rim.global(cell)));
+        self.dual
+            .cells
+            .extend((0..cycles.count).map(|_| rim.global(cell)));
         for edge in (0..EDGES).filter(|&edge| cycles.of_edge[edge] != NOT_CROSSED) {
             let (axis, low) = (edge / 4, lower_corner(edge));
-            let quad = self.quad(rim, at_corner(cell, low), axis, [values[low], values[low | 1 << axis]]);
-            // The cells around an edge, counter-clockwise seen from its upper end, have it at these places.
+            let quad = self.quad(
+                rim,
+                at_corner(cell, low),
+                axis,
+                [values[low], values[low | 1 << axis]],
+            );
+            // The cells around an edge, counter-clockwise seen from its upper end, have it at these
+            // places.
             let place = [0, 1, 3, 2][edge % 4];
             let turned = if values[low] < 0.0 { place } else { 3 - place };
             quad.corners[turned] = first + u32::from(cycles.of_edge[edge]);
@@ -110,7 +135,11 @@ impl March<'_> {
             crossing[axis] += CLEARANCE + (1.0 - 2.0 * CLEARANCE) * fraction.clamp(0.0, 1.0);
             outside[axis] += i32::from(low < 0.0);
             let point = self.lattice.point(crossing);
-            self.dual.quads.push(Quad { corners: [NOTHING; 4], outside, point });
+            self.dual.quads.push(Quad {
+                corners: [NOTHING; 4],
+                outside,
+                point,
+            });
         }
         &mut self.dual.quads[*quad as usize]
     }
@@ -127,7 +156,11 @@ struct Rim {
 
 impl Rim {
     fn of(place: Cell, blocks: [u32; 8], lattice: &SparseLattice) -> Self {
-        let mut rim = Self { place, blocks, values: [f64::NAN; RIM_NODES] };
+        let mut rim = Self {
+            place,
+            blocks,
+            values: [f64::NAN; RIM_NODES],
+        };
         for i in 0..RIM_NODES as i32 {
             let (index, local) = rim.locate([i / (RIM * RIM), i / RIM % RIM, i % RIM]);
             if let Some(block) = lattice.blocks.get(index as usize) {
@@ -143,7 +176,9 @@ impl Rim {
 
     /// Index of the block that a node belongs to, and of the node in it.
     fn locate(&self, node: Cell) -> (u32, usize) {
-        let after = (0..3).fold(0, |after, axis| after | usize::from(node[axis] == BLOCK) << axis);
+        let after = (0..3).fold(0, |after, axis| {
+            after | usize::from(node[axis] == BLOCK) << axis
+        });
         (self.blocks[after], node_index(node.map(|x| x % BLOCK)))
     }
 

@@ -11,7 +11,8 @@ use std::hash::{BuildHasherDefault, Hasher};
 pub(super) const BLOCK: i32 = 4;
 /// Nodes of a block.
 pub(super) const NODES: usize = (BLOCK * BLOCK * BLOCK) as usize;
-/// At most this many blocks are looked at, and this many kept; a protein of 50 000 atoms keeps about 1 000 000.
+/// At most this many blocks are looked at, and this many kept; a protein of 50 000 atoms keeps
+/// about 1 000 000.
 const MOST_CANDIDATES: usize = 30_000_000;
 const MOST_BLOCKS: usize = 4_000_000;
 
@@ -22,7 +23,8 @@ pub(super) type Cell = [i32; 3];
 pub(super) struct SparseLattice<'a> {
     frame: &'a Frame,
     spacing: f64,
-    /// The blocks that hold a corner of a cell that the surface crosses, and some others near the surface.
+    /// The blocks that hold a corner of a cell that the surface crosses, and some others near the
+    /// surface.
     pub(super) blocks: Vec<Block>,
     /// Where in `blocks` a block is.
     index_of: HashMap<Cell, u32, BuildHasherDefault<Mixer>>,
@@ -32,7 +34,8 @@ pub(super) struct SparseLattice<'a> {
 pub(super) struct Block {
     /// Coordinates, in blocks.
     pub(super) place: Cell,
-    /// Node values, Å; negative is inside. A node whose sign is fixed by the value of a point nearby holds that value.
+    /// Node values, Å; negative is inside. A node whose sign is fixed by the value of a point
+    /// nearby holds that value.
     pub(super) values: [f64; NODES],
     /// Whether all nodes are inside, or all outside; `None` if there are both.
     pub(super) side: Option<bool>,
@@ -40,8 +43,17 @@ pub(super) struct Block {
 
 impl<'a> SparseLattice<'a> {
     /// Fills every block of the lattice that the surface may cross.
-    pub(super) fn around(solid: &dyn ImplicitSolid, frame: &'a Frame, spacing: f64) -> Result<Self> {
-        let mut lattice = Self { frame, spacing, blocks: Vec::new(), index_of: HashMap::default() };
+    pub(super) fn around(
+        solid: &dyn ImplicitSolid,
+        frame: &'a Frame,
+        spacing: f64,
+    ) -> Result<Self> {
+        let mut lattice = Self {
+            frame,
+            spacing,
+            blocks: Vec::new(),
+            index_of: HashMap::default(),
+        };
         for place in lattice.candidates(&solid.cover())? {
             if let Some(block) = lattice.fill(solid, place) {
                 lattice.index_of.insert(place, lattice.blocks.len() as u32);
@@ -64,7 +76,8 @@ impl<'a> SparseLattice<'a> {
         self.frame.to_input(&(Vec3::from(cells) * self.spacing))
     }
 
-    /// The blocks within the diagonal of a cell of the cover, sorted, so that the mesh does not depend on a hash.
+    /// The blocks within the diagonal of a cell of the cover, sorted, so that the mesh does not
+    /// depend on a hash.
     fn candidates(&self, cover: &[(Vec3, f64)]) -> Result<Vec<Cell>> {
         let edge = self.spacing * f64::from(BLOCK);
         let mut seen: HashSet<Cell, BuildHasherDefault<Mixer>> = HashSet::default();
@@ -98,8 +111,9 @@ impl<'a> SparseLattice<'a> {
         Ok(candidates)
     }
 
-    /// The node values of a block, or `None` if the distance at its centre shows that no cell with a corner here crosses
-    /// the surface: |f(centre)| > radius of the block's nodes about it + diagonal of a cell, for a 1-Lipschitz f.
+    /// The node values of a block, or `None` if the distance at its centre shows that no cell with
+    /// a corner here crosses the surface: |f(centre)| > radius of the block's nodes about it +
+    /// diagonal of a cell, for a 1-Lipschitz f.
     fn fill(&self, solid: &dyn ImplicitSolid, place: Cell) -> Option<Block> {
         let first = place.map(|x| f64::from(x * BLOCK));
         let half = 0.5 * f64::from(BLOCK - 1);
@@ -108,22 +122,38 @@ impl<'a> SparseLattice<'a> {
         if value.abs() > (half + 1.0) * diagonal {
             return None;
         }
-        let mut block = Block { place, values: [value; NODES], side: Some(value < 0.0) };
+        let mut block = Block {
+            place,
+            values: [value; NODES],
+            side: Some(value < 0.0),
+        };
         if value.abs() <= half * diagonal * (1.0 + 1e-9) {
             for octant in 0..8 {
                 let corner = [0, 1, 2].map(|axis| (octant >> axis & 1) * (BLOCK / 2));
                 self.fill_octant(solid, first, corner, &mut block.values);
             }
             let is_inside = block.values[0] < 0.0;
-            block.side = block.values.iter().all(|value| (*value < 0.0) == is_inside).then_some(is_inside);
+            block.side = block
+                .values
+                .iter()
+                .all(|value| (*value < 0.0) == is_inside)
+                .then_some(is_inside);
         }
         Some(block)
     }
 
-    /// Fills 2 x 2 x 2 nodes of a block; a value is computed only where no value nearby already fixes its sign.
-    fn fill_octant(&self, solid: &dyn ImplicitSolid, first: [f64; 3], corner: Cell, values: &mut [f64; NODES]) {
-        let value_at =
-            |cells: [f64; 3]| solid.signed_distance(&self.point([0, 1, 2].map(|axis| first[axis] + cells[axis])));
+    /// Fills 2 x 2 x 2 nodes of a block; a value is computed only where no value nearby already
+    /// fixes its sign.
+    fn fill_octant(
+        &self,
+        solid: &dyn ImplicitSolid,
+        first: [f64; 3],
+        corner: Cell,
+        values: &mut [f64; NODES],
+    ) {
+        let value_at = |cells: [f64; 3]| {
+            solid.signed_distance(&self.point([0, 1, 2].map(|axis| first[axis] + cells[axis])))
+        };
         let centre = corner.map(|x| f64::from(x) + 0.5);
         let mut known = [(centre, value_at(centre)); 9];
         let mut count = 1;
@@ -160,7 +190,10 @@ pub(super) struct Mixer(u64);
 impl Hasher for Mixer {
     fn write(&mut self, bytes: &[u8]) {
         for chunk in bytes.chunks(8) {
-            let word = chunk.iter().rev().fold(0, |word, byte| word << 8 | u64::from(*byte));
+            let word = chunk
+                .iter()
+                .rev()
+                .fold(0, |word, byte| word << 8 | u64::from(*byte));
             self.0 = (self.0.rotate_left(23) ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         }
     }
@@ -172,8 +205,12 @@ impl Hasher for Mixer {
 
 fn too_large(spacing: f64) -> BodyError {
     BodyError::Invalid {
-        cause: format!("the surface is too large, or too far from its own centre, for a lattice of {spacing} Å"),
-        remedy: "check the coordinates and radii for stray values, or ask for a coarser base spacing".into(),
+        cause: format!(
+            "the surface is too large, or too far from its own centre, for a lattice of {spacing} Å"
+        ),
+        remedy:
+            "check the coordinates and radii for stray values, or ask for a coarser base spacing"
+                .into(),
     }
 }
 
@@ -186,7 +223,10 @@ mod tests {
 
     impl ImplicitSolid for Pair {
         fn signed_distance(&self, point: &Vec3) -> f64 {
-            self.cover().iter().map(|(centre, radius)| (point - centre).norm() - radius).fold(f64::INFINITY, f64::min)
+            self.cover()
+                .iter()
+                .map(|(centre, radius)| (point - centre).norm() - radius)
+                .fold(f64::INFINITY, f64::min)
         }
         fn project(&self, point: &Vec3) -> (Vec3, Vec3) {
             (*point, Vec3::x())
@@ -195,12 +235,15 @@ mod tests {
             (Vec3::repeat(-4.0), Vec3::repeat(4.0))
         }
         fn cover(&self) -> Vec<(Vec3, f64)> {
-            vec![(Vec3::new(-1.2, 0.1, 0.0), 1.3), (Vec3::new(1.6, 0.2, 0.3), 1.45)]
+            vec![
+                (Vec3::new(-1.2, 0.1, 0.0), 1.3),
+                (Vec3::new(1.6, 0.2, 0.3), 1.45),
+            ]
         }
     }
 
-    /// The slow twin: every node of the box, evaluated. Signs agree wherever a block is kept, and all corners of every
-    /// cell that the surface crosses are in blocks that are kept.
+    /// The slow twin: every node of the box, evaluated. Signs agree wherever a block is kept, and
+    /// all corners of every cell that the surface crosses are in blocks that are kept.
     #[test]
     fn the_sparse_lattice_sees_what_a_dense_one_sees() {
         let frame = Frame::of_points(&Pair.cover().iter().map(|ball| ball.0).collect::<Vec<_>>());
@@ -208,19 +251,28 @@ mod tests {
             let lattice = SparseLattice::around(&Pair, &frame, spacing).unwrap();
             let kept = |node: Cell| {
                 let index = lattice.index_of.get(&node.map(|x| x.div_euclid(BLOCK)))?;
-                Some(lattice.blocks[*index as usize].values[node_index(node.map(|x| x.rem_euclid(BLOCK)))])
+                Some(
+                    lattice.blocks[*index as usize].values
+                        [node_index(node.map(|x| x.rem_euclid(BLOCK)))],
+                )
             };
-            let inside = |node: Cell| Pair.signed_distance(&lattice.point(node.map(f64::from))) < 0.0;
+            let inside =
+                |node: Cell| Pair.signed_distance(&lattice.point(node.map(f64::from))) < 0.0;
             let reach = (5.0 / spacing) as i32;
             let mut crossings = 0;
             for i in 0..(2 * reach).pow(3) {
                 let side = 2 * reach;
-                let cell = [i / side / side - reach, i / side % side - reach, i % side - reach];
+                let cell = [
+                    i / side / side - reach,
+                    i / side % side - reach,
+                    i % side - reach,
+                ];
                 if let Some(value) = kept(cell) {
                     assert_eq!(value < 0.0, inside(cell));
                 }
-                let corners: [Cell; 8] =
-                    std::array::from_fn(|corner| [0, 1, 2].map(|a| cell[a] + (corner >> a & 1) as i32));
+                let corners: [Cell; 8] = std::array::from_fn(|corner| {
+                    [0, 1, 2].map(|a| cell[a] + (corner >> a & 1) as i32)
+                });
                 if corners.iter().any(|corner| inside(*corner) != inside(cell)) {
                     assert!(corners.iter().all(|corner| kept(*corner).is_some()));
                     crossings += 1;
@@ -249,7 +301,9 @@ mod tests {
         }
         for radius in [1e4, 1e300, f64::NAN, f64::INFINITY] {
             let frame = Frame::of_points(&[Vec3::zeros()]);
-            let error = SparseLattice::around(&Huge(radius), &frame, 0.6).err().unwrap();
+            let error = SparseLattice::around(&Huge(radius), &frame, 0.6)
+                .err()
+                .unwrap();
             assert!(error.to_string().contains("too large"), "{error}");
         }
     }

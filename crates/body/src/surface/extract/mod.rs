@@ -1,14 +1,16 @@
-//! The first mesh of a solid: dual marching cubes on a sparse cubic lattice, with simple parts of the surface merged.
+//! The first mesh of a solid: dual marching cubes on a sparse cubic lattice, with simple parts of
+//! the surface merged.
 //!
 //! ```text
 //! cover --lattice--> signs at the nodes near the surface --cycles, dual--> quadrangles --coarsen, polygons--> triangles
 //! ```
 //!
-//! Every node is inside (value < 0) or outside (value >= 0). In every cell the sheets separate the inside corners from the
-//! outside corners; those of neighbouring cells meet in whole edges, so they tile a closed 2-manifold for *any* function.
-//! Only what is thinner than the lattice is lost: a gap, wall or handle narrower than about the spacing may be closed,
-//! opened or cut. The mesh is dual to that tiling, after tiles have been merged into larger disks: it has the same
-//! topology with a fraction of the vertices.
+//! Every node is inside (value < 0) or outside (value >= 0). In every cell the sheets separate the
+//! inside corners from the outside corners; those of neighbouring cells meet in whole edges, so
+//! they tile a closed 2-manifold for *any* function. Only what is thinner than the lattice is lost:
+//! a gap, wall or handle narrower than about the spacing may be closed, opened or cut. The mesh is
+//! dual to that tiling, after tiles have been merged into larger disks: it has the same topology
+//! with a fraction of the vertices.
 
 mod coarsen;
 mod cycles;
@@ -21,8 +23,9 @@ use super::implicit::ImplicitSolid;
 use crate::Result;
 use protomer_kernel::TriangleMesh;
 
-/// The surface of `solid` on a lattice of cubes of edge `spacing_angstrom`, placed in `frame`, with vertices about
-/// `edge_angstrom` apart where that keeps the topology; they lie on the surface to about a tenth of that.
+/// The surface of `solid` on a lattice of cubes of edge `spacing_angstrom`, placed in `frame`, with
+/// vertices about `edge_angstrom` apart where that keeps the topology; they lie on the surface to
+/// about a tenth of that.
 ///
 /// # Errors
 /// [`crate::BodyError::Invalid`] if the solid needs more lattice blocks than there is room for.
@@ -34,5 +37,8 @@ pub fn extract(
 ) -> Result<TriangleMesh> {
     let lattice = lattice::SparseLattice::around(solid, frame, spacing_angstrom)?;
     let width = (edge_angstrom / spacing_angstrom).round().clamp(1.0, 16.0);
-    Ok(polygons::triangulate(&dual::quadrangles(&lattice), width as i32))
+    Ok(polygons::triangulate(
+        &dual::quadrangles(&lattice),
+        width as i32,
+    ))
 }

@@ -1,6 +1,7 @@
 //! Triangles from the patches of a dual surface.
 //!
-//! Every quadrangle of the dual whose corners belong to three or four patches is a polygon of the mesh.
+//! Every quadrangle of the dual whose corners belong to three or four patches is a polygon of the
+//! mesh.
 
 use super::coarsen::{EdgeCounts, Patches};
 use super::dual::{Dual, NOTHING, Quad};
@@ -11,9 +12,14 @@ use std::collections::HashMap;
 /// Fewer corners than this a patch cannot have in a triangle mesh.
 const FEWEST_CORNERS: u32 = 3;
 
-/// The mesh of a dual surface whose vertices are merged within `width` cells; empty if the dual is not closed.
+/// The mesh of a dual surface whose vertices are merged within `width` cells; empty if the dual is
+/// not closed.
 pub(super) fn triangulate(dual: &Dual, width: i32) -> TriangleMesh {
-    if dual.quads.iter().any(|quad| quad.corners.contains(&NOTHING)) {
+    if dual
+        .quads
+        .iter()
+        .any(|quad| quad.corners.contains(&NOTHING))
+    {
         return TriangleMesh::default();
     }
     let mut patches = Patches::merged(dual, width);
@@ -25,7 +31,8 @@ pub(super) fn triangulate(dual: &Dual, width: i32) -> TriangleMesh {
     }
 }
 
-/// The edges of all polygons; takes patches apart that have two common edges, or too few corners. True if there were none.
+/// The edges of all polygons; takes patches apart that have two common edges, or too few corners.
+/// True if there were none.
 fn count_edges(dual: &Dual, patches: &mut Patches) -> (EdgeCounts, bool) {
     let mut edges = EdgeCounts::new(dual.cells.len());
     let mut corners = vec![0; dual.cells.len()];
@@ -68,8 +75,9 @@ struct Builder<'a> {
     edges: EdgeCounts,
     /// The mesh vertex of each patch.
     number: Vec<u32>,
-    /// The vertex in the middle of each edge that two patches have twice: along an ambiguous face two sheets may meet along
-    /// two seams. Each seam runs around one outside node, by which both its ends know it.
+    /// The vertex in the middle of each edge that two patches have twice: along an ambiguous face
+    /// two sheets may meet along two seams. Each seam runs around one outside node, by which both
+    /// its ends know it.
     middle: HashMap<(u32, u32, Cell), (u32, f64)>,
     mesh: TriangleMesh,
 }
@@ -77,7 +85,14 @@ struct Builder<'a> {
 impl<'a> Builder<'a> {
     fn new(dual: &'a Dual, patches: &'a Patches, edges: EdgeCounts) -> Self {
         let (number, middle) = (vec![NOTHING; dual.cells.len()], HashMap::new());
-        Self { dual, patches, edges, number, middle, mesh: TriangleMesh::default() }
+        Self {
+            dual,
+            patches,
+            edges,
+            number,
+            middle,
+            mesh: TriangleMesh::default(),
+        }
     }
 
     fn mesh(mut self) -> TriangleMesh {
@@ -107,7 +122,11 @@ impl<'a> Builder<'a> {
                 weight[number] += 1.0;
             }
         }
-        self.mesh.vertices.iter_mut().zip(weight).for_each(|(vertex, weight)| *vertex /= weight);
+        self.mesh
+            .vertices
+            .iter_mut()
+            .zip(weight)
+            .for_each(|(vertex, weight)| *vertex /= weight);
     }
 
     fn polygon(&mut self, quad: &Quad, polygon: &[u32]) {
@@ -124,10 +143,18 @@ impl<'a> Builder<'a> {
             (_, &[a, b, c]) => self.mesh.triangles.push([a, b, c]),
             (&[p, q, r, s], &[a, b, c, d]) => {
                 let at = |vertex: u32| self.mesh.vertices[vertex as usize];
-                // Equal diagonals must be a tie in every orientation of the body, whatever the rounding.
-                let first = (at(a) - at(c)).norm_squared() <= (at(b) - at(d)).norm_squared() * (1.0 + 1e-9);
+                // Equal diagonals must be a tie in every orientation of the body, whatever the
+                // rounding.
+                let first =
+                    (at(a) - at(c)).norm_squared() <= (at(b) - at(d)).norm_squared() * (1.0 + 1e-9);
                 let choices = if first { [true, false] } else { [false, true] };
-                let free = |ac: bool| if ac { self.edges.count(p, r) == 0 } else { self.edges.count(q, s) == 0 };
+                let free = |ac: bool| {
+                    if ac {
+                        self.edges.count(p, r) == 0
+                    } else {
+                        self.edges.count(q, s) == 0
+                    }
+                };
                 match choices.into_iter().find(|&ac| free(ac)) {
                     Some(true) => {
                         self.edges.add(p, r);
@@ -148,13 +175,19 @@ impl<'a> Builder<'a> {
         let number = self.mesh.vertices.len() as u32;
         self.mesh.vertices.push(centre);
         let next = corners.iter().cycle().skip(1);
-        self.mesh.triangles.extend(corners.iter().zip(next).map(|(&a, &b)| [a, b, number]));
+        self.mesh
+            .triangles
+            .extend(corners.iter().zip(next).map(|(&a, &b)| [a, b, number]));
     }
 
-    /// The vertex in the middle of the seam between two patches that ends at `quad`: the mean of both ends.
+    /// The vertex in the middle of the seam between two patches that ends at `quad`: the mean of
+    /// both ends.
     fn middle(&mut self, a: u32, b: u32, quad: &Quad) -> u32 {
         let new = self.mesh.vertices.len() as u32;
-        let (vertex, ends) = self.middle.entry((a.min(b), a.max(b), quad.outside)).or_insert((new, 0.0));
+        let (vertex, ends) = self
+            .middle
+            .entry((a.min(b), a.max(b), quad.outside))
+            .or_insert((new, 0.0));
         if *vertex == new {
             self.mesh.vertices.push(Vec3::zeros());
         }

@@ -1,9 +1,11 @@
-//! The concave patch at a vertex: the part of the probe's sphere within the cone of its three atoms.
+//! The concave patch at a vertex: the part of the probe's sphere within the cone of its three
+//! atoms.
 //!
-//! A probe nearer to the plane of its atoms than its radius may reach through and meet other probes. Its patch is then
-//! the unit sphere less half-spaces: the three planes of the cone, and for each probe u within 2 p the half-space of
-//! points nearer to u. The layer is that part of the ball: ⅓ (p³ Ω + Σ h A) with A the area of the plane face half-way
-//! to each probe, h = |u - v| / 2.
+//! A probe nearer to the plane of its atoms than its radius may reach through and meet other
+//! probes. Its patch is then the unit sphere less half-spaces: the three planes of the cone, and
+//! for each probe u within 2 p the half-space of points nearer to u. The layer is that part of the
+//! ball: ⅓ (p³ Ω + Σ h A) with A the area of the plane face half-way to each probe, h = |u - v| /
+//! 2.
 
 use crate::surface::arrangement::circle::{
     Cap, CircleArc, CircleFrame, Exposure, counter_clockwise_angle, exposed_arcs,
@@ -12,8 +14,8 @@ use crate::surface::arrangement::{Arrangement, CellList, hashed_fraction, spheri
 use protomer_kernel::Vec3;
 use std::f64::consts::{PI, TAU};
 
-/// Shifts of the cutting planes, in probe radii, tried in turn: probes on one circle all cut through its cusps, a
-/// coincidence that shifts of this size resolve.
+/// Shifts of the cutting planes, in probe radii, tried in turn: probes on one circle all cut
+/// through its cusps, a coincidence that shifts of this size resolve.
 const SHIFTS: [f64; 6] = [1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5];
 /// How much larger than the whole cone a cut patch may seem.
 const SOLID_ANGLE_TOLERANCE: f64 = 1e-6;
@@ -41,10 +43,18 @@ pub(super) struct Patch {
 
 impl<'a> Probes<'a> {
     pub(super) fn new(accessible: &'a Arrangement) -> Self {
-        let positions: Vec<Vec3> = accessible.vertices().iter().map(|vertex| vertex.position).collect();
+        let positions: Vec<Vec3> = accessible
+            .vertices()
+            .iter()
+            .map(|vertex| vertex.position)
+            .collect();
         let reach = 2.0 * accessible.probe_radius_angstrom();
         let cells = CellList::new(&positions, 0..positions.len() as u32, reach);
-        Self { accessible, positions, cells }
+        Self {
+            accessible,
+            positions,
+            cells,
+        }
     }
 
     /// The patch at vertex `number`.
@@ -73,24 +83,39 @@ impl<'a> Probes<'a> {
         }
         for shift in SHIFTS {
             let caps = self.caps(&directions, &place, &cutters, shift);
-            let Some((solid_angle, cuts)) = cut_solid_angle(&caps) else { continue };
+            let Some((solid_angle, cuts)) = cut_solid_angle(&caps) else {
+                continue;
+            };
             if !(-SOLID_ANGLE_TOLERANCE..=whole + SOLID_ANGLE_TOLERANCE).contains(&solid_angle) {
                 continue;
             }
             if cuts.is_empty() && solid_angle > 0.0 {
                 return uncut(whole);
             }
-            return Self::cut(probe, solid_angle.max(0.0), &caps, &cutters, TAU * probe * probe * shift);
+            return Self::cut(
+                probe,
+                solid_angle.max(0.0),
+                &caps,
+                &cutters,
+                TAU * probe * probe * shift,
+            );
         }
         let caps = self.caps(&directions, &place, &cutters, 0.0);
         let (solid_angle, error) = sampled_solid_angle(&caps);
-        Patch { is_sampled: true, ..Self::cut(probe, solid_angle, &caps, &cutters, probe * probe * error) }
+        Patch {
+            is_sampled: true,
+            ..Self::cut(probe, solid_angle, &caps, &cutters, probe * probe * error)
+        }
     }
 
     fn cut(probe: f64, solid_angle: f64, caps: &[Cap], cutters: &[u32], area_error: f64) -> Patch {
         let mut moment = solid_angle;
         let mut cut_by = Vec::new();
-        for (index, cap) in caps.iter().enumerate().filter(|(_, cap)| cap.owner as usize >= CONE_PLANES) {
+        for (index, cap) in caps
+            .iter()
+            .enumerate()
+            .filter(|(_, cap)| cap.owner as usize >= CONE_PLANES)
+        {
             let area = plane_face_area(caps, index);
             moment += cap.height * area;
             if area > 1e-12 {
@@ -124,14 +149,26 @@ impl<'a> Probes<'a> {
         let reach = 2.0 * self.accessible.probe_radius_angstrom();
         let [a, b, c] = directions;
         let side = a.dot(&b.cross(c)).signum();
-        let planes = [(a, b), (b, c), (c, a)].map(|(first, second)| second.cross(first).normalize() * side);
-        let mut caps: Vec<Cap> = (0..).zip(planes).map(|(owner, axis)| Cap { axis, height: 0.0, owner }).collect();
+        let planes =
+            [(a, b), (b, c), (c, a)].map(|(first, second)| second.cross(first).normalize() * side);
+        let mut caps: Vec<Cap> = (0..)
+            .zip(planes)
+            .map(|(owner, axis)| Cap {
+                axis,
+                height: 0.0,
+                owner,
+            })
+            .collect();
         for (owner, &cutter) in (CONE_PLANES as u32..).zip(cutters) {
             let offset = self.positions[cutter as usize] - place;
             let distance = offset.norm();
             let height = distance / reach + shift * hashed_fraction(u64::from(cutter));
             if distance > 0.0 && height < 1.0 {
-                caps.push(Cap { axis: offset / distance, height, owner });
+                caps.push(Cap {
+                    axis: offset / distance,
+                    height,
+                    owner,
+                });
             }
         }
         caps.sort_by(|a, b| a.height.total_cmp(&b.height));
@@ -142,45 +179,64 @@ impl<'a> Probes<'a> {
 /// Solid angle of the cone of three unit vectors: tan(Ω/2) = |a·(b×c)| / (1 + a·b + b·c + c·a)
 /// (van Oosterom and Strackee, IEEE Trans. Biomed. Eng. 30, 125 (1983)).
 fn cone_solid_angle([a, b, c]: &[Vec3; 3]) -> f64 {
-    2.0 * a.dot(&b.cross(c)).abs().atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
+    2.0 * a
+        .dot(&b.cross(c))
+        .abs()
+        .atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
 }
 
-/// Solid angle of the unit sphere less caps, and the owners of cutting caps on its boundary; `None` if the boundary
-/// does not close.
+/// Solid angle of the unit sphere less caps, and the owners of cutting caps on its boundary; `None`
+/// if the boundary does not close.
 fn cut_solid_angle(caps: &[Cap]) -> Option<(f64, Vec<u32>)> {
     let loops = spherical::boundary_loops(caps)?;
     let numbers = spherical::regions(&loops.edges);
     let parts = numbers.iter().max().map_or(0, |last| last + 1);
     let mut total = 0.0;
     for part in 0..parts {
-        let boundary: Vec<_> =
-            loops.edges.iter().zip(&numbers).filter(|(_, number)| **number == part).map(|(edges, _)| edges).collect();
+        let boundary: Vec<_> = loops
+            .edges
+            .iter()
+            .zip(&numbers)
+            .filter(|(_, number)| **number == part)
+            .map(|(edges, _)| edges)
+            .collect();
         let solid_angle = spherical::solid_angle(&boundary);
         if !(-SOLID_ANGLE_TOLERANCE..=4.0 * PI).contains(&solid_angle) {
             return None;
         }
         total += solid_angle;
     }
-    let cuts = loops.owners.into_iter().filter(|owner| *owner as usize >= CONE_PLANES).collect();
+    let cuts = loops
+        .owners
+        .into_iter()
+        .filter(|owner| *owner as usize >= CONE_PLANES)
+        .collect();
     Some((total, cuts))
 }
 
 /// Area of the part of the plane of a cap that lies in the unit ball and outside all other caps.
 ///
-/// It is convex, bounded by arcs of the cap's rim and by chords: ½ Σ s² φ + ½ Σ (distance of the chord) (its length).
+/// It is convex, bounded by arcs of the cap's rim and by chords: ½ Σ s² φ + ½ Σ (distance of the
+/// chord) (its length).
 fn plane_face_area(caps: &[Cap], index: usize) -> f64 {
     let frame = CircleFrame::new(&caps[index]);
     let mut arcs: Vec<CircleArc> = Vec::new();
     let turned = match exposed_arcs(caps, index, &frame, &mut arcs) {
         Exposure::Whole => TAU,
-        Exposure::Arcs => arcs.iter().map(|arc| counter_clockwise_angle(&arc.ends[0], &arc.ends[1])).sum(),
+        Exposure::Arcs => arcs
+            .iter()
+            .map(|arc| counter_clockwise_angle(&arc.ends[0], &arc.ends[1]))
+            .sum(),
     };
     // Half-planes n·x <= d in the plane of the face, about the centre of the disc.
     let others = caps.iter().enumerate().filter(|(other, _)| *other != index);
     let half_planes: Vec<([f64; 2], f64)> = others
         .filter_map(|(_, cap)| {
             let (x, y) = (cap.axis.dot(&frame.e1), cap.axis.dot(&frame.e2));
-            let (length, distance) = (x.hypot(y), cap.height - frame.height * cap.axis.dot(&frame.axis));
+            let (length, distance) = (
+                x.hypot(y),
+                cap.height - frame.height * cap.axis.dot(&frame.axis),
+            );
             (length > 1e-14).then(|| ([x / length, y / length], distance / length))
         })
         .collect();

@@ -1,7 +1,8 @@
 //! Exact areas and volumes of the accessible and the excluded surface.
 //!
-//! Every point between both surfaces has its nearest accessible point on a face, an arc or a vertex, so the layer
-//! between them falls into pieces with closed forms (solid angle Ω, expanded radius R, atomic radius r, probe p):
+//! Every point between both surfaces has its nearest accessible point on a face, an arc or a
+//! vertex, so the layer between them falls into pieces with closed forms (solid angle Ω, expanded
+//! radius R, atomic radius r, probe p):
 //!
 //! | nearest feature | excluded surface | layer |
 //! |---|---|---|
@@ -9,11 +10,12 @@
 //! | arc | toroidal patch (`torus`) | sector of a torus, ended at the circle's axis |
 //! | vertex | concave patch (`concave`) | cone of the probe, ended half-way to other probes |
 //!
-//! An arc's pieces meet no other piece than their own mirror image beyond the circle's axis: with s in the triangle of
-//! c and the two atoms, any allowed probe position y has |y - s| >= |c - s|, because it is at least as far from both
-//! atoms as c is. The same holds for a vertex and the tetrahedron it makes with its three atoms; only a probe that
-//! reaches through the plane of its atoms is ended by other probes at vertices, half-way between the two. The
-//! accessible volume follows from the divergence theorem, V = ⅓ Σ R³ Ω + R² c·∫u dΩ, and the excluded volume is the
+//! An arc's pieces meet no other piece than their own mirror image beyond the circle's axis: with s
+//! in the triangle of c and the two atoms, any allowed probe position y has |y - s| >= |c - s|,
+//! because it is at least as far from both atoms as c is. The same holds for a vertex and the
+//! tetrahedron it makes with its three atoms; only a probe that reaches through the plane of its
+//! atoms is ended by other probes at vertices, half-way between the two. The accessible volume
+//! follows from the divergence theorem, V = ⅓ Σ R³ Ω + R² c·∫u dΩ, and the excluded volume is the
 //! accessible one less the layer.
 
 mod concave;
@@ -71,7 +73,8 @@ impl Add for SurfaceMeasure {
             toroidal_area_angstrom2: self.toroidal_area_angstrom2 + other.toroidal_area_angstrom2,
             concave_area_angstrom2: self.concave_area_angstrom2 + other.concave_area_angstrom2,
             ses_volume_angstrom3: self.ses_volume_angstrom3 + other.ses_volume_angstrom3,
-            area_error_estimate_angstrom2: self.area_error_estimate_angstrom2 + other.area_error_estimate_angstrom2,
+            area_error_estimate_angstrom2: self.area_error_estimate_angstrom2
+                + other.area_error_estimate_angstrom2,
             volume_error_estimate_angstrom3: self.volume_error_estimate_angstrom3
                 + other.volume_error_estimate_angstrom3,
         }
@@ -96,8 +99,8 @@ impl AddAssign for SurfaceMeasure {
 /// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Measure {
-    /// One entry per shell. Shells of the accessible surface whose probes cut each other's patches count as one: the
-    /// excluded surface joins them.
+    /// One entry per shell. Shells of the accessible surface whose probes cut each other's patches
+    /// count as one: the excluded surface joins them.
     pub shells: Vec<SurfaceMeasure>,
     /// Arcs that are whole circles.
     pub free_arcs: usize,
@@ -105,14 +108,18 @@ pub struct Measure {
     pub singular_arcs: usize,
     /// Concave patches that other probes cut.
     pub cut_concave_patches: usize,
-    /// Patches whose area had to be estimated by sampling; zero unless rounding defeated the closed form.
+    /// Patches whose area had to be estimated by sampling; zero unless rounding defeated the closed
+    /// form.
     pub sampled_patches: usize,
 }
 
 impl Measure {
     /// Measures both surfaces.
     pub fn new(accessible: &Arrangement) -> Self {
-        let mut measure = Self { shells: vec![SurfaceMeasure::default(); accessible.shell_count()], ..Self::default() };
+        let mut measure = Self {
+            shells: vec![SurfaceMeasure::default(); accessible.shell_count()],
+            ..Self::default()
+        };
         measure.add_faces(accessible);
         let mut merged: Vec<u32> = (0..accessible.shell_count() as u32).collect();
         if accessible.probe_radius_angstrom() > 0.0 {
@@ -124,14 +131,21 @@ impl Measure {
         measure
     }
 
-    /// Everything together: the areas include the walls of cavities, the volumes exclude the cavities.
+    /// Everything together: the areas include the walls of cavities, the volumes exclude the
+    /// cavities.
     pub fn total(&self) -> SurfaceMeasure {
-        self.shells.iter().fold(SurfaceMeasure::default(), |sum, shell| sum + *shell)
+        self.shells
+            .iter()
+            .fold(SurfaceMeasure::default(), |sum, shell| sum + *shell)
     }
 
-    /// The outer shells only: areas without the walls of cavities, volumes with the cavities filled.
+    /// The outer shells only: areas without the walls of cavities, volumes with the cavities
+    /// filled.
     pub fn without_cavities(&self) -> SurfaceMeasure {
-        self.shells.iter().filter(|shell| !shell.is_cavity()).fold(SurfaceMeasure::default(), |sum, s| sum + *s)
+        self.shells
+            .iter()
+            .filter(|shell| !shell.is_cavity())
+            .fold(SurfaceMeasure::default(), |sum, s| sum + *s)
     }
 
     /// Number of cavities that a probe fits into.
@@ -148,16 +162,20 @@ impl Measure {
             let shell = &mut self.shells[face.shell as usize];
             let centre = accessible.centres()[face.atom as usize];
             let offset = centre - *origins[face.shell as usize].get_or_insert(centre);
-            let enclosed = (outer.powi(3) * face.solid_angle + outer.powi(2) * offset.dot(&face.vector_angle)) / 3.0;
+            let enclosed = (outer.powi(3) * face.solid_angle
+                + outer.powi(2) * offset.dot(&face.vector_angle))
+                / 3.0;
             shell.sas_area_angstrom2 += outer * outer * face.solid_angle;
             shell.sas_volume_angstrom3 += enclosed;
             shell.convex_area_angstrom2 += inner * inner * face.solid_angle;
-            shell.ses_volume_angstrom3 += enclosed - (outer.powi(3) - inner.powi(3)) * face.solid_angle / 3.0;
+            shell.ses_volume_angstrom3 +=
+                enclosed - (outer.powi(3) - inner.powi(3)) * face.solid_angle / 3.0;
             let (closure, extent) = &mut closures[face.shell as usize];
             *closure += outer.powi(2) * face.vector_angle;
             *extent = extent.max(offset.norm());
         }
-        // The normals of a closed surface cancel; what is left shows by how much the ends of arcs miss each other.
+        // The normals of a closed surface cancel; what is left shows by how much the ends of arcs
+        // miss each other.
         for (shell, (closure, extent)) in self.shells.iter_mut().zip(closures) {
             shell.area_error_estimate_angstrom2 += closure.norm();
             shell.volume_error_estimate_angstrom3 += closure.norm() * extent;
@@ -167,9 +185,16 @@ impl Measure {
     fn add_arcs(&mut self, accessible: &Arrangement) {
         let probe = accessible.probe_radius_angstrom();
         for (number, arc) in accessible.arcs().iter().enumerate() {
-            let Some(shell) = accessible.shell_of_arc(number) else { continue };
+            let Some(shell) = accessible.shell_of_arc(number) else {
+                continue;
+            };
             let [first, second] = arc.atoms.map(|atom| accessible.centres()[atom as usize]);
-            let patch = torus::patch(arc.radius, probe, [arc.height, (second - first).norm() - arc.height], arc.angle);
+            let patch = torus::patch(
+                arc.radius,
+                probe,
+                [arc.height, (second - first).norm() - arc.height],
+                arc.angle,
+            );
             self.free_arcs += usize::from(arc.vertices.is_none());
             self.singular_arcs += usize::from(patch.is_singular);
             let shell = &mut self.shells[shell as usize];
@@ -197,7 +222,8 @@ impl Measure {
             shell.concave_area_angstrom2 += patch.area;
             shell.ses_volume_angstrom3 -= patch.layer_volume;
             shell.area_error_estimate_angstrom2 += patch.area_error;
-            shell.volume_error_estimate_angstrom3 += patch.area_error * accessible.probe_radius_angstrom();
+            shell.volume_error_estimate_angstrom3 +=
+                patch.area_error * accessible.probe_radius_angstrom();
         }
     }
 
@@ -211,13 +237,20 @@ impl Measure {
         self.shells = sums.into_iter().flatten().collect();
     }
 
-    /// A growth of all radii by ε adds ε A to a volume and about 2 ε A / r to an area; with ε the amplitude of the
-    /// perturbation this bounds its effect. A face that did not close spoils everything.
+    /// A growth of all radii by ε adds ε A to a volume and about 2 ε A / r to an area; with ε the
+    /// amplitude of the perturbation this bounds its effect. A face that did not close spoils
+    /// everything.
     fn estimate_errors(&mut self, accessible: &Arrangement) {
         let amplitude = accessible.perturbation_angstrom();
         let probe = accessible.probe_radius_angstrom();
-        let exposed = accessible.faces().iter().map(|f| accessible.expanded_radii_angstrom()[f.atom as usize] - probe);
-        let bend = [exposed.fold(f64::INFINITY, f64::min), probe].into_iter().filter(|r| *r > 1e-3).map(f64::recip);
+        let exposed = accessible
+            .faces()
+            .iter()
+            .map(|f| accessible.expanded_radii_angstrom()[f.atom as usize] - probe);
+        let bend = [exposed.fold(f64::INFINITY, f64::min), probe]
+            .into_iter()
+            .filter(|r| *r > 1e-3)
+            .map(f64::recip);
         let curvature: f64 = 2.0 * bend.sum::<f64>();
         for shell in &mut self.shells {
             let area = shell.sas_area_angstrom2;

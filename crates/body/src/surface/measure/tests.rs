@@ -31,7 +31,10 @@ fn all_reference_surfaces_are_met() {
         ] {
             let expected = case[key].as_f64().unwrap();
             let error = (value - expected).abs() / expected.abs().max(1.0);
-            assert!(error < tolerance, "{file} {key}: {value}, expected {expected}");
+            assert!(
+                error < tolerance,
+                "{file} {key}: {value}, expected {expected}"
+            );
         }
         for (key, value) in [
             ("free_tori", measured.free_arcs),
@@ -54,7 +57,8 @@ fn grid_volume(solid: &SesSolid, spacing: f64) -> f64 {
     for x in 0..counts.x {
         for y in 0..counts.y {
             for z in 0..counts.z {
-                let point = low + Vec3::new(x as f64 + 0.5, y as f64 + 0.5, z as f64 + 0.5) * spacing;
+                let point =
+                    low + Vec3::new(x as f64 + 0.5, y as f64 + 0.5, z as f64 + 0.5) * spacing;
                 cells += (0.5 - solid.signed_distance(&point) / spacing).clamp(0.0, 1.0);
             }
         }
@@ -71,12 +75,17 @@ fn volumes_of_clusters_agree_with_a_grid() {
         // The grid errs by a multiple of the squared spacing, which two spacings take out.
         let expected = (4.0 * grid_volume(&solid, 0.2) - grid_volume(&solid, 0.4)) / 3.0;
         let error = (total.ses_volume_angstrom3 - expected).abs() / expected;
-        assert!(error < 1e-3, "cluster {number} of {}: {} and {expected}", centres.len(), total.ses_volume_angstrom3);
+        assert!(
+            error < 1e-3,
+            "cluster {number} of {}: {} and {expected}",
+            centres.len(),
+            total.ses_volume_angstrom3
+        );
     }
 }
 
-/// Growing all radii by t moves the accessible surface by t along its normal, so dV/dt is its area. Growing the radii
-/// by t and shrinking the probe by t moves the excluded surface by t.
+/// Growing all radii by t moves the accessible surface by t along its normal, so dV/dt is its area.
+/// Growing the radii by t and shrinking the probe by t moves the excluded surface by t.
 #[test]
 fn areas_are_the_derivatives_of_volumes() {
     let step = 2e-3;
@@ -86,18 +95,29 @@ fn areas_are_the_derivatives_of_volumes() {
         let slope = |grown: Measure, shrunk: Measure, volume: fn(&SurfaceMeasure) -> f64| {
             (volume(&grown.total()) - volume(&shrunk.total())) / (2.0 * step)
         };
-        let accessible = slope(measure(&centres, &shifted(step), 1.4), measure(&centres, &shifted(-step), 1.4), |m| {
-            m.sas_volume_angstrom3
-        });
-        let excluded =
-            slope(measure(&centres, &shifted(step), 1.4 - step), measure(&centres, &shifted(-step), 1.4 + step), |m| {
-                m.ses_volume_angstrom3
-            });
+        let accessible = slope(
+            measure(&centres, &shifted(step), 1.4),
+            measure(&centres, &shifted(-step), 1.4),
+            |m| m.sas_volume_angstrom3,
+        );
+        let excluded = slope(
+            measure(&centres, &shifted(step), 1.4 - step),
+            measure(&centres, &shifted(-step), 1.4 + step),
+            |m| m.ses_volume_angstrom3,
+        );
         let sas_error = (accessible - total.sas_area_angstrom2).abs() / total.sas_area_angstrom2;
         let ses_error = (excluded - total.ses_area_angstrom2()).abs() / total.ses_area_angstrom2();
         // Tangent balls begin to touch within the step, where the area has a kink.
-        assert!(sas_error < 2e-4, "cluster {number}: {accessible} {}", total.sas_area_angstrom2);
-        assert!(ses_error < 2e-4, "cluster {number}: {excluded} {}", total.ses_area_angstrom2());
+        assert!(
+            sas_error < 2e-4,
+            "cluster {number}: {accessible} {}",
+            total.sas_area_angstrom2
+        );
+        assert!(
+            ses_error < 2e-4,
+            "cluster {number}: {excluded} {}",
+            total.ses_area_angstrom2()
+        );
     }
 }
 
@@ -105,9 +125,16 @@ fn areas_are_the_derivatives_of_volumes() {
 fn measures_do_not_depend_on_place_and_orientation() {
     for (number, (centres, radii)) in clusters(120, 1..60).into_iter().enumerate() {
         let number = number as u64;
-        let axis = Vec3::new(fraction(number) - 0.5, fraction(number + 500) - 0.5, fraction(number + 900) - 0.5);
+        let axis = Vec3::new(
+            fraction(number) - 0.5,
+            fraction(number + 500) - 0.5,
+            fraction(number + 900) - 0.5,
+        );
         let rotation = Rotation::new(axis * 6.0);
-        let moved: Vec<Vec3> = centres.iter().map(|c| rotation * c + Vec3::new(30.0, -200.0, 7.0)).collect();
+        let moved: Vec<Vec3> = centres
+            .iter()
+            .map(|c| rotation * c + Vec3::new(30.0, -200.0, 7.0))
+            .collect();
         let (first, second) = (measure(&centres, &radii, 1.4), measure(&moved, &radii, 1.4));
         assert_eq!(first.shells.len(), second.shells.len(), "cluster {number}");
         assert_eq!(first.sampled_patches + second.sampled_patches, 0);
@@ -118,7 +145,10 @@ fn measures_do_not_depend_on_place_and_orientation() {
             (first.ses_area_angstrom2(), second.ses_area_angstrom2()),
             (first.ses_volume_angstrom3, second.ses_volume_angstrom3),
         ] {
-            assert!((a - b).abs() < 1e-6 * a.abs().max(1.0), "cluster {number}: {a} {b}");
+            assert!(
+                (a - b).abs() < 1e-6 * a.abs().max(1.0),
+                "cluster {number}: {a} {b}"
+            );
         }
     }
 }
@@ -129,7 +159,11 @@ fn hollow(radius: f64, count: u32) -> Vec<Vec3> {
     let place = |n: u32| {
         let z = 1.0 - (2.0 * f64::from(n) + 1.0) / f64::from(count);
         let (sine, cosine) = (golden * f64::from(n)).sin_cos();
-        Vec3::new((1.0 - z * z).sqrt() * cosine, (1.0 - z * z).sqrt() * sine, z) * radius
+        Vec3::new(
+            (1.0 - z * z).sqrt() * cosine,
+            (1.0 - z * z).sqrt() * sine,
+            z,
+        ) * radius
     };
     (0..count).map(place).collect()
 }
@@ -142,7 +176,8 @@ fn a_hollow_ball_has_one_cavity_and_a_guest_in_it_none_of_its_own() {
     assert_eq!((empty.shells.len(), empty.cavity_count()), (2, 1));
     let (total, filled) = (empty.total(), empty.without_cavities());
     assert!(
-        filled.ses_volume_angstrom3 > total.ses_volume_angstrom3 + 4.0 / 3.0 * std::f64::consts::PI * 6.5_f64.powi(3)
+        filled.ses_volume_angstrom3
+            > total.ses_volume_angstrom3 + 4.0 / 3.0 * std::f64::consts::PI * 6.5_f64.powi(3)
     );
     assert!(filled.ses_area_angstrom2() < total.ses_area_angstrom2());
     centres.push(Vec3::zeros());
@@ -150,14 +185,22 @@ fn a_hollow_ball_has_one_cavity_and_a_guest_in_it_none_of_its_own() {
     let guest = measure(&centres, &radii, 1.4);
     assert_eq!((guest.shells.len(), guest.cavity_count()), (3, 1));
     let expected = 4.0 / 3.0 * std::f64::consts::PI * 1.7_f64.powi(3);
-    assert!((guest.total().ses_volume_angstrom3 - total.ses_volume_angstrom3 - expected).abs() < 1e-5);
+    assert!(
+        (guest.total().ses_volume_angstrom3 - total.ses_volume_angstrom3 - expected).abs() < 1e-5
+    );
 }
 
 #[test]
 fn without_a_probe_both_surfaces_are_the_union_of_the_atoms() {
     for (centres, radii) in clusters(20, 1..30) {
         let total = measure(&centres, &radii, 0.0).total();
-        assert!((total.sas_area_angstrom2 - total.ses_area_angstrom2()).abs() < 1e-9 * total.sas_area_angstrom2);
-        assert!((total.sas_volume_angstrom3 - total.ses_volume_angstrom3).abs() < 1e-9 * total.sas_volume_angstrom3);
+        assert!(
+            (total.sas_area_angstrom2 - total.ses_area_angstrom2()).abs()
+                < 1e-9 * total.sas_area_angstrom2
+        );
+        assert!(
+            (total.sas_volume_angstrom3 - total.ses_volume_angstrom3).abs()
+                < 1e-9 * total.sas_volume_angstrom3
+        );
     }
 }

@@ -1,14 +1,16 @@
 //! A closed triangle mesh as half-edges, with the three local operations that keep its topology.
 //!
-//! Half-edge 3t + i runs along side i of triangle t, from corner i to corner i + 1; its twin runs the other way in the
-//! neighbouring triangle. Split, flip and collapse take constant time and never change the Euler number.
+//! Half-edge 3t + i runs along side i of triangle t, from corner i to corner i + 1; its twin runs
+//! the other way in the neighbouring triangle. Split, flip and collapse take constant time and
+//! never change the Euler number.
 
 use crate::{BodyError, Result};
 use protomer_kernel::{TriangleMesh, Vec3};
 
 const NONE: u32 = u32::MAX;
 
-/// A closed, oriented mesh under local change. Removed vertices and triangles leave holes in the numbering.
+/// A closed, oriented mesh under local change. Removed vertices and triangles leave holes in the
+/// numbering.
 #[derive(Debug, Clone)]
 pub(crate) struct HalfEdgeMesh {
     /// Vertex positions, Å.
@@ -30,12 +32,20 @@ pub(crate) struct HalfEdgeMesh {
 
 #[inline]
 pub(crate) fn next(half_edge: u32) -> u32 {
-    if half_edge % 3 == 2 { half_edge - 2 } else { half_edge + 1 }
+    if half_edge % 3 == 2 {
+        half_edge - 2
+    } else {
+        half_edge + 1
+    }
 }
 
 #[inline]
 pub(crate) fn previous(half_edge: u32) -> u32 {
-    if half_edge.is_multiple_of(3) { half_edge + 2 } else { half_edge - 1 }
+    if half_edge.is_multiple_of(3) {
+        half_edge + 2
+    } else {
+        half_edge - 1
+    }
 }
 
 impl HalfEdgeMesh {
@@ -56,10 +66,22 @@ impl HalfEdgeMesh {
             outgoing[vertex as usize] = half_edge as u32;
         }
         let mut valence = vec![0; vertices];
-        origin.iter().for_each(|&vertex| valence[vertex as usize] += 1);
+        origin
+            .iter()
+            .for_each(|&vertex| valence[vertex as usize] += 1);
         let (shell, shells) = label_shells(&origin, &twin, &outgoing);
         let mark = vec![0; vertices];
-        Ok(Self { positions: mesh.vertices, shell, shells, origin, twin, outgoing, valence, mark, stamp: 0 })
+        Ok(Self {
+            positions: mesh.vertices,
+            shell,
+            shells,
+            origin,
+            twin,
+            outgoing,
+            valence,
+            mark,
+            stamp: 0,
+        })
     }
 
     /// The mesh without the holes that removed vertices and triangles left.
@@ -70,8 +92,14 @@ impl HalfEdgeMesh {
             number[vertex as usize] = vertices.len() as u32;
             vertices.push(self.positions[vertex as usize]);
         }
-        let triangles = self.triangles().map(|t| self.triangle(t).map(|vertex| number[vertex as usize])).collect();
-        TriangleMesh { vertices, triangles }
+        let triangles = self
+            .triangles()
+            .map(|t| self.triangle(t).map(|vertex| number[vertex as usize]))
+            .collect();
+        TriangleMesh {
+            vertices,
+            triangles,
+        }
     }
 
     /// The vertices there are, in ascending order.
@@ -99,7 +127,11 @@ impl HalfEdgeMesh {
     #[inline]
     pub(crate) fn triangle(&self, triangle: u32) -> [u32; 3] {
         let first = 3 * triangle as usize;
-        [self.origin[first], self.origin[first + 1], self.origin[first + 2]]
+        [
+            self.origin[first],
+            self.origin[first + 1],
+            self.origin[first + 2],
+        ]
     }
 
     #[inline]
@@ -110,7 +142,10 @@ impl HalfEdgeMesh {
     /// Start and end of a half-edge.
     #[inline]
     pub(crate) fn ends(&self, half_edge: u32) -> (u32, u32) {
-        (self.origin[half_edge as usize], self.origin[next(half_edge) as usize])
+        (
+            self.origin[half_edge as usize],
+            self.origin[next(half_edge) as usize],
+        )
     }
 
     /// The corner of a half-edge's triangle that is not on it.
@@ -190,14 +225,19 @@ impl HalfEdgeMesh {
     pub(crate) fn can_flip(&mut self, half_edge: u32) -> bool {
         let (a, b) = self.ends(half_edge);
         let (c, d) = (self.apex(half_edge), self.apex(self.twin(half_edge)));
-        c != d && self.valence(a) > 3 && self.valence(b) > 3 && self.leaving(c).all(|h| self.ends(h).1 != d)
+        c != d
+            && self.valence(a) > 3
+            && self.valence(b) > 3
+            && self.leaving(c).all(|h| self.ends(h).1 != d)
     }
 
-    /// Turns an edge a-b between triangles (a, b, c) and (b, a, d) into the edge c-d. Only if [`Self::can_flip`].
+    /// Turns an edge a-b between triangles (a, b, c) and (b, a, d) into the edge c-d. Only if
+    /// [`Self::can_flip`].
     pub(crate) fn flip(&mut self, half_edge: u32) {
         let (h, g) = (half_edge, self.twin(half_edge));
         let ((a, b), c, d) = (self.ends(h), self.apex(h), self.apex(g));
-        let [bc, ca, ad, db] = [next(h), previous(h), next(g), previous(g)].map(|side| self.twin(side));
+        let [bc, ca, ad, db] =
+            [next(h), previous(h), next(g), previous(g)].map(|side| self.twin(side));
         let (first, second) = (h - h % 3, g - g % 3);
         for (lost, gained) in [(a, c), (b, d)] {
             self.valence[lost as usize] -= 1;
@@ -216,8 +256,9 @@ impl HalfEdgeMesh {
         self.join(second + 1, bc);
     }
 
-    /// The link condition: collapsing the edge keeps the surface a manifold of the same topology exactly if its ends
-    /// have no common neighbours but the two apices, and these keep a valence of at least 3.
+    /// The link condition: collapsing the edge keeps the surface a manifold of the same topology
+    /// exactly if its ends have no common neighbours but the two apices, and these keep a valence
+    /// of at least 3.
     pub(crate) fn can_collapse(&mut self, half_edge: u32) -> bool {
         let (a, b) = self.ends(half_edge);
         let (c, d) = (self.apex(half_edge), self.apex(self.twin(half_edge)));
@@ -231,7 +272,10 @@ impl HalfEdgeMesh {
                 break;
             }
         }
-        let common = self.leaving(b).filter(|&h| self.mark[self.ends(h).1 as usize] == self.stamp).count();
+        let common = self
+            .leaving(b)
+            .filter(|&h| self.mark[self.ends(h).1 as usize] == self.stamp)
+            .count();
         c != d && common == 2 && self.valence(c) > 3 && self.valence(d) > 3
     }
 
@@ -248,7 +292,8 @@ impl HalfEdgeMesh {
                 break;
             }
         }
-        let [cb, ac, da, bd] = [next(h), previous(h), next(g), previous(g)].map(|side| self.twin(side));
+        let [cb, ac, da, bd] =
+            [next(h), previous(h), next(g), previous(g)].map(|side| self.twin(side));
         self.join(cb, ac);
         self.join(da, bd);
         self.outgoing[a as usize] = ac;
@@ -272,7 +317,8 @@ impl HalfEdgeMesh {
     }
 }
 
-/// The twin of each half-edge, found among the half-edges that share its lower vertex; `None` for an open mesh.
+/// The twin of each half-edge, found among the half-edges that share its lower vertex; `None` for
+/// an open mesh.
 fn twins(origin: &[u32], vertices: usize) -> Option<Vec<u32>> {
     let ends = |h: u32| (origin[h as usize], origin[next(h) as usize]);
     let mut start = vec![0u32; vertices + 1];
@@ -344,14 +390,31 @@ mod tests {
 
     fn octahedron() -> HalfEdgeMesh {
         let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
-        let vertices = axes.iter().copied().chain(axes.iter().map(|axis| -axis)).collect();
-        let triangles = vec![[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]];
-        HalfEdgeMesh::new(TriangleMesh { vertices, triangles }).unwrap()
+        let vertices = axes
+            .iter()
+            .copied()
+            .chain(axes.iter().map(|axis| -axis))
+            .collect();
+        let triangles = vec![
+            [0, 1, 2],
+            [1, 3, 2],
+            [3, 4, 2],
+            [4, 0, 2],
+            [1, 0, 5],
+            [3, 1, 5],
+            [4, 3, 5],
+            [0, 4, 5],
+        ];
+        HalfEdgeMesh::new(TriangleMesh {
+            vertices,
+            triangles,
+        })
+        .unwrap()
     }
 
     proptest! {
-        /// Whatever is split, flipped and collapsed where it is allowed, the mesh stays a sphere, and the incremental
-        /// bookkeeping agrees with one made anew.
+        /// Whatever is split, flipped and collapsed where it is allowed, the mesh stays a sphere,
+        /// and the incremental bookkeeping agrees with one made anew.
         #[test]
         fn operations_keep_the_topology(choices in prop::collection::vec((0u8..3, any::<prop::sample::Index>()), 1..60)) {
             let mut mesh = octahedron();
@@ -392,7 +455,13 @@ mod tests {
     fn a_tetrahedron_cannot_be_collapsed() {
         let vertices = vec![Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()];
         let triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
-        let mut mesh = HalfEdgeMesh::new(TriangleMesh { vertices, triangles }).unwrap();
-        assert!((0..12).all(|half_edge| !mesh.can_collapse(half_edge) && !mesh.can_flip(half_edge)));
+        let mut mesh = HalfEdgeMesh::new(TriangleMesh {
+            vertices,
+            triangles,
+        })
+        .unwrap();
+        assert!(
+            (0..12).all(|half_edge| !mesh.can_collapse(half_edge) && !mesh.can_flip(half_edge))
+        );
     }
 }

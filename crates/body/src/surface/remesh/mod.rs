@@ -1,8 +1,8 @@
 //! Isotropic remeshing: triangles of nearly equal, nearly equilateral shape at a requested density.
 //!
-//! Rounds of splitting long edges, collapsing short ones, flipping towards six neighbours per vertex, and relaxing
-//! vertices along the surface (Botsch and Kobbelt, Symp. Geometry Processing 2004, 185), each a local operation that
-//! keeps the topology: no shell is lost, no handle closed.
+//! Rounds of splitting long edges, collapsing short ones, flipping towards six neighbours per
+//! vertex, and relaxing vertices along the surface (Botsch and Kobbelt, Symp. Geometry Processing
+//! 2004, 185), each a local operation that keeps the topology: no shell is lost, no handle closed.
 
 mod half_edge;
 mod operations;
@@ -18,7 +18,8 @@ use protomer_kernel::TriangleMesh;
 /// Rounds of split, collapse, flip and relax.
 const ROUNDS: usize = 5;
 
-/// The same surface at `density_per_angstrom2` vertices per Å², with at least `fewest_vertices` on every shell.
+/// The same surface at `density_per_angstrom2` vertices per Å², with at least `fewest_vertices` on
+/// every shell.
 ///
 /// # Errors
 /// [`crate::BodyError::Invalid`] if `mesh` is not closed.
@@ -30,7 +31,12 @@ pub(crate) fn remesh(
 ) -> Result<HalfEdgeMesh> {
     let start = |mesh| -> Result<Remesher<'_>> {
         let half_edges = HalfEdgeMesh::new(mesh)?;
-        Ok(Remesher::new(half_edges, solid, density_per_angstrom2, fewest_vertices))
+        Ok(Remesher::new(
+            half_edges,
+            solid,
+            density_per_angstrom2,
+            fewest_vertices,
+        ))
     };
     let mut coarse = start(mesh)?;
     coarse.collapse_short_edges();

@@ -1,4 +1,5 @@
-//! One pass of each remeshing operation, with the geometric guards that keep triangles from folding over.
+//! One pass of each remeshing operation, with the geometric guards that keep triangles from folding
+//! over.
 
 use super::half_edge::HalfEdgeMesh;
 use crate::surface::implicit::ImplicitSolid;
@@ -12,15 +13,16 @@ const SHORT: f64 = 4.0 / 5.0;
 const LARGEST_TURN: f64 = 0.49;
 /// A change must leave triangles with at least this quality, or better than before.
 const LEAST_QUALITY: f64 = 0.2;
-/// Better means by more than rounding, so that equal choices are made equally in every orientation of the body.
+/// Better means by more than rounding, so that equal choices are made equally in every orientation
+/// of the body.
 const BETTER: f64 = 1.0 + 1e-9;
-/// An edge is not split where an apex is closer to its middle than this fraction of its length; not 1/4, at
-/// which halved edges tie.
+/// An edge is not split where an apex is closer to its middle than this fraction of its length; not
+/// 1/4, at which halved edges tie.
 const CROWDED: f64 = 0.27;
 /// Below this quality the direction of a triangle means nothing.
 const DEGENERATE: f64 = 0.02;
-/// No triangle may shrink below this area, Å², or this share of the area of a vertex: a shell around a cavity that is
-/// next to nothing keeps a size.
+/// No triangle may shrink below this area, Å², or this share of the area of a vertex: a shell
+/// around a cavity that is next to nothing keeps a size.
 const SMALLEST_AREA: f64 = 5e-5;
 const SMALLEST_SHARE: f64 = 0.02;
 /// Splitting halves edges: this many passes shorten them a thousandfold.
@@ -36,17 +38,31 @@ pub(super) struct Remesher<'a> {
     pub(super) fewest_vertices: usize,
     /// Target edge length of each shell, Å.
     pub(super) length: Vec<f64>,
-    /// Factor of the target edge length at each vertex, about 1: shorter where the surface bends more.
+    /// Factor of the target edge length at each vertex, about 1: shorter where the surface bends
+    /// more.
     pub(super) grade: Vec<f64>,
     /// Outward unit normal of the surface at each vertex, zero where not known yet.
     pub(super) normal: Vec<Vec3>,
 }
 
 impl<'a> Remesher<'a> {
-    pub(super) fn new(mesh: HalfEdgeMesh, solid: &'a dyn ImplicitSolid, density: f64, fewest_vertices: usize) -> Self {
+    pub(super) fn new(
+        mesh: HalfEdgeMesh,
+        solid: &'a dyn ImplicitSolid,
+        density: f64,
+        fewest_vertices: usize,
+    ) -> Self {
         let vertices = mesh.positions.len();
         let (grade, normal) = (vec![1.0; vertices], vec![Vec3::zeros(); vertices]);
-        let mut remesher = Self { mesh, solid, density, fewest_vertices, length: Vec::new(), grade, normal };
+        let mut remesher = Self {
+            mesh,
+            solid,
+            density,
+            fewest_vertices,
+            length: Vec::new(),
+            grade,
+            normal,
+        };
         remesher.set_lengths();
         remesher
     }
@@ -75,8 +91,10 @@ impl<'a> Remesher<'a> {
                         continue; // a flip is due, not one more vertex beside the apex
                     }
                     self.mesh.split(half_edge, middle);
-                    self.grade.push(0.5 * (self.grade[a as usize] + self.grade[b as usize]));
-                    self.normal.push(0.5 * (self.normal[a as usize] + self.normal[b as usize]));
+                    self.grade
+                        .push(0.5 * (self.grade[a as usize] + self.grade[b as usize]));
+                    self.normal
+                        .push(0.5 * (self.normal[a as usize] + self.normal[b as usize]));
                     splits += 1;
                 }
             }
@@ -100,8 +118,8 @@ impl<'a> Remesher<'a> {
         }
     }
 
-    /// Collapses an edge into one of its ends, if that neither changes the topology nor turns a triangle over nor makes
-    /// an edge longer than `longest`.
+    /// Collapses an edge into one of its ends, if that neither changes the topology nor turns a
+    /// triangle over nor makes an edge longer than `longest`.
     fn try_collapse(&mut self, half_edge: u32, longest: f64) -> bool {
         for candidate in [half_edge, self.mesh.twin(half_edge)] {
             if self.keeps_shape(candidate, longest) && self.mesh.can_collapse(candidate) {
@@ -112,7 +130,8 @@ impl<'a> Remesher<'a> {
         false
     }
 
-    /// Whether moving the end of a half-edge onto its start leaves the other triangles there in shape.
+    /// Whether moving the end of a half-edge onto its start leaves the other triangles there in
+    /// shape.
     fn keeps_shape(&self, half_edge: u32, longest: f64) -> bool {
         let (a, b) = self.mesh.ends(half_edge);
         let twin = self.mesh.twin(half_edge);
@@ -121,7 +140,8 @@ impl<'a> Remesher<'a> {
             if spoke / 3 == half_edge / 3 || spoke / 3 == twin / 3 {
                 return true; // one of the two triangles that vanish
             }
-            let [p, q] = [self.mesh.ends(spoke).1, self.mesh.apex(spoke)].map(|vertex| self.mesh.position(vertex));
+            let [p, q] = [self.mesh.ends(spoke).1, self.mesh.apex(spoke)]
+                .map(|vertex| self.mesh.position(vertex));
             let before = (p - moved).cross(&(q - moved));
             let after = (p - target).cross(&(q - target));
             (p - target).norm_squared() <= longest * longest
@@ -136,16 +156,19 @@ impl<'a> Remesher<'a> {
             let (a, b) = mesh.ends(half_edge);
             let (c, d) = (mesh.apex(half_edge), mesh.apex(mesh.twin(half_edge)));
             let excess = [a, b, c, d].map(|vertex| i64::from(mesh.valence(vertex)) - 6);
-            let cost = |change: [i64; 4]| (0..4).map(|i| (excess[i] + change[i]).pow(2)).sum::<i64>();
+            let cost =
+                |change: [i64; 4]| (0..4).map(|i| (excess[i] + change[i]).pow(2)).sum::<i64>();
             cost([-1, -1, 1, 1]) < cost([0; 4])
         });
     }
 
-    /// Flips edges where that makes the worse of the two triangles beside them better (Delaunay, on a flat surface).
+    /// Flips edges where that makes the worse of the two triangles beside them better (Delaunay, on
+    /// a flat surface).
     pub(super) fn flip_towards_equal_angles(&mut self) {
         self.flip_where(|mesh, half_edge| {
             let [a, b, c, d] = quadrangle(mesh, half_edge);
-            quality(&[c, a, d]).min(quality(&[d, b, c])) > 1.05 * quality(&[a, b, c]).min(quality(&[b, a, d]))
+            quality(&[c, a, d]).min(quality(&[d, b, c]))
+                > 1.05 * quality(&[a, b, c]).min(quality(&[b, a, d]))
         });
     }
 
@@ -169,11 +192,13 @@ impl<'a> Remesher<'a> {
         let old = quality(&[a, b, c]).min(quality(&[b, a, d]));
         after.iter().all(|[p, q, r]| {
             let shape = quality(&[*p, *q, *r]);
-            is_small_turn(&before, &(q - p).cross(&(r - p))) && (shape > LEAST_QUALITY || shape > old * BETTER)
+            is_small_turn(&before, &(q - p).cross(&(r - p)))
+                && (shape > LEAST_QUALITY || shape > old * BETTER)
         })
     }
 
-    /// Moves every vertex towards the area-weighted centre of its neighbourhood, and onto the surface.
+    /// Moves every vertex towards the area-weighted centre of its neighbourhood, and onto the
+    /// surface.
     pub(super) fn relax(&mut self) {
         for vertex in 0..self.mesh.positions.len() as u32 {
             if self.mesh.leaving(vertex).next().is_none() {
@@ -186,17 +211,21 @@ impl<'a> Remesher<'a> {
                 let size = area.norm();
                 weight += size;
                 normal += area;
-                centre +=
-                    (here + self.mesh.position(self.mesh.ends(spoke).1) + self.mesh.position(self.mesh.apex(spoke)))
-                        * (size / 3.0);
+                centre += (here
+                    + self.mesh.position(self.mesh.ends(spoke).1)
+                    + self.mesh.position(self.mesh.apex(spoke)))
+                    * (size / 3.0);
             }
-            let Some(normal) = normal.try_normalize(f64::MIN_POSITIVE) else { continue };
+            let Some(normal) = normal.try_normalize(f64::MIN_POSITIVE) else {
+                continue;
+            };
             let pull = centre / weight - here;
             let along = pull - normal * pull.dot(&normal);
             let reach = self.length[self.mesh.shell[vertex as usize] as usize];
             for fraction in [1.0, 0.5, 0.0] {
                 let (projected, normal) = self.solid.project(&(here + along * fraction));
-                let usable = projected.iter().all(|x| x.is_finite()) && (projected - here).norm() < reach;
+                let usable =
+                    projected.iter().all(|x| x.is_finite()) && (projected - here).norm() < reach;
                 if usable && self.move_keeps_shape(vertex, &projected) {
                     self.mesh.positions[vertex as usize] = projected;
                     self.normal[vertex as usize] = normal;
@@ -210,15 +239,20 @@ impl<'a> Remesher<'a> {
         let here = self.mesh.position(vertex);
         let smallest = SMALLEST_AREA.min(SMALLEST_SHARE / self.density);
         self.mesh.leaving(vertex).all(|spoke| {
-            let [p, q] = [self.mesh.ends(spoke).1, self.mesh.apex(spoke)].map(|vertex| self.mesh.position(vertex));
-            let (before, after) = ((p - here).cross(&(q - here)), (p - target).cross(&(q - target)));
+            let [p, q] = [self.mesh.ends(spoke).1, self.mesh.apex(spoke)]
+                .map(|vertex| self.mesh.position(vertex));
+            let (before, after) = (
+                (p - here).cross(&(q - here)),
+                (p - target).cross(&(q - target)),
+            );
             is_small_turn(&before, &after)
                 && (after.norm() > 2.0 * smallest || after.norm() > before.norm() * BETTER)
                 && acceptable(&[*target, p, q], &[here, p, q])
         })
     }
 
-    /// Collapses the shortest edge of every triangle that is still badly shaped, or flips its longest.
+    /// Collapses the shortest edge of every triangle that is still badly shaped, or flips its
+    /// longest.
     pub(super) fn remove_slivers(&mut self) {
         for triangle in 0..self.mesh.half_edge_bound() / 3 {
             let corners = self.mesh.triangle(triangle);
@@ -230,10 +264,15 @@ impl<'a> Remesher<'a> {
                 continue;
             }
             let mut sides = [3 * triangle, 3 * triangle + 1, 3 * triangle + 2];
-            sides.sort_by(|&a, &b| self.mesh.length_squared(a).total_cmp(&self.mesh.length_squared(b)));
+            sides.sort_by(|&a, &b| {
+                self.mesh
+                    .length_squared(a)
+                    .total_cmp(&self.mesh.length_squared(b))
+            });
             let longest = sides[2];
             let [a, b, c, d] = quadrangle(&self.mesh, longest);
-            let improves = quality(&[c, a, d]).min(quality(&[d, b, c])) > quality(&[a, b, c]).min(quality(&[b, a, d]));
+            let improves = quality(&[c, a, d]).min(quality(&[d, b, c]))
+                > quality(&[a, b, c]).min(quality(&[b, a, d]));
             if improves && self.flip_keeps_shape(longest) && self.mesh.can_flip(longest) {
                 self.mesh.flip(longest);
             } else {
@@ -246,7 +285,8 @@ impl<'a> Remesher<'a> {
 /// Corners of the two triangles (a, b, c) and (b, a, d) beside an edge a-b.
 fn quadrangle(mesh: &HalfEdgeMesh, half_edge: u32) -> [Vec3; 4] {
     let (a, b) = mesh.ends(half_edge);
-    [a, b, mesh.apex(half_edge), mesh.apex(mesh.twin(half_edge))].map(|vertex| mesh.position(vertex))
+    [a, b, mesh.apex(half_edge), mesh.apex(mesh.twin(half_edge))]
+        .map(|vertex| mesh.position(vertex))
 }
 
 /// Shape of a triangle: 4√3 area / sum of squared sides; 1 for equilateral, 0 for degenerate.

@@ -7,10 +7,14 @@ const FINEST: f64 = 0.5;
 const COARSEST: f64 = 1.3;
 
 impl Remesher<'_> {
-    /// Edge lengths from the areas of the shells: a vertex of an equilateral mesh of edge L has the area (√3/2) L².
+    /// Edge lengths from the areas of the shells: a vertex of an equilateral mesh of edge L has the
+    /// area (√3/2) L².
     pub(super) fn set_lengths(&mut self) {
         let targets = self.vertex_targets();
-        self.length = targets.iter().map(|(area, count)| (2.0 / 3f64.sqrt() * area / count).sqrt()).collect();
+        self.length = targets
+            .iter()
+            .map(|(area, count)| (2.0 / 3f64.sqrt() * area / count).sqrt())
+            .collect();
     }
 
     /// The length that an edge should have, Å.
@@ -27,20 +31,26 @@ impl Remesher<'_> {
             let shell = self.mesh.shell[self.mesh.triangle(triangle)[0] as usize];
             areas[shell as usize] += 0.5 * self.mesh.area_vector(triangle).norm();
         }
-        areas.into_iter().map(|area| (area, (area * self.density).max(self.fewest_vertices as f64))).collect()
+        areas
+            .into_iter()
+            .map(|area| (area, (area * self.density).max(self.fewest_vertices as f64)))
+            .collect()
     }
 
     /// Corrects the target lengths by the vertex numbers reached so far: N ∝ 1/L².
     pub(super) fn adjust_lengths(&mut self) {
         let mut counts = vec![0.0; self.mesh.shells];
-        self.mesh.vertices().for_each(|vertex| counts[self.mesh.shell[vertex as usize] as usize] += 1.0);
+        self.mesh
+            .vertices()
+            .for_each(|vertex| counts[self.mesh.shell[vertex as usize] as usize] += 1.0);
         for (shell, (_, wanted)) in self.vertex_targets().into_iter().enumerate() {
             self.length[shell] *= (counts[shell] / wanted).sqrt().clamp(0.8, 1.25);
         }
     }
 
-    /// Grades the edge lengths by the curvature κ that the normals at the ends of the edges show: an edge of length L
-    /// leaves a gap of κL²/8 to the surface, so that L ∝ κ^(-1/2) leaves the same gap everywhere.
+    /// Grades the edge lengths by the curvature κ that the normals at the ends of the edges show:
+    /// an edge of length L leaves a gap of κL²/8 to the surface, so that L ∝ κ^(-1/2) leaves the
+    /// same gap everywhere.
     pub(super) fn grade_lengths(&mut self) {
         let vertices: Vec<u32> = self.mesh.vertices().collect();
         let mut curvature = vec![0.0f64; self.mesh.positions.len()];
@@ -50,7 +60,8 @@ impl Remesher<'_> {
                 let neighbour = self.mesh.ends(spoke).1;
                 let bend = (self.normal[neighbour as usize] - normal).norm();
                 let length = (self.mesh.position(neighbour) - here).norm();
-                curvature[vertex as usize] = curvature[vertex as usize].max(bend / length.max(f64::MIN_POSITIVE));
+                curvature[vertex as usize] =
+                    curvature[vertex as usize].max(bend / length.max(f64::MIN_POSITIVE));
             }
         }
         let (mut sum, mut count) = (vec![0.0; self.mesh.shells], vec![0.0; self.mesh.shells]);
@@ -61,8 +72,12 @@ impl Remesher<'_> {
         }
         for &vertex in &vertices {
             let shell = self.mesh.shell[vertex as usize] as usize;
-            let relative = curvature[vertex as usize] * count[shell] / sum[shell].max(f64::MIN_POSITIVE);
-            let grade = relative.max(f64::MIN_POSITIVE).powf(-0.5).clamp(FINEST, COARSEST);
+            let relative =
+                curvature[vertex as usize] * count[shell] / sum[shell].max(f64::MIN_POSITIVE);
+            let grade = relative
+                .max(f64::MIN_POSITIVE)
+                .powf(-0.5)
+                .clamp(FINEST, COARSEST);
             self.grade[vertex as usize] = 0.5 * (self.grade[vertex as usize] + grade);
         }
     }

@@ -1,16 +1,18 @@
 //! The first contact in a step.
 //!
-//! Over a step of length H the squares are taken to move as s(t) = s + v t + r (t/H)², with r such that the path ends
-//! where the drift ends. On this path [`march`](super::march) finds the first contact of every pair that is near enough;
-//! the earliest is then brought to the true sub-step, which keeps the rods exactly, by Newton steps on the gap.
+//! Over a step of length H the squares are taken to move as s(t) = s + v t + r (t/H)², with r such
+//! that the path ends where the drift ends. On this path [`march`](super::march) finds the first
+//! contact of every pair that is near enough; the earliest is then brought to the true sub-step,
+//! which keeps the rods exactly, by Newton steps on the gap.
 //!
-//! Most pairs are not looked at in most steps. A pair with separation g when last seen cannot meet before the fastest square
-//! has travelled g/2 since, corners included: it is `due` only then.
+//! Most pairs are not looked at in most steps. A pair with separation g when last seen cannot meet
+//! before the fastest square has travelled g/2 since, corners included: it is `due` only then.
 
 use super::march::{End, Probe, ROOT, first_root};
 use crate::lattice::contact::candidates::{Body, Candidates, Pair};
 use crate::lattice::contact::separation::{
-    Along, Moving, Rectangle, along_axes, at_rest, corner_in_motion, separation, time_to_next_corner,
+    Along, Moving, Rectangle, along_axes, at_rest, corner_in_motion, separation,
+    time_to_next_corner,
 };
 use crate::lattice::contact::{Contact, TOUCHING, minus, place, rod_ends, rod_shift, sides_at};
 use crate::lattice::network::{Corner, Network, corner_direction};
@@ -43,14 +45,24 @@ impl Watch {
             Body::Square(p) => format!("square {p}"),
             Body::Rod(r) => {
                 let rod = network.rods[r];
-                format!("rod {r} (squares {} and {})", rod.from.square, rod.to.square)
+                format!(
+                    "rod {r} (squares {} and {})",
+                    rod.from.square, rod.to.square
+                )
             }
         };
         match *self {
             Self::Pair(pair) => (name(Body::Square(pair.first)), name(pair.second)),
             Self::Stop { rod, end } => {
                 let ends = network.rods[rod];
-                (name(Body::Square(if end == 0 { ends.from.square } else { ends.to.square })), name(Body::Rod(rod)))
+                (
+                    name(Body::Square(if end == 0 {
+                        ends.from.square
+                    } else {
+                        ends.to.square
+                    })),
+                    name(Body::Rod(rod)),
+                )
             }
         }
     }
@@ -76,35 +88,63 @@ impl Watch {
     /// Adds the contacts of two bodies that touch. Corners head on are listed from either side.
     pub fn contacts(&self, network: &Network, positions: &[f64], out: &mut Vec<Contact>) {
         match *self {
-            Self::Pair(Pair { first, second: Body::Square(second), shift }) => {
-                for (striker, target, shift) in [(first, second, shift), (second, first, [-shift[0], -shift[1]])] {
+            Self::Pair(Pair {
+                first,
+                second: Body::Square(second),
+                shift,
+            }) => {
+                for (striker, target, shift) in [
+                    (first, second, shift),
+                    (second, first, [-shift[0], -shift[1]]),
+                ] {
                     let body = Rectangle::square(network, target, at_rest(positions)).moved(shift);
                     for vertex in 1..=4 {
-                        let corner = Corner { square: striker, vertex };
+                        let corner = Corner {
+                            square: striker,
+                            vertex,
+                        };
                         if height_above(&body, place(network, positions, corner)) <= TOUCHING {
-                            out.push(Contact::of_corner(network, positions, corner, target, shift));
+                            out.push(Contact::of_corner(
+                                network, positions, corner, target, shift,
+                            ));
                         }
                     }
                 }
             }
-            Self::Pair(Pair { first, second: Body::Rod(rod), shift }) => {
+            Self::Pair(Pair {
+                first,
+                second: Body::Rod(rod),
+                shift,
+            }) => {
                 let [a, b] = rod_ends(network, positions, rod);
                 let along = minus(b, a);
                 let length = along[0].hypot(along[1]);
                 let u = [along[0] / length, along[1] / length];
                 let height = |point: [f64; 2]| {
                     let away = minus(minus(point, shift), a);
-                    (u[0] * away[1] - u[1] * away[0], (u[0] * away[0] + u[1] * away[1]) / length)
+                    (
+                        u[0] * away[1] - u[1] * away[0],
+                        (u[0] * away[0] + u[1] * away[1]) / length,
+                    )
                 };
                 let left = height([positions[3 * first], positions[3 * first + 1]]).0 > 0.0;
                 for vertex in 1..=4 {
-                    let striker = Corner { square: first, vertex };
+                    let striker = Corner {
+                        square: first,
+                        vertex,
+                    };
                     let (across, share) = height(place(network, positions, striker));
                     // At the very end of a rod there is a corner, and that has contacts of its own.
                     let inside = (TOUCHING..1.0 - TOUCHING).contains(&share);
-                    // Where only an end of the rod touches, corners may lie beyond its prolongation.
+                    // Where only an end of the rod touches, corners may lie beyond its
+                    // prolongation.
                     if inside && across.abs() <= TOUCHING {
-                        out.push(Contact::RodCorner { striker, rod, left, shift });
+                        out.push(Contact::RodCorner {
+                            striker,
+                            rod,
+                            left,
+                            shift,
+                        });
                     }
                 }
             }
@@ -113,42 +153,67 @@ impl Watch {
                 let near = if end == 0 { ends.from } else { ends.to };
                 let [x, y] = stop(network, rod, end, at_rest(positions));
                 let sides = sides_at(near.vertex);
-                let side = if x.distance >= y.distance { sides[0] } else { sides[1] };
+                let side = if x.distance >= y.distance {
+                    sides[0]
+                } else {
+                    sides[1]
+                };
                 out.push(Contact::RodStop { rod, end, side });
             }
         }
     }
 }
 
-/// How far a point is above the sides of a rectangle (eq. 12 of the paper, less l², over √2 l): negative inside.
+/// How far a point is above the sides of a rectangle (eq. 12 of the paper, less l², over √2 l):
+/// negative inside.
 fn height_above(body: &Rectangle, point: [f64; 2]) -> f64 {
     let [x, y] = minus(point, body.centre);
     let [c, s] = body.axis;
     ((c * x + s * y).abs() - body.half[0]).max((c * y - s * x).abs() - body.half[1])
 }
 
-fn bodies(network: &Network, pair: &Pair, at: impl Fn(usize) -> Moving + Copy) -> (Rectangle, Rectangle) {
+fn bodies(
+    network: &Network,
+    pair: &Pair,
+    at: impl Fn(usize) -> Moving + Copy,
+) -> (Rectangle, Rectangle) {
     let second = match pair.second {
         Body::Square(q) => Rectangle::square(network, q, at),
         Body::Rod(r) => Rectangle::rod(network, r, at),
     };
-    (Rectangle::square(network, pair.first, at), second.moved(pair.shift))
+    (
+        Rectangle::square(network, pair.first, at),
+        second.moved(pair.shift),
+    )
 }
 
 /// The far end of a rod over the lines of the two sides that meet where it hangs.
 fn stop(network: &Network, rod: usize, end: u8, at: impl Fn(usize) -> Moving) -> [Along; 2] {
     let (ends, shift) = (network.rods[rod], rod_shift(network, rod));
-    let (near, far, sign) = if end == 0 { (ends.from, ends.to, 1.0) } else { (ends.to, ends.from, -1.0) };
+    let (near, far, sign) = if end == 0 {
+        (ends.from, ends.to, 1.0)
+    } else {
+        (ends.to, ends.from, -1.0)
+    };
     let own = at(near.square);
-    let ((a, va), (b, vb)) = (corner_in_motion(network, near, own), corner_in_motion(network, far, at(far.square)));
+    let ((a, va), (b, vb)) = (
+        corner_in_motion(network, near, own),
+        corner_in_motion(network, far, at(far.square)),
+    );
     let along = [b[0] - a[0] + sign * shift[0], b[1] - a[1] + sign * shift[1]];
     let speed = minus(vb, va);
     let ((sine, cosine), spin) = (own.0[2].sin_cos(), own.1[2]);
     let outward = corner_direction(near.vertex);
     let over = |axis: [f64; 2]| {
         let distance = along[0] * axis[0] + along[1] * axis[1];
-        let rate = speed[0] * axis[0] + speed[1] * axis[1] + spin * (along[1] * axis[0] - along[0] * axis[1]);
-        Along { distance, rate, worst_rate: rate }
+        let rate = speed[0] * axis[0]
+            + speed[1] * axis[1]
+            + spin * (along[1] * axis[0] - along[0] * axis[1]);
+        Along {
+            distance,
+            rate,
+            worst_rate: rate,
+        }
     };
     let (x, y) = (outward[0].signum(), outward[1].signum());
     [over([x * cosine, x * sine]), over([-y * sine, y * cosine])]
@@ -183,9 +248,12 @@ impl Path<'_> {
         move |p| {
             let bend = self.bend(p);
             let s = [0, 1, 2].map(|axis| {
-                self.positions[3 * p + axis] + self.velocities[3 * p + axis] * time + bend[axis] * share * share
+                self.positions[3 * p + axis]
+                    + self.velocities[3 * p + axis] * time
+                    + bend[axis] * share * share
             });
-            let v = [0, 1, 2].map(|axis| self.velocities[3 * p + axis] + 2.0 * bend[axis] * share / self.length);
+            let v = [0, 1, 2]
+                .map(|axis| self.velocities[3 * p + axis] + 2.0 * bend[axis] * share / self.length);
             (s, v)
         }
     }
@@ -195,8 +263,8 @@ impl Path<'_> {
         let mut farthest = 0.0_f64;
         for (p, square) in network.squares.iter().enumerate() {
             let (bend, v) = (self.bend(p), &self.velocities[3 * p..3 * p + 3]);
-            let centre =
-                (v[0] * v[0] + v[1] * v[1]).sqrt() * self.length + (bend[0] * bend[0] + bend[1] * bend[1]).sqrt();
+            let centre = (v[0] * v[0] + v[1] * v[1]).sqrt() * self.length
+                + (bend[0] * bend[0] + bend[1] * bend[1]).sqrt();
             let travel = centre + square.half_diagonal * (v[2].abs() * self.length + bend[2].abs());
             if travel.is_nan() {
                 return travel;
@@ -206,9 +274,17 @@ impl Path<'_> {
         farthest
     }
 
-    /// The time near `time` at which a gap that changes at `rate` closes on the path of third order that also begins with
-    /// these accelerations: as good as the drift itself but for the fourth order.
-    fn refine(&self, network: &Network, watch: &Watch, accelerations: &[f64], time: f64, rate: f64) -> f64 {
+    /// The time near `time` at which a gap that changes at `rate` closes on the path of third order
+    /// that also begins with these accelerations: as good as the drift itself but for the fourth
+    /// order.
+    fn refine(
+        &self,
+        network: &Network,
+        watch: &Watch,
+        accelerations: &[f64],
+        time: f64,
+        rate: f64,
+    ) -> f64 {
         let cubic = |time: f64| {
             let share = time / self.length;
             move |p: usize| {
@@ -230,7 +306,11 @@ impl Path<'_> {
         }
         // Where that leads astray the first guess is as good.
         let near = (refined - time).abs() <= 0.1 * self.length;
-        if near && refined > 0.0 && refined < self.length { refined } else { time }
+        if near && refined > 0.0 && refined < self.length {
+            refined
+        } else {
+            time
+        }
     }
 
     fn limits(&self, p: usize) -> Limits {
@@ -246,7 +326,8 @@ impl Path<'_> {
     /// Of a corner of a square.
     fn corner_acceleration(&self, network: &Network, p: usize) -> f64 {
         let limits = self.limits(p);
-        limits.acceleration + network.squares[p].half_diagonal * (limits.spin_change + limits.spin * limits.spin)
+        limits.acceleration
+            + network.squares[p].half_diagonal * (limits.spin_change + limits.spin * limits.spin)
     }
 
     fn body_limits(&self, network: &Network, body: Body, moving: &Rectangle) -> Limits {
@@ -254,10 +335,15 @@ impl Path<'_> {
             Body::Square(p) => self.limits(p),
             Body::Rod(r) => {
                 let rod = network.rods[r];
-                let ends = [rod.from.square, rod.to.square].map(|p| self.corner_acceleration(network, p));
+                let ends =
+                    [rod.from.square, rod.to.square].map(|p| self.corner_acceleration(network, p));
                 let bend = (ends[0] + ends[1]) / rod.length;
                 let spin = 1.5 * (moving.spin.abs() + bend * self.length);
-                Limits { acceleration: ends[0].max(ends[1]), spin, spin_change: bend + 2.0 * spin * spin }
+                Limits {
+                    acceleration: ends[0].max(ends[1]),
+                    spin,
+                    spin_change: bend + 2.0 * spin * spin,
+                }
             }
         }
     }
@@ -267,9 +353,14 @@ impl Path<'_> {
         let first = self.body_limits(network, Body::Square(pair.first), a);
         let second = self.body_limits(network, pair.second, b);
         let pull = first.acceleration + second.acceleration;
-        let speed = (a.velocity[0] - b.velocity[0]).hypot(a.velocity[1] - b.velocity[1]) + pull * self.length;
-        let distance = (a.centre[0] - b.centre[0]).hypot(a.centre[1] - b.centre[1]) + speed * self.length;
-        let (spin, spin_change) = (first.spin.max(second.spin), first.spin_change.max(second.spin_change));
+        let speed = (a.velocity[0] - b.velocity[0]).hypot(a.velocity[1] - b.velocity[1])
+            + pull * self.length;
+        let distance =
+            (a.centre[0] - b.centre[0]).hypot(a.centre[1] - b.centre[1]) + speed * self.length;
+        let (spin, spin_change) = (
+            first.spin.max(second.spin),
+            first.spin_change.max(second.spin_change),
+        );
         let reach = (a.half[0] + a.half[1]).max(b.half[0] + b.half[1]);
         let turning = first.spin + second.spin;
         pull + 2.0 * speed * spin
@@ -283,21 +374,32 @@ impl Path<'_> {
                 let (a, b) = bodies(network, &pair, self.at(0.0));
                 let probe = |time: f64| {
                     let (a, b) = bodies(network, &pair, self.at(time));
-                    Probe { along: along_axes(&a, &b), to_kink: time_to_next_corner(&a, &b) }
+                    Probe {
+                        along: along_axes(&a, &b),
+                        to_kink: time_to_next_corner(&a, &b),
+                    }
                 };
                 first_root(probe, self.curvature(network, &pair, &a, &b), self.length)
             }
             Watch::Stop { rod, end } => {
                 let ends = network.rods[rod];
-                let (near, far) =
-                    if end == 0 { (ends.from.square, ends.to.square) } else { (ends.to.square, ends.from.square) };
-                let pull = self.corner_acceleration(network, near) + self.corner_acceleration(network, far);
+                let (near, far) = if end == 0 {
+                    (ends.from.square, ends.to.square)
+                } else {
+                    (ends.to.square, ends.from.square)
+                };
+                let pull = self.corner_acceleration(network, near)
+                    + self.corner_acceleration(network, far);
                 let body = Rectangle::rod(network, rod, self.at(0.0));
                 let limits = self.limits(near);
                 let speed = body.spin.abs() * ends.length + pull * self.length;
-                let curvature =
-                    pull + 2.0 * speed * limits.spin + ends.length * (limits.spin * limits.spin + limits.spin_change);
-                let probe = |time: f64| Probe { along: stop(network, rod, end, self.at(time)), to_kink: f64::INFINITY };
+                let curvature = pull
+                    + 2.0 * speed * limits.spin
+                    + ends.length * (limits.spin * limits.spin + limits.spin_change);
+                let probe = |time: f64| Probe {
+                    along: stop(network, rod, end, self.at(time)),
+                    to_kink: f64::INFINITY,
+                };
                 first_root(probe, curvature, self.length)
             }
         }
@@ -314,7 +416,8 @@ pub struct Detector {
     /// For every pair, then every stop.
     due: Vec<f64>,
     travelled: f64,
-    /// The watches that can have met in the last step looked at, and whether they touched at its start.
+    /// The watches that can have met in the last step looked at, and whether they touched at its
+    /// start.
     hot: Vec<(Watch, bool)>,
     /// Those whose path had a root: time, rate.
     roots: Vec<(Watch, f64, f64)>,
@@ -332,9 +435,14 @@ pub struct Meeting {
 }
 
 impl Detector {
-    /// For a network at these positions. With `rods_block`, rods are obstacles for corners and for the squares they hang on.
+    /// For a network at these positions. With `rods_block`, rods are obstacles for corners and for
+    /// the squares they hang on.
     pub fn new(network: &Network, positions: &[f64], rods_block: bool) -> Self {
-        let half_diagonal = network.squares.iter().map(|square| square.half_diagonal).fold(0.0, f64::max);
+        let half_diagonal = network
+            .squares
+            .iter()
+            .map(|square| square.half_diagonal)
+            .fold(0.0, f64::max);
         let skin = SKIN * half_diagonal;
         let candidates = Candidates::new(network, positions, skin, rods_block);
         let mut stops = Vec::new();
@@ -373,7 +481,11 @@ impl Detector {
 
     /// Everything on the list, with rods and stops.
     pub fn watches(&self) -> impl Iterator<Item = Watch> + '_ {
-        self.candidates.pairs().iter().map(|pair| Watch::Pair(*pair)).chain(self.stops.iter().copied())
+        self.candidates
+            .pairs()
+            .iter()
+            .map(|pair| Watch::Pair(*pair))
+            .chain(self.stops.iter().copied())
     }
 
     /// The watches that may be closed in the step last looked at.
@@ -381,11 +493,13 @@ impl Detector {
         self.hot.iter().map(|(watch, _)| watch)
     }
 
-    /// Refreshes the candidates and forgets what is due: for positions that did not come from a step.
+    /// Refreshes the candidates and forgets what is due: for positions that did not come from a
+    /// step.
     pub fn reset(&mut self, network: &Network, positions: &[f64]) {
         self.candidates.rebuild(network, positions);
         self.due.clear();
-        self.due.resize(self.candidates.pairs().len() + self.stops.len(), 0.0);
+        self.due
+            .resize(self.candidates.pairs().len() + self.stops.len(), 0.0);
         self.travelled = 0.0;
     }
 
@@ -401,8 +515,8 @@ impl Detector {
         Ok(())
     }
 
-    /// Contacts of everything that touches at these positions, among what the last step looked at. Corners head on are
-    /// listed from either side.
+    /// Contacts of everything that touches at these positions, among what the last step looked at.
+    /// Corners head on are listed from either side.
     pub fn touching(&self, network: &Network, positions: &[f64]) -> Vec<Contact> {
         let mut contacts = Vec::new();
         for (watch, _) in &self.hot {
@@ -415,10 +529,18 @@ impl Detector {
 
     /// Watches that close on the path from this state to `next`: fills `hot` and `roots`.
     fn scan(&mut self, network: &Network, state: &State, next: &[f64], step: f64) -> Result<()> {
-        let path = Path { positions: &state.positions, velocities: &state.velocities, next, length: step };
+        let path = Path {
+            positions: &state.positions,
+            velocities: &state.velocities,
+            next,
+            length: step,
+        };
         let travel = path.travel(network);
         if !travel.is_finite() {
-            return Err(CrystalError::NotFinite { square: 0, time: state.time });
+            return Err(CrystalError::NotFinite {
+                square: 0,
+                time: state.time,
+            });
         }
         if !self.candidates.holds(&state.positions, travel) {
             // Free squares may be fast: the list then reaches farther.
@@ -438,8 +560,13 @@ impl Detector {
                 Some(pair) => (Watch::Pair(*pair), 1.0),
                 None => {
                     let watch = self.stops[index - pairs.len()];
-                    // The line of a side turns with the square: its height over a far end changes by the lever.
-                    let length = if let Watch::Stop { rod, .. } = watch { network.rods[rod].length } else { 0.0 };
+                    // The line of a side turns with the square: its height over a far end changes
+                    // by the lever.
+                    let length = if let Watch::Stop { rod, .. } = watch {
+                        network.rods[rod].length
+                    } else {
+                        0.0
+                    };
                     (watch, 1.0 + length)
                 }
             };
@@ -452,14 +579,16 @@ impl Detector {
             match path.march(network, &watch) {
                 End::Free => {}
                 End::Root { time, rate } => self.roots.push((watch, time, rate)),
-                End::Overlapping { depth } => return Err(overlap(network, &watch, depth, state.time)),
+                End::Overlapping { depth } => {
+                    return Err(overlap(network, &watch, depth, state.time));
+                }
             }
         }
         Ok(())
     }
 
-    /// The first contact in the drift of length `step` from a prepared state. `positions` are those at its end, or at the
-    /// contact, and the drift to there is the last one made.
+    /// The first contact in the drift of length `step` from a prepared state. `positions` are those
+    /// at its end, or at the contact, and the drift to there is the last one made.
     ///
     /// # Errors
     /// Those of [`Dynamics::drift`], and [`CrystalError::Overlap`] if bodies overlap at the start.
@@ -473,7 +602,12 @@ impl Detector {
         dynamics.drift(state, step, positions)?;
         let network = dynamics.network().clone();
         self.scan(&network, state, positions, step)?;
-        let Some(earliest) = self.roots.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1)) else {
+        let Some(earliest) = self
+            .roots
+            .iter()
+            .copied()
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+        else {
             return Ok(None);
         };
         let (mut watch, mut time, mut rate) = earliest;
@@ -482,7 +616,12 @@ impl Detector {
             return Ok(Some(Meeting { time, watch }));
         }
         dynamics.accelerations_into(&mut self.free, &mut self.total);
-        let path = Path { positions: &state.positions, velocities: &state.velocities, next: positions, length: step };
+        let path = Path {
+            positions: &state.positions,
+            velocities: &state.velocities,
+            next: positions,
+            length: step,
+        };
         time = path.refine(&network, &watch, &self.total, time, rate);
         // Everything that is near, as one gap, along the true drift.
         let (mut open, mut closed) = (0.0_f64, f64::INFINITY);
@@ -492,8 +631,13 @@ impl Detector {
             let mut gap = f64::INFINITY;
             for (other, touched) in &self.hot {
                 let value = other.gap(&network, positions);
-                // What touched at the start and parts is no contact; it may come back, or the path may have been wrong.
-                let comes_back = || self.roots.iter().any(|(root, at, _)| root == other && time >= 0.5 * at);
+                // What touched at the start and parts is no contact; it may come back, or the path
+                // may have been wrong.
+                let comes_back = || {
+                    self.roots
+                        .iter()
+                        .any(|(root, at, _)| root == other && time >= 0.5 * at)
+                };
                 if value < gap && (!touched || value < -2.0 * ROOT || comes_back()) {
                     (gap, watch) = (value, *other);
                 }
@@ -513,9 +657,17 @@ impl Detector {
                 }
             }
             last = Some((time, gap));
-            let mut guess = if rate < 0.0 { time - gap / rate } else { f64::INFINITY };
+            let mut guess = if rate < 0.0 {
+                time - gap / rate
+            } else {
+                f64::INFINITY
+            };
             if !(guess > open && guess < closed) {
-                guess = if closed.is_finite() { 0.5 * (open + closed) } else { 0.5 * (open + step) };
+                guess = if closed.is_finite() {
+                    0.5 * (open + closed)
+                } else {
+                    0.5 * (open + step)
+                };
             }
             if guess == time || guess >= step {
                 break;
@@ -528,5 +680,10 @@ impl Detector {
 
 pub(crate) fn overlap(network: &Network, watch: &Watch, depth: f64, time: f64) -> CrystalError {
     let (first, second) = watch.names(network);
-    CrystalError::Overlap { first, second, depth, time }
+    CrystalError::Overlap {
+        first,
+        second,
+        depth,
+        time,
+    }
 }

@@ -1,9 +1,10 @@
 //! Linear complementarity problems with a symmetric positive semidefinite matrix.
 //!
-//! 0 ≤ p ⟂ w = W p + q ≥ 0 are the conditions of the least ½ pᵀ W p + qᵀ p over p ≥ 0. The active-set method of Lawson and
-//! Hanson finds it exactly in finitely many steps: it solves W p = -q on a growing set of contacts, and takes those out whose
-//! impulse would have to pull. For q in the range of W (which velocities guarantee) a contact that depends on those already
-//! in the set has w = 0 once they have, and is never asked for.
+//! 0 ≤ p ⟂ w = W p + q ≥ 0 are the conditions of the least ½ pᵀ W p + qᵀ p over p ≥ 0. The
+//! active-set method of Lawson and Hanson finds it exactly in finitely many steps: it solves W p =
+//! -q on a growing set of contacts, and takes those out whose impulse would have to pull. For q in
+//! the range of W (which velocities guarantee) a contact that depends on those already in the set
+//! has w = 0 once they have, and is never asked for.
 
 /// A solution.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,17 +37,30 @@ pub fn solve(w: &[f64], q: &[f64]) -> Solution {
     let mut inside: Vec<usize> = Vec::new();
     let mut refused = vec![false; count];
     if count == 0 {
-        return Solution { impulses: p, left: Vec::new(), exact: true };
+        return Solution {
+            impulses: p,
+            left: Vec::new(),
+            exact: true,
+        };
     }
     for _ in 0..10 * count + 20 {
         let rates = left(&p);
-        let open = (0..count).filter(|j| !inside.contains(j) && !refused[*j] && rates[*j] < -tolerance);
+        let open =
+            (0..count).filter(|j| !inside.contains(j) && !refused[*j] && rates[*j] < -tolerance);
         let Some(entering) = open.min_by(|a, b| rates[*a].total_cmp(&rates[*b])) else {
-            return Solution { impulses: p, left: rates, exact: true };
+            return Solution {
+                impulses: p,
+                left: rates,
+                exact: true,
+            };
         };
         inside.push(entering);
         while let Some(trial) = solve_inside(w, q, &inside) {
-            let limit = inside.iter().zip(&trial).filter(|(_, z)| **z <= 0.0).map(|(j, z)| p[*j] / (p[*j] - z));
+            let limit = inside
+                .iter()
+                .zip(&trial)
+                .filter(|(_, z)| **z <= 0.0)
+                .map(|(j, z)| p[*j] / (p[*j] - z));
             let share = limit.fold(1.0_f64, f64::min);
             for (j, z) in inside.iter().zip(&trial) {
                 p[*j] += share * (z - p[*j]);
@@ -65,9 +79,16 @@ pub fn solve(w: &[f64], q: &[f64]) -> Solution {
                 .filter(|(j, z)| **z <= 0.0 && p[**j] <= 1e-14 * z.abs().max(f64::MIN_POSITIVE))
                 .map(|(j, _)| *j)
                 .collect();
-            let smallest =
-                inside.iter().copied().filter(|j| !stopped.contains(j)).min_by(|a, b| p[*a].total_cmp(&p[*b]));
-            let out = if stopped.is_empty() { smallest.into_iter().collect() } else { stopped };
+            let smallest = inside
+                .iter()
+                .copied()
+                .filter(|j| !stopped.contains(j))
+                .min_by(|a, b| p[*a].total_cmp(&p[*b]));
+            let out = if stopped.is_empty() {
+                smallest.into_iter().collect()
+            } else {
+                stopped
+            };
             for j in &out {
                 p[*j] = 0.0;
                 if *j == entering {
@@ -84,14 +105,17 @@ pub fn solve(w: &[f64], q: &[f64]) -> Solution {
     relax(w, q, p)
 }
 
-/// W z = -q on a set of contacts by Cholesky with one refinement; `None` if they depend on each other.
+/// W z = -q on a set of contacts by Cholesky with one refinement; `None` if they depend on each
+/// other.
 fn solve_inside(w: &[f64], q: &[f64], inside: &[usize]) -> Option<Vec<f64>> {
     let (count, size) = (q.len(), inside.len());
     let at = |row: usize, column: usize| w[inside[row] * count + inside[column]];
     let mut factor = vec![0.0; size * size];
     for row in 0..size {
         for column in 0..=row {
-            let known: f64 = (0..column).map(|k| factor[row * size + k] * factor[column * size + k]).sum();
+            let known: f64 = (0..column)
+                .map(|k| factor[row * size + k] * factor[column * size + k])
+                .sum();
             let rest = at(row, column) - known;
             if row == column {
                 if rest.is_nan() || rest <= DEPENDENT * at(row, row) {
@@ -115,7 +139,9 @@ fn solve_inside(w: &[f64], q: &[f64], inside: &[usize]) -> Option<Vec<f64>> {
         b
     };
     let mut z = back_substitute(inside.iter().map(|j| -q[*j]).collect());
-    let residual = (0..size).map(|row| -q[inside[row]] - (0..size).map(|k| at(row, k) * z[k]).sum::<f64>()).collect();
+    let residual = (0..size)
+        .map(|row| -q[inside[row]] - (0..size).map(|k| at(row, k) * z[k]).sum::<f64>())
+        .collect();
     for (z, correction) in z.iter_mut().zip(back_substitute(residual)) {
         *z += correction;
     }
@@ -125,7 +151,8 @@ fn solve_inside(w: &[f64], q: &[f64], inside: &[usize]) -> Option<Vec<f64>> {
 /// Projected Gauss-Seidel.
 fn relax(w: &[f64], q: &[f64], mut p: Vec<f64>) -> Solution {
     let count = q.len();
-    let rate = |p: &[f64], row: usize| q[row] + (0..count).map(|k| w[row * count + k] * p[k]).sum::<f64>();
+    let rate =
+        |p: &[f64], row: usize| q[row] + (0..count).map(|k| w[row * count + k] * p[k]).sum::<f64>();
     for _ in 0..MOST_SWEEPS {
         let mut moved = 0.0_f64;
         for row in 0..count {
@@ -141,5 +168,9 @@ fn relax(w: &[f64], q: &[f64], mut p: Vec<f64>) -> Solution {
         }
     }
     let left = (0..count).map(|row| rate(&p, row)).collect();
-    Solution { impulses: p, left, exact: false }
+    Solution {
+        impulses: p,
+        left,
+        exact: false,
+    }
 }

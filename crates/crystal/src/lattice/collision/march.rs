@@ -1,9 +1,10 @@
 //! The first root of a gap along a path.
 //!
 //! A gap is the greatest of some smooth functions m_i of time with |m_i''| ≤ K, so it is at least
-//! m_i(t) + m_i'(t) δ - K δ²/2 for every i. Going from t by the largest δ at which one of these bounds is still positive
-//! passes over no root, however short the gap dips, and converges quadratically to the first. Where a function has a kink
-//! (another corner takes the lead), its slope is corrected there.
+//! m_i(t) + m_i'(t) δ - K δ²/2 for every i. Going from t by the largest δ at which one of these
+//! bounds is still positive passes over no root, however short the gap dips, and converges
+//! quadratically to the first. Where a function has a kink (another corner takes the lead), its
+//! slope is corrected there.
 
 use crate::lattice::contact::TOUCHING;
 use crate::lattice::contact::separation::Along;
@@ -41,7 +42,11 @@ pub enum End {
 }
 
 /// Marches from 0 to `end`. A gap closed at the start is no root if it opens.
-pub fn first_root<const N: usize>(probe: impl Fn(f64) -> Probe<N>, curvature: f64, end: f64) -> End {
+pub fn first_root<const N: usize>(
+    probe: impl Fn(f64) -> Probe<N>,
+    curvature: f64,
+    end: f64,
+) -> End {
     let (mut time, mut before, mut lowest) = (0.0, 0.0, 0.0_f64);
     let mut leaving = false;
     // While bodies still touch, samples this near miss nothing deeper than a hundredth of a touch.
@@ -64,11 +69,20 @@ pub fn first_root<const N: usize>(probe: impl Fn(f64) -> Probe<N>, curvature: f6
         leaving = leaving && most <= TOUCHING;
         if leaving && most < lowest {
             // What touched has not come apart, or another corner has come down beside it.
-            let depth = |time: f64| probe(time).along.iter().fold(f64::NEG_INFINITY, |most, m| most.max(m.distance));
+            let depth = |time: f64| {
+                probe(time)
+                    .along
+                    .iter()
+                    .fold(f64::NEG_INFINITY, |most, m| most.max(m.distance))
+            };
             let (mut open, mut closed) = (before, time);
             for _ in 0..40 {
                 let middle = 0.5 * (open + closed);
-                if depth(middle) < lowest { closed = middle } else { open = middle }
+                if depth(middle) < lowest {
+                    closed = middle
+                } else {
+                    open = middle
+                }
             }
             return End::Root { time: open, rate };
         }
@@ -77,14 +91,21 @@ pub fn first_root<const N: usize>(probe: impl Fn(f64) -> Probe<N>, curvature: f6
         }
         let mut advance = 0.0_f64;
         for function in &along {
-            let height =
-                if leaving && function.distance >= -TOUCHING { function.distance.max(0.0) } else { function.distance };
+            let height = if leaving && function.distance >= -TOUCHING {
+                function.distance.max(0.0)
+            } else {
+                function.distance
+            };
             if height < 0.0 {
                 continue;
             }
             let mut safe = safe_advance(height, function.rate, curvature);
             if safe > to_kink {
-                safe = (to_kink + SMALLEST_ADVANCE).max(safe_advance(height, function.worst_rate, curvature));
+                safe = (to_kink + SMALLEST_ADVANCE).max(safe_advance(
+                    height,
+                    function.worst_rate,
+                    curvature,
+                ));
             }
             advance = advance.max(safe);
         }
@@ -106,7 +127,11 @@ pub fn first_root<const N: usize>(probe: impl Fn(f64) -> Probe<N>, curvature: f6
 fn safe_advance(height: f64, rate: f64, curvature: f64) -> f64 {
     let root = (rate * rate + 2.0 * curvature * height).sqrt();
     if rate > 0.0 {
-        if curvature > 0.0 { (rate + root) / curvature } else { f64::INFINITY }
+        if curvature > 0.0 {
+            (rate + root) / curvature
+        } else {
+            f64::INFINITY
+        }
     } else if height == 0.0 {
         0.0
     } else {

@@ -24,18 +24,21 @@ impl FirstContact {
     /// Contacts of squares as [striker, corner 1 to 4, target].
     pub fn listed(&self) -> Vec<[usize; 3]> {
         let listed = |contact: &Contact| match *contact {
-            Contact::VertexSide { striker, target, .. } => Some([striker.square, usize::from(striker.vertex), target]),
-            Contact::VertexVertex { striker, target, .. } => {
-                Some([striker.square, usize::from(striker.vertex), target.square])
-            }
+            Contact::VertexSide {
+                striker, target, ..
+            } => Some([striker.square, usize::from(striker.vertex), target]),
+            Contact::VertexVertex {
+                striker, target, ..
+            } => Some([striker.square, usize::from(striker.vertex), target.square]),
             Contact::RodCorner { .. } | Contact::RodStop { .. } => None,
         };
         self.contacts.iter().filter_map(listed).collect()
     }
 }
 
-/// Goes on from a prepared state in steps of `step` to the first contact of squares (and of rods, with `rods_block`), or to
-/// `until`, where the result is `None`. The state is left at the contact, or at `until`.
+/// Goes on from a prepared state in steps of `step` to the first contact of squares (and of rods,
+/// with `rods_block`), or to `until`, where the result is `None`. The state is left at the contact,
+/// or at `until`.
 ///
 /// # Errors
 /// Those of [`Dynamics::step`], and [`CrystalError::Overlap`] if squares overlap at the start.
@@ -47,7 +50,11 @@ pub fn first_contact(
     rods_block: bool,
 ) -> Result<Option<FirstContact>> {
     if !(step.is_finite() && step > 0.0) {
-        return Err(CrystalError::BadSetting { setting: "step", value: step, requirement: "positive" });
+        return Err(CrystalError::BadSetting {
+            setting: "step",
+            value: step,
+            requirement: "positive",
+        });
     }
     let network = dynamics.network().clone();
     let mut detector = Detector::new(&network, &state.positions, rods_block);
@@ -64,9 +71,17 @@ pub fn first_contact(
         if length > 0.0 {
             dynamics.arrive(state, length, &positions)?;
         }
-        let contacts = if meeting.is_some() { detector.touching(&network, &state.positions) } else { Vec::new() };
+        let contacts = if meeting.is_some() {
+            detector.touching(&network, &state.positions)
+        } else {
+            Vec::new()
+        };
         if !contacts.is_empty() {
-            return Ok(Some(FirstContact { time: state.time, state: state.clone(), contacts }));
+            return Ok(Some(FirstContact {
+                time: state.time,
+                state: state.clone(),
+                contacts,
+            }));
         }
     }
     Ok(None)
@@ -83,13 +98,14 @@ pub struct Response {
     pub impulses: Vec<f64>,
 }
 
-/// Impact at given contacts, transmitted through the rods. A contact is a striker, its corner (1 to 4), and a target: on a
-/// corner of the target where it is one, else on its nearest side, at the nearest image in a periodic cell. Corners head on
-/// may be listed once or from either side.
+/// Impact at given contacts, transmitted through the rods. A contact is a striker, its corner (1 to
+/// 4), and a target: on a corner of the target where it is one, else on its nearest side, at the
+/// nearest image in a periodic cell. Corners head on may be listed once or from either side.
 ///
 /// # Errors
-/// [`CrystalError::BadState`] for arrays or contacts that do not fit the network, [`CrystalError::BadSetting`] for a
-/// restitution outside 0 to 1, [`CrystalError::OverConstrained`].
+/// [`CrystalError::BadState`] for arrays or contacts that do not fit the network,
+/// [`CrystalError::BadSetting`] for a restitution outside 0 to 1,
+/// [`CrystalError::OverConstrained`].
 pub fn respond(
     network: &Network,
     positions: &[f64],
@@ -98,7 +114,11 @@ pub fn respond(
     restitution: f64,
 ) -> Result<Response> {
     network.check()?;
-    let state = State { time: 0.0, positions: positions.to_vec(), velocities: velocities.to_vec() };
+    let state = State {
+        time: 0.0,
+        positions: positions.to_vec(),
+        velocities: velocities.to_vec(),
+    };
     state.check(network)?;
     check_restitution(restitution)?;
     let squares = network.squares.len();
@@ -116,24 +136,50 @@ pub fn respond(
                 (away / cell[axis]).round() * cell[axis]
             })
         });
-        let striker = Corner { square: striker, vertex: vertex as u8 };
-        touches.push(Contact::of_corner(network, positions, striker, target, shift));
+        let striker = Corner {
+            square: striker,
+            vertex: vertex as u8,
+        };
+        touches.push(Contact::of_corner(
+            network, positions, striker, target, shift,
+        ));
     }
     let contacts = without_repetitions(&touches);
-    let rows: Vec<Row> = contacts.iter().map(|contact| contact.row(network, positions)).collect();
+    let rows: Vec<Row> = contacts
+        .iter()
+        .map(|contact| contact.row(network, positions))
+        .collect();
     let mut rods = RodSystem::new(network);
     rods.linearize(positions).map_err(|error| match error {
-        SparseError::Dependent { row, .. } => CrystalError::OverConstrained { rod: row, time: 0.0 },
+        SparseError::Dependent { row, .. } => CrystalError::OverConstrained {
+            rod: row,
+            time: 0.0,
+        },
         other => CrystalError::BadNetwork(other.to_string()),
     })?;
     let mut velocities_after = velocities.to_vec();
-    let impact = impact(network, &mut rods, &mut velocities_after, &rows, restitution, None);
-    Ok(Response { velocities_after, contacts, impulses: impact.impulses })
+    let impact = impact(
+        network,
+        &mut rods,
+        &mut velocities_after,
+        &rows,
+        restitution,
+        None,
+    );
+    Ok(Response {
+        velocities_after,
+        contacts,
+        impulses: impact.impulses,
+    })
 }
 
 pub(crate) fn check_restitution(value: f64) -> Result<()> {
     if (0.0..=1.0).contains(&value) {
         return Ok(());
     }
-    Err(CrystalError::BadSetting { setting: "restitution", value, requirement: "between 0 and 1" })
+    Err(CrystalError::BadSetting {
+        setting: "restitution",
+        value,
+        requirement: "between 0 and 1",
+    })
 }

@@ -4,8 +4,9 @@
 //!
 //! S = M⁻¹ - M⁻¹ Jᵀ A⁻¹ J M⁻¹,   v⁺ = v⁻ + S Nᵀ p,   0 ≤ p ⟂ N v⁺ + e N v⁻ ≥ 0,
 //!
-//! impulses p only push, every contact moves apart at least e times as fast as it came together, and exactly so where there
-//! is an impulse. At e = 1 the energy changes by ½ pᵀ (N v⁺ + N v⁻) = 0, however many contacts there are.
+//! impulses p only push, every contact moves apart at least e times as fast as it came together,
+//! and exactly so where there is an impulse. At e = 1 the energy changes by ½ pᵀ (N v⁺ + N v⁻) = 0,
+//! however many contacts there are.
 
 use super::lcp;
 use crate::lattice::contact::Row;
@@ -25,8 +26,9 @@ pub struct Impact {
     pub exact: bool,
 }
 
-/// Lets the contacts with these rows act on the velocities; `rods` must be linearised at the positions. A contact parts at
-/// least as fast as `lift` says, if it says anything, whatever the restitution.
+/// Lets the contacts with these rows act on the velocities; `rods` must be linearised at the
+/// positions. A contact parts at least as fast as `lift` says, if it says anything, whatever the
+/// restitution.
 pub fn impact(
     network: &Network,
     rods: &mut RodSystem,
@@ -37,7 +39,10 @@ pub fn impact(
 ) -> Impact {
     let (count, coordinates) = (rows.len(), velocities.len());
     let before: Vec<f64> = rows.iter().map(|row| row.dot(velocities)).collect();
-    let columns: Vec<Vec<f64>> = rows.iter().map(|row| constrained_response(network, rods, row, coordinates)).collect();
+    let columns: Vec<Vec<f64>> = rows
+        .iter()
+        .map(|row| constrained_response(network, rods, row, coordinates))
+        .collect();
     let mut w = vec![0.0; count * count];
     for (i, row) in rows.iter().enumerate() {
         for (j, column) in columns.iter().enumerate() {
@@ -62,13 +67,31 @@ pub fn impact(
             *v += impulse * x;
         }
     }
-    let energy = |((impulse, row), before): ((&f64, &Row), &f64)| 0.5 * impulse * (row.dot(velocities) + before);
-    let energy_change = solution.impulses.iter().zip(rows).zip(&before).map(energy).sum();
-    Impact { impulses: solution.impulses, before, energy_change, exact: solution.exact }
+    let energy = |((impulse, row), before): ((&f64, &Row), &f64)| {
+        0.5 * impulse * (row.dot(velocities) + before)
+    };
+    let energy_change = solution
+        .impulses
+        .iter()
+        .zip(rows)
+        .zip(&before)
+        .map(energy)
+        .sum();
+    Impact {
+        impulses: solution.impulses,
+        before,
+        energy_change,
+        exact: solution.exact,
+    }
 }
 
 /// S nᵀ.
-pub(crate) fn constrained_response(network: &Network, rods: &mut RodSystem, row: &Row, coordinates: usize) -> Vec<f64> {
+pub(crate) fn constrained_response(
+    network: &Network,
+    rods: &mut RodSystem,
+    row: &Row,
+    coordinates: usize,
+) -> Vec<f64> {
     let mut column = vec![0.0; coordinates];
     for (p, n) in row.entries() {
         let square = network.squares[p];

@@ -1,7 +1,8 @@
 //! Which pairs are near enough to be looked at.
 //!
-//! A list of all pairs whose circumscribed circles are within a skin of each other, made with a grid over the centres and
-//! used until a centre has moved by half the skin. In a periodic cell every image that is near enough is a pair of its own.
+//! A list of all pairs whose circumscribed circles are within a skin of each other, made with a
+//! grid over the centres and used until a centre has moved by half the skin. In a periodic cell
+//! every image that is near enough is a pair of its own.
 
 use super::separation::{Rectangle, at_rest};
 use crate::lattice::network::Network;
@@ -20,7 +21,8 @@ pub enum Body {
 pub struct Pair {
     /// A square.
     pub first: usize,
-    /// What it could meet: a square of a higher index (or its own image), or a rod that does not hang on it.
+    /// What it could meet: a square of a higher index (or its own image), or a rod that does not
+    /// hang on it.
     pub second: Body,
     /// From the second to the image of it that is meant.
     pub shift: [f64; 2],
@@ -41,8 +43,14 @@ pub struct Candidates {
 impl Candidates {
     /// The pairs at these positions, rods included if wanted.
     pub fn new(network: &Network, positions: &[f64], skin: f64, with_rods: bool) -> Self {
-        let mut list =
-            Self { skin, with_rods, pairs: Vec::new(), reference: Vec::new(), middles: Vec::new(), rebuilds: 0 };
+        let mut list = Self {
+            skin,
+            with_rods,
+            pairs: Vec::new(),
+            reference: Vec::new(),
+            middles: Vec::new(),
+            rebuilds: 0,
+        };
         list.rebuild(network, positions);
         list
     }
@@ -60,14 +68,18 @@ impl Candidates {
     /// Whether the list still holds where every centre is within `margin` of these positions.
     pub fn holds(&self, positions: &[f64], margin: f64) -> bool {
         let allowed = 0.5 * self.skin - margin;
-        // A rod's middle moves at most as its ends, and those also by the turning of the squares: rods ask for the chord.
+        // A rod's middle moves at most as its ends, and those also by the turning of the squares:
+        // rods ask for the chord.
         let turning = if self.with_rods { 1.0 } else { 0.0 };
         allowed > 0.0
-            && positions.chunks_exact(3).zip(self.reference.chunks_exact(3)).all(|(s, r)| {
-                let (x, y) = (s[0] - r[0], s[1] - r[1]);
-                let moved = (x * x + y * y).sqrt() + turning * (s[2] - r[2]).abs().min(2.0);
-                moved <= allowed
-            })
+            && positions
+                .chunks_exact(3)
+                .zip(self.reference.chunks_exact(3))
+                .all(|(s, r)| {
+                    let (x, y) = (s[0] - r[0], s[1] - r[1]);
+                    let moved = (x * x + y * y).sqrt() + turning * (s[2] - r[2]).abs().min(2.0);
+                    moved <= allowed
+                })
     }
 
     /// Width of the skin from the next list on.
@@ -89,12 +101,15 @@ impl Candidates {
         }
         if self.with_rods {
             for (index, rod) in network.rods.iter().enumerate() {
-                self.middles.push(Rectangle::rod(network, index, at_rest(positions)).centre);
+                self.middles
+                    .push(Rectangle::rod(network, index, at_rest(positions)).centre);
                 radii.push(0.5 * rod.length);
             }
         }
         let squares = network.squares.len();
-        let largest = radii[..squares].iter().fold(0.0_f64, |largest, x| largest.max(*x));
+        let largest = radii[..squares]
+            .iter()
+            .fold(0.0_f64, |largest, x| largest.max(*x));
         let other = radii.iter().fold(0.0_f64, |largest, x| largest.max(*x));
         let reach = largest + other + self.skin;
         let grid = Grid::new(&self.middles, reach, network.cell);
@@ -106,7 +121,10 @@ impl Candidates {
             for (q, shift) in &near {
                 let (q, shift) = (*q, *shift);
                 let middle = self.middles[q];
-                let (x, y) = (middle[0] + shift[0] - place[0], middle[1] + shift[1] - place[1]);
+                let (x, y) = (
+                    middle[0] + shift[0] - place[0],
+                    middle[1] + shift[1] - place[1],
+                );
                 let within = radii[p] + radii[q] + self.skin;
                 if x * x + y * y > within * within {
                     continue;
@@ -114,14 +132,25 @@ impl Candidates {
                 if q < squares {
                     // Every pair once; of a square and its images, one of each two opposite ones.
                     if q > p || (q == p && shift > [0.0, 0.0]) {
-                        found.push(Pair { first: p, second: Body::Square(q), shift });
+                        found.push(Pair {
+                            first: p,
+                            second: Body::Square(q),
+                            shift,
+                        });
                     }
                 } else if !hangs_on(network, q - squares, p, shift) {
-                    found.push(Pair { first: p, second: Body::Rod(q - squares), shift });
+                    found.push(Pair {
+                        first: p,
+                        second: Body::Rod(q - squares),
+                        shift,
+                    });
                 }
             }
             found.sort_by(|a, b| {
-                a.second.cmp(&b.second).then(a.shift[0].total_cmp(&b.shift[0])).then(a.shift[1].total_cmp(&b.shift[1]))
+                a.second
+                    .cmp(&b.second)
+                    .then(a.shift[0].total_cmp(&b.shift[0]))
+                    .then(a.shift[1].total_cmp(&b.shift[1]))
             });
             self.pairs.extend_from_slice(&found);
         }
@@ -157,13 +186,24 @@ impl Grid {
                 high[axis] = high[axis].max(place[axis]);
             }
         }
-        let extent = |axis: usize| periodic.map_or(high[axis] - low[axis], |cell| cell[axis]).max(1e-9);
+        let extent = |axis: usize| {
+            periodic
+                .map_or(high[axis] - low[axis], |cell| cell[axis])
+                .max(1e-9)
+        };
         // Squares that have flown far apart must not ask for more cells than there are points.
         let most = 2.0 * (places.len() as f64).sqrt().ceil() + 1.0;
         let count = |axis: usize| (extent(axis) / reach).floor().clamp(1.0, most) as usize;
         let counts = [count(0), count(1)];
         let width = [extent(0) / counts[0] as f64, extent(1) / counts[1] as f64];
-        let mut grid = Self { low, counts, width, periodic, starts: Vec::new(), points: vec![0; places.len()] };
+        let mut grid = Self {
+            low,
+            counts,
+            width,
+            periodic,
+            starts: Vec::new(),
+            points: vec![0; places.len()],
+        };
         let cells: Vec<usize> = places.iter().map(|place| grid.cell(*place)).collect();
         let mut starts = vec![0; counts[0] * counts[1] + 1];
         for cell in &cells {
@@ -195,7 +235,13 @@ impl Grid {
     }
 
     /// Points, with the shifts of their images, that may be within reach of a place.
-    fn near(&self, places: &[[f64; 2]], place: [f64; 2], reach: f64, out: &mut Vec<(usize, [f64; 2])>) {
+    fn near(
+        &self,
+        places: &[[f64; 2]],
+        place: [f64; 2],
+        reach: f64,
+        out: &mut Vec<(usize, [f64; 2])>,
+    ) {
         out.clear();
         let columns = |axis: usize| {
             let count = self.counts[axis] as isize;
@@ -204,7 +250,9 @@ impl Grid {
                 if count < 3 {
                     return (0..count).collect::<Vec<isize>>();
                 }
-                (middle - 1..=middle + 1).map(|at| at.rem_euclid(count)).collect()
+                (middle - 1..=middle + 1)
+                    .map(|at| at.rem_euclid(count))
+                    .collect()
             } else {
                 ((middle - 1).max(0)..=(middle + 1).min(count - 1)).collect()
             }

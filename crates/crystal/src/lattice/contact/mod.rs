@@ -5,9 +5,9 @@
 //! | [`separation`] | how far apart two rectangles are: squares, and rods as rectangles without width |
 //! | [`candidates`] | which pairs are near enough to be looked at |
 //!
-//! A [`Contact`] is a point at which two bodies touch and a direction in which they may only move apart. Its gap is a
-//! function of the positions, and the rate of the gap is linear in the velocities of the squares: ġ = n · v with the
-//! [`Row`] n.
+//! A [`Contact`] is a point at which two bodies touch and a direction in which they may only move
+//! apart. Its gap is a function of the positions, and the rate of the gap is linear in the
+//! velocities of the squares: ġ = n · v with the [`Row`] n.
 
 pub mod candidates;
 pub mod separation;
@@ -41,7 +41,8 @@ pub enum Contact {
         /// From the target to the periodic image of it that is struck.
         shift: [f64; 2],
     },
-    /// A corner of a square on a rod. The rod has no mass: what it feels, its two ends feel, split by the lever.
+    /// A corner of a square on a rod. The rod has no mass: what it feels, its two ends feel, split
+    /// by the lever.
     RodCorner {
         /// The corner.
         striker: Corner,
@@ -77,7 +78,10 @@ impl Row {
         let torque = arm[0] * normal[1] - arm[1] * normal[0];
         let entry = [weight * normal[0], weight * normal[1], weight * torque];
         // A square may meet its own periodic image.
-        if let Some(place) = self.squares[..self.count].iter().position(|other| *other == square) {
+        if let Some(place) = self.squares[..self.count]
+            .iter()
+            .position(|other| *other == square)
+        {
             for (sum, x) in self.entries[place].iter_mut().zip(entry) {
                 *sum += x;
             }
@@ -88,8 +92,13 @@ impl Row {
         }
     }
 
-    /// Two squares pushed apart along a normal that leads from the second to the first, at these arms.
-    pub(crate) fn along([first, second]: [usize; 2], normal: [f64; 2], arms: [[f64; 2]; 2]) -> Self {
+    /// Two squares pushed apart along a normal that leads from the second to the first, at these
+    /// arms.
+    pub(crate) fn along(
+        [first, second]: [usize; 2],
+        normal: [f64; 2],
+        arms: [[f64; 2]; 2],
+    ) -> Self {
         let mut row = Self::default();
         row.push(first, 1.0, normal, arms[0]);
         row.push(second, -1.0, normal, arms[1]);
@@ -98,18 +107,25 @@ impl Row {
 
     /// The squares and their numbers (along x, y and θ).
     pub fn entries(&self) -> impl Iterator<Item = (usize, &[f64; 3])> {
-        self.squares.iter().copied().zip(&self.entries).take(self.count)
+        self.squares
+            .iter()
+            .copied()
+            .zip(&self.entries)
+            .take(self.count)
     }
 
     /// n · x for a vector over the squares.
     pub fn dot(&self, x: &[f64]) -> f64 {
-        self.entries().map(|(p, n)| n[0] * x[3 * p] + n[1] * x[3 * p + 1] + n[2] * x[3 * p + 2]).sum()
+        self.entries()
+            .map(|(p, n)| n[0] * x[3 * p] + n[1] * x[3 * p + 1] + n[2] * x[3 * p + 2])
+            .sum()
     }
 }
 
 /// ρ: from the centre of a square to its corner.
 pub(crate) fn arm(network: &Network, positions: &[f64], corner: Corner) -> [f64; 2] {
-    let [x, y] = corner_direction(corner.vertex).map(|x| x * network.squares[corner.square].half_diagonal);
+    let [x, y] =
+        corner_direction(corner.vertex).map(|x| x * network.squares[corner.square].half_diagonal);
     let (sine, cosine) = positions[3 * corner.square + 2].sin_cos();
     [cosine * x - sine * y, sine * x + cosine * y]
 }
@@ -117,7 +133,10 @@ pub(crate) fn arm(network: &Network, positions: &[f64], corner: Corner) -> [f64;
 /// Where a corner is.
 pub(crate) fn place(network: &Network, positions: &[f64], corner: Corner) -> [f64; 2] {
     let rho = arm(network, positions, corner);
-    [positions[3 * corner.square] + rho[0], positions[3 * corner.square + 1] + rho[1]]
+    [
+        positions[3 * corner.square] + rho[0],
+        positions[3 * corner.square + 1] + rho[1],
+    ]
 }
 
 /// From the image of a rod at `to` back to the square: the shift of the second end of a rod.
@@ -131,7 +150,10 @@ pub(crate) fn rod_shift(network: &Network, rod: usize) -> [f64; 2] {
 pub(crate) fn rod_ends(network: &Network, positions: &[f64], rod: usize) -> [[f64; 2]; 2] {
     let (ends, shift) = (network.rods[rod], rod_shift(network, rod));
     let to = place(network, positions, ends.to);
-    [place(network, positions, ends.from), [to[0] + shift[0], to[1] + shift[1]]]
+    [
+        place(network, positions, ends.from),
+        [to[0] + shift[0], to[1] + shift[1]],
+    ]
 }
 
 fn side_normal(angle: f64, side: u8) -> [f64; 2] {
@@ -173,72 +195,153 @@ fn from_centre(positions: &[f64], square: usize, shift: [f64; 2], point: [f64; 2
 }
 
 impl Contact {
-    /// The touch of the corner `striker` and the square `target`: on its corner where it is one, else on the nearest side.
-    pub fn of_corner(network: &Network, positions: &[f64], striker: Corner, target: usize, shift: [f64; 2]) -> Self {
+    /// The touch of the corner `striker` and the square `target`: on its corner where it is one,
+    /// else on the nearest side.
+    pub fn of_corner(
+        network: &Network,
+        positions: &[f64],
+        striker: Corner,
+        target: usize,
+        shift: [f64; 2],
+    ) -> Self {
         let u = from_centre(positions, target, shift, place(network, positions, striker));
         let l = network.squares[target].half_diagonal;
         for vertex in 1..=4 {
-            let corner = Corner { square: target, vertex };
+            let corner = Corner {
+                square: target,
+                vertex,
+            };
             let away = minus(u, arm(network, positions, corner));
             if away[0].hypot(away[1]) <= 10.0 * TOUCHING * l {
-                return Self::VertexVertex { striker, target: corner, shift };
+                return Self::VertexVertex {
+                    striker,
+                    target: corner,
+                    shift,
+                };
             }
         }
         let angle = positions[3 * target + 2];
         let height = |side: u8| dot(u, side_normal(angle, side));
-        let side = (1..4).fold(0, |best, side| if height(side) > height(best) { side } else { best });
-        Self::VertexSide { striker, target, side, shift }
+        let side = (1..4).fold(0, |best, side| {
+            if height(side) > height(best) {
+                side
+            } else {
+                best
+            }
+        });
+        Self::VertexSide {
+            striker,
+            target,
+            side,
+            shift,
+        }
     }
 
     /// Distance along the normal: positive apart, negative overlapping.
     pub fn gap(&self, network: &Network, positions: &[f64]) -> f64 {
         match *self {
-            Self::VertexSide { striker, target, side, shift } => {
+            Self::VertexSide {
+                striker,
+                target,
+                side,
+                shift,
+            } => {
                 let u = from_centre(positions, target, shift, place(network, positions, striker));
                 let apothem = network.squares[target].half_diagonal * FRAC_1_SQRT_2;
                 dot(u, side_normal(positions[3 * target + 2], side)) - apothem
             }
-            Self::VertexVertex { striker, target, shift } => {
-                let u = from_centre(positions, target.square, shift, place(network, positions, striker));
-                let (rho, own) = (arm(network, positions, target), arm(network, positions, striker));
+            Self::VertexVertex {
+                striker,
+                target,
+                shift,
+            } => {
+                let u = from_centre(
+                    positions,
+                    target.square,
+                    shift,
+                    place(network, positions, striker),
+                );
+                let (rho, own) = (
+                    arm(network, positions, target),
+                    arm(network, positions, striker),
+                );
                 dot(minus(u, rho), unit(minus(rho, own)))
             }
-            Self::RodCorner { striker, rod, left, shift } => {
+            Self::RodCorner {
+                striker,
+                rod,
+                left,
+                shift,
+            } => {
                 let [a, b] = rod_ends(network, positions, rod);
                 let u = unit(minus(b, a));
                 let normal = if left { [-u[1], u[0]] } else { [u[1], -u[0]] };
-                dot(minus(minus(place(network, positions, striker), shift), a), normal)
+                dot(
+                    minus(minus(place(network, positions, striker), shift), a),
+                    normal,
+                )
             }
             Self::RodStop { rod, end, side } => {
                 let ends = rod_ends(network, positions, rod);
-                let (near, far) = if end == 0 { (ends[0], ends[1]) } else { (ends[1], ends[0]) };
-                dot(minus(far, near), side_normal(positions[3 * self.rod_square(network, rod, end) + 2], side))
+                let (near, far) = if end == 0 {
+                    (ends[0], ends[1])
+                } else {
+                    (ends[1], ends[0])
+                };
+                dot(
+                    minus(far, near),
+                    side_normal(positions[3 * self.rod_square(network, rod, end) + 2], side),
+                )
             }
         }
     }
 
     fn rod_square(&self, network: &Network, rod: usize, end: u8) -> usize {
         let rod = network.rods[rod];
-        if end == 0 { rod.from.square } else { rod.to.square }
+        if end == 0 {
+            rod.from.square
+        } else {
+            rod.to.square
+        }
     }
 
     /// n: the rate of the gap is n · v.
     pub fn row(&self, network: &Network, positions: &[f64]) -> Row {
         let mut row = Row::default();
         match *self {
-            Self::VertexSide { striker, target, side, shift } => {
+            Self::VertexSide {
+                striker,
+                target,
+                side,
+                shift,
+            } => {
                 let normal = side_normal(positions[3 * target + 2], side);
                 let u = from_centre(positions, target, shift, place(network, positions, striker));
-                row.push(striker.square, 1.0, normal, arm(network, positions, striker));
+                row.push(
+                    striker.square,
+                    1.0,
+                    normal,
+                    arm(network, positions, striker),
+                );
                 row.push(target, -1.0, normal, u);
             }
-            Self::VertexVertex { striker, target, .. } => {
-                let (rho, own) = (arm(network, positions, target), arm(network, positions, striker));
+            Self::VertexVertex {
+                striker, target, ..
+            } => {
+                let (rho, own) = (
+                    arm(network, positions, target),
+                    arm(network, positions, striker),
+                );
                 let normal = unit(minus(rho, own));
                 row.push(striker.square, 1.0, normal, own);
                 row.push(target.square, -1.0, normal, rho);
             }
-            Self::RodCorner { striker, rod, left, shift } => {
+            Self::RodCorner {
+                striker,
+                rod,
+                left,
+                shift,
+            } => {
                 let [a, b] = rod_ends(network, positions, rod);
                 let along = minus(b, a);
                 let u = unit(along);
@@ -246,31 +349,68 @@ impl Contact {
                 let point = minus(place(network, positions, striker), shift);
                 let share = dot(minus(point, a), along) / dot(along, along);
                 let ends = network.rods[rod];
-                row.push(striker.square, 1.0, normal, arm(network, positions, striker));
-                row.push(ends.from.square, share - 1.0, normal, arm(network, positions, ends.from));
-                row.push(ends.to.square, -share, normal, arm(network, positions, ends.to));
+                row.push(
+                    striker.square,
+                    1.0,
+                    normal,
+                    arm(network, positions, striker),
+                );
+                row.push(
+                    ends.from.square,
+                    share - 1.0,
+                    normal,
+                    arm(network, positions, ends.from),
+                );
+                row.push(
+                    ends.to.square,
+                    -share,
+                    normal,
+                    arm(network, positions, ends.to),
+                );
             }
             Self::RodStop { rod, end, side } => {
                 let ends = network.rods[rod];
-                let (near, far) = if end == 0 { (ends.from, ends.to) } else { (ends.to, ends.from) };
+                let (near, far) = if end == 0 {
+                    (ends.from, ends.to)
+                } else {
+                    (ends.to, ends.from)
+                };
                 let normal = side_normal(positions[3 * near.square + 2], side);
                 // The far end on the line of the side: it touches the (prolonged) side where it is.
                 let places = rod_ends(network, positions, rod);
-                let along = if end == 0 { minus(places[1], places[0]) } else { minus(places[0], places[1]) };
+                let along = if end == 0 {
+                    minus(places[1], places[0])
+                } else {
+                    minus(places[0], places[1])
+                };
                 let own = arm(network, positions, near);
                 row.push(far.square, 1.0, normal, arm(network, positions, far));
-                row.push(near.square, -1.0, normal, [own[0] + along[0], own[1] + along[1]]);
+                row.push(
+                    near.square,
+                    -1.0,
+                    normal,
+                    [own[0] + along[0], own[1] + along[1]],
+                );
             }
         }
         row
     }
 
-    /// Whether two entries of a list describe the same touch: two corners head on, seen from either.
+    /// Whether two entries of a list describe the same touch: two corners head on, seen from
+    /// either.
     pub fn is_same_touch(&self, other: &Self) -> bool {
         match (self, other) {
             (
-                Self::VertexVertex { striker, target, shift },
-                Self::VertexVertex { striker: of_other, target: by_other, shift: back },
+                Self::VertexVertex {
+                    striker,
+                    target,
+                    shift,
+                },
+                Self::VertexVertex {
+                    striker: of_other,
+                    target: by_other,
+                    shift: back,
+                },
             ) => {
                 let opposite = (shift[0] + back[0]).abs() + (shift[1] + back[1]).abs() < 1e-9;
                 (striker == by_other && target == of_other && opposite)

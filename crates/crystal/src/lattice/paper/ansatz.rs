@@ -2,12 +2,14 @@
 //!
 //! Every rod vector is taken to turn at constant length,
 //!
-//! Δr(t+δ) = Δr cos φ + (Δv/ω) sin φ,   φ = ω δ + α δ²/2,   ω = |Δv|/r0,   α = |Δr·Δa|^½ (Δv·Δa) / (|Δv|² r0),
+//! Δr(t+δ) = Δr cos φ + (Δv/ω) sin φ,   φ = ω δ + α δ²/2,   ω = |Δv|/r0,   α = |Δr·Δa|^½ (Δv·Δa) /
+//! (|Δv|² r0),
 //!
-//! and the squares are to follow: with D the gradient of the rod vectors (two rows per rod), K = D M⁻¹ Dᵀ, and vectors χ in
-//! place of the multipliers, K χ = 2/δ² (Δr(t+δ) - Δr - Δv δ) - D f + ω² ρ - ω'² ρ' (eq. 38). There are more such equations
-//! than squares can fulfil: from 4 x 4 on K is singular and the system has no solution, so it is solved by least squares,
-//! and the lengths of the rods are missed. The error is part of what the paper's method is, and is measured.
+//! and the squares are to follow: with D the gradient of the rod vectors (two rows per rod), K = D
+//! M⁻¹ Dᵀ, and vectors χ in place of the multipliers, K χ = 2/δ² (Δr(t+δ) - Δr - Δv δ) - D f + ω²
+//! ρ - ω'² ρ' (eq. 38). There are more such equations than squares can fulfil: from 4 x 4 on K is
+//! singular and the system has no solution, so it is solved by least squares, and the lengths of
+//! the rods are missed. The error is part of what the paper's method is, and is measured.
 
 use crate::lattice::contact::{arm, rod_shift};
 use crate::lattice::network::Network;
@@ -46,7 +48,8 @@ pub struct Landing {
 }
 
 impl<'a> Ansatz<'a> {
-    /// For sub-steps from a state. `accelerations` are those of the forces, `total` with those of the rods (eq. 23).
+    /// For sub-steps from a state. `accelerations` are those of the forces, `total` with those of
+    /// the rods (eq. 23).
     pub fn new(
         network: &'a Network,
         positions: &'a [f64],
@@ -70,7 +73,9 @@ impl<'a> Ansatz<'a> {
                     gradient[(2 * index + axis, p + 2)] += sign * turned[axis];
                     delta[axis] += sign * (positions[p + axis] + rho[axis]);
                     rate[axis] += sign * (velocities[p + axis] + omega * turned[axis]);
-                    change[axis] += sign * (total[p + axis] + total[p + 2] * turned[axis] - omega * omega * rho[axis]);
+                    change[axis] += sign
+                        * (total[p + axis] + total[p + 2] * turned[axis]
+                            - omega * omega * rho[axis]);
                     centripetal[axis] += sign * omega * omega * rho[axis];
                 }
             }
@@ -82,7 +87,13 @@ impl<'a> Ansatz<'a> {
             } else {
                 0.0
             };
-            rods.push(RodMotion { delta, rate, omega, alpha, centripetal });
+            rods.push(RodMotion {
+                delta,
+                rate,
+                omega,
+                alpha,
+                centripetal,
+            });
         }
         let mut scaled = gradient.clone();
         for (p, square) in network.squares.iter().enumerate() {
@@ -91,27 +102,46 @@ impl<'a> Ansatz<'a> {
             scaled.column_mut(3 * p + 2).scale_mut(1.0 / square.inertia);
         }
         let gram = SymmetricEigen::new(&scaled * gradient.transpose());
-        Self { network, positions, velocities, accelerations, gradient, gram, rods }
+        Self {
+            network,
+            positions,
+            velocities,
+            accelerations,
+            gradient,
+            gram,
+            rods,
+        }
     }
 
     /// How many of the equations (38) are independent.
     pub fn rank(&self) -> usize {
         let largest = self.gram.eigenvalues.amax();
-        self.gram.eigenvalues.iter().filter(|value| **value > SINGULAR * largest).count()
+        self.gram
+            .eigenvalues
+            .iter()
+            .filter(|value| **value > SINGULAR * largest)
+            .count()
     }
 
     /// Positions after a time δ, which may be negative.
     pub fn land(&self, time: f64) -> Landing {
         let mut positions = self.positions.to_vec();
         if time == 0.0 {
-            return Landing { positions, residual: 0.0 };
+            return Landing {
+                positions,
+                residual: 0.0,
+            };
         }
         let forces = DVector::from_column_slice(self.accelerations);
         let mut right = -(&self.gradient * forces);
         for (index, rod) in self.rods.iter().enumerate() {
             let phi = rod.omega * time + 0.5 * rod.alpha * time * time;
             let (sine, cosine) = phi.sin_cos();
-            let over = if rod.omega > 0.0 { sine / rod.omega } else { time };
+            let over = if rod.omega > 0.0 {
+                sine / rod.omega
+            } else {
+                time
+            };
             for axis in 0..2 {
                 let moved = rod.delta[axis] * (cosine - 1.0) + rod.rate[axis] * over;
                 right[2 * index + axis] +=
@@ -132,12 +162,18 @@ impl<'a> Ansatz<'a> {
         let multipliers = &self.gram.eigenvectors * inside;
         let push = self.gradient.tr_mul(&multipliers);
         for (p, square) in self.network.squares.iter().enumerate() {
-            for (axis, inertia) in [square.mass, square.mass, square.inertia].into_iter().enumerate() {
+            for (axis, inertia) in [square.mass, square.mass, square.inertia]
+                .into_iter()
+                .enumerate()
+            {
                 let k = 3 * p + axis;
                 let acceleration = self.accelerations[k] + push[k] / inertia;
                 positions[k] += self.velocities[k] * time + 0.5 * acceleration * time * time;
             }
         }
-        Landing { positions, residual: missed.sqrt() / right.norm().max(f64::MIN_POSITIVE) }
+        Landing {
+            positions,
+            residual: missed.sqrt() / right.norm().max(f64::MIN_POSITIVE),
+        }
     }
 }

@@ -1,9 +1,10 @@
 //! The smooth part of one body's potential, in cubes with one polynomial each.
 //!
-//! The potential is sampled on a lattice that neighbouring cubes share, and a cube's polynomial is the least-squares fit to
-//! the samples in it and on its faces. A cube whose residual is large is divided once into eight. The error of a polynomial
-//! is its largest residual at the samples times [`SAFETY`], and what one charge may hide between them near the two distances
-//! at which its kernel is less smooth: a measured bound, not a proven one.
+//! The potential is sampled on a lattice that neighbouring cubes share, and a cube's polynomial is
+//! the least-squares fit to the samples in it and on its faces. A cube whose residual is large is
+//! divided once into eight. The error of a polynomial is its largest residual at the samples times
+//! [`SAFETY`], and what one charge may hide between them near the two distances at which its kernel
+//! is less smooth: a measured bound, not a proven one.
 
 mod storage;
 
@@ -25,8 +26,9 @@ const PADDED: usize = 128;
 const SAMPLES: usize = 8;
 /// Largest residual to bound.
 const SAFETY: f64 = 2.0;
-/// A cube is divided where its residual, at all charges of a body like this one, would add up to more than this, kT: pair
-/// energies are then known about as well for bodies of many charges as for those of few.
+/// A cube is divided where its residual, at all charges of a body like this one, would add up to
+/// more than this, kT: pair energies are then known about as well for bodies of many charges as for
+/// those of few.
 const DIVIDE_ABOVE: f64 = 2e-3;
 const NO_CUBE: u32 = u32::MAX;
 /// Marks the first of eight children.
@@ -62,11 +64,24 @@ struct Coefficients([f32; PADDED]);
 impl SmoothField {
     /// The field within `reach` (Å) of the charges' box.
     pub fn new(leaves: &Leaves, split: &Split, edge: f64, reach: f64) -> Self {
-        let counts = leaves.half_extents.map(|half| (2.0 * (half + reach) / edge).ceil() as usize);
+        let counts = leaves
+            .half_extents
+            .map(|half| (2.0 * (half + reach) / edge).ceil() as usize);
         let corner: [f64; 3] = std::array::from_fn(|axis| -0.5 * edge * counts[axis] as f64);
-        let mut field = Self { edge, corner, counts, cubes: Vec::new(), coefficients: Vec::new(), errors: Vec::new() };
+        let mut field = Self {
+            edge,
+            corner,
+            counts,
+            cubes: Vec::new(),
+            coefficients: Vec::new(),
+            errors: Vec::new(),
+        };
         let fit = Fit::new();
-        let largest = leaves.charge.iter().flatten().fold(0.0f64, |largest, charge| largest.max(charge.abs()));
+        let largest = leaves
+            .charge
+            .iter()
+            .flatten()
+            .fold(0.0f64, |largest, charge| largest.max(charge.abs()));
         // Half the diagonal of a cell of samples.
         let hidden = |edge: f64| largest * split.hidden(0.87 * edge / (SAMPLES - 1) as f64);
         let farthest = 2.0 * (reach + leaves.half_extents.iter().sum::<f64>());
@@ -84,7 +99,11 @@ impl SmoothField {
         let divide_above = SAFETY * DIVIDE_ABOVE / leaves.magnitude.iter().sum::<f64>();
         let mut places = Vec::new();
         for index in 0..counts.iter().product() {
-            let place = [index % counts[0], index / counts[0] % counts[1], index / counts[0] / counts[1]];
+            let place = [
+                index % counts[0],
+                index / counts[0] % counts[1],
+                index / counts[0] / counts[1],
+            ];
             let outside = |axis: usize| {
                 let centre = corner[axis] + (place[axis] as f64 + 0.5) * edge;
                 (centre.abs() - leaves.half_extents[axis] - 0.5 * edge).max(0.0)
@@ -98,16 +117,30 @@ impl SmoothField {
             }
         }
         for batch in places.chunks(LANES) {
-            let corners: Vec<[usize; 3]> = batch.iter().map(|(_, place)| place.map(|n| n * (SAMPLES - 1))).collect();
+            let corners: Vec<[usize; 3]> = batch
+                .iter()
+                .map(|(_, place)| place.map(|n| n * (SAMPLES - 1)))
+                .collect();
             fit.batch(&corners, &samples, hidden(edge), &mut field);
         }
         for (cube, (index, place)) in places.iter().enumerate() {
             if f64::from(field.errors[cube]) > divide_above {
                 field.cubes[*index] = field.errors.len() as u32 | DIVIDED;
-                let low: [f64; 3] = std::array::from_fn(|axis| corner[axis] + place[axis] as f64 * edge);
-                let samples = Samples::new(leaves, split, low, 0.5 * edge, [2 * SAMPLES - 1; 3], f64::INFINITY, kernel);
+                let low: [f64; 3] =
+                    std::array::from_fn(|axis| corner[axis] + place[axis] as f64 * edge);
+                let samples = Samples::new(
+                    leaves,
+                    split,
+                    low,
+                    0.5 * edge,
+                    [2 * SAMPLES - 1; 3],
+                    f64::INFINITY,
+                    kernel,
+                );
                 let corners: Vec<[usize; 3]> = (0..8)
-                    .map(|octant| [octant & 1, octant >> 1 & 1, octant >> 2].map(|n| n * (SAMPLES - 1)))
+                    .map(|octant| {
+                        [octant & 1, octant >> 1 & 1, octant >> 2].map(|n| n * (SAMPLES - 1))
+                    })
                     .collect();
                 fit.batch(&corners, &samples, hidden(0.5 * edge), &mut field);
             }
@@ -119,7 +152,10 @@ impl SmoothField {
     #[inline(always)]
     pub fn locate(&self, places: [&[f64; LEAF]; 3], charge: &[f64; LEAF]) -> Spots {
         let inverse = 1.0 / self.edge;
-        let mut spots = Spots { cubes: [NO_CUBE; LEAF], u: [[0.0; LEAF]; 3] };
+        let mut spots = Spots {
+            cubes: [NO_CUBE; LEAF],
+            u: [[0.0; LEAF]; 3],
+        };
         for i in 0..LEAF {
             let mut place = [0usize; 3];
             let mut u = [0.0; 3];
@@ -133,7 +169,8 @@ impl SmoothField {
             if !within {
                 continue;
             }
-            let mut cube = self.cubes[(place[2] * self.counts[1] + place[1]) * self.counts[0] + place[0]];
+            let mut cube =
+                self.cubes[(place[2] * self.counts[1] + place[1]) * self.counts[0] + place[0]];
             if cube == NO_CUBE {
                 continue;
             }
@@ -160,7 +197,8 @@ impl SmoothField {
         {
             use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
             for line in self.coefficients[cube].0.chunks_exact(16) {
-                // SAFETY: a prefetch reads nothing; the instruction is part of every x86-64 processor.
+                // SAFETY: a prefetch reads nothing; the instruction is part of every x86-64
+                // processor.
                 unsafe { _mm_prefetch::<_MM_HINT_T0>(line.as_ptr().cast()) };
             }
         }
@@ -222,7 +260,8 @@ impl SmoothField {
         use std::arch::x86_64::*;
         const INDICES: [[[i32; 16]; PADDED / 16]; 3] = indices();
         // SAFETY: arrays of sixteen integers.
-        let at = INDICES.map(|axis| axis.map(|row| unsafe { _mm512_loadu_si512(row.as_ptr().cast()) }));
+        let at =
+            INDICES.map(|axis| axis.map(|row| unsafe { _mm512_loadu_si512(row.as_ptr().cast()) }));
         let one = _mm512_set1_ps(1.0);
         // 1, u, u², u²u, u²u², u²u²u, and zeros for the padding.
         let powers = |u: f32| {
@@ -235,12 +274,21 @@ impl SmoothField {
         };
         let mut lanes = _mm512_setzero_ps();
         for i in 0..LEAF {
-            let Some(coefficients) = self.coefficients.get(spots.cubes[i] as usize) else { continue };
-            let [x, y, z] = [powers(spots.u[0][i]), powers(spots.u[1][i]), powers(spots.u[2][i])];
+            let Some(coefficients) = self.coefficients.get(spots.cubes[i] as usize) else {
+                continue;
+            };
+            let [x, y, z] = [
+                powers(spots.u[0][i]),
+                powers(spots.u[1][i]),
+                powers(spots.u[2][i]),
+            ];
             let mut values = _mm512_setzero_ps();
             for (row, c) in coefficients.0.as_chunks::<16>().0.iter().enumerate() {
                 let monomials = _mm512_mul_ps(
-                    _mm512_mul_ps(_mm512_permutexvar_ps(at[0][row], x), _mm512_permutexvar_ps(at[1][row], y)),
+                    _mm512_mul_ps(
+                        _mm512_permutexvar_ps(at[0][row], x),
+                        _mm512_permutexvar_ps(at[1][row], y),
+                    ),
                     _mm512_permutexvar_ps(at[2][row], z),
                 );
                 // SAFETY: an array of sixteen floats.
@@ -255,7 +303,9 @@ impl SmoothField {
     }
 
     pub fn memory_bytes(&self) -> usize {
-        size_of_val(&self.cubes[..]) + size_of_val(&self.coefficients[..]) + size_of_val(&self.errors[..])
+        size_of_val(&self.cubes[..])
+            + size_of_val(&self.coefficients[..])
+            + size_of_val(&self.errors[..])
     }
 }
 
@@ -288,7 +338,8 @@ const fn indices() -> [[[i32; 16]; PADDED / 16]; 3] {
     let mut indices = [[[0; 16]; PADDED / 16]; 3];
     let mut at = 0;
     while at < 3 * PADDED {
-        indices[at / PADDED][at % PADDED / 16][at % 16] = EXPONENTS[at / PADDED][at % PADDED] as i32;
+        indices[at / PADDED][at % PADDED / 16][at % 16] =
+            EXPONENTS[at / PADDED][at % PADDED] as i32;
         at += 1;
     }
     indices
@@ -315,7 +366,8 @@ fn add_polynomial(c: &[f32; PADDED], u: [f32; 3], charge: f32, lanes: &mut [f32;
         for lane in 0..16 {
             let at = 16 * row + lane;
             let [x, y, z] = [EXPONENTS[0][at], EXPONENTS[1][at], EXPONENTS[2][at]].map(usize::from);
-            values[lane] = (powers[0][x] * powers[1][y] * powers[2][z]).mul_add(c[at], values[lane]);
+            values[lane] =
+                (powers[0][x] * powers[1][y] * powers[2][z]).mul_add(c[at], values[lane]);
         }
     }
     for lane in 0..16 {
@@ -330,7 +382,8 @@ struct Samples {
 }
 
 impl Samples {
-    /// Samples from `corner` on, [`SAMPLES`] to an edge; those farther than `reach` from the charges' box are left zero.
+    /// Samples from `corner` on, [`SAMPLES`] to an edge; those farther than `reach` from the
+    /// charges' box are left zero.
     fn new(
         leaves: &Leaves,
         split: &Split,
@@ -354,17 +407,30 @@ impl Samples {
                 for start in (0..counts[0]).step_by(run) {
                     let length = run.min(counts[0] - start);
                     let (low, high) = (at(0, start), at(0, start + length - 1));
-                    let square = outside(0, low, high).powi(2) + outside(1, y, y).powi(2) + outside(2, z, z).powi(2);
+                    let square = outside(0, low, high).powi(2)
+                        + outside(1, y, y).powi(2)
+                        + outside(2, z, z).powi(2);
                     if square > reach * reach {
                         continue;
                     }
                     let first = (k * counts[1] + j) * counts[0] + start;
                     let values = values[first..first + length].iter_mut();
                     if let Some(kernel) = kernel {
-                        let sum = kernel.line(leaves, &std::array::from_fn(|lane| at(0, start + lane)), y, z);
+                        let sum = kernel.line(
+                            leaves,
+                            &std::array::from_fn(|lane| at(0, start + lane)),
+                            y,
+                            z,
+                        );
                         values.zip(sum).for_each(|(value, sum)| *value = sum);
                     } else {
-                        let sum = line_f64(leaves, split, &std::array::from_fn(|lane| at(0, start + lane)), y, z);
+                        let sum = line_f64(
+                            leaves,
+                            split,
+                            &std::array::from_fn(|lane| at(0, start + lane)),
+                            y,
+                            z,
+                        );
                         values.zip(sum).for_each(|(value, sum)| *value = sum);
                     }
                 }
@@ -377,7 +443,13 @@ impl Samples {
 /// The sums over all charges at points along a line, in both precisions.
 macro_rules! line_sum {
     ($name:ident, $any:ident, $avx512:ident, $avx2:ident, $float:ty, $lanes:expr, $inverse_root:path, $exp_of_minus:path) => {
-        fn $name(leaves: &Leaves, split: &Split, x: &[f64; $lanes], y: f64, z: f64) -> [$float; $lanes] {
+        fn $name(
+            leaves: &Leaves,
+            split: &Split,
+            x: &[f64; $lanes],
+            y: f64,
+            z: f64,
+        ) -> [$float; $lanes] {
             #[cfg(target_arch = "x86_64")]
             {
                 if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
@@ -394,25 +466,51 @@ macro_rules! line_sum {
 
         #[cfg(target_arch = "x86_64")]
         #[target_feature(enable = "avx512f,avx512dq,fma")]
-        fn $avx512(leaves: &Leaves, split: &Split, x: &[f64; $lanes], y: f64, z: f64) -> [$float; $lanes] {
+        fn $avx512(
+            leaves: &Leaves,
+            split: &Split,
+            x: &[f64; $lanes],
+            y: f64,
+            z: f64,
+        ) -> [$float; $lanes] {
             $any(leaves, split, x, y, z)
         }
 
         #[cfg(target_arch = "x86_64")]
         #[target_feature(enable = "avx2,fma")]
-        fn $avx2(leaves: &Leaves, split: &Split, x: &[f64; $lanes], y: f64, z: f64) -> [$float; $lanes] {
+        fn $avx2(
+            leaves: &Leaves,
+            split: &Split,
+            x: &[f64; $lanes],
+            y: f64,
+            z: f64,
+        ) -> [$float; $lanes] {
             $any(leaves, split, x, y, z)
         }
 
         #[inline(always)]
-        fn $any(leaves: &Leaves, split: &Split, x: &[f64; $lanes], y: f64, z: f64) -> [$float; $lanes] {
+        fn $any(
+            leaves: &Leaves,
+            split: &Split,
+            x: &[f64; $lanes],
+            y: f64,
+            z: f64,
+        ) -> [$float; $lanes] {
             let mut sum = [0.0 as $float; $lanes];
             let (centre, half) = (0.5 * (x[0] + x[$lanes - 1]), 0.5 * (x[$lanes - 1] - x[0]));
             let near_square = (split.near_radius * split.near_radius) as $float;
             let cut_square = (split.cutoff * split.cutoff) as $float;
-            let origin = if split.cutoff.is_finite() { cut_square } else { 0.0 };
+            let origin = if split.cutoff.is_finite() {
+                cut_square
+            } else {
+                0.0
+            };
             let (bjerrum, kappa) = (split.bjerrum as $float, split.kappa as $float);
-            let step = [split.step[0] as $float, split.step[1] as $float, split.step[2] as $float];
+            let step = [
+                split.step[0] as $float,
+                split.step[1] as $float,
+                split.step[2] as $float,
+            ];
             let mut offset = [0.0 as $float; $lanes];
             for lane in 0..$lanes {
                 offset[lane] = (x[lane] - centre) as $float;
@@ -429,7 +527,10 @@ macro_rules! line_sum {
                 let near = square < close * close;
                 for i in 0..LEAF {
                     let (dy, dz) = (y - leaves.y[leaf][i], z - leaves.z[leaf][i]);
-                    let (across, dx) = ((dy * dy + dz * dz) as $float, (centre - leaves.x[leaf][i]) as $float);
+                    let (across, dx) = (
+                        (dy * dy + dz * dz) as $float,
+                        (centre - leaves.x[leaf][i]) as $float,
+                    );
                     let charge = leaves.charge[leaf][i] as $float;
                     let mut t = [0.0 as $float; $lanes];
                     for lane in 0..$lanes {
@@ -438,7 +539,11 @@ macro_rules! line_sum {
                     }
                     let mut value = [0.0 as $float; $lanes];
                     for lane in 0..$lanes {
-                        let far = if t[lane] > near_square { t[lane] } else { near_square };
+                        let far = if t[lane] > near_square {
+                            t[lane]
+                        } else {
+                            near_square
+                        };
                         let inverse = $inverse_root(far);
                         value[lane] = bjerrum * $exp_of_minus(kappa * (far * inverse)) * inverse;
                     }
@@ -465,7 +570,16 @@ macro_rules! line_sum {
     };
 }
 
-line_sum!(line_f64, line_f64_any, line_f64_avx512, line_f64_avx2, f64, 8, inverse_root, exp_of_minus);
+line_sum!(
+    line_f64,
+    line_f64_any,
+    line_f64_avx512,
+    line_f64_avx2,
+    f64,
+    8,
+    inverse_root,
+    exp_of_minus
+);
 
 /// 1/√t in double precision.
 #[inline(always)]
@@ -487,27 +601,48 @@ impl Fit {
             .map(|n| {
                 let u = offset(n).map(|i| 2.0 * i as f64 / (SAMPLES - 1) as f64 - 1.0);
                 let power = |axis: usize, at: usize| u[axis].powi(i32::from(EXPONENTS[axis][at]));
-                (0..COEFFICIENTS).map(|at| power(0, at) * power(1, at) * power(2, at)).collect()
+                (0..COEFFICIENTS)
+                    .map(|at| power(0, at) * power(1, at) * power(2, at))
+                    .collect()
             })
             .collect();
-        let qr = DMatrix::from_fn(design.len(), COEFFICIENTS, |row, column| design[row][column]).qr();
+        let qr = DMatrix::from_fn(design.len(), COEFFICIENTS, |row, column| {
+            design[row][column]
+        })
+        .qr();
         let mut map = qr.q().transpose();
         // The monomials are independent on these samples, so R can be inverted.
         let solved = qr.r().solve_upper_triangular_mut(&mut map);
         debug_assert!(solved);
-        let map = (0..COEFFICIENTS).map(|row| map.row(row).iter().copied().collect()).collect();
+        let map = (0..COEFFICIENTS)
+            .map(|row| map.row(row).iter().copied().collect())
+            .collect();
         Self { map, design }
     }
 
-    /// Fits up to [`LANES`] cubes with their lower corners at these samples, and appends them to the field with `hidden`
-    /// added to their errors.
-    fn batch(&self, corners: &[[usize; 3]], samples: &Samples, hidden: f64, field: &mut SmoothField) {
+    /// Fits up to [`LANES`] cubes with their lower corners at these samples, and appends them to
+    /// the field with `hidden` added to their errors.
+    fn batch(
+        &self,
+        corners: &[[usize; 3]],
+        samples: &Samples,
+        hidden: f64,
+        field: &mut SmoothField,
+    ) {
         let index = |corner: &[usize; 3], n: usize| {
             let [i, j, k] = offset(n);
-            ((corner[2] + k) * samples.counts[1] + corner[1] + j) * samples.counts[0] + corner[0] + i
+            ((corner[2] + k) * samples.counts[1] + corner[1] + j) * samples.counts[0]
+                + corner[0]
+                + i
         };
         let values: Vec<[f64; LANES]> = (0..SAMPLES.pow(3))
-            .map(|n| std::array::from_fn(|lane| corners.get(lane).map_or(0.0, |c| samples.values[index(c, n)])))
+            .map(|n| {
+                std::array::from_fn(|lane| {
+                    corners
+                        .get(lane)
+                        .map_or(0.0, |c| samples.values[index(c, n)])
+                })
+            })
             .collect();
         let mut coefficients = [[0.0; LANES]; COEFFICIENTS];
         let mut residuals = [0.0; LANES];
@@ -518,8 +653,12 @@ impl Fit {
             let rounding = 6.0 * 0.5 * f64::from(f32::EPSILON) * size;
             field
                 .coefficients
-                .push(Coefficients(std::array::from_fn(|i| coefficients.get(i).map_or(0.0, |c| c[lane] as f32))));
-            field.errors.push((SAFETY * residuals[lane] + hidden + rounding) as f32 * 1.0001);
+                .push(Coefficients(std::array::from_fn(|i| {
+                    coefficients.get(i).map_or(0.0, |c| c[lane] as f32)
+                })));
+            field
+                .errors
+                .push((SAFETY * residuals[lane] + hidden + rounding) as f32 * 1.0001);
         }
     }
 }
@@ -529,7 +668,12 @@ fn offset(n: usize) -> [usize; 3] {
     [n % SAMPLES, n / SAMPLES % SAMPLES, n / SAMPLES / SAMPLES]
 }
 
-fn fit_lanes(fit: &Fit, values: &[[f64; LANES]], out: &mut [[f64; LANES]; COEFFICIENTS], residuals: &mut [f64; LANES]) {
+fn fit_lanes(
+    fit: &Fit,
+    values: &[[f64; LANES]],
+    out: &mut [[f64; LANES]; COEFFICIENTS],
+    residuals: &mut [f64; LANES],
+) {
     #[cfg(target_arch = "x86_64")]
     {
         if is_x86_feature_detected!("avx512f") {

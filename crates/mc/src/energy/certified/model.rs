@@ -9,11 +9,13 @@ use protomer_kernel::pose::RelativePose;
 use protomer_kernel::potential::Yukawa;
 use std::sync::Arc;
 
-/// Energies as intervals that contain the direct sum's value. A decision whose interval is on one side of its threshold is
-/// the direct sum's; while it is open the widest interval is replaced by the direct sum itself, computed by the same
-/// function for the same relative pose. So every decision equals that of [`DirectSum`](crate::energy::DirectSum).
+/// Energies as intervals that contain the direct sum's value. A decision whose interval is on one
+/// side of its threshold is the direct sum's; while it is open the widest interval is replaced by
+/// the direct sum itself, computed by the same function for the same relative pose. So every
+/// decision equals that of [`DirectSum`](crate::energy::DirectSum).
 ///
-/// With a tolerance, decisions go by the intervals' middles; a pair whose likely error is larger gets the direct sum.
+/// With a tolerance, decisions go by the intervals' middles; a pair whose likely error is larger
+/// gets the direct sum.
 #[derive(Debug, Clone)]
 pub struct CertifiedSum {
     yukawa: Yukawa,
@@ -41,7 +43,8 @@ pub struct Counts {
 /// What is known of one pair of bodies.
 #[derive(Debug, Clone, Copy)]
 struct Known {
-    /// Where the energy was asked for, so that a later refinement gives the bits that the direct sum had then.
+    /// Where the energy was asked for, so that a later refinement gives the bits that the direct
+    /// sum had then.
     relative: RelativePose,
     energy: EnergyInterval,
     /// The middle found first: what is reported, whatever decisions asked for since.
@@ -96,8 +99,13 @@ impl CertifiedSum {
     /// What the tables say of a pair; `None` beyond the range of the charges.
     fn known(&mut self, pair: &Pair<'_>) -> Result<Option<Known>> {
         let (first, second) = pair.types();
-        let reach = first.charge_radius_angstrom() + second.charge_radius_angstrom() + self.yukawa.cutoff_angstrom;
-        if first.charges.is_empty() || second.charges.is_empty() || pair.displacement.norm_squared() >= reach * reach {
+        let reach = first.charge_radius_angstrom()
+            + second.charge_radius_angstrom()
+            + self.yukawa.cutoff_angstrom;
+        if first.charges.is_empty()
+            || second.charges.is_empty()
+            || pair.displacement.norm_squared() >= reach * reach
+        {
             return Ok(None);
         }
         self.known_at(pair, pair.relative()).map(Some)
@@ -110,14 +118,28 @@ impl CertifiedSum {
         let interval = self.tables[a].energy_interval(&self.tables[b], &relative);
         let tolerance = self.tolerance_kt.unwrap_or(f64::INFINITY);
         let known = match interval.filter(|interval| interval.likely_error_kt <= tolerance) {
-            Some(energy) => Known { relative, energy, reported_kt: energy.middle_kt, exact: false },
+            Some(energy) => Known {
+                relative,
+                energy,
+                reported_kt: energy.middle_kt,
+                exact: false,
+            },
             None => {
                 let energy = self.exactly(pair, &relative)?;
-                Known { relative, energy, reported_kt: energy.middle_kt, exact: true }
+                Known {
+                    relative,
+                    energy,
+                    reported_kt: energy.middle_kt,
+                    exact: true,
+                }
             }
         };
         let energy = &known.energy;
-        let error_kt = if self.tolerance_kt.is_some() { energy.likely_error_kt } else { energy.error_kt };
+        let error_kt = if self.tolerance_kt.is_some() {
+            energy.likely_error_kt
+        } else {
+            energy.error_kt
+        };
         self.largest_error_kt = self.largest_error_kt.max(error_kt);
         Ok(known)
     }
@@ -128,7 +150,10 @@ impl CertifiedSum {
         let (first, second) = pair.types();
         let energy = yukawa_energy_kt(&self.yukawa, &first.charges, &second.charges, relative);
         let middle_kt = finite(pair.first, pair.second, energy)?;
-        Ok(EnergyInterval { middle_kt, ..EnergyInterval::default() })
+        Ok(EnergyInterval {
+            middle_kt,
+            ..EnergyInterval::default()
+        })
     }
 
     /// Makes the tables that are missing and forgets what was proposed.
@@ -136,23 +161,42 @@ impl CertifiedSum {
         if self.tables.len() != system.types().len() {
             let yukawa = &self.yukawa;
             self.tables = std::thread::scope(|scope| {
-                let table = |kind: &Arc<crate::BodyType>| Arc::new(ChargeTable::new(&kind.charges, yukawa));
-                let jobs: Vec<_> = system.types().iter().map(|kind| scope.spawn(move || table(kind))).collect();
+                let table =
+                    |kind: &Arc<crate::BodyType>| Arc::new(ChargeTable::new(&kind.charges, yukawa));
+                let jobs: Vec<_> = system
+                    .types()
+                    .iter()
+                    .map(|kind| scope.spawn(move || table(kind)))
+                    .collect();
                 let done = jobs.into_iter().zip(system.types());
                 // A thread that could not finish is replaced by doing its work here.
-                done.map(|(job, kind)| job.join().unwrap_or_else(|_| table(kind))).collect()
+                done.map(|(job, kind)| job.join().unwrap_or_else(|_| table(kind)))
+                    .collect()
             });
         }
         self.proposed.clear();
     }
 
     fn old_terms(&self, body: usize) -> Vec<Term> {
-        self.energies.row(body).map(|(partner, known)| Term { partner, known, new: false }).collect()
+        self.energies
+            .row(body)
+            .map(|(partner, known)| Term {
+                partner,
+                known,
+                new: false,
+            })
+            .collect()
     }
 
-    /// Whether the new energies less the old ones lie below (`true`) or not below `threshold_kt`, as the direct sum would
-    /// find. `above` answers the mirrored question, "above or not above".
-    fn decide(&mut self, trial: &Trial<'_>, terms: &mut [Term], threshold_kt: f64, above: bool) -> Result<bool> {
+    /// Whether the new energies less the old ones lie below (`true`) or not below `threshold_kt`,
+    /// as the direct sum would find. `above` answers the mirrored question, "above or not above".
+    fn decide(
+        &mut self,
+        trial: &Trial<'_>,
+        terms: &mut [Term],
+        threshold_kt: f64,
+        above: bool,
+    ) -> Result<bool> {
         self.counts.decisions += 1;
         if self.tolerance_kt.is_some() {
             return Ok(compare_middles(terms, threshold_kt, above));
@@ -162,7 +206,11 @@ impl CertifiedSum {
             let (mut middle, mut error, mut size) = (0.0, 0.0, 0.0);
             for term in terms.iter() {
                 let energy = term.known.energy;
-                middle += if term.new { energy.middle_kt } else { -energy.middle_kt };
+                middle += if term.new {
+                    energy.middle_kt
+                } else {
+                    -energy.middle_kt
+                };
                 error += energy.error_kt;
                 size += energy.middle_kt.abs() + energy.error_kt;
             }
@@ -177,7 +225,9 @@ impl CertifiedSum {
             self.counts.open += u64::from(first);
             first = false;
             let widest = terms.iter_mut().filter(|term| !term.known.exact);
-            let Some(term) = widest.max_by(|a, b| a.known.energy.error_kt.total_cmp(&b.known.energy.error_kt)) else {
+            let Some(term) =
+                widest.max_by(|a, b| a.known.energy.error_kt.total_cmp(&b.known.energy.error_kt))
+            else {
                 return Ok(compare_middles(terms, threshold_kt, above));
             };
             let pair = trial.pair(term.partner);
@@ -191,26 +241,40 @@ impl CertifiedSum {
 
     fn propose(&mut self, trial: &Trial<'_>, terms: &[Term]) {
         let ordered = |partner: usize| (trial.body.min(partner), trial.body.max(partner));
-        self.proposed.extend(terms.iter().filter(|term| term.new).map(|term| {
-            let (first, second) = ordered(term.partner);
-            (first, second, term.known)
-        }));
+        self.proposed
+            .extend(terms.iter().filter(|term| term.new).map(|term| {
+                let (first, second) = ordered(term.partner);
+                (first, second, term.known)
+            }));
     }
 }
 
-/// The direct sum's comparison: new energies less old ones, each added up in the order of the partners.
+/// The direct sum's comparison: new energies less old ones, each added up in the order of the
+/// partners.
 fn compare_middles(terms: &[Term], threshold_kt: f64, above: bool) -> bool {
     let sum = |new: bool| -> f64 {
-        terms.iter().filter(|term| term.new == new).fold(0.0, |sum, term| sum + term.known.energy.middle_kt)
+        terms
+            .iter()
+            .filter(|term| term.new == new)
+            .fold(0.0, |sum, term| sum + term.known.energy.middle_kt)
     };
     let change = sum(true) - sum(false);
-    if above { change > threshold_kt } else { change < threshold_kt }
+    if above {
+        change > threshold_kt
+    } else {
+        change < threshold_kt
+    }
 }
 
 impl EnergyModel for CertifiedSum {
     fn range_angstrom(&self, system: &System) -> f64 {
-        let charged = system.types().iter().filter(|kind| !kind.charges.is_empty());
-        charged.map(|kind| 2.0 * kind.charge_radius_angstrom() + self.yukawa.cutoff_angstrom).fold(0.0, f64::max)
+        let charged = system
+            .types()
+            .iter()
+            .filter(|kind| !kind.charges.is_empty());
+        charged
+            .map(|kind| 2.0 * kind.charge_radius_angstrom() + self.yukawa.cutoff_angstrom)
+            .fold(0.0, f64::max)
     }
 
     fn reset(&mut self, system: &System) -> Result<()> {
@@ -219,14 +283,16 @@ impl EnergyModel for CertifiedSum {
         Ok(())
     }
 
-    /// Each interval is found anew where it was found first. What is reported goes on from what was, and so does the
-    /// middle that decisions under a tolerance go by: another machine may round it otherwise.
+    /// Each interval is found anew where it was found first. What is reported goes on from what
+    /// was, and so does the middle that decisions under a tolerance go by: another machine may
+    /// round it otherwise.
     fn restore(&mut self, system: &System, pairs: &[PairEnergy]) -> Result<()> {
         self.prepare(system);
         self.energies = PairTable::new(system.len());
         for saved in pairs {
             let pair = system.pair(saved.first, saved.second);
-            let mut known = self.known_at(&pair, saved.computed_at.unwrap_or_else(|| pair.relative()))?;
+            let mut known =
+                self.known_at(&pair, saved.computed_at.unwrap_or_else(|| pair.relative()))?;
             known.reported_kt = finite(saved.first, saved.second, saved.energy_kt)?;
             if self.tolerance_kt.is_some() {
                 known.energy.middle_kt = known.reported_kt;
@@ -240,7 +306,11 @@ impl EnergyModel for CertifiedSum {
         let mut terms = self.old_terms(trial.body);
         for &partner in partners {
             if let Some(known) = self.known(&trial.pair(partner))? {
-                terms.push(Term { partner, known, new: true });
+                terms.push(Term {
+                    partner,
+                    known,
+                    new: true,
+                });
             }
         }
         let accepted = self.decide(trial, &mut terms, budget_kt, false)?;
@@ -249,10 +319,17 @@ impl EnergyModel for CertifiedSum {
     }
 
     fn exceeds(&mut self, trial: &Trial<'_>, partner: usize, threshold_kt: f64) -> Result<bool> {
-        let mut terms: Vec<Term> =
-            self.old_terms(trial.body).into_iter().filter(|term| term.partner == partner).collect();
+        let mut terms: Vec<Term> = self
+            .old_terms(trial.body)
+            .into_iter()
+            .filter(|term| term.partner == partner)
+            .collect();
         if let Some(known) = self.known(&trial.pair(partner))? {
-            terms.push(Term { partner, known, new: true });
+            terms.push(Term {
+                partner,
+                known,
+                new: true,
+            });
         }
         let exceeds = self.decide(trial, &mut terms, threshold_kt, true)?;
         self.propose(trial, &terms);

@@ -1,8 +1,9 @@
 //! The smooth part of the potential along a line of sixteen points, in single precision.
 //!
-//! The smooth kernel s(t) beyond R is tabulated: four intervals to each octave of t = r², a polynomial of degree five in
-//! each. The two lowest bits of the exponent's end and the mantissa's begin say which, so that 32 intervals span a factor
-//! of 256 in t; below R the kernel is a polynomial anyway. Sums over a leaf go on in double precision.
+//! The smooth kernel s(t) beyond R is tabulated: four intervals to each octave of t = r², a
+//! polynomial of degree five in each. The two lowest bits of the exponent's end and the mantissa's
+//! begin say which, so that 32 intervals span a factor of 256 in t; below R the kernel is a
+//! polynomial anyway. Sums over a leaf go on in double precision.
 
 use super::leaves::{LEAF, Leaves};
 use super::split::{NEAR_DEGREE, Split};
@@ -39,7 +40,10 @@ impl SmoothKernel {
         }
         let mut table = [[0.0; INTERVALS]; DEGREE + 1];
         for at in first..first + INTERVALS as u32 {
-            let (low, high) = (f64::from(f32::from_bits(at << 21)), f64::from(f32::from_bits((at + 1) << 21)));
+            let (low, high) = (
+                f64::from(f32::from_bits(at << 21)),
+                f64::from(f32::from_bits((at + 1) << 21)),
+            );
             let fit = interpolate(|u| split.beyond_near(low + (u + 0.5) * (high - low)));
             for (row, coefficient) in table.iter_mut().zip(fit) {
                 row[at as usize % INTERVALS] = coefficient as f32;
@@ -63,7 +67,8 @@ impl SmoothKernel {
         })
     }
 
-    /// The sums over all charges at sixteen points with these x coordinates (ascending) and one y and z.
+    /// The sums over all charges at sixteen points with these x coordinates (ascending) and one y
+    /// and z.
     pub fn line(&self, leaves: &Leaves, x: &[f64; LINE], y: f64, z: f64) -> [f64; LINE] {
         #[cfg(target_arch = "x86_64")]
         {
@@ -90,14 +95,20 @@ impl SmoothKernel {
         let line = Line::new(x, y, z);
         let mut sum = [0.0f64; LINE];
         for leaf in 0..leaves.len() {
-            let Some(near) = self.reach(&line, &leaves.spheres[leaf]) else { continue };
+            let Some(near) = self.reach(&line, &leaves.spheres[leaf]) else {
+                continue;
+            };
             let mut part = [0.0f32; LINE];
             for i in 0..LEAF {
                 let (across, along, charge) = line.to(leaves, leaf, i);
                 for lane in 0..LINE {
                     let d = along + line.offset[lane];
                     let t = d.mul_add(d, across);
-                    let mut value = self.beyond(if t > self.near_square { t } else { self.near_square });
+                    let mut value = self.beyond(if t > self.near_square {
+                        t
+                    } else {
+                        self.near_square
+                    });
                     if near {
                         let s = t - self.near_square;
                         let mut g = self.near[NEAR_DEGREE];
@@ -106,7 +117,11 @@ impl SmoothKernel {
                         }
                         value = if s < 0.0 { g } else { value };
                     }
-                    part[lane] = if t < self.cut_square { charge.mul_add(value, part[lane]) } else { part[lane] };
+                    part[lane] = if t < self.cut_square {
+                        charge.mul_add(value, part[lane])
+                    } else {
+                        part[lane]
+                    };
                 }
             }
             for lane in 0..LINE {
@@ -133,7 +148,10 @@ impl SmoothKernel {
     fn reach(&self, line: &Line, [cx, cy, cz, radius]: &[f64; 4]) -> Option<bool> {
         let along = ((line.centre - cx).abs() - line.half).max(0.0);
         let square = along * along + (line.y - cy) * (line.y - cy) + (line.z - cz) * (line.z - cz);
-        let (reach, close) = (self.cutoff + radius + 1e-9, self.near_radius + radius + 1e-9);
+        let (reach, close) = (
+            self.cutoff + radius + 1e-9,
+            self.near_radius + radius + 1e-9,
+        );
         (square <= reach * reach).then_some(square < close * close)
     }
 
@@ -143,10 +161,14 @@ impl SmoothKernel {
     fn sum_avx512(&self, leaves: &Leaves, x: &[f64; LINE], y: f64, z: f64) -> [f64; LINE] {
         use std::arch::x86_64::*;
         let line = Line::new(x, y, z);
-        // SAFETY: every row of the table is 32 floats long, `offset` 16, `sum` 16 doubles; unaligned access is allowed.
+        // SAFETY: every row of the table is 32 floats long, `offset` 16, `sum` 16 doubles;
+        // unaligned access is allowed.
         let rows: [[__m512; 2]; DEGREE + 1] = unsafe {
             std::array::from_fn(|k| {
-                [_mm512_loadu_ps(self.table[k].as_ptr()), _mm512_loadu_ps(self.table[k].as_ptr().add(16))]
+                [
+                    _mm512_loadu_ps(self.table[k].as_ptr()),
+                    _mm512_loadu_ps(self.table[k].as_ptr().add(16)),
+                ]
             })
         };
         // SAFETY: as above.
@@ -154,11 +176,16 @@ impl SmoothKernel {
         let near = self.near.map(|c| _mm512_set1_ps(c));
         let near_square = _mm512_set1_ps(self.near_square);
         let cut_square = _mm512_set1_ps(self.cut_square);
-        let (mantissa, one) = (_mm512_set1_epi32(0x007f_ffff), _mm512_set1_epi32(0x3f80_0000));
+        let (mantissa, one) = (
+            _mm512_set1_epi32(0x007f_ffff),
+            _mm512_set1_epi32(0x3f80_0000),
+        );
         let middle = _mm512_set1_ps(1.5);
         let (mut low, mut high) = (_mm512_setzero_pd(), _mm512_setzero_pd());
         for leaf in 0..leaves.len() {
-            let Some(close) = self.reach(&line, &leaves.spheres[leaf]) else { continue };
+            let Some(close) = self.reach(&line, &leaves.spheres[leaf]) else {
+                continue;
+            };
             let mut part = _mm512_setzero_ps();
             for i in 0..LEAF {
                 let (across, along, charge) = line.to(leaves, leaf, i);
@@ -167,11 +194,16 @@ impl SmoothKernel {
                 let bits = _mm512_castps_si512(_mm512_max_ps(t, near_square));
                 let at = _mm512_srli_epi32::<21>(bits);
                 // (bits << 2 & mantissa) | one
-                let fraction = _mm512_ternarylogic_epi32::<0xea>(_mm512_slli_epi32::<2>(bits), mantissa, one);
+                let fraction =
+                    _mm512_ternarylogic_epi32::<0xea>(_mm512_slli_epi32::<2>(bits), mantissa, one);
                 let u = _mm512_sub_ps(_mm512_castsi512_ps(fraction), middle);
                 let mut value = _mm512_permutex2var_ps(rows[DEGREE][0], at, rows[DEGREE][1]);
                 for k in (0..DEGREE).rev() {
-                    value = _mm512_fmadd_ps(value, u, _mm512_permutex2var_ps(rows[k][0], at, rows[k][1]));
+                    value = _mm512_fmadd_ps(
+                        value,
+                        u,
+                        _mm512_permutex2var_ps(rows[k][0], at, rows[k][1]),
+                    );
                 }
                 if close {
                     let s = _mm512_sub_ps(t, near_square);
@@ -212,22 +244,33 @@ impl Line {
     #[inline(always)]
     fn new(x: &[f64; LINE], y: f64, z: f64) -> Self {
         let centre = 0.5 * (x[0] + x[LINE - 1]);
-        Self { centre, half: 0.5 * (x[LINE - 1] - x[0]), y, z, offset: x.map(|x| (x - centre) as f32) }
+        Self {
+            centre,
+            half: 0.5 * (x[LINE - 1] - x[0]),
+            y,
+            z,
+            offset: x.map(|x| (x - centre) as f32),
+        }
     }
 
     /// A charge's squared distance from the line, its place along it and its charge.
     #[inline(always)]
     fn to(&self, leaves: &Leaves, leaf: usize, i: usize) -> (f32, f32, f32) {
         let (dy, dz) = (self.y - leaves.y[leaf][i], self.z - leaves.z[leaf][i]);
-        ((dy * dy + dz * dz) as f32, (self.centre - leaves.x[leaf][i]) as f32, leaves.charge[leaf][i] as f32)
+        (
+            (dy * dy + dz * dz) as f32,
+            (self.centre - leaves.x[leaf][i]) as f32,
+            leaves.charge[leaf][i] as f32,
+        )
     }
 }
 
 /// The polynomial in u through f at the Chebyshev nodes of [-1/2, 1/2].
 fn interpolate(f: impl Fn(f64) -> f64) -> [f64; DEGREE + 1] {
     const N: usize = DEGREE + 1;
-    let node: [f64; N] =
-        std::array::from_fn(|k| 0.5 * ((2 * k + 1) as f64 * std::f64::consts::PI / (2 * N) as f64).cos());
+    let node: [f64; N] = std::array::from_fn(|k| {
+        0.5 * ((2 * k + 1) as f64 * std::f64::consts::PI / (2 * N) as f64).cos()
+    });
     // Newton's divided differences, then expanded in powers of u.
     let mut difference = node.map(&f);
     for order in 1..N {
@@ -255,7 +298,9 @@ mod tests {
     #[test]
     fn every_instruction_set_samples_alike_and_as_the_sum() {
         let mut rng = CounterRng::new(5, 0, 0);
-        let charges: Vec<_> = (0..300).map(|_| (rng.vector_in_ball(15.0), rng.uniform_in(-1.0, 1.0))).collect();
+        let charges: Vec<_> = (0..300)
+            .map(|_| (rng.vector_in_ball(15.0), rng.uniform_in(-1.0, 1.0)))
+            .collect();
         let leaves = Leaves::new(&ChargeCloud::new(&charges), 5.0);
         for (debye, cutoff, radius) in [(9.6, 48.0, 10.0), (3.0, 30.0, 10.0), (30.0, 150.0, 25.0)] {
             let split = Split::new(&Yukawa::new(7.0, 1.0 / debye, cutoff).unwrap(), radius);
@@ -269,14 +314,21 @@ mod tests {
                     let (mut exact, mut size) = (0.0, 0.0);
                     for leaf in 0..leaves.len() {
                         for i in 0..LEAF {
-                            let d =
-                                [x[lane] - leaves.x[leaf][i], place.y - leaves.y[leaf][i], place.z - leaves.z[leaf][i]];
+                            let d = [
+                                x[lane] - leaves.x[leaf][i],
+                                place.y - leaves.y[leaf][i],
+                                place.z - leaves.z[leaf][i],
+                            ];
                             let smooth = split.smooth(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
                             exact += leaves.charge[leaf][i] * smooth;
                             size += (leaves.charge[leaf][i] * smooth).abs();
                         }
                     }
-                    assert!((sum[lane] - exact).abs() < 4e-7 * size + 1e-8, "{} {exact} {size}", sum[lane]);
+                    assert!(
+                        (sum[lane] - exact).abs() < 4e-7 * size + 1e-8,
+                        "{} {exact} {size}",
+                        sum[lane]
+                    );
                 }
             }
         }

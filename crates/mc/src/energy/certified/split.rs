@@ -1,6 +1,8 @@
-//! The kernel in three parts: what happens at short distance, what happens at the cut-off, and the smooth rest.
+//! The kernel in three parts: what happens at short distance, what happens at the cut-off, and the
+//! smooth rest.
 //!
-//! With f(t) = λ_B exp(-κ√t)/√t, t = r², and two Taylor polynomials of f, g about R² (a short distance) and p about r_cut²,
+//! With f(t) = λ_B exp(-κ√t)/√t, t = r², and two Taylor polynomials of f, g about R² (a short
+//! distance) and p about r_cut²,
 //!
 //! ```text
 //! f θ(r_cut - r) = (f - g) θ(R - r)  +  [ g θ(R - r) + f θ(r - R) - p ] θ(r_cut - r)  +  p θ(r_cut - r)
@@ -33,7 +35,10 @@ pub(super) struct Split {
 
 impl Split {
     pub fn new(yukawa: &Yukawa, near_radius: f64) -> Self {
-        let (bjerrum, kappa) = (yukawa.bjerrum_length_angstrom, yukawa.inverse_debye_length_per_angstrom);
+        let (bjerrum, kappa) = (
+            yukawa.bjerrum_length_angstrom,
+            yukawa.inverse_debye_length_per_angstrom,
+        );
         let cutoff = yukawa.cutoff_angstrom;
         let mut near = taylor::<{ NEAR_DEGREE + 1 }>(kappa, near_radius);
         near.iter_mut().for_each(|c| *c *= bjerrum);
@@ -42,18 +47,31 @@ impl Split {
             step = taylor(kappa, cutoff);
             step.iter_mut().for_each(|c| *c *= bjerrum);
         }
-        Self { bjerrum, kappa, cutoff, near_radius, near, step }
+        Self {
+            bjerrum,
+            kappa,
+            cutoff,
+            near_radius,
+            near,
+            step,
+        }
     }
 
     /// The smooth part at a squared distance beyond R, continued beyond the cut-off.
     pub fn beyond_near(&self, t: f64) -> f64 {
         let cut_square = self.cutoff * self.cutoff;
         let value = self.bjerrum * (-self.kappa * t.sqrt()).exp() / t.sqrt();
-        value - if cut_square.is_finite() { horner(&self.step, t - cut_square) } else { 0.0 }
+        value
+            - if cut_square.is_finite() {
+                horner(&self.step, t - cut_square)
+            } else {
+                0.0
+            }
     }
 
-    /// The smooth part's departure from smoothness within `depth` (Å) of R or of the cut-off: the first term in which the
-    /// two sides differ there, kT/e². So much of one charge's potential may hide between samples of that distance.
+    /// The smooth part's departure from smoothness within `depth` (Å) of R or of the cut-off: the
+    /// first term in which the two sides differ there, kT/e². So much of one charge's potential may
+    /// hide between samples of that distance.
     pub fn hidden(&self, depth: f64) -> f64 {
         let term = |coefficient: f64, radius: f64, degree: usize| {
             (coefficient * ((2.0 * radius + depth) * depth).powi(degree as i32)).abs()
@@ -69,7 +87,10 @@ impl Split {
 
     /// The smooth part at a squared distance.
     pub fn smooth(&self, t: f64) -> f64 {
-        let (near_square, cut_square) = (self.near_radius * self.near_radius, self.cutoff * self.cutoff);
+        let (near_square, cut_square) = (
+            self.near_radius * self.near_radius,
+            self.cutoff * self.cutoff,
+        );
         if t >= cut_square {
             return 0.0;
         }
@@ -78,7 +99,12 @@ impl Split {
         } else {
             self.bjerrum * (-self.kappa * t.sqrt()).exp() / t.sqrt()
         };
-        value - if cut_square.is_finite() { horner(&self.step, t - cut_square) } else { 0.0 }
+        value
+            - if cut_square.is_finite() {
+                horner(&self.step, t - cut_square)
+            } else {
+                0.0
+            }
     }
 }
 
@@ -91,8 +117,8 @@ fn horner<const N: usize>(coefficients: &[f64; N], x: f64) -> f64 {
     value
 }
 
-/// Taylor coefficients of exp(-κ√t)/√t in powers of t - r². The derivatives are
-/// f⁽ⁿ⁾ = (-1/2)ⁿ exp(-κr) θ_n(κr)/r²ⁿ⁺¹ with the reverse Bessel polynomials θ_n = (2n-1) θ_(n-1) + x² θ_(n-2).
+/// Taylor coefficients of exp(-κ√t)/√t in powers of t - r². The derivatives are f⁽ⁿ⁾ = (-1/2)ⁿ
+/// exp(-κr) θ_n(κr)/r²ⁿ⁺¹ with the reverse Bessel polynomials θ_n = (2n-1) θ_(n-1) + x² θ_(n-2).
 fn taylor<const N: usize>(kappa: f64, r: f64) -> [f64; N] {
     let x = kappa * r;
     let (mut before, mut theta, mut scale) = (1.0, 1.0, (-x).exp() / r);

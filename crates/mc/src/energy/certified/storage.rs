@@ -1,4 +1,5 @@
-//! Tables that outlive the process: the field, between a line that says of what it is and a hash of all before it.
+//! Tables that outlive the process: the field, between a line that says of what it is and a hash of
+//! all before it.
 //!
 //! | bytes | |
 //! |---|---|
@@ -25,53 +26,83 @@ const FIELD_VERSION: &str = "smooth field 1";
 const FINGERPRINT_LENGTH: usize = 64;
 
 impl ChargeTable {
-    /// The SHA-256, in hexadecimal, of all that shapes a table: the charges in their order, the potential, the constants of
-    /// the tables, and the kind of processor, whose vector instructions decide the last bits.
+    /// The SHA-256, in hexadecimal, of all that shapes a table: the charges in their order, the
+    /// potential, the constants of the tables, and the kind of processor, whose vector instructions
+    /// decide the last bits.
     pub fn fingerprint(charges: &ChargeCloud, yukawa: &Yukawa) -> String {
         let (split, edge, reach) = Self::scales(yukawa);
         let mut hash = Sha256::new();
-        for word in [FIELD_VERSION, std::env::consts::ARCH, std::env::consts::OS, instructions()] {
+        for word in [
+            FIELD_VERSION,
+            std::env::consts::ARCH,
+            std::env::consts::OS,
+            instructions(),
+        ] {
             hash.update(word.as_bytes());
             hash.update([0]);
         }
-        let lengths = [split.bjerrum, split.kappa, split.cutoff, split.near_radius, edge, reach];
-        let constants = SmoothField::PARAMETERS.into_iter().chain(split.near).chain(split.step);
-        let charges = charges.iter().flat_map(|(place, charge)| [place.x, place.y, place.z, charge]);
+        let lengths = [
+            split.bjerrum,
+            split.kappa,
+            split.cutoff,
+            split.near_radius,
+            edge,
+            reach,
+        ];
+        let constants = SmoothField::PARAMETERS
+            .into_iter()
+            .chain(split.near)
+            .chain(split.step);
+        let charges = charges
+            .iter()
+            .flat_map(|(place, charge)| [place.x, place.y, place.z, charge]);
         for number in lengths.into_iter().chain(constants).chain(charges) {
             hash.update(number.to_le_bytes());
         }
         hexadecimal(hash)
     }
 
-    /// Writes what takes long to make. `fingerprint` is that of the charges and the potential the table was made of.
+    /// Writes what takes long to make. `fingerprint` is that of the charges and the potential the
+    /// table was made of.
     ///
     /// # Errors
     /// If the writer fails.
     pub fn write_to(&self, writer: impl Write, fingerprint: &str) -> std::io::Result<()> {
-        let mut writer = BufWriter::with_capacity(1 << 16, Hashing { inner: writer, hash: Sha256::new() });
+        let mut writer = BufWriter::with_capacity(
+            1 << 16,
+            Hashing {
+                inner: writer,
+                hash: Sha256::new(),
+            },
+        );
         writer.write_all(FIRST_LINE)?;
         writer.write_all(fingerprint.as_bytes())?;
         writer.write_all(&[u8::from(self.field.is_some())])?;
         if let Some(field) = &self.field {
             field.write_to(&mut writer)?;
         }
-        let Hashing { mut inner, hash } = writer.into_inner().map_err(|error| error.into_error())?;
+        let Hashing { mut inner, hash } =
+            writer.into_inner().map_err(|error| error.into_error())?;
         inner.write_all(&hash.finalize())?;
         inner.flush()
     }
 
-    /// Reads what [`write_to`](Self::write_to) wrote for these charges under this potential: the same table, bit for bit.
+    /// Reads what [`write_to`](Self::write_to) wrote for these charges under this potential: the
+    /// same table, bit for bit.
     ///
     /// # Errors
-    /// [`McError::UnusableTable`] if the bytes end early, go on too long, were changed, are of another table, or cannot be
-    /// read. Memory is taken only as bytes arrive.
+    /// [`McError::UnusableTable`] if the bytes end early, go on too long, were changed, are of
+    /// another table, or cannot be read. Memory is taken only as bytes arrive.
     pub fn read_from(reader: impl Read, charges: &ChargeCloud, yukawa: &Yukawa) -> Result<Self> {
         let unusable = |what: &str| McError::UnusableTable(what.to_owned());
         let failed = |error: std::io::Error| match error.kind() {
             std::io::ErrorKind::UnexpectedEof => unusable("they end too early"),
             _ => McError::UnusableTable(error.to_string()),
         };
-        let mut reader = Hashing { inner: reader, hash: Sha256::new() };
+        let mut reader = Hashing {
+            inner: reader,
+            hash: Sha256::new(),
+        };
         let mut line = [0; FIRST_LINE.len()];
         reader.read_exact(&mut line).map_err(failed)?;
         if line != *FIRST_LINE {
@@ -80,11 +111,17 @@ impl ChargeTable {
         let mut fingerprint = [0; FINGERPRINT_LENGTH];
         reader.read_exact(&mut fingerprint).map_err(failed)?;
         if fingerprint != *Self::fingerprint(charges, yukawa).as_bytes() {
-            return Err(unusable("they are of other charges, another potential or another kind of processor"));
+            return Err(unusable(
+                "they are of other charges, another potential or another kind of processor",
+            ));
         }
         let mut has_field = [0];
         reader.read_exact(&mut has_field).map_err(failed)?;
-        let field = if has_field == [0] { None } else { Some(SmoothField::read_from(&mut reader).map_err(failed)?) };
+        let field = if has_field == [0] {
+            None
+        } else {
+            Some(SmoothField::read_from(&mut reader).map_err(failed)?)
+        };
         let Hashing { mut inner, hash } = reader;
         let mut stored = [0; 32];
         inner.read_exact(&mut stored).map_err(failed)?;
@@ -99,7 +136,11 @@ impl ChargeTable {
             missing = field.is_none();
             field.unwrap_or_else(|| SmoothField::new(leaves, split, edge, reach))
         });
-        if missing { Err(unusable("the field is missing")) } else { Ok(table) }
+        if missing {
+            Err(unusable("the field is missing"))
+        } else {
+            Ok(table)
+        }
     }
 }
 
@@ -108,7 +149,10 @@ fn instructions() -> &'static str {
     #[cfg(target_arch = "x86_64")]
     {
         let fused = is_x86_feature_detected!("fma");
-        match (is_x86_feature_detected!("avx512f"), is_x86_feature_detected!("avx2")) {
+        match (
+            is_x86_feature_detected!("avx512f"),
+            is_x86_feature_detected!("avx2"),
+        ) {
             (true, _) if fused => "avx512f fma",
             (true, _) => "avx512f",
             (_, true) if fused => "avx2 fma",
@@ -121,7 +165,10 @@ fn instructions() -> &'static str {
 }
 
 fn hexadecimal(hash: Sha256) -> String {
-    hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    hash.finalize()
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
 }
 
 /// Hashes what passes through.
@@ -157,7 +204,10 @@ mod tests {
     use protomer_kernel::Vec3;
 
     fn charges() -> ChargeCloud {
-        ChargeCloud::new(&[(Vec3::new(0.0, 0.0, 0.0), 2.0), (Vec3::new(3.0, 1.0, 0.0), -1.5)])
+        ChargeCloud::new(&[
+            (Vec3::new(0.0, 0.0, 0.0), 2.0),
+            (Vec3::new(3.0, 1.0, 0.0), -1.5),
+        ])
     }
 
     fn yukawa(cutoff_angstrom: f64) -> Yukawa {
@@ -169,7 +219,9 @@ mod tests {
         let (charges, yukawa) = (charges(), yukawa(cutoff_angstrom));
         let table = ChargeTable::new(&charges, &yukawa);
         let mut bytes = Vec::new();
-        table.write_to(&mut bytes, &ChargeTable::fingerprint(&charges, &yukawa)).unwrap();
+        table
+            .write_to(&mut bytes, &ChargeTable::fingerprint(&charges, &yukawa))
+            .unwrap();
         (table, bytes)
     }
 
@@ -186,7 +238,12 @@ mod tests {
             assert_eq!(again, table);
             // Equal numbers may differ in bits, as zeros of two signs do.
             let mut second = Vec::new();
-            again.write_to(&mut second, &ChargeTable::fingerprint(&charges(), &yukawa(cutoff))).unwrap();
+            again
+                .write_to(
+                    &mut second,
+                    &ChargeTable::fingerprint(&charges(), &yukawa(cutoff)),
+                )
+                .unwrap();
             assert!(second == bytes);
         }
     }
@@ -195,8 +252,9 @@ mod tests {
     fn every_changed_byte_and_every_cut_is_noticed() {
         let (_, bytes) = stored(24.0);
         // All of the head and of the end, and a sample between.
-        let places =
-            (0..400).chain((400..bytes.len() - 40).step_by(bytes.len() / 60)).chain(bytes.len() - 40..bytes.len());
+        let places = (0..400)
+            .chain((400..bytes.len() - 40).step_by(bytes.len() / 60))
+            .chain(bytes.len() - 40..bytes.len());
         for place in places {
             for flip in [1, 0x80] {
                 let mut changed = bytes.clone();
@@ -207,13 +265,23 @@ mod tests {
         }
         let mut longer = bytes.clone();
         longer.push(0);
-        assert!(read(&longer, 24.0).unwrap_err().to_string().contains("more than they need"));
+        assert!(
+            read(&longer, 24.0)
+                .unwrap_err()
+                .to_string()
+                .contains("more than they need")
+        );
     }
 
     #[test]
     fn tables_of_others_are_refused() {
         let (_, bytes) = stored(24.0);
-        assert!(read(&bytes, 25.0).unwrap_err().to_string().contains("other charges"));
+        assert!(
+            read(&bytes, 25.0)
+                .unwrap_err()
+                .to_string()
+                .contains("other charges")
+        );
         let other = ChargeCloud::new(&[(Vec3::zeros(), 2.0)]);
         assert!(ChargeTable::read_from(&bytes[..], &other, &yukawa(24.0)).is_err());
     }
@@ -232,7 +300,10 @@ mod tests {
         };
         for word in 4..8 {
             for length in [u64::MAX, 1 << 40, 1 << 62] {
-                assert!(sealed(head + 8 * word, &length.to_le_bytes()).is_err(), "length {word}");
+                assert!(
+                    sealed(head + 8 * word, &length.to_le_bytes()).is_err(),
+                    "length {word}"
+                );
             }
         }
         for cube in [u32::MAX - 1, 1 << 30] {

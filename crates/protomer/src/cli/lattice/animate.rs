@@ -27,13 +27,17 @@ pub struct AnimateArgs {
 impl AnimateArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
         let animation = Animation::read(&self.directory, self.most_frames)?;
-        let page = self.output.clone().unwrap_or_else(|| self.directory.join("lattice.html"));
+        let page = self
+            .output
+            .clone()
+            .unwrap_or_else(|| self.directory.join("lattice.html"));
         require_free(&page, global)?;
         let html = animation.to_html();
         write_atomically(&page, |file| file.write_all(html.as_bytes()))?;
         if let Some(folder) = &self.frames {
             refuse_set(folder)?;
-            std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
+            std::fs::create_dir_all(folder)
+                .with_context(|| format!("cannot make {}", folder.display()))?;
             for frame in 0..animation.len() {
                 let path = folder.join(format!("frame_{frame:05}.svg"));
                 require_free(&path, global)?;
@@ -52,7 +56,10 @@ impl AnimateArgs {
 
 fn require_free(path: &Path, global: &Global) -> Result<()> {
     if path.exists() && !global.force {
-        bail!("{} is there already; give --force to replace it", path.display());
+        bail!(
+            "{} is there already; give --force to replace it",
+            path.display()
+        );
     }
     Ok(())
 }

@@ -6,7 +6,8 @@ use crate::lattice::settings::{LatticeSettings, TimeStep};
 use anyhow::Result;
 use clap::Args;
 
-/// Measure steps per CPU-second of a square lattice from a half-open start with random angular velocities.
+/// Measure steps per CPU-second of a square lattice from a half-open start with random angular
+/// velocities.
 #[derive(Debug, Args)]
 pub struct BenchArgs {
     /// Squares along an edge.

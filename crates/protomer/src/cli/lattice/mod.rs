@@ -13,7 +13,8 @@ use anyhow::{Result, bail};
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
 
-/// Two-dimensional crystals of rigid squares whose corners are joined by rigid rods: run, sweep, animate.
+/// Two-dimensional crystals of rigid squares whose corners are joined by rigid rods: run, sweep,
+/// animate.
 #[derive(Debug, Args)]
 #[command(args_conflicts_with_subcommands = true, arg_required_else_help = true)]
 pub struct LatticeArgs {
@@ -46,7 +47,9 @@ impl LatticeArgs {
             (Some(LatticeVerb::Respond(args)), _) => args.run(global),
             (Some(LatticeVerb::Bench(args)), _) => args.run(global),
             (None, Some(body)) => square::square(body, Axis::Auto, Size::Corners, None, global),
-            (None, None) => bail!("say what to do: lattice run, sweep, animate, square, replay, respond or bench"),
+            (None, None) => bail!(
+                "say what to do: lattice run, sweep, animate, square, replay, respond or bench"
+            ),
         }
     }
 }

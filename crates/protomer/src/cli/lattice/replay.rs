@@ -6,8 +6,8 @@ use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
 
-/// Follow the state of a file (JSON: ns, r0, kappa, s0, v0, times), without collisions at the listed times, and to the
-/// first contact and through it.
+/// Follow the state of a file (JSON: ns, r0, kappa, s0, v0, times), without collisions at the
+/// listed times, and to the first contact and through it.
 #[derive(Debug, Args)]
 pub struct ReplayArgs {
     /// The file.
@@ -31,19 +31,26 @@ impl ReplayArgs {
         for (time, energy) in replay.times.iter().zip(&replay.energy) {
             output::text(&format!("t = {time}: energy {energy:.12}"))?;
         }
-        let contact = replay.first_collision.as_ref().map_or("no contact".to_owned(), |first| {
-            let contacts = first
-                .contacts
-                .iter()
-                .map(|[striker, vertex, target]| format!("corner {vertex} of square {striker} on square {target}"));
-            format!("first contact at t = {:.12}: {}", first.t, contacts.collect::<Vec<_>>().join(", "))
-        });
+        let contact = replay
+            .first_collision
+            .as_ref()
+            .map_or("no contact".to_owned(), |first| {
+                let contacts = first.contacts.iter().map(|[striker, vertex, target]| {
+                    format!("corner {vertex} of square {striker} on square {target}")
+                });
+                format!(
+                    "first contact at t = {:.12}: {}",
+                    first.t,
+                    contacts.collect::<Vec<_>>().join(", ")
+                )
+            });
         output::text(&contact)?;
         Ok(Outcome::Done)
     }
 }
 
-/// The elastic impact at the state of contact of a file (JSON: ns, r0, first_collision with s and v).
+/// The elastic impact at the state of contact of a file (JSON: ns, r0, first_collision with s and
+/// v).
 #[derive(Debug, Args)]
 pub struct RespondArgs {
     /// The file.

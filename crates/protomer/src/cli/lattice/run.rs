@@ -171,10 +171,15 @@ impl RunArgs {
         ));
         let bar = global.progress(total, "steps");
         let execution = self.directory.execution(global)?;
-        let end = run_lattice(&settings, &self.directory.output, &execution, &|steps| bar.inc(steps))?;
+        let end = run_lattice(&settings, &self.directory.output, &execution, &|steps| {
+            bar.inc(steps)
+        })?;
         bar.finish_and_clear();
         let LatticeEnd::Finished(result) = end else {
-            global.say(&format!("stopped; the same command continues {}", self.directory.output.display()));
+            global.say(&format!(
+                "stopped; the same command continues {}",
+                self.directory.output.display()
+            ));
             return Ok(Outcome::Stopped);
         };
         if global.json {
@@ -182,7 +187,11 @@ impl RunArgs {
         } else if !global.quiet {
             output::text(&format!(
                 "t = {}: energy {:.6} (at most {:.1e} off), rods off by at most {:.1e}, {} collisions",
-                result.time, result.energy, result.energy_error, result.max_rod_violation, result.events
+                result.time,
+                result.energy,
+                result.energy_error,
+                result.max_rod_violation,
+                result.events
             ))?;
         }
         Ok(Outcome::Done)

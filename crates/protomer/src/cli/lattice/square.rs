@@ -26,17 +26,32 @@ pub struct SquareArgs {
 
 impl SquareArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
-        square(&self.body, self.axis, self.size, self.output.as_deref(), global)
+        square(
+            &self.body,
+            self.axis,
+            self.size,
+            self.output.as_deref(),
+            global,
+        )
     }
 }
 
 /// Prints or writes the square of a body.
-pub(super) fn square(body: &Path, axis: Axis, size: Size, to: Option<&Path>, global: &Global) -> Result<Outcome> {
+pub(super) fn square(
+    body: &Path,
+    axis: Axis,
+    size: Size,
+    to: Option<&Path>,
+    global: &Global,
+) -> Result<Outcome> {
     let (body, _) = body_file::read(body)?;
     let square = square_of_body(&body, axis, size)?;
     if let Some(path) = to {
         if path.exists() && !global.force {
-            bail!("{} is there already; give --force to replace it", path.display());
+            bail!(
+                "{} is there already; give --force to replace it",
+                path.display()
+            );
         }
         let text = square.to_toml()?;
         write_atomically(path, |file| file.write_all(text.as_bytes()))?;

@@ -7,8 +7,8 @@ use crate::lattice::sweep_table::Estimate;
 use anyhow::{Result, bail};
 use clap::Args;
 
-/// Run lattices of several rod lengths and κ, once per seed, on all threads: tables with error bars and figures. The same
-/// command continues a sweep that was stopped.
+/// Run lattices of several rod lengths and κ, once per seed, on all threads: tables with error bars
+/// and figures. The same command continues a sweep that was stopped.
 #[derive(Debug, Args)]
 pub struct SweepArgs {
     #[command(flatten)]
@@ -41,7 +41,9 @@ impl SweepArgs {
         }
         match self.seeds {
             Some(0) => bail!("--seeds is 0; give at least 1"),
-            Some(seeds) if seeds > MOST_SEEDS => bail!("--seeds is {seeds}; give at most {MOST_SEEDS}"),
+            Some(seeds) if seeds > MOST_SEEDS => {
+                bail!("--seeds is {seeds}; give at most {MOST_SEEDS}")
+            }
             Some(seeds) => sweep.seeds = (1..=seeds).collect(),
             None => {}
         }
@@ -58,11 +60,16 @@ impl SweepArgs {
         ));
         let bar = global.progress(runs as u64, "runs");
         let execution = self.directory.execution(global)?;
-        let end = run_sweep(&settings, &self.directory.output, &execution, &|| bar.inc(1))?;
+        let end = run_sweep(&settings, &self.directory.output, &execution, &|| {
+            bar.inc(1)
+        })?;
         bar.finish_and_clear();
         match end {
             LatticeSweepEnd::Stopped => {
-                global.say(&format!("stopped; the same command continues {}", self.directory.output.display()));
+                global.say(&format!(
+                    "stopped; the same command continues {}",
+                    self.directory.output.display()
+                ));
                 Ok(Outcome::Stopped)
             }
             LatticeSweepEnd::Finished(sweep) => {
@@ -79,9 +86,19 @@ impl SweepArgs {
         if global.quiet {
             return Ok(());
         }
-        let heading = ["r0", "κ", "runs", "Poisson's ratio", "r²", "σ_max", "σ of checkerboard", "synchronisation"];
+        let heading = [
+            "r0",
+            "κ",
+            "runs",
+            "Poisson's ratio",
+            "r²",
+            "σ_max",
+            "σ of checkerboard",
+            "synchronisation",
+        ];
         let mut table = vec![heading.map(str::to_owned).to_vec()];
-        let show = |Estimate { mean, error }: Estimate| match (mean.is_finite(), error.is_finite()) {
+        let show = |Estimate { mean, error }: Estimate| match (mean.is_finite(), error.is_finite())
+        {
             (false, _) => "-".to_owned(),
             (true, false) => format!("{mean:.3}"),
             (true, true) => format!("{mean:.3} ± {error:.3}"),
@@ -99,7 +116,10 @@ impl SweepArgs {
             ]);
         }
         output::text(&output::table(&table))?;
-        global.say(&format!("tables and figures: {}", self.directory.output.display()));
+        global.say(&format!(
+            "tables and figures: {}",
+            self.directory.output.display()
+        ));
         Ok(())
     }
 }

@@ -10,15 +10,20 @@
 //! | 224 P | coefficients without their padding, f32 |
 //! | 4 P | error bounds, f32 |
 
-use super::{COEFFICIENTS, Coefficients, DEGREE, DIVIDE_ABOVE, DIVIDED, NO_CUBE, SAFETY, SAMPLES, SmoothField};
+use super::{
+    COEFFICIENTS, Coefficients, DEGREE, DIVIDE_ABOVE, DIVIDED, NO_CUBE, SAFETY, SAMPLES,
+    SmoothField,
+};
 use std::io::{Error, ErrorKind, Read, Result, Write};
 
-/// Room reserved before anything is read, entries: a length that is wrong cannot ask for more memory than the file is long.
+/// Room reserved before anything is read, entries: a length that is wrong cannot ask for more
+/// memory than the file is long.
 const RESERVED: usize = 1 << 16;
 
 impl SmoothField {
     /// The constants that shape a field.
-    pub(in super::super) const PARAMETERS: [f64; 4] = [DEGREE as f64, SAMPLES as f64, SAFETY, DIVIDE_ABOVE];
+    pub(in super::super) const PARAMETERS: [f64; 4] =
+        [DEGREE as f64, SAMPLES as f64, SAFETY, DIVIDE_ABOVE];
 
     /// Writes the field.
     pub(in super::super) fn write_to(&self, writer: &mut impl Write) -> Result<()> {
@@ -31,7 +36,10 @@ impl SmoothField {
         for cube in &self.cubes {
             writer.write_all(&cube.to_le_bytes())?;
         }
-        let coefficients = self.coefficients.iter().flat_map(|cube| cube.0.iter().take(COEFFICIENTS));
+        let coefficients = self
+            .coefficients
+            .iter()
+            .flat_map(|cube| cube.0.iter().take(COEFFICIENTS));
         for number in coefficients.chain(&self.errors) {
             writer.write_all(&number.to_le_bytes())?;
         }
@@ -51,11 +59,18 @@ impl SmoothField {
         }
         let polynomials = length(reader)?;
         let [x, y, z] = counts;
-        let places = x.checked_mul(y).and_then(|xy| xy.checked_mul(z)).ok_or_else(|| bad("the grid is too large"))?;
+        let places = x
+            .checked_mul(y)
+            .and_then(|xy| xy.checked_mul(z))
+            .ok_or_else(|| bad("the grid is too large"))?;
         let mut cubes = Vec::with_capacity(places.min(RESERVED));
         for _ in 0..places {
             let cube = u32::from_le_bytes(array(reader)?);
-            let last = if cube & DIVIDED != 0 { (cube & !DIVIDED) as usize + 7 } else { cube as usize };
+            let last = if cube & DIVIDED != 0 {
+                (cube & !DIVIDED) as usize + 7
+            } else {
+                cube as usize
+            };
             if cube != NO_CUBE && last >= polynomials {
                 return Err(bad("a cube has no polynomial"));
             }
@@ -74,7 +89,14 @@ impl SmoothField {
         for _ in 0..polynomials {
             errors.push(f32::from_le_bytes(array(reader)?));
         }
-        Ok(Self { edge, corner, counts, cubes, coefficients, errors })
+        Ok(Self {
+            edge,
+            corner,
+            counts,
+            cubes,
+            coefficients,
+            errors,
+        })
     }
 }
 

@@ -1,9 +1,11 @@
-//! Σ_i Z_i p(t_ij) over the members of a target leaf, as a polynomial of the place of the source charge.
+//! Σ_i Z_i p(t_ij) over the members of a target leaf, as a polynomial of the place of the source
+//! charge.
 
 use super::super::split::Split;
 use super::sources::{MOMENTS, Target};
 
-/// Coefficients of Σ_i Z_i p(t_ij): as a polynomial of y in the order of [`moments`], and for charges one by one.
+/// Coefficients of Σ_i Z_i p(t_ij): as a polynomial of y in the order of [`moments`], and for
+/// charges one by one.
 pub struct Contraction {
     pub global: [f64; MOMENTS],
     /// p summed = k0 + t (k1 + t k2), k0 and k1 polynomials of d, t that of the centre.
@@ -20,7 +22,11 @@ impl Contraction {
         let (q, d, o, h) = (m[0], [m[1], m[2], m[3]], [m[10], m[11], m[12]], m[13]);
         let quadratic = [[m[4], m[7], m[8]], [m[7], m[5], m[9]], [m[8], m[9], m[6]]];
         let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-        let qc = [dot(&quadratic[0], &c), dot(&quadratic[1], &c), dot(&quadratic[2], &c)];
+        let qc = [
+            dot(&quadratic[0], &c),
+            dot(&quadratic[1], &c),
+            dot(&quadratic[2], &c),
+        ];
         let e = m[4] + m[5] + m[6] + 2.0 * dot(&d, &c);
         let f: [f64; 3] = std::array::from_fn(|i| o[i] + 2.0 * qc[i]);
         let ee = h + 4.0 * dot(&o, &c) + 4.0 * dot(&c, &qc);
@@ -41,7 +47,11 @@ impl Contraction {
             global[10 + i] = l[i] + 2.0 * k2 * g[i];
         }
         for (n, (i, j)) in pairs.into_iter().enumerate() {
-            let mixed = if i == j { l[i] * g[i] } else { l[i] * g[j] + l[j] * g[i] };
+            let mixed = if i == j {
+                l[i] * g[i]
+            } else {
+                l[i] * g[j] + l[j] * g[i]
+            };
             global[4 + n] = own[n] + mixed + k2 * twice(i, j) * g[i] * g[j];
             if i == j {
                 global[4 + n] += k + 2.0 * k2 * a;
@@ -57,6 +67,11 @@ impl Contraction {
             k0[4 + n] = own[n] as f32;
         }
         let k = c1 * q + 2.0 * c2 * trace;
-        Self { global, k0, k1: [k as f32, l[0] as f32, l[1] as f32, l[2] as f32], k2: k2 as f32 }
+        Self {
+            global,
+            k0,
+            k1: [k as f32, l[0] as f32, l[1] as f32, l[2] as f32],
+            k2: k2 as f32,
+        }
     }
 }

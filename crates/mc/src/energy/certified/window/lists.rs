@@ -17,7 +17,8 @@ pub struct Lists {
     /// Leaves that may have near pairs.
     pub near_leaves: Vec<u32>,
     pub near: usize,
-    /// The charges of straddling leaves by their place in `leaves`; one more place is filled with what has no effect.
+    /// The charges of straddling leaves by their place in `leaves`; one more place is filled with
+    /// what has no effect.
     pub placed: Vec<Placed>,
     /// Charges to compare: [`LEAF`] times the place in `leaves`, and the place in the leaf.
     pub listed: Vec<u32>,
@@ -30,7 +31,8 @@ pub struct Lists {
 pub struct Placed(pub [[f32; LEAF]; 5]);
 
 impl Lists {
-    /// Room for everything that these sources can put in; vectors may be stored past the last entry.
+    /// Room for everything that these sources can put in; vectors may be stored past the last
+    /// entry.
     pub fn new(sources: &Sources) -> Self {
         let leaves = sources.spheres.len() * LEAF + LEAF;
         Self {
@@ -46,7 +48,13 @@ impl Lists {
     /// Fills the last chunk up with charges of no effect.
     #[inline(always)]
     pub fn fill(&mut self) {
-        self.placed[self.straddling] = Placed([[0.0; LEAF], [0.0; LEAF], [0.0; LEAF], [0.0; LEAF], [FILLER; LEAF]]);
+        self.placed[self.straddling] = Placed([
+            [0.0; LEAF],
+            [0.0; LEAF],
+            [0.0; LEAF],
+            [0.0; LEAF],
+            [FILLER; LEAF],
+        ]);
         self.listed[self.count..self.count + CHUNK].fill((self.straddling * LEAF) as u32);
     }
 }

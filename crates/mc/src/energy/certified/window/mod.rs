@@ -1,16 +1,17 @@
-//! The step at the cut-off: Σ Z_i q_j p(t_ij) θ(-t_ij) with t = r² - r_cut², for one target leaf and all source leaves.
+//! The step at the cut-off: Σ Z_i q_j p(t_ij) θ(-t_ij) with t = r² - r_cut², for one target leaf
+//! and all source leaves.
 //!
-//! Source leaves wholly inside enter by their moments, in double precision; of the straddling ones, charges that are
-//! inside for the whole target leaf enter by the leaf's moments; what is left is compared pair by pair. With c the centre
-//! of the target leaf and δ_i its members' offsets, s the centre of a source leaf and ε_j its members' offsets,
-//! D = s - c and d_j = ε_j + D,
+//! Source leaves wholly inside enter by their moments, in double precision; of the straddling ones,
+//! charges that are inside for the whole target leaf enter by the leaf's moments; what is left is
+//! compared pair by pair. With c the centre of the target leaf and δ_i its members' offsets, s the
+//! centre of a source leaf and ε_j its members' offsets, D = s - c and d_j = ε_j + D,
 //!
 //! ```text
 //! t_ij = t_j + η_ij,   t_j = (|D|² - r_cut²) + |ε_j|² + 2 ε_j·D,   η_ij = |δ_i|² - 2 δ_i·d_j
 //! ```
 //!
-//! D and the bracket are found in double precision, the rest in single: all its parts are at most as large as a leaf's
-//! diameter times the cut-off, however large the bodies are.
+//! D and the bracket are found in double precision, the rest in single: all its parts are at most
+//! as large as a leaf's diameter times the cut-off, however large the bodies are.
 
 /// Calls the first function where the processor's vectors are WIDE, the second otherwise.
 macro_rules! select {
@@ -55,7 +56,8 @@ const UNIT: f64 = 5.97e-8;
 /// Leaves are no larger than this, Å.
 pub(super) const LARGEST_RADIUS: f64 = 5.0;
 
-/// A sum with its bound, kT, and the sum of the squares of the bounds of its independent parts, kT².
+/// A sum with its bound, kT, and the sum of the squares of the bounds of its independent parts,
+/// kT².
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Bounded {
     pub value: f64,
@@ -67,7 +69,11 @@ impl Bounded {
     /// A sum whose errors may all point the same way.
     #[inline(always)]
     pub fn of_one_part(value: f64, error: f64) -> Self {
-        Self { value, error, square: error * error }
+        Self {
+            value,
+            error,
+            square: error * error,
+        }
     }
 
     #[inline(always)]
@@ -88,26 +94,47 @@ pub(super) fn sum_target<const WIDE: bool>(
     lists: &mut Lists,
 ) -> Bounded {
     let finite = split.cutoff.is_finite();
-    let square = if finite { split.cutoff * split.cutoff } else { 0.0 };
+    let square = if finite {
+        split.cutoff * split.cutoff
+    } else {
+        0.0
+    };
     let contraction = Contraction::new(target, split, square);
     let inside = classify::<WIDE>(sources, target, split, &contraction.global, lists);
-    let mut sum = Bounded { value: inside, ..Bounded::default() };
+    let mut sum = Bounded {
+        value: inside,
+        ..Bounded::default()
+    };
     if lists.straddling > 0 {
         let t_error = t_error(split, target.radius.max(sources.radius));
-        sum.add(collect::<WIDE>(sources, target, split, square, t_error, &contraction, lists));
+        sum.add(collect::<WIDE>(
+            sources,
+            target,
+            split,
+            square,
+            t_error,
+            &contraction,
+            lists,
+        ));
         sum.add(compare::<WIDE>(sources, target, split, t_error, lists));
     }
     if lists.near > 0 {
         let leaves = &lists.near_leaves[..lists.near];
-        sum.add(select!(WIDE, NearKernel::sum_avx512, NearKernel::sum, (near, sources, target, leaves)));
+        sum.add(select!(
+            WIDE,
+            NearKernel::sum_avx512,
+            NearKernel::sum,
+            (near, sources, target, leaves)
+        ));
     }
     sum
 }
 
-/// Bound of the error of a single-precision t, Å²; below it its sign is not trusted. With the largest part
-/// W = 2 radius (r_cut + 2 radius), which bounds |t_j| of listed charges, 2 |ε·D|, and 2 |δ·d|, the roundings are those of
-/// D, ε, |ε|² (3 W), of the terms of t_j (3 W) and its last sum (4 W: |D|² - r_cut² is at most 2 W), of d and δ (3 W), of
-/// the sum with |δ|² (1 W) and of the three products (6 W).
+/// Bound of the error of a single-precision t, Å²; below it its sign is not trusted. With the
+/// largest part W = 2 radius (r_cut + 2 radius), which bounds |t_j| of listed charges, 2 |ε·D|, and
+/// 2 |δ·d|, the roundings are those of D, ε, |ε|² (3 W), of the terms of t_j (3 W) and its last sum
+/// (4 W: |D|² - r_cut² is at most 2 W), of d and δ (3 W), of the sum with |δ|² (1 W) and of the
+/// three products (6 W).
 fn t_error(split: &Split, radius: f64) -> f64 {
     20.0 * UNIT * 2.0 * radius * (split.cutoff + 2.0 * radius)
 }
