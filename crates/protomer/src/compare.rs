@@ -1,7 +1,7 @@
 //! Several sweeps in one figure: which arrangement stays together over the larger range of salt?
 
-use crate::plot::{Axis, Figure, Panel, Point, Series};
 use anyhow::{Context, Result, bail};
+use protomer_plot::{Axis, Figure, Panel, Point, Series};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 

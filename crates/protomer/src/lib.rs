@@ -27,7 +27,7 @@
 //! | [`tune`], `tune_records`, `tune_table`, [`tune_figure`] | networks searched for: the search, what is kept of each trial, tables, figure |
 //! | [`mod@predict`] | a trained network applied to a set |
 //! | [`mod@report`] | a directory of results as one page |
-//! | [`quantity`], [`keys`], [`interrupt`], [`plot`], `base64` | what several of them need |
+//! | [`quantity`], [`keys`], [`interrupt`], `base64` | what several of them need |
 //! | `cli` | the command line, one file per verb (feature `cli`) |
 
 pub mod assemble;
@@ -52,7 +52,6 @@ pub mod interrupt;
 pub mod keys;
 pub mod lattice;
 pub mod own_body;
-pub mod plot;
 pub mod potential;
 pub mod predict;
 pub mod quantity;

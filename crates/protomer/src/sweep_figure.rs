@@ -1,10 +1,10 @@
 //! The figure of a sweep: radius of gyration and surviving contacts against salt, with every
 //! replica.
 
-use crate::plot::{Axis, Figure, Panel, Point, Series};
 use crate::sweep::SweepResult;
 use crate::sweep_table::{ReplicaResult, SaltRow};
 use anyhow::Result;
+use protomer_plot::{Axis, Figure, Panel, Point, Series};
 use std::path::Path;
 
 /// Writes `sweep.svg` and `sweep.png` into a directory.

@@ -1,8 +1,8 @@
 //! `trials.svg`: what each trial of a search came to against its learning rate, by the epochs it
 //! was given.
 
-use crate::plot::{Axis, Figure, Panel, Point, Series};
 use crate::tune::Trial;
+use protomer_plot::{Axis, Figure, Panel, Point, Series};
 use std::collections::BTreeSet;
 
 /// The figure of a search; trials that diverged are not in it.

@@ -1,7 +1,7 @@
 //! The figure of moduli against the direction of the load.
 
 use super::report::{Direction, Report};
-use crate::plot::{Axis, Figure, Panel, Point, Series};
+use protomer_plot::{Axis, Figure, Panel, Point, Series};
 
 /// E above ν against the direction; `None` if there is nothing to draw.
 pub fn polar_figure(report: &Report) -> Option<Figure> {

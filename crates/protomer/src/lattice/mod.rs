@@ -14,14 +14,13 @@
 //! | [`run`] | one run in its directory |
 //! | [`replay`] | a state from a file, followed to the first contact and through it |
 //! | [`mod@bench`] | steps per CPU-second |
-//! | [`sweep`], [`sweep_table`], [`sweep_figures`], [`heat_map`] | many runs, their tables and figures |
+//! | [`sweep`], [`sweep_table`], [`sweep_figures`] | many runs, their tables and figures |
 //! | [`animation`] | the page that plays a run |
 //! | [`square_of_body`] | the square that stands for a body |
 
 pub mod animation;
 pub mod bench;
 pub mod directory;
-pub mod heat_map;
 pub mod log;
 pub mod mover;
 pub mod replay;

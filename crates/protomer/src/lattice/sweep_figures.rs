@@ -10,11 +10,10 @@
 //! | `spread` | κ | first maximum of the spread of the angles, and when |
 //! | `checkerboard` | r0 | fluctuation of the checkerboard mode's share of the rotational energy |
 
-use super::heat_map::{HeatMap, write_svg};
 use super::sweep::{LatticeSweep, Series as Data, axes};
 use super::sweep_table::{ConditionRow, Estimate, RIDGE, RunRow};
-use crate::plot::{Axis, Figure, Panel, Point, Series};
 use anyhow::Result;
+use protomer_plot::{Axis, Figure, HeatMap, Panel, Point, Series};
 use std::path::Path;
 
 /// A scatter plot of more points shows no more.
@@ -379,10 +378,11 @@ fn indices(sweep: &LatticeSweep, data: &[Data], directory: &Path) -> Result<()> 
             });
         }
     }
-    write_svg(
-        &directory.join("indices.svg"),
-        "Synchronisation indices between squares",
+    let title = "Synchronisation indices between squares";
+    Ok(HeatMap::write_svg(
         &maps,
+        title,
         2,
-    )
+        &directory.join("indices.svg"),
+    )?)
 }

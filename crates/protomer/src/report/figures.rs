@@ -1,8 +1,8 @@
 //! Pictures inside the page, in a shape for wide screens and in one for phones.
 
 use super::html::escape;
-use crate::plot::Figure;
 use anyhow::{Context, Result, bail};
+use protomer_plot::Figure;
 use std::path::Path;
 
 /// A figure drawn now, with what stands below it.

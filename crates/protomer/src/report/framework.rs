@@ -5,8 +5,8 @@ use super::page::{Page, Section};
 use super::{data, figures, provenance};
 use crate::framework::network_file;
 use crate::keys;
-use crate::plot::{Axis, Figure, Panel, Point, Series};
 use anyhow::{Context, Result};
+use protomer_plot::{Axis, Figure, Panel, Point, Series};
 use serde_json::{Map, Value};
 use std::path::Path;
 

@@ -8,9 +8,9 @@ use crate::lattice::log::{LogRow, columns, read_log_so_far};
 use crate::lattice::run::LatticeResult;
 use crate::lattice::settings::LatticeSettings;
 use crate::lattice::sweep::{axes, tasks};
-use crate::plot::{Axis, Figure, Panel, Point, Series};
 use crate::run::{RunRecord, read_record};
 use anyhow::Result;
+use protomer_plot::{Axis, Figure, Panel, Point, Series};
 use std::path::Path;
 
 /// Numbers in the frames of an animation: some megabytes of text.

@@ -1,11 +1,11 @@
 //! The logs of simulations: radius of gyration and energy against sweeps.
 
 use super::html::millimolar;
-use crate::plot::{Axis, Figure, Panel, Series};
 use crate::run::{LogRow, RunSettings, read_log_so_far};
 use crate::sweep::replica_directory;
 use anyhow::Result;
 use protomer_io::csv::{Cell, Table};
+use protomer_plot::{Axis, Figure, Panel, Series};
 use std::path::Path;
 
 /// Colours that are told apart.

@@ -3,7 +3,6 @@
 use super::html::{definitions, escape, paragraph, significant, table};
 use super::page::{Page, Section};
 use super::{data, figures, provenance, voxel_channels};
-use crate::plot::{Axis, Figure, Panel, Point, Series};
 use crate::voxel_set::VoxelSet;
 use crate::voxelize::origin::{Missing, origins};
 use crate::voxelize::set::{self, Exclusion, SampleRecord};
@@ -11,6 +10,7 @@ use crate::voxelize::structure::Reason;
 use crate::voxelize::{Fit, Spacing, VoxelizeSettings};
 use anyhow::{Context, Result};
 use protomer_io::csv::Table;
+use protomer_plot::{Axis, Figure, Panel, Point, Series};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! `learning_curve.svg`: loss and balanced accuracy against epochs, with what guessing gives.
 
-use crate::plot::{Axis, Figure, Panel, Point, Series};
 use protomer_learn::training::EpochRecord;
+use protomer_plot::{Axis, Figure, Panel, Point, Series};
 
 /// The figure of a training.
 ///

@@ -1,24 +1,9 @@
-//! Figures: points with error bars, single replicas and lines, in one panel or in several that
-//! share their x axis.
-//!
-//! A [`Figure`] is data only; [`Figure::write_svg`] and [`Figure::write_png`] draw it. Labels may
-//! have subscripts and superscripts: `R_g`, `10^{-3}`.
-//!
-//! | module | one idea |
-//! |---|---|
-//! | `layout` | where everything goes and what is drawn |
-//! | `text` | subscripts, superscripts, and what becomes of a text that is too long |
-//! | `ticks` | which values an axis marks, and how they are written |
-//! | `source` | a figure inside its own SVG, so that it can be drawn again |
-//! | `canvas` | lines, markers and text on SVG or pixels |
+//! What a figure shows, and the checks that it can be drawn.
 
-mod canvas;
-mod layout;
-mod source;
-mod text;
-mod ticks;
-
-use anyhow::{Result, bail};
+use super::canvas::Shape;
+use super::error::{PlotError, Result};
+use super::{layout, pixels, source, svg};
+use protomer_io::atomic::write_atomically;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -27,29 +12,21 @@ pub const WIDTH: u32 = 1200;
 /// Height of a figure in pixels of the PNG and units of the SVG.
 pub const HEIGHT: u32 = 800;
 
-/// What a figure is drawn on.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Shape {
-    width: u32,
-    height: u32,
-    /// Texts that are too long may shrink down to this part of their size, before they are broken
-    /// into lines.
-    least_shrunk: f64,
-}
-
 /// Height of a panel on a narrow screen.
 const NARROW_PANEL_HEIGHT: f64 = 210.0;
+/// Width of a figure for a narrow screen.
+const NARROW_WIDTH: f64 = 520.0;
 /// For files, and for screens that are wide enough.
 const WIDE: Shape = Shape {
-    width: WIDTH,
-    height: HEIGHT,
+    width: WIDTH as f64,
+    height: HEIGHT as f64,
     least_shrunk: 0.8,
 };
 
 /// A figure of panels stacked on a common x axis.
 ///
 /// ```
-/// use protomer::plot::{Axis, Figure, Panel, Point, Series};
+/// use protomer_plot::{Axis, Figure, Panel, Point, Series};
 /// let points = [(0.01, 52.0, 0.5), (0.1, 60.0, 2.0)].map(|(x, y, error)| Point { x, y, error: Some(error) });
 /// let series = Series { name: "D_4".into(), points: points.to_vec(), replicas: vec![], line: true };
 /// let figure = Figure {
@@ -59,7 +36,7 @@ const WIDE: Shape = Shape {
 ///     panels: vec![Panel { y: Axis::linear("R_g / Å"), series: vec![series] }],
 /// };
 /// assert!(figure.to_svg()?.starts_with("<svg"));
-/// # Ok::<(), anyhow::Error>(())
+/// # Ok::<(), protomer_plot::PlotError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -151,38 +128,66 @@ impl Axis {
             ..self
         }
     }
+
+    /// Checks the stated ends.
+    fn check(&self) -> Result<()> {
+        let Some([from, to]) = self.range else {
+            return Ok(());
+        };
+        let finite = from.is_finite() && to.is_finite();
+        if finite && from < to && (!self.log || from > 0.0) {
+            return Ok(());
+        }
+        let label = self.label.clone();
+        Err(PlotError::BadRange { label, from, to })
+    }
+
+    /// Checks that a value can be drawn on this axis.
+    fn check_value(&self, value: f64) -> Result<()> {
+        let label = || self.label.clone();
+        if !value.is_finite() || (self.log && value <= 0.0) {
+            let label = label();
+            return Err(PlotError::BadValue { label, value });
+        }
+        match self.range {
+            Some([from, to]) if value < from || value > to => Err(PlotError::OutsideRange {
+                label: label(),
+                value,
+                from,
+                to,
+            }),
+            _ => Ok(()),
+        }
+    }
 }
 
 impl Figure {
-    /// The text of an SVG file, which holds the figure itself as well: [`Figure::from_svg`] finds
-    /// it.
+    /// The text of an SVG file. The file also holds the figure itself, for [`Figure::from_svg`].
     ///
     /// # Errors
     /// If a value cannot be drawn: an x or a range that is not finite, a value outside a stated
     /// range or at or below zero on a logarithmic axis, no point at all.
     pub fn to_svg(&self) -> Result<String> {
         self.check()?;
-        source::within(
-            &canvas::draw_svg(WIDE, |canvas| layout::draw(self, canvas))?,
-            self,
-        )
+        let svg = svg::draw(WIDE, |canvas| layout::draw(self, WIDE, canvas));
+        source::within(&svg, self)
     }
 
-    /// The same as [`Figure::to_svg`], drawn for a narrow screen, with larger letters against its
-    /// width, and nothing besides.
+    /// The same as [`Figure::to_svg`] for a narrow screen, with letters that are larger against the
+    /// width, and without the figure itself.
     ///
     /// # Errors
     /// As [`Figure::to_svg`].
     pub fn to_narrow_svg(&self) -> Result<String> {
         self.check()?;
         let shape = Shape {
-            width: 520,
-            height: 0,
+            width: NARROW_WIDTH,
+            height: 0.0,
             least_shrunk: 1.0,
         };
-        let height = layout::height_for(self, shape, NARROW_PANEL_HEIGHT)?.round() as u32;
+        let height = layout::height_for(self, shape, NARROW_PANEL_HEIGHT).round();
         let shape = Shape { height, ..shape };
-        canvas::draw_svg(shape, |canvas| layout::draw(self, canvas))
+        Ok(svg::draw(shape, |canvas| layout::draw(self, shape, canvas)))
     }
 
     /// The figure inside an SVG file, and the file without it; `None` where there is none.
@@ -199,7 +204,7 @@ impl Figure {
     /// As [`Figure::to_svg`].
     pub fn to_png(&self) -> Result<Vec<u8>> {
         self.check()?;
-        canvas::draw_png(WIDE, |canvas| layout::draw(self, canvas))
+        pixels::draw(WIDE, |canvas| layout::draw(self, WIDE, canvas))
     }
 
     /// Writes an SVG file; it appears under its name only when complete.
@@ -208,7 +213,7 @@ impl Figure {
     /// As [`Figure::to_svg`], and if the file cannot be written.
     pub fn write_svg(&self, path: &Path) -> Result<()> {
         let svg = self.to_svg()?;
-        Ok(protomer_io::atomic::write_atomically(path, |file| {
+        Ok(write_atomically(path, |file| {
             file.write_all(svg.as_bytes())
         })?)
     }
@@ -219,13 +224,11 @@ impl Figure {
     /// As [`Figure::to_png`], and if the file cannot be written.
     pub fn write_png(&self, path: &Path) -> Result<()> {
         let png = self.to_png()?;
-        Ok(protomer_io::atomic::write_atomically(path, |file| {
-            file.write_all(&png)
-        })?)
+        Ok(write_atomically(path, |file| file.write_all(&png))?)
     }
 
     /// The names of the series in the order of their first appearance.
-    fn series_names(&self) -> Vec<&str> {
+    pub(crate) fn series_names(&self) -> Vec<&str> {
         let mut names = Vec::new();
         for series in self.panels.iter().flat_map(|panel| &panel.series) {
             if !names.contains(&series.name.as_str()) {
@@ -236,40 +239,21 @@ impl Figure {
     }
 
     fn check(&self) -> Result<()> {
-        for axis in self.panels.iter().map(|panel| &panel.y).chain([&self.x]) {
-            if let Some([from, to]) = axis.range {
-                let valid =
-                    from.is_finite() && to.is_finite() && from < to && (!axis.log || from > 0.0);
-                if !valid {
-                    bail!("the axis {:?} cannot range from {from} to {to}", axis.label);
-                }
-            }
+        if self.panels.is_empty() {
+            let title = self.title.clone();
+            return Err(PlotError::NoPanels { title });
         }
+        self.x.check()?;
         for panel in &self.panels {
+            panel.y.check()?;
             if panel.values().next().is_none() {
-                bail!("the panel {:?} has no point to draw", panel.y.label);
+                let label = panel.y.label.clone();
+                return Err(PlotError::NoPoints { label });
             }
             for [x, y] in panel.values() {
-                for (axis, value) in [(&self.x, x), (&panel.y, y)] {
-                    if !value.is_finite() || (axis.log && value <= 0.0) {
-                        bail!(
-                            "the value {value} cannot be drawn on the axis {:?}; use a linear axis",
-                            axis.label
-                        );
-                    }
-                    if let Some([from, to]) =
-                        axis.range.filter(|[from, to]| value < *from || value > *to)
-                    {
-                        bail!(
-                            "the value {value} lies outside the axis {:?}, {from} to {to}; widen it",
-                            axis.label
-                        );
-                    }
-                }
+                self.x.check_value(x)?;
+                panel.y.check_value(y)?;
             }
-        }
-        if self.panels.is_empty() {
-            bail!("the figure {:?} has no panels", self.title);
         }
         Ok(())
     }
@@ -277,7 +261,7 @@ impl Figure {
 
 impl Panel {
     /// All positions that are drawn, without error bars.
-    fn values(&self) -> impl Iterator<Item = [f64; 2]> {
+    pub(crate) fn values(&self) -> impl Iterator<Item = [f64; 2]> {
         self.series.iter().flat_map(|series| {
             let points = series.points.iter().map(|point| [point.x, point.y]);
             points
@@ -287,7 +271,7 @@ impl Panel {
     }
 
     /// The ends of all error bars; on a logarithmic axis those that reach zero are left out.
-    fn error_ends(&self) -> impl Iterator<Item = f64> {
+    pub(crate) fn error_ends(&self) -> impl Iterator<Item = f64> {
         let points = self.series.iter().flat_map(|series| &series.points);
         points
             .filter_map(|point| point.error.map(|error| [point.y - error, point.y + error]))
@@ -369,8 +353,8 @@ mod tests {
         for text in [
             "radius\u{a0}of\u{a0}gyration\u{a0}R",
             "native\u{a0}contacts",
-            ">\n10\n",
-            ">\n300\n",
+            ">10<",
+            ">300<",
             "up-down",
         ] {
             assert!(svg.contains(text), "{text}");
@@ -406,8 +390,7 @@ mod tests {
             .skip(1)
             .map(|rest| rest.split('"').next().unwrap().parse::<f64>().unwrap());
         assert!(
-            sizes.clone().count() > 20
-                && sizes.clone().all(|size| size / 3.0 * 344.0 / 520.0 >= 8.0)
+            sizes.clone().count() > 20 && sizes.clone().all(|size| size * 344.0 / 520.0 >= 8.0)
         );
         // Gaps are not drawn and not kept.
         figure.panels[0].series[0].points[0].y = f64::NAN;
@@ -433,11 +416,11 @@ mod tests {
         let info = reader.next_frame(&mut pixels).unwrap();
         assert_eq!(
             (info.width, info.height, info.color_type),
-            (WIDTH, HEIGHT, png::ColorType::Rgb)
+            (WIDTH, HEIGHT, png::ColorType::Rgba)
         );
-        for colour in &canvas::PALETTE[..3] {
+        for colour in &crate::canvas::PALETTE[..3] {
             assert!(
-                pixels.chunks_exact(3).any(|pixel| pixel == *colour),
+                pixels.chunks_exact(4).any(|pixel| pixel[..3] == *colour),
                 "{colour:?}"
             );
         }

@@ -2,13 +2,13 @@
 
 /// A marked value; minor ticks have no label.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Tick {
+pub(crate) struct Tick {
     pub value: f64,
     pub label: Option<String>,
 }
 
 /// The ticks of a linear axis: multiples of 1, 2 or 5 times a power of ten, about `count` of them.
-pub(super) fn linear([from, to]: [f64; 2], count: usize) -> Vec<Tick> {
+pub(crate) fn linear([from, to]: [f64; 2], count: usize) -> Vec<Tick> {
     let rough = (to - from) / count.max(1) as f64;
     let power = rough.log10().floor();
     let mantissa = [1.0, 2.0, 5.0, 10.0]
@@ -30,9 +30,8 @@ pub(super) fn linear([from, to]: [f64; 2], count: usize) -> Vec<Tick> {
 }
 
 /// The ticks of a logarithmic axis: labels at 1, 2, 3, 5 of each decade, fewer over many decades;
-/// minor ticks at every digit. Within less than a decade these would be too few, and those of a
-/// linear axis serve.
-pub(super) fn logarithmic([from, to]: [f64; 2]) -> Vec<Tick> {
+/// minor ticks at every digit. A range of less than a decade gets the ticks of a linear axis.
+pub(crate) fn logarithmic([from, to]: [f64; 2]) -> Vec<Tick> {
     let decades = (to / from).log10();
     if decades < 0.7 {
         return linear([from, to], 6);

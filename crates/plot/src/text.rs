@@ -1,11 +1,10 @@
-//! Texts: subscripts and superscripts, and what becomes of one that is too long for its room.
+//! Texts: subscripts and superscripts, and texts that are too long for their room.
 
-use super::canvas::text_width;
-use anyhow::Result;
+use super::typeface::text_width;
 
 /// Where a part of a text stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Level {
+pub(crate) enum Level {
     Base,
     Subscript,
     Superscript,
@@ -23,13 +22,13 @@ impl Level {
 }
 
 /// A part of a text that is drawn in one go.
-pub(super) struct Run {
+pub(crate) struct Run {
     pub text: String,
     pub level: Level,
 }
 
 /// `R_g` and `10^{-3}`: `_` and `^` lower and raise the next character or the next group in braces.
-pub(super) fn runs(text: &str) -> Vec<Run> {
+pub(crate) fn runs(text: &str) -> Vec<Run> {
     let mut runs: Vec<Run> = vec![Run {
         text: String::new(),
         level: Level::Base,
@@ -63,7 +62,7 @@ pub(super) fn runs(text: &str) -> Vec<Run> {
 
 /// A text in lines, all of one size.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Fitted {
+pub(crate) struct Fitted {
     pub lines: Vec<String>,
     pub size: f64,
 }
@@ -75,37 +74,34 @@ impl Fitted {
     }
 }
 
-/// A text that is too long is made smaller, down to the part `least` of its size; where that does
-/// not do, it is broken between words.
-pub(super) fn fit(text: &str, size: f64, room: f64, least: f64) -> Result<Fitted> {
-    let fitting = room / text_width(text, size)?;
+/// Fits a text into the room: a long one is made smaller, down to the part `least` of its size, and
+/// a longer one is broken between words.
+pub(crate) fn fit(text: &str, size: f64, room: f64, least: f64) -> Fitted {
+    let fitting = room / text_width(text, size);
     if fitting >= least {
-        return Ok(Fitted {
+        return Fitted {
             lines: vec![text.to_owned()],
             size: size * fitting.min(1.0),
-        });
+        };
     }
     let mut lines: Vec<String> = Vec::new();
     for word in text.split(' ') {
         let longer = lines.last().map(|line| format!("{line} {word}"));
         match longer {
-            Some(longer) if text_width(&longer, size)? <= room => {
+            Some(longer) if text_width(&longer, size) <= room => {
                 lines.pop();
                 lines.push(longer);
             }
             _ => lines.push(word.to_owned()),
         }
     }
-    let widths = lines
-        .iter()
-        .map(|line| text_width(line, size))
-        .collect::<Result<Vec<f64>>>()?;
     // A single word may still be too long.
-    let widest = widths.into_iter().fold(room, f64::max);
-    Ok(Fitted {
+    let widths = lines.iter().map(|line| text_width(line, size));
+    let widest = widths.fold(room, f64::max);
+    Fitted {
         lines,
         size: size * room / widest,
-    })
+    }
 }
 
 #[cfg(test)]
@@ -143,8 +139,8 @@ mod tests {
     #[test]
     fn long_texts_shrink_a_little_or_are_broken() {
         let text = "error bars: standard error of five replicas";
-        let room = text_width(text, 20.0).unwrap();
-        let shown = |room: f64, least: f64| fit(text, 20.0, room, least).unwrap();
+        let room = text_width(text, 20.0);
+        let shown = |room: f64, least: f64| fit(text, 20.0, room, least);
         assert_eq!(
             shown(2.0 * room, 0.8),
             Fitted {
@@ -166,7 +162,7 @@ mod tests {
             narrow
                 .lines
                 .iter()
-                .all(|line| text_width(line, narrow.size).unwrap() <= 0.1 * room * 1.001)
+                .all(|line| text_width(line, narrow.size) <= 0.1 * room * 1.001)
         );
     }
 }

@@ -1,0 +1,157 @@
+//! The shapes that every output can draw, in units of the figure, y downward.
+
+use super::text::runs;
+use super::typeface::text_width;
+
+pub(crate) type Rgb = [u8; 3];
+
+/// Colours that are told apart with every kind of colour vision (Okabe and Ito,
+/// <https://jfly.uni-koeln.de/color/>).
+pub(crate) const PALETTE: [Rgb; 7] = [
+    [0x00, 0x72, 0xB2], // blue
+    [0xD5, 0x5E, 0x00], // vermilion
+    [0x00, 0x9E, 0x73], // bluish green
+    [0xCC, 0x79, 0xA7], // reddish purple
+    [0xE6, 0x9F, 0x00], // orange
+    [0x56, 0xB4, 0xE9], // sky blue
+    [0x30, 0x30, 0x30], // black
+];
+
+/// Shapes of points, so that series are told apart without colour too.
+const MARKERS: [Marker; 4] = [
+    Marker::Circle,
+    Marker::Square,
+    Marker::Triangle,
+    Marker::Diamond,
+];
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Marker {
+    Circle,
+    Square,
+    Triangle,
+    Diamond,
+}
+
+/// Colour and marker of a series.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Style {
+    pub colour: Rgb,
+    pub marker: Marker,
+}
+
+impl Style {
+    /// The style of the series of this number.
+    pub fn of_series(number: usize) -> Self {
+        Self {
+            colour: PALETTE[number % PALETTE.len()],
+            marker: MARKERS[number % MARKERS.len()],
+        }
+    }
+}
+
+/// Size of a figure, and what may be done to texts that are too long for it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Shape {
+    pub width: f64,
+    pub height: f64,
+    /// Texts may shrink to this part of their size before they are broken into lines.
+    pub least_shrunk: f64,
+}
+
+/// Where a text stands relative to its position.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Align {
+    Left,
+    Centre,
+    Right,
+}
+
+/// Which way a text runs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Direction {
+    Right,
+    Up,
+}
+
+/// How a text is set: the length of an em, colour, alignment and direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct TextStyle {
+    pub size: f64,
+    pub colour: Rgb,
+    pub align: Align,
+    pub direction: Direction,
+}
+
+impl TextStyle {
+    pub fn new(size: f64, colour: Rgb, align: Align) -> Self {
+        Self {
+            size,
+            colour,
+            align,
+            direction: Direction::Right,
+        }
+    }
+
+    pub fn upward(self) -> Self {
+        Self {
+            direction: Direction::Up,
+            ..self
+        }
+    }
+}
+
+/// What the layout draws on.
+pub(crate) trait Canvas {
+    fn line(&mut self, points: &[[f64; 2]], width: f64, colour: Rgb);
+    fn disc(&mut self, centre: [f64; 2], radius: f64, colour: Rgb, opacity: f64);
+    fn polygon(&mut self, corners: &[[f64; 2]], colour: Rgb);
+    /// One run of text whose baseline begins at `start`.
+    fn run(&mut self, text: &str, start: [f64; 2], style: TextStyle);
+
+    /// A filled shape of the marker's "radius".
+    fn marker(&mut self, marker: Marker, centre: [f64; 2], radius: f64, colour: Rgb) {
+        let corners: &[[f64; 2]] = match marker {
+            Marker::Circle => return self.disc(centre, radius, colour, 1.0),
+            Marker::Square => &[[-0.88, -0.88], [0.88, -0.88], [0.88, 0.88], [-0.88, 0.88]],
+            Marker::Triangle => &[[0.0, -1.25], [1.15, 0.75], [-1.15, 0.75]],
+            Marker::Diamond => &[[0.0, -1.3], [1.3, 0.0], [0.0, 1.3], [-1.3, 0.0]],
+        };
+        let [x, y] = centre;
+        let placed: Vec<[f64; 2]> = corners
+            .iter()
+            .map(|[dx, dy]| [x + dx * radius, y + dy * radius])
+            .collect();
+        self.polygon(&placed, colour);
+    }
+
+    /// A text with subscripts and superscripts, its baseline at `position`.
+    fn text(&mut self, text: &str, [x, y]: [f64; 2], style: TextStyle) {
+        let width = text_width(text, style.size);
+        let mut along = match style.align {
+            Align::Left => 0.0,
+            Align::Centre => -width / 2.0,
+            Align::Right => -width,
+        };
+        for run in runs(text) {
+            let (scale, raise) = run.level.scale_and_raise();
+            let start = match style.direction {
+                Direction::Right => [x + along, y - raise * style.size],
+                Direction::Up => [x - raise * style.size, y - along],
+            };
+            let size = style.size * scale;
+            self.run(&run.text, start, TextStyle { size, ..style });
+            along += text_width(&run.text, size);
+        }
+    }
+}
+
+/// Draws nothing: used to measure how much room something takes.
+pub(crate) struct Nowhere;
+
+impl Canvas for Nowhere {
+    fn line(&mut self, _: &[[f64; 2]], _: f64, _: Rgb) {}
+    fn disc(&mut self, _: [f64; 2], _: f64, _: Rgb, _: f64) {}
+    fn polygon(&mut self, _: &[[f64; 2]], _: Rgb) {}
+    fn run(&mut self, _: &str, _: [f64; 2], _: TextStyle) {}
+}

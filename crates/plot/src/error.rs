@@ -1,0 +1,69 @@
+//! The one error type of this crate.
+
+use protomer_io::IoError;
+
+/// What can go wrong between a figure and its file.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PlotError {
+    /// A figure without panels.
+    #[error("the figure {title:?} has no panels; give it at least one")]
+    NoPanels {
+        /// Title of the figure.
+        title: String,
+    },
+    /// A panel without a single point.
+    #[error("the panel {label:?} has no point to draw")]
+    NoPoints {
+        /// Label of its y axis.
+        label: String,
+    },
+    /// A range that an axis cannot have.
+    #[error("the axis {label:?} cannot range from {from} to {to}")]
+    BadRange {
+        /// Label of the axis.
+        label: String,
+        /// The lower end.
+        from: f64,
+        /// The upper end.
+        to: f64,
+    },
+    /// A value that is not finite, or not positive on a logarithmic axis.
+    #[error("the value {value} cannot be drawn on the axis {label:?}; use a linear axis")]
+    BadValue {
+        /// Label of the axis.
+        label: String,
+        /// The value.
+        value: f64,
+    },
+    /// A value beyond the stated ends of its axis.
+    #[error("the value {value} lies outside the axis {label:?}, {from} to {to}; widen it")]
+    OutsideRange {
+        /// Label of the axis.
+        label: String,
+        /// The value.
+        value: f64,
+        /// The lower end.
+        from: f64,
+        /// The upper end.
+        to: f64,
+    },
+    /// The figure inside an SVG cannot be read.
+    #[error("the figure inside the SVG is damaged or of another version: {cause}; draw it again")]
+    DamagedSource {
+        /// What is wrong.
+        cause: String,
+    },
+    /// The picture cannot be made.
+    #[error("cannot draw the figure: {cause}")]
+    Drawing {
+        /// What the drawing library says.
+        cause: String,
+    },
+    /// The file cannot be written.
+    #[error(transparent)]
+    File(#[from] IoError),
+}
+
+/// The result of an operation of this crate.
+pub type Result<T> = std::result::Result<T, PlotError>;

@@ -1,0 +1,35 @@
+//! Figures: points with error bars, single replicas and lines, in one panel or in several that
+//! share their x axis.
+//!
+//! A [`Figure`] is data only; [`Figure::to_svg`] and [`Figure::to_png`] draw it. Labels may have
+//! subscripts and superscripts: `R_g`, `10^{-3}`.
+//!
+//! | module | one idea |
+//! |---|---|
+//! | [`figure`](Figure) | what a figure shows |
+//! | `layout` | where everything goes |
+//! | `axis` | frame, grid, ticks and labels of a panel |
+//! | `text` | subscripts, superscripts, and texts that are too long |
+//! | `ticks` | which values an axis marks, and how they are written |
+//! | `typeface` | the built-in typeface: widths and outlines |
+//! | `canvas` | the shapes that every output can draw |
+//! | `svg`, `pixels` | the two outputs |
+//! | [`heat_map`](HeatMap) | matrices as coloured squares |
+//! | `source` | a figure stored inside its own SVG, so that it can be drawn again |
+
+mod axis;
+mod canvas;
+mod error;
+mod figure;
+mod heat_map;
+mod layout;
+mod pixels;
+mod source;
+mod svg;
+mod text;
+mod ticks;
+mod typeface;
+
+pub use error::{PlotError, Result};
+pub use figure::{Axis, Figure, HEIGHT, Panel, Point, Series, WIDTH};
+pub use heat_map::HeatMap;
