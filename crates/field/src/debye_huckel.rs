@@ -11,7 +11,7 @@
 
 use crate::grid::{Grid, ScalarField};
 use crate::point_charges::{PointCharges, Source};
-use crate::poisson_boltzmann::{ChargedSphere, Medium};
+use crate::poisson_boltzmann::{ChargedSphere, DielectricModel};
 use protomer_kernel::Vec3;
 use rayon::prelude::*;
 
@@ -23,9 +23,9 @@ pub struct Superposition {
 }
 
 impl Superposition {
-    /// The potentials of these spheres in this medium.
-    pub fn new(spheres: &[ChargedSphere], medium: &Medium) -> Self {
-        Self::with_reach(spheres, medium, |sphere| sphere.radius_angstrom)
+    /// The potentials of these spheres in the solvent.
+    pub fn new(spheres: &[ChargedSphere], dielectric: &DielectricModel) -> Self {
+        Self::with_reach(spheres, dielectric, |sphere| sphere.radius_angstrom)
     }
 
     /// Like [`new`](Superposition::new), with all charges on one sphere around the whole: for
@@ -33,27 +33,27 @@ impl Superposition {
     /// charge to the ions around the solute.
     pub(crate) fn of_solute(
         spheres: &[ChargedSphere],
-        medium: &Medium,
+        dielectric: &DielectricModel,
         reach_angstrom: f64,
     ) -> Self {
-        Self::with_reach(spheres, medium, |_| reach_angstrom)
+        Self::with_reach(spheres, dielectric, |_| reach_angstrom)
     }
 
     /// Strengths are λ_B q exp(κ b) / (1 + κ b), with b from `reach` (Å) and the radius of ions.
     fn with_reach(
         spheres: &[ChargedSphere],
-        medium: &Medium,
+        dielectric: &DielectricModel,
         reach: impl Fn(&ChargedSphere) -> f64,
     ) -> Self {
         let (kappa, bjerrum) = (
-            medium.kappa_per_angstrom(),
-            medium.solvent_bjerrum_angstrom(),
+            dielectric.electrolyte.inverse_debye_length_per_angstrom(),
+            dielectric.electrolyte.bjerrum_length_angstrom(),
         );
         let sources = spheres
             .iter()
             .filter(|sphere| sphere.charge_e != 0.0)
             .map(|sphere| {
-                let b = reach(sphere) + medium.ion_radius_angstrom;
+                let b = reach(sphere) + dielectric.ion_radius_angstrom;
                 Source {
                     place: sphere.centre,
                     strength: bjerrum * sphere.charge_e * (kappa * b).exp() / (1.0 + kappa * b),

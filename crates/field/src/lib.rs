@@ -36,6 +36,8 @@ pub mod voxels;
 
 pub use error::{FieldError, Result};
 pub use grid::{Grid, ScalarField};
-pub use poisson_boltzmann::{Boundary, ChargedSphere, Medium, Potential, SolveSettings, solve};
+pub use poisson_boltzmann::{
+    Boundary, ChargedSphere, DielectricModel, Potential, SolveSettings, solve,
+};
 pub use surface::SurfaceDefinition;
 pub use voxels::PotentialModel;

@@ -24,10 +24,8 @@ use crate::point_charges::{PointCharges, Source};
 use crate::surface::{SurfaceDefinition, bounds, surface_of};
 use crate::{FieldError, Result};
 use protomer_body::surface::ImplicitSolid;
-use protomer_kernel::units::NUMBER_DENSITY_PER_MOLAR;
-use protomer_kernel::{Conditions, Vec3};
+use protomer_kernel::{Electrolyte, Vec3};
 use rayon::prelude::*;
-use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
 /// An atom: a sphere with a charge at its centre.
@@ -41,11 +39,11 @@ pub struct ChargedSphere {
     pub charge_e: f64,
 }
 
-/// What is inside and outside the surface.
+/// The dielectric model of a solver: what is inside and outside the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Medium {
-    /// Temperature, salt, and the permittivity of the solvent.
-    pub conditions: Conditions,
+pub struct DielectricModel {
+    /// The solvent and its salt.
+    pub electrolyte: Electrolyte,
     /// Relative permittivity inside the surface.
     pub inner_permittivity: f64,
     /// Which surface that is.
@@ -56,36 +54,17 @@ pub struct Medium {
     pub ion_radius_angstrom: f64,
 }
 
-impl Medium {
-    /// Proteins in this solvent: permittivity 2 inside the solvent-excluded surface of a probe of
-    /// 1.4 Å, ions of 2 Å.
-    pub fn new(conditions: Conditions) -> Self {
+impl DielectricModel {
+    /// Proteins in this electrolyte: permittivity 2 inside the solvent-excluded surface of a probe
+    /// of 1.4 Å, ions of 2 Å.
+    pub fn new(electrolyte: Electrolyte) -> Self {
         Self {
-            conditions,
+            electrolyte,
             inner_permittivity: 2.0,
             surface: SurfaceDefinition::SolventExcluded,
             probe_angstrom: 1.4,
             ion_radius_angstrom: 2.0,
         }
-    }
-
-    /// l = e²/(4π ε₀ kT), Å.
-    pub fn vacuum_bjerrum_angstrom(&self) -> f64 {
-        self.solvent_bjerrum_angstrom() * self.conditions.relative_permittivity
-    }
-
-    /// λ_B of the solvent, Å.
-    pub fn solvent_bjerrum_angstrom(&self) -> f64 {
-        self.conditions.bjerrum_length_angstrom()
-    }
-
-    /// κ = (8π λ_B c)^½, 1/Å.
-    pub fn kappa_per_angstrom(&self) -> f64 {
-        (8.0 * PI
-            * self.solvent_bjerrum_angstrom()
-            * NUMBER_DENSITY_PER_MOLAR
-            * self.conditions.salt_molar)
-            .sqrt()
     }
 }
 
@@ -158,14 +137,15 @@ pub struct Potential {
 /// Solves for the potential of these spheres.
 ///
 /// ```
-/// use protomer_field::{ChargedSphere, Medium, SolveSettings, solve};
-/// use protomer_kernel::{Conditions, Vec3};
+/// use protomer_field::{ChargedSphere, DielectricModel, SolveSettings, solve};
+/// use protomer_kernel::{Electrolyte, Vec3};
 /// // Born's ion: -l q²/(2 a) (1/ε_in - 1/ε_out).
-/// let mut medium = Medium::new(Conditions::with_permittivity(298.15, 0.0, 7.0, 78.54)?);
-/// medium.inner_permittivity = 1.0;
+/// let mut dielectric = DielectricModel::new(Electrolyte::new(298.15, 0.0, 78.54)?);
+/// dielectric.inner_permittivity = 1.0;
 /// let ion = ChargedSphere { centre: Vec3::zeros(), radius_angstrom: 3.0, charge_e: 1.0 };
-/// let solved = solve(&[ion], &medium, &SolveSettings::default())?;
-/// let born = -medium.vacuum_bjerrum_angstrom() / 6.0 * (1.0 - 1.0 / 78.54);
+/// let solved = solve(&[ion], &dielectric, &SolveSettings::default())?;
+/// let bjerrum = dielectric.electrolyte.vacuum_bjerrum_length_angstrom();
+/// let born = -bjerrum / 6.0 * (1.0 - 1.0 / 78.54);
 /// assert!((solved.solvation_energy_kt / born - 1.0).abs() < 0.01);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -176,22 +156,22 @@ pub struct Potential {
 /// iteration fails.
 pub fn solve(
     spheres: &[ChargedSphere],
-    medium: &Medium,
+    dielectric: &DielectricModel,
     settings: &SolveSettings,
 ) -> Result<Potential> {
-    check(spheres, medium, settings)?;
-    let solid = surface_of(spheres, medium)?;
+    check(spheres, dielectric, settings)?;
+    let solid = surface_of(spheres, dielectric)?;
     check_charges(spheres, &*solid)?;
     let fine = grid_around(spheres, settings)?;
     if settings.boundary == Boundary::ScreenedAtoms {
         let atoms = Superposition::new(
             spheres,
-            &Medium {
+            &DielectricModel {
                 ion_radius_angstrom: 0.0,
-                ..*medium
+                ..*dielectric
             },
         );
-        return solve_on(fine, spheres, medium, &*solid, settings, |place| {
+        return solve_on(fine, spheres, dielectric, &*solid, settings, |place| {
             atoms.at(place)
         });
     }
@@ -209,16 +189,20 @@ pub fn solve(
     )?;
     check_memory(&coarse, settings)?;
     let size = 0.25 * (high - low).sum() / 1.5;
-    let far = Superposition::of_solute(spheres, medium, size);
-    let wide = solve_on(coarse, spheres, medium, &*solid, settings, |place| {
+    let far = Superposition::of_solute(spheres, dielectric, size);
+    let wide = solve_on(coarse, spheres, dielectric, &*solid, settings, |place| {
         far.at(place)
     })?;
-    solve_on(fine, spheres, medium, &*solid, settings, |place| {
+    solve_on(fine, spheres, dielectric, &*solid, settings, |place| {
         wide.reduced.at(place).unwrap_or(0.0)
     })
 }
 
-fn check(spheres: &[ChargedSphere], medium: &Medium, settings: &SolveSettings) -> Result<()> {
+fn check(
+    spheres: &[ChargedSphere],
+    dielectric: &DielectricModel,
+    settings: &SolveSettings,
+) -> Result<()> {
     if spheres.is_empty() {
         return Err(FieldError::BadInput(
             "there are no atoms; give at least one".into(),
@@ -228,20 +212,25 @@ fn check(spheres: &[ChargedSphere], medium: &Medium, settings: &SolveSettings) -
     check_ranges([
         (
             "inner permittivity",
-            medium.inner_permittivity,
+            dielectric.inner_permittivity,
             1.0..=1000.0,
             "1 to 1000",
         ),
         (
             "outer permittivity",
-            medium.conditions.relative_permittivity,
+            dielectric.electrolyte.relative_permittivity(),
             1.0..=1000.0,
             "1 to 1000",
         ),
-        ("probe", medium.probe_angstrom, 0.1..=20.0, "0.1 to 20 Å"),
+        (
+            "probe",
+            dielectric.probe_angstrom,
+            0.1..=20.0,
+            "0.1 to 20 Å",
+        ),
         (
             "ion radius",
-            medium.ion_radius_angstrom,
+            dielectric.ion_radius_angstrom,
             0.0..=20.0,
             "0 to 20 Å",
         ),
@@ -354,20 +343,20 @@ fn check_charges(spheres: &[ChargedSphere], solid: &dyn ImplicitSolid) -> Result
 fn solve_on(
     grid: Grid,
     spheres: &[ChargedSphere],
-    medium: &Medium,
+    dielectric: &DielectricModel,
     solid: &dyn ImplicitSolid,
     settings: &SolveSettings,
     boundary: impl Fn(&Vec3) -> f64 + Sync,
 ) -> Result<Potential> {
     let (inner, outer) = (
-        medium.inner_permittivity,
-        medium.conditions.relative_permittivity,
+        dielectric.inner_permittivity,
+        dielectric.electrolyte.relative_permittivity(),
     );
     // On a coarse grid a box can be larger than what the surface's distances tell: then the spheres
     // themselves keep ions out.
     let by_spheres =
-        medium.ion_radius_angstrom > 0.0 || grid.spacing_angstrom > LARGEST_SPACING_ANGSTROM;
-    let gap = by_spheres.then(|| ion_gap(&grid, spheres, medium.ion_radius_angstrom));
+        dielectric.ion_radius_angstrom > 0.0 || grid.spacing_angstrom > LARGEST_SPACING_ANGSTROM;
+    let gap = by_spheres.then(|| ion_gap(&grid, spheres, dielectric.ion_radius_angstrom));
     let DielectricMap {
         inside,
         edges,
@@ -375,7 +364,7 @@ fn solve_on(
     } = DielectricMap::new(&grid, solid, inner, outer, gap.as_deref());
     drop(gap);
     let h = grid.spacing_angstrom;
-    let per_part = outer * (medium.kappa_per_angstrom() * h).powi(2);
+    let per_part = outer * (dielectric.electrolyte.inverse_debye_length_per_angstrom() * h).powi(2);
     let mass: Vec<f32> = accessible
         .par_iter()
         .map(|part| (per_part * f64::from(*part)) as f32)
@@ -391,7 +380,8 @@ fn solve_on(
         .iter()
         .map(|charge| Source {
             place: charge.centre,
-            strength: medium.vacuum_bjerrum_angstrom() / inner * charge.charge_e,
+            strength: dielectric.electrolyte.vacuum_bjerrum_length_angstrom() / inner
+                * charge.charge_e,
             least_distance_angstrom: NEAREST_ANGSTROM,
         })
         .collect();

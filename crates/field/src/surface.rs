@@ -1,6 +1,6 @@
 //! The surface that separates the solute from the solvent, by either of the usual definitions.
 
-use crate::poisson_boltzmann::{ChargedSphere, Medium};
+use crate::poisson_boltzmann::{ChargedSphere, DielectricModel};
 use crate::{FieldError, Result};
 use protomer_body::surface::{Arrangement, ImplicitSolid, SesSolid};
 use protomer_kernel::cells::CellList;
@@ -23,16 +23,19 @@ pub enum SurfaceDefinition {
 ///
 /// # Errors
 /// [`FieldError::BadInput`] if none has, [`FieldError::Body`] for spheres without a surface.
-pub fn surface_of(spheres: &[ChargedSphere], medium: &Medium) -> Result<Box<dyn ImplicitSolid>> {
-    let grown = if medium.surface == SurfaceDefinition::SolventAccessible {
-        medium.probe_angstrom
+pub fn surface_of(
+    spheres: &[ChargedSphere],
+    dielectric: &DielectricModel,
+) -> Result<Box<dyn ImplicitSolid>> {
+    let grown = if dielectric.surface == SurfaceDefinition::SolventAccessible {
+        dielectric.probe_angstrom
     } else {
         0.0
     };
     let (centres, radii) = solid_spheres(spheres, grown)?;
-    Ok(match medium.surface {
+    Ok(match dielectric.surface {
         SurfaceDefinition::SolventExcluded => {
-            Box::new(excluded(&centres, &radii, medium.probe_angstrom)?)
+            Box::new(excluded(&centres, &radii, dielectric.probe_angstrom)?)
         }
         SurfaceDefinition::VanDerWaals | SurfaceDefinition::SolventAccessible => {
             Box::new(SphereUnion::new(centres, radii)?)
@@ -159,7 +162,7 @@ impl ImplicitSolid for SphereUnion {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use protomer_kernel::Conditions;
+    use protomer_kernel::Electrolyte;
     use protomer_kernel::random::CounterRng;
 
     #[test]
@@ -173,13 +176,13 @@ mod tests {
             charge_e: 0.0,
         };
         let spheres: Vec<ChargedSphere> = (0..200).map(|_| sphere(place(10.0))).collect();
-        let mut medium = Medium::new(Conditions::new(298.15, 0.1, 7.0).unwrap());
+        let mut dielectric = DielectricModel::new(Electrolyte::in_water(298.15, 0.1).unwrap());
         for (definition, grown) in [
             (SurfaceDefinition::VanDerWaals, 0.0),
             (SurfaceDefinition::SolventAccessible, 1.4),
         ] {
-            medium.surface = definition;
-            let solid = surface_of(&spheres, &medium).unwrap();
+            dielectric.surface = definition;
+            let solid = surface_of(&spheres, &dielectric).unwrap();
             for _ in 0..2000 {
                 let point = place(14.0);
                 let slow =

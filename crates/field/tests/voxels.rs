@@ -17,15 +17,15 @@ use protomer_field::voxels::shell::occupied;
 use protomer_field::voxels::{
     Channel, Lattice, PotentialModel, VoxelAtom, VoxelSettings, voxelise,
 };
-use protomer_field::{ChargedSphere, Medium, SolveSettings};
+use protomer_field::{ChargedSphere, DielectricModel, SolveSettings};
 use protomer_io::gzip::read_maybe_gzip_from;
 use protomer_kernel::random::CounterRng;
-use protomer_kernel::{Conditions, Rotation, Vec3};
+use protomer_kernel::{Electrolyte, Rotation, Vec3};
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-fn medium() -> Medium {
-    Medium::new(Conditions::new(298.15, 0.15, 7.0).unwrap())
+fn dielectric() -> DielectricModel {
+    DielectricModel::new(Electrolyte::in_water(298.15, 0.15).unwrap())
 }
 
 fn atom(centre: Vec3, radius_angstrom: f64, charge_e: f64) -> VoxelAtom {
@@ -69,7 +69,7 @@ fn a_ball_is_where_its_radius_says() {
     let lattice = Lattice::new(32, 0.75).unwrap();
     let settings = VoxelSettings {
         channels: vec![Channel::Shape, Channel::Solid],
-        ..VoxelSettings::new(medium())
+        ..VoxelSettings::new(dielectric())
     };
     let radius = 8.0;
     let voxels = voxelise(
@@ -113,14 +113,14 @@ fn a_ball_is_where_its_radius_says() {
 #[test]
 fn a_charged_ball_has_the_potential_of_debye_and_hueckel_on_its_surface() {
     let (radius, charge) = (8.0, 5.0);
-    let medium = medium();
+    let dielectric = dielectric();
     let lattice = Lattice::new(32, 1.0).unwrap();
     let on_surface = |potential, spacing_angstrom| {
         let channels = vec![Channel::Shape, Channel::Potential];
         let settings = VoxelSettings {
             channels,
             potential,
-            ..VoxelSettings::new(medium)
+            ..VoxelSettings::new(dielectric)
         };
         let settings = VoxelSettings {
             solve: SolveSettings {
@@ -137,10 +137,10 @@ fn a_charged_ball_has_the_potential_of_debye_and_hueckel_on_its_surface() {
     };
     // Between the ball and the ions at b: φ = λ_B q (1/r - 1/b + 1/(b (1 + κb))).
     let (kappa, b) = (
-        medium.kappa_per_angstrom(),
-        radius + medium.ion_radius_angstrom,
+        dielectric.electrolyte.inverse_debye_length_per_angstrom(),
+        radius + dielectric.ion_radius_angstrom,
     );
-    let strength = medium.solvent_bjerrum_angstrom() * charge;
+    let strength = dielectric.electrolyte.bjerrum_length_angstrom() * charge;
     let solved = strength * (1.0 / radius - 1.0 / b + 1.0 / (b * (1.0 + kappa * b)));
     // A plane is fitted where φ bends by φ'' = 2 λ_B q / r³: at 1 Å that is some 2 %, the solve
     // adds its own; both fall with the square of the spacing.
@@ -199,7 +199,7 @@ fn the_potential_on_a_protein_solved_at_one_angstrom_is_that_of_a_finer_grid() {
     let on_surface = |spacing_angstrom| {
         let settings = VoxelSettings {
             channels: vec![Channel::Potential],
-            ..VoxelSettings::new(medium())
+            ..VoxelSettings::new(dielectric())
         };
         let settings = VoxelSettings {
             solve: SolveSettings {
@@ -341,7 +341,7 @@ fn hydropathy_is_the_mean_over_residues_within_reach() {
 #[test]
 fn a_quarter_turn_of_the_atoms_turns_the_voxels() {
     let lattice = Lattice::new(32, 1.0).unwrap();
-    let settings = VoxelSettings::new(medium());
+    let settings = VoxelSettings::new(dielectric());
     let voxels_of = |rotation: &Rotation| {
         let mut atoms = clump(4, 80);
         for (number, atom) in atoms.iter_mut().enumerate() {
@@ -399,7 +399,7 @@ fn what_makes_no_sense_is_refused() {
             && Lattice::new(64, f64::NAN).is_err()
     );
     let lattice = Lattice::new(16, 1.0).unwrap();
-    let settings = VoxelSettings::new(medium());
+    let settings = VoxelSettings::new(dielectric());
     let refusal = |atoms: &[VoxelAtom], settings: &VoxelSettings| {
         voxelise(atoms, &[], &lattice, settings)
             .unwrap_err()

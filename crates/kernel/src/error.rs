@@ -33,3 +33,20 @@ pub enum KernelError {
 
 /// The result of a kernel operation.
 pub type Result<T> = std::result::Result<T, KernelError>;
+
+/// `Ok` if `value` is finite and `holds`, otherwise the error that names the quantity.
+pub(crate) fn require(
+    quantity: &'static str,
+    value: f64,
+    requirement: &'static str,
+    holds: bool,
+) -> Result<()> {
+    if value.is_finite() && holds {
+        return Ok(());
+    }
+    Err(KernelError::OutOfRange {
+        quantity,
+        value,
+        requirement,
+    })
+}

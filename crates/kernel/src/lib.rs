@@ -2,7 +2,8 @@
 //!
 //! | module | one idea |
 //! |---|---|
-//! | [`units`] | physical constants, [`Conditions`], Bjerrum and Debye lengths |
+//! | [`units`] | physical constants |
+//! | [`electrolyte`] | a salt solution and its Bjerrum and Debye lengths |
 //! | [`pose`] | rigid motions: where a body is and how it is turned |
 //! | [`boundary`] | the space bodies live in: open, periodic, or a spherical wall |
 //! | [`mesh`] | closed triangle meshes, their topology and mass properties |
@@ -17,6 +18,7 @@
 
 pub mod boundary;
 pub mod cells;
+pub mod electrolyte;
 mod error;
 pub mod mesh;
 pub mod overlap;
@@ -28,11 +30,11 @@ pub mod statistics;
 pub mod units;
 
 pub use boundary::Boundary;
+pub use electrolyte::Electrolyte;
 pub use error::{KernelError, Result};
 pub use mesh::TriangleMesh;
 pub use overlap::CollisionShape;
 pub use pose::{Pose, RelativePose};
-pub use units::Conditions;
 
 /// A point or a displacement in three dimensions, Å.
 pub type Vec3 = nalgebra::Vector3<f64>;

@@ -1,7 +1,7 @@
 //! Radial pair potentials.
 
-use crate::units::require;
-use crate::{Conditions, Result};
+use crate::error::require;
+use crate::{Electrolyte, Result};
 use serde::{Deserialize, Serialize};
 
 /// The screened Coulomb potential between point charges, cut and not shifted (Ramasubramani's
@@ -61,13 +61,14 @@ impl Yukawa {
         })
     }
 
-    /// The potential under these conditions.
+    /// The potential in this electrolyte.
     ///
     /// # Errors
     /// As [`Yukawa::new`].
-    pub fn from_conditions(conditions: &Conditions, cutoff_angstrom: f64) -> Result<Self> {
-        let kappa = conditions.debye_length_angstrom().recip();
-        Self::new(conditions.bjerrum_length_angstrom(), kappa, cutoff_angstrom)
+    pub fn in_electrolyte(electrolyte: &Electrolyte, cutoff_angstrom: f64) -> Result<Self> {
+        let bjerrum = electrolyte.bjerrum_length_angstrom();
+        let kappa = electrolyte.inverse_debye_length_per_angstrom();
+        Self::new(bjerrum, kappa, cutoff_angstrom)
     }
 
     /// Energy of two unit charges at this distance (Å), kT; multiply by the product of the charges.
@@ -139,12 +140,12 @@ mod tests {
 
     #[test]
     fn without_salt_it_is_coulomb() {
-        let conditions = Conditions::new(298.15, 0.0, 7.0).unwrap();
-        let coulomb = Yukawa::from_conditions(&conditions, f64::INFINITY).unwrap();
+        let water = Electrolyte::in_water(298.15, 0.0).unwrap();
+        let coulomb = Yukawa::in_electrolyte(&water, f64::INFINITY).unwrap();
         assert_eq!(coulomb.inverse_debye_length_per_angstrom, 0.0);
         assert_eq!(
             coulomb.energy_kt(1000.0),
-            conditions.bjerrum_length_angstrom() / 1000.0
+            water.bjerrum_length_angstrom() / 1000.0
         );
     }
 

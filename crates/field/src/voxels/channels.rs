@@ -5,7 +5,7 @@ use super::lattice::Lattice;
 use super::outer::at_surface;
 use super::shell::{Occupied, occupied};
 use crate::debye_huckel::Superposition;
-use crate::poisson_boltzmann::{ChargedSphere, Medium, SolveSettings, solve};
+use crate::poisson_boltzmann::{ChargedSphere, DielectricModel, SolveSettings, solve};
 use crate::surface::solvent_excluded;
 use crate::{FieldError, Result};
 use protomer_body::surface::{ImplicitSolid, SesSolid};
@@ -77,7 +77,7 @@ pub struct VoxelSettings {
     /// Which potential.
     pub potential: PotentialModel,
     /// Salt, temperature, permittivities; the probe of the surface.
-    pub medium: Medium,
+    pub dielectric: DielectricModel,
     /// How the Poisson-Boltzmann equation is solved.
     pub solve: SolveSettings,
     /// Residues with an atom this near to a voxel's centre count for its hydropathy, Å.
@@ -85,9 +85,9 @@ pub struct VoxelSettings {
 }
 
 impl VoxelSettings {
-    /// Shape, potential and hydropathy in this medium: the equation solved at 1 Å to 1e-4 (values
+    /// Shape, potential and hydropathy with this model: the equation solved at 1 Å to 1e-4 (values
     /// are kept to three digits), residues within 5 Å averaged.
-    pub fn new(medium: Medium) -> Self {
+    pub fn new(dielectric: DielectricModel) -> Self {
         let solve = SolveSettings {
             spacing_angstrom: 1.0,
             relative_tolerance: 1e-4,
@@ -96,7 +96,7 @@ impl VoxelSettings {
         Self {
             channels: vec![Channel::Shape, Channel::Potential, Channel::Hydropathy],
             potential: PotentialModel::default(),
-            medium,
+            dielectric,
             solve,
             hydropathy_reach_angstrom: 5.0,
         }
@@ -169,7 +169,7 @@ pub fn voxelise(
         });
     }
     let spheres: Vec<ChargedSphere> = atoms.iter().map(|atom| atom.sphere).collect();
-    let solid = solvent_excluded(&spheres, settings.medium.probe_angstrom)?;
+    let solid = solvent_excluded(&spheres, settings.dielectric.probe_angstrom)?;
     let (low, high) = bounds(atoms);
     let reach = low.amax().max(high.amax());
     if reach > 0.5 * lattice.room_angstrom() {
@@ -235,14 +235,14 @@ fn potential(
         .collect();
     Ok(match settings.potential {
         PotentialModel::DebyeHueckel => {
-            let superposition = Superposition::new(spheres, &settings.medium);
+            let superposition = Superposition::new(spheres, &settings.dielectric);
             places
                 .par_iter()
                 .map(|place| superposition.at(place))
                 .collect()
         }
         PotentialModel::PoissonBoltzmann => {
-            let solved = solve(spheres, &settings.medium, &settings.solve)?;
+            let solved = solve(spheres, &settings.dielectric, &settings.solve)?;
             at_surface(&solved, solid, &places)
         }
     })
