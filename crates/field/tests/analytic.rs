@@ -8,7 +8,8 @@
 )]
 
 use protomer_field::{
-    Boundary, ChargedSphere, DielectricModel, Potential, SolveSettings, SurfaceDefinition, solve,
+    BoundaryCondition, ChargedSphere, DielectricModel, Potential, SolveSettings, SurfaceDefinition,
+    solve,
 };
 use protomer_io::pqr::read_pqr;
 use protomer_kernel::random::CounterRng;
@@ -232,10 +233,10 @@ fn the_potential_outside_a_protein_is_that_of_another_program() {
     // With the coarse grid's boundary values, which do not depend on the margin, the difference is
     // the error of the other's.
     for (salt, name, boundary, most) in [
-        (0.1, "100", Boundary::ScreenedAtoms, 0.012),
-        (0.3, "300", Boundary::ScreenedAtoms, 0.012),
-        (0.1, "100", Boundary::CoarseGrid, 0.027),
-        (0.3, "300", Boundary::CoarseGrid, 0.017),
+        (0.1, "100", BoundaryCondition::ScreenedAtoms, 0.012),
+        (0.3, "300", BoundaryCondition::ScreenedAtoms, 0.012),
+        (0.1, "100", BoundaryCondition::CoarseGrid, 0.027),
+        (0.3, "300", BoundaryCondition::CoarseGrid, 0.017),
     ] {
         let dielectric = DielectricModel::new(water(salt));
         let solved = solve(
@@ -296,9 +297,9 @@ fn boundary_values_do_not_depend_on_the_margin() {
         (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / size).sqrt()
     };
     // 32 Å more keep the points of the grid where they are.
-    let far = potentials(42.0, Boundary::CoarseGrid);
-    let near = difference(&potentials(10.0, Boundary::CoarseGrid), &far);
-    let atoms = difference(&potentials(10.0, Boundary::ScreenedAtoms), &far);
+    let far = potentials(42.0, BoundaryCondition::CoarseGrid);
+    let near = difference(&potentials(10.0, BoundaryCondition::CoarseGrid), &far);
+    let atoms = difference(&potentials(10.0, BoundaryCondition::ScreenedAtoms), &far);
     eprintln!("coarse grid {near:.4}, screened atoms {atoms:.4}");
     assert!(near < 0.005, "{near}");
     assert!(atoms > 2.0 * near, "{atoms}");
@@ -413,7 +414,7 @@ fn a_coarse_boundary_without_an_ion_layer_is_right() {
     };
     let settings = SolveSettings {
         spacing_angstrom: 0.8,
-        boundary: Boundary::CoarseGrid,
+        boundary: BoundaryCondition::CoarseGrid,
         ..SolveSettings::default()
     };
     let solved = solve(&[ion], &dielectric, &settings).unwrap();

@@ -5,7 +5,7 @@ use crate::input::InputFile;
 use crate::surface_of_file::read_sites;
 use anyhow::{Context, Result, bail};
 use protomer_field::debye_huckel::Superposition;
-use protomer_field::poisson_boltzmann::grid_around;
+use protomer_field::poisson_boltzmann::{error_estimate_kt, grid_around};
 use protomer_field::{
     ChargedSphere, DielectricModel, Grid, PotentialModel, ScalarField, SolveSettings, solve,
 };
@@ -16,11 +16,6 @@ use protomer_kernel::units::kilojoule_per_mol_per_kt;
 use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
-
-/// The second grid, for the error, is this many times coarser,
-const SECOND_SPACING: f64 = 1.4;
-/// or finer where that would be too coarse, Å.
-const COARSEST_ANGSTROM: f64 = 1.1;
 
 /// What is known of a potential.
 #[derive(Debug, Clone, Serialize)]
@@ -188,37 +183,6 @@ fn solved(
     })
 }
 
-/// The error of an energy E(h) from that at a second spacing, as for one that falls with the square
-/// of the spacing:
-///
-/// δ = |E(s h) - E(h)| / |s² - 1|.
-///
-/// It is the size to expect: how the two grids happen to cut the surface makes single estimates too
-/// small or too large.
-fn error_estimate_kt(
-    spheres: &[ChargedSphere],
-    dielectric: &DielectricModel,
-    settings: &SolveSettings,
-    energy_kt: f64,
-) -> Result<f64> {
-    let coarser = SECOND_SPACING * settings.spacing_angstrom <= COARSEST_ANGSTROM;
-    let scale = if coarser {
-        SECOND_SPACING
-    } else {
-        1.0 / SECOND_SPACING
-    };
-    let spacing_angstrom = scale * settings.spacing_angstrom;
-    let second = solve(
-        spheres,
-        dielectric,
-        &SolveSettings {
-            spacing_angstrom,
-            ..*settings
-        },
-    )?;
-    Ok((second.solvation_energy_kt - energy_kt).abs() / (scale * scale - 1.0).abs())
-}
-
 fn superposed(
     spheres: &[ChargedSphere],
     dielectric: &DielectricModel,
@@ -285,39 +249,6 @@ mod tests {
         for line in ["1 2 3 hello", "nan 0 0", "0 inf 0", "1 2", "hello"] {
             let message = read(&format!("0 0 0\n{line}\n")).unwrap_err().to_string();
             assert!(message.contains(&format!("line 2: '{line}'")), "{message}");
-        }
-    }
-
-    #[test]
-    fn the_estimate_is_what_a_second_order_error_leaves_between_two_grids() {
-        let electrolyte = protomer_kernel::Electrolyte::new(298.15, 0.0, 78.54).unwrap();
-        let dielectric = DielectricModel {
-            inner_permittivity: 1.0,
-            ..DielectricModel::new(electrolyte)
-        };
-        let ion = [ChargedSphere {
-            centre: Vec3::zeros(),
-            radius_angstrom: 2.0,
-            charge_e: 1.0,
-        }];
-        let at = |spacing_angstrom| SolveSettings {
-            spacing_angstrom,
-            ..SolveSettings::default()
-        };
-        let energy = |spacing| {
-            solve(&ion, &dielectric, &at(spacing))
-                .unwrap()
-                .solvation_energy_kt
-        };
-        // c h² at both: the coarser differs by 0.96 c h², the finer by (1 - 1/1.96) c h².
-        for (spacing, second, share) in [(0.6, 0.84, 0.96), (0.9, 0.9 / 1.4, 1.0 - 1.0 / 1.96)] {
-            let expected = (energy(second) - energy(spacing)).abs() / share;
-            let estimate =
-                error_estimate_kt(&ion, &dielectric, &at(spacing), energy(spacing)).unwrap();
-            assert!(
-                (estimate / expected - 1.0).abs() < 1e-9,
-                "{estimate} {expected}"
-            );
         }
     }
 }

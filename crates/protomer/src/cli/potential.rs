@@ -6,7 +6,7 @@ use crate::potential::{PotentialReport, potential_of_file, read_places, volume};
 use crate::quantity;
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
-use protomer_field::{Boundary, DielectricModel, SolveSettings, SurfaceDefinition};
+use protomer_field::{BoundaryCondition, DielectricModel, SolveSettings, SurfaceDefinition};
 use protomer_io::atomic::write_atomically;
 use protomer_io::volume::{dx::write_dx, mrc::write_mrc, write_volume_npz};
 use protomer_kernel::Electrolyte;
@@ -123,8 +123,8 @@ impl PotentialArgs {
             spacing_angstrom: self.spacing,
             margin_angstrom: self.margin,
             boundary: match self.boundary {
-                BoundaryValues::ScreenedAtoms => Boundary::ScreenedAtoms,
-                BoundaryValues::CoarseGrid => Boundary::CoarseGrid,
+                BoundaryValues::ScreenedAtoms => BoundaryCondition::ScreenedAtoms,
+                BoundaryValues::CoarseGrid => BoundaryCondition::CoarseGrid,
             },
             ..SolveSettings::default()
         };

@@ -5,7 +5,7 @@ use super::row::Row;
 use super::settings::VoxelizeSettings;
 use super::work::FORMAT;
 use anyhow::Result;
-use protomer_field::Boundary;
+use protomer_field::BoundaryCondition;
 use protomer_field::voxels::{Channel, PotentialModel, VoxelSettings};
 use protomer_io::atomic::sha256_hex;
 use serde_json::{Value, json};
@@ -25,8 +25,8 @@ pub(super) fn fixed_conditions(settings: &VoxelizeSettings) -> Result<Value> {
         dielectric, solve, ..
     } = settings.voxel_settings()?;
     let boundary = match solve.boundary {
-        Boundary::ScreenedAtoms => "screened-atoms",
-        Boundary::CoarseGrid => "coarse-grid",
+        BoundaryCondition::ScreenedAtoms => "screened-atoms",
+        BoundaryCondition::CoarseGrid => "coarse-grid",
     };
     Ok(json!({
         "inner_permittivity": dielectric.inner_permittivity,
