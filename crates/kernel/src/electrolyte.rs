@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_is_refused_by_name() {
+    fn quantities_out_of_range_are_refused() {
         for (temperature, salt, permittivity) in [
             (-1.0, 0.1, 78.0),
             (298.15, -0.1, 78.0),

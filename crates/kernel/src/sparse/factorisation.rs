@@ -65,15 +65,7 @@ pub(super) fn factor_fronts(
     for front in &symbolic.fronts {
         let shape = front.shape;
         let panel = &mut values[front.tiles()];
-        panel.fill(0.0);
-        for &(entry, at) in &symbolic.assembly[front.assembly.clone()] {
-            panel[at as usize] = numbers[entry as usize];
-        }
-        let children = &symbolic.children[front.children.clone()];
-        for child in children {
-            let child = &symbolic.fronts[*child as usize];
-            add_to_panel(symbolic, child, shape.columns, left, panel);
-        }
+        assemble(symbolic, front, numbers, left, panel);
         let own = |column: usize| numbers[symbolic.diagonal[front.first + column] as usize];
         let (pivots, inverse) = (&mut pivots[front.own()], &mut inverse[front.own()]);
         if let Err((column, pivot)) =
@@ -85,13 +77,26 @@ pub(super) fn factor_fronts(
         }
         if shape.below() > 0 {
             front::start_left(panel, shape, pivots, &mut left[front.left_over()], packed);
-            for child in children {
+            for child in &symbolic.children[front.children.clone()] {
                 add_to_left(symbolic, &symbolic.fronts[*child as usize], front, left);
             }
         }
         front::invert_triangles(panel, shape);
     }
     Ok(())
+}
+
+/// Fills the tiles of a front with its entries of A and what its children left.
+#[inline(always)]
+fn assemble(symbolic: &Symbolic, front: &Front, numbers: &[f64], left: &[f64], panel: &mut [f64]) {
+    panel.fill(0.0);
+    for &(entry, at) in &symbolic.assembly[front.assembly.clone()] {
+        panel[at as usize] = numbers[entry as usize];
+    }
+    for child in &symbolic.children[front.children.clone()] {
+        let child = &symbolic.fronts[*child as usize];
+        add_to_panel(symbolic, child, front.shape.columns, left, panel);
+    }
 }
 
 /// Adds what a child left in the rows that are the parent's own to the tiles of the parent.
