@@ -1,4 +1,4 @@
-//! Potentials and energies with closed forms, and converged ones computed elsewhere.
+//! Potentials and energies against closed forms and against converged results of other programs.
 
 #![allow(
     clippy::unwrap_used,
@@ -41,11 +41,9 @@ fn kirkwood_kt(charges: &[(f64, f64)], radius: f64, dielectric: &DielectricModel
     let mut sum = 0.0;
     for (z, q) in charges {
         for (y, p) in charges {
-            sum += q
-                * p
-                * (0..200)
-                    .map(|n| term(z * y / (radius * radius), n))
-                    .sum::<f64>();
+            let x = z * y / (radius * radius);
+            let series: f64 = (0..200).map(|n| term(x, n)).sum();
+            sum += q * p * series;
         }
     }
     0.5 * dielectric.electrolyte.vacuum_bjerrum_length_angstrom() / (inner * radius) * sum
@@ -92,16 +90,16 @@ fn spheres_with_charges_off_centre_have_the_energies_of_the_series() {
                 .solvation_energy_kt
         };
         let (coarse, fine) = (energy(0.7), energy(0.5));
-        // What is left depends on where the grid cuts the sphere, not smoothly on the spacing:
-        // extrapolation does not help.
+        // The remaining error depends on where the grid cuts the sphere, not smoothly on the
+        // spacing, so extrapolation does not help.
         let errors = [coarse, fine].map(|e| 100.0 * (e / exact - 1.0));
         eprintln!("a = {radius} {charges:?}: {errors:.3?} %");
         assert!(errors.iter().all(|error| error.abs() < 0.5), "{errors:?}");
     }
 }
 
-/// The error of one energy depends on where the grid cuts the sphere, by more than on the spacing;
-/// the mean over places of the grid is what a finer grid must make smaller, each time.
+/// The error of one energy depends more on where the grid cuts the sphere than on the spacing. A
+/// finer grid must reduce the mean over several places of the grid.
 #[test]
 fn errors_of_energies_fall_with_the_spacing_wherever_the_grid_lies() {
     let mut dielectric = DielectricModel::new(water(0.0));
@@ -114,8 +112,8 @@ fn errors_of_energies_fall_with_the_spacing_wherever_the_grid_lies() {
         let exact = kirkwood_kt(&charges, radius, &dielectric);
         let relative_error = |spacing_angstrom: f64, place: usize| {
             let mut rng = CounterRng::new(1, 0, place as u64);
-            // A point without radius or charge moves the middle of the grid by half of how far it
-            // sticks out.
+            // A point without radius or charge moves the middle of the grid by half the distance
+            // that it sticks out.
             let corner = Vec3::from(std::array::from_fn(|_| {
                 radius + 2.0 * spacing_angstrom * rng.uniform()
             }));
@@ -166,8 +164,8 @@ fn references_with_salt_are_met() {
     for case in cases.as_array().unwrap() {
         let number = |key: &str| case[key].as_f64().unwrap_or(0.0);
         let radius = number("a");
-        // The dipole's reference stops at the fourth term of its series, 20 % short: the test above
-        // has all of them.
+        // The reference of the dipole stops at the fourth term of its series, 20 % short; the tests
+        // above have all terms.
         let dipole = case["case"] == "kirkwood_dipole_pm8z";
         if radius < 2.0 || number("s") > 0.8 * radius || number("I") != 0.1 || dipole {
             continue;
@@ -228,10 +226,10 @@ fn relative_difference(solved: &Potential, file: &Path) -> f64 {
 fn the_potential_outside_a_protein_is_that_of_another_program() {
     let Some(folder) = shared() else { return };
     let spheres = crambin(&folder);
-    // The other program, at 0.25 Å, takes screened atoms for the boundary. With the same here, what
-    // is left is the discretisation and its surface; it moves by 1.3 % itself from 0.5 to 0.25 Å.
-    // With the coarse grid's boundary values, which do not depend on the margin, the difference is
-    // the error of the other's.
+    // The other program ran at 0.25 Å with the potentials of screened atoms on the boundary. With
+    // the same boundary here, the remaining difference is that of discretisation and surface; its
+    // own result changes by 1.3 % from 0.5 to 0.25 Å. The boundary values of a coarse grid hardly
+    // depend on the margin, so the larger difference is the error of the other boundary.
     for (salt, name, boundary, most) in [
         (0.1, "100", BoundaryCondition::ScreenedAtoms, 0.012),
         (0.3, "300", BoundaryCondition::ScreenedAtoms, 0.012),
@@ -239,19 +237,13 @@ fn the_potential_outside_a_protein_is_that_of_another_program() {
         (0.3, "300", BoundaryCondition::CoarseGrid, 0.017),
     ] {
         let dielectric = DielectricModel::new(water(salt));
-        let solved = solve(
-            &spheres,
-            &dielectric,
-            &SolveSettings {
-                boundary,
-                ..SolveSettings::default()
-            },
-        )
-        .unwrap();
-        let relative = relative_difference(
-            &solved,
-            &folder.join(format!("1crn_AMBER_h0.25_I{name}mM_mol_spl2.pot")),
-        );
+        let settings = SolveSettings {
+            boundary,
+            ..SolveSettings::default()
+        };
+        let solved = solve(&spheres, &dielectric, &settings).unwrap();
+        let reference = folder.join(format!("1crn_AMBER_h0.25_I{name}mM_mol_spl2.pot"));
+        let relative = relative_difference(&solved, &reference);
         let energy = solved.solvation_energy_kt * kilojoule_per_mol_per_kt(298.15);
         eprintln!(
             "{name} mM, {boundary:?}: {:.2} % rms, {energy:.1} kJ/mol, {:?}",
@@ -296,7 +288,7 @@ fn boundary_values_do_not_depend_on_the_margin() {
         let size: f64 = b.iter().map(|b| b * b).sum();
         (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / size).sqrt()
     };
-    // 32 Å more keep the points of the grid where they are.
+    // A margin of 32 Å more leaves the points of the grid where they are.
     let far = potentials(42.0, BoundaryCondition::CoarseGrid);
     let near = difference(&potentials(10.0, BoundaryCondition::CoarseGrid), &far);
     let atoms = difference(&potentials(10.0, BoundaryCondition::ScreenedAtoms), &far);
@@ -360,7 +352,7 @@ fn energies_and_outside_potentials_converge_wherever_the_grid_cuts_a_sphere() {
             ];
             for offset in &offsets {
                 let mut spheres = sphere_with(radius, &[(s, 1.0)]);
-                // Not part of the surface; shifts the grid, which is centred on all.
+                // This is not part of the surface, but shifts the grid, which is centred on all.
                 let centre = Vec3::repeat(radius) + 2.0 * spacing_angstrom * offset;
                 spheres.push(ChargedSphere {
                     centre,
@@ -397,8 +389,8 @@ fn energies_and_outside_potentials_converge_wherever_the_grid_cuts_a_sphere() {
     }
 }
 
-/// With the coarse grid's boundary values and ions up to the surface, too: the coarse grid's boxes
-/// are larger than its distances.
+/// The boxes of a coarse grid are larger than the reach of signed distances. The boundary values
+/// from it must be right nevertheless, with ions up to the surface.
 #[test]
 fn a_coarse_boundary_without_an_ion_layer_is_right() {
     let mut dielectric = DielectricModel::new(water(0.05));
@@ -431,7 +423,8 @@ fn a_coarse_boundary_without_an_ion_layer_is_right() {
     }
 }
 
-/// A sphere alone is its own van der Waals surface, and grown by the probe the accessible one.
+/// A single sphere is its own van der Waals surface, and its own accessible surface once it is grown
+/// by the probe.
 #[test]
 fn surfaces_of_a_sphere_have_its_energy() {
     let mut dielectric = DielectricModel::new(water(0.0));
@@ -450,16 +443,12 @@ fn surfaces_of_a_sphere_have_its_energy() {
         (SurfaceDefinition::VanDerWaals, 3.0),
         (SurfaceDefinition::SolventAccessible, 4.4),
     ] {
-        let energy = solve(
-            &[ion],
-            &DielectricModel {
-                surface,
-                ..dielectric
-            },
-            &SolveSettings::default(),
-        )
-        .unwrap()
-        .solvation_energy_kt;
+        let dielectric = DielectricModel {
+            surface,
+            ..dielectric
+        };
+        let solved = solve(&[ion], &dielectric, &SolveSettings::default()).unwrap();
+        let energy = solved.solvation_energy_kt;
         assert!(
             (energy / born(radius) - 1.0).abs() < 0.005,
             "{surface:?}: {energy} instead of {}",
@@ -469,7 +458,7 @@ fn surfaces_of_a_sphere_have_its_energy() {
 }
 
 #[test]
-fn a_box_without_end_is_refused() {
+fn a_huge_box_is_refused() {
     let atom = |x: f64| ChargedSphere {
         centre: Vec3::new(x, x, x),
         radius_angstrom: 2.0,

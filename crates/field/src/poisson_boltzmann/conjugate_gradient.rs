@@ -21,16 +21,10 @@ pub(super) fn solve(
     relative_tolerance: f64,
 ) -> Result<usize> {
     let mut preconditioner = Multigrid::new(a);
-    let mut r = vec![0.0; b.len()];
+    let mut r = residual(a, b, x);
     let mut z = vec![0.0; b.len()];
     let mut p = vec![0.0; b.len()];
     let mut ap = vec![0.0; b.len()];
-    a.apply(x, &mut ap);
-    a.inner_rows(&mut r, |row, start| {
-        for ((r, b), ap) in row.iter_mut().zip(&b[start..]).zip(&ap[start..]) {
-            *r = b - ap;
-        }
-    });
     let start = dot(b, b).max(dot(&r, &r));
     if start == 0.0 {
         return Ok(0);
@@ -58,6 +52,18 @@ pub(super) fn solve(
         iterations: MOST_ITERATIONS,
         relative_residual: (dot(&r, &r) / start).sqrt(),
     })
+}
+
+/// b - A x on the inner points, zero on the faces.
+fn residual(a: &Operator, b: &[f64], x: &[f64]) -> Vec<f64> {
+    let mut residual = vec![0.0; b.len()];
+    a.apply(x, &mut residual);
+    a.inner_rows(&mut residual, |row, start| {
+        for (value, b) in row.iter_mut().zip(&b[start..]) {
+            *value = b - *value;
+        }
+    });
+    residual
 }
 
 /// x += factor · y.

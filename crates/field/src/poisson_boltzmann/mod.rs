@@ -143,7 +143,8 @@ fn check_spheres(spheres: &[ChargedSphere]) -> Result<()> {
         let finite = numbers.iter().all(|number| number.is_finite());
         if !finite || sphere.radius_angstrom < 0.0 {
             return Err(FieldError::BadInput(format!(
-                "atom {index} has a number that makes no sense: {numbers:?}"
+                "atom {index} has an invalid place, radius or charge in {numbers:?}; give finite \
+                 numbers and no negative radius"
             )));
         }
     }
