@@ -153,8 +153,10 @@ pub(super) fn factor_panel(
                 let own = |column: usize| own(first + column);
                 block = PivotBlock::factor(value, lane, count, own)
                     .map_err(|(column, pivot)| (first + column, pivot))?;
-                pivots[first..first + count].copy_from_slice(&block.pivots[..count]);
-                inverse[first..first + count].copy_from_slice(&block.reciprocals[..count]);
+                for c in 0..count {
+                    pivots[first + c] = block.pivots[c];
+                    inverse[first + c] = block.reciprocals[c];
+                }
             }
             block.divide(&mut value, count);
             if tile == diagonal_tile {
@@ -172,13 +174,13 @@ pub(super) fn factor_panel(
 #[inline(always)]
 fn pack_rows(packed: &mut Vec<Packed>, tile: &[Tile], lane: usize, pivots: &[f64]) {
     packed.clear();
-    for (column, pivot) in tile.iter().zip(pivots) {
+    packed.extend(tile.iter().zip(pivots).map(|(column, pivot)| {
         let mut row = [0.0; BLOCK];
         for c in 0..BLOCK {
             row[c] = column[lane + c] * pivot;
         }
-        packed.push(row);
-    }
+        row
+    }));
 }
 
 /// targets - sum.
@@ -340,7 +342,7 @@ pub(super) fn solve_forward(panel: &[f64], shape: Shape, t: &mut [Tile]) {
     let diagonal_tiles = shape.columns.div_ceil(LANES);
     for tile in 0..diagonal_tiles {
         let (known, rest) = t.split_at_mut(tile);
-        solve_tile(columns_of(panel, shape, tile), known, &mut rest[0]);
+        rest[0] = solve_tile(columns_of(panel, shape, tile), known, rest[0]);
     }
     let (own, rest) = t.split_at_mut(diagonal_tiles);
     let own = &own.as_flattened()[..shape.columns];
@@ -363,7 +365,7 @@ pub(super) fn solve_forward(panel: &[f64], shape: Shape, t: &mut [Tile]) {
 
 /// L y = t for the eight rows of a diagonal tile, given y of the rows above.
 #[inline(always)]
-fn solve_tile(columns: &[Tile], known: &[Tile], value: &mut Tile) {
+fn solve_tile(columns: &[Tile], known: &[Tile], mut value: Tile) -> Tile {
     // Two sums, so that one addition need not wait for the other.
     let mut sum = [[0.0; LANES]; 2];
     for (columns, known) in columns.chunks_exact(LANES).zip(known) {
@@ -376,12 +378,13 @@ fn solve_tile(columns: &[Tile], known: &[Tile], value: &mut Tile) {
     for l in 0..LANES {
         value[l] -= sum[0][l] + sum[1][l];
     }
-    let given = *value;
+    let given = value;
     for (column, given) in columns[LANES * known.len()..].iter().zip(&given) {
         for l in 0..LANES {
             value[l] += column[l] * given;
         }
     }
+    value
 }
 
 /// target -= sum.

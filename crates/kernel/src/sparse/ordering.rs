@@ -26,6 +26,7 @@ pub(super) fn nested_dissection(neighbours: &[Vec<usize>], places: &[[f64; 3]]) 
         neighbours,
         places,
         ranks: vec![OUTSIDE; neighbours.len()],
+        sorted_along: None,
     };
     let mut order = Vec::with_capacity(neighbours.len());
     let mut tasks = vec![Task::Divide((0..neighbours.len()).collect())];
@@ -61,9 +62,10 @@ struct Cut {
 struct Divider<'a> {
     neighbours: &'a [Vec<usize>],
     places: &'a [[f64; 3]],
-    /// Ranks along the axis of the last sort of the unknowns in the part; [`OUTSIDE`] for all
-    /// unknowns between divisions.
+    /// Ranks of the unknowns in the part, [`OUTSIDE`] for all others.
     ranks: Vec<u32>,
+    /// The axis along which the part is sorted and ranked.
+    sorted_along: Option<usize>,
 }
 
 impl Divider<'_> {
@@ -84,6 +86,7 @@ impl Divider<'_> {
         for unknown in part {
             self.ranks[unknown] = OUTSIDE;
         }
+        self.sorted_along = None;
         parts
     }
 
@@ -111,8 +114,12 @@ impl Divider<'_> {
             .all(|pair| place(&pair[0]) == place(&pair[1]))
     }
 
-    /// Sorts a part along an axis and ranks it.
+    /// Sorts a part along an axis and ranks it, unless that has been done.
     fn sort(&mut self, part: &mut [usize], axis: usize) {
+        if self.sorted_along == Some(axis) {
+            return;
+        }
+        self.sorted_along = Some(axis);
         let along = |a: &usize, b: &usize| -> Ordering {
             let (at_a, at_b) = (self.places[*a][axis], self.places[*b][axis]);
             at_a.total_cmp(&at_b).then(a.cmp(b))

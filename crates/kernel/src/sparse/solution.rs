@@ -1,6 +1,6 @@
 //! Solutions with L and D, front by front.
 
-use super::front;
+use super::front::{self, LANES};
 use super::ldl::Numbers;
 use super::symbolic::{Front, Symbolic};
 
@@ -35,33 +35,47 @@ fn solve_avx2(symbolic: &Symbolic, work: &mut Numbers, b: &mut [f64]) {
 /// L y = P b, z = D⁻¹ y, Lᵀ P x = z.
 #[inline(always)]
 pub(super) fn solve_fronts(symbolic: &Symbolic, work: &mut Numbers, b: &mut [f64]) {
-    for (target, unknown) in work.permuted.iter_mut().zip(&symbolic.order) {
+    let Numbers {
+        values,
+        inverse,
+        permuted: x,
+        seen,
+        sums,
+        ..
+    } = work;
+    for (target, unknown) in x.iter_mut().zip(&symbolic.order) {
         *target = b[*unknown as usize];
     }
     for front in &symbolic.fronts {
-        solve_forward(symbolic, front, work);
+        let seen = &mut seen[..front.shape.tiles()];
+        solve_forward(symbolic, front, &values[front.tiles()], x, seen);
     }
-    for (x, inverse) in work.permuted.iter_mut().zip(&work.inverse) {
-        *x *= inverse;
+    for (x, inverse) in x.iter_mut().zip(inverse) {
+        *x *= *inverse;
     }
     for front in symbolic.fronts.iter().rev() {
-        solve_backward(symbolic, front, work);
+        let seen = &mut seen[..front.shape.tiles()];
+        solve_backward(symbolic, front, &values[front.tiles()], x, seen, sums);
     }
-    for (value, unknown) in work.permuted.iter().zip(&symbolic.order) {
+    for (value, unknown) in x.iter().zip(&symbolic.order) {
         b[*unknown as usize] = *value;
     }
 }
 
 /// Solves for the own rows of a front and updates the rows below.
 #[inline(always)]
-fn solve_forward(symbolic: &Symbolic, front: &Front, work: &mut Numbers) {
+fn solve_forward(
+    symbolic: &Symbolic,
+    front: &Front,
+    panel: &[f64],
+    x: &mut [f64],
+    seen: &mut [[f64; LANES]],
+) {
     let columns = front.shape.columns;
-    let x = &mut work.permuted;
-    let seen = &mut work.seen[..front.shape.tiles()];
     let flat = seen.as_flattened_mut();
     flat[..columns].copy_from_slice(&x[front.own()]);
     flat[columns..].fill(0.0);
-    front::solve_forward(&work.values[front.tiles()], front.shape, seen);
+    front::solve_forward(panel, front.shape, seen);
     let flat = seen.as_flattened();
     x[front.own()].copy_from_slice(&flat[..columns]);
     for (row, value) in symbolic.rows[front.below()].iter().zip(&flat[columns..]) {
@@ -71,10 +85,15 @@ fn solve_forward(symbolic: &Symbolic, front: &Front, work: &mut Numbers) {
 
 /// Solves for the own rows of a front, given those below.
 #[inline(always)]
-fn solve_backward(symbolic: &Symbolic, front: &Front, work: &mut Numbers) {
+fn solve_backward(
+    symbolic: &Symbolic,
+    front: &Front,
+    panel: &[f64],
+    x: &mut [f64],
+    seen: &mut [[f64; LANES]],
+    sums: &mut Vec<[f64; LANES]>,
+) {
     let columns = front.shape.columns;
-    let x = &mut work.permuted;
-    let seen = &mut work.seen[..front.shape.tiles()];
     let flat = seen.as_flattened_mut();
     flat[..columns].copy_from_slice(&x[front.own()]);
     for (row, value) in symbolic.rows[front.below()]
@@ -84,7 +103,6 @@ fn solve_backward(symbolic: &Symbolic, front: &Front, work: &mut Numbers) {
         *value = x[*row as usize];
     }
     flat[front.shape.height..].fill(0.0);
-    let panel = &work.values[front.tiles()];
-    front::solve_backward(panel, front.shape, seen, &mut work.sums);
+    front::solve_backward(panel, front.shape, seen, sums);
     x[front.own()].copy_from_slice(&seen.as_flattened()[..columns]);
 }
