@@ -1,21 +1,35 @@
-//! Screened charges in a uniform medium.
+//! Screened charges in a uniform solvent.
 //!
-//! A sphere of radius a with charge q in a solvent has, outside its ion-free shell of radius b ≥ a
-//! (Debye and Hückel, Phys. Z. 24, 185 (1923)),
+//! A sphere of radius a with charge q has, outside its ion-free shell of radius b ≥ a (Debye and
+//! Hückel, Phys. Z. 24, 185 (1923)),
 //!
 //! φ(r) = λ_B q exp(-κ (r - b)) / (r (1 + κ b)),
 //!
-//! in kT/e with the Bjerrum length λ_B of the solvent. For many spheres the sum of these is an
-//! approximation that ignores what they displace: good far away, where it serves as boundary value,
-//! and the cheap alternative near by.
+//! in kT/e with the Bjerrum length λ_B of the solvent. For many spheres the sum of these ignores
+//! the solvent that the spheres displace. It is a good approximation far away, where it gives
+//! boundary values, and the cheap alternative near the solute.
 
-use crate::grid::{Grid, ScalarField};
+use crate::charged_sphere::ChargedSphere;
+use crate::dielectric::DielectricModel;
+use crate::grid::{Grid, ScalarField, set_points};
 use crate::point_charges::{PointCharges, Source};
-use crate::poisson_boltzmann::{ChargedSphere, Medium};
 use protomer_kernel::Vec3;
-use rayon::prelude::*;
 
-/// Screened potentials of charged spheres, added up.
+/// The sum of the screened potentials of charged spheres.
+///
+/// ```
+/// use protomer_field::{ChargedSphere, DielectricModel, debye_huckel::Superposition};
+/// use protomer_kernel::{Electrolyte, Vec3};
+/// let saline = Electrolyte::in_water(298.15, 0.1)?;
+/// let ion = ChargedSphere { centre: Vec3::zeros(), radius_angstrom: 2.0, charge_e: 1.0 };
+/// let potential = Superposition::new(&[ion], &DielectricModel::new(saline));
+/// // Ions of 2 Å come as near as b = 4 Å.
+/// let kappa = saline.inverse_debye_length_per_angstrom();
+/// let at_closest_approach = saline.bjerrum_length_angstrom() / (4.0 * (1.0 + 4.0 * kappa));
+/// let found = potential.at(&Vec3::new(4.0, 0.0, 0.0));
+/// assert!((found / at_closest_approach - 1.0).abs() < 1e-12);
+/// # Ok::<(), protomer_kernel::KernelError>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Superposition {
     sources: PointCharges,
@@ -23,66 +37,58 @@ pub struct Superposition {
 }
 
 impl Superposition {
-    /// The potentials of these spheres in this medium.
-    pub fn new(spheres: &[ChargedSphere], medium: &Medium) -> Self {
-        Self::with_reach(spheres, medium, |sphere| sphere.radius_angstrom)
+    /// The potentials of these spheres in the solvent of this model.
+    pub fn new(spheres: &[ChargedSphere], dielectric: &DielectricModel) -> Self {
+        Self::with_reach(spheres, dielectric, |sphere| sphere.radius_angstrom)
     }
 
-    /// Like [`new`](Superposition::new), with all charges on one sphere around the whole: for
-    /// boundary values, where a solute is seen as one ion. `reach_angstrom` is the distance from a
-    /// charge to the ions around the solute.
+    /// As [`new`](Superposition::new), with all ions outside one sphere around the whole solute.
+    /// Far away a solute looks like one ion, so this suits boundary values. `reach_angstrom` is the
+    /// distance from a charge to the ions around the solute.
     pub(crate) fn of_solute(
         spheres: &[ChargedSphere],
-        medium: &Medium,
+        dielectric: &DielectricModel,
         reach_angstrom: f64,
     ) -> Self {
-        Self::with_reach(spheres, medium, |_| reach_angstrom)
+        Self::with_reach(spheres, dielectric, |_| reach_angstrom)
     }
 
     /// Strengths are λ_B q exp(κ b) / (1 + κ b), with b from `reach` (Å) and the radius of ions.
     fn with_reach(
         spheres: &[ChargedSphere],
-        medium: &Medium,
+        dielectric: &DielectricModel,
         reach: impl Fn(&ChargedSphere) -> f64,
     ) -> Self {
-        let (kappa, bjerrum) = (
-            medium.kappa_per_angstrom(),
-            medium.solvent_bjerrum_angstrom(),
-        );
-        let sources = spheres
-            .iter()
-            .filter(|sphere| sphere.charge_e != 0.0)
-            .map(|sphere| {
-                let b = reach(sphere) + medium.ion_radius_angstrom;
-                Source {
+        let kappa = dielectric.electrolyte.inverse_debye_length_per_angstrom();
+        let bjerrum = dielectric.electrolyte.bjerrum_length_angstrom();
+        let mut sources = Vec::new();
+        for sphere in spheres {
+            if sphere.charge_e != 0.0 {
+                let b = reach(sphere) + dielectric.ion_radius_angstrom;
+                sources.push(Source {
                     place: sphere.centre,
                     strength: bjerrum * sphere.charge_e * (kappa * b).exp() / (1.0 + kappa * b),
                     least_distance_angstrom: sphere.radius_angstrom.max(1e-6),
-                }
-            });
+                });
+            }
+        }
         Self {
-            sources: sources.collect(),
+            sources: PointCharges::new(&sources),
             kappa,
         }
     }
 
-    /// The potential at a place, kT/e; inside a sphere that at its surface.
+    /// The potential at a place, kT/e; inside a sphere it is that at its surface.
     pub fn at(&self, place: &Vec3) -> f64 {
         self.sources.screened(place, self.kappa)
     }
 
     /// The potential on a grid, kT/e.
     pub fn on(&self, grid: Grid) -> ScalarField {
-        let plane = grid.shape[0] * grid.shape[1];
         let mut values = vec![0.0; grid.len()];
-        values
-            .par_chunks_mut(plane)
-            .enumerate()
-            .for_each(|(k, plane)| {
-                for (n, value) in plane.iter_mut().enumerate() {
-                    *value = self.at(&grid.point(n % grid.shape[0], n / grid.shape[0], k));
-                }
-            });
+        set_points(grid.shape, &mut values, |[i, j, k], value| {
+            *value = self.at(&grid.point(i, j, k));
+        });
         ScalarField { grid, values }
     }
 }

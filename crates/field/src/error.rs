@@ -1,63 +1,69 @@
 //! The one error type of this crate.
 
 use protomer_body::BodyError;
+use protomer_kernel::KernelError;
 
-/// What can go wrong with a field.
+/// What can go wrong in a field calculation.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FieldError {
     /// A setting out of its range.
     #[error("{setting} is {value}; it must be {requirement}")]
     BadSetting {
-        /// The setting's name.
+        /// Name of the setting.
         setting: &'static str,
-        /// What it was.
+        /// The value given.
         value: f64,
-        /// What it must be.
+        /// What is accepted.
         requirement: &'static str,
     },
     /// A grid that would not fit in memory.
     #[error(
-        "a grid of {points} points needs {needed_bytes} bytes, more than {allowed_bytes}: use a larger spacing"
+        "a grid of {points} points needs {needed_bytes} bytes, more than {allowed_bytes}: use a \
+         larger spacing"
     )]
     TooLarge {
-        /// Grid points.
+        /// Points of the grid.
         points: usize,
-        /// What it would take.
+        /// Memory that a solve would take.
         needed_bytes: usize,
-        /// What is allowed.
+        /// Memory that it may take.
         allowed_bytes: usize,
     },
     /// A charge in the solvent.
     #[error(
-        "charge {index} ({charge_e} e) lies {distance_angstrom:.2} Å outside the surface; charges must be inside: give the \
-         atom a radius, or remove it"
+        "charge {index} ({charge_e} e) lies {distance_angstrom:.2} Å outside the surface; charges \
+         must be inside: give the atom a radius, or remove it"
     )]
     ChargeOutside {
         /// Index of the sphere.
         index: usize,
         /// Its charge.
         charge_e: f64,
-        /// How far out.
+        /// Its distance from the surface.
         distance_angstrom: f64,
     },
-    /// An iteration that did not come to an end.
+    /// An iteration that did not converge.
     #[error(
-        "the potential did not converge: after {iterations} iterations the residual is {relative_residual:e} of its start"
+        "the potential did not converge: after {iterations} iterations the residual is \
+         {relative_residual:e} of its start"
     )]
     NotConverged {
         /// Iterations made.
         iterations: usize,
-        /// What is left.
+        /// Residual over its start.
         relative_residual: f64,
     },
-    /// Input that makes no sense.
+    /// Input that cannot be used.
     #[error("{0}")]
     BadInput(String),
     /// From the surface.
     #[error(transparent)]
     Body(#[from] BodyError),
+    /// From the kernel.
+    #[error(transparent)]
+    Kernel(#[from] KernelError),
 }
 
-/// The result of anything here that can fail.
+/// The result of a field calculation.
 pub type Result<T> = std::result::Result<T, FieldError>;

@@ -2,17 +2,27 @@
 
 use crate::{FieldError, Result};
 use protomer_kernel::Vec3;
+use rayon::prelude::*;
 use serde::Serialize;
 
-/// No machine holds more; below it no number of points overflows.
+/// The largest number of points: no machine holds more, and up to here no product overflows.
 const MOST_POINTS: f64 = 1e13;
 
 /// A regular grid of points. Values on it are stored with x running fastest, then y, then z.
+///
+/// ```
+/// use protomer_field::Grid;
+/// use protomer_kernel::Vec3;
+/// let grid = Grid::around(&Vec3::zeros(), &Vec3::new(1.0, 2.0, 3.0), 0.5, 1)?;
+/// assert_eq!(grid.shape, [3, 5, 7]);
+/// assert_eq!(grid.point(1, 0, 2), Vec3::new(0.5, 0.0, 1.0));
+/// # Ok::<(), protomer_field::FieldError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Grid {
     /// The lowest corner, Å.
     pub origin_angstrom: [f64; 3],
-    /// Distance of neighbouring points, Å.
+    /// Distance between neighbouring points, Å.
     pub spacing_angstrom: f64,
     /// Points along x, y and z.
     pub shape: [usize; 3],
@@ -20,7 +30,7 @@ pub struct Grid {
 
 impl Grid {
     /// The smallest grid of this spacing that holds a box (lowest and highest corner, Å) and has
-    /// `multiple` · n + 1 points along each axis, centred on it.
+    /// `multiple` · n + 1 points along each axis, centred on the box.
     ///
     /// # Errors
     /// [`FieldError::BadSetting`] for a spacing that is not positive, [`FieldError::BadInput`] for
@@ -34,28 +44,25 @@ impl Grid {
             });
         }
         let extent = high - low;
-        let points = extent
-            .iter()
-            .map(|length| length / spacing_angstrom + 1.0)
-            .product::<f64>();
+        let points = (extent / spacing_angstrom).add_scalar(1.0).product();
         if points.is_nan() || points > MOST_POINTS {
             return Err(FieldError::BadInput(format!(
-                "a box of {:.0} x {:.0} x {:.0} Å at a spacing of {spacing_angstrom} Å has {points:.1e} points: look for atoms \
-                 far from the others, or use a larger spacing",
+                "a box of {:.0} x {:.0} x {:.0} Å at a spacing of {spacing_angstrom} Å has \
+                 {points:.1e} points: look for atoms far from the others, or use a larger spacing",
                 extent.x, extent.y, extent.z
             )));
         }
-        let cells = |axis: usize| {
-            let needed = (extent[axis] / spacing_angstrom - 1e-9).ceil().max(1.0) as usize;
-            needed.div_ceil(multiple) * multiple
-        };
-        let shape = [cells(0) + 1, cells(1) + 1, cells(2) + 1];
         let middle = 0.5 * (low + high);
-        let origin = std::array::from_fn(|axis| {
-            middle[axis] - 0.5 * (shape[axis] - 1) as f64 * spacing_angstrom
-        });
+        let mut shape = [0; 3];
+        let mut origin_angstrom = [0.0; 3];
+        for axis in 0..3 {
+            let needed = (extent[axis] / spacing_angstrom - 1e-9).ceil().max(1.0) as usize;
+            let cells = needed.div_ceil(multiple) * multiple;
+            shape[axis] = cells + 1;
+            origin_angstrom[axis] = middle[axis] - 0.5 * cells as f64 * spacing_angstrom;
+        }
         Ok(Self {
-            origin_angstrom: origin,
+            origin_angstrom,
             spacing_angstrom,
             shape,
         })
@@ -66,12 +73,12 @@ impl Grid {
         self.shape.iter().product()
     }
 
-    /// Whether there are none.
+    /// Whether there are no points.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Where in a list of values the point (i, j, k) is.
+    /// Where the value of point (i, j, k) is in a list of values.
     #[inline]
     pub fn index(&self, i: usize, j: usize, k: usize) -> usize {
         (k * self.shape[1] + j) * self.shape[0] + i
@@ -89,12 +96,19 @@ impl Grid {
         )
     }
 
-    /// How far apart in a list of values neighbours along each axis are.
+    /// The place of the point whose value is at this index, Å.
+    #[inline]
+    pub(crate) fn point_at(&self, index: usize) -> Vec3 {
+        let [nx, ny, _] = self.shape;
+        self.point(index % nx, index / nx % ny, index / (nx * ny))
+    }
+
+    /// The distance between neighbours along each axis in a list of values.
     pub fn strides(&self) -> [usize; 3] {
         [1, self.shape[0], self.shape[0] * self.shape[1]]
     }
 
-    /// The cell a place lies in and where in it, (0..1)³; `None` outside.
+    /// The cell that a place lies in, and where in it, (0..1)³; `None` outside the grid.
     pub fn locate(&self, place: &Vec3) -> Option<([usize; 3], [f64; 3])> {
         let mut cell = [0; 3];
         let mut part = [0.0; 3];
@@ -109,69 +123,117 @@ impl Grid {
         }
         Some((cell, part))
     }
+
+    /// Trilinear interpolation at a place: the eight corners of its cell. `None` outside the grid.
+    pub(crate) fn trilinear(&self, place: &Vec3) -> Option<Stencil<8>> {
+        let (cell, part) = self.locate(place)?;
+        let weights = part.map(|t| [1.0 - t, t]);
+        Some(self.stencil(cell, weights))
+    }
+
+    /// Interpolation by cubic polynomials through four points along each axis. `None` where the
+    /// cell of the place lies at the edge of the grid or outside.
+    pub(crate) fn tricubic(&self, place: &Vec3) -> Option<Stencil<64>> {
+        let (cell, part) = self.locate(place)?;
+        for (axis, first) in cell.iter().enumerate() {
+            if *first == 0 || first + 2 >= self.shape[axis] {
+                return None;
+            }
+        }
+        let first = cell.map(|index| index - 1);
+        Some(self.stencil(first, part.map(lagrange_weights)))
+    }
+
+    /// The points of a block of M³ = N points and the products of their weights along the axes.
+    fn stencil<const M: usize, const N: usize>(
+        &self,
+        first: [usize; 3],
+        [x, y, z]: [[f64; M]; 3],
+    ) -> Stencil<N> {
+        let [i, j, k] = first;
+        let mut points = [0; N];
+        let mut weights = [0.0; N];
+        for n in 0..N {
+            let (di, dj, dk) = (n % M, n / M % M, n / (M * M));
+            points[n] = self.index(i + di, j + dj, k + dk);
+            weights[n] = x[di] * y[dj] * z[dk];
+        }
+        Stencil { points, weights }
+    }
+}
+
+/// Weights at t of Lagrange's polynomials through points at -1, 0, 1, 2.
+fn lagrange_weights(t: f64) -> [f64; 4] {
+    [
+        -t * (t - 1.0) * (t - 2.0) / 6.0,
+        (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
+        -(t + 1.0) * t * (t - 2.0) / 2.0,
+        (t + 1.0) * t * (t - 1.0) / 6.0,
+    ]
+}
+
+/// Points of a grid around a place, and the weight of each in the value there.
+pub(crate) struct Stencil<const N: usize> {
+    pub(crate) points: [usize; N],
+    weights: [f64; N],
+}
+
+impl<const N: usize> Stencil<N> {
+    /// The weighted sum of values at the points. Points without weight are not evaluated.
+    pub(crate) fn interpolate(&self, value_at: impl Fn(usize) -> f64) -> f64 {
+        let mut sum = 0.0;
+        for (point, weight) in self.points.iter().zip(self.weights) {
+            if weight != 0.0 {
+                sum += weight * value_at(*point);
+            }
+        }
+        sum
+    }
+}
+
+/// Calls `set` with the coordinates and the value of every point of a grid of this shape, planes in
+/// parallel.
+pub(crate) fn set_points<T: Send>(
+    shape: [usize; 3],
+    values: &mut [T],
+    set: impl Fn([usize; 3], &mut T) + Sync,
+) {
+    let [nx, ny, _] = shape;
+    let set_plane = |(k, plane): (usize, &mut [T])| {
+        for (j, row) in plane.chunks_mut(nx).enumerate() {
+            for (i, value) in row.iter_mut().enumerate() {
+                set([i, j, k], value);
+            }
+        }
+    };
+    values
+        .par_chunks_mut(nx * ny)
+        .enumerate()
+        .for_each(set_plane);
 }
 
 /// Values on a grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScalarField {
-    /// Where.
+    /// The points.
     pub grid: Grid,
-    /// What, x fastest.
+    /// The value at each point, x fastest.
     pub values: Vec<f64>,
 }
 
 impl ScalarField {
-    /// The trilinear interpolant; `None` outside the grid.
+    /// The value at a place by trilinear interpolation; `None` outside the grid.
+    ///
+    /// ```
+    /// use protomer_field::{Grid, ScalarField};
+    /// use protomer_kernel::Vec3;
+    /// let grid = Grid { origin_angstrom: [0.0; 3], spacing_angstrom: 1.0, shape: [2, 2, 2] };
+    /// let field = ScalarField { grid, values: vec![0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0] };
+    /// assert_eq!(field.at(&Vec3::new(0.25, 0.5, 0.5)), Some(0.25));
+    /// assert_eq!(field.at(&Vec3::new(1.5, 0.5, 0.5)), None);
+    /// ```
     pub fn at(&self, place: &Vec3) -> Option<f64> {
-        let (cell, part) = self.grid.locate(place)?;
-        Some(interpolate(&part, |di, dj, dk| {
-            self.values[self.grid.index(cell[0] + di, cell[1] + dj, cell[2] + dk)]
-        }))
+        let corners = self.grid.trilinear(place)?;
+        Some(corners.interpolate(|point| self.values[point]))
     }
-}
-
-/// Trilinear interpolation between eight corners.
-pub(crate) fn interpolate(
-    part: &[f64; 3],
-    mut corner: impl FnMut(usize, usize, usize) -> f64,
-) -> f64 {
-    let mut sum = 0.0;
-    for dk in 0..2 {
-        for dj in 0..2 {
-            for di in 0..2 {
-                let weight = |d: usize, t: f64| if d == 1 { t } else { 1.0 - t };
-                let weight = weight(di, part[0]) * weight(dj, part[1]) * weight(dk, part[2]);
-                if weight > 0.0 {
-                    sum += weight * corner(di, dj, dk);
-                }
-            }
-        }
-    }
-    sum
-}
-
-/// Interpolation by cubic polynomials through four points along each axis, for a cell that has all
-/// its neighbours.
-pub(crate) fn interpolate_cubically(
-    part: &[f64; 3],
-    mut point: impl FnMut(usize, usize, usize) -> f64,
-) -> f64 {
-    // Lagrange's weights for points at -1, 0, 1, 2.
-    let weights = part.map(|t| {
-        [
-            -t * (t - 1.0) * (t - 2.0) / 6.0,
-            (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
-            -(t + 1.0) * t * (t - 2.0) / 2.0,
-            (t + 1.0) * t * (t - 1.0) / 6.0,
-        ]
-    });
-    let mut sum = 0.0;
-    for (dk, wk) in weights[2].iter().enumerate() {
-        for (dj, wj) in weights[1].iter().enumerate() {
-            for (di, wi) in weights[0].iter().enumerate() {
-                sum += wi * wj * wk * point(di, dj, dk);
-            }
-        }
-    }
-    sum
 }

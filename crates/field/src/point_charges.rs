@@ -1,28 +1,28 @@
 //! Sums over point charges, eight at a time.
 //!
-//! The processor's widest vectors do the same operations in the same order as the portable code:
-//! every machine finds the same bits.
+//! The vector instructions do the same operations in the same order as the portable code, so every
+//! machine finds the same bits.
 
 use protomer_kernel::Vec3;
 use protomer_kernel::potential::exp_of_minus;
 
-/// Charges of a group.
+/// Charges in a group.
 const LANES: usize = 8;
 
-/// Squares nearer than this many of their edges are seen under their exact solid angle, others to
-/// 10⁻³ of it.
+/// Squares nearer than this many of their edges take their exact solid angle; for others an
+/// expansion is within 10⁻³ of it.
 const NEAR_IN_EDGES: f64 = 4.0;
 
-/// A charge, or whatever stands before a radial function, at a place.
+/// A radial function about a place, and its prefactor: a charge, for example.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Source {
     pub place: Vec3,
     pub strength: f64,
-    /// Distances below this are taken for it, Å.
+    /// Smaller distances count as this one, Å.
     pub least_distance_angstrom: f64,
 }
 
-/// Eight sources; missing ones have no strength.
+/// Eight sources; unused lanes have no strength.
 #[derive(Debug, Clone, Copy)]
 struct Group {
     x: [f64; LANES],
@@ -46,11 +46,11 @@ macro_rules! vectorised {
             #[cfg(target_arch = "x86_64")]
             {
                 if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
-                    // SAFETY: the processor has the features the function is compiled for.
+                    // SAFETY: the processor has the features that the function is compiled for.
                     return unsafe { self.$avx512($($argument),*) };
                 }
                 if is_x86_feature_detected!("avx2") {
-                    // SAFETY: the processor has the feature the function is compiled for.
+                    // SAFETY: the processor has the feature that the function is compiled for.
                     return unsafe { self.$avx2($($argument),*) };
                 }
             }
@@ -71,46 +71,58 @@ macro_rules! vectorised {
     };
 }
 
-impl FromIterator<Source> for PointCharges {
-    fn from_iter<I: IntoIterator<Item = Source>>(sources: I) -> Self {
-        let sources: Vec<Source> = sources.into_iter().collect();
-        let none = Source {
-            place: Vec3::zeros(),
-            strength: 0.0,
-            least_distance_angstrom: 1.0,
+impl Group {
+    /// The group of up to eight sources.
+    fn new(sources: &[Source]) -> Self {
+        let mut group = Self {
+            x: [0.0; LANES],
+            y: [0.0; LANES],
+            z: [0.0; LANES],
+            strength: [0.0; LANES],
+            least: [1.0; LANES],
         };
-        let group = |chunk: &[Source]| {
-            let at = |lane: usize| chunk.get(lane).unwrap_or(&none);
-            Group {
-                x: std::array::from_fn(|lane| at(lane).place.x),
-                y: std::array::from_fn(|lane| at(lane).place.y),
-                z: std::array::from_fn(|lane| at(lane).place.z),
-                strength: std::array::from_fn(|lane| at(lane).strength),
-                least: std::array::from_fn(|lane| at(lane).least_distance_angstrom),
-            }
-        };
-        Self {
-            groups: sources.chunks(LANES).map(group).collect(),
+        for (lane, source) in sources.iter().enumerate() {
+            group.x[lane] = source.place.x;
+            group.y[lane] = source.place.y;
+            group.z[lane] = source.place.z;
+            group.strength[lane] = source.strength;
+            group.least[lane] = source.least_distance_angstrom;
         }
+        group
+    }
+
+    /// The distance that counts for a source, Å.
+    #[inline(always)]
+    fn distance(&self, lane: usize, place: &Vec3) -> f64 {
+        let (dx, dy, dz) = (
+            place.x - self.x[lane],
+            place.y - self.y[lane],
+            place.z - self.z[lane],
+        );
+        let (distance, least) = ((dx * dx + dy * dy + dz * dz).sqrt(), self.least[lane]);
+        if distance > least { distance } else { least }
     }
 }
 
 impl PointCharges {
-    /// Places and strengths.
-    pub fn sources(&self) -> impl Iterator<Item = (Vec3, f64)> + '_ {
-        let lanes = |group: &'_ Group| {
-            let group = *group;
-            (0..LANES).map(move |lane| {
-                (
-                    Vec3::new(group.x[lane], group.y[lane], group.z[lane]),
-                    group.strength[lane],
-                )
-            })
-        };
-        self.groups
-            .iter()
-            .flat_map(lanes)
-            .filter(|(_, strength)| *strength != 0.0)
+    pub fn new(sources: &[Source]) -> Self {
+        Self {
+            groups: sources.chunks(LANES).map(Group::new).collect(),
+        }
+    }
+
+    /// Places and strengths of the sources that have a strength.
+    pub fn sources(&self) -> Vec<(Vec3, f64)> {
+        let mut sources = Vec::new();
+        for group in &self.groups {
+            for lane in 0..LANES {
+                if group.strength[lane] != 0.0 {
+                    let place = Vec3::new(group.x[lane], group.y[lane], group.z[lane]);
+                    sources.push((place, group.strength[lane]));
+                }
+            }
+        }
+        sources
     }
 
     vectorised!(
@@ -127,9 +139,9 @@ impl PointCharges {
     );
 
     vectorised!(
-        /// Flux of -∇ Σ s_i / r_i through a square (its middle and edge) across an axis, in the
-        /// axis' direction: Σ s_i Ω_i with the solid angle Ω_i. Of charges far away it is ∫ f =
-        /// edge² (f + edge²/24 (f_xx + f_yy)), f = z/r³ at the middle.
+        /// Flux of -∇ Σ s_i / r_i through a square (its middle and edge) perpendicular to an axis,
+        /// in the direction of the axis: Σ s_i Ω_i with the solid angle Ω_i. For charges far away
+        /// it is ∫ f = edge² (f + edge²/24 (f_xx + f_yy)), with f = z/r³ at the middle.
         flux, flux_any, flux_avx512, flux_avx2, (middle: &Vec3, axis: usize, edge: f64) -> f64
     );
 
@@ -137,11 +149,12 @@ impl PointCharges {
     fn flux_any(&self, middle: &Vec3, axis: usize, edge: f64) -> f64 {
         let near = (NEAR_IN_EDGES * edge).powi(2);
         let area = edge * edge;
+        let (second, third) = ((axis + 1) % 3, (axis + 2) % 3);
+        let [at_z, at_x, at_y] = [middle[axis], middle[second], middle[third]];
         let mut sums = [0.0; LANES];
         for group in &self.groups {
             let coordinates = [&group.x, &group.y, &group.z];
-            let along = |turn: usize| (coordinates[(axis + turn) % 3], middle[(axis + turn) % 3]);
-            let ((z, at_z), (x, at_x), (y, at_y)) = (along(0), along(1), along(2));
+            let [z, x, y] = [axis, second, third].map(|axis| coordinates[axis]);
             let mut nearest = f64::INFINITY;
             let mut far = [0.0; LANES];
             for lane in 0..LANES {
@@ -155,7 +168,9 @@ impl PointCharges {
                 far[lane] = group.strength[lane] * area * (value + area / 24.0 * curvature);
             }
             if nearest > near {
-                (0..LANES).for_each(|lane| sums[lane] += far[lane]);
+                for lane in 0..LANES {
+                    sums[lane] += far[lane];
+                }
             } else {
                 for lane in 0..LANES {
                     let offset = [at_z - z[lane], at_x - x[lane], at_y - y[lane]];
@@ -204,33 +219,21 @@ impl PointCharges {
                 z[lane] -= (place.z - group.z[lane]) * slope;
             }
         }
-        let sum = |lanes: [f64; LANES]| lanes.iter().sum::<f64>();
-        (sum(values), Vec3::new(sum(x), sum(y), sum(z)))
+        let [value, x, y, z]: [f64; 4] = [values, x, y, z].map(|lanes| lanes.iter().sum());
+        (value, Vec3::new(x, y, z))
     }
 }
 
 /// The solid angle of a square with its middle at z along its axis and x, y across, negative for
 /// negative z: the sum of ± atan(x y / (z r)) over its corners.
 fn solid_angle([z, x, y]: [f64; 3], edge: f64) -> f64 {
-    let corner = |right: f64, up: f64| {
+    let mut angle = 0.0;
+    for (right, up) in [(1.0, 1.0), (-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0)] {
         let (x, y) = (x + 0.5 * edge * right, y + 0.5 * edge * up);
-        right * up * (x * y).atan2(z.abs() * (x * x + y * y + z * z).sqrt())
-    };
-    let size = corner(1.0, 1.0) + corner(-1.0, -1.0) + corner(-1.0, 1.0) + corner(1.0, -1.0);
-    if z < 0.0 { -size } else { size }
-}
-
-impl Group {
-    #[inline(always)]
-    fn distance(&self, lane: usize, place: &Vec3) -> f64 {
-        let (dx, dy, dz) = (
-            place.x - self.x[lane],
-            place.y - self.y[lane],
-            place.z - self.z[lane],
-        );
-        let (distance, least) = ((dx * dx + dy * dy + dz * dz).sqrt(), self.least[lane]);
-        if distance > least { distance } else { least }
+        let distance = (x * x + y * y + z * z).sqrt();
+        angle += right * up * (x * y).atan2(z.abs() * distance);
     }
+    if z < 0.0 { -angle } else { angle }
 }
 
 #[cfg(test)]
@@ -250,7 +253,7 @@ mod tests {
                 strength: 1.3,
                 least_distance_angstrom: 1e-3,
             };
-            let charges: PointCharges = std::iter::once(source).collect();
+            let charges = PointCharges::new(&[source]);
             let middle = Vec3::new(0.1, -0.2, 0.3);
             let mut sum = 0.0;
             for code in 0..n * n {
@@ -281,7 +284,7 @@ mod tests {
                     least_distance_angstrom: rng.uniform_in(0.1, 2.0),
                 })
                 .collect();
-            let charges: PointCharges = sources.iter().copied().collect();
+            let charges = PointCharges::new(&sources);
             for _ in 0..50 {
                 let place = rng.vector_in_ball(15.0);
                 let (mut value, mut screened, mut gradient, mut size) =

@@ -1,41 +1,48 @@
-//! The surface that separates the solute from the solvent, by either of the usual definitions.
+//! The surface that separates the solute from the solvent, by any of the usual definitions.
 
-use crate::poisson_boltzmann::{ChargedSphere, Medium};
+use crate::charged_sphere::ChargedSphere;
 use crate::{FieldError, Result};
 use protomer_body::surface::{Arrangement, ImplicitSolid, SesSolid};
 use protomer_kernel::cells::CellList;
 use protomer_kernel::{Boundary, Vec3};
 
-/// What the dielectric boundary is.
+/// Where the permittivity changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SurfaceDefinition {
-    /// Where a probe that rolls over the spheres cannot get in (Richards, Annu. Rev. Biophys.
+    /// The volume that a probe rolling over the spheres cannot enter (Richards, Annu. Rev. Biophys.
     /// Bioeng. 6, 151 (1977)).
     #[default]
     SolventExcluded,
     /// The spheres themselves: crevices between them hold solvent.
     VanDerWaals,
-    /// Where the centre of the probe gets: the spheres grown by its radius.
+    /// The volume that the centre of the probe cannot enter: the spheres grown by its radius.
     SolventAccessible,
 }
 
 /// The surface of those spheres that have a radius.
 ///
+/// ```
+/// use protomer_field::{ChargedSphere, SurfaceDefinition, surface::surface_of};
+/// use protomer_kernel::Vec3;
+/// let atom = ChargedSphere { centre: Vec3::zeros(), radius_angstrom: 2.0, charge_e: 0.0 };
+/// let solid = surface_of(&[atom], SurfaceDefinition::SolventAccessible, 1.4)?;
+/// assert!((solid.signed_distance(&Vec3::new(3.0, 0.0, 0.0)) + 0.4).abs() < 1e-12);
+/// # Ok::<(), protomer_field::FieldError>(())
+/// ```
+///
 /// # Errors
-/// [`FieldError::BadInput`] if none has, [`FieldError::Body`] for spheres without a surface.
-pub fn surface_of(spheres: &[ChargedSphere], medium: &Medium) -> Result<Box<dyn ImplicitSolid>> {
-    let grown = if medium.surface == SurfaceDefinition::SolventAccessible {
-        medium.probe_angstrom
-    } else {
-        0.0
-    };
-    let (centres, radii) = solid_spheres(spheres, grown)?;
-    Ok(match medium.surface {
-        SurfaceDefinition::SolventExcluded => {
-            Box::new(excluded(&centres, &radii, medium.probe_angstrom)?)
-        }
-        SurfaceDefinition::VanDerWaals | SurfaceDefinition::SolventAccessible => {
-            Box::new(SphereUnion::new(centres, radii)?)
+/// [`FieldError::BadInput`] if no sphere has a radius, [`FieldError::Body`] for spheres without a
+/// surface.
+pub fn surface_of(
+    spheres: &[ChargedSphere],
+    definition: SurfaceDefinition,
+    probe_angstrom: f64,
+) -> Result<Box<dyn ImplicitSolid>> {
+    Ok(match definition {
+        SurfaceDefinition::SolventExcluded => Box::new(solvent_excluded(spheres, probe_angstrom)?),
+        SurfaceDefinition::VanDerWaals => Box::new(SphereUnion::new(spheres, 0.0)?),
+        SurfaceDefinition::SolventAccessible => {
+            Box::new(SphereUnion::new(spheres, probe_angstrom)?)
         }
     })
 }
@@ -45,23 +52,20 @@ pub fn surface_of(spheres: &[ChargedSphere], medium: &Medium) -> Result<Box<dyn 
 /// # Errors
 /// As [`surface_of`].
 pub fn solvent_excluded(spheres: &[ChargedSphere], probe_angstrom: f64) -> Result<SesSolid> {
-    let (centres, radii) = solid_spheres(spheres, 0.0)?;
-    excluded(&centres, &radii, probe_angstrom)
+    let (centres, radii) = centres_and_radii(spheres, 0.0)?;
+    let arrangement = Arrangement::new(&centres, &radii, probe_angstrom)?;
+    Ok(SesSolid::new(&arrangement))
 }
 
-fn excluded(centres: &[Vec3], radii: &[f64], probe_angstrom: f64) -> Result<SesSolid> {
-    Ok(SesSolid::new(&Arrangement::new(
-        centres,
-        radii,
-        probe_angstrom,
-    )?))
-}
-
-fn solid_spheres(spheres: &[ChargedSphere], grown: f64) -> Result<(Vec<Vec3>, Vec<f64>)> {
-    let solid = spheres.iter().filter(|sphere| sphere.radius_angstrom > 0.0);
-    let (centres, radii): (Vec<Vec3>, Vec<f64>) = solid
-        .map(|sphere| (sphere.centre, sphere.radius_angstrom + grown))
-        .unzip();
+/// Centres and radii of the spheres that have a radius, each grown by a length in Å.
+fn centres_and_radii(spheres: &[ChargedSphere], growth: f64) -> Result<(Vec<Vec3>, Vec<f64>)> {
+    let (mut centres, mut radii) = (Vec::new(), Vec::new());
+    for sphere in spheres {
+        if sphere.radius_angstrom > 0.0 {
+            centres.push(sphere.centre);
+            radii.push(sphere.radius_angstrom + growth);
+        }
+    }
     if centres.is_empty() {
         let reason = "no atom has a radius, so there is no surface; give radii (a PQR has them)";
         return Err(FieldError::BadInput(reason.into()));
@@ -69,19 +73,7 @@ fn solid_spheres(spheres: &[ChargedSphere], grown: f64) -> Result<(Vec<Vec3>, Ve
     Ok((centres, radii))
 }
 
-/// Lowest and highest corner of the box about spheres, Å.
-pub(crate) fn bounds<'a>(spheres: impl Iterator<Item = &'a ChargedSphere>) -> (Vec3, Vec3) {
-    let start = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
-    spheres.fold(start, |(low, high), sphere| {
-        let r = Vec3::repeat(sphere.radius_angstrom);
-        (
-            low.inf(&(sphere.centre - r)),
-            high.sup(&(sphere.centre + r)),
-        )
-    })
-}
-
-/// Distances outside are told up to this, Å.
+/// Distances outside are exact up to this, Å, and cut off beyond.
 const REACH_ANGSTROM: f64 = 2.5;
 
 /// The union of spheres.
@@ -93,53 +85,59 @@ struct SphereUnion {
 }
 
 impl SphereUnion {
-    fn new(centres: Vec<Vec3>, radii: Vec<f64>) -> Result<Self> {
-        let largest = radii.iter().copied().fold(0.0, f64::max);
-        let cells = CellList::new(&Boundary::Open, largest + REACH_ANGSTROM, &centres)
-            .map_err(|error| FieldError::BadInput(error.to_string()))?;
-        let start = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
-        let bounds = centres
-            .iter()
-            .zip(&radii)
-            .fold(start, |(low, high), (centre, radius)| {
-                (
-                    low.inf(&centre.add_scalar(-radius)),
-                    high.sup(&centre.add_scalar(*radius)),
-                )
-            });
+    fn new(spheres: &[ChargedSphere], growth: f64) -> Result<Self> {
+        let (centres, radii) = centres_and_radii(spheres, growth)?;
+        let mut largest: f64 = 0.0;
+        let mut low = Vec3::repeat(f64::INFINITY);
+        let mut high = Vec3::repeat(f64::NEG_INFINITY);
+        for (centre, radius) in centres.iter().zip(&radii) {
+            largest = largest.max(*radius);
+            low = low.inf(&centre.add_scalar(-radius));
+            high = high.sup(&centre.add_scalar(*radius));
+        }
         Ok(Self {
+            cells: CellList::new(&Boundary::Open, largest + REACH_ANGSTROM, &centres)?,
+            bounds: (low, high),
             centres,
             radii,
-            cells,
-            bounds,
         })
     }
 
-    /// The sphere whose surface is least far outside, or deepest inside, and that distance.
+    /// The sphere whose surface is nearest from outside, or deepest from inside, and the signed
+    /// distance from it, Å.
     fn nearest(&self, point: &Vec3) -> Option<(usize, f64)> {
-        let mut near = Vec::new();
-        self.cells.candidates(point, &mut near);
-        let distance = |i: usize| (point - self.centres[i]).norm() - self.radii[i];
-        near.into_iter()
-            .map(|i| (i, distance(i)))
-            .min_by(|a, b| a.1.total_cmp(&b.1))
+        let mut candidates = Vec::new();
+        self.cells.candidates(point, &mut candidates);
+        let mut nearest = None;
+        let mut least = f64::INFINITY;
+        for index in candidates {
+            let distance = (point - self.centres[index]).norm() - self.radii[index];
+            if distance < least {
+                least = distance;
+                nearest = Some((index, distance));
+            }
+        }
+        nearest
     }
 }
 
 impl ImplicitSolid for SphereUnion {
     fn signed_distance(&self, point: &Vec3) -> f64 {
-        self.nearest(point)
-            .map_or(REACH_ANGSTROM, |(_, distance)| distance.min(REACH_ANGSTROM))
+        match self.nearest(point) {
+            Some((_, distance)) => distance.min(REACH_ANGSTROM),
+            None => REACH_ANGSTROM,
+        }
     }
 
     fn project(&self, point: &Vec3) -> (Vec3, Vec3) {
         let Some((sphere, _)) = self.nearest(point) else {
             return (*point, Vec3::x());
         };
-        let normal = (point - self.centres[sphere])
+        let centre = self.centres[sphere];
+        let normal = (point - centre)
             .try_normalize(1e-12)
             .unwrap_or_else(Vec3::x);
-        (self.centres[sphere] + self.radii[sphere] * normal, normal)
+        (centre + self.radii[sphere] * normal, normal)
     }
 
     fn bounds(&self) -> (Vec3, Vec3) {
@@ -147,11 +145,8 @@ impl ImplicitSolid for SphereUnion {
     }
 
     fn cover(&self) -> Vec<(Vec3, f64)> {
-        self.centres
-            .iter()
-            .copied()
-            .zip(self.radii.iter().copied())
-            .collect()
+        let centres = self.centres.iter().copied();
+        centres.zip(self.radii.iter().copied()).collect()
     }
 }
 
@@ -159,7 +154,6 @@ impl ImplicitSolid for SphereUnion {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use protomer_kernel::Conditions;
     use protomer_kernel::random::CounterRng;
 
     #[test]
@@ -173,30 +167,31 @@ mod tests {
             charge_e: 0.0,
         };
         let spheres: Vec<ChargedSphere> = (0..200).map(|_| sphere(place(10.0))).collect();
-        let mut medium = Medium::new(Conditions::new(298.15, 0.1, 7.0).unwrap());
         for (definition, grown) in [
             (SurfaceDefinition::VanDerWaals, 0.0),
             (SurfaceDefinition::SolventAccessible, 1.4),
         ] {
-            medium.surface = definition;
-            let solid = surface_of(&spheres, &medium).unwrap();
+            let solid = surface_of(&spheres, definition, 1.4).unwrap();
             for _ in 0..2000 {
                 let point = place(14.0);
-                let slow =
-                    |s: &ChargedSphere| (point - s.centre).norm() - s.radius_angstrom - grown;
-                let slow = spheres.iter().map(slow).fold(f64::INFINITY, f64::min);
+                let slow = slow_distance(&spheres, grown, &point);
                 let fast = solid.signed_distance(&point);
-                assert!(
-                    (fast - slow.min(REACH_ANGSTROM)).abs() < 1e-12,
-                    "{fast} {slow}"
-                );
+                let expected = slow.min(REACH_ANGSTROM);
+                assert!((fast - expected).abs() < 1e-12, "{fast} {slow}");
                 if slow.abs() < 1.0 {
                     let (on, normal) = solid.project(&point);
-                    assert!(
-                        (solid.signed_distance(&on) <= 1e-9) && (normal.norm() - 1.0).abs() < 1e-12
-                    );
+                    assert!(solid.signed_distance(&on) <= 1e-9);
+                    assert!((normal.norm() - 1.0).abs() < 1e-12);
                 }
             }
         }
+    }
+
+    fn slow_distance(spheres: &[ChargedSphere], grown: f64, point: &Vec3) -> f64 {
+        let mut least = f64::INFINITY;
+        for sphere in spheres {
+            least = least.min((point - sphere.centre).norm() - sphere.radius_angstrom - grown);
+        }
+        least
     }
 }

@@ -1,4 +1,4 @@
-//! Potentials and energies with closed forms, and converged ones computed elsewhere.
+//! Potentials and energies against closed forms and against converged results of other programs.
 
 #![allow(
     clippy::unwrap_used,
@@ -8,11 +8,13 @@
 )]
 
 use protomer_field::{
-    Boundary, ChargedSphere, Medium, Potential, SolveSettings, SurfaceDefinition, solve,
+    BoundaryCondition, ChargedSphere, DielectricModel, Potential, SolveSettings, SurfaceDefinition,
+    solve,
 };
 use protomer_io::pqr::read_pqr;
 use protomer_kernel::random::CounterRng;
-use protomer_kernel::{Conditions, Vec3};
+use protomer_kernel::units::kilojoule_per_mol_per_kt;
+use protomer_kernel::{Electrolyte, Vec3};
 use std::path::{Path, PathBuf};
 
 fn shared() -> Option<PathBuf> {
@@ -27,10 +29,10 @@ fn shared() -> Option<PathBuf> {
 
 /// Kirkwood's series without salt: ½ l/(ε_in a) Σ_n Σ_ij q_i q_j (z_i z_j/a²)ⁿ (n + 1)(ε_in -
 /// ε_out)/((n + 1) ε_out + n ε_in).
-fn kirkwood_kt(charges: &[(f64, f64)], radius: f64, medium: &Medium) -> f64 {
+fn kirkwood_kt(charges: &[(f64, f64)], radius: f64, dielectric: &DielectricModel) -> f64 {
     let (inner, outer) = (
-        medium.inner_permittivity,
-        medium.conditions.relative_permittivity,
+        dielectric.inner_permittivity,
+        dielectric.electrolyte.relative_permittivity(),
     );
     let term = |x: f64, n: u32| {
         let m = f64::from(n);
@@ -39,14 +41,12 @@ fn kirkwood_kt(charges: &[(f64, f64)], radius: f64, medium: &Medium) -> f64 {
     let mut sum = 0.0;
     for (z, q) in charges {
         for (y, p) in charges {
-            sum += q
-                * p
-                * (0..200)
-                    .map(|n| term(z * y / (radius * radius), n))
-                    .sum::<f64>();
+            let x = z * y / (radius * radius);
+            let series: f64 = (0..200).map(|n| term(x, n)).sum();
+            sum += q * p * series;
         }
     }
-    0.5 * medium.vacuum_bjerrum_angstrom() / (inner * radius) * sum
+    0.5 * dielectric.electrolyte.vacuum_bjerrum_length_angstrom() / (inner * radius) * sum
 }
 
 fn sphere_with(radius: f64, charges: &[(f64, f64)]) -> Vec<ChargedSphere> {
@@ -65,55 +65,55 @@ fn sphere_with(radius: f64, charges: &[(f64, f64)]) -> Vec<ChargedSphere> {
         .collect()
 }
 
-fn water(salt_molar: f64) -> Conditions {
-    Conditions::with_permittivity(298.15, salt_molar, 7.0, 78.54).unwrap()
+fn water(salt_molar: f64) -> Electrolyte {
+    Electrolyte::new(298.15, salt_molar, 78.54).unwrap()
 }
 
 #[test]
 fn spheres_with_charges_off_centre_have_the_energies_of_the_series() {
-    let mut medium = Medium::new(water(0.0));
-    medium.inner_permittivity = 4.0;
+    let mut dielectric = DielectricModel::new(water(0.0));
+    dielectric.inner_permittivity = 4.0;
     for (radius, charges) in [
         (2.0, vec![(0.0, 1.0)]),
         (5.0, vec![(0.0, -1.0), (3.0, 2.0)]),
         (10.0, vec![(8.0, 1.0)]),
         (10.0, vec![(8.0, 1.0), (-8.0, -1.0)]),
     ] {
-        let exact = kirkwood_kt(&charges, radius, &medium);
+        let exact = kirkwood_kt(&charges, radius, &dielectric);
         let energy = |spacing_angstrom| {
             let settings = SolveSettings {
                 spacing_angstrom,
                 ..SolveSettings::default()
             };
-            solve(&sphere_with(radius, &charges), &medium, &settings)
+            solve(&sphere_with(radius, &charges), &dielectric, &settings)
                 .unwrap()
                 .solvation_energy_kt
         };
         let (coarse, fine) = (energy(0.7), energy(0.5));
-        // What is left depends on where the grid cuts the sphere, not smoothly on the spacing:
-        // extrapolation does not help.
+        // The remaining error depends on where the grid cuts the sphere, not smoothly on the
+        // spacing, so extrapolation does not help.
         let errors = [coarse, fine].map(|e| 100.0 * (e / exact - 1.0));
         eprintln!("a = {radius} {charges:?}: {errors:.3?} %");
         assert!(errors.iter().all(|error| error.abs() < 0.5), "{errors:?}");
     }
 }
 
-/// The error of one energy depends on where the grid cuts the sphere, by more than on the spacing;
-/// the mean over places of the grid is what a finer grid must make smaller, each time.
+/// The error of one energy depends more on where the grid cuts the sphere than on the spacing. A
+/// finer grid must reduce the mean over several places of the grid.
 #[test]
 fn errors_of_energies_fall_with_the_spacing_wherever_the_grid_lies() {
-    let mut medium = Medium::new(water(0.0));
-    medium.inner_permittivity = 1.0;
+    let mut dielectric = DielectricModel::new(water(0.0));
+    dielectric.inner_permittivity = 1.0;
     for (radius, charges) in [
         (2.0, vec![(0.0, 1.0)]),
         (5.0, vec![(0.0, -1.0), (3.0, 2.0)]),
         (4.0, vec![(2.8, 1.0)]),
     ] {
-        let exact = kirkwood_kt(&charges, radius, &medium);
+        let exact = kirkwood_kt(&charges, radius, &dielectric);
         let relative_error = |spacing_angstrom: f64, place: usize| {
             let mut rng = CounterRng::new(1, 0, place as u64);
-            // A point without radius or charge moves the middle of the grid by half of how far it
-            // sticks out.
+            // A point without radius or charge moves the middle of the grid by half the distance
+            // that it sticks out.
             let corner = Vec3::from(std::array::from_fn(|_| {
                 radius + 2.0 * spacing_angstrom * rng.uniform()
             }));
@@ -127,7 +127,7 @@ fn errors_of_energies_fall_with_the_spacing_wherever_the_grid_lies() {
                 spacing_angstrom,
                 ..SolveSettings::default()
             };
-            solve(&spheres, &medium, &settings)
+            solve(&spheres, &dielectric, &settings)
                 .unwrap()
                 .solvation_energy_kt
                 / exact
@@ -164,21 +164,23 @@ fn references_with_salt_are_met() {
     for case in cases.as_array().unwrap() {
         let number = |key: &str| case[key].as_f64().unwrap_or(0.0);
         let radius = number("a");
-        // The dipole's reference stops at the fourth term of its series, 20 % short: the test above
-        // has all of them.
+        // The reference of the dipole stops at the fourth term of its series, 20 % short; the tests
+        // above have all terms.
         let dipole = case["case"] == "kirkwood_dipole_pm8z";
         if radius < 2.0 || number("s") > 0.8 * radius || number("I") != 0.1 || dipole {
             continue;
         }
-        let conditions = water(number("I"));
-        let mut medium = Medium::new(conditions);
-        medium.inner_permittivity = number("eps_in");
-        medium.ion_radius_angstrom = number("stern");
+        let electrolyte = water(number("I"));
+        let mut dielectric = DielectricModel::new(electrolyte);
+        dielectric.inner_permittivity = number("eps_in");
+        dielectric.ion_radius_angstrom = number("stern");
         let spheres = sphere_with(radius, &[(number("s"), number("q"))]);
-        let energy = solve(&spheres, &medium, &SolveSettings::default())
+        let energy = solve(&spheres, &dielectric, &SolveSettings::default())
             .unwrap()
             .solvation_energy_kt;
-        let error = energy * conditions.kilojoule_per_mol_per_kt() / number("dG") - 1.0;
+        let error = energy * kilojoule_per_mol_per_kt(electrolyte.temperature_kelvin())
+            / number("dG")
+            - 1.0;
         eprintln!(
             "{} a = {radius} s = {} stern = {}: {:+.3} %",
             case["case"],
@@ -224,31 +226,25 @@ fn relative_difference(solved: &Potential, file: &Path) -> f64 {
 fn the_potential_outside_a_protein_is_that_of_another_program() {
     let Some(folder) = shared() else { return };
     let spheres = crambin(&folder);
-    // The other program, at 0.25 Å, takes screened atoms for the boundary. With the same here, what
-    // is left is the discretisation and its surface; it moves by 1.3 % itself from 0.5 to 0.25 Å.
-    // With the coarse grid's boundary values, which do not depend on the margin, the difference is
-    // the error of the other's.
+    // The other program ran at 0.25 Å with the potentials of screened atoms on the boundary. With
+    // the same boundary here, the remaining difference is that of discretisation and surface; its
+    // own result changes by 1.3 % from 0.5 to 0.25 Å. The boundary values of a coarse grid hardly
+    // depend on the margin, so the larger difference is the error of the other boundary.
     for (salt, name, boundary, most) in [
-        (0.1, "100", Boundary::ScreenedAtoms, 0.012),
-        (0.3, "300", Boundary::ScreenedAtoms, 0.012),
-        (0.1, "100", Boundary::CoarseGrid, 0.027),
-        (0.3, "300", Boundary::CoarseGrid, 0.017),
+        (0.1, "100", BoundaryCondition::ScreenedAtoms, 0.012),
+        (0.3, "300", BoundaryCondition::ScreenedAtoms, 0.012),
+        (0.1, "100", BoundaryCondition::CoarseGrid, 0.027),
+        (0.3, "300", BoundaryCondition::CoarseGrid, 0.017),
     ] {
-        let medium = Medium::new(water(salt));
-        let solved = solve(
-            &spheres,
-            &medium,
-            &SolveSettings {
-                boundary,
-                ..SolveSettings::default()
-            },
-        )
-        .unwrap();
-        let relative = relative_difference(
-            &solved,
-            &folder.join(format!("1crn_AMBER_h0.25_I{name}mM_mol_spl2.pot")),
-        );
-        let energy = solved.solvation_energy_kt * medium.conditions.kilojoule_per_mol_per_kt();
+        let dielectric = DielectricModel::new(water(salt));
+        let settings = SolveSettings {
+            boundary,
+            ..SolveSettings::default()
+        };
+        let solved = solve(&spheres, &dielectric, &settings).unwrap();
+        let reference = folder.join(format!("1crn_AMBER_h0.25_I{name}mM_mol_spl2.pot"));
+        let relative = relative_difference(&solved, &reference);
+        let energy = solved.solvation_energy_kt * kilojoule_per_mol_per_kt(298.15);
         eprintln!(
             "{name} mM, {boundary:?}: {:.2} % rms, {energy:.1} kJ/mol, {:?}",
             100.0 * relative,
@@ -282,7 +278,7 @@ fn boundary_values_do_not_depend_on_the_margin() {
             boundary,
             ..SolveSettings::default()
         };
-        let solved = solve(&spheres, &Medium::new(water(0.1)), &settings).unwrap();
+        let solved = solve(&spheres, &DielectricModel::new(water(0.1)), &settings).unwrap();
         points
             .iter()
             .map(|place| solved.at(place).unwrap())
@@ -292,10 +288,10 @@ fn boundary_values_do_not_depend_on_the_margin() {
         let size: f64 = b.iter().map(|b| b * b).sum();
         (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / size).sqrt()
     };
-    // 32 Å more keep the points of the grid where they are.
-    let far = potentials(42.0, Boundary::CoarseGrid);
-    let near = difference(&potentials(10.0, Boundary::CoarseGrid), &far);
-    let atoms = difference(&potentials(10.0, Boundary::ScreenedAtoms), &far);
+    // A margin of 32 Å more leaves the points of the grid where they are.
+    let far = potentials(42.0, BoundaryCondition::CoarseGrid);
+    let near = difference(&potentials(10.0, BoundaryCondition::CoarseGrid), &far);
+    let atoms = difference(&potentials(10.0, BoundaryCondition::ScreenedAtoms), &far);
     eprintln!("coarse grid {near:.4}, screened atoms {atoms:.4}");
     assert!(near < 0.005, "{near}");
     assert!(atoms > 2.0 * near, "{atoms}");
@@ -303,10 +299,10 @@ fn boundary_values_do_not_depend_on_the_margin() {
 
 /// Kirkwood's potential outside a sphere without salt, of a charge q at s along z:
 /// Σ_n l q (2n + 1)/((n + 1) ε_out + n ε_in) sⁿ/rⁿ⁺¹ P_n(cos θ).
-fn kirkwood_outside_kt(place: &Vec3, s: f64, medium: &Medium) -> f64 {
+fn kirkwood_outside_kt(place: &Vec3, s: f64, dielectric: &DielectricModel) -> f64 {
     let (inner, outer) = (
-        medium.inner_permittivity,
-        medium.conditions.relative_permittivity,
+        dielectric.inner_permittivity,
+        dielectric.electrolyte.relative_permittivity(),
     );
     let r = place.norm();
     let x = place.z / r;
@@ -320,12 +316,12 @@ fn kirkwood_outside_kt(place: &Vec3, s: f64, medium: &Medium) -> f64 {
             ((2.0 * m + 3.0) * x * next - (m + 1.0) * legendre) / (m + 2.0),
         );
     }
-    medium.vacuum_bjerrum_angstrom() * sum
+    dielectric.electrolyte.vacuum_bjerrum_length_angstrom() * sum
 }
 
 #[test]
 fn energies_and_outside_potentials_converge_wherever_the_grid_cuts_a_sphere() {
-    let mut medium = Medium::new(water(0.0));
+    let mut dielectric = DielectricModel::new(water(0.0));
     let radius = 3.0;
     // A spiral of places 2.5 to 5.5 Å outside.
     let places: Vec<Vec3> = (0..200)
@@ -337,13 +333,13 @@ fn energies_and_outside_potentials_converge_wherever_the_grid_cuts_a_sphere() {
                 * (radius + 2.5 + 3.0 * (0.618 * n).fract())
         })
         .collect();
-    medium.inner_permittivity = 2.0;
+    dielectric.inner_permittivity = 2.0;
     // Bounds in per cent: a charge in the middle; one half-way to the surface.
     for (s, energy_at_half, outside_at_half) in [(0.0, 0.1, 0.15), (1.5, 0.15, 1.0)] {
-        let exact = kirkwood_kt(&[(s, 1.0)], radius, &medium);
+        let exact = kirkwood_kt(&[(s, 1.0)], radius, &dielectric);
         let outside: Vec<f64> = places
             .iter()
-            .map(|place| kirkwood_outside_kt(place, s, &medium))
+            .map(|place| kirkwood_outside_kt(place, s, &dielectric))
             .collect();
         let size: f64 = outside.iter().map(|x| x * x).sum();
         let mut last = f64::INFINITY;
@@ -356,7 +352,7 @@ fn energies_and_outside_potentials_converge_wherever_the_grid_cuts_a_sphere() {
             ];
             for offset in &offsets {
                 let mut spheres = sphere_with(radius, &[(s, 1.0)]);
-                // Not part of the surface; shifts the grid, which is centred on all.
+                // This is not part of the surface, but shifts the grid, which is centred on all.
                 let centre = Vec3::repeat(radius) + 2.0 * spacing_angstrom * offset;
                 spheres.push(ChargedSphere {
                     centre,
@@ -367,7 +363,7 @@ fn energies_and_outside_potentials_converge_wherever_the_grid_cuts_a_sphere() {
                     spacing_angstrom,
                     ..SolveSettings::default()
                 };
-                let solved = solve(&spheres, &medium, &settings).unwrap();
+                let solved = solve(&spheres, &dielectric, &settings).unwrap();
                 energies += (solved.solvation_energy_kt / exact - 1.0).powi(2);
                 let found = places.iter().map(|place| solved.at(place).unwrap());
                 potentials += found
@@ -393,12 +389,15 @@ fn energies_and_outside_potentials_converge_wherever_the_grid_cuts_a_sphere() {
     }
 }
 
-/// With the coarse grid's boundary values and ions up to the surface, too: the coarse grid's boxes
-/// are larger than its distances.
+/// The boxes of a coarse grid are larger than the reach of signed distances. The boundary values
+/// from it must be right nevertheless, with ions up to the surface.
 #[test]
 fn a_coarse_boundary_without_an_ion_layer_is_right() {
-    let mut medium = Medium::new(water(0.05));
-    (medium.inner_permittivity, medium.ion_radius_angstrom) = (1.0, 0.0);
+    let mut dielectric = DielectricModel::new(water(0.05));
+    (
+        dielectric.inner_permittivity,
+        dielectric.ion_radius_angstrom,
+    ) = (1.0, 0.0);
     let radius = 10.0;
     let ion = ChargedSphere {
         centre: Vec3::zeros(),
@@ -407,13 +406,14 @@ fn a_coarse_boundary_without_an_ion_layer_is_right() {
     };
     let settings = SolveSettings {
         spacing_angstrom: 0.8,
-        boundary: Boundary::CoarseGrid,
+        boundary: BoundaryCondition::CoarseGrid,
         ..SolveSettings::default()
     };
-    let solved = solve(&[ion], &medium, &settings).unwrap();
-    let kappa = medium.kappa_per_angstrom();
+    let solved = solve(&[ion], &dielectric, &settings).unwrap();
+    let kappa = dielectric.electrolyte.inverse_debye_length_per_angstrom();
     for r in [12.0, 17.0, 19.0] {
-        let exact = medium.solvent_bjerrum_angstrom() * (-kappa * (r - radius)).exp()
+        let exact = dielectric.electrolyte.bjerrum_length_angstrom()
+            * (-kappa * (r - radius)).exp()
             / (r * (1.0 + kappa * radius));
         let found = solved.at(&Vec3::new(r, 0.0, 0.0)).unwrap();
         assert!(
@@ -423,29 +423,32 @@ fn a_coarse_boundary_without_an_ion_layer_is_right() {
     }
 }
 
-/// A sphere alone is its own van der Waals surface, and grown by the probe the accessible one.
+/// A single sphere is its own van der Waals surface, and its own accessible surface once it is grown
+/// by the probe.
 #[test]
 fn surfaces_of_a_sphere_have_its_energy() {
-    let mut medium = Medium::new(water(0.0));
-    medium.inner_permittivity = 1.0;
+    let mut dielectric = DielectricModel::new(water(0.0));
+    dielectric.inner_permittivity = 1.0;
     let ion = ChargedSphere {
         centre: Vec3::zeros(),
         radius_angstrom: 3.0,
         charge_e: 1.0,
     };
-    let born = |radius: f64| -0.5 * medium.vacuum_bjerrum_angstrom() / radius * (1.0 - 1.0 / 78.54);
+    let born = |radius: f64| {
+        -0.5 * dielectric.electrolyte.vacuum_bjerrum_length_angstrom() / radius
+            * (1.0 - 1.0 / 78.54)
+    };
     for (surface, radius) in [
         (SurfaceDefinition::SolventExcluded, 3.0),
         (SurfaceDefinition::VanDerWaals, 3.0),
         (SurfaceDefinition::SolventAccessible, 4.4),
     ] {
-        let energy = solve(
-            &[ion],
-            &Medium { surface, ..medium },
-            &SolveSettings::default(),
-        )
-        .unwrap()
-        .solvation_energy_kt;
+        let dielectric = DielectricModel {
+            surface,
+            ..dielectric
+        };
+        let solved = solve(&[ion], &dielectric, &SolveSettings::default()).unwrap();
+        let energy = solved.solvation_energy_kt;
         assert!(
             (energy / born(radius) - 1.0).abs() < 0.005,
             "{surface:?}: {energy} instead of {}",
@@ -455,7 +458,7 @@ fn surfaces_of_a_sphere_have_its_energy() {
 }
 
 #[test]
-fn a_box_without_end_is_refused() {
+fn a_huge_box_is_refused() {
     let atom = |x: f64| ChargedSphere {
         centre: Vec3::new(x, x, x),
         radius_angstrom: 2.0,
@@ -465,8 +468,12 @@ fn a_box_without_end_is_refused() {
         spacing_angstrom: 0.05,
         ..SolveSettings::default()
     };
-    let error = solve(&[atom(0.0), atom(2e7)], &Medium::new(water(0.1)), &settings)
-        .unwrap_err()
-        .to_string();
+    let error = solve(
+        &[atom(0.0), atom(2e7)],
+        &DielectricModel::new(water(0.1)),
+        &settings,
+    )
+    .unwrap_err()
+    .to_string();
     assert!(error.contains("far from the others"), "{error}");
 }

@@ -1,5 +1,10 @@
-//! Rates of the overlap kernel: trial moves of hard bodies per CPU-second, and single queries
-//! against other methods.
+//! Rates of the overlap kernel in processor time: trial moves of hard bodies, and single queries
+//! beside other methods.
+//!
+//! ```text
+//! cargo bench -p protomer-kernel --bench overlap
+//! ```
+
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -8,17 +13,17 @@
     clippy::print_stderr
 )]
 
+mod cpu_time;
 #[path = "../tests/overlap_support/mod.rs"]
 mod overlap_support;
 
-use criterion::Criterion;
+use cpu_time::{cpu_seconds, is_asked_for, seconds_per_call};
 use overlap_support::*;
 use protomer_kernel::overlap::{CarriedBound, distance, overlaps, separation_bound};
 use protomer_kernel::{Boundary, CollisionShape, Pose, RelativePose, TriangleMesh, Vec3};
 use rand::RngExt;
 use rand::rngs::SmallRng;
 use std::hint::black_box;
-use std::time::{Duration, Instant};
 
 const SHARED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/bench/data");
 
@@ -28,19 +33,18 @@ const CEILING: f64 = 1.0;
 const STRETCH: usize = 2000;
 
 fn main() {
-    let mut criterion = Criterion::default()
-        .configure_from_args()
-        .measurement_time(Duration::from_secs(1));
+    if !is_asked_for() {
+        return;
+    }
     for (name, mesh) in meshes() {
         let shape = CollisionShape::new(&mesh).unwrap();
         trial_moves(name, &shape);
         bound_quality(name, &shape, &mesh);
-        single_queries(&mut criterion, name, &shape, &mesh);
+        single_queries(name, &shape, &mesh);
     }
-    criterion.final_summary();
 }
 
-/// The two benchmark meshes, or a generated one where they are not at hand.
+/// The two benchmark meshes, or a generated one where they are missing.
 fn meshes() -> Vec<(&'static str, TriangleMesh)> {
     let read = |name| read_off(&format!("{SHARED}/{name}.off")).map(|mesh| (name, mesh));
     let found: Vec<_> = ["bumpy_1620", "bumpy_5120"]
@@ -76,7 +80,8 @@ fn trial_moves(name: &str, shape: &CollisionShape) {
             queries,
         } = &chain.counts;
         println!(
-            "{name}: {:.0} trial moves per CPU-second; accepted {:.3} of translations, {:.3} of rotations; {:.2} queries a move",
+            "{name}: {:.0} trial moves per CPU-second; accepted {:.3} of translations, {:.3} of \
+             rotations; {:.2} queries per move",
             moves as f64 / seconds,
             accepted[0] as f64 / tried[0] as f64,
             accepted[1] as f64 / tried[1] as f64,
@@ -113,31 +118,33 @@ fn bound_quality(name: &str, shape: &CollisionShape, mesh: &TriangleMesh) {
     }
 }
 
-fn single_queries(
-    criterion: &mut Criterion,
-    name: &str,
-    shape: &CollisionShape,
-    mesh: &TriangleMesh,
-) {
+/// Microseconds per query of a decision, of a bound, and of two other methods.
+fn single_queries(name: &str, shape: &CollisionShape, mesh: &TriangleMesh) {
     let contacts = contacts(shape, 100);
     let (naive, parry) = (NaiveTree::new(mesh), parry_mesh(mesh));
     for gap in [0.1, 1.0, 5.0, -2.0] {
         let poses: Vec<RelativePose> = contacts.iter().map(|pose| pushed(pose, gap)).collect();
-        let mut group = criterion.benchmark_group(format!("{name}/gap {gap} A"));
-        let mut cycle = poses.iter().cycle();
-        let mut next = move || black_box(cycle.next().unwrap());
-        group.bench_function("overlaps", |b| b.iter(|| overlaps(shape, shape, next())));
-        group.bench_function("separation_bound", |b| {
-            b.iter(|| separation_bound(shape, shape, next(), CEILING))
+        let decision = microseconds(&poses, |pose| overlaps(shape, shape, pose));
+        let bound = microseconds(&poses, |pose| {
+            separation_bound(shape, shape, pose, CEILING).is_none()
         });
-        group.bench_function("naive descent", |b| {
-            b.iter(|| naive.intersects(&naive, next()))
-        });
-        group.bench_function("parry", |b| {
-            b.iter(|| parry_intersects(&parry, &parry, next()))
-        });
-        group.finish();
+        let naive = microseconds(&poses, |pose| naive.intersects(&naive, pose));
+        let parry = microseconds(&poses, |pose| parry_intersects(&parry, &parry, pose));
+        println!(
+            "{name}: gap {gap} Å: overlaps {decision:.2} µs, separation_bound {bound:.2} µs, \
+             naive descent {naive:.2} µs, parry {parry:.2} µs"
+        );
     }
+}
+
+/// The mean time of a query over some poses.
+fn microseconds(poses: &[RelativePose], query: impl Fn(&RelativePose) -> bool) -> f64 {
+    let seconds = seconds_per_call(|| {
+        for pose in poses {
+            black_box(query(black_box(pose)));
+        }
+    });
+    1e6 * seconds / poses.len() as f64
 }
 
 /// The plain way: two binary trees of boxes descended together, the larger box first, box tests by
@@ -348,20 +355,6 @@ impl<'a> Chain<'a> {
             ));
         }
         true
-    }
-}
-
-/// Seconds this thread has spent on a processor; wall-clock seconds where the system does not tell.
-fn cpu_seconds() -> f64 {
-    static START: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-    match text
-        .split_whitespace()
-        .next()
-        .and_then(|field| field.parse::<f64>().ok())
-    {
-        Some(nanoseconds) => nanoseconds * 1e-9,
-        None => START.get_or_init(Instant::now).elapsed().as_secs_f64(),
     }
 }
 

@@ -9,28 +9,19 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+mod cpu_time;
+
+use cpu_time::{cpu_seconds, is_asked_for, seconds_per_call};
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::sparse::LdlFactor;
-use std::time::Instant;
-
-/// Processor time of this thread in seconds; where the system does not tell, the time since
-/// `origin`.
-fn thread_seconds(origin: Instant) -> f64 {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-    let nanoseconds = text
-        .split_whitespace()
-        .next()
-        .and_then(|word| word.parse::<f64>().ok());
-    nanoseconds.map_or_else(|| origin.elapsed().as_secs_f64(), |count| 1e-9 * count)
-}
 
 fn main() {
-    // Nothing is timed under `cargo test`.
-    if !std::env::args().any(|argument| argument == "--bench") {
+    if !is_asked_for() {
         return;
     }
     println!(
-        "grid unknowns | s: prepare factor solve | fill per unknown, multiplications, fronts | residual"
+        "grid unknowns | s: prepare factor solve | fill per unknown, multiplications, fronts | \
+         residual"
     );
     for (size, unknowns) in [
         ([100, 100, 1], 2),
@@ -38,8 +29,22 @@ fn main() {
         ([12, 12, 12], 3),
         ([20, 20, 20], 3),
     ] {
-        let [columns, rows, layers] = size;
-        let place = |node: usize| {
+        let network = Network::new(size, unknowns);
+        println!("{size:?} {}", network.measure());
+    }
+}
+
+/// A symmetric positive definite system.
+struct Network {
+    entries: Vec<(usize, usize)>,
+    numbers: Vec<f64>,
+    places: Vec<[f64; 3]>,
+    b: Vec<f64>,
+}
+
+impl Network {
+    fn new([columns, rows, layers]: [usize; 3], unknowns: usize) -> Self {
+        let place = |node| {
             [
                 node % columns,
                 node / columns % rows,
@@ -47,76 +52,83 @@ fn main() {
             ]
         };
         let nodes = columns * rows * layers;
+        // No node before this one is a neighbour.
+        let reach = columns * rows * usize::from(layers > 1) + columns + 1;
         let mut entries = Vec::new();
-        let near = |a: usize, b: usize| a.abs_diff(b) <= 1;
+        let mut places = Vec::new();
         for here in 0..nodes {
-            let [x, y, z] = place(here);
-            let reach = columns * rows * usize::from(layers > 1) + columns + 1;
-            for other in (here.saturating_sub(reach)..=here).filter(|other| {
-                let [a, b, c] = place(*other);
-                near(a, x) && near(b, y) && near(c, z)
-            }) {
-                for row in unknowns * here..unknowns * (here + 1) {
-                    entries.extend(
-                        (unknowns * other..=row.min(unknowns * other + unknowns - 1))
-                            .map(|column| (row, column)),
-                    );
+            for other in here.saturating_sub(reach)..=here {
+                if are_neighbours(place(here), place(other)) {
+                    add_block(&mut entries, here, other, unknowns);
                 }
+            }
+            for _ in 0..unknowns {
+                places.push(place(here).map(|x| x as f64));
             }
         }
-        let places: Vec<[f64; 3]> = (0..nodes * unknowns)
-            .map(|unknown| place(unknown / unknowns).map(|x| x as f64))
-            .collect();
         let mut rng = CounterRng::new(1, 0, 0);
-        let numbers: Vec<f64> = entries
-            .iter()
-            .map(|(row, column)| {
-                if row == column {
-                    60.0
-                } else {
-                    rng.uniform_in(-1.0, 1.0)
-                }
-            })
-            .collect();
-        let b: Vec<f64> = (0..places.len())
-            .map(|_| rng.uniform_in(-1.0, 1.0))
-            .collect();
-        let origin = Instant::now();
-        let begin = thread_seconds(origin);
-        let mut factor = LdlFactor::new(places.len(), &entries, &places);
-        let prepare = thread_seconds(origin) - begin;
-        let time = |work: &mut dyn FnMut()| {
-            let mut best = f64::INFINITY;
-            for _ in 0..3 {
-                let (begin, mut calls) = (thread_seconds(origin), 0);
-                while thread_seconds(origin) - begin < 0.25 {
-                    work();
-                    calls += 1;
-                }
-                best = best.min((thread_seconds(origin) - begin) / f64::from(calls));
+        let mut number = |(row, column): &(usize, usize)| {
+            if row == column {
+                60.0
+            } else {
+                rng.uniform_in(-1.0, 1.0)
             }
-            best
         };
-        let factoring = time(&mut || factor.factor(&numbers).unwrap());
+        let numbers = entries.iter().map(&mut number).collect();
+        let b = places.iter().map(|_| rng.uniform_in(-1.0, 1.0)).collect();
+        Self {
+            entries,
+            numbers,
+            places,
+            b,
+        }
+    }
+
+    /// A line of the table.
+    fn measure(&self) -> String {
+        let begin = cpu_seconds();
+        let unknowns = self.places.len();
+        let mut factor = LdlFactor::new(unknowns, &self.entries, &self.places);
+        let prepare = cpu_seconds() - begin;
+        let factoring = seconds_per_call(|| factor.factor(&self.numbers).unwrap());
         let mut x = Vec::new();
-        let solving = time(&mut || {
-            x.clone_from(&b);
+        let solving = seconds_per_call(|| {
+            x.clone_from(&self.b);
             factor.solve(&mut x);
         });
-        let mut residual = b.clone();
-        for (&(row, column), number) in entries.iter().zip(&numbers) {
+        format!(
+            "{unknowns} | {prepare:.3} {factoring:.4} {solving:.5} | {:.1} {:.2e} {} | {:.0e}",
+            factor.fill() as f64 / unknowns as f64,
+            factor.multiplications(),
+            factor.fronts(),
+            self.largest_residual(&x)
+        )
+    }
+
+    fn largest_residual(&self, x: &[f64]) -> f64 {
+        let mut residual = self.b.clone();
+        for (&(row, column), number) in self.entries.iter().zip(&self.numbers) {
             residual[row] -= number * x[column];
             if row != column {
                 residual[column] -= number * x[row];
             }
         }
-        let residual = residual.iter().fold(0.0_f64, |worst, x| worst.max(x.abs()));
-        println!(
-            "{size:?} {} | {prepare:.3} {factoring:.4} {solving:.5} | {:.1} {:.2e} {} | {residual:.0e}",
-            places.len(),
-            factor.fill() as f64 / places.len() as f64,
-            factor.multiplications(),
-            factor.fronts(),
-        );
+        residual.iter().fold(0.0, |largest, r| r.abs().max(largest))
+    }
+}
+
+/// Whether two nodes coincide or are nearest or diagonal neighbours.
+fn are_neighbours(a: [usize; 3], b: [usize; 3]) -> bool {
+    (0..3).all(|axis| a[axis].abs_diff(b[axis]) <= 1)
+}
+
+/// Adds the places of the lower triangle that couple the unknowns of two nodes.
+fn add_block(entries: &mut Vec<(usize, usize)>, here: usize, other: usize, unknowns: usize) {
+    for row in unknowns * here..unknowns * (here + 1) {
+        for column in unknowns * other..unknowns * (other + 1) {
+            if column <= row {
+                entries.push((row, column));
+            }
+        }
     }
 }

@@ -1,6 +1,7 @@
-//! The space bodies live in.
+//! The space that bodies live in.
 
-use crate::{KernelError, Result, Vec3};
+use crate::error::require;
+use crate::{Result, Vec3};
 use serde::{Deserialize, Serialize};
 
 /// The boundary of the space.
@@ -14,7 +15,7 @@ use serde::{Deserialize, Serialize};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Boundary {
-    /// Space without an end.
+    /// Unbounded space.
     Open,
     /// An orthorhombic periodic box centred on the origin.
     Periodic {
@@ -32,19 +33,18 @@ impl Boundary {
     /// A periodic box with these edge lengths, Å.
     ///
     /// # Errors
-    /// [`KernelError::OutOfRange`] unless all three lengths are positive and finite.
+    /// [`KernelError::OutOfRange`](crate::KernelError::OutOfRange) unless all three lengths are
+    /// positive and finite.
     pub fn periodic(lengths_angstrom: Vec3) -> Result<Self> {
-        match lengths_angstrom
-            .iter()
-            .find(|length| !(length.is_finite() && **length > 0.0))
-        {
-            None => Ok(Boundary::Periodic { lengths_angstrom }),
-            Some(&value) => Err(KernelError::OutOfRange {
-                quantity: "box length in Å",
-                value,
-                requirement: "positive and finite",
-            }),
+        for &length in lengths_angstrom.iter() {
+            require(
+                "box length in Å",
+                length,
+                "positive and finite",
+                length > 0.0,
+            )?;
         }
+        Ok(Boundary::Periodic { lengths_angstrom })
     }
 
     /// The shortest displacement from one point to an image of the other, Å.
@@ -64,11 +64,25 @@ impl Boundary {
     }
 
     /// The image of a position inside the box, Å; unchanged where there is no box.
+    ///
+    /// ```
+    /// use protomer_kernel::{Boundary, Vec3};
+    /// let space = Boundary::periodic(Vec3::repeat(10.0))?;
+    /// assert_eq!(space.wrap(&Vec3::new(6.0, 0.0, -12.0)), Vec3::new(-4.0, 0.0, -2.0));
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn wrap(&self, position: &Vec3) -> Vec3 {
         self.minimum_image(*position)
     }
 
     /// Whether a body may have its origin here.
+    ///
+    /// ```
+    /// use protomer_kernel::{Boundary, Vec3};
+    /// let ball = Boundary::SphereWall { radius_angstrom: 100.0 };
+    /// assert!(ball.contains(&Vec3::new(0.0, 99.0, 0.0)));
+    /// assert!(!ball.contains(&Vec3::new(0.0, 99.0, 99.0)));
+    /// ```
     pub fn contains(&self, position: &Vec3) -> bool {
         match self {
             Boundary::SphereWall { radius_angstrom } => {
@@ -78,7 +92,7 @@ impl Boundary {
         }
     }
 
-    /// The smallest box length, Å; infinite where there is no box. Interactions that reach further
+    /// The smallest box length, Å; infinite where there is no box. Interactions that reach farther
     /// than half of it would need more than the nearest image.
     pub fn smallest_length_angstrom(&self) -> f64 {
         match self {
@@ -96,5 +110,31 @@ impl Boundary {
                 4.0 / 3.0 * std::f64::consts::PI * radius_angstrom.powi(3)
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn boxes_without_a_volume_are_refused() {
+        for length in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(
+                Boundary::periodic(Vec3::new(1.0, length, 1.0)).is_err(),
+                "{length}"
+            );
+        }
+    }
+
+    #[test]
+    fn volumes_are_those_of_the_shapes() {
+        let periodic = Boundary::periodic(Vec3::new(1.0, 2.0, 3.0)).unwrap();
+        assert_eq!(periodic.volume_angstrom3(), 6.0);
+        let ball = Boundary::SphereWall {
+            radius_angstrom: 1.0,
+        };
+        assert!((ball.volume_angstrom3() - 4.18879).abs() < 1e-5);
+        assert_eq!(Boundary::Open.volume_angstrom3(), f64::INFINITY);
     }
 }

@@ -6,29 +6,36 @@ use std::collections::HashMap;
 /// Below this number of bodies looking at all of them is cheaper than any grid.
 const ALL_PAIRS_UP_TO: usize = 64;
 
-/// Fewer cells than this along an edge would make a cell its own neighbour's neighbour.
+/// With fewer cells along an edge, a cell would be the neighbour of its own neighbour.
 const FEWEST_CELLS: f64 = 4.0;
 
 /// Checks that every interaction of this range involves at most one image of a body.
+///
+/// ```
+/// use protomer_kernel::{Boundary, Vec3, cells::require_minimum_image};
+/// let space = Boundary::periodic(Vec3::repeat(100.0))?;
+/// assert!(require_minimum_image(&space, 50.0).is_ok());
+/// assert!(require_minimum_image(&space, 51.0).is_err());
+/// # Ok::<(), protomer_kernel::KernelError>(())
+/// ```
 ///
 /// # Errors
 /// [`KernelError::BoxTooSmall`] when the range exceeds half of the smallest box length.
 pub fn require_minimum_image(boundary: &Boundary, range_angstrom: f64) -> Result<()> {
     let smallest_length_angstrom = boundary.smallest_length_angstrom();
-    if smallest_length_angstrom == f64::INFINITY || 2.0 * range_angstrom <= smallest_length_angstrom
-    {
-        Ok(())
-    } else {
-        Err(KernelError::BoxTooSmall {
-            range_angstrom,
-            smallest_length_angstrom,
-        })
+    let unbounded = smallest_length_angstrom == f64::INFINITY;
+    if unbounded || 2.0 * range_angstrom <= smallest_length_angstrom {
+        return Ok(());
     }
+    Err(KernelError::BoxTooSmall {
+        range_angstrom,
+        smallest_length_angstrom,
+    })
 }
 
 /// Points sorted into cells at least as wide as the range of interest, so that everything in range
-/// of a place lies in the 27 cells about it. Small systems, small boxes and infinite ranges fall
-/// back to "everything".
+/// of a place lies in the 27 cells around it. For small systems, small boxes and infinite ranges
+/// every point is a candidate.
 ///
 /// ```
 /// use protomer_kernel::{Boundary, Vec3, cells::CellList};
@@ -50,7 +57,7 @@ pub struct CellList {
 struct Grid {
     boundary: Boundary,
     cell_lengths: Vec3,
-    /// Cells along each edge of a periodic box; `None` where space has no end.
+    /// Cells along each edge of a periodic box; `None` for unbounded space.
     cells_per_edge: Option<[i64; 3]>,
     members: HashMap<[i64; 3], Vec<u32>>,
 }
@@ -62,24 +69,23 @@ impl CellList {
     /// [`KernelError::BoxTooSmall`] when the range exceeds half of the smallest box length.
     pub fn new(boundary: &Boundary, range_angstrom: f64, positions: &[Vec3]) -> Result<Self> {
         require_minimum_image(boundary, range_angstrom)?;
-        let mut grid = if positions.len() > ALL_PAIRS_UP_TO {
-            Grid::new(boundary, range_angstrom)
-        } else {
-            None
+        let mut list = Self {
+            count: positions.len(),
+            grid: None,
         };
-        if let Some(grid) = &mut grid {
+        if positions.len() > ALL_PAIRS_UP_TO
+            && let Some(mut grid) = Grid::new(boundary, range_angstrom)
+        {
             for (index, position) in positions.iter().enumerate() {
                 grid.insert(index, position);
             }
+            list.grid = Some(grid);
         }
-        Ok(Self {
-            count: positions.len(),
-            grid,
-        })
+        Ok(list)
     }
 
-    /// Writes the indices, ascending, of every body that may lie in range of `position` into
-    /// `candidates`. The order does not depend on the history of moves.
+    /// Writes the indices of every point that may lie in range of `position` into `candidates`,
+    /// ascending. They do not depend on the history of moves.
     pub fn candidates(&self, position: &Vec3, candidates: &mut Vec<usize>) {
         candidates.clear();
         match &self.grid {
@@ -91,7 +97,7 @@ impl CellList {
         }
     }
 
-    /// Tells the list that a body has moved.
+    /// Updates the list after a point has moved.
     pub fn moved(&mut self, index: usize, from: &Vec3, to: &Vec3) {
         if let Some(grid) = &mut self.grid {
             grid.relocate(index, from, to);
@@ -100,6 +106,7 @@ impl CellList {
 }
 
 impl Grid {
+    /// A grid without members; `None` where it would not pay or has too few cells.
     fn new(boundary: &Boundary, range: f64) -> Option<Self> {
         if !(range.is_finite() && range > 0.0) {
             return None;
@@ -126,31 +133,25 @@ impl Grid {
     }
 
     fn cell(&self, position: &Vec3) -> [i64; 3] {
-        let scaled = self
-            .boundary
-            .wrap(position)
-            .component_div(&self.cell_lengths);
-        self.periodic([
-            scaled.x.floor() as i64,
-            scaled.y.floor() as i64,
-            scaled.z.floor() as i64,
-        ])
+        let wrapped = self.boundary.wrap(position);
+        let [x, y, z] = wrapped.component_div(&self.cell_lengths).into();
+        self.periodic([x.floor() as i64, y.floor() as i64, z.floor() as i64])
     }
 
-    /// The cells start at the origin and go round the box; where their number is odd, the one at
-    /// the box's face goes on behind the opposite face.
-    fn periodic(&self, cell: [i64; 3]) -> [i64; 3] {
-        match self.cells_per_edge {
-            Some(cells) => std::array::from_fn(|axis| cell[axis].rem_euclid(cells[axis])),
-            None => cell,
+    /// The cells start at the origin and go around the box. If their number is odd, the one at a
+    /// face of the box continues behind the opposite face.
+    fn periodic(&self, mut cell: [i64; 3]) -> [i64; 3] {
+        if let Some(cells) = self.cells_per_edge {
+            for axis in 0..3 {
+                cell[axis] = cell[axis].rem_euclid(cells[axis]);
+            }
         }
+        cell
     }
 
     fn insert(&mut self, index: usize, position: &Vec3) {
-        self.members
-            .entry(self.cell(position))
-            .or_default()
-            .push(index as u32);
+        let cell = self.cell(position);
+        self.members.entry(cell).or_default().push(index as u32);
     }
 
     fn relocate(&mut self, index: usize, from: &Vec3, to: &Vec3) {
@@ -167,14 +168,14 @@ impl Grid {
         self.members.entry(new).or_default().push(index as u32);
     }
 
+    /// Adds the members of the 27 cells around a position.
     fn collect(&self, position: &Vec3, candidates: &mut Vec<usize>) {
         let [x, y, z] = self.cell(position);
         for dx in -1..=1 {
             for dy in -1..=1 {
                 for dz in -1..=1 {
-                    if let Some(members) =
-                        self.members.get(&self.periodic([x + dx, y + dy, z + dz]))
-                    {
+                    let cell = self.periodic([x + dx, y + dy, z + dz]);
+                    if let Some(members) = self.members.get(&cell) {
                         candidates.extend(members.iter().map(|member| *member as usize));
                     }
                 }

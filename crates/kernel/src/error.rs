@@ -19,12 +19,12 @@ pub enum KernelError {
     BadMesh(String),
     /// A periodic box in which a body would meet two images of another.
     #[error(
-        "interactions reach {range_angstrom:.2} Å, so every box length must be at least {:.2} Å; the smallest is \
-         {smallest_length_angstrom:.2} Å",
+        "interactions reach {range_angstrom:.2} Å, so every box length must be at least {:.2} Å; \
+         the smallest is {smallest_length_angstrom:.2} Å",
         2.0 * range_angstrom
     )]
     BoxTooSmall {
-        /// Largest distance between two bodies' origins at which they interact, Å.
+        /// Largest distance between the origins of two bodies at which they interact, Å.
         range_angstrom: f64,
         /// The smallest box length, Å.
         smallest_length_angstrom: f64,
@@ -33,3 +33,20 @@ pub enum KernelError {
 
 /// The result of a kernel operation.
 pub type Result<T> = std::result::Result<T, KernelError>;
+
+/// `Ok` if `value` is finite and `holds`, otherwise the error that names the quantity.
+pub(crate) fn require(
+    quantity: &'static str,
+    value: f64,
+    requirement: &'static str,
+    holds: bool,
+) -> Result<()> {
+    if value.is_finite() && holds {
+        return Ok(());
+    }
+    Err(KernelError::OutOfRange {
+        quantity,
+        value,
+        requirement,
+    })
+}

@@ -1,22 +1,24 @@
-//! The kernels on which every protomer engine stands.
+//! What every protomer engine builds on: units, rigid bodies, meshes, random numbers, statistics.
 //!
 //! | module | one idea |
 //! |---|---|
-//! | [`units`] | physical constants, [`Conditions`], Bjerrum and Debye lengths |
+//! | [`units`] | physical constants |
+//! | [`electrolyte`] | a salt solution and its Bjerrum and Debye lengths |
 //! | [`pose`] | rigid motions: where a body is and how it is turned |
-//! | [`boundary`] | the space bodies live in: open, periodic, or a spherical wall |
+//! | [`boundary`] | the space that bodies live in: open, periodic, or inside a spherical wall |
 //! | [`mesh`] | closed triangle meshes, their topology and mass properties |
 //! | [`random`] | counter-based random numbers: directions, rotations, streams per step |
 //! | [`potential`] | radial pair potentials |
 //! | [`cells`] | which bodies are near a point |
-//! | [`overlap`] | do two rigid bodies overlap, and if not, how far can they move before they might |
-//! | [`sparse`] | symmetric sparse systems of fixed pattern |
+//! | [`overlap`] | whether two rigid bodies overlap, and how far apart they are if not |
+//! | [`sparse`] | symmetric sparse systems of a fixed pattern |
 //! | [`statistics`] | averages of correlated series and their errors |
 //!
 //! Lengths are in Å, energies in kT, charges in elementary charges, salt in mol/L.
 
 pub mod boundary;
 pub mod cells;
+pub mod electrolyte;
 mod error;
 pub mod mesh;
 pub mod overlap;
@@ -28,11 +30,11 @@ pub mod statistics;
 pub mod units;
 
 pub use boundary::Boundary;
+pub use electrolyte::Electrolyte;
 pub use error::{KernelError, Result};
 pub use mesh::TriangleMesh;
 pub use overlap::CollisionShape;
 pub use pose::{Pose, RelativePose};
-pub use units::Conditions;
 
 /// A point or a displacement in three dimensions, Å.
 pub type Vec3 = nalgebra::Vector3<f64>;

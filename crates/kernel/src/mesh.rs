@@ -5,12 +5,24 @@ use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
-/// The largest coordinate of a body, Å: the overlap test's single-precision bounds are sharp enough
-/// up to here.
+/// The largest coordinate of a body, Å: up to here the single-precision bounds of the overlap test
+/// are sharp enough.
 pub const LARGEST_COORDINATE_ANGSTROM: f64 = 1e6;
 
 /// A triangle mesh. A mesh that bounds a solid is closed, 2-manifold and counter-clockwise seen
 /// from outside; [`TriangleMesh::topology`] checks that.
+///
+/// ```
+/// use protomer_kernel::{TriangleMesh, Vec3};
+/// let tetrahedron = TriangleMesh {
+///     vertices: vec![Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()],
+///     triangles: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+/// };
+/// let topology = tetrahedron.topology()?;
+/// assert_eq!((topology.components, topology.genus), (1, 0));
+/// assert!((tetrahedron.volume_angstrom3() - 1.0 / 6.0).abs() < 1e-15);
+/// # Ok::<(), protomer_kernel::KernelError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct TriangleMesh {
     /// Vertex positions, Å.
@@ -49,34 +61,40 @@ impl TriangleMesh {
         self.triangles[triangle].map(|vertex| self.vertices[vertex as usize])
     }
 
+    /// The corners of all triangles, Å.
+    fn all_corners(&self) -> impl Iterator<Item = [Vec3; 3]> + '_ {
+        (0..self.triangles.len()).map(|triangle| self.corners(triangle))
+    }
+
     /// Surface area, Å².
     pub fn area_angstrom2(&self) -> f64 {
-        (0..self.triangles.len())
-            .map(|triangle| {
-                let [a, b, c] = self.corners(triangle);
-                0.5 * (b - a).cross(&(c - a)).norm()
-            })
-            .sum()
+        let area = |[a, b, c]: [Vec3; 3]| 0.5 * (b - a).cross(&(c - a)).norm();
+        self.all_corners().map(area).sum()
     }
 
     /// Enclosed volume by the divergence theorem, V = Σ a·(b × c) / 6, Å³; positive for an outward
     /// mesh.
     pub fn volume_angstrom3(&self) -> f64 {
         let origin = self.vertices.first().copied().unwrap_or_default();
-        (0..self.triangles.len())
-            .map(|triangle| self.signed_tetrahedron(triangle, &origin))
-            .sum()
-    }
-
-    fn signed_tetrahedron(&self, triangle: usize, origin: &Vec3) -> f64 {
-        let [a, b, c] = self.corners(triangle).map(|corner| corner - origin);
-        a.dot(&b.cross(&c)) / 6.0
+        let volume = |corners: [Vec3; 3]| signed_tetrahedron(&corners, &origin);
+        self.all_corners().map(volume).sum()
     }
 
     /// Volume, centroid and inertia of the enclosed solid at unit density.
     ///
     /// Each triangle spans a tetrahedron with the first vertex; with corners a, b, c and s = a +
     /// b + c its second moment is V/20 (aaᵀ + bbᵀ + ccᵀ + ssᵀ).
+    ///
+    /// ```
+    /// use protomer_kernel::{TriangleMesh, Vec3};
+    /// let tetrahedron = TriangleMesh {
+    ///     vertices: vec![Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()],
+    ///     triangles: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    /// };
+    /// let centroid = tetrahedron.mass_properties()?.centroid;
+    /// assert!((centroid - Vec3::repeat(0.25)).norm() < 1e-15);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     ///
     /// # Errors
     /// [`KernelError::BadMesh`] if the enclosed volume is not positive.
@@ -85,8 +103,8 @@ impl TriangleMesh {
         let mut volume = 0.0;
         let mut first_moment = Vec3::zeros();
         let mut second_moment = Matrix3::zeros();
-        for triangle in 0..self.triangles.len() {
-            let [a, b, c] = self.corners(triangle).map(|corner| corner - origin);
+        for corners in self.all_corners() {
+            let [a, b, c] = corners.map(|corner| corner - origin);
             let s = a + b + c;
             let v = a.dot(&b.cross(&c)) / 6.0;
             volume += v;
@@ -96,30 +114,34 @@ impl TriangleMesh {
             second_moment += outer * (v / 20.0);
         }
         if !(volume.is_finite() && volume > 0.0) {
-            return Err(KernelError::BadMesh(format!(
+            return bad_mesh(format!(
                 "it encloses {volume} Å³; the volume must be positive"
-            )));
+            ));
         }
         let centroid = first_moment / volume;
         let central = second_moment - centroid * centroid.transpose() * volume;
-        let inertia_angstrom5 = Matrix3::identity() * central.trace() - central;
         Ok(MassProperties {
             volume_angstrom3: volume,
             centroid: centroid + origin,
-            inertia_angstrom5,
+            inertia_angstrom5: Matrix3::identity() * central.trace() - central,
         })
     }
 
     /// Radius of the smallest sphere about the origin that holds every vertex, Å.
     pub fn radius_about_origin_angstrom(&self) -> f64 {
-        self.vertices
-            .iter()
-            .map(Vec3::norm_squared)
-            .fold(0.0, f64::max)
-            .sqrt()
+        let squares = self.vertices.iter().map(Vec3::norm_squared);
+        squares.fold(0.0, f64::max).sqrt()
     }
 
     /// The same mesh with every vertex moved by `transform`.
+    ///
+    /// ```
+    /// use protomer_kernel::{Pose, TriangleMesh, Vec3};
+    /// let point = TriangleMesh { vertices: vec![Vec3::x()], triangles: Vec::new() };
+    /// let pose = Pose { position: Vec3::x(), ..Pose::identity() };
+    /// let moved = point.map_vertices(|vertex| pose.transform_point(vertex));
+    /// assert_eq!(moved.vertices, [Vec3::new(2.0, 0.0, 0.0)]);
+    /// ```
     pub fn map_vertices(&self, transform: impl Fn(&Vec3) -> Vec3) -> Self {
         Self {
             vertices: self.vertices.iter().map(transform).collect(),
@@ -135,79 +157,82 @@ impl TriangleMesh {
     /// triangles do not form one fan, a vertex that no triangle uses, a coordinate that is not
     /// finite or out of range, an outer shell that is inside out.
     pub fn topology(&self) -> Result<Topology> {
-        self.check_indices()?;
+        self.check_coordinates()?;
+        self.check_triangles()?;
         let neighbours = self.edge_neighbours()?;
         self.check_vertex_fans()?;
-        let component_of = label_components(&neighbours);
-        let components = component_of.iter().max().map_or(0, |last| last + 1);
+        let (component_of, components) = label_components(&neighbours);
         let mut volumes = vec![0.0; components];
-        for (triangle, &component) in component_of.iter().enumerate() {
+        for (corners, component) in self.all_corners().zip(component_of) {
             let origin = self.vertices[self.triangles[0][0] as usize];
-            volumes[component] += self.signed_tetrahedron(triangle, &origin);
+            volumes[component] += signed_tetrahedron(&corners, &origin);
         }
         let cavities = volumes.iter().filter(|volume| **volume < 0.0).count();
         if components > 0 && cavities == components {
-            return Err(KernelError::BadMesh(
-                "it is inside out; reverse the corner order of every triangle".into(),
-            ));
+            return bad_mesh("it is inside out; reverse the corner order of every triangle");
         }
         let edges = self.triangles.len() as i64 * 3 / 2;
         let euler_number = self.vertices.len() as i64 - edges + self.triangles.len() as i64;
-        let genus = (2 * components as i64 - euler_number) / 2;
         Ok(Topology {
             components,
             euler_number,
-            genus,
+            genus: (2 * components as i64 - euler_number) / 2,
             cavities,
         })
     }
 
-    /// The connected shells of a closed mesh, each as a mesh of its own, in order of their first
+    /// The connected shells of a closed mesh, each as a mesh of its own, in the order of their first
     /// triangle.
     ///
     /// # Errors
     /// [`KernelError::BadMesh`] if an edge is not shared by exactly two triangles.
     pub fn shells(&self) -> Result<Vec<TriangleMesh>> {
-        self.check_indices()?;
-        let component_of = label_components(&self.edge_neighbours()?);
-        let components = component_of.iter().max().map_or(0, |last| last + 1);
+        self.check_coordinates()?;
+        self.check_triangles()?;
+        let (component_of, components) = label_components(&self.edge_neighbours()?);
         let mut shells = vec![TriangleMesh::default(); components];
         let mut renumbered: HashMap<(usize, u32), u32> = HashMap::new();
-        for (triangle, &component) in component_of.iter().enumerate() {
+        for (triangle, component) in self.triangles.iter().zip(component_of) {
             let shell = &mut shells[component];
-            let corners = self.triangles[triangle].map(|vertex| {
-                *renumbered.entry((component, vertex)).or_insert_with(|| {
-                    shell.vertices.push(self.vertices[vertex as usize]);
-                    shell.vertices.len() as u32 - 1
-                })
-            });
+            let mut corners = *triangle;
+            for corner in &mut corners {
+                let next = shell.vertices.len() as u32;
+                let number = *renumbered.entry((component, *corner)).or_insert(next);
+                if number == next {
+                    shell.vertices.push(self.vertices[*corner as usize]);
+                }
+                *corner = number;
+            }
             shell.triangles.push(corners);
         }
         Ok(shells)
     }
 
-    fn check_indices(&self) -> Result<()> {
-        let in_range = |x: &f64| x.abs() <= LARGEST_COORDINATE_ANGSTROM;
-        if let Some(vertex) = self.vertices.iter().position(|v| !v.iter().all(in_range)) {
-            return Err(KernelError::BadMesh(format!(
-                "vertex {vertex} has a coordinate that is no number within {LARGEST_COORDINATE_ANGSTROM:.0} Å"
-            )));
-        }
-        for (index, triangle) in self.triangles.iter().enumerate() {
-            let [a, b, c] = *triangle;
-            if triangle
+    fn check_coordinates(&self) -> Result<()> {
+        for (index, vertex) in self.vertices.iter().enumerate() {
+            let in_range = vertex
                 .iter()
-                .any(|&vertex| vertex as usize >= self.vertices.len())
-            {
-                let count = self.vertices.len();
-                return Err(KernelError::BadMesh(format!(
+                .all(|x| x.abs() <= LARGEST_COORDINATE_ANGSTROM);
+            if !in_range {
+                return bad_mesh(format!(
+                    "vertex {index} has a coordinate that is not a number within \
+                     {LARGEST_COORDINATE_ANGSTROM:.0} Å"
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_triangles(&self) -> Result<()> {
+        let count = self.vertices.len();
+        for (index, [a, b, c]) in self.triangles.iter().enumerate() {
+            if *a.max(b).max(c) as usize >= count {
+                return bad_mesh(format!(
                     "triangle {index} names a vertex beyond the {count} there are"
-                )));
+                ));
             }
             if a == b || b == c || c == a {
-                return Err(KernelError::BadMesh(format!(
-                    "triangle {index} uses a vertex twice"
-                )));
+                return bad_mesh(format!("triangle {index} uses a vertex twice"));
             }
         }
         Ok(())
@@ -215,32 +240,32 @@ impl TriangleMesh {
 
     /// For each triangle the triangles across its three edges.
     fn edge_neighbours(&self) -> Result<Vec<[u32; 3]>> {
-        let mut triangle_of: HashMap<(u32, u32), usize> =
+        let mut triangle_of: HashMap<(u32, u32), u32> =
             HashMap::with_capacity(self.triangles.len() * 3);
         for (triangle, corners) in self.triangles.iter().enumerate() {
-            for side in 0..3 {
-                let edge = (corners[side], corners[(side + 1) % 3]);
-                if triangle_of.insert(edge, triangle).is_some() {
-                    let message = format!(
-                        "edge {}-{} is used twice in the same direction",
-                        edge.0, edge.1
-                    );
-                    return Err(KernelError::BadMesh(message));
+            for (from, to) in edges(corners) {
+                if triangle_of.insert((from, to), triangle as u32).is_some() {
+                    return bad_mesh(format!(
+                        "edge {from}-{to} is used twice in the same direction"
+                    ));
                 }
             }
         }
-        let mut neighbours = vec![[0; 3]; self.triangles.len()];
+        let mut neighbours = Vec::with_capacity(self.triangles.len());
         // In the order of the triangles, so that the same mesh gives the same message every time.
-        for (corners, neighbours) in self.triangles.iter().zip(&mut neighbours) {
-            for side in 0..3 {
-                let (from, to) = (corners[side], corners[(side + 1) % 3]);
-                let Some(other) = triangle_of.get(&(to, from)) else {
-                    return Err(KernelError::BadMesh(format!(
-                        "edge {from}-{to} has a triangle on one side only"
-                    )));
-                };
-                neighbours[side] = *other as u32;
+        for corners in &self.triangles {
+            let mut across = [0; 3];
+            for (across, (from, to)) in across.iter_mut().zip(edges(corners)) {
+                match triangle_of.get(&(to, from)) {
+                    Some(other) => *across = *other,
+                    None => {
+                        return bad_mesh(format!(
+                            "edge {from}-{to} has a triangle on one side only"
+                        ));
+                    }
+                }
             }
+            neighbours.push(across);
         }
         Ok(neighbours)
     }
@@ -250,46 +275,55 @@ impl TriangleMesh {
         let mut next_around: HashMap<(u32, u32), u32> =
             HashMap::with_capacity(self.triangles.len() * 3);
         let mut first: Vec<Option<u32>> = vec![None; self.vertices.len()];
-        let mut valence = vec![0usize; self.vertices.len()];
-        for corners in &self.triangles {
-            for side in 0..3 {
-                let [centre, from, to] = [
-                    corners[side],
-                    corners[(side + 1) % 3],
-                    corners[(side + 2) % 3],
-                ];
-                next_around.insert((centre, from), to);
-                first[centre as usize].get_or_insert(from);
-                valence[centre as usize] += 1;
+        let mut valence = vec![0_usize; self.vertices.len()];
+        for [a, b, c] in &self.triangles {
+            for (centre, from, to) in [(a, b, c), (b, c, a), (c, a, b)] {
+                next_around.insert((*centre, *from), *to);
+                first[*centre as usize].get_or_insert(*from);
+                valence[*centre as usize] += 1;
             }
         }
-        for (vertex, start) in first.iter().enumerate() {
-            let Some(start) = *start else {
-                return Err(KernelError::BadMesh(format!(
-                    "vertex {vertex} belongs to no triangle"
-                )));
+        for (vertex, first) in first.iter().enumerate() {
+            let Some(first) = *first else {
+                return bad_mesh(format!("vertex {vertex} belongs to no triangle"));
             };
-            let mut turned = 0;
-            let mut current = start;
-            while let Some(&next) = next_around.get(&(vertex as u32, current)) {
-                turned += 1;
-                current = next;
-                if current == start {
-                    break;
-                }
-            }
-            if turned != valence[vertex] {
-                return Err(KernelError::BadMesh(format!(
-                    "vertex {vertex} joins two fans of triangles"
-                )));
+            if fan_length(&next_around, vertex as u32, first) != valence[vertex] {
+                return bad_mesh(format!("vertex {vertex} joins two fans of triangles"));
             }
         }
         Ok(())
     }
 }
 
-/// The component of each triangle, numbered in order of first appearance.
-fn label_components(neighbours: &[[u32; 3]]) -> Vec<usize> {
+/// Volume of the tetrahedron that a triangle spans with an origin, Å³; positive if the triangle is
+/// counter-clockwise seen from the far side.
+fn signed_tetrahedron(corners: &[Vec3; 3], origin: &Vec3) -> f64 {
+    let [a, b, c] = corners.map(|corner| corner - origin);
+    a.dot(&b.cross(&c)) / 6.0
+}
+
+/// The directed edges of a triangle.
+fn edges([a, b, c]: &[u32; 3]) -> [(u32, u32); 3] {
+    [(*a, *b), (*b, *c), (*c, *a)]
+}
+
+/// How many triangles around a vertex follow one another from the first.
+fn fan_length(next_around: &HashMap<(u32, u32), u32>, vertex: u32, first: u32) -> usize {
+    let mut length = 0;
+    let mut current = first;
+    while let Some(next) = next_around.get(&(vertex, current)) {
+        length += 1;
+        current = *next;
+        if current == first {
+            break;
+        }
+    }
+    length
+}
+
+/// The component of each triangle, numbered in the order of first appearance, and how many there
+/// are.
+fn label_components(neighbours: &[[u32; 3]]) -> (Vec<usize>, usize) {
     const UNSEEN: usize = usize::MAX;
     let mut component_of = vec![UNSEEN; neighbours.len()];
     let mut components = 0;
@@ -310,7 +344,12 @@ fn label_components(neighbours: &[[u32; 3]]) -> Vec<usize> {
         }
         components += 1;
     }
-    component_of
+    (component_of, components)
+}
+
+/// The error that names a defect.
+fn bad_mesh<T>(defect: impl Into<String>) -> Result<T> {
+    Err(KernelError::BadMesh(defect.into()))
 }
 
 #[cfg(test)]
@@ -318,9 +357,8 @@ mod tests {
     use super::*;
 
     fn unit_cube() -> TriangleMesh {
-        let vertices = (0..8)
-            .map(|i| Vec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2 & 1) as f64))
-            .collect();
+        let corner = |i| Vec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2 & 1) as f64);
+        let vertices = (0..8).map(corner).collect();
         let quads = [
             [0, 2, 3, 1],
             [4, 5, 7, 6],
@@ -369,42 +407,41 @@ mod tests {
             (topology.components, topology.cavities, topology.genus),
             (2, 1, 0)
         );
-        let volumes: Vec<f64> = mesh
-            .shells()
-            .unwrap()
-            .iter()
-            .map(TriangleMesh::volume_angstrom3)
-            .collect();
-        assert!((volumes[0] - 27.0).abs() < 1e-12 && (volumes[1] + 1.0).abs() < 1e-12);
+        let shells = mesh.shells().unwrap();
+        assert!((shells[0].volume_angstrom3() - 27.0).abs() < 1e-12);
+        assert!((shells[1].volume_angstrom3() + 1.0).abs() < 1e-12);
     }
 
     #[test]
     fn defects_are_named() {
         let mut open = unit_cube();
         open.triangles.pop();
-        assert!(
-            open.topology()
-                .unwrap_err()
-                .to_string()
-                .contains("one side only")
-        );
         let mut inverted = unit_cube();
         inverted.triangles.iter_mut().for_each(|t| t.swap(0, 1));
-        assert!(
-            inverted
-                .topology()
-                .unwrap_err()
-                .to_string()
-                .contains("inside out")
-        );
         let mut unused = unit_cube();
         unused.vertices.push(Vec3::zeros());
-        assert!(
-            unused
-                .topology()
-                .unwrap_err()
-                .to_string()
-                .contains("no triangle")
-        );
+        let mut beyond = unit_cube();
+        beyond.triangles[0][0] = 8;
+        let mut far = unit_cube();
+        far.vertices[3].x = f64::NAN;
+        // Two cubes that share a corner.
+        let mut joined = unit_cube();
+        let other = unit_cube().map_vertices(|v| v + Vec3::repeat(1.0));
+        let renumbered = |v: u32| if v == 0 { 7 } else { v + 7 };
+        joined.vertices.extend(&other.vertices[1..]);
+        joined
+            .triangles
+            .extend(other.triangles.iter().map(|t| t.map(renumbered)));
+        for (mesh, defect) in [
+            (open, "one side only"),
+            (inverted, "inside out"),
+            (unused, "no triangle"),
+            (beyond, "beyond the 8"),
+            (far, "not a number"),
+            (joined, "two fans"),
+        ] {
+            let message = mesh.topology().unwrap_err().to_string();
+            assert!(message.contains(defect), "{message}");
+        }
     }
 }

@@ -4,11 +4,12 @@ use crate::{Rotation, Vec3};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 
-/// Where a body is and how it is turned: a point p of the body stands at `rotation * p + position`.
+/// Where a body is and how it is turned: a point p of the body is at `rotation * p + position`.
 ///
 /// ```
 /// use protomer_kernel::{Pose, Vec3};
-/// let pose = Pose::from_wxyz(Vec3::new(1.0, 0.0, 0.0), [0.0, 0.0, 0.0, 1.0]); // half a turn about z
+/// let half_turn_about_z = [0.0, 0.0, 0.0, 1.0];
+/// let pose = Pose::from_wxyz(Vec3::new(1.0, 0.0, 0.0), half_turn_about_z);
 /// assert!((pose.transform_point(&Vec3::new(1.0, 0.0, 0.0)) - Vec3::zeros()).norm() < 1e-12);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -47,12 +48,19 @@ impl Pose {
         self.rotation * point + self.position
     }
 
-    /// The point of the body that stands at `point`, Å.
+    /// The point of the body that is at `point`, Å.
     pub fn inverse_transform_point(&self, point: &Vec3) -> Vec3 {
         self.rotation.inverse() * (point - self.position)
     }
 
     /// First `self`, then `outer`.
+    ///
+    /// ```
+    /// use protomer_kernel::{Pose, Vec3};
+    /// let step = Pose { position: Vec3::x(), ..Pose::identity() };
+    /// assert_eq!(step.then(&step).position, Vec3::new(2.0, 0.0, 0.0));
+    /// assert_eq!(step.then(&step.inverse()), Pose::identity());
+    /// ```
     pub fn then(&self, outer: &Pose) -> Pose {
         Pose {
             position: outer.transform_point(&self.position),
@@ -72,18 +80,26 @@ impl Pose {
 
 /// The pose of one body in the frame of another, with the rotation as a matrix: computed once per
 /// pair, used for many points.
+///
+/// ```
+/// use protomer_kernel::{Pose, RelativePose, Vec3};
+/// let first = Pose { position: Vec3::new(5.0, 0.0, 0.0), ..Pose::identity() };
+/// let second = Pose { position: Vec3::new(8.0, 1.0, 0.0), ..Pose::identity() };
+/// let relative = RelativePose::new(&first, &second, &(second.position - first.position));
+/// assert_eq!(relative.transform_point(&Vec3::z()), Vec3::new(3.0, 1.0, 1.0));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct RelativePose {
-    /// Rotation matrix R: a point q of the second body stands at `R q + translation` in the first
-    /// body's frame.
+    /// Rotation matrix R: a point q of the second body is at `R q + translation` in the frame of the
+    /// first.
     pub rotation: Matrix3<f64>,
-    /// Position of the second body's origin in the first body's frame, Å.
+    /// Position of the origin of the second body in the frame of the first, Å.
     pub translation: Vec3,
 }
 
 impl RelativePose {
-    /// The pose of `second` in the frame of `first`, where `displacement` leads from `first` to the
-    /// image of `second` meant (for an open space `second.position - first.position`), Å.
+    /// The pose of `second` in the frame of `first`. `displacement` (Å) leads from `first` to the
+    /// image of `second` that is meant; in open space it is `second.position - first.position`.
     pub fn new(first: &Pose, second: &Pose, displacement: &Vec3) -> Self {
         let into_first = first.rotation.inverse();
         Self {
@@ -103,7 +119,7 @@ impl RelativePose {
         }
     }
 
-    /// A point of the second body in the first body's frame, Å.
+    /// A point of the second body in the frame of the first, Å.
     pub fn transform_point(&self, point: &Vec3) -> Vec3 {
         self.rotation * point + self.translation
     }

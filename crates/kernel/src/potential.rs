@@ -1,7 +1,7 @@
 //! Radial pair potentials.
 
-use crate::units::require;
-use crate::{Conditions, Result};
+use crate::error::require;
+use crate::{Electrolyte, Result};
 use serde::{Deserialize, Serialize};
 
 /// The screened Coulomb potential between point charges, cut and not shifted (Ramasubramani's
@@ -38,7 +38,8 @@ impl Yukawa {
         inverse_debye_length_per_angstrom: f64,
         cutoff_angstrom: f64,
     ) -> Result<Self> {
-        let (bjerrum, kappa) = (bjerrum_length_angstrom, inverse_debye_length_per_angstrom);
+        let bjerrum = bjerrum_length_angstrom;
+        let kappa = inverse_debye_length_per_angstrom;
         require("Bjerrum length in Å", bjerrum, "positive", bjerrum > 0.0)?;
         require(
             "inverse Debye length in 1/Å",
@@ -61,13 +62,22 @@ impl Yukawa {
         })
     }
 
-    /// The potential under these conditions.
+    /// The potential in this electrolyte.
+    ///
+    /// ```
+    /// use protomer_kernel::{Electrolyte, potential::Yukawa};
+    /// let saline = Electrolyte::in_water(298.15, 0.1)?;
+    /// let yukawa = Yukawa::in_electrolyte(&saline, 5.0 * saline.debye_length_angstrom())?;
+    /// assert_eq!(yukawa.bjerrum_length_angstrom, saline.bjerrum_length_angstrom());
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     ///
     /// # Errors
     /// As [`Yukawa::new`].
-    pub fn from_conditions(conditions: &Conditions, cutoff_angstrom: f64) -> Result<Self> {
-        let kappa = conditions.debye_length_angstrom().recip();
-        Self::new(conditions.bjerrum_length_angstrom(), kappa, cutoff_angstrom)
+    pub fn in_electrolyte(electrolyte: &Electrolyte, cutoff_angstrom: f64) -> Result<Self> {
+        let bjerrum = electrolyte.bjerrum_length_angstrom();
+        let kappa = electrolyte.inverse_debye_length_per_angstrom();
+        Self::new(bjerrum, kappa, cutoff_angstrom)
     }
 
     /// Energy of two unit charges at this distance (Å), kT; multiply by the product of the charges.
@@ -81,11 +91,11 @@ impl Yukawa {
     }
 }
 
-/// exp(-y) for y >= 0 to within 2 units in the last place; below e⁻⁷⁰⁰ it stays there.
+/// exp(-y) for y ≥ 0 to within 2 units in the last place; y above 700 counts as 700.
 ///
-/// With n the integer nearest to -y/ln 2 and f = -y - n ln 2, |f| <= ln(2)/2: exp(-y) = 2ⁿ exp(f),
-/// and the Taylor polynomial of degree 12 of exp(f) is in error by less than 2e-16. Only operations
-/// that every processor rounds alike, so that loops over it may be compiled for any vectors.
+/// With n the integer nearest to -y/ln 2 and f = -y - n ln 2, |f| ≤ ln(2)/2, exp(-y) = 2ⁿ exp(f), and
+/// the Taylor polynomial of degree 12 of exp(f) is in error by less than 2e-16. Every processor
+/// rounds these operations alike, so that loops over them may be compiled for any vectors.
 ///
 /// ```
 /// use protomer_kernel::potential::exp_of_minus;
@@ -93,7 +103,7 @@ impl Yukawa {
 /// ```
 #[inline(always)]
 pub fn exp_of_minus(y: f64) -> f64 {
-    /// Adding it rounds to an integer, which is then found in the low bits.
+    /// Adding it rounds to an integer, which then is in the low bits.
     const ROUNDER: f64 = 6_755_399_441_055_744.0; // 1.5 · 2⁵²
     /// ln 2 in two parts; the first has so few bits that n times it is exact.
     const LN_2_HIGH: f64 = 0.693_147_180_369_123_8;
@@ -139,17 +149,17 @@ mod tests {
 
     #[test]
     fn without_salt_it_is_coulomb() {
-        let conditions = Conditions::new(298.15, 0.0, 7.0).unwrap();
-        let coulomb = Yukawa::from_conditions(&conditions, f64::INFINITY).unwrap();
+        let water = Electrolyte::in_water(298.15, 0.0).unwrap();
+        let coulomb = Yukawa::in_electrolyte(&water, f64::INFINITY).unwrap();
         assert_eq!(coulomb.inverse_debye_length_per_angstrom, 0.0);
         assert_eq!(
             coulomb.energy_kt(1000.0),
-            conditions.bjerrum_length_angstrom() / 1000.0
+            water.bjerrum_length_angstrom() / 1000.0
         );
     }
 
     #[test]
-    fn nonsense_is_refused() {
+    fn lengths_out_of_range_are_refused() {
         for (bjerrum, kappa, cutoff) in [
             (0.0, 0.1, 48.0),
             (7.0, -0.1, 48.0),

@@ -16,6 +16,61 @@ const WEYL: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
 const ROUNDS: usize = 10;
 const PURPOSE_SHIFT: u32 = 24;
 
+/// What random numbers are for.
+///
+/// Each purpose has streams of its own, so that two uses of one seed never share numbers. The values
+/// are part of every seeded result: a new purpose takes a new value, and no value ever changes. The
+/// compiler refuses two equal ones.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Purpose {
+    /// Steps of a simulation; initial weights of a network.
+    Simulation = 0,
+    /// Making an object: a body inserted into a fluid, the shape of a benchmark's body, the object of
+    /// a control.
+    Object = 1,
+    /// How the object of a control is turned.
+    Turn = 2,
+    /// Outliers that a control puts into potentials.
+    Damage = 3,
+    /// Labels of a control that are permuted.
+    Label = 4,
+    /// Charges of a benchmark's body.
+    BenchmarkCharges = 5,
+    /// A benchmark's bodies drawn together into a cluster.
+    BenchmarkCluster = 6,
+    /// A benchmark's bodies spread over a box.
+    BenchmarkSpread = 7,
+    /// The order in which samples are dealt into the parts of a split.
+    Split = 60,
+    /// Samples drawn with replacement for a confidence interval.
+    Bootstrap = 61,
+    /// Labels permuted for a p-value.
+    Permutation = 62,
+    /// The order of samples in an epoch.
+    TrainingOrder = 63,
+    /// How a sample is rotated in an epoch.
+    TrainingRotation = 64,
+    /// Initial angles of the squares of a lattice.
+    LatticeAngles = 0x50,
+    /// Initial velocities of the squares of a lattice.
+    LatticeVelocities = 0x51,
+    /// The orientation in which a structure is laid on a voxel grid.
+    VoxelOrientation = 0x56,
+    /// Noise of the thermostat before a step.
+    ThermostatBefore = 0x58,
+    /// Noise of the thermostat after a step.
+    ThermostatAfter = 0x59,
+    /// Velocities drawn from the Maxwell distribution.
+    MaxwellVelocities = 0x5a,
+    /// Settings of the trials of a search.
+    TuningTrial = 0x5b,
+    /// The first deviation that a Lyapunov exponent follows.
+    LyapunovDirection = 0x60,
+    /// New velocities for frames of a finished run.
+    ReseededVelocities = 0xf1,
+}
+
 /// The block function: ten rounds of Philox4x32.
 fn philox(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
     for _ in 0..ROUNDS {
@@ -52,21 +107,27 @@ pub struct CounterRng {
 }
 
 impl CounterRng {
-    /// The stream of this seed, replica and step, for the purpose 0.
+    /// The stream of this seed, replica and step of a simulation.
     pub fn new(seed: u64, replica: u32, step: u64) -> Self {
-        Self::for_purpose(seed, replica, step, 0)
+        Self::for_purpose(seed, replica, step, Purpose::Simulation)
     }
 
-    /// The stream of this seed, replica and step for one of 256 purposes, each with numbers of its
-    /// own.
-    pub fn for_purpose(seed: u64, replica: u32, step: u64, purpose: u8) -> Self {
+    /// The stream of this seed, replica and step for a purpose.
+    ///
+    /// ```
+    /// use protomer_kernel::random::{CounterRng, Purpose};
+    /// let mut split = CounterRng::for_purpose(7, 0, 0, Purpose::Split);
+    /// let mut bootstrap = CounterRng::for_purpose(7, 0, 0, Purpose::Bootstrap);
+    /// assert_ne!(split.uniform(), bootstrap.uniform());
+    /// ```
+    pub fn for_purpose(seed: u64, replica: u32, step: u64, purpose: Purpose) -> Self {
         Self {
             key: [seed as u32, (seed >> 32) as u32],
             counter: [
                 step as u32,
                 (step >> 32) as u32,
                 replica,
-                u32::from(purpose) << PURPOSE_SHIFT,
+                (purpose as u32) << PURPOSE_SHIFT,
             ],
             words: [0; 4],
             used: 4,
@@ -194,12 +255,12 @@ mod tests {
             CounterRng::for_purpose(seed, replica, step, purpose).next_u64()
         };
         let streams = [
-            first(1, 0, 0, 0),
-            first(1 << 32, 0, 0, 0),
-            first(0, 1, 0, 0),
-            first(0, 0, 1, 0),
-            first(0, 0, 1 << 32, 0),
-            first(0, 0, 0, 1),
+            first(1, 0, 0, Purpose::Simulation),
+            first(1 << 32, 0, 0, Purpose::Simulation),
+            first(0, 1, 0, Purpose::Simulation),
+            first(0, 0, 1, Purpose::Simulation),
+            first(0, 0, 1 << 32, Purpose::Simulation),
+            first(0, 0, 0, Purpose::Object),
         ];
         for (i, a) in streams.iter().enumerate() {
             assert!(streams[..i].iter().all(|b| a != b));

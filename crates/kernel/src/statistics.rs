@@ -40,10 +40,10 @@ pub struct Summary {
     pub effective_samples: f64,
 }
 
-/// Summarises a correlated series, sampled at equal intervals. An empty series has the mean NaN.
+/// Summarises a correlated series, sampled at equal intervals. The mean of an empty series is NaN.
 ///
-/// The autocorrelation time is only known once the series is many times as long as it: with fewer
-/// than some 50 effective samples, take the error for a lower bound.
+/// The autocorrelation time is known only if the series is many times as long. With fewer than some
+/// 50 effective samples, treat the error as a lower bound.
 ///
 /// ```
 /// use protomer_kernel::statistics::summarize;
@@ -55,8 +55,8 @@ pub fn summarize(series: &[f64]) -> Summary {
     let autocorrelation_time = autocorrelation_time(series);
     let effective_samples = series.len() as f64 / (2.0 * autocorrelation_time);
     let standard_deviation = moments.standard_deviation();
-    // s²/n_eff underestimates by the correlation that s² itself has lost, about 2τ/n: divide it
-    // out.
+    // s² itself is too small by a part of about 2τ/n, as deviations are from the mean of the same
+    // samples: divide that out.
     let lost = (1.0 - effective_samples.recip()).max(0.0);
     let standard_error = match series.len() {
         0 | 1 => f64::INFINITY,
@@ -75,7 +75,15 @@ pub fn summarize(series: &[f64]) -> Summary {
 /// Integrated autocorrelation time τ = 1/2 + Σ ρ(t) in sampling intervals, at least 1/2, summed up
 /// to the first window M ≥ 5 τ(M). 1/2 for a constant series and for fewer than two samples.
 ///
-/// Its relative standard error is about √(2(2M + 1)/n).
+/// The relative standard error of τ is about √(2(2M + 1)/n).
+///
+/// ```
+/// use protomer_kernel::statistics::autocorrelation_time;
+/// let independent = [0.3, -1.2, 0.8, 0.1, -0.4, 1.1, -0.7];
+/// assert_eq!(autocorrelation_time(&independent), 0.5);
+/// let slow: Vec<f64> = (0..10_000).map(|t| (f64::from(t) / 50.0).sin()).collect();
+/// assert!(autocorrelation_time(&slow) > 10.0);
+/// ```
 pub fn autocorrelation_time(series: &[f64]) -> f64 {
     let mean = series.iter().copied().collect::<RunningMoments>().mean();
     let mut deviations: Vec<f64> = series.iter().map(|value| value - mean).collect();
@@ -84,17 +92,15 @@ pub fn autocorrelation_time(series: &[f64]) -> f64 {
     if variance.is_nan() || variance <= (4.0 * f64::EPSILON * mean).powi(2) {
         return UNCORRELATED_TIME;
     }
-    // The error of the mean, 2 τ c₀ / n, is the same for averages of two samples each: where memory
-    // is too long to be summed in time linear in n, τ follows from them.
+    // The squared error of the mean, 2 τ c₀ / n, is the same for averages of two samples each. Where
+    // the memory is too long to be summed in time linear in n, τ follows from such averages.
     let mut samples_per_value = 1.0;
     loop {
-        match windowed_time(&deviations) {
-            Some(time) => {
-                let time = time * samples_per_value * mean_square(&deviations) / variance;
-                return time.max(UNCORRELATED_TIME);
-            }
-            None => deviations = pair_averages(&deviations),
+        if let Some(time) = windowed_time(&deviations) {
+            let time = time * samples_per_value * mean_square(&deviations) / variance;
+            return time.max(UNCORRELATED_TIME);
         }
+        deviations = pair_averages(&deviations);
         samples_per_value *= 2.0;
     }
 }
@@ -107,11 +113,11 @@ fn windowed_time(deviations: &[f64]) -> Option<f64> {
         if lag > LONGEST_LAG {
             return None;
         }
-        let products = deviations
-            .iter()
-            .zip(&deviations[lag..])
-            .map(|(early, late)| early * late);
-        time += products.sum::<f64>() / ((deviations.len() - lag) as f64 * variance);
+        let mut products = 0.0;
+        for (early, late) in deviations.iter().zip(&deviations[lag..]) {
+            products += early * late;
+        }
+        time += products / ((deviations.len() - lag) as f64 * variance);
         if lag as f64 >= WINDOW_IN_AUTOCORRELATION_TIMES * time {
             break;
         }
@@ -120,28 +126,22 @@ fn windowed_time(deviations: &[f64]) -> Option<f64> {
 }
 
 fn mean_square(deviations: &[f64]) -> f64 {
-    deviations
-        .iter()
-        .map(|deviation| deviation * deviation)
-        .sum::<f64>()
-        / deviations.len() as f64
+    let squares = deviations.iter().map(|deviation| deviation * deviation);
+    squares.sum::<f64>() / deviations.len() as f64
 }
 
 fn pair_averages(values: &[f64]) -> Vec<f64> {
-    values
-        .as_chunks::<2>()
-        .0
-        .iter()
-        .map(|[first, second]| 0.5 * (first + second))
-        .collect()
+    let (pairs, _) = values.as_chunks();
+    let average = |[first, second]: &[f64; 2]| 0.5 * (first + second);
+    pairs.iter().map(average).collect()
 }
 
-/// The error that a level of blocking gives.
+/// The error of the mean at one level of blocking.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct BlockError {
     /// Samples in a block, a power of two.
     pub block_length: usize,
-    /// Whole blocks.
+    /// Number of whole blocks.
     pub blocks: usize,
     /// Standard error of the mean if the blocks are independent, √(c₀ / (n' - 1)).
     pub standard_error: f64,
@@ -150,7 +150,14 @@ pub struct BlockError {
 }
 
 /// The error of the mean at every level of blocking, from single samples to two blocks. It grows
-/// with the length of the blocks until they are independent; the plateau is the error.
+/// with the length of the blocks until they are independent; its plateau is the error.
+///
+/// ```
+/// use protomer_kernel::statistics::block_errors;
+/// let levels = block_errors(&[1.0, 2.0, 1.5, 2.5, 1.0, 2.0, 1.5, 2.5]);
+/// let blocks: Vec<usize> = levels.iter().map(|level| level.blocks).collect();
+/// assert_eq!(blocks, [8, 4, 2]);
+/// ```
 pub fn block_errors(series: &[f64]) -> Vec<BlockError> {
     let mut levels = Vec::new();
     let mut averages = series.to_vec();
@@ -171,25 +178,46 @@ pub fn block_errors(series: &[f64]) -> Vec<BlockError> {
     levels
 }
 
-/// The standard error by blocking: the first level that the next ones do not exceed by more than
-/// their uncertainty (of the levels with at least 16 blocks); `None` if the error still grows
+/// The standard error by blocking: that of the first level which later ones do not exceed by more
+/// than their uncertainty. Only levels with at least 16 blocks count. `None` if the error still grows
 /// there, or for fewer than 32 samples.
+///
+/// ```
+/// use protomer_kernel::statistics::block_standard_error;
+/// let alternating: Vec<f64> = (0..64).map(|t| f64::from(t % 2)).collect();
+/// assert!(block_standard_error(&alternating).is_some());
+/// assert_eq!(block_standard_error(&alternating[..31]), None);
+/// ```
 pub fn block_standard_error(series: &[f64]) -> Option<f64> {
     const FEWEST_BLOCKS: usize = 16;
     let mut levels = block_errors(series);
     levels.retain(|level| level.blocks >= FEWEST_BLOCKS);
-    let flat = |index: usize| {
-        let here = &levels[index];
-        levels[index + 1..]
-            .iter()
-            .all(|later| later.standard_error <= here.standard_error + later.uncertainty)
-    };
-    let plateau = (0..levels.len().saturating_sub(1)).find(|&index| flat(index))?;
-    levels.get(plateau).map(|level| level.standard_error)
+    for (index, level) in levels.iter().enumerate() {
+        let later = &levels[index + 1..];
+        let is_no_larger =
+            |later: &BlockError| later.standard_error <= level.standard_error + later.uncertainty;
+        if !later.is_empty() && later.iter().all(is_no_larger) {
+            return Some(level.standard_error);
+        }
+    }
+    None
 }
 
 /// Mean and variance of a stream in constant memory, without cancellation (Welford, Technometrics
 /// 4, 419 (1962)).
+///
+/// ```
+/// use protomer_kernel::statistics::RunningMoments;
+/// let mut moments = RunningMoments::default();
+/// for value in [1.0, 2.0, 3.0] {
+///     moments.push(value);
+/// }
+/// assert_eq!((moments.mean(), moments.variance()), (2.0, 1.0));
+///
+/// let other: RunningMoments = [4.0, 5.0].into_iter().collect();
+/// moments.merge(&other);
+/// assert_eq!((moments.count(), moments.mean()), (5, 3.0));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct RunningMoments {
     count: u64,
@@ -257,7 +285,9 @@ impl RunningMoments {
 impl FromIterator<f64> for RunningMoments {
     fn from_iter<I: IntoIterator<Item = f64>>(values: I) -> Self {
         let mut moments = Self::default();
-        values.into_iter().for_each(|value| moments.push(value));
+        for value in values {
+            moments.push(value);
+        }
         moments
     }
 }
@@ -397,10 +427,14 @@ mod tests {
 
     proptest! {
         #[test]
-        fn running_moments_equal_the_two_pass_formulas(values in prop::collection::vec(-1e3..1e3f64, 2..60), cut in 0..60usize) {
+        fn running_moments_equal_the_two_pass_formulas(
+            values in prop::collection::vec(-1e3..1e3f64, 2..60),
+            cut in 0..60usize,
+        ) {
             let count = values.len() as f64;
             let mean = values.iter().sum::<f64>() / count;
-            let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
+            let squares = values.iter().map(|value| (value - mean).powi(2));
+            let variance = squares.sum::<f64>() / (count - 1.0);
             let (first, second) = values.split_at(cut.min(values.len()));
             let mut merged: RunningMoments = first.iter().copied().collect();
             merged.merge(&second.iter().copied().collect());

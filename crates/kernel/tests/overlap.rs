@@ -172,7 +172,7 @@ fn a_separation_bound_never_exceeds_the_distance() {
     }
     assert!(
         bounds > 0.25 * truths,
-        "on the average only {} of the distance",
+        "on average only {} of the distance",
         bounds / truths
     );
 }

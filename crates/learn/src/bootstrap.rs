@@ -1,13 +1,10 @@
 //! Intervals by resampling clusters: related samples are no independent evidence.
 
 use crate::{LearnError, Result};
-use protomer_kernel::random::CounterRng;
+use protomer_kernel::random::{CounterRng, Purpose};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-
-/// The purpose of the random numbers here.
-const BOOTSTRAP: u8 = 61;
 
 /// A value and where it would fall in other draws of clusters.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -65,7 +62,7 @@ pub fn bootstrap<C: Ord>(
         .collect();
     let count = numbers.len();
     let draw = |replicate: usize| {
-        let mut rng = CounterRng::for_purpose(seed, 0, replicate as u64, BOOTSTRAP);
+        let mut rng = CounterRng::for_purpose(seed, 0, replicate as u64, Purpose::Bootstrap);
         let mut drawn = vec![0.0; count];
         for _ in 0..count {
             drawn[rng.index(count)] += 1.0;

@@ -6,13 +6,10 @@ use crate::logistic::{Table, prior};
 use crate::scores::Scores;
 use crate::split::{Split, clusters, shuffle};
 use crate::{Description, LearnError, Result};
-use protomer_kernel::random::CounterRng;
+use protomer_kernel::random::{CounterRng, Purpose};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-
-/// The purpose of the random numbers here.
-const PERMUTATION: u8 = 62;
 
 /// The outcome of a permutation test.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -40,7 +37,7 @@ pub fn permute_labels(
     seed: u64,
     number: u64,
 ) -> Result<Vec<usize>> {
-    let mut rng = CounterRng::for_purpose(seed, 0, number, PERMUTATION);
+    let mut rng = CounterRng::for_purpose(seed, 0, number, Purpose::Permutation);
     let mut permuted = labels.to_vec();
     for group in exchangeable(descriptions, labels.len(), split)? {
         let mut order: Vec<usize> = (0..group.len()).collect();

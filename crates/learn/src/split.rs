@@ -4,7 +4,7 @@
 //! move, and labels are spread as evenly as the clusters allow.
 
 use crate::{Description, LearnError, Result};
-use protomer_kernel::random::CounterRng;
+use protomer_kernel::random::{CounterRng, Purpose};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -232,7 +232,10 @@ fn assign(
     let all: Vec<usize> = (0..descriptions.len()).collect();
     let total = count(&all);
     let mut order: Vec<usize> = (0..groups.len()).collect();
-    shuffle(&mut order, &mut CounterRng::for_purpose(seed, 0, 0, SPLIT));
+    shuffle(
+        &mut order,
+        &mut CounterRng::for_purpose(seed, 0, 0, Purpose::Split),
+    );
     order.sort_by_key(|group| std::cmp::Reverse(groups[*group].len()));
 
     let mut filled = vec![vec![0.0; classes + 1]; shares.len()];
@@ -277,9 +280,6 @@ fn assign(
     }
     Ok(parts)
 }
-
-/// The purpose of the random numbers of splits.
-const SPLIT: u8 = 60;
 
 /// A uniformly random order (Fisher and Yates).
 pub(crate) fn shuffle<T>(items: &mut [T], rng: &mut CounterRng) {

@@ -21,7 +21,7 @@ pub mod suite;
 use crate::assembly_file::Assembly;
 use crate::cpu_time::{Stopwatch, process_seconds};
 use crate::energy_tables::EnergyTables;
-use crate::interaction::Interaction;
+use crate::interaction::ScreenedCoulomb;
 use crate::run::{EnergyMode, Engine, RunSettings};
 use anyhow::Result;
 use protomer_io::atomic::sha256_hex;
@@ -85,7 +85,7 @@ pub struct BenchResult {
     pub bodies: usize,
     /// The medium.
     #[serde(flatten)]
-    pub interaction: Interaction,
+    pub interaction: ScreenedCoulomb,
 }
 
 /// Makes the moves and measures them.
@@ -96,7 +96,7 @@ pub struct BenchResult {
 pub fn bench(
     assembly: Assembly,
     settings: &BenchSettings,
-    interaction: Interaction,
+    interaction: ScreenedCoulomb,
     tables: Arc<EnergyTables>,
 ) -> Result<BenchResult> {
     let start = process_seconds();

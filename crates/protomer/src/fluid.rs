@@ -4,14 +4,11 @@
 use crate::assemble::BodyFiles;
 use anyhow::{Result, bail};
 use protomer_body::assembly::Placement;
-use protomer_kernel::random::CounterRng;
+use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::{Boundary, Pose, Vec3};
 
 /// Places tried for one body before the box counts as full.
 pub const ATTEMPTS_PER_BODY: u64 = 10_000;
-
-/// Sets these random numbers apart from those of a simulation with the same seed.
-const PURPOSE: u8 = 1;
 
 /// Bodies inserted one after the other: body n of the fluid is placed uniformly at random, position
 /// and orientation, until it overlaps none of the bodies before it nor one of their images (random
@@ -95,7 +92,7 @@ fn require_room(files: &BodyFiles, counts: &[usize], boundary: &Boundary) -> Res
 
 /// A stream of random numbers for each attempt at each body.
 fn random_pose(seed: u64, body: usize, attempt: u64, box_angstrom: [f64; 3]) -> Pose {
-    let mut rng = CounterRng::for_purpose(seed, body as u32, attempt, PURPOSE);
+    let mut rng = CounterRng::for_purpose(seed, body as u32, attempt, Purpose::Object);
     let position = Vec3::from(box_angstrom.map(|edge| rng.uniform_in(-0.5 * edge, 0.5 * edge)));
     Pose {
         position,

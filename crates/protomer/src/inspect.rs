@@ -1,8 +1,9 @@
 //! One state of an assembly, looked at: overlaps, pair energies, radius of gyration.
 
-use crate::interaction::Interaction;
+use crate::interaction::ScreenedCoulomb;
 use crate::run::{EnergyMode, Engine, RunSettings, require_room};
 use anyhow::Result;
+use protomer_kernel::units::kilojoule_per_mol_per_kt;
 use protomer_mc::hard::overlapping_pairs;
 use protomer_mc::observables::{contacts, r_g_angstrom};
 use serde::Serialize;
@@ -33,7 +34,7 @@ pub struct Inspection {
     pub concentration_molar: f64,
     /// The medium.
     #[serde(flatten)]
-    pub interaction: Interaction,
+    pub interaction: ScreenedCoulomb,
 }
 
 /// Looks at an assembly as it stands.
@@ -44,7 +45,7 @@ pub struct Inspection {
 pub fn inspect(
     engine: &Engine,
     settings: &RunSettings,
-    interaction: Interaction,
+    interaction: ScreenedCoulomb,
 ) -> Result<Inspection> {
     settings.check()?;
     let system = engine.system()?;
@@ -53,13 +54,12 @@ pub fn inspect(
     model.reset(&system)?;
     let pairs = model.pairs();
     let energy_kt = model.total_kt();
-    let gas_constant = protomer_kernel::units::BOLTZMANN_JOULE_PER_KELVIN
-        * protomer_kernel::units::AVOGADRO_PER_MOL;
+    let temperature_kelvin = interaction.electrolyte.temperature_kelvin();
     Ok(Inspection {
         bodies: system.len(),
         overlaps: overlapping_pairs(&system),
         energy_kt,
-        energy_kilojoule_per_mol: energy_kt * gas_constant * interaction.temperature_kelvin * 1e-3,
+        energy_kilojoule_per_mol: energy_kt * kilojoule_per_mol_per_kt(temperature_kelvin),
         pair_energies: pairs
             .iter()
             .map(|pair| (pair.first, pair.second, pair.energy_kt))

@@ -1,8 +1,10 @@
 //! From what a user states (salt, temperature, permittivity, or the lengths themselves) to the
-//! Yukawa potential.
+//! screened Coulomb potential between charges.
 
 use anyhow::{Result, bail};
-use protomer_kernel::Conditions;
+use protomer_kernel::Electrolyte;
+use protomer_kernel::electrolyte::water_permittivity;
+use protomer_kernel::potential::Yukawa;
 use serde::{Deserialize, Serialize};
 
 /// The cut-off where none is stated, in Debye lengths: the potential has fallen to e⁻⁵/5 of its
@@ -10,10 +12,10 @@ use serde::{Deserialize, Serialize};
 /// thousandths of a kT.
 pub const CUTOFF_IN_DEBYE_LENGTHS: f64 = 5.0;
 
-/// Everything of the medium that stays the same while the salt varies.
+/// What stays the same while the salt varies.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct Medium {
+pub struct InteractionSettings {
     /// Temperature, K.
     #[serde(rename = "temperature_K")]
     pub temperature_kelvin: f64,
@@ -27,7 +29,7 @@ pub struct Medium {
     pub cutoff_angstrom: Option<f64>,
 }
 
-impl Default for Medium {
+impl Default for InteractionSettings {
     fn default() -> Self {
         Self {
             temperature_kelvin: 298.15,
@@ -39,53 +41,25 @@ impl Default for Medium {
     }
 }
 
-/// The Yukawa potential of one salt concentration, with what it was derived from.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Interaction {
-    /// Temperature, K.
-    #[serde(rename = "temperature_K")]
-    pub temperature_kelvin: f64,
-    /// Salt concentration, mol/L; `None` where the Debye length was given instead.
-    #[serde(rename = "salt_M")]
-    pub salt_molar: Option<f64>,
-    /// Relative permittivity.
-    pub relative_permittivity: f64,
-    /// Bjerrum length, Å.
-    pub bjerrum_length_angstrom: f64,
-    /// Debye length, Å.
-    pub debye_length_angstrom: f64,
+/// The screened Coulomb interaction at one salt concentration.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ScreenedCoulomb {
+    /// What screens the charges.
+    #[serde(flatten)]
+    pub electrolyte: Electrolyte,
     /// Cut-off, Å.
     pub cutoff_angstrom: f64,
 }
 
-impl Medium {
+impl InteractionSettings {
     /// The interaction at a salt concentration (mol/L); the salt may be left out if the Debye
     /// length is stated.
     ///
     /// # Errors
-    /// Names the quantity that is missing or makes no sense.
-    pub fn interaction(&self, salt_molar: Option<f64>) -> Result<Interaction> {
-        let salt_for_length = salt_molar.unwrap_or(0.0);
-        // The pH shapes the bodies, not the medium; any value serves here.
-        let conditions = match self.relative_permittivity {
-            Some(permittivity) => Conditions::with_permittivity(
-                self.temperature_kelvin,
-                salt_for_length,
-                7.0,
-                permittivity,
-            )?,
-            None => Conditions::new(self.temperature_kelvin, salt_for_length, 7.0)?,
-        };
-        let bjerrum_length_angstrom = self
-            .bjerrum_length_angstrom
-            .unwrap_or(conditions.bjerrum_length_angstrom());
-        let debye_length_angstrom = match (self.debye_length_angstrom, salt_molar) {
-            (Some(length), _) => length,
-            (None, Some(salt)) => debye_length(bjerrum_length_angstrom, salt),
-            (None, None) => bail!(
-                "neither the salt nor the Debye length is known; add --salt 100mM or --debye 9.6A"
-            ),
-        };
+    /// Names the quantity that is missing or out of range.
+    pub fn interaction(&self, salt_molar: Option<f64>) -> Result<ScreenedCoulomb> {
+        let electrolyte = self.electrolyte(salt_molar)?;
+        let debye_length_angstrom = electrolyte.debye_length_angstrom();
         let cutoff_angstrom = match self.cutoff_angstrom {
             Some(cutoff) => cutoff,
             None if debye_length_angstrom.is_finite() => {
@@ -95,59 +69,62 @@ impl Medium {
                 bail!("without salt the interaction has no range; state one, such as --cutoff 100A")
             }
         };
-        for (name, value) in [
-            ("Bjerrum length", bjerrum_length_angstrom),
-            ("cut-off", cutoff_angstrom),
-        ] {
-            if !(value.is_finite() && value >= 0.0) {
-                bail!("the {name} is {value} Å; it must be a finite length of zero or more");
-            }
+        if !(cutoff_angstrom.is_finite() && cutoff_angstrom >= 0.0) {
+            bail!("the cut-off is {cutoff_angstrom} Å; it must be a finite length of zero or more");
         }
-        if debye_length_angstrom.is_nan() || debye_length_angstrom <= 0.0 {
-            bail!("the Debye length is {debye_length_angstrom} Å; it must be positive");
-        }
-        Ok(Interaction {
-            temperature_kelvin: self.temperature_kelvin,
-            salt_molar: if self.debye_length_angstrom.is_some() {
-                None
-            } else {
-                salt_molar
-            },
-            relative_permittivity: conditions.relative_permittivity,
-            bjerrum_length_angstrom,
-            debye_length_angstrom,
+        Ok(ScreenedCoulomb {
+            electrolyte,
             cutoff_angstrom,
         })
     }
+
+    fn electrolyte(&self, salt_molar: Option<f64>) -> Result<Electrolyte> {
+        let permittivity = match self.relative_permittivity {
+            Some(permittivity) => permittivity,
+            None => water_permittivity(self.temperature_kelvin)?,
+        };
+        // Without a salt the Debye length must be stated, and replaces this zero.
+        let salt = salt_molar.unwrap_or(0.0);
+        let mut electrolyte = Electrolyte::new(self.temperature_kelvin, salt, permittivity)?;
+        if let Some(length) = self.bjerrum_length_angstrom {
+            electrolyte = electrolyte.with_bjerrum_length(length)?;
+        }
+        match (self.debye_length_angstrom, salt_molar) {
+            (Some(length), _) => Ok(electrolyte.with_debye_length(length)?),
+            (None, Some(_)) => Ok(electrolyte),
+            (None, None) => bail!(
+                "neither the salt nor the Debye length is known; add --salt 100mM or --debye 9.6A"
+            ),
+        }
+    }
 }
 
-/// κ² = 8π λ_B N_A c for a 1:1 salt, so that a stated Bjerrum length carries through to the
-/// screening.
-fn debye_length(bjerrum_length_angstrom: f64, salt_molar: f64) -> f64 {
-    let ions = protomer_kernel::units::NUMBER_DENSITY_PER_MOLAR * salt_molar;
-    (8.0 * std::f64::consts::PI * bjerrum_length_angstrom * ions)
-        .sqrt()
-        .recip()
-}
-
-impl Interaction {
-    /// κ = 1 / Debye length, 1/Å; zero without salt.
-    pub fn inverse_debye_length_per_angstrom(&self) -> f64 {
-        self.debye_length_angstrom.recip()
+impl ScreenedCoulomb {
+    /// The pair potential.
+    ///
+    /// # Errors
+    /// If the cut-off is zero.
+    pub fn yukawa(&self) -> Result<Yukawa> {
+        Ok(Yukawa::in_electrolyte(
+            &self.electrolyte,
+            self.cutoff_angstrom,
+        )?)
     }
 
     /// One line that says what was used.
     pub fn describe(&self) -> String {
-        let salt = self.salt_molar.map_or_else(
-            || "stated screening".into(),
-            |salt| format!("{:.4} M salt", salt),
-        );
+        let electrolyte = &self.electrolyte;
+        let salt = match electrolyte.salt_molar() {
+            Some(salt) => format!("{salt:.4} M salt"),
+            None => "stated screening".to_owned(),
+        };
         format!(
-            "{salt}, {} K, relative permittivity {:.2}, Bjerrum length {:.3} Å, Debye length {:.3} Å, cut-off {:.1} Å",
-            self.temperature_kelvin,
-            self.relative_permittivity,
-            self.bjerrum_length_angstrom,
-            self.debye_length_angstrom,
+            "{salt}, {} K, relative permittivity {:.2}, Bjerrum length {:.3} Å, \
+             Debye length {:.3} Å, cut-off {:.1} Å",
+            electrolyte.temperature_kelvin(),
+            electrolyte.relative_permittivity(),
+            electrolyte.bjerrum_length_angstrom(),
+            electrolyte.debye_length_angstrom(),
             self.cutoff_angstrom
         )
     }
@@ -159,57 +136,62 @@ mod tests {
 
     #[test]
     fn stated_lengths_win() {
-        let medium = Medium {
+        let settings = InteractionSettings {
             bjerrum_length_angstrom: Some(7.0),
             debye_length_angstrom: Some(9.6),
             cutoff_angstrom: Some(48.0),
-            ..Medium::default()
+            ..InteractionSettings::default()
         };
-        let interaction = medium.interaction(None).unwrap();
-        assert_eq!(
-            (
-                interaction.bjerrum_length_angstrom,
-                interaction.debye_length_angstrom
-            ),
-            (7.0, 9.6)
-        );
-        assert_eq!(interaction.cutoff_angstrom, 48.0);
+        for salt in [None, Some(0.1)] {
+            let ScreenedCoulomb {
+                electrolyte,
+                cutoff_angstrom,
+            } = settings.interaction(salt).unwrap();
+            assert_eq!(electrolyte.bjerrum_length_angstrom(), 7.0);
+            assert_eq!(electrolyte.debye_length_angstrom(), 9.6);
+            assert_eq!(electrolyte.salt_molar(), None);
+            assert_eq!(cutoff_angstrom, 48.0);
+        }
     }
 
     #[test]
     fn salt_gives_the_debye_length_of_the_kernel() {
-        let interaction = Medium::default().interaction(Some(0.1)).unwrap();
-        let conditions = Conditions::new(298.15, 0.1, 7.0).unwrap();
-        assert!(
-            (interaction.debye_length_angstrom - conditions.debye_length_angstrom()).abs() < 1e-12
-        );
-        assert!(
-            (interaction.cutoff_angstrom - 5.0 * interaction.debye_length_angstrom).abs() < 1e-12
-        );
+        let interaction = InteractionSettings::default()
+            .interaction(Some(0.1))
+            .unwrap();
+        let electrolyte = Electrolyte::in_water(298.15, 0.1).unwrap();
+        assert_eq!(interaction.electrolyte, electrolyte);
+        let five_debye_lengths = 5.0 * electrolyte.debye_length_angstrom();
+        assert!((interaction.cutoff_angstrom - five_debye_lengths).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_json_form_is_flat() {
+        let settings = InteractionSettings {
+            relative_permittivity: Some(78.5),
+            bjerrum_length_angstrom: Some(7.0),
+            debye_length_angstrom: Some(9.6),
+            cutoff_angstrom: Some(48.0),
+            ..InteractionSettings::default()
+        };
+        let json = serde_json::to_string(&settings.interaction(None).unwrap()).unwrap();
+        let expected = "{\"temperature_K\":298.15,\"salt_M\":null,\"relative_permittivity\":78.5,\
+                        \"bjerrum_length_angstrom\":7.0,\"debye_length_angstrom\":9.6,\
+                        \"cutoff_angstrom\":48.0}";
+        assert_eq!(json, expected);
     }
 
     #[test]
     fn what_is_missing_is_named() {
-        assert!(
-            Medium::default()
-                .interaction(None)
-                .unwrap_err()
-                .to_string()
-                .contains("--salt")
-        );
-        assert!(
-            Medium::default()
-                .interaction(Some(0.0))
-                .unwrap_err()
-                .to_string()
-                .contains("--cutoff")
-        );
-        assert!(
-            Medium::default()
-                .interaction(Some(-0.1))
-                .unwrap_err()
-                .to_string()
-                .contains("salt")
-        );
+        for (salt, named) in [
+            (None, "--salt"),
+            (Some(0.0), "--cutoff"),
+            (Some(-0.1), "salt"),
+        ] {
+            let error = InteractionSettings::default()
+                .interaction(salt)
+                .unwrap_err();
+            assert!(error.to_string().contains(named), "{error}");
+        }
     }
 }

@@ -5,21 +5,17 @@ use crate::input::InputFile;
 use crate::surface_of_file::read_sites;
 use anyhow::{Context, Result, bail};
 use protomer_field::debye_huckel::Superposition;
-use protomer_field::poisson_boltzmann::grid_around;
+use protomer_field::poisson_boltzmann::{error_estimate_kt, grid_around};
 use protomer_field::{
-    ChargedSphere, Grid, Medium, PotentialModel, ScalarField, SolveSettings, solve,
+    ChargedSphere, DielectricModel, Grid, PotentialModel, ScalarField, SolveSettings, solve,
 };
 use protomer_io::volume::Volume;
 use protomer_io::without_byte_order_mark;
 use protomer_kernel::Vec3;
+use protomer_kernel::units::kilojoule_per_mol_per_kt;
 use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
-
-/// The second grid, for the error, is this many times coarser,
-const SECOND_SPACING: f64 = 1.4;
-/// or finer where that would be too coarse, Å.
-const COARSEST_ANGSTROM: f64 = 1.1;
 
 /// What is known of a potential.
 #[derive(Debug, Clone, Serialize)]
@@ -114,7 +110,7 @@ fn place(words: &[&str]) -> Option<Vec3> {
 /// For a file that cannot be read, and as [`protomer_field::solve`].
 pub fn potential_of_file(
     path: &Path,
-    medium: &Medium,
+    dielectric: &DielectricModel,
     settings: &SolveSettings,
     model: PotentialModel,
     estimate_error: bool,
@@ -130,13 +126,13 @@ pub fn potential_of_file(
         iterations,
     } = match model {
         PotentialModel::PoissonBoltzmann => {
-            solved(&spheres, medium, settings, estimate_error, places)
+            solved(&spheres, dielectric, settings, estimate_error, places)
         }
-        PotentialModel::DebyeHueckel => superposed(&spheres, medium, settings, places),
+        PotentialModel::DebyeHueckel => superposed(&spheres, dielectric, settings, places),
     }
     .with_context(|| file.clone())?;
-    let per_kt = medium.conditions.kilojoule_per_mol_per_kt();
-    let debye = medium.conditions.debye_length_angstrom();
+    let per_kt = kilojoule_per_mol_per_kt(dielectric.electrolyte.temperature_kelvin());
+    let debye = dielectric.electrolyte.debye_length_angstrom();
     let report = PotentialReport {
         file,
         atoms: spheres
@@ -168,14 +164,14 @@ struct Found {
 
 fn solved(
     spheres: &[ChargedSphere],
-    medium: &Medium,
+    dielectric: &DielectricModel,
     settings: &SolveSettings,
     estimate_error: bool,
     places: Option<&[Vec3]>,
 ) -> Result<Found> {
-    let solved = solve(spheres, medium, settings)?;
+    let solved = solve(spheres, dielectric, settings)?;
     let error_kt = estimate_error
-        .then(|| error_estimate_kt(spheres, medium, settings, solved.solvation_energy_kt))
+        .then(|| error_estimate_kt(spheres, dielectric, settings, solved.solvation_energy_kt))
         .transpose()?;
     Ok(Found {
         field: solved.field(),
@@ -187,44 +183,13 @@ fn solved(
     })
 }
 
-/// The error of an energy E(h) from that at a second spacing, as for one that falls with the square
-/// of the spacing:
-///
-/// δ = |E(s h) - E(h)| / |s² - 1|.
-///
-/// It is the size to expect: how the two grids happen to cut the surface makes single estimates too
-/// small or too large.
-fn error_estimate_kt(
-    spheres: &[ChargedSphere],
-    medium: &Medium,
-    settings: &SolveSettings,
-    energy_kt: f64,
-) -> Result<f64> {
-    let coarser = SECOND_SPACING * settings.spacing_angstrom <= COARSEST_ANGSTROM;
-    let scale = if coarser {
-        SECOND_SPACING
-    } else {
-        1.0 / SECOND_SPACING
-    };
-    let spacing_angstrom = scale * settings.spacing_angstrom;
-    let second = solve(
-        spheres,
-        medium,
-        &SolveSettings {
-            spacing_angstrom,
-            ..*settings
-        },
-    )?;
-    Ok((second.solvation_energy_kt - energy_kt).abs() / (scale * scale - 1.0).abs())
-}
-
 fn superposed(
     spheres: &[ChargedSphere],
-    medium: &Medium,
+    dielectric: &DielectricModel,
     settings: &SolveSettings,
     places: Option<&[Vec3]>,
 ) -> Result<Found> {
-    let superposition = Superposition::new(spheres, medium);
+    let superposition = Superposition::new(spheres, dielectric);
     let grid = grid_around(spheres, settings)?;
     let at = |place: &Vec3| grid.locate(place).map(|_| superposition.at(place));
     Ok(Found {
@@ -284,39 +249,6 @@ mod tests {
         for line in ["1 2 3 hello", "nan 0 0", "0 inf 0", "1 2", "hello"] {
             let message = read(&format!("0 0 0\n{line}\n")).unwrap_err().to_string();
             assert!(message.contains(&format!("line 2: '{line}'")), "{message}");
-        }
-    }
-
-    #[test]
-    fn the_estimate_is_what_a_second_order_error_leaves_between_two_grids() {
-        let conditions =
-            protomer_kernel::Conditions::with_permittivity(298.15, 0.0, 7.0, 78.54).unwrap();
-        let medium = Medium {
-            inner_permittivity: 1.0,
-            ..Medium::new(conditions)
-        };
-        let ion = [ChargedSphere {
-            centre: Vec3::zeros(),
-            radius_angstrom: 2.0,
-            charge_e: 1.0,
-        }];
-        let at = |spacing_angstrom| SolveSettings {
-            spacing_angstrom,
-            ..SolveSettings::default()
-        };
-        let energy = |spacing| {
-            solve(&ion, &medium, &at(spacing))
-                .unwrap()
-                .solvation_energy_kt
-        };
-        // c h² at both: the coarser differs by 0.96 c h², the finer by (1 - 1/1.96) c h².
-        for (spacing, second, share) in [(0.6, 0.84, 0.96), (0.9, 0.9 / 1.4, 1.0 - 1.0 / 1.96)] {
-            let expected = (energy(second) - energy(spacing)).abs() / share;
-            let estimate = error_estimate_kt(&ion, &medium, &at(spacing), energy(spacing)).unwrap();
-            assert!(
-                (estimate / expected - 1.0).abs() < 1e-9,
-                "{estimate} {expected}"
-            );
         }
     }
 }

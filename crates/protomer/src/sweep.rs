@@ -6,7 +6,7 @@
 //! DIR/salt_0.100000M/replica_0/ log.csv trajectory.gsd checkpoint.bin run.json
 //! ```
 
-use crate::interaction::Interaction;
+use crate::interaction::ScreenedCoulomb;
 use crate::run::{
     Engine, Execution, Hold, Layout, ReplicaCounts, ReplicaEnd, ReplicaTask, ResultsDirectory,
     RunRecord, RunSettings, SWEEP, lock, read_log, read_record, refuse, run_replica, salt_label,
@@ -170,7 +170,7 @@ pub fn run_shard(
 struct Work<'a> {
     engine: &'a Engine,
     settings: &'a RunSettings,
-    interactions: &'a [Interaction],
+    interactions: &'a [ScreenedCoulomb],
     identity: &'a str,
     directory: &'a Path,
 }
@@ -256,14 +256,14 @@ impl Work<'_> {
     }
 }
 
-fn interactions(engine: &Engine, settings: &RunSettings) -> Result<Vec<Interaction>> {
+fn interactions(engine: &Engine, settings: &RunSettings) -> Result<Vec<ScreenedCoulomb>> {
     settings.check()?;
     let of_salt = |salt: &f64| settings.medium.interaction(Some(*salt));
     let interactions = settings
         .salt_molar
         .iter()
         .map(of_salt)
-        .collect::<Result<Vec<Interaction>>>()?;
+        .collect::<Result<Vec<ScreenedCoulomb>>>()?;
     engine.check(settings, &interactions)?;
     Ok(interactions)
 }
@@ -333,7 +333,7 @@ fn record(engine: &Engine, directory: &Path, identity: &str, exit_reason: &str) 
 fn collect(
     engine: &Engine,
     settings: &RunSettings,
-    interactions: &[Interaction],
+    interactions: &[ScreenedCoulomb],
     directory: &Path,
     counts: &[ReplicaCounts],
 ) -> Result<SweepResult> {

@@ -1,6 +1,6 @@
 //! From the logs of a sweep's replicas to one row per salt concentration.
 
-use crate::interaction::Interaction;
+use crate::interaction::ScreenedCoulomb;
 use crate::run::{LogRow, ReplicaCounts};
 use anyhow::Result;
 use protomer_io::csv::{Cell, Table};
@@ -93,7 +93,7 @@ pub struct SaltRow {
 
 impl SaltRow {
     /// Averages over replicas.
-    pub fn new(salt_molar: f64, interaction: &Interaction, replicas: &[ReplicaResult]) -> Self {
+    pub fn new(salt_molar: f64, interaction: &ScreenedCoulomb, replicas: &[ReplicaResult]) -> Self {
         let of =
             |value: fn(&ReplicaResult) -> f64| replicas.iter().map(value).collect::<Vec<f64>>();
         let r_g = of(|r| r.r_g_angstrom.mean);
@@ -107,7 +107,7 @@ impl SaltRow {
         let squared_errors = of(|r| r.r_g_angstrom.standard_error.powi(2));
         Self {
             salt_molar,
-            debye_length_angstrom: interaction.debye_length_angstrom,
+            debye_length_angstrom: interaction.electrolyte.debye_length_angstrom(),
             cutoff_angstrom: interaction.cutoff_angstrom,
             r_g_mean_angstrom: mean(&r_g),
             r_g_sd_angstrom: standard_deviation(&r_g),

@@ -18,7 +18,7 @@ use crate::tune_records::{Records, Standing};
 use crate::tune_table::write_table;
 use anyhow::{Context, Result, bail};
 use protomer_io::atomic::write_atomically;
-use protomer_kernel::random::CounterRng;
+use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_learn::LearnError;
 use protomer_learn::sample::SampleSource;
 use protomer_learn::training::EpochRecord;
@@ -31,8 +31,6 @@ use std::path::Path;
 const KEPT_ONE_OF: usize = 3;
 /// More would not end, and their settings would fill the memory.
 const MOST_TRIALS: usize = 100_000;
-/// Purpose of the random numbers that draw settings.
-const DRAW: u8 = 90;
 /// The figure of a search.
 const FIGURE: &str = "trials.svg";
 /// How many of so many trials go on.
@@ -132,7 +130,8 @@ impl TuneSettings {
     /// # Errors
     /// Never for settings that make sense.
     pub fn trial(&self, number: usize, size: usize) -> Result<TrainSettings> {
-        let random = &mut CounterRng::for_purpose(self.seed, 0, number as u64, DRAW);
+        let random =
+            &mut CounterRng::for_purpose(self.seed, 0, number as u64, Purpose::TuningTrial);
         let mut pick = |choices: &[usize]| {
             choices
                 .get(random.index(choices.len()))

@@ -7,7 +7,7 @@ mod common;
 use common::{TemporaryFolder, is_ok};
 use protomer::bench::suite::{Part, SuiteResult, SuiteSettings, rows, run_suite};
 use protomer::energy_tables::EnergyTables;
-use protomer::interaction::{Interaction, Medium};
+use protomer::interaction::{InteractionSettings, ScreenedCoulomb};
 use protomer::interrupt::Interrupt;
 use protomer::run::EnergyMode;
 use std::sync::OnceLock;
@@ -26,11 +26,11 @@ fn small() -> SuiteSettings {
     }
 }
 
-fn interaction() -> Interaction {
-    let medium = Medium {
+fn interaction() -> ScreenedCoulomb {
+    let medium = InteractionSettings {
         debye_length_angstrom: Some(9.6),
         cutoff_angstrom: Some(36.0),
-        ..Medium::default()
+        ..InteractionSettings::default()
     };
     medium.interaction(None).unwrap()
 }

@@ -215,7 +215,7 @@ fn the_viewer_has_the_shapes_and_the_potential_of_every_charge() {
             .into_iter()
             .zip(mesh["values"].as_array().unwrap())
         {
-            let conditions = protomer_kernel::Conditions::new(298.15, salt, 7.0).unwrap();
+            let electrolyte = protomer_kernel::Electrolyte::in_water(298.15, salt).unwrap();
             let levels = from_base64(values.as_str().unwrap());
             assert_eq!((levels.len(), numbers.len()), (8, 24), "a cube");
             for (corner, level) in numbers.chunks_exact(3).zip(levels) {
@@ -230,8 +230,8 @@ fn the_viewer_has_the_shapes_and_the_potential_of_every_charge() {
                         let away =
                             ((at[0] - x).powi(2) + (at[1] - y).powi(2) + (at[2] - z).powi(2))
                                 .sqrt();
-                        let screening = (-away / conditions.debye_length_angstrom()).exp();
-                        charge * conditions.bjerrum_length_angstrom() * screening / away
+                        let screening = (-away / electrolyte.debye_length_angstrom()).exp();
+                        charge * electrolyte.bjerrum_length_angstrom() * screening / away
                     })
                     .sum();
                 let expected = 128.0 + 127.0 * (potential / limit).clamp(-1.0, 1.0);

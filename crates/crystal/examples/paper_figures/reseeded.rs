@@ -9,10 +9,9 @@ use crate::ensemble::start;
 use protomer_crystal::analysis::modes::{ModeEnergies, OutOf};
 use protomer_crystal::lattice::start::Projector;
 use protomer_crystal::lattice::{CollisionSettings, State};
-use protomer_kernel::random::CounterRng;
+use protomer_kernel::random::{CounterRng, Purpose};
 
 const FRAMES: usize = 1000;
-const PURPOSE: u8 = 0xF1;
 
 /// Writes the table.
 pub fn write(settings: &Settings) -> Result<(), Failure> {
@@ -21,7 +20,7 @@ pub fn write(settings: &Settings) -> Result<(), Failure> {
         let network = lattice(10, rod_length)?;
         let step = time_step(rod_length);
         let parent = start(2).build(&network, 0)?.state;
-        let mut rng = CounterRng::for_purpose(2, 0, 0, PURPOSE);
+        let mut rng = CounterRng::for_purpose(2, 0, 0, Purpose::ReseededVelocities);
         let mut chosen: Vec<usize> = (0..settings.reseeded)
             .map(|_| 1 + rng.index(FRAMES))
             .collect();
@@ -45,7 +44,8 @@ pub fn write(settings: &Settings) -> Result<(), Failure> {
         }
         let found = map(settings.jobs, seeds.len(), |child| {
             let mut state = seeds[child].clone();
-            let mut rng = CounterRng::for_purpose(2, 1 + child as u32, 0, PURPOSE);
+            let mut rng =
+                CounterRng::for_purpose(2, 1 + child as u32, 0, Purpose::ReseededVelocities);
             for velocity in state.velocities.chunks_exact_mut(3) {
                 velocity.copy_from_slice(&[0.0, 0.0, rng.uniform_in(-1.0, 1.0)]);
             }

@@ -22,11 +22,9 @@
 use crate::lattice::start::{Projector, normal_pair};
 use crate::lattice::{Dynamics, Engine, Network, State};
 use crate::{CrystalError, Result};
-use protomer_kernel::random::CounterRng;
+use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::statistics::{block_standard_error, summarize};
 use serde::{Deserialize, Serialize};
-
-const DIRECTION_PURPOSE: u8 = 0x60;
 
 /// What carries a state along in time: any stepper, with collisions or without.
 pub trait Flow {
@@ -211,7 +209,7 @@ pub fn maximal_exponent<F: Flow, G: Flow>(
         .flat_map(|square| [square.mass, square.mass, square.inertia])
         .collect();
     let mut neighbour = state.clone();
-    let mut rng = CounterRng::for_purpose(settings.seed, 0, 0, DIRECTION_PURPOSE);
+    let mut rng = CounterRng::for_purpose(settings.seed, 0, 0, Purpose::LyapunovDirection);
     for numbers in [&mut neighbour.positions, &mut neighbour.velocities] {
         for (number, weight) in numbers.iter_mut().zip(&weights) {
             *number += settings.separation * normal_pair(&mut rng)[0] / weight.sqrt();

@@ -15,13 +15,11 @@ use super::network::Network;
 use super::rods::RodSystem;
 use super::state::State;
 use crate::{CrystalError, Result};
-use protomer_kernel::random::CounterRng;
+use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::sparse::SparseError;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_4, TAU};
 
-const ANGLES_PURPOSE: u8 = 0x50;
-const VELOCITIES_PURPOSE: u8 = 0x51;
 const ROD_TOLERANCE: f64 = 1e-13;
 const VELOCITY_TOLERANCE: f64 = 1e-14;
 const MOST_ITERATIONS: usize = 50;
@@ -132,7 +130,7 @@ impl Start {
         let mut projector = Projector::new(network);
         let mut angle_spread_drawn = 0.0;
         if self.angle_spread > 0.0 {
-            let mut rng = CounterRng::for_purpose(self.seed, replica, 0, ANGLES_PURPOSE);
+            let mut rng = CounterRng::for_purpose(self.seed, replica, 0, Purpose::LatticeAngles);
             let turns: Vec<f64> = network
                 .squares
                 .iter()
@@ -211,7 +209,7 @@ impl Start {
         projector: &mut Projector,
         state: &mut State,
     ) -> Result<()> {
-        let mut rng = CounterRng::for_purpose(self.seed, replica, 0, VELOCITIES_PURPOSE);
+        let mut rng = CounterRng::for_purpose(self.seed, replica, 0, Purpose::LatticeVelocities);
         let mut wanted = None;
         match self.velocities {
             AngularVelocities::Rest => return Ok(()),

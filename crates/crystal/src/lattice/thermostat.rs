@@ -33,12 +33,8 @@ use super::dynamics::Dynamics;
 use super::start::normal_pair;
 use super::state::State;
 use crate::{CrystalError, Result};
-use protomer_kernel::random::CounterRng;
+use protomer_kernel::random::{CounterRng, Purpose};
 use serde::{Deserialize, Serialize};
-
-const BEFORE_PURPOSE: u8 = 0x58;
-const AFTER_PURPOSE: u8 = 0x59;
-const MAXWELL_PURPOSE: u8 = 0x5a;
 
 /// Friction and noise that keep a temperature.
 ///
@@ -103,7 +99,13 @@ impl Langevin {
 
     /// Velocities of the canonical ensemble at the positions at which `dynamics` is prepared.
     pub fn draw_velocities(&self, dynamics: &mut Dynamics, state: &mut State) {
-        self.mix(dynamics, &mut state.velocities, 0.0, 0, MAXWELL_PURPOSE);
+        self.mix(
+            dynamics,
+            &mut state.velocities,
+            0.0,
+            0,
+            Purpose::MaxwellVelocities,
+        );
     }
 
     /// Friction and noise for half a step of this length, before the other parts of the step of
@@ -115,14 +117,20 @@ impl Langevin {
             &mut state.velocities,
             kept,
             number,
-            BEFORE_PURPOSE,
+            Purpose::ThermostatBefore,
         );
     }
 
     /// The same after them.
     pub fn after(&self, dynamics: &mut Dynamics, state: &mut State, step: f64, number: u64) {
         let kept = (-0.5 * self.friction * step).exp();
-        self.mix(dynamics, &mut state.velocities, kept, number, AFTER_PURPOSE);
+        self.mix(
+            dynamics,
+            &mut state.velocities,
+            kept,
+            number,
+            Purpose::ThermostatAfter,
+        );
     }
 
     /// One step without collisions, the `number`th of the run.
@@ -152,7 +160,7 @@ impl Langevin {
         velocities: &mut [f64],
         kept: f64,
         number: u64,
-        purpose: u8,
+        purpose: Purpose,
     ) {
         let mut rng = CounterRng::for_purpose(self.seed, self.replica, number, purpose);
         let amplitude = ((1.0 - kept * kept) * self.kt).sqrt();

@@ -4,8 +4,10 @@ use super::hydropathy::HydropathyMap;
 use super::lattice::Lattice;
 use super::outer::at_surface;
 use super::shell::{Occupied, occupied};
+use crate::charged_sphere::ChargedSphere;
 use crate::debye_huckel::Superposition;
-use crate::poisson_boltzmann::{ChargedSphere, Medium, SolveSettings, solve};
+use crate::dielectric::DielectricModel;
+use crate::poisson_boltzmann::{SolveSettings, solve};
 use crate::surface::solvent_excluded;
 use crate::{FieldError, Result};
 use protomer_body::surface::{ImplicitSolid, SesSolid};
@@ -13,7 +15,7 @@ use protomer_kernel::{Rotation, Vec3};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// What a voxel can carry.
+/// A value that voxels can hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Channel {
@@ -25,7 +27,7 @@ pub enum Channel {
     /// Electrostatic potential, kT/e, at the point of the surface nearest to the voxel's centre; 0
     /// off the shell.
     Potential,
-    /// Kyte-Doolittle index averaged over the residues near by, -4.5 to 4.5; 0 off the shell.
+    /// Kyte-Doolittle index averaged over nearby residues, -4.5 to 4.5; 0 off the shell.
     Hydropathy,
 }
 
@@ -38,7 +40,7 @@ impl Channel {
         Channel::Hydropathy,
     ];
 
-    /// The channel's name.
+    /// The name in settings and files.
     pub fn name(self) -> &'static str {
         match self {
             Channel::Shape => "shape",
@@ -49,18 +51,18 @@ impl Channel {
     }
 }
 
-/// Which potential.
+/// How the potential is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PotentialModel {
-    /// The linearised Poisson-Boltzmann equation, solved.
+    /// The solution of the linearised Poisson-Boltzmann equation.
     #[default]
     PoissonBoltzmann,
-    /// Screened Coulomb potentials in a uniform solvent, added up.
+    /// The sum of screened Coulomb potentials in a uniform solvent.
     DebyeHueckel,
 }
 
-/// An atom on its way into voxels.
+/// An atom to be voxelised.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VoxelAtom {
     /// Sphere and charge.
@@ -69,15 +71,15 @@ pub struct VoxelAtom {
     pub residue: Option<u32>,
 }
 
-/// What to put into voxels.
+/// Which values voxels hold, and how they are computed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VoxelSettings {
     /// Channels, in this order.
     pub channels: Vec<Channel>,
-    /// Which potential.
+    /// How the potential is computed.
     pub potential: PotentialModel,
-    /// Salt, temperature, permittivities; the probe of the surface.
-    pub medium: Medium,
+    /// The electrolyte, the permittivities, and the probe of the surface.
+    pub dielectric: DielectricModel,
     /// How the Poisson-Boltzmann equation is solved.
     pub solve: SolveSettings,
     /// Residues with an atom this near to a voxel's centre count for its hydropathy, Å.
@@ -85,9 +87,9 @@ pub struct VoxelSettings {
 }
 
 impl VoxelSettings {
-    /// Shape, potential and hydropathy in this medium: the equation solved at 1 Å to 1e-4 (values
-    /// are kept to three digits), residues within 5 Å averaged.
-    pub fn new(medium: Medium) -> Self {
+    /// Shape, potential and hydropathy with this model: the equation is solved at 1 Å to 1e-4
+    /// (values are kept to three digits), and residues within 5 Å are averaged.
+    pub fn new(dielectric: DielectricModel) -> Self {
         let solve = SolveSettings {
             spacing_angstrom: 1.0,
             relative_tolerance: 1e-4,
@@ -96,15 +98,15 @@ impl VoxelSettings {
         Self {
             channels: vec![Channel::Shape, Channel::Potential, Channel::Hydropathy],
             potential: PotentialModel::default(),
-            medium,
+            dielectric,
             solve,
             hydropathy_reach_angstrom: 5.0,
         }
     }
 }
 
-/// Occupied voxels and what each channel has there. Voxels inside the surface but not of its shell
-/// are occupied only where [`Channel::Solid`] is asked for.
+/// Occupied voxels and the values of each channel there. Voxels inside the surface but off its shell
+/// are occupied only if [`Channel::Solid`] is asked for.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Voxels {
     /// Numbers of the occupied voxels, ascending.
@@ -113,16 +115,17 @@ pub struct Voxels {
     pub values: Vec<Vec<f32>>,
 }
 
-/// Turns atoms and moves the middle of the box about their spheres to the origin. Returns that
-/// middle, in turned coordinates: a place p of the file lies at R p - middle.
+/// Turns atoms and moves the middle of the box around their spheres to the origin. Returns that
+/// middle in turned coordinates: a place p of the file lies at R p - middle.
 ///
 /// ```
 /// use protomer_field::{ChargedSphere, voxels::{VoxelAtom, channels::pose}};
 /// use protomer_kernel::{Rotation, Vec3};
-/// let sphere = ChargedSphere { centre: Vec3::new(3.0, 1.0, 0.0), radius_angstrom: 1.5, charge_e: 0.0 };
+/// let centre = Vec3::new(3.0, 1.0, 0.0);
+/// let sphere = ChargedSphere { centre, radius_angstrom: 1.5, charge_e: 0.0 };
 /// let mut atoms = [VoxelAtom { sphere, residue: None }];
 /// let middle = pose(&mut atoms, &Rotation::identity());
-/// assert_eq!((middle, atoms[0].sphere.centre), (sphere.centre, Vec3::zeros()));
+/// assert_eq!((middle, atoms[0].sphere.centre), (centre, Vec3::zeros()));
 /// ```
 pub fn pose(atoms: &mut [VoxelAtom], rotation: &Rotation) -> Vec3 {
     for atom in atoms.iter_mut() {
@@ -140,12 +143,28 @@ pub fn pose(atoms: &mut [VoxelAtom], rotation: &Rotation) -> Vec3 {
     middle
 }
 
-/// Lowest and highest corner of the box about the spheres, Å.
+/// Lowest and highest corner of the box around the spheres, Å.
 pub fn bounds(atoms: &[VoxelAtom]) -> (Vec3, Vec3) {
-    crate::surface::bounds(atoms.iter().map(|atom| &atom.sphere))
+    crate::charged_sphere::bounds(atoms.iter().map(|atom| &atom.sphere))
 }
 
-/// The voxels of atoms that are posed already; `hydropathy` has the index of each residue.
+/// The voxels of atoms that have been posed on a lattice; `hydropathy` is the index of each residue.
+///
+/// ```
+/// use protomer_field::voxels::{Channel, Lattice, VoxelAtom, VoxelSettings, voxelise};
+/// use protomer_field::{ChargedSphere, DielectricModel};
+/// use protomer_kernel::{Electrolyte, Vec3};
+/// let sphere = ChargedSphere { centre: Vec3::zeros(), radius_angstrom: 3.0, charge_e: 0.0 };
+/// let atom = VoxelAtom { sphere, residue: None };
+/// let settings = VoxelSettings {
+///     channels: vec![Channel::Shape],
+///     ..VoxelSettings::new(DielectricModel::new(Electrolyte::in_water(298.15, 0.15)?))
+/// };
+/// let voxels = voxelise(&[atom], &[], &Lattice::new(16, 1.0)?, &settings)?;
+/// // About the area of the sphere, in voxels of 1 Å.
+/// assert!((90..150).contains(&voxels.index.len()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// [`FieldError::BadInput`] for no channels, no atoms with a radius, and atoms that reach off the
@@ -156,64 +175,32 @@ pub fn voxelise(
     lattice: &Lattice,
     settings: &VoxelSettings,
 ) -> Result<Voxels> {
-    if settings.channels.is_empty() {
-        return Err(FieldError::BadInput(
-            "there are no channels; give at least one".into(),
-        ));
-    }
-    if !(settings.hydropathy_reach_angstrom > 0.0 && settings.hydropathy_reach_angstrom <= 50.0) {
-        return Err(FieldError::BadSetting {
-            setting: "hydropathy reach",
-            value: settings.hydropathy_reach_angstrom,
-            requirement: "above 0, at most 50 Å",
-        });
-    }
+    check_settings(settings)?;
     let spheres: Vec<ChargedSphere> = atoms.iter().map(|atom| atom.sphere).collect();
-    let solid = solvent_excluded(&spheres, settings.medium.probe_angstrom)?;
-    let (low, high) = bounds(atoms);
-    let reach = low.amax().max(high.amax());
-    if reach > 0.5 * lattice.room_angstrom() {
-        return Err(FieldError::BadInput(format!(
-            "the atoms reach {reach:.1} Å from the middle of a lattice with {:.1} Å of room; use more or larger voxels",
-            0.5 * lattice.room_angstrom()
-        )));
-    }
+    let solid = solvent_excluded(&spheres, settings.dielectric.probe_angstrom)?;
+    check_room(atoms, lattice)?;
     let Occupied { shell, inside } = occupied(lattice, &solid);
     let index = if settings.channels.contains(&Channel::Solid) {
         union(&shell, &inside)
     } else {
         shell.clone()
     };
-    let on_shell = |values: Vec<f64>| -> Vec<f32> {
-        let mut spread = vec![0.0; index.len()];
-        scatter(
-            &index,
-            &shell,
-            values.iter().map(|value| *value as f32),
-            &mut spread,
-        );
-        spread
-    };
     let mut values = Vec::with_capacity(settings.channels.len());
     for channel in &settings.channels {
         let of_channel = match channel {
-            Channel::Shape => on_shell(vec![1.0; shell.len()]),
-            Channel::Solid => {
-                let mut spread = vec![0.0; index.len()];
-                scatter(&index, &inside, std::iter::repeat(1.0), &mut spread);
-                spread
+            Channel::Shape => scatter(&index, &shell, &vec![1.0; shell.len()]),
+            Channel::Solid => scatter(&index, &inside, &vec![1.0; inside.len()]),
+            Channel::Potential => {
+                let potential = potentials(&spheres, &solid, lattice, &shell, settings)?;
+                scatter(&index, &shell, &potential)
             }
-            Channel::Potential => on_shell(potential(&spheres, &solid, lattice, &shell, settings)?),
             Channel::Hydropathy => {
                 let places = atoms.iter().map(|atom| (atom.sphere.centre, atom.residue));
                 let map =
                     HydropathyMap::new(places, hydropathy, settings.hydropathy_reach_angstrom);
-                on_shell(
-                    shell
-                        .par_iter()
-                        .map(|voxel| map.at(&lattice.centre(*voxel)).unwrap_or(0.0))
-                        .collect(),
-                )
+                let at_voxel = |voxel: &u32| map.at(&lattice.centre(*voxel)).unwrap_or(0.0);
+                let indices: Vec<f64> = shell.par_iter().map(at_voxel).collect();
+                scatter(&index, &shell, &indices)
             }
         };
         values.push(of_channel);
@@ -221,34 +208,60 @@ pub fn voxelise(
     Ok(Voxels { index, values })
 }
 
+fn check_settings(settings: &VoxelSettings) -> Result<()> {
+    if settings.channels.is_empty() {
+        let reason = "there are no channels; give at least one";
+        return Err(FieldError::BadInput(reason.into()));
+    }
+    let reach = settings.hydropathy_reach_angstrom;
+    if !(reach > 0.0 && reach <= 50.0) {
+        return Err(FieldError::BadSetting {
+            setting: "hydropathy reach",
+            value: reach,
+            requirement: "above 0, at most 50 Å",
+        });
+    }
+    Ok(())
+}
+
+/// Refuses atoms that reach off the lattice.
+fn check_room(atoms: &[VoxelAtom], lattice: &Lattice) -> Result<()> {
+    let (low, high) = bounds(atoms);
+    let reach = low.amax().max(high.amax());
+    let room = 0.5 * lattice.room_angstrom();
+    if reach > room {
+        return Err(FieldError::BadInput(format!(
+            "the atoms reach {reach:.1} Å from the middle of a lattice with {room:.1} Å of room; \
+             use more or larger voxels"
+        )));
+    }
+    Ok(())
+}
+
 /// The potential at the points of the surface nearest to the centres of these voxels, kT/e.
-fn potential(
+fn potentials(
     spheres: &[ChargedSphere],
     solid: &SesSolid,
     lattice: &Lattice,
     shell: &[u32],
     settings: &VoxelSettings,
 ) -> Result<Vec<f64>> {
-    let places: Vec<Vec3> = shell
-        .par_iter()
-        .map(|voxel| solid.project(&lattice.centre(*voxel)).0)
-        .collect();
+    let nearest_on_surface = |voxel: &u32| solid.project(&lattice.centre(*voxel)).0;
+    let places: Vec<Vec3> = shell.par_iter().map(nearest_on_surface).collect();
     Ok(match settings.potential {
         PotentialModel::DebyeHueckel => {
-            let superposition = Superposition::new(spheres, &settings.medium);
-            places
-                .par_iter()
-                .map(|place| superposition.at(place))
-                .collect()
+            let superposition = Superposition::new(spheres, &settings.dielectric);
+            let potential_at = |place: &Vec3| superposition.at(place);
+            places.par_iter().map(potential_at).collect()
         }
         PotentialModel::PoissonBoltzmann => {
-            let solved = solve(spheres, &settings.medium, &settings.solve)?;
+            let solved = solve(spheres, &settings.dielectric, &settings.solve)?;
             at_surface(&solved, solid, &places)
         }
     })
 }
 
-/// Two ascending lists as one.
+/// Two ascending lists merged into one without duplicates.
 fn union(a: &[u32], b: &[u32]) -> Vec<u32> {
     let mut all = [a, b].concat();
     all.sort_unstable();
@@ -256,13 +269,15 @@ fn union(a: &[u32], b: &[u32]) -> Vec<u32> {
     all
 }
 
-/// Writes values of some voxels to their places among all. Both lists ascend, and `some` is part of
-/// `all`.
-fn scatter(all: &[u32], some: &[u32], values: impl Iterator<Item = f32>, out: &mut [f32]) {
-    let mut some = some.iter().zip(values).peekable();
-    for (voxel, out) in all.iter().zip(out) {
-        if let Some((_, value)) = some.next_if(|(next, _)| *next == voxel) {
-            *out = value;
+/// The values of some voxels among all, zero for the others. Both lists ascend, and `some` is part
+/// of `all`.
+fn scatter(all: &[u32], some: &[u32], values: &[f64]) -> Vec<f32> {
+    let mut remaining = some.iter().zip(values).peekable();
+    let mut spread = vec![0.0; all.len()];
+    for (voxel, target) in all.iter().zip(&mut spread) {
+        if let Some((_, value)) = remaining.next_if(|(next, _)| *next == voxel) {
+            *target = *value as f32;
         }
     }
+    spread
 }

@@ -3,89 +3,102 @@
 use protomer_kernel::Vec3;
 use std::collections::HashMap;
 
-/// Averages of residues' indices over those near a place.
+/// Averages of the indices of residues near a place.
 ///
 /// The value at a place is the mean of the Kyte-Doolittle indices (J. Mol. Biol. 157, 105 (1982))
-/// of all residues with an atom within the reach of it, each counted once; where there is none,
-/// that of the residue of the nearest atom. Residues that the scale has no value for are passed
-/// over.
+/// of all residues with an atom within reach, each counted once; where no residue is within reach,
+/// that of the residue of the nearest atom. Residues without an index are skipped.
+///
+/// ```
+/// use protomer_field::voxels::hydropathy::HydropathyMap;
+/// use protomer_kernel::Vec3;
+/// let isoleucine = (Vec3::zeros(), Some(0));
+/// let arginine = (Vec3::new(3.0, 0.0, 0.0), Some(1));
+/// let map = HydropathyMap::new([isoleucine, arginine], &[Some(4.5), Some(-4.5)], 2.0);
+/// assert_eq!(map.at(&Vec3::new(0.5, 0.0, 0.0)), Some(4.5));
+/// assert_eq!(map.at(&Vec3::new(1.5, 0.0, 0.0)), Some(0.0));
+/// ```
 #[derive(Debug, Clone)]
 pub struct HydropathyMap {
     reach: f64,
-    /// Atoms of residues with a value: where, and which residue.
+    /// Atoms of residues with an index: where, and which residue.
     atoms: Vec<(Vec3, u32)>,
-    values: Vec<Option<f64>>,
-    /// Atoms by cells of the reach's edge.
+    indices: Vec<Option<f64>>,
+    /// Atoms by cells as wide as the reach.
     cells: HashMap<[i32; 3], Vec<u32>>,
 }
 
 impl HydropathyMap {
-    /// The map of atoms (place in Å, residue) and their residues' indices.
+    /// The map of atoms (place in Å, residue) and the index of each residue.
     pub fn new(
-        atoms: impl Iterator<Item = (Vec3, Option<u32>)>,
-        values: &[Option<f64>],
+        atoms: impl IntoIterator<Item = (Vec3, Option<u32>)>,
+        indices: &[Option<f64>],
         reach_angstrom: f64,
     ) -> Self {
-        let has_value = |residue: &u32| matches!(values.get(*residue as usize), Some(Some(_)));
-        let atoms: Vec<(Vec3, u32)> = atoms
-            .filter_map(|(place, residue)| Some((place, residue.filter(has_value)?)))
-            .collect();
-        let mut cells: HashMap<[i32; 3], Vec<u32>> = HashMap::new();
-        for (number, (place, _)) in atoms.iter().enumerate() {
-            cells
-                .entry(cell(place, reach_angstrom))
-                .or_default()
-                .push(number as u32);
-        }
-        Self {
+        let mut map = Self {
             reach: reach_angstrom,
-            atoms,
-            values: values.to_vec(),
-            cells,
+            atoms: Vec::new(),
+            indices: indices.to_vec(),
+            cells: HashMap::new(),
+        };
+        for (place, residue) in atoms {
+            if let Some(residue) = residue
+                && let Some(Some(_)) = indices.get(residue as usize)
+            {
+                let cell = map.cell(&place);
+                let members = map.cells.entry(cell).or_default();
+                members.push(map.atoms.len() as u32);
+                map.atoms.push((place, residue));
+            }
         }
+        map
     }
 
     /// The mean index at a place; `None` if no residue has one.
     pub fn at(&self, place: &Vec3) -> Option<f64> {
-        let mut near: Vec<u32> = Vec::with_capacity(16);
-        let middle = cell(place, self.reach);
-        let around = (0..27).map(|n| {
-            [
-                middle[0] + n % 3 - 1,
-                middle[1] + n / 3 % 3 - 1,
-                middle[2] + n / 9 - 1,
-            ]
-        });
-        for (position, residue) in around
-            .filter_map(|at| self.cells.get(&at))
-            .flatten()
-            .map(|n| self.atoms[*n as usize])
-        {
-            if (position - place).norm_squared() <= self.reach * self.reach
-                && !near.contains(&residue)
-            {
-                near.push(residue);
-            }
-        }
-        if near.is_empty() {
-            let distance = |atom: &&(Vec3, u32)| (atom.0 - place).norm_squared();
-            near.extend(
-                self.atoms
-                    .iter()
-                    .min_by(|a, b| distance(a).total_cmp(&distance(b)))
-                    .map(|atom| atom.1),
-            );
+        let mut residues = self.residues_within_reach(place);
+        if residues.is_empty() {
+            residues.push(self.nearest_residue(place)?);
         }
         // In the order of the chain, so that rounding does not depend on the cells.
-        near.sort_unstable();
-        let sum: f64 = near
-            .iter()
-            .filter_map(|residue| self.values[*residue as usize])
-            .sum();
-        (!near.is_empty()).then(|| sum / near.len() as f64)
+        residues.sort_unstable();
+        let mut sum = 0.0;
+        for residue in &residues {
+            sum += self.indices[*residue as usize].unwrap_or(0.0);
+        }
+        Some(sum / residues.len() as f64)
     }
-}
 
-fn cell(place: &Vec3, edge: f64) -> [i32; 3] {
-    [place.x, place.y, place.z].map(|x| (x / edge).floor() as i32)
+    fn residues_within_reach(&self, place: &Vec3) -> Vec<u32> {
+        let [x, y, z] = self.cell(place);
+        let mut residues = Vec::with_capacity(16);
+        for n in 0..27 {
+            let cell = [x + n % 3 - 1, y + n / 3 % 3 - 1, z + n / 9 - 1];
+            for atom in self.cells.get(&cell).into_iter().flatten() {
+                let (position, residue) = self.atoms[*atom as usize];
+                let within = (position - place).norm_squared() <= self.reach * self.reach;
+                if within && !residues.contains(&residue) {
+                    residues.push(residue);
+                }
+            }
+        }
+        residues
+    }
+
+    fn nearest_residue(&self, place: &Vec3) -> Option<u32> {
+        let mut least = f64::INFINITY;
+        let mut nearest = None;
+        for (position, residue) in &self.atoms {
+            let squared = (position - place).norm_squared();
+            if squared < least {
+                least = squared;
+                nearest = Some(*residue);
+            }
+        }
+        nearest
+    }
+
+    fn cell(&self, place: &Vec3) -> [i32; 3] {
+        [place.x, place.y, place.z].map(|x| (x / self.reach).floor() as i32)
+    }
 }

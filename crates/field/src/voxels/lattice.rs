@@ -3,8 +3,8 @@
 use crate::{FieldError, Result};
 use protomer_kernel::Vec3;
 
-/// Finest and coarsest voxels, Å. The surface's distance is known up to 1 Å inside, half of the
-/// coarsest.
+/// Finest and coarsest voxels, Å. The distance from the surface is known up to 1 Å inside, which is
+/// half of the coarsest.
 pub const SPACING_RANGE_ANGSTROM: (f64, f64) = (0.25, 2.0);
 /// Fewest and most voxels along an edge.
 pub const SIZE_RANGE: (usize, usize) = (8, 512);
@@ -68,10 +68,10 @@ impl Lattice {
         self.spacing_angstrom * (at as f64 - 0.5 * (self.size as f64 - 1.0))
     }
 
-    /// The number of a voxel.
+    /// The number of the voxel in column x, row y and layer z.
     #[inline]
     pub fn index(&self, x: usize, y: usize, z: usize) -> u32 {
-        // 512³ < 2³²
+        // 512³ < 2³².
         ((z * self.size + y) * self.size + x) as u32
     }
 
@@ -87,8 +87,8 @@ impl Lattice {
         )
     }
 
-    /// The largest extent along an axis that a solid centred on the origin may have to lie, with
-    /// all voxels that its surface passes through, on the lattice, Å: (size - 1) h.
+    /// The largest extent along an axis, Å, of a solid centred on the origin, if all voxels that its
+    /// surface passes through are to lie on the lattice: (size - 1) h.
     pub fn room_angstrom(&self) -> f64 {
         (self.size as f64 - 1.0) * self.spacing_angstrom
     }

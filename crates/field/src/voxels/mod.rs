@@ -1,7 +1,8 @@
-//! A structure as a cubic grid of voxels: where its surface is, and what it carries there.
+//! A structure as a cubic grid of voxels: where its surface is, and which values it has there.
 //!
 //! ```text
-//! atoms, residues --turned and centred--> surface --> occupied voxels --> shape, solid, potential, hydropathy in each
+//! atoms, residues --turned and centred--> surface --> occupied voxels --> channels
+//! channels: shape, solid, potential, hydropathy
 //! ```
 //!
 //! | module | one idea |
@@ -9,15 +10,15 @@
 //! | [`lattice`] | a cubic grid about the origin |
 //! | [`orientation`] | how a structure is turned before it is laid on the grid |
 //! | [`shell`] | which voxels the surface passes through |
-//! | [`hydropathy`] | Kyte-Doolittle indices around a place |
-//! | [`outer`] | the potential on the surface, from the solvent's side |
+//! | [`hydropathy`] | Kyte-Doolittle indices, averaged around a place |
+//! | `outer` | the potential on the surface, continued from the solvent |
 //! | [`channels`] | all of it: atoms in, sparse values out |
 
 pub mod channels;
 pub mod hydropathy;
 pub mod lattice;
 pub mod orientation;
-pub mod outer;
+mod outer;
 pub mod shell;
 
 pub use channels::{Channel, PotentialModel, VoxelAtom, VoxelSettings, Voxels, voxelise};

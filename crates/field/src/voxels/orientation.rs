@@ -1,7 +1,7 @@
 //! How a structure is turned before it is laid on the grid.
 
 use nalgebra::{Matrix3, Rotation3};
-use protomer_kernel::random::CounterRng;
+use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::{Rotation, Vec3};
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Orientation {
-    /// By a rotation drawn uniformly from all, so that nothing of the deposited frame is left.
+    /// By a rotation drawn uniformly from all rotations, so that nothing of the deposited frame is
+    /// left.
     #[default]
     Random,
     /// With the principal axes of the atoms along x, y and z, the longest along x.
@@ -18,17 +19,21 @@ pub enum Orientation {
     Deposited,
 }
 
-/// Purpose of the random numbers.
-const ROTATION: u8 = 0x56;
-
 impl Orientation {
-    /// The rotation for these atoms, a seed and a key that is the structure's own, such as the
-    /// beginning of a hash of its name.
+    /// The rotation for these atoms, a seed and a key of the structure, such as the beginning of a
+    /// hash of its name.
+    ///
+    /// ```
+    /// use protomer_field::voxels::Orientation;
+    /// let rotation = |key| Orientation::Random.rotation(&[], 1, key);
+    /// assert_eq!(rotation(5), rotation(5));
+    /// assert!(rotation(5).angle_to(&rotation(6)) > 0.0);
+    /// ```
     pub fn rotation(self, positions: &[Vec3], seed: u64, key: u64) -> Rotation {
         match self {
             Orientation::Random => {
-                let mut rng = CounterRng::for_purpose(seed, (key >> 32) as u32, key, ROTATION);
-                rng.rotation()
+                let high = (key >> 32) as u32;
+                CounterRng::for_purpose(seed, high, key, Purpose::VoxelOrientation).rotation()
             }
             Orientation::Principal => principal_axes(positions).0,
             Orientation::Deposited => Rotation::identity(),
@@ -36,10 +41,19 @@ impl Orientation {
     }
 }
 
-/// The rotation that brings the principal axes of the points' covariance to x, y and z, largest
-/// variance first, and the variances, Å². Axes have no sign: x and y are pointed so that the third
-/// moment along them is not negative, z completes a right-handed frame. Where two variances nearly
-/// agree the axes follow small changes of the points.
+/// The rotation that brings the principal axes of the covariance of the points to x, y and z,
+/// largest variance first, and the variances, Å². Axes have no sign: x and y point so that the third
+/// moment along them is not negative, and z completes a right-handed frame. Where two variances
+/// nearly agree, small changes of the points turn the axes.
+///
+/// ```
+/// use protomer_field::voxels::orientation::principal_axes;
+/// use protomer_kernel::Vec3;
+/// let along_y = [Vec3::new(0.0, -3.0, 0.0), Vec3::new(0.0, 3.0, 0.0)];
+/// let (rotation, variances) = principal_axes(&along_y);
+/// assert!((rotation * Vec3::y()).x.abs() > 1.0 - 1e-12);
+/// assert!((variances[0] - 9.0).abs() < 1e-12);
+/// ```
 pub fn principal_axes(positions: &[Vec3]) -> (Rotation, [f64; 3]) {
     let count = positions.len().max(1) as f64;
     let middle = positions.iter().sum::<Vec3>() / count;
@@ -53,11 +67,11 @@ pub fn principal_axes(positions: &[Vec3]) -> (Rotation, [f64; 3]) {
     order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
     let mut axes = order.map(|axis| eigen.eigenvectors.column(axis).into_owned());
     for axis in &mut axes[..2] {
-        let skew: f64 = positions
-            .iter()
-            .map(|position| (position - middle).dot(axis).powi(3))
-            .sum();
-        if skew < 0.0 {
+        let mut third_moment = 0.0;
+        for position in positions {
+            third_moment += (position - middle).dot(axis).powi(3);
+        }
+        if third_moment < 0.0 {
             *axis = -*axis;
         }
     }

@@ -1,14 +1,14 @@
-//! The potential on the surface, from the solvent's side.
+//! The potential on the surface, continued from the solvent.
 //!
 //! The gradient of φ jumps at the surface by the ratio of the permittivities, some forty-fold, and
-//! inside φ rises to the charges within an atom's radius: what is interpolated across the surface
-//! on a grid of 1 Å is wrong by several kT/e. Outside φ is smooth, and on the surface it has the
-//! same value from both sides. So it is continued from the grid points outside, by a plane fitted
-//! to those around the place (moving least squares; Lancaster and Salkauskas, Math. Comp. 37, 141
-//! (1981)):
+//! inside φ rises to the charges within the radius of an atom: interpolation across the surface on a
+//! grid of 1 Å is wrong by several kT/e. Outside φ is smooth, and at the surface it has the same
+//! value on both sides. So it is continued from the grid points outside, by a plane fitted to those
+//! around the place (moving least squares; Lancaster and Salkauskas, Math. Comp. 37, 141 (1981)):
 //!
 //! min Σ w_i (φ_i - a - b·(x_i - x))² + μ |b|²,   w_i = exp(-(r_i/h)²),   φ(x) = a.
 
+use crate::grid::Grid;
 use crate::poisson_boltzmann::Potential;
 use nalgebra::{Matrix4, Vector4};
 use protomer_body::surface::ImplicitSolid;
@@ -17,65 +17,95 @@ use rayon::prelude::*;
 
 /// μ in units of h² Σ w: keeps slopes bounded where all points outside lie in a plane.
 const STIFFNESS: f64 = 1e-3;
-/// Points this far outside count, Å: nearer ones may be inside for the solver, by the rounding of
-/// its distances.
+/// Points count if they are farther outside than this, Å: for the solver, whose distances are
+/// rounded, nearer ones may be inside.
 const OUTSIDE_ANGSTROM: f64 = 1e-4;
 
-/// The potential at places on the surface of the solid that the potential was solved for, kT/e.
+/// The potential at places on the surface of the solid for which the potential was solved, kT/e.
 /// Where no grid point outside is near, in cavities smaller than the grid, it is interpolated.
 pub fn at_surface(potential: &Potential, solid: &dyn ImplicitSolid, places: &[Vec3]) -> Vec<f64> {
-    let grid = *potential.grid();
-    let around = |place: &Vec3| -> Vec<usize> {
-        let Some((cell, _)) = grid.locate(place) else {
-            return Vec::new();
+    let grid = potential.grid();
+    let known = OuterPoints::new(potential, solid, places);
+    let value_at = |place: &Vec3| {
+        let continued = known.near(grid, place);
+        let value = continue_to_origin(&continued).or_else(|| potential.at(place));
+        value.unwrap_or(f64::NAN)
+    };
+    places.par_iter().map(value_at).collect()
+}
+
+/// Grid points near some places, and the potential at those that are outside the surface.
+struct OuterPoints {
+    /// Ascending.
+    points: Vec<usize>,
+    values: Vec<Option<f64>>,
+}
+
+impl OuterPoints {
+    fn new(potential: &Potential, solid: &dyn ImplicitSolid, places: &[Vec3]) -> Self {
+        let grid = potential.grid();
+        // Neighbouring places share grid points, and each is evaluated once.
+        let around = |place: &Vec3| points_around(grid, place);
+        let mut points: Vec<usize> = places.par_iter().flat_map_iter(around).collect();
+        points.par_sort_unstable();
+        points.dedup();
+        let value_outside = |point: &usize| {
+            let place = grid.point_at(*point);
+            let is_outside = solid.signed_distance(&place) > OUTSIDE_ANGSTROM;
+            if is_outside {
+                potential.at(&place)
+            } else {
+                None
+            }
         };
-        let range =
-            |axis: usize| cell[axis].saturating_sub(1)..(cell[axis] + 3).min(grid.shape[axis]);
-        let [xs, ys, zs] = [range(0), range(1), range(2)];
-        let rows = zs.flat_map(|k| ys.clone().map(move |j| (j, k)));
-        rows.flat_map(|(j, k)| xs.clone().map(move |i| grid.index(i, j, k)))
-            .collect()
+        let values = points.par_iter().map(value_outside).collect();
+        Self { points, values }
+    }
+
+    /// Offsets, in spacings, and potentials of the outer points around a place.
+    fn near(&self, grid: &Grid, place: &Vec3) -> Vec<(Vec3, f64)> {
+        let mut near = Vec::new();
+        for point in points_around(grid, place) {
+            if let Ok(at) = self.points.binary_search(&point)
+                && let Some(value) = self.values[at]
+            {
+                let offset = (grid.point_at(point) - place) / grid.spacing_angstrom;
+                near.push((offset, value));
+            }
+        }
+        near
+    }
+}
+
+/// The four-by-four-by-four grid points around a place, fewer at the faces.
+fn points_around(grid: &Grid, place: &Vec3) -> Vec<usize> {
+    let Some((cell, _)) = grid.locate(place) else {
+        return Vec::new();
     };
-    let point = |index: usize| {
-        let (i, rest) = (index % grid.shape[0], index / grid.shape[0]);
-        grid.point(i, rest % grid.shape[1], rest / grid.shape[1])
-    };
-    // Neighbouring places share grid points: each is looked at once.
-    let mut needed: Vec<usize> = places.par_iter().flat_map_iter(around).collect();
-    needed.par_sort_unstable();
-    needed.dedup();
-    let values: Vec<Option<f64>> = needed
-        .par_iter()
-        .map(|index| {
-            let node = point(*index);
-            (solid.signed_distance(&node) > OUTSIDE_ANGSTROM)
-                .then(|| potential.at(&node))
-                .flatten()
-        })
-        .collect();
-    let value_of = |index: usize| needed.binary_search(&index).ok().and_then(|at| values[at]);
-    let h = grid.spacing_angstrom;
-    places
-        .par_iter()
-        .map(|place| {
-            let known = around(place)
-                .into_iter()
-                .filter_map(|index| Some(((point(index) - place) / h, value_of(index)?)));
-            continued(known)
-                .or_else(|| potential.at(place))
-                .unwrap_or(f64::NAN)
-        })
-        .collect()
+    let first = cell.map(|index| index.saturating_sub(1));
+    let mut end = [0; 3];
+    for axis in 0..3 {
+        end[axis] = (cell[axis] + 3).min(grid.shape[axis]);
+    }
+    let mut points = Vec::with_capacity(64);
+    for k in first[2]..end[2] {
+        for j in first[1]..end[1] {
+            for i in first[0]..end[0] {
+                points.push(grid.index(i, j, k));
+            }
+        }
+    }
+    points
 }
 
 /// The fitted plane at the origin, from values at other points; `None` without any.
-fn continued(known: impl Iterator<Item = (Vec3, f64)>) -> Option<f64> {
+fn continue_to_origin(known: &[(Vec3, f64)]) -> Option<f64> {
     let (mut matrix, mut right, mut total) = (Matrix4::zeros(), Vector4::zeros(), 0.0);
     for (offset, value) in known {
         let weight = (-offset.norm_squared()).exp();
         let row = Vector4::new(1.0, offset.x, offset.y, offset.z);
         matrix += weight * row * row.transpose();
-        right += weight * value * row;
+        right += weight * *value * row;
         total += weight;
     }
     for slope in 1..4 {
@@ -103,15 +133,14 @@ mod tests {
                 .map(|x| x - 2.0 * normal * x.dot(&normal).min(0.0))
                 .collect();
             let fit = |value: &dyn Fn(&Vec3) -> f64| {
-                continued(points.iter().map(|x| (*x, value(x)))).unwrap()
+                let known: Vec<(Vec3, f64)> = points.iter().map(|x| (*x, value(x))).collect();
+                continue_to_origin(&known).unwrap()
             };
             assert!((fit(&|x| 5.0 + slope.dot(x)) - 5.0).abs() < 0.05 * slope.norm());
             assert!((fit(&|_| -7.0) + 7.0).abs() < 1e-12);
         }
-        assert_eq!(
-            continued(std::iter::once((Vec3::x(), 3.0))).map(|x| (x * 1e9).round() / 1e9),
-            Some(3.0)
-        );
-        assert_eq!(continued(std::iter::empty()), None);
+        let of_one_point = continue_to_origin(&[(Vec3::x(), 3.0)]).unwrap();
+        assert!((of_one_point - 3.0).abs() < 1e-9);
+        assert_eq!(continue_to_origin(&[]), None);
     }
 }

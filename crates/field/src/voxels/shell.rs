@@ -13,51 +13,53 @@ pub struct Occupied {
     pub inside: Vec<u32>,
 }
 
-/// Sorts the voxels of a lattice by the signed distance d of their centres from a solid's surface:
-/// the shell has |d| < h/2, the inside d < 0. (Not ≤: at the largest spacing h/2 is where distances
-/// are cut off.)
+/// Sorts the voxels of a lattice by the signed distance d of their centres from the surface of a
+/// solid: the shell has |d| < h/2, the inside d < 0. (Not ≤: at the largest spacing distances are
+/// cut off at h/2.)
 ///
 /// The shell has no holes: d changes by at most h between neighbours across a face, so of two such
-/// neighbours on different sides of the surface one at least is in the shell. Walls of cavities are
+/// neighbours on different sides of the surface at least one is in the shell. Walls of cavities are
 /// part of it.
 pub fn occupied(lattice: &Lattice, solid: &dyn ImplicitSolid) -> Occupied {
     let (low, high) = solid.bounds();
-    let (size, half) = (lattice.size(), 0.5 * lattice.spacing_angstrom());
-    let near = |axis: usize| {
-        let is_near = |at: &usize| {
-            let place = lattice.coordinate(*at);
-            place >= low[axis] - half && place <= high[axis] + half
-        };
-        (0..size).filter(is_near).collect::<Vec<usize>>()
-    };
-    let [columns, rows, layers] = [near(0), near(1), near(2)];
-    let parts: Vec<Occupied> = layers
-        .par_iter()
-        .map(|&z| {
-            let mut part = Occupied::default();
-            for &y in &rows {
-                for &x in &columns {
-                    let index = lattice.index(x, y, z);
-                    let distance = solid.signed_distance(&lattice.centre(index));
-                    if distance.abs() < half {
-                        part.shell.push(index);
-                    }
-                    if distance < 0.0 {
-                        part.inside.push(index);
-                    }
-                }
+    let [columns, rows, layers] =
+        [0, 1, 2].map(|axis| layers_within(lattice, low[axis], high[axis]));
+    let occupied_of_layer = |z: &usize| {
+        let mut occupied = Occupied::default();
+        for y in &rows {
+            for x in &columns {
+                occupied.sort_in(lattice, solid, lattice.index(*x, *y, *z));
             }
-            part
-        })
-        .collect();
-    Occupied {
-        shell: parts
-            .iter()
-            .flat_map(|part| part.shell.iter().copied())
-            .collect(),
-        inside: parts
-            .iter()
-            .flat_map(|part| part.inside.iter().copied())
-            .collect(),
+        }
+        occupied
+    };
+    let of_layers: Vec<Occupied> = layers.par_iter().map(occupied_of_layer).collect();
+    let mut all = Occupied::default();
+    for layer in of_layers {
+        all.shell.extend(layer.shell);
+        all.inside.extend(layer.inside);
     }
+    all
+}
+
+impl Occupied {
+    fn sort_in(&mut self, lattice: &Lattice, solid: &dyn ImplicitSolid, voxel: u32) {
+        let distance = solid.signed_distance(&lattice.centre(voxel));
+        if distance.abs() < 0.5 * lattice.spacing_angstrom() {
+            self.shell.push(voxel);
+        }
+        if distance < 0.0 {
+            self.inside.push(voxel);
+        }
+    }
+}
+
+/// The layers along an axis whose voxels reach between two coordinates, Å.
+fn layers_within(lattice: &Lattice, low: f64, high: f64) -> Vec<usize> {
+    let half = 0.5 * lattice.spacing_angstrom();
+    let reaches = |layer: &usize| {
+        let place = lattice.coordinate(*layer);
+        place >= low - half && place <= high + half
+    };
+    (0..lattice.size()).filter(reaches).collect()
 }

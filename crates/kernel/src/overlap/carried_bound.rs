@@ -27,18 +27,25 @@ pub struct CarriedBound {
 }
 
 impl CarriedBound {
-    /// A bound in Å found with the bodies at these poses; `displacement` leads from the first to
-    /// the image of the second meant, Å.
+    /// A bound in Å found with the bodies at these poses; `displacement` (Å) leads from the first to
+    /// the image of the second that is meant.
     pub fn new(bound_angstrom: f64, first: &Pose, second: &Pose, displacement: &Vec3) -> Self {
-        let orientations = [first.rotation.coords, second.rotation.coords];
         Self {
             bound: bound_angstrom,
             displacement: *displacement,
-            orientations,
+            orientations: [first.rotation.coords, second.rotation.coords],
         }
     }
 
-    /// The bound of a pair that has not been looked at: nothing remains of it.
+    /// The bound of a pair that has not been tested: nothing remains of it.
+    ///
+    /// ```
+    /// use protomer_kernel::{Pose, Vec3, overlap::CarriedBound};
+    /// let (pose, displacement) = (Pose::identity(), Vec3::zeros());
+    /// let carried = CarriedBound::unknown();
+    /// let remaining = carried.remaining_angstrom(&pose, &pose, &displacement, [1.0, 1.0]);
+    /// assert_eq!(remaining, f64::NEG_INFINITY);
+    /// ```
     pub fn unknown() -> Self {
         Self {
             bound: f64::NEG_INFINITY,
@@ -56,11 +63,11 @@ impl CarriedBound {
         displacement: &Vec3,
         [first_radius, second_radius]: [f64; 2],
     ) -> f64 {
-        let [first_then, second_then] = &self.orientations;
+        let [first_before, second_before] = &self.orientations;
         self.bound
             - (displacement - self.displacement).norm()
-            - 2.0 * first_radius * quaternion_distance(first_then, &first.rotation.coords)
-            - 2.0 * second_radius * quaternion_distance(second_then, &second.rotation.coords)
+            - 2.0 * first_radius * quaternion_distance(first_before, &first.rotation.coords)
+            - 2.0 * second_radius * quaternion_distance(second_before, &second.rotation.coords)
     }
 }
 

@@ -8,8 +8,8 @@ use super::tree::DiscTree;
 use super::triangle::{Triangle, orientation};
 use crate::{Result, TriangleMesh, Vec3};
 
-/// A few corners of one shell, the extreme ones along the coordinate axes: whichever is decided
-/// soonest decides all.
+/// The extreme corners of one shell along the coordinate axes: any of them decides for all, so the
+/// one that is decided first counts.
 #[derive(Debug, Clone)]
 pub(super) struct Shell {
     pub corners: Vec<Vec3>,
@@ -22,22 +22,19 @@ impl Shell {
     }
 
     fn new(mesh: &TriangleMesh) -> Self {
-        let directions = (0..3).flat_map(|axis| [Vec3::ith(axis, 1.0), Vec3::ith(axis, -1.0)]);
-        let extreme = |direction: Vec3| {
-            mesh.vertices
-                .iter()
-                .copied()
-                .max_by(|p, q| p.dot(&direction).total_cmp(&q.dot(&direction)))
-        };
-        Self {
-            corners: directions.filter_map(extreme).collect(),
+        let mut corners = Vec::with_capacity(6);
+        for axis in 0..3 {
+            let ascending = |p: &&Vec3, q: &&Vec3| p[axis].total_cmp(&q[axis]);
+            corners.extend(mesh.vertices.iter().max_by(ascending));
+            corners.extend(mesh.vertices.iter().min_by(ascending));
         }
+        Self { corners }
     }
 }
 
 /// Whether a point lies in the closed solid bounded by a mesh: a ray from a point inside leaves it
 /// through an odd number of triangles. All signs are exact; a ray that meets an edge or a corner is
-/// drawn anew.
+/// replaced by another.
 pub(super) fn solid_contains(
     mesh: &TriangleMesh,
     tree: &DiscTree,
@@ -46,9 +43,13 @@ pub(super) fn solid_contains(
 ) -> bool {
     const ATTEMPTS: usize = 64;
     let reach = 4.0 * radius + point.norm();
-    (0..ATTEMPTS)
-        .find_map(|attempt| ray_parity(mesh, tree, point, &(point + direction(attempt) * reach)))
-        .unwrap_or(false)
+    for attempt in 0..ATTEMPTS {
+        let far = point + direction(attempt) * reach;
+        if let Some(is_inside) = ray_parity(mesh, tree, point, &far) {
+            return is_inside;
+        }
+    }
+    false
 }
 
 /// Directions spread over the sphere by the golden angle, none along a coordinate axis.

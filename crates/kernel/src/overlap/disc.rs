@@ -1,9 +1,8 @@
 //! Bounding discs: flat cylinders around patches of surface.
 //!
-//! A disc is the set {c + h n + w : |h| ≤ t, w ⊥ n, |w| ≤ r}. Its half-extent along a unit axis a
-//! is t |a·n| + r √(1 - (a·n)²), so two discs whose centres lie d apart are separated along a by at
-//! least
-//! |d·a| minus the two half-extents.
+//! A disc is the set {c + h n + w : |h| ≤ t, w ⊥ n, |w| ≤ r}. Its half-extent along a unit axis a is
+//! t |a·n| + r √(1 - (a·n)²), so two discs whose centres are separated by d are at least |d·a| minus
+//! the two half-extents apart along a.
 
 use crate::Vec3;
 use nalgebra::Matrix3;
@@ -41,39 +40,47 @@ impl Disc {
     /// A tight disc around the corners of some triangles: the best of four directions, the mean
     /// normal of the triangles and the principal axes of their corners.
     pub fn around_triangles(triangles: &[[Vec3; 3]]) -> Self {
-        let points: Vec<Vec3> = triangles.iter().flatten().copied().collect();
-        let mean_normal: Vec3 = triangles
-            .iter()
-            .map(|[a, b, c]| (b - a).cross(&(c - a)))
-            .sum();
-        let axes = covariance(&points).symmetric_eigen().eigenvectors;
-        let candidates = mean_normal
-            .try_normalize(0.0)
-            .into_iter()
-            .chain(axes.column_iter().map(|axis| axis.into()));
-        candidates
-            .map(|normal| Self::around_points(&points, &normal, &centre_across(&points, &normal)))
-            .min_by(|left, right| left.cost().total_cmp(&right.cost()))
-            .unwrap_or(Self::EMPTY)
+        let points = triangles.as_flattened();
+        let mut mean_normal = Vec3::zeros();
+        for [a, b, c] in triangles {
+            mean_normal += (b - a).cross(&(c - a));
+        }
+        let mut directions: Vec<Vec3> = mean_normal.try_normalize(0.0).into_iter().collect();
+        let axes = covariance(points).symmetric_eigen().eigenvectors;
+        for axis in axes.column_iter() {
+            directions.push(axis.into());
+        }
+        let mut best = Self::EMPTY;
+        let mut least_cost = f32::INFINITY;
+        for normal in directions {
+            let disc = Self::around_points(points, &normal, &centre_across(points, &normal));
+            if disc.cost() < least_cost {
+                least_cost = disc.cost();
+                best = disc;
+            }
+        }
+        best
     }
 
     /// The disc of a given direction and axis around points. Radius and thickness are measured from
     /// the rounded centre and normal and rounded up, so that the disc holds the points whatever the
     /// rounding.
     fn around_points(points: &[Vec3], normal: &Vec3, on_axis: &Vec3) -> Self {
-        let heights = points.iter().map(|point| (point - on_axis).dot(normal));
-        let (low, high) = heights.fold((f64::MAX, f64::MIN), |(low, high), h| {
-            (low.min(h), high.max(h))
-        });
-        let centre: Vec3 = on_axis + normal * (0.5 * (low + high));
-        let (centre, normal) = (centre.map(|x| x as f32), normal.map(|x| x as f32));
-        let (exact_centre, exact_normal) = (centre.map(f64::from), normal.map(f64::from));
+        let (mut low, mut high) = (f64::MAX, f64::MIN);
+        for point in points {
+            let height = (point - on_axis).dot(normal);
+            low = low.min(height);
+            high = high.max(height);
+        }
+        let centre = (on_axis + normal * (0.5 * (low + high))).cast::<f32>();
+        let normal = normal.cast::<f32>();
+        let (rounded_centre, rounded_normal) = (centre.cast::<f64>(), normal.cast::<f64>());
         let (mut radius, mut half_thickness) = (0.0_f64, 0.0_f64);
         for point in points {
-            let offset = point - exact_centre;
-            let height = offset.dot(&exact_normal);
+            let offset = point - rounded_centre;
+            let height = offset.dot(&rounded_normal);
             half_thickness = half_thickness.max(height.abs());
-            radius = radius.max((offset - exact_normal * height).norm());
+            radius = radius.max((offset - rounded_normal * height).norm());
         }
         Self {
             centre: centre.into(),
@@ -83,35 +90,42 @@ impl Disc {
         }
     }
 
-    /// What makes a disc bad: area times thickness, with a share for mere size.
+    /// The badness of a disc: its thickness, and a share of its radius.
     fn cost(&self) -> f32 {
         self.half_thickness + 0.2 * self.radius
     }
 }
 
-fn covariance(points: &[Vec3]) -> Matrix3<f64> {
+/// Σ (p - mean)(p - mean)ᵀ.
+pub(super) fn covariance(points: &[Vec3]) -> Matrix3<f64> {
     let mean = points.iter().sum::<Vec3>() / points.len().max(1) as f64;
-    points
-        .iter()
-        .map(|point| (point - mean) * (point - mean).transpose())
-        .sum()
+    let mut sum = Matrix3::zeros();
+    for point in points {
+        sum += (point - mean) * (point - mean).transpose();
+    }
+    sum
 }
 
 /// Centre of the smallest circle around a triangle: the circumcentre if it is acute, else the
 /// middle of its longest side.
-fn smallest_circle_centre(corners: &[Vec3; 3]) -> Vec3 {
-    let side = |i: usize| (corners[(i + 1) % 3] - corners[(i + 2) % 3]).norm_squared();
-    let squared = [side(0), side(1), side(2)];
-    for i in 0..3 {
-        let (opposite, others) = (squared[i], squared[(i + 1) % 3] + squared[(i + 2) % 3]);
-        if opposite >= others {
-            return (corners[(i + 1) % 3] + corners[(i + 2) % 3]) * 0.5;
-        }
+fn smallest_circle_centre([a, b, c]: &[Vec3; 3]) -> Vec3 {
+    // Squared lengths of the sides opposite to each corner.
+    let aa = (b - c).norm_squared();
+    let bb = (c - a).norm_squared();
+    let cc = (a - b).norm_squared();
+    if aa >= bb + cc {
+        return (b + c) * 0.5;
+    }
+    if bb >= cc + aa {
+        return (c + a) * 0.5;
+    }
+    if cc >= aa + bb {
+        return (a + b) * 0.5;
     }
     // Barycentric weights of the circumcentre: a² (b² + c² - a²), and so on.
-    let total: f64 = squared.iter().sum();
-    let weights = squared.map(|s| s * (total - 2.0 * s));
-    (0..3).map(|i| corners[i] * weights[i]).sum::<Vec3>() / weights.iter().sum::<f64>()
+    let total = aa + bb + cc;
+    let [u, v, w] = [aa, bb, cc].map(|side| side * (total - 2.0 * side));
+    (a * u + b * v + c * w) / (u + v + w)
 }
 
 /// The centre of a nearly smallest circle around the shadow of the points along `normal`, by steps
@@ -120,15 +134,15 @@ fn centre_across(points: &[Vec3], normal: &Vec3) -> Vec3 {
     const STEPS: usize = 48;
     let mut centre = points.iter().sum::<Vec3>() / points.len().max(1) as f64;
     for step in 1..=STEPS {
-        let offset = |point: &Vec3| {
+        let mut farthest = Vec3::zeros();
+        for point in points {
             let difference = point - centre;
-            difference - normal * difference.dot(normal)
-        };
-        let farthest = points
-            .iter()
-            .map(offset)
-            .max_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared()));
-        centre += farthest.unwrap_or_default() / (step + 1) as f64;
+            let across = difference - normal * difference.dot(normal);
+            if across.norm_squared() >= farthest.norm_squared() {
+                farthest = across;
+            }
+        }
+        centre += farthest / (step + 1) as f64;
     }
     centre
 }

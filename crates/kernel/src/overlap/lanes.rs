@@ -1,7 +1,7 @@
 //! The arithmetic of discs, eight at a time.
 //!
-//! Plain loops over eight lanes, which the compiler turns into vector instructions of whatever
-//! width the function they are inlined into may use; the results do not depend on that width.
+//! These are plain loops over eight lanes. The compiler turns them into vector instructions of the
+//! width that the calling function may use; the results do not depend on that width.
 
 use super::disc::Disc;
 use crate::pose::RelativePose;
@@ -24,46 +24,42 @@ pub(super) struct DiscBlock {
 }
 
 impl DiscBlock {
+    /// Eight lanes that no disc uses.
     pub const EMPTY: DiscBlock = DiscBlock {
         centre: [[0.0; WIDTH]; 3],
         normal: [[0.0; WIDTH]; 3],
-        radius: [0.0; WIDTH],
-        half_thickness: [0.0; WIDTH],
+        radius: [Disc::EMPTY.radius; WIDTH],
+        half_thickness: [Disc::EMPTY.half_thickness; WIDTH],
     };
 
     pub fn of(discs: &[Disc]) -> Self {
-        let disc = |lane: usize| discs.get(lane).copied().unwrap_or(Disc::EMPTY);
-        Self {
-            centre: [0, 1, 2].map(|axis| std::array::from_fn(|lane| disc(lane).centre[axis])),
-            normal: [0, 1, 2].map(|axis| std::array::from_fn(|lane| disc(lane).normal[axis])),
-            radius: std::array::from_fn(|lane| disc(lane).radius),
-            half_thickness: std::array::from_fn(|lane| disc(lane).half_thickness),
+        let mut block = Self::EMPTY;
+        for (lane, disc) in discs.iter().enumerate() {
+            for axis in 0..3 {
+                block.centre[axis][lane] = disc.centre[axis];
+                block.normal[axis][lane] = disc.normal[axis];
+            }
+            block.radius[lane] = disc.radius;
+            block.half_thickness[lane] = disc.half_thickness;
         }
+        block
     }
 
     /// One of the discs.
     #[inline(always)]
     pub fn disc(&self, lane: usize) -> Disc {
         Disc {
-            centre: [
-                self.centre[0][lane],
-                self.centre[1][lane],
-                self.centre[2][lane],
-            ],
-            normal: [
-                self.normal[0][lane],
-                self.normal[1][lane],
-                self.normal[2][lane],
-            ],
+            centre: self.centre.map(|axis| axis[lane]),
+            normal: self.normal.map(|axis| axis[lane]),
             radius: self.radius[lane],
             half_thickness: self.half_thickness[lane],
         }
     }
 }
 
-/// Added to the squares under a root that cancels, relative to their size: more than their rounding
-/// error, so that the half-extent across a disc is never underestimated. It costs at most 0.2 % of
-/// the radius.
+/// Added to the squares under a root that cancels, relative to their size. It is more than their
+/// rounding error, so that the half-extent across a disc is never underestimated, and costs at most
+/// 0.2 % of the radius.
 const ROOT_SLACK: f32 = 4e-6;
 
 /// The motion into the frame of the first body, in the precision of the discs.
@@ -75,10 +71,10 @@ pub(super) struct Motion {
 
 impl Motion {
     pub fn new(pose: &RelativePose) -> Self {
+        // nalgebra keeps columns, so the transpose has the rows.
         Self {
-            rotation: [0, 1, 2]
-                .map(|row| [0, 1, 2].map(|column| pose.rotation[(row, column)] as f32)),
-            translation: [0, 1, 2].map(|row| pose.translation[row] as f32),
+            rotation: pose.rotation.transpose().cast().into(),
+            translation: pose.translation.cast().into(),
         }
     }
 
@@ -101,25 +97,25 @@ impl Motion {
         moved
     }
 
+    /// A disc of the second body in the frame of the first.
     #[inline(always)]
     pub fn disc(&self, disc: &Disc) -> Disc {
-        let turn = |row: usize, v: &[f32; 3]| {
-            self.rotation[row][0] * v[0]
-                + self.rotation[row][1] * v[1]
-                + self.rotation[row][2] * v[2]
-        };
-        Disc {
-            centre: [0, 1, 2].map(|row| turn(row, &disc.centre) + self.translation[row]),
-            normal: [0, 1, 2].map(|row| turn(row, &disc.normal)),
-            ..*disc
+        let mut moved = *disc;
+        for row in 0..3 {
+            let [x, y, z] = self.rotation[row];
+            let (centre, normal) = (&disc.centre, &disc.normal);
+            moved.centre[row] =
+                x * centre[0] + y * centre[1] + z * centre[2] + self.translation[row];
+            moved.normal[row] = x * normal[0] + y * normal[1] + z * normal[2];
         }
+        moved
     }
 }
 
 /// Lower bounds on the distances between one disc and eight others, Å.
 ///
-/// Three axes are tried: the two normals m and n, and the line of the centres d:
-/// |d·m| - t_m - e_n(m), |d·n| - t_n - e_m(n) and |d| - e_m(d) - e_n(d), with e the half-extent of a disc.
+/// Three axes are tried: the two normals m and n, and the line of the centres d: |d·m| - t_m -
+/// e_n(m), |d·n| - t_n - e_m(n) and |d| - e_m(d) - e_n(d), with e the half-extent of a disc.
 #[inline(always)]
 pub(super) fn separations(disc: &Disc, block: &DiscBlock, rounding: f32) -> Lanes {
     let [cx, cy, cz] = disc.centre;
@@ -175,15 +171,15 @@ impl Iterator for Bits {
     }
 }
 
-/// The larger of two numbers, as the one instruction it can be where neither is NaN.
+/// The larger of two numbers that are not NaN, in one instruction.
 #[inline(always)]
 fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-/// At most 1/√x and no more than 0.18 % less: one Newton step from the exponent halved in integer
-/// arithmetic, which always ends below. A tenth of the cost of the exact operations, and the discs
-/// are not sharper than that.
+/// At most 1/√x and no more than 0.18 % less: the exponent is halved in integer arithmetic, and one
+/// Newton step follows, which always ends below. This takes a tenth of the time of the exact
+/// operations, and the discs are not sharper than that.
 #[inline(always)]
 fn inverse_root_below(x: f32) -> f32 {
     let guess = f32::from_bits(0x5f37_5a86 - (x.to_bits() >> 1));

@@ -1,7 +1,7 @@
 //! The simultaneous descent of two disc trees.
 
-use super::CollisionShape;
 use super::lanes::{Bits, DiscBlock, Lanes, Motion, WIDTH, negative_lanes, separations};
+use super::shape::CollisionShape;
 use super::tree::Node;
 use super::triangle::{Triangle, triangles_intersect};
 use super::triangle_distance::separation_along_axes;
@@ -37,7 +37,7 @@ pub(super) fn relate_surfaces(
     }
 }
 
-/// Two nodes to be held against each other.
+/// Two nodes to be tested against each other.
 #[derive(Debug, Clone, Copy)]
 struct NodePair {
     /// At least this far apart, Å.
@@ -51,12 +51,21 @@ const BATCH: usize = 8;
 
 thread_local! {
     /// Kept from query to query: a query of a microsecond has no time to allocate.
-    static SCRATCH: RefCell<Scratch> = RefCell::new(Scratch { stack: Vec::new(), batch: Batch::new() });
+    static SCRATCH: RefCell<Scratch> = RefCell::new(Scratch::new());
 }
 
 struct Scratch {
     stack: Vec<NodePair>,
     batch: Batch,
+}
+
+impl Scratch {
+    fn new() -> Self {
+        Self {
+            stack: Vec::new(),
+            batch: Batch::new(),
+        }
+    }
 }
 
 /// The working memory of one visit.
@@ -65,8 +74,9 @@ struct Batch {
     /// The children of each b in the frame of the first body.
     moved: [DiscBlock; BATCH],
     near_rows: [u32; BATCH],
-    /// Pair and child of a that are near.
+    /// For each child of an a that is near its b: the pair, and the child.
     rows: Vec<(u8, u8)>,
+    /// For each of those: the near children of b, and the separations of all.
     hits: Vec<(u32, Lanes)>,
 }
 
@@ -91,7 +101,7 @@ struct Descent<'a> {
     rounding: f32,
     /// The least separation met so far, lane by lane, Å.
     bound: Lanes,
-    /// Pairs at least this far apart are not looked into, Å. Any value gives a true bound; see
+    /// The descent stops at pairs at least this far apart, Å. Any value gives a true bound; see
     /// [`threshold_for`].
     threshold: f32,
 }
@@ -118,7 +128,7 @@ impl<'a> Descent<'a> {
     fn run(&mut self, scratch: &mut Scratch) -> bool {
         #[cfg(target_arch = "x86_64")]
         if std::arch::is_x86_feature_detected!("avx2") {
-            // SAFETY: the processor has the instructions the function is compiled for.
+            // SAFETY: the processor has the instructions that the function is compiled for.
             return unsafe { self.run_avx2(scratch) };
         }
         self.run_portable(scratch)
@@ -163,51 +173,16 @@ impl<'a> Descent<'a> {
         false
     }
 
-    /// Holds the children of some pairs of nodes against each other: near nodes go on the stack,
-    /// near triangles are decided. True if two triangles intersect.
+    /// Tests the children of some pairs of nodes against each other: near nodes go on the stack, near
+    /// triangles are decided. True if two triangles intersect.
     #[inline(always)]
     fn visit_batch(&mut self, batch: &mut Batch, stack: &mut Vec<NodePair>) -> bool {
-        let (first, second) = (self.first, self.second);
-        // Which children of a are near to b at all?
-        for (slot, pair) in batch.pairs.iter().enumerate() {
-            let (a, b) = (
-                &first.tree.nodes[pair.a as usize],
-                &second.tree.nodes[pair.b as usize],
-            );
-            batch.moved[slot] = self.motion.block(&b.discs);
-            let b_bound = self.motion.disc(&b.bound);
-            let separations = separations(&b_bound, &a.discs, self.rounding);
-            batch.near_rows[slot] = self.near(&separations);
-            if a.is_leaf != b.is_leaf {
-                self.expand_one(*pair, a, b, &batch.moved[slot], stack);
-                batch.near_rows[slot] = 0;
-            }
-        }
-        // Which children of b are near to each of those?
-        batch.rows.clear();
-        for slot in 0..batch.pairs.len() {
-            for row in Bits(batch.near_rows[slot]) {
-                batch.rows.push((slot as u8, row as u8));
-            }
-        }
-        batch.hits.clear();
-        for &(slot, row) in &batch.rows {
-            let pair = batch.pairs[slot as usize];
-            let a = &first.tree.nodes[pair.a as usize];
-            let separations = separations(
-                &a.discs.disc(row as usize),
-                &batch.moved[slot as usize],
-                self.rounding,
-            );
-            let near = self.near(&separations);
-            batch.hits.push((near, separations));
-        }
+        self.find_near_rows(batch, stack);
+        self.find_hits(batch);
         for (&(slot, row), (near, separations)) in batch.rows.iter().zip(&batch.hits) {
             let pair = batch.pairs[slot as usize];
-            let (a, b) = (
-                &first.tree.nodes[pair.a as usize],
-                &second.tree.nodes[pair.b as usize],
-            );
+            let a = &self.first.tree.nodes[pair.a as usize];
+            let b = &self.second.tree.nodes[pair.b as usize];
             for lane in Bits(*near) {
                 let (child_a, child_b) = (a.children[row as usize], b.children[lane]);
                 let separation = separations[lane];
@@ -227,7 +202,45 @@ impl<'a> Descent<'a> {
         false
     }
 
-    /// Holds a leaf against the children of a node that is none.
+    /// Which children of a are near b as a whole?
+    #[inline(always)]
+    fn find_near_rows(&mut self, batch: &mut Batch, stack: &mut Vec<NodePair>) {
+        let (first, second) = (self.first, self.second);
+        batch.rows.clear();
+        for (slot, pair) in batch.pairs.iter().enumerate() {
+            let a = &first.tree.nodes[pair.a as usize];
+            let b = &second.tree.nodes[pair.b as usize];
+            batch.moved[slot] = self.motion.block(&b.discs);
+            let b_bound = self.motion.disc(&b.bound);
+            let separations = separations(&b_bound, &a.discs, self.rounding);
+            batch.near_rows[slot] = self.near(&separations);
+            if a.is_leaf != b.is_leaf {
+                self.expand_one(*pair, a, b, &batch.moved[slot], stack);
+                batch.near_rows[slot] = 0;
+            }
+        }
+        for slot in 0..batch.pairs.len() {
+            for row in Bits(batch.near_rows[slot]) {
+                batch.rows.push((slot as u8, row as u8));
+            }
+        }
+    }
+
+    /// Which children of b are near each of those?
+    #[inline(always)]
+    fn find_hits(&mut self, batch: &mut Batch) {
+        batch.hits.clear();
+        for &(slot, row) in &batch.rows {
+            let pair = batch.pairs[slot as usize];
+            let a = &self.first.tree.nodes[pair.a as usize];
+            let disc = a.discs.disc(row as usize);
+            let separations = separations(&disc, &batch.moved[slot as usize], self.rounding);
+            let near = self.near(&separations);
+            batch.hits.push((near, separations));
+        }
+    }
+
+    /// Tests a leaf against the children of a node that is not one.
     #[inline(always)]
     fn expand_one(
         &mut self,
@@ -276,7 +289,7 @@ impl<'a> Descent<'a> {
         self.bound.iter().copied().fold(f32::MAX, f32::min).max(0.0)
     }
 
-    /// Takes note of a separation and stops looking into pairs much farther apart.
+    /// Records a separation and stops the descent into pairs much farther apart.
     #[inline(always)]
     fn lower(&mut self, separation: f32) {
         self.bound[0] = self.bound[0].min(separation);
@@ -294,8 +307,8 @@ impl<'a> Descent<'a> {
         if triangles_intersect(&first, &second) {
             return true;
         }
-        let wanted = self.threshold > f32::MIN_POSITIVE;
-        let separation = if wanted {
+        let bound_is_wanted = self.threshold > f32::MIN_POSITIVE;
+        let separation = if bound_is_wanted {
             separation_along_axes(&first, &second) as f32 - self.rounding
         } else {
             0.0
@@ -305,9 +318,8 @@ impl<'a> Descent<'a> {
     }
 }
 
-/// How far apart pairs must be not to be looked into, for a separation of interest: a compromise
-/// between the cost of a query and the quality of its bound. Below `FLOOR` only the decision is
-/// worth anything.
+/// How far apart pairs must be for the descent to stop, for a separation of interest: a compromise
+/// between the cost of a query and the quality of its bound. Below `FLOOR` only the decision counts.
 fn threshold_for(separation: f32) -> f32 {
     const SHARE: f32 = 0.25;
     const FLOOR: f32 = 0.1;
@@ -357,10 +369,7 @@ mod tests {
             let pose = RelativePose::new(&Pose::identity(), &placed, &position);
             let results = [true, false].map(|portable| {
                 let mut descent = Descent::new(&first, &second, &pose, 3.0);
-                let mut scratch = Scratch {
-                    stack: Vec::new(),
-                    batch: Batch::new(),
-                };
+                let mut scratch = Scratch::new();
                 let met = if portable {
                     descent.run_portable(&mut scratch)
                 } else {

@@ -9,9 +9,9 @@ pub(super) type Triangle = [Vec3; 3];
 /// Whether two closed triangles have a point in common, decided exactly for the coordinates given:
 /// all signs come from adaptive exact predicates (Shewchuk, Discrete Comput. Geom. 18, 305 (1997)).
 ///
-/// Two triangles in different planes meet if and only if an edge of one meets the other; the test
-/// of the six edges also settles coplanar triangles, but for one that holds the other, where any
-/// corner tells.
+/// Two triangles in different planes meet if and only if an edge of one meets the other. The test of
+/// the six edges also settles coplanar triangles, unless one holds the other; then any corner
+/// decides.
 pub(super) fn triangles_intersect(first: &Triangle, second: &Triangle) -> bool {
     if clearly_on_one_side(first, second) || clearly_on_one_side(second, first) {
         return false;
@@ -27,16 +27,17 @@ pub(super) fn triangles_intersect(first: &Triangle, second: &Triangle) -> bool {
     if sides_of_second == [0; 3] && sides_of_first == [0; 3] {
         return coplanar_triangles_intersect(first, second);
     }
-    (0..3).any(|i| edge_meets_triangle(second, sides_of_second, i, first))
-        || (0..3).any(|i| edge_meets_triangle(first, sides_of_first, i, second))
+    an_edge_meets_triangle(second, sides_of_second, first)
+        || an_edge_meets_triangle(first, sides_of_first, second)
 }
 
-/// Whether all points lie on one side of a triangle's plane beyond any doubt of rounding: the error
-/// of each height is within some tens of roundings of the product of the lengths.
+/// Whether all points lie on one side of the plane of a triangle beyond any doubt of rounding: the
+/// error of each height is within some tens of roundings of the product of the lengths.
 fn clearly_on_one_side([a, b, c]: &Triangle, points: &Triangle) -> bool {
     let normal = (b - a).cross(&(c - a));
     let [p, q, r] = points.each_ref().map(|point| (point - a).dot(&normal));
-    let reach = a.amax() + points.iter().map(|p| p.amax()).fold(0.0, f64::max);
+    let [first, second, third] = points;
+    let reach = a.amax() + first.amax().max(second.amax()).max(third.amax());
     let size = (b - a).amax() * (c - a).amax();
     let doubt = 1e-13 * reach * size;
     (p > doubt && q > doubt && r > doubt) || (p < -doubt && q < -doubt && r < -doubt)
@@ -44,17 +45,16 @@ fn clearly_on_one_side([a, b, c]: &Triangle, points: &Triangle) -> bool {
 
 /// Sign of the orientation of (a, b, c, d): on which side of the plane (a, b, c) the point d lies.
 pub(super) fn orientation(a: &Vec3, b: &Vec3, c: &Vec3, d: &Vec3) -> i8 {
-    let coordinates = |p: &Vec3| Coord3D {
-        x: p.x,
-        y: p.y,
-        z: p.z,
-    };
-    sign(robust::orient3d(
-        coordinates(a),
-        coordinates(b),
-        coordinates(c),
-        coordinates(d),
-    ))
+    let [a, b, c, d] = [a, b, c, d].map(coordinates);
+    sign(robust::orient3d(a, b, c, d))
+}
+
+fn coordinates(point: &Vec3) -> Coord3D<f64> {
+    Coord3D {
+        x: point.x,
+        y: point.y,
+        z: point.z,
+    }
 }
 
 fn sides_of_plane([a, b, c]: &Triangle, points: &Triangle) -> [i8; 3] {
@@ -65,16 +65,21 @@ fn on_one_side(sides: [i8; 3]) -> bool {
     sides == [1; 3] || sides == [-1; 3]
 }
 
-/// Whether edge `i` (from corner i to the next) of a triangle meets another triangle; `sides` are
-/// the sides of the other's plane on which the corners lie.
-fn edge_meets_triangle(owner: &Triangle, sides: [i8; 3], i: usize, other: &Triangle) -> bool {
-    let j = (i + 1) % 3;
-    let (p, q) = (&owner[i], &owner[j]);
-    match (sides[i], sides[j]) {
-        (0, 0) => coplanar_segment_meets_triangle(p, q, other),
-        (side_p, side_q) if side_p == side_q => false,
-        _ => line_meets_triangle(p, q, other),
+/// Whether an edge of a triangle meets another triangle; `sides` are the sides of the other's plane
+/// on which the corners lie.
+fn an_edge_meets_triangle(owner: &Triangle, sides: [i8; 3], other: &Triangle) -> bool {
+    for (i, j) in [(0, 1), (1, 2), (2, 0)] {
+        let (p, q) = (&owner[i], &owner[j]);
+        let meets = match (sides[i], sides[j]) {
+            (0, 0) => coplanar_segment_meets_triangle(p, q, other),
+            (side_p, side_q) if side_p == side_q => false,
+            _ => line_meets_triangle(p, q, other),
+        };
+        if meets {
+            return true;
+        }
     }
+    false
 }
 
 /// Whether the line through p and q, which crosses or touches the triangle's plane in one point,
@@ -89,34 +94,49 @@ fn line_meets_triangle(p: &Vec3, q: &Vec3, [a, b, c]: &Triangle) -> bool {
 }
 
 fn coplanar_triangles_intersect(first: &Triangle, second: &Triangle) -> bool {
-    (0..3).any(|i| coplanar_segment_meets_triangle(&second[i], &second[(i + 1) % 3], first))
-        || (0..3).any(|i| coplanar_segment_meets_triangle(&first[i], &first[(i + 1) % 3], second))
+    for (i, j) in [(0, 1), (1, 2), (2, 0)] {
+        if coplanar_segment_meets_triangle(&second[i], &second[j], first)
+            || coplanar_segment_meets_triangle(&first[i], &first[j], second)
+        {
+            return true;
+        }
+    }
+    false
 }
 
-/// A closed segment and a closed triangle in one plane. A triangle without area counts for nothing
-/// here: all its points lie on edges of its neighbours.
+/// Whether a closed segment and a closed triangle in one plane meet. A triangle without area does
+/// not count here: all its points lie on edges of its neighbours.
 fn coplanar_segment_meets_triangle(p: &Vec3, q: &Vec3, triangle: &Triangle) -> bool {
-    let Some(dropped) = (0..3).find(|&axis| {
+    for axis in 0..3 {
         let [a, b, c] = triangle.each_ref().map(|corner| shadow(corner, axis));
-        turn(a, b, c) != 0
-    }) else {
-        return false;
-    };
-    let (p, q) = (shadow(p, dropped), shadow(q, dropped));
-    let corners = triangle.each_ref().map(|corner| shadow(corner, dropped));
-    let edges = [0, 1, 2].map(|i| (corners[i], corners[(i + 1) % 3]));
-    let turns = edges.map(|(a, b)| turn(a, b, p));
+        if turn(a, b, c) != 0 {
+            return segment_meets_triangle(shadow(p, axis), shadow(q, axis), [a, b, c]);
+        }
+    }
+    false
+}
+
+/// The same for shadows.
+fn segment_meets_triangle(p: Coord<f64>, q: Coord<f64>, [a, b, c]: [Coord<f64>; 3]) -> bool {
+    let turns = [turn(a, b, p), turn(b, c, p), turn(c, a, p)];
     let starts_inside = !(turns.contains(&1) && turns.contains(&-1));
-    starts_inside || edges.iter().any(|&(a, b)| segments_meet(p, q, a, b))
+    starts_inside
+        || segments_meet(p, q, a, b)
+        || segments_meet(p, q, b, c)
+        || segments_meet(p, q, c, a)
 }
 
 fn segments_meet(p: Coord<f64>, q: Coord<f64>, a: Coord<f64>, b: Coord<f64>) -> bool {
     let turns = [turn(p, q, a), turn(p, q, b), turn(a, b, p), turn(a, b, q)];
     if turns == [0; 4] {
-        let share = |p: f64, q: f64, a: f64, b: f64| p.max(q) >= a.min(b) && a.max(b) >= p.min(q);
-        return share(p.x, q.x, a.x, b.x) && share(p.y, q.y, a.y, b.y);
+        return ranges_meet([p.x, q.x], [a.x, b.x]) && ranges_meet([p.y, q.y], [a.y, b.y]);
     }
     turns[0] * turns[1] <= 0 && turns[2] * turns[3] <= 0
+}
+
+/// Whether two closed ranges, each given by its ends in either order, have a number in common.
+fn ranges_meet([p, q]: [f64; 2], [a, b]: [f64; 2]) -> bool {
+    p.max(q) >= a.min(b) && a.max(b) >= p.min(q)
 }
 
 /// The shadow of a point along a coordinate axis.

@@ -1,9 +1,9 @@
 //! Dense work on one front: the columns of a supernode with all rows they reach.
 //!
-//! A front has m rows, the first k of which are its own columns. L is kept by tiles of eight rows;
-//! a tile holds eight numbers for column 0, eight for column 1, and so on, up to column k or the
-//! last one that reaches below the diagonal. So every inner loop reads one tile from end to end,
-//! eight rows at a time:
+//! A front has m rows, the first k of which are its own columns. L is kept in tiles of eight rows; a
+//! tile holds eight numbers for column 0, eight for column 1, and so on, up to column k or the last
+//! one that reaches below the diagonal. So every inner loop reads one tile from end to end, eight
+//! rows at a time:
 //!
 //! ```text
 //! tile 0:  columns 0..8     strictly lower triangle, zeros above it and on the diagonal
@@ -12,14 +12,16 @@
 //! ```
 //!
 //! When a front is done, the triangle T at the end of a diagonal tile (with ones on the diagonal,
-//! and for rows below the front's own) gives way to T⁻¹ less its diagonal, so that solutions need
+//! and for rows below the front's own) is replaced by T⁻¹ less its diagonal, so that solutions need
 //! no recurrence.
 //!
 //! What is left for the rows k to m, S = A' - L D Lᵀ, is kept by columns, its rows counted from the
-//! tile that holds row k. No fused operations: every processor gives the same bits.
+//! tile that holds row k. No operations are fused: every processor gives the same bits.
 
-// Loops over lanes are written by index, alike on both sides; so they vectorise.
+// Loops over lanes are written by index, alike on both sides, so that they vectorise.
 #![allow(clippy::needless_range_loop)]
+
+use std::ops::Range;
 
 /// Rows per tile.
 pub(super) const LANES: usize = 8;
@@ -29,7 +31,7 @@ pub(super) const BLOCK: usize = 4;
 /// A pivot below this part of its diagonal entry counts as zero.
 const SMALLEST_PIVOT: f64 = 1e-13;
 
-/// Size of a front: `columns` of its own, `height` rows in all.
+/// The size of a front: its own columns, and all its rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Shape {
     pub columns: usize,
@@ -54,6 +56,17 @@ impl Shape {
         LANES * (LANES * triangular * (triangular + 1) / 2 + (tile - triangular) * self.columns)
     }
 
+    /// The place of column 0 of a row.
+    pub fn row_start(self, row: usize) -> usize {
+        self.tile_start(row / LANES) + row % LANES
+    }
+
+    /// Rows below the front's own.
+    #[inline(always)]
+    pub fn below(self) -> usize {
+        self.height - self.columns
+    }
+
     /// Numbers in all tiles.
     pub fn panel_size(self) -> usize {
         self.tile_start(self.tiles())
@@ -65,7 +78,7 @@ impl Shape {
         self.columns / LANES
     }
 
-    /// Distance of columns of what is left.
+    /// The distance between columns of what is left.
     #[inline(always)]
     pub fn left_stride(self) -> usize {
         LANES * (self.tiles() - self.first_left_tile())
@@ -73,7 +86,7 @@ impl Shape {
 
     /// Numbers of what is left.
     pub fn left_size(self) -> usize {
-        (self.height - self.columns) * self.left_stride()
+        self.below() * self.left_stride()
     }
 }
 
@@ -124,59 +137,28 @@ pub(super) fn factor_panel(
     for first in (0..shape.columns).step_by(BLOCK) {
         let count = BLOCK.min(shape.columns - first);
         let (diagonal_tile, lane) = (first / LANES, first % LANES);
-        packed.clear();
-        let rows = columns_of(panel, shape, diagonal_tile);
-        packed.extend(rows[..first].iter().zip(&*pivots).map(|(row, pivot)| {
-            let mut out = [0.0; BLOCK];
-            for c in 0..BLOCK {
-                out[c] = row[lane + c] * pivot;
-            }
-            out
-        }));
-        // upper[c][e]: d_c L_ec for the columns e > c of this block.
-        let mut upper = [[0.0; BLOCK]; BLOCK];
-        let mut reciprocal = [0.0; BLOCK];
+        pack_rows(
+            packed,
+            columns_of(panel, shape, diagonal_tile),
+            lane,
+            &pivots[..first],
+        );
+        let mut block = PivotBlock::default();
         for tile in diagonal_tile..shape.tiles() {
             let [sum] = accumulate([columns_of(panel, shape, tile)], packed);
             let start = shape.tile_start(tile) + LANES * first;
-            let mut value = [[0.0; LANES]; BLOCK];
-            let targets = panel[start..start + LANES * count]
-                .as_chunks_mut::<LANES>()
-                .0;
-            for c in 0..count {
-                for l in 0..LANES {
-                    value[c][l] = targets[c][l] - sum[c][l];
-                }
-            }
+            let targets = panel[start..start + LANES * count].as_chunks_mut().0;
+            let mut value = difference(targets, &sum);
             if tile == diagonal_tile {
-                let mut block = value;
+                let own = |column: usize| own(first + column);
+                block = PivotBlock::factor(value, lane, count, own)
+                    .map_err(|(column, pivot)| (first + column, pivot))?;
                 for c in 0..count {
-                    let pivot = block[c][lane + c];
-                    if !(pivot.is_finite() && pivot > SMALLEST_PIVOT * own(first + c)) {
-                        return Err((first + c, pivot));
-                    }
-                    pivots[first + c] = pivot;
-                    inverse[first + c] = 1.0 / pivot;
-                    reciprocal[c] = 1.0 / pivot;
-                    for e in c + 1..count {
-                        upper[c][e] = block[c][lane + e];
-                        let entry = upper[c][e] * reciprocal[c];
-                        for f in e..count {
-                            block[e][lane + f] -= entry * block[c][lane + f];
-                        }
-                    }
+                    pivots[first + c] = block.pivots[c];
+                    inverse[first + c] = block.reciprocals[c];
                 }
             }
-            for c in 0..count {
-                for l in 0..LANES {
-                    value[c][l] *= reciprocal[c];
-                }
-                for e in c + 1..BLOCK {
-                    for l in 0..LANES {
-                        value[e][l] -= value[c][l] * upper[c][e];
-                    }
-                }
-            }
+            block.divide(&mut value, count);
             if tile == diagonal_tile {
                 for c in 0..count {
                     value[c][..=lane + c].fill(0.0);
@@ -186,6 +168,87 @@ pub(super) fn factor_panel(
         }
     }
     Ok(())
+}
+
+/// D Lᵀ of four rows, which begin at `lane` of a tile, for the columns that have pivots.
+#[inline(always)]
+fn pack_rows(packed: &mut Vec<Packed>, tile: &[Tile], lane: usize, pivots: &[f64]) {
+    packed.clear();
+    packed.extend(tile.iter().zip(pivots).map(|(column, pivot)| {
+        let mut row = [0.0; BLOCK];
+        for c in 0..BLOCK {
+            row[c] = column[lane + c] * pivot;
+        }
+        row
+    }));
+}
+
+/// targets - sum.
+#[inline(always)]
+fn difference(targets: &[Tile], sum: &[Tile; BLOCK]) -> [Tile; BLOCK] {
+    let mut value = [[0.0; LANES]; BLOCK];
+    for c in 0..targets.len() {
+        for l in 0..LANES {
+            value[c][l] = targets[c][l] - sum[c][l];
+        }
+    }
+    value
+}
+
+/// The factorisation of up to four columns among themselves.
+#[derive(Default)]
+struct PivotBlock {
+    pivots: [f64; BLOCK],
+    reciprocals: [f64; BLOCK],
+    /// upper[c][e]: d_c L_ec for the columns e > c.
+    upper: [[f64; BLOCK]; BLOCK],
+}
+
+impl PivotBlock {
+    /// Factors the block whose rows begin at `lane`.
+    ///
+    /// # Errors
+    /// The column whose pivot is not safely positive, and the pivot.
+    #[inline(always)]
+    fn factor(
+        mut value: [Tile; BLOCK],
+        lane: usize,
+        count: usize,
+        own: impl Fn(usize) -> f64,
+    ) -> Result<Self, (usize, f64)> {
+        let mut block = Self::default();
+        for c in 0..count {
+            let pivot = value[c][lane + c];
+            if !(pivot.is_finite() && pivot > SMALLEST_PIVOT * own(c)) {
+                return Err((c, pivot));
+            }
+            block.pivots[c] = pivot;
+            block.reciprocals[c] = 1.0 / pivot;
+            for e in c + 1..count {
+                block.upper[c][e] = value[c][lane + e];
+                let entry = block.upper[c][e] * block.reciprocals[c];
+                for f in e..count {
+                    value[e][lane + f] -= entry * value[c][lane + f];
+                }
+            }
+        }
+        Ok(block)
+    }
+
+    /// Divides eight rows by this block: L of those rows.
+    #[inline(always)]
+    fn divide(&self, value: &mut [Tile; BLOCK], count: usize) {
+        for c in 0..count {
+            for l in 0..LANES {
+                value[c][l] *= self.reciprocals[c];
+            }
+            for e in c + 1..BLOCK {
+                for l in 0..LANES {
+                    value[e][l] -= value[c][l] * self.upper[c][e];
+                }
+            }
+        }
+    }
 }
 
 /// Writes -L D Lᵀ of the rows below the front's own into `left`.
@@ -200,31 +263,14 @@ pub(super) fn start_left(
     let (stride, tiles, base) = (shape.left_stride(), shape.tiles(), shape.first_left_tile());
     for first in (shape.columns..shape.height).step_by(BLOCK) {
         let count = BLOCK.min(shape.height - first);
-        packed.clear();
-        packed.resize(shape.columns, [0.0; BLOCK]);
-        for c in 0..count {
-            let row = first + c;
-            for ((out, tile), pivot) in packed
-                .iter_mut()
-                .zip(columns_of(panel, shape, row / LANES))
-                .zip(pivots)
-            {
-                out[c] = tile[row % LANES] * pivot;
-            }
-        }
+        pack_rows_below(packed, panel, shape, first..first + count, pivots);
         let block = &mut left[(first - shape.columns) * stride..][..count * stride];
         let mut tile = first / LANES;
         while tile + 2 <= tiles {
-            let sum = accumulate(
-                [
-                    columns_of(panel, shape, tile),
-                    columns_of(panel, shape, tile + 1),
-                ],
-                packed,
-            );
-            for (t, sum) in sum.iter().enumerate() {
-                store(block, stride, tile + t - base, sum);
-            }
+            let pair = [tile, tile + 1].map(|tile| columns_of(panel, shape, tile));
+            let [upper, lower] = accumulate(pair, packed);
+            store(block, stride, tile - base, &upper);
+            store(block, stride, tile + 1 - base, &lower);
             tile += 2;
         }
         if tile < tiles {
@@ -234,6 +280,26 @@ pub(super) fn start_left(
     }
 }
 
+/// D Lᵀ of up to four rows below the front's own, which may lie in different tiles.
+#[inline(always)]
+fn pack_rows_below(
+    packed: &mut Vec<Packed>,
+    panel: &[f64],
+    shape: Shape,
+    rows: Range<usize>,
+    pivots: &[f64],
+) {
+    packed.clear();
+    packed.resize(shape.columns, [0.0; BLOCK]);
+    for (c, row) in rows.enumerate() {
+        let tile = columns_of(panel, shape, row / LANES);
+        for ((out, column), pivot) in packed.iter_mut().zip(tile).zip(pivots) {
+            out[c] = column[row % LANES] * pivot;
+        }
+    }
+}
+
+/// Writes -sum into a tile of four columns.
 #[inline(always)]
 fn store(block: &mut [f64], stride: usize, tile: usize, sum: &[Tile; BLOCK]) {
     for (column, sum) in block.chunks_exact_mut(stride).zip(sum) {
@@ -273,53 +339,55 @@ pub(super) fn invert_triangles(panel: &mut [f64], shape: Shape) {
 /// L y = t for the front's own rows, t -= L y for those below; t has room for all tiles.
 #[inline(always)]
 pub(super) fn solve_forward(panel: &[f64], shape: Shape, t: &mut [Tile]) {
-    let k = shape.columns;
-    let mut tile = 0;
-    while tile < shape.tiles() && LANES * tile < k {
-        let columns = columns_of(panel, shape, tile);
-        let mut sum = [[0.0; LANES]; 2];
+    let diagonal_tiles = shape.columns.div_ceil(LANES);
+    for tile in 0..diagonal_tiles {
         let (known, rest) = t.split_at_mut(tile);
-        for (columns, known) in columns.chunks_exact(LANES).zip(known.iter()) {
-            for c in 0..LANES {
-                for l in 0..LANES {
-                    sum[c % 2][l] += columns[c][l] * known[c];
-                }
-            }
-        }
-        let mut value = rest[0];
-        for l in 0..LANES {
-            value[l] -= sum[0][l] + sum[1][l];
-        }
-        let given = value;
-        for (column, given) in columns[LANES * tile..].iter().zip(&given) {
-            for l in 0..LANES {
-                value[l] += column[l] * given;
-            }
-        }
-        rest[0] = value;
-        tile += 1;
+        rest[0] = solve_tile(columns_of(panel, shape, tile), known, rest[0]);
     }
-    let (known, rest) = t.split_at_mut(tile);
-    let known = &known.as_flattened()[..k];
-    let mut rest = rest[..shape.tiles() - tile].iter_mut();
-    let below = &panel[shape.tile_start(tile)..shape.panel_size()];
-    let mut below = below.as_chunks::<LANES>().0.chunks_exact(k);
+    let (own, rest) = t.split_at_mut(diagonal_tiles);
+    let own = &own.as_flattened()[..shape.columns];
+    let mut rest = rest[..shape.tiles() - diagonal_tiles].iter_mut();
+    let below = &panel[shape.tile_start(diagonal_tiles)..shape.panel_size()];
+    let mut below = below.as_chunks::<LANES>().0.chunks_exact(shape.columns);
     while rest.len() >= 4 {
-        if let (Some(a), Some(b), Some(c), Some(d)) =
-            (below.next(), below.next(), below.next(), below.next())
-        {
-            let sum = combine([a, b, c, d], known);
-            for sum in sum {
+        let tiles = (below.next(), below.next(), below.next(), below.next());
+        if let (Some(a), Some(b), Some(c), Some(d)) = tiles {
+            for sum in combine([a, b, c, d], own) {
                 subtract(rest.next(), &sum);
             }
         }
     }
     for columns in below {
-        let [sum] = combine([columns], known);
+        let [sum] = combine([columns], own);
         subtract(rest.next(), &sum);
     }
 }
 
+/// L y = t for the eight rows of a diagonal tile, given y of the rows above.
+#[inline(always)]
+fn solve_tile(columns: &[Tile], known: &[Tile], mut value: Tile) -> Tile {
+    // Two sums, so that one addition need not wait for the other.
+    let mut sum = [[0.0; LANES]; 2];
+    for (columns, known) in columns.chunks_exact(LANES).zip(known) {
+        for c in 0..LANES {
+            for l in 0..LANES {
+                sum[c % 2][l] += columns[c][l] * known[c];
+            }
+        }
+    }
+    for l in 0..LANES {
+        value[l] -= sum[0][l] + sum[1][l];
+    }
+    let given = value;
+    for (column, given) in columns[LANES * known.len()..].iter().zip(&given) {
+        for l in 0..LANES {
+            value[l] += column[l] * given;
+        }
+    }
+    value
+}
+
+/// target -= sum.
 #[inline(always)]
 fn subtract(target: Option<&mut Tile>, sum: &Tile) {
     if let Some(target) = target {
@@ -401,6 +469,7 @@ fn spread<const T: usize>(tiles: [&[Tile]; T], known: [&Tile; T], sums: &mut [Ti
     }
 }
 
+/// The sum of the lanes.
 #[inline(always)]
 fn total(x: &Tile) -> f64 {
     ((x[0] + x[4]) + (x[2] + x[6])) + ((x[1] + x[5]) + (x[3] + x[7]))

@@ -8,9 +8,13 @@
 //! | module | one idea |
 //! |---|---|
 //! | `ordering` | P: nested dissection of the graph of A by coordinates |
+//! | `supernodes` | columns of L that are eliminated together |
 //! | `symbolic` | from the pattern to dense fronts and where every number goes, once |
+//! | `arena` | places in a workspace that is planned ahead |
 //! | `front` | dense work on one front, vectorised |
-//! | `ldl` | L and D, as often as the numbers change; solutions |
+//! | `factorisation` | L and D, as often as the numbers change |
+//! | `solution` | x, for any number of right-hand sides |
+//! | `ldl` | all of it |
 //!
 //! Measured on one core of a virtual Xeon (family 6, model 207, AVX-512, shared with other work),
 //! processor time, by `cargo bench -p protomer-kernel --bench sparse`: grids coupled to nearest and
@@ -26,12 +30,19 @@
 //! A is held as its lower triangle, a list of (row, column) places fixed at the start; the numbers
 //! come as one slice in the order of that list.
 
+mod arena;
+mod error;
+mod factorisation;
 mod front;
 mod ldl;
 mod ordering;
+mod solution;
+mod supernodes;
 mod symbolic;
+#[cfg(test)]
+mod tests;
 #[cfg(test)]
 mod up_looking;
 
-pub use ldl::{LdlFactor, SparseError};
-pub use ordering::nested_dissection;
+pub use error::SparseError;
+pub use ldl::LdlFactor;

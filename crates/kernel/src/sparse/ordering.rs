@@ -1,49 +1,51 @@
 //! The order of elimination.
 
+use std::cmp::Ordering;
+
 /// Parts of at most this size are not divided any further.
 const SMALLEST_PART: usize = 8;
 /// The smaller side of a cut holds at least this part of the unknowns.
 const SMALLEST_SIDE: f64 = 0.35;
 
-/// An order of elimination by nested dissection: the unknowns are cut in two along an axis, those
-/// on one side that have a neighbour on the other are the separator and come last, and each half is
+/// An order of elimination by nested dissection: the unknowns are cut in two along an axis, those on
+/// one side that have a neighbour on the other are the separator and come last, and each half is
 /// ordered likewise. For a planar network of n unknowns the factor has O(n log n) entries (George,
 /// SIAM J. Numer. Anal. 10, 345 (1973)). Of all cuts along all axes that leave neither side too
 /// small, the one with the smallest separator is taken.
 ///
-/// `neighbours[i]` lists the unknowns coupled to i, `places[i]` is where it is. Returns the
-/// unknowns in the order in which they are to be eliminated. Where the network is periodic, edges
-/// that go around are edges like any other, so the separators hold both of its sides.
-pub fn nested_dissection(neighbours: &[Vec<usize>], places: &[[f64; 3]]) -> Vec<usize> {
+/// `neighbours[i]` lists the unknowns coupled to i, `places[i]` is where it is. Returns the unknowns
+/// in the order in which they are to be eliminated. Where the network is periodic, edges that go
+/// around are edges like any other, so the separators hold both of its sides.
+pub(super) fn nested_dissection(neighbours: &[Vec<usize>], places: &[[f64; 3]]) -> Vec<usize> {
     // Depth first; a separator is emitted after both of its halves.
     enum Task {
         Divide(Vec<usize>),
         Emit(Vec<usize>),
     }
+    let mut divider = Divider {
+        neighbours,
+        places,
+        ranks: vec![OUTSIDE; neighbours.len()],
+        sorted_along: None,
+    };
     let mut order = Vec::with_capacity(neighbours.len());
-    let mut ranks = vec![OUTSIDE; neighbours.len()];
     let mut tasks = vec![Task::Divide((0..neighbours.len()).collect())];
     while let Some(task) = tasks.pop() {
-        let part = match task {
-            Task::Emit(separator) => {
-                order.extend(separator);
-                continue;
+        match task {
+            Task::Emit(separator) => order.extend(separator),
+            Task::Divide(part) if part.len() <= SMALLEST_PART => order.extend(part),
+            Task::Divide(part) => {
+                let [near, far, separator] = divider.divide(part);
+                tasks.push(Task::Emit(separator));
+                tasks.push(Task::Divide(far));
+                tasks.push(Task::Divide(near));
             }
-            Task::Divide(part) if part.len() <= SMALLEST_PART => {
-                order.extend(part);
-                continue;
-            }
-            Task::Divide(part) => part,
-        };
-        let [near, far, separator] = divide(part, neighbours, places, &mut ranks);
-        tasks.push(Task::Emit(separator));
-        tasks.push(Task::Divide(far));
-        tasks.push(Task::Divide(near));
+        }
     }
     order
 }
 
-/// The rank of what is not in the part.
+/// The rank of unknowns outside the part that is divided.
 const OUTSIDE: u32 = u32::MAX;
 
 /// A cut: unknowns of rank `cut` and more along the axis are on the far side.
@@ -57,122 +59,148 @@ struct Cut {
     price: f64,
 }
 
-/// Both sides and the separator. `ranks` is `OUTSIDE` everywhere before and after.
-fn divide(
-    mut part: Vec<usize>,
-    neighbours: &[Vec<usize>],
-    places: &[[f64; 3]],
-    ranks: &mut [u32],
-) -> [Vec<usize>; 3] {
-    let mut best: Option<Cut> = None;
-    let mut sorted_by = None;
-    for axis in 0..3 {
-        let first = part.first().map(|unknown| places[*unknown][axis]);
-        if part
-            .iter()
-            .all(|unknown| Some(places[*unknown][axis]) == first)
-            && (axis < 2 || best.is_some())
-        {
-            continue;
-        }
-        sort(&mut part, axis, places, ranks);
-        sorted_by = Some(axis);
-        let cut = best_cut(&part, axis, neighbours, ranks);
-        if best.is_none_or(|best| cut.price < best.price) {
-            best = Some(cut);
-        }
-    }
-    let cut = best.unwrap_or(Cut {
-        axis: 0,
-        cut: part.len() / 2,
-        separator: 0,
-        far: false,
-        price: 0.0,
-    });
-    if sorted_by != Some(cut.axis) {
-        sort(&mut part, cut.axis, places, ranks);
-    }
-    let touches = |unknown: usize| {
-        neighbours[unknown]
-            .iter()
-            .any(|other| ranks[*other] != OUTSIDE && (ranks[*other] as usize >= cut.cut) != cut.far)
-    };
-    let mut parts = [Vec::new(), Vec::new(), Vec::with_capacity(cut.separator)];
-    for (rank, unknown) in part.iter().enumerate() {
-        let far = rank >= cut.cut;
-        let target = if far == cut.far && touches(*unknown) {
-            2
-        } else {
-            usize::from(far)
-        };
-        parts[target].push(*unknown);
-    }
-    for unknown in part {
-        ranks[unknown] = OUTSIDE;
-    }
-    parts
+struct Divider<'a> {
+    neighbours: &'a [Vec<usize>],
+    places: &'a [[f64; 3]],
+    /// Ranks of the unknowns in the part, [`OUTSIDE`] for all others.
+    ranks: Vec<u32>,
+    /// The axis along which the part is sorted and ranked.
+    sorted_along: Option<usize>,
 }
 
-fn sort(part: &mut [usize], axis: usize, places: &[[f64; 3]], ranks: &mut [u32]) {
-    part.sort_unstable_by(|a, b| {
-        places[*a][axis]
-            .total_cmp(&places[*b][axis])
-            .then_with(|| a.cmp(b))
-    });
-    for (rank, unknown) in part.iter().enumerate() {
-        ranks[*unknown] = rank as u32;
+impl Divider<'_> {
+    /// Both sides and the separator of a part.
+    fn divide(&mut self, mut part: Vec<usize>) -> [Vec<usize>; 3] {
+        let cut = self.cheapest_cut(&mut part);
+        self.sort(&mut part, cut.axis);
+        let mut parts = [Vec::new(), Vec::new(), Vec::with_capacity(cut.separator)];
+        for (rank, unknown) in part.iter().enumerate() {
+            let far = rank >= cut.cut;
+            let side = if far == cut.far && self.touches_other_side(*unknown, &cut) {
+                2
+            } else {
+                usize::from(far)
+            };
+            parts[side].push(*unknown);
+        }
+        for unknown in part {
+            self.ranks[unknown] = OUTSIDE;
+        }
+        self.sorted_along = None;
+        parts
     }
-}
 
-/// The cheapest cut of a part that is sorted along the axis. An unknown is in the near separator of
-/// all cuts above its own rank and up to the largest rank of its neighbours, so that sums of
-/// differences give the separators of all cuts at once.
-fn best_cut(part: &[usize], axis: usize, neighbours: &[Vec<usize>], ranks: &[u32]) -> Cut {
-    let count = part.len();
-    let mut changes = vec![[0_i32; 2]; count + 2];
-    for (rank, unknown) in part.iter().enumerate() {
-        let (mut low, mut high) = (rank, rank);
-        for other in neighbours[*unknown]
-            .iter()
-            .map(|other| ranks[*other])
-            .filter(|other| *other != OUTSIDE)
-        {
-            low = low.min(other as usize);
-            high = high.max(other as usize);
-        }
-        changes[rank + 1][0] += 1;
-        changes[high + 1][0] -= 1;
-        changes[low + 1][1] += 1;
-        changes[rank + 1][1] -= 1;
-    }
-    let mut best = Cut {
-        axis,
-        cut: count / 2,
-        separator: count,
-        far: false,
-        price: f64::INFINITY,
-    };
-    let mut sizes = [0_i32; 2];
-    for (cut, change) in changes.iter().enumerate().take(count).skip(1) {
-        sizes = [sizes[0] + change[0], sizes[1] + change[1]];
-        let balance = cut.min(count - cut) as f64 / count as f64;
-        if balance < SMALLEST_SIDE {
-            continue;
-        }
-        for (size, far) in [(sizes[0], false), (sizes[1], true)] {
-            let price = f64::from(size) * (1.0 + 2.0 * (0.5 - balance));
-            if price < best.price {
-                best = Cut {
-                    axis,
-                    cut,
-                    separator: size as usize,
-                    far,
-                    price,
-                };
+    /// The cheapest cut along any axis. An axis along which all places agree is left out, unless
+    /// there is no other.
+    fn cheapest_cut(&mut self, part: &mut [usize]) -> Cut {
+        let mut best: Option<Cut> = None;
+        for axis in 0..3 {
+            let is_last_resort = axis == 2 && best.is_none();
+            if !is_last_resort && self.all_agree(part, axis) {
+                continue;
+            }
+            self.sort(part, axis);
+            let cut = self.cheapest_cut_along(part, axis);
+            if best.is_none_or(|best| cut.price < best.price) {
+                best = Some(cut);
             }
         }
+        best.unwrap_or(Cut::in_the_middle(part.len(), 0))
     }
-    best
+
+    fn all_agree(&self, part: &[usize], axis: usize) -> bool {
+        let place = |unknown: &usize| self.places[*unknown][axis];
+        part.windows(2)
+            .all(|pair| place(&pair[0]) == place(&pair[1]))
+    }
+
+    /// Sorts a part along an axis and ranks it, unless that has been done.
+    fn sort(&mut self, part: &mut [usize], axis: usize) {
+        if self.sorted_along == Some(axis) {
+            return;
+        }
+        self.sorted_along = Some(axis);
+        let along = |a: &usize, b: &usize| -> Ordering {
+            let (at_a, at_b) = (self.places[*a][axis], self.places[*b][axis]);
+            at_a.total_cmp(&at_b).then(a.cmp(b))
+        };
+        part.sort_unstable_by(along);
+        for (rank, unknown) in part.iter().enumerate() {
+            self.ranks[*unknown] = rank as u32;
+        }
+    }
+
+    /// The cheapest cut of a part that is sorted along the axis. An unknown is in the near separator
+    /// of all cuts above its own rank and up to the largest rank of its neighbours, so sums of
+    /// differences give the separators of all cuts at once.
+    fn cheapest_cut_along(&self, part: &[usize], axis: usize) -> Cut {
+        let count = part.len();
+        let mut changes = vec![[0_i32; 2]; count + 2];
+        for (rank, unknown) in part.iter().enumerate() {
+            let (low, high) = self.range_of_ranks(rank, *unknown);
+            changes[rank + 1][0] += 1;
+            changes[high + 1][0] -= 1;
+            changes[low + 1][1] += 1;
+            changes[rank + 1][1] -= 1;
+        }
+        let mut best = Cut::in_the_middle(count, axis);
+        let mut sizes = [0_i32; 2];
+        for (cut, change) in changes.iter().enumerate().take(count).skip(1) {
+            sizes = [sizes[0] + change[0], sizes[1] + change[1]];
+            let balance = cut.min(count - cut) as f64 / count as f64;
+            if balance < SMALLEST_SIDE {
+                continue;
+            }
+            for (size, far) in [(sizes[0], false), (sizes[1], true)] {
+                let price = f64::from(size) * (1.0 + 2.0 * (0.5 - balance));
+                if price < best.price {
+                    best = Cut {
+                        axis,
+                        cut,
+                        separator: size as usize,
+                        far,
+                        price,
+                    };
+                }
+            }
+        }
+        best
+    }
+
+    /// The least and the largest rank of an unknown and its neighbours in the part.
+    fn range_of_ranks(&self, rank: usize, unknown: usize) -> (usize, usize) {
+        let (mut low, mut high) = (rank, rank);
+        for other in &self.neighbours[unknown] {
+            let other = self.ranks[*other];
+            if other != OUTSIDE {
+                low = low.min(other as usize);
+                high = high.max(other as usize);
+            }
+        }
+        (low, high)
+    }
+
+    /// Whether an unknown on the separator's side has a neighbour on the other.
+    fn touches_other_side(&self, unknown: usize, cut: &Cut) -> bool {
+        let on_other_side = |other: &usize| {
+            let rank = self.ranks[*other];
+            rank != OUTSIDE && (rank as usize >= cut.cut) != cut.far
+        };
+        self.neighbours[unknown].iter().any(on_other_side)
+    }
+}
+
+impl Cut {
+    /// A cut that any other is better than.
+    fn in_the_middle(count: usize, axis: usize) -> Self {
+        Self {
+            axis,
+            cut: count / 2,
+            separator: count,
+            far: false,
+            price: f64::INFINITY,
+        }
+    }
 }
 
 #[cfg(test)]
@@ -180,7 +208,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_unknown_comes_once_and_fill_is_far_below_a_band() {
+    fn every_unknown_comes_once() {
         let n = 40;
         let index = |i: usize, j: usize| n * i + j;
         let mut neighbours = vec![Vec::new(); n * n];

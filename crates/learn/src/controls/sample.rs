@@ -7,7 +7,7 @@ use super::raster::filled;
 use super::solids::{SOLIDS, random_solid};
 use super::{Control, Variant};
 use crate::sample::{Description, SparseGrid};
-use protomer_kernel::random::CounterRng;
+use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::{Rotation, Vec3};
 
 /// Orientations of each protein of the control `identity`.
@@ -27,18 +27,9 @@ pub(super) struct Recipe {
     pub(super) seed: u64,
 }
 
-/// What random numbers are for.
-#[derive(Clone, Copy)]
-enum Purpose {
-    Object = 1,
-    Turn,
-    Damage,
-    Label,
-}
-
 impl Recipe {
     fn random(&self, purpose: Purpose, step: usize) -> CounterRng {
-        CounterRng::for_purpose(self.seed, self.control as u32, step as u64, purpose as u8)
+        CounterRng::for_purpose(self.seed, self.control as u32, step as u64, purpose)
     }
 
     /// A sample and what is known of it.

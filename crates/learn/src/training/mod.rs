@@ -29,13 +29,9 @@ use crate::{
 use candle_core::{Device, Tensor};
 use container::{pack, unpack};
 use loader::{Item, Loader};
-use protomer_kernel::random::CounterRng;
+use protomer_kernel::random::{CounterRng, Purpose};
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
-
-/// Purposes of the random numbers here.
-const ORDER: u8 = 63;
-const ROTATION: u8 = 64;
 
 /// What is to be trained on what.
 #[derive(Clone)]
@@ -474,7 +470,8 @@ impl Training<'_> {
     fn items(&self, training: &[usize], epoch: usize) -> Vec<Item> {
         let (seed, step) = (self.settings.seed, epoch as u64);
         let turn = |sample: usize| {
-            let mut rng = CounterRng::for_purpose(seed, sample as u32, step, ROTATION);
+            let mut rng =
+                CounterRng::for_purpose(seed, sample as u32, step, Purpose::TrainingRotation);
             if self.settings.augment {
                 rng.index(CubeRotation::COUNT)
             } else {
@@ -490,7 +487,7 @@ impl Training<'_> {
             .collect();
         shuffle(
             &mut items,
-            &mut CounterRng::for_purpose(seed, 0, step, ORDER),
+            &mut CounterRng::for_purpose(seed, 0, step, Purpose::TrainingOrder),
         );
         items
     }

@@ -2,7 +2,7 @@
 //! them.
 
 use anyhow::Result;
-use protomer_kernel::random::CounterRng;
+use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::{TriangleMesh, Vec3};
 use protomer_mc::BodyType;
 use std::collections::HashMap;
@@ -23,10 +23,6 @@ const LARGEST_CHARGE_E: f64 = 0.6;
 /// Sums of the charges of the two kinds of bodies, e.
 const NET_CHARGES_E: [f64; 2] = [30.0, -20.0];
 
-/// Purposes of random numbers: each with a stream of its own.
-const SHAPE: u8 = 1;
-const CHARGES: u8 = 2;
-
 /// A body seen from its middle: one radius per direction, so its surface never meets itself.
 pub(super) struct Barrel {
     bumps: Vec<(Vec3, f64)>,
@@ -35,7 +31,7 @@ pub(super) struct Barrel {
 impl Barrel {
     /// The barrel of this seed.
     pub(super) fn new(seed: u64) -> Self {
-        let mut rng = CounterRng::for_purpose(seed, 0, 0, SHAPE);
+        let mut rng = CounterRng::for_purpose(seed, 0, 0, Purpose::Object);
         let bump = |_| {
             (
                 rng.unit_vector(),
@@ -113,7 +109,8 @@ pub fn two_kinds(charges: usize, edge_divisions: i32, seed: u64) -> Result<Vec<A
     let kinds = ["a", "b"].into_iter().zip(NET_CHARGES_E).zip(0..);
     kinds
         .map(|((name, net_charge_e), index)| {
-            let mut rng = CounterRng::for_purpose(seed, index, charges as u64, CHARGES);
+            let mut rng =
+                CounterRng::for_purpose(seed, index, charges as u64, Purpose::BenchmarkCharges);
             let charges = barrel.charges(charges, net_charge_e, &mut rng);
             Ok(Arc::new(BodyType::new(name, &mesh, &charges)?))
         })

@@ -4,7 +4,7 @@
 use anyhow::{Context, Result};
 use protomer_kernel::overlap::overlaps;
 use protomer_kernel::pose::RelativePose;
-use protomer_kernel::random::CounterRng;
+use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::{Boundary, Pose, Vec3};
 use protomer_mc::hard::overlapping_pairs;
 use protomer_mc::{BodyType, McError, System};
@@ -26,9 +26,6 @@ const RAD_PER_ANGSTROM: f64 = 0.1;
 /// In the end all places are drawn apart by this factor, so that neighbours have about a tenth of
 /// an Å between them.
 const LOOSENED: f64 = 1.004;
-/// Purposes of random numbers: each with a stream of its own.
-const CLUSTER: u8 = 3;
-const SPREAD: u8 = 4;
 /// Places tried for each body of a spread state.
 const MOST_PLACES: u32 = 10_000;
 
@@ -38,7 +35,7 @@ const MOST_PLACES: u32 = 10_000;
 /// # Errors
 /// If the bodies of this seed do not come apart.
 pub fn cluster(types: &[Arc<BodyType>], seed: u64) -> Result<System> {
-    let mut rng = CounterRng::for_purpose(seed, 0, 0, CLUSTER);
+    let mut rng = CounterRng::for_purpose(seed, 0, 0, Purpose::BenchmarkCluster);
     let mut bodies: Vec<(usize, Pose)> = Vec::with_capacity(CLUSTER_BODIES);
     for index in 0..CLUSTER_BODIES {
         let kind = index % types.len();
@@ -134,7 +131,7 @@ pub fn spread(
     box_angstrom: f64,
     seed: u64,
 ) -> Result<System> {
-    let mut rng = CounterRng::for_purpose(seed, 0, count as u64, SPREAD);
+    let mut rng = CounterRng::for_purpose(seed, 0, count as u64, Purpose::BenchmarkSpread);
     let boundary = Boundary::periodic(Vec3::repeat(box_angstrom))?;
     let mut bodies: Vec<(usize, Pose)> = Vec::with_capacity(count);
     for index in 0..count {

@@ -7,9 +7,9 @@ use super::meter::{Metered, Readings};
 use super::states::{cluster, spread};
 use crate::cpu_time::Stopwatch;
 use crate::energy_tables::EnergyTables;
-use crate::interaction::Interaction;
+use crate::interaction::ScreenedCoulomb;
 use crate::interrupt::Interrupt;
-use crate::run::{DEFAULT_TOLERANCE_KT, EnergyMode, yukawa};
+use crate::run::{DEFAULT_TOLERANCE_KT, EnergyMode};
 use anyhow::{Context, Result};
 use protomer_io::atomic::sha256_hex;
 use protomer_kernel::cells::require_minimum_image;
@@ -208,7 +208,7 @@ pub struct SuiteResult {
     pub complete: bool,
     /// The medium.
     #[serde(flatten)]
-    pub interaction: Interaction,
+    pub interaction: ScreenedCoulomb,
     /// Moves per CPU-second of each energy mode.
     pub charges: Vec<RateRow>,
     /// What a move is made of.
@@ -257,12 +257,12 @@ pub fn rows(settings: &SuiteSettings) -> usize {
 /// limit, and an energy that is not finite.
 pub fn run_suite(
     settings: &SuiteSettings,
-    interaction: Interaction,
+    interaction: ScreenedCoulomb,
     tables: &EnergyTables,
     interrupt: &Interrupt,
     begin: &dyn Fn(&str),
 ) -> Result<SuiteResult> {
-    let yukawa = yukawa(&interaction)?;
+    let yukawa = interaction.yukawa()?;
     let suite = Suite {
         settings,
         yukawa,

@@ -7,7 +7,7 @@ use super::{Global, Outcome, interrupt_saying, output};
 use crate::assembly_file::Assembly;
 use crate::bench::suite::{Part, SuiteResult, SuiteSettings, rows, run_suite};
 use crate::bench::{BenchSettings, bench};
-use crate::interaction::{Interaction, Medium};
+use crate::interaction::{InteractionSettings, ScreenedCoulomb};
 use crate::run::EnergyMode;
 use anyhow::{Result, bail};
 use clap::Args;
@@ -155,16 +155,16 @@ impl BenchArgs {
     }
 
     /// The medium of the flags; without salt and Debye length, a plain one of fixed lengths.
-    fn interaction_of_own_states(&self) -> Result<Interaction> {
+    fn interaction_of_own_states(&self) -> Result<ScreenedCoulomb> {
         let stated = self.conditions.medium.medium();
         if self.conditions.salt.is_some() || stated.debye_length_angstrom.is_some() {
             return self.conditions.interaction();
         }
-        let usual = Medium {
+        let usual = InteractionSettings {
             bjerrum_length_angstrom: Some(7.0),
             debye_length_angstrom: Some(9.6),
             cutoff_angstrom: Some(48.0),
-            ..Medium::default()
+            ..InteractionSettings::default()
         };
         let mut medium = usual;
         self.conditions.medium.override_in(&mut medium);

@@ -1,6 +1,6 @@
 //! The medium's flags, shared by every verb that computes an energy.
 
-use crate::interaction::{Interaction, Medium};
+use crate::interaction::{InteractionSettings, ScreenedCoulomb};
 use crate::quantity;
 use anyhow::Result;
 use clap::Args;
@@ -28,14 +28,14 @@ pub struct MediumArgs {
 
 impl MediumArgs {
     /// The medium these flags describe.
-    pub fn medium(&self) -> Medium {
-        let mut medium = Medium::default();
+    pub fn medium(&self) -> InteractionSettings {
+        let mut medium = InteractionSettings::default();
         self.override_in(&mut medium);
         medium
     }
 
     /// Puts what these flags state in the place of what `medium` has.
-    pub fn override_in(&self, medium: &mut Medium) {
+    pub fn override_in(&self, medium: &mut InteractionSettings) {
         medium.temperature_kelvin = self.temperature.unwrap_or(medium.temperature_kelvin);
         medium.relative_permittivity = self.permittivity.or(medium.relative_permittivity);
         medium.bjerrum_length_angstrom = self.bjerrum.or(medium.bjerrum_length_angstrom);
@@ -56,7 +56,7 @@ pub struct ConditionArgs {
 
 impl ConditionArgs {
     /// The interaction these flags describe.
-    pub fn interaction(&self) -> Result<Interaction> {
+    pub fn interaction(&self) -> Result<ScreenedCoulomb> {
         self.medium.medium().interaction(self.salt)
     }
 }

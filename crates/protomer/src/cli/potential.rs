@@ -6,10 +6,10 @@ use crate::potential::{PotentialReport, potential_of_file, read_places, volume};
 use crate::quantity;
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
-use protomer_field::{Boundary, Medium, SolveSettings, SurfaceDefinition};
+use protomer_field::{BoundaryCondition, DielectricModel, SolveSettings, SurfaceDefinition};
 use protomer_io::atomic::write_atomically;
 use protomer_io::volume::{dx::write_dx, mrc::write_mrc, write_volume_npz};
-use protomer_kernel::Conditions;
+use protomer_kernel::Electrolyte;
 use std::path::PathBuf;
 
 /// Solve the linearised Poisson-Boltzmann equation around a structure, PQR or body: potential in
@@ -104,14 +104,12 @@ impl PotentialArgs {
                 folder.display()
             );
         }
-        let conditions = match self.outer_permittivity {
-            Some(permittivity) => {
-                Conditions::with_permittivity(self.temperature, self.salt, 7.0, permittivity)?
-            }
-            None => Conditions::new(self.temperature, self.salt, 7.0)?,
+        let electrolyte = match self.outer_permittivity {
+            Some(permittivity) => Electrolyte::new(self.temperature, self.salt, permittivity)?,
+            None => Electrolyte::in_water(self.temperature, self.salt)?,
         };
-        let medium = Medium {
-            conditions,
+        let dielectric = DielectricModel {
+            electrolyte,
             inner_permittivity: self.inner_permittivity,
             surface: match self.surface {
                 Surface::SolventExcluded => SurfaceDefinition::SolventExcluded,
@@ -125,8 +123,8 @@ impl PotentialArgs {
             spacing_angstrom: self.spacing,
             margin_angstrom: self.margin,
             boundary: match self.boundary {
-                BoundaryValues::ScreenedAtoms => Boundary::ScreenedAtoms,
-                BoundaryValues::CoarseGrid => Boundary::CoarseGrid,
+                BoundaryValues::ScreenedAtoms => BoundaryCondition::ScreenedAtoms,
+                BoundaryValues::CoarseGrid => BoundaryCondition::CoarseGrid,
             },
             ..SolveSettings::default()
         };
@@ -139,7 +137,7 @@ impl PotentialArgs {
         let estimate_error = !self.no_error_estimate;
         let (field, report) = potential_of_file(
             &self.input,
-            &medium,
+            &dielectric,
             &settings,
             model,
             estimate_error,

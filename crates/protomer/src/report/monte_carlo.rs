@@ -209,12 +209,12 @@ fn conditions(
         "cut-off (Å)",
     ];
     let lines = settings.salt_molar.iter().map(|salt| {
-        let medium = settings.medium.interaction(Some(*salt))?;
+        let interaction = settings.medium.interaction(Some(*salt))?;
         let lengths = [
-            medium.relative_permittivity,
-            medium.bjerrum_length_angstrom,
-            medium.debye_length_angstrom,
-            medium.cutoff_angstrom,
+            interaction.electrolyte.relative_permittivity(),
+            interaction.electrolyte.bjerrum_length_angstrom(),
+            interaction.electrolyte.debye_length_angstrom(),
+            interaction.cutoff_angstrom,
         ];
         let salt = millimolar(*salt);
         Ok(std::iter::once(salt)

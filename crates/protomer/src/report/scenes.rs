@@ -6,7 +6,7 @@
 use super::html::millimolar;
 use super::mesh_view::{Colouring, Scene, Shown, ShownMesh};
 use crate::assembly_file::Assembly;
-use crate::run::{RunRecord, RunSettings, yukawa};
+use crate::run::{RunRecord, RunSettings};
 use crate::sweep::replica_directory;
 use anyhow::{Context, Result, bail};
 use protomer_body::Body;
@@ -293,7 +293,8 @@ fn coloured(bodies: &[std::sync::Arc<Body>], settings: &RunSettings) -> Shown {
 /// The interaction of the run, without its cut-off: bodies are coloured by what they are, however
 /// far it reaches.
 fn uncut(settings: &RunSettings, salt_molar: f64) -> Option<Yukawa> {
-    let cut = yukawa(&settings.medium.interaction(Some(salt_molar)).ok()?).ok()?;
+    let interaction = settings.medium.interaction(Some(salt_molar)).ok()?;
+    let cut = interaction.yukawa().ok()?;
     Some(Yukawa {
         cutoff_angstrom: f64::INFINITY,
         ..cut

@@ -3,7 +3,7 @@
 
 use crate::assembly_file::Assembly;
 use crate::energy_tables::EnergyTables;
-use crate::interaction::Interaction;
+use crate::interaction::ScreenedCoulomb;
 use crate::run::{DEFAULT_TOLERANCE_KT, EnergyMode, RunSettings};
 use anyhow::{Context, Result};
 use protomer_kernel::cells::require_minimum_image;
@@ -77,7 +77,7 @@ impl Engine {
     pub fn energy_model(
         &self,
         run: &RunSettings,
-        interaction: &Interaction,
+        interaction: &ScreenedCoulomb,
     ) -> Result<Box<dyn EnergyModel>> {
         let tables = |yukawa: Yukawa| -> Result<CertifiedSum> {
             Ok(CertifiedSum::with_tables(
@@ -100,7 +100,7 @@ impl Engine {
     ///
     /// # Errors
     /// Lists the overlapping pairs; says which box is needed.
-    pub fn check(&self, run: &RunSettings, interactions: &[Interaction]) -> Result<()> {
+    pub fn check(&self, run: &RunSettings, interactions: &[ScreenedCoulomb]) -> Result<()> {
         let system = self.system()?;
         let pairs = overlapping_pairs(&system);
         if !pairs.is_empty() {
@@ -118,15 +118,15 @@ impl Engine {
     ///
     /// # Errors
     /// If the interaction makes no sense.
-    pub fn settings(&self, run: &RunSettings, interaction: &Interaction) -> Result<Settings> {
+    pub fn settings(&self, run: &RunSettings, interaction: &ScreenedCoulomb) -> Result<Settings> {
         let interaction = match run.energy {
             EnergyMode::None => protomer_mc::Interaction::HardOnly,
             EnergyMode::Certified => {
-                protomer_mc::Interaction::YukawaCertified(yukawa(interaction)?)
+                protomer_mc::Interaction::YukawaCertified(interaction.yukawa()?)
             }
-            EnergyMode::Direct => protomer_mc::Interaction::YukawaDirect(yukawa(interaction)?),
+            EnergyMode::Direct => protomer_mc::Interaction::YukawaDirect(interaction.yukawa()?),
             EnergyMode::Approximate => protomer_mc::Interaction::YukawaApproximate {
-                yukawa: yukawa(interaction)?,
+                yukawa: interaction.yukawa()?,
                 tolerance_kt: run
                     .energy
                     .tolerance_kt(run.tolerance_kt)?
@@ -149,7 +149,7 @@ impl Engine {
 pub fn require_room(
     system: &System,
     model: &dyn EnergyModel,
-    interaction: &Interaction,
+    interaction: &ScreenedCoulomb,
 ) -> Result<()> {
     let range = model
         .range_angstrom(system)
@@ -160,16 +160,4 @@ pub fn require_room(
             interaction.describe()
         )
     })
-}
-
-/// The potential an interaction describes.
-///
-/// # Errors
-/// If a length makes no sense.
-pub fn yukawa(interaction: &Interaction) -> Result<Yukawa> {
-    Ok(Yukawa::new(
-        interaction.bjerrum_length_angstrom,
-        interaction.inverse_debye_length_per_angstrom(),
-        interaction.cutoff_angstrom,
-    )?)
 }

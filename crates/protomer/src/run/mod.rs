@@ -19,7 +19,7 @@ pub(crate) use contents::{
 };
 pub use directory::{Hold, Layout, ResultsDirectory, refuse};
 pub(crate) use directory::{lock, lock_file};
-pub use engine::{Engine, require_room, yukawa};
+pub use engine::{Engine, require_room};
 pub use execution::Execution;
 pub(crate) use log::{Log, LogMark, check_log, complete_lines, read_text};
 pub use log::{LogRow, read_log, read_log_so_far};

@@ -6,7 +6,7 @@ use super::log::{Log, LogMark, LogRow, check_log};
 use super::record::{RunRecord, read_record};
 use super::trajectory::Trajectory;
 use super::{Engine, RunSettings};
-use crate::interaction::Interaction;
+use crate::interaction::ScreenedCoulomb;
 use anyhow::{Context, Result, bail};
 use protomer_io::atomic::remove_abandoned;
 use protomer_mc::Statistics;
@@ -28,7 +28,7 @@ pub struct ReplicaTask<'a> {
     /// The settings of the run.
     pub settings: &'a RunSettings,
     /// The medium at this salt concentration.
-    pub interaction: Interaction,
+    pub interaction: ScreenedCoulomb,
     /// Index of the salt concentration: part of the random stream, so that no two simulations share
     /// one.
     pub salt_index: u32,

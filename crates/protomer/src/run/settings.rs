@@ -1,6 +1,6 @@
 //! What a run is asked to do: the resolved configuration, as `run.toml` has it.
 
-use crate::interaction::Medium;
+use crate::interaction::InteractionSettings;
 use anyhow::{Result, bail};
 use serde::{Deserialize, Serialize};
 
@@ -37,7 +37,7 @@ pub struct RunSettings {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerance_kt: Option<f64>,
     /// The medium between the bodies.
-    pub medium: Medium,
+    pub medium: InteractionSettings,
 }
 
 /// Largest error of the energy of two bodies, kT, where approximate energies are asked for without
@@ -114,7 +114,7 @@ impl Default for RunSettings {
             trajectory_every: 100,
             energy: EnergyMode::Direct,
             tolerance_kt: None,
-            medium: Medium::default(),
+            medium: InteractionSettings::default(),
         }
     }
 }

@@ -5,7 +5,7 @@ use super::row::Row;
 use super::settings::VoxelizeSettings;
 use super::work::FORMAT;
 use anyhow::Result;
-use protomer_field::Boundary;
+use protomer_field::BoundaryCondition;
 use protomer_field::voxels::{Channel, PotentialModel, VoxelSettings};
 use protomer_io::atomic::sha256_hex;
 use serde_json::{Value, json};
@@ -21,15 +21,17 @@ pub(super) fn fixed_conditions(settings: &VoxelizeSettings) -> Result<Value> {
     {
         return Ok(Value::Null);
     }
-    let VoxelSettings { medium, solve, .. } = settings.voxel_settings()?;
+    let VoxelSettings {
+        dielectric, solve, ..
+    } = settings.voxel_settings()?;
     let boundary = match solve.boundary {
-        Boundary::ScreenedAtoms => "screened-atoms",
-        Boundary::CoarseGrid => "coarse-grid",
+        BoundaryCondition::ScreenedAtoms => "screened-atoms",
+        BoundaryCondition::CoarseGrid => "coarse-grid",
     };
     Ok(json!({
-        "inner_permittivity": medium.inner_permittivity,
-        "solvent_permittivity": medium.conditions.relative_permittivity,
-        "ion_radius_angstrom": medium.ion_radius_angstrom,
+        "inner_permittivity": dielectric.inner_permittivity,
+        "solvent_permittivity": dielectric.electrolyte.relative_permittivity(),
+        "ion_radius_angstrom": dielectric.ion_radius_angstrom,
         "spacing_angstrom": solve.spacing_angstrom,
         "margin_angstrom": solve.margin_angstrom,
         "boundary": boundary,

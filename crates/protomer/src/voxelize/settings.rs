@@ -1,9 +1,9 @@
 //! What to make of each structure.
 
 use anyhow::{Result, bail};
-use protomer_field::Medium;
+use protomer_field::DielectricModel;
 use protomer_field::voxels::{Channel, Lattice, Orientation, PotentialModel, VoxelSettings};
-use protomer_kernel::Conditions;
+use protomer_kernel::Electrolyte;
 use serde::{Deserialize, Serialize};
 
 /// Edge of the voxels.
@@ -143,16 +143,16 @@ impl VoxelizeSettings {
     /// # Errors
     /// For conditions that no solvent has.
     pub fn voxel_settings(&self) -> Result<VoxelSettings> {
-        let conditions = Conditions::new(self.temperature_kelvin, self.salt_molar, self.ph)?;
-        let medium = Medium {
+        let electrolyte = Electrolyte::in_water(self.temperature_kelvin, self.salt_molar)?;
+        let dielectric = DielectricModel {
             probe_angstrom: self.probe_angstrom,
-            ..Medium::new(conditions)
+            ..DielectricModel::new(electrolyte)
         };
         Ok(VoxelSettings {
             channels: self.channels.clone(),
             potential: self.potential,
             hydropathy_reach_angstrom: self.hydropathy_reach_angstrom,
-            ..VoxelSettings::new(medium)
+            ..VoxelSettings::new(dielectric)
         })
     }
 

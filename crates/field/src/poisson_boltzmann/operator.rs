@@ -1,8 +1,8 @@
 //! (A φ)_i = Σ_edges c (φ_i - φ_j) + k_i φ_i on the inner points of a grid.
 //!
-//! c is an edge's permittivity (times the spacing, with k as permittivity · κ² · h²: everything in
-//! units of the solution). Points on the grid's faces are given, not unknown: A ignores their rows,
-//! and their values are zero in what it is applied to. A is symmetric and positive definite.
+//! c is the permittivity of an edge and k is permittivity · κ² · h²: each balance of fluxes is
+//! divided by the spacing. Points on the faces of the grid are given, not unknown: A ignores their rows, and their
+//! values are zero in what it is applied to. A is symmetric and positive definite.
 
 use rayon::prelude::*;
 use std::ops::{Mul, Sub};
@@ -15,11 +15,11 @@ pub struct Operator {
     pub edges: [Vec<f32>; 3],
     /// k.
     pub mass: Vec<f32>,
-    /// Sum of a row's edges and k; one on the faces.
+    /// The sum of the edges of a point and k; one on the faces.
     pub diagonal: Vec<f32>,
 }
 
-/// A number that operators are applied in.
+/// The precision in which an operator is applied.
 pub trait Number: Copy + Send + Sync + From<f32> + Mul<Output = Self> + Sub<Output = Self> {}
 
 impl Number for f32 {}
@@ -58,24 +58,17 @@ impl Operator {
         [1, self.shape[0], self.shape[0] * self.shape[1]]
     }
 
-    /// Calls `work` for the inner points of every row along x, with where the row begins.
+    /// Calls `work` for the inner points of every row along x, with the index of the first.
     pub fn inner_rows<T: Send>(&self, values: &mut [T], work: impl Fn(&mut [T], usize) + Sync) {
         let [nx, ny, nz] = self.shape;
-        let plane = nx * ny;
-        values
-            .par_chunks_mut(plane)
-            .enumerate()
-            .for_each(|(k, values)| {
-                if k == 0 || k + 1 == nz {
-                    return;
-                }
-                for j in 1..ny - 1 {
-                    work(
-                        &mut values[j * nx + 1..(j + 1) * nx - 1],
-                        k * plane + j * nx + 1,
-                    );
-                }
-            });
+        let planes = values.par_chunks_mut(nx * ny).enumerate();
+        let inner_planes = planes.skip(1).take(nz - 2);
+        inner_planes.for_each(|(k, plane)| {
+            for j in 1..ny - 1 {
+                let row = &mut plane[j * nx + 1..(j + 1) * nx - 1];
+                work(row, (k * ny + j) * nx + 1);
+            }
+        });
     }
 
     /// out = A x on inner points.

@@ -1,0 +1,26 @@
+//! Atoms as spheres with a charge at their centre.
+
+use protomer_kernel::Vec3;
+
+/// An atom: a sphere with a charge at its centre.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ChargedSphere {
+    /// Centre, Å.
+    pub centre: Vec3,
+    /// Radius, Å.
+    pub radius_angstrom: f64,
+    /// Charge, e.
+    pub charge_e: f64,
+}
+
+/// Lowest and highest corner of the box around spheres, Å.
+pub(crate) fn bounds<'a>(spheres: impl IntoIterator<Item = &'a ChargedSphere>) -> (Vec3, Vec3) {
+    let mut low = Vec3::repeat(f64::INFINITY);
+    let mut high = Vec3::repeat(f64::NEG_INFINITY);
+    for sphere in spheres {
+        let radius = Vec3::repeat(sphere.radius_angstrom);
+        low = low.inf(&(sphere.centre - radius));
+        high = high.sup(&(sphere.centre + radius));
+    }
+    (low, high)
+}

@@ -1,0 +1,269 @@
+//! The right-hand side: the Coulomb potential φ_C, taken out inside the surface, appears as sources
+//! where that ends.
+//!
+//! The unknown is u = φ - φ_C at points inside and φ at points outside. The equations balance the
+//! fluxes through the faces of boxes around the points. An edge of length h from i inside to j
+//! outside meets the surface at Γ, a part t of the way, where u + φ_C and φ agree, and so do their
+//! fluxes. Let ε be the permittivity of the edge, φ_C' the slope of φ_C along the edge at Γ, and
+//! φ_i = φ_C - t h φ_C' the value at Γ extended to i. Then the flux of φ at Γ is
+//!
+//! F = ε (u_i + φ_i - φ_j),   of which φ_C has E = -ε_in h φ_C'.
+//!
+//! Between points inside, the part of φ_C in the fluxes needs no equation: through all six faces of
+//! a box it is that of the charges in the box. So what leaves through the face in the middle of a
+//! cut edge must be known exactly,
+//!
+//! G = ε_in/h · flux of -∇φ_C through the face,
+//!
+//! a sum of solid angles. Where the face is inside the surface, the flux through it is F - E + G,
+//! and where it is outside, F:
+//!
+//! b_i = E - ε φ_i,   b_j = ε φ_i + G - E   (t > ½);      b_i = G - ε φ_i,   b_j = ε φ_i   (t ≤ ½).
+//!
+//! A charge in the box of a point outside adds 4π l q/h to its b. The sum over all points is then
+//! that of the charges wherever the grid cuts the surface. With E for G it would only be a
+//! quadrature of Gauss's integral on the points Γ: it misses 0.03 e of crambin at 0.35 Å, and 1 % of
+//! the potential outside a Born ion at 0.5 Å, to no order of the spacing.
+
+use super::operator::Operator;
+use crate::grid::Grid;
+use crate::point_charges::PointCharges;
+use protomer_kernel::Vec3;
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// Faces are moved by this much, in spacings, so that none passes through a charge that lies on the
+/// grid.
+const ASIDE: f64 = 1e-7;
+
+/// An edge from a point inside to one outside.
+struct Crossing {
+    inside: usize,
+    outside: usize,
+    axis: usize,
+    /// ε.
+    permittivity: f64,
+    /// t.
+    part: f64,
+    /// Γ.
+    place: Vec3,
+    /// The middle of the edge.
+    middle: Vec3,
+    /// From the inner to the outer end along the axis, 1 or -1.
+    direction: f64,
+}
+
+/// b of the charges, in units of permittivity times potential, with ε_in and ε_out.
+pub(super) fn at_surface(
+    grid: &Grid,
+    operator: &Operator,
+    inside: &[bool],
+    coulomb: &PointCharges,
+    permittivities: [f64; 2],
+) -> Vec<f64> {
+    let [inner, _] = permittivities;
+    let crossings = crossings(grid, operator, inside, permittivities);
+    let sources: Vec<[f64; 2]> = crossings
+        .par_iter()
+        .map(|crossing| crossing.sources(coulomb, inner, grid.spacing_angstrom))
+        .collect();
+    let mut right = vec![0.0; grid.len()];
+    for (crossing, [to_inside, to_outside]) in crossings.iter().zip(sources) {
+        right[crossing.inside] += to_inside;
+        right[crossing.outside] += to_outside;
+    }
+    add_charges_outside(&mut right, grid, inside, coulomb, inner);
+    right
+}
+
+impl Crossing {
+    /// b_i and b_j.
+    fn sources(&self, coulomb: &PointCharges, inner: f64, h: f64) -> [f64; 2] {
+        let (value, gradient) = coulomb.coulomb_with_gradient(&self.place);
+        let slope = h * self.direction * gradient[self.axis];
+        // ε φ_i, E and G.
+        let extended = self.permittivity * (value - self.part * slope);
+        let at_crossing = -inner * slope;
+        let face = self.middle + Vec3::repeat(ASIDE * h);
+        let through_face = inner / h * self.direction * coulomb.flux(&face, self.axis, h);
+        if self.part > 0.5 {
+            [
+                at_crossing - extended,
+                extended + through_face - at_crossing,
+            ]
+        } else {
+            [through_face - extended, extended]
+        }
+    }
+}
+
+/// 4π l q/h = 4π ε_in/h · strength for charges that are nearer to a point outside than to any point
+/// inside.
+fn add_charges_outside(
+    right: &mut [f64],
+    grid: &Grid,
+    inside: &[bool],
+    coulomb: &PointCharges,
+    inner: f64,
+) {
+    let h = grid.spacing_angstrom;
+    for (place, strength) in coulomb.sources() {
+        let mut nearest = [0; 3];
+        for axis in 0..3 {
+            let along = (place[axis] - grid.origin_angstrom[axis]) / h - ASIDE;
+            nearest[axis] = (along.round().max(0.0) as usize).min(grid.shape[axis] - 1);
+        }
+        let at = grid.index(nearest[0], nearest[1], nearest[2]);
+        if !inside[at] {
+            right[at] += 4.0 * PI * inner * strength / h;
+        }
+    }
+}
+
+/// Ions that reach into the box of a point inside see u + φ_C there: b_i -= k φ_C.
+pub(super) fn add_ions(
+    right: &mut [f64],
+    grid: &Grid,
+    operator: &Operator,
+    inside: &[bool],
+    coulomb: &PointCharges,
+) {
+    operator.inner_rows(right, |row, start| {
+        for (offset, b) in row.iter_mut().enumerate() {
+            let at = start + offset;
+            let mass = f64::from(operator.mass[at]);
+            if inside[at] && mass > 0.0 {
+                *b -= mass * coulomb.coulomb(&grid.point_at(at));
+            }
+        }
+    });
+}
+
+/// All edges that cross the surface, in the order of their points.
+fn crossings(
+    grid: &Grid,
+    operator: &Operator,
+    inside: &[bool],
+    permittivities: [f64; 2],
+) -> Vec<Crossing> {
+    let strides = grid.strides();
+    let [nx, ny, nz] = grid.shape;
+    let crossings_of_plane = |k: usize| {
+        let mut found = Vec::new();
+        for j in 1..ny - 1 {
+            for i in 1..nx - 1 {
+                let at = grid.index(i, j, k);
+                for (axis, stride) in strides.iter().enumerate() {
+                    if inside[at] != inside[at + stride] {
+                        let permittivity = f64::from(operator.edges[axis][at]);
+                        let starts_inside = inside[at];
+                        let edge = Edge {
+                            grid,
+                            at,
+                            axis,
+                            permittivity,
+                            starts_inside,
+                        };
+                        found.push(edge.crossing(permittivities));
+                    }
+                }
+            }
+        }
+        found
+    };
+    let planes: Vec<Vec<Crossing>> = (1..nz - 1)
+        .into_par_iter()
+        .map(crossings_of_plane)
+        .collect();
+    planes.into_iter().flatten().collect()
+}
+
+/// An edge from a point to the next along an axis.
+struct Edge<'a> {
+    grid: &'a Grid,
+    at: usize,
+    axis: usize,
+    permittivity: f64,
+    starts_inside: bool,
+}
+
+impl Edge<'_> {
+    /// Where the surface crosses this edge: t follows from 1/ε = t/ε_in + (1 - t)/ε_out.
+    fn crossing(&self, [inner, outer]: [f64; 2]) -> Crossing {
+        let contrast = 1.0 / inner - 1.0 / outer;
+        let part = if contrast.abs() < 1e-12 {
+            0.5
+        } else {
+            ((1.0 / self.permittivity - 1.0 / outer) / contrast).clamp(0.0, 1.0)
+        };
+        let next = self.at + self.grid.strides()[self.axis];
+        let (inside, outside, along, direction) = if self.starts_inside {
+            (self.at, next, part, 1.0)
+        } else {
+            (next, self.at, 1.0 - part, -1.0)
+        };
+        let start = self.grid.point_at(self.at);
+        let step = Vec3::ith(self.axis, self.grid.spacing_angstrom);
+        Crossing {
+            inside,
+            outside,
+            axis: self.axis,
+            permittivity: self.permittivity,
+            part,
+            place: start + step * along,
+            middle: start + step * 0.5,
+            direction,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::dielectric_map::DielectricMap;
+    use super::*;
+    use crate::point_charges::Source;
+    use protomer_body::surface::{Arrangement, SesSolid};
+    use protomer_kernel::random::CounterRng;
+
+    #[test]
+    fn the_charge_seen_from_outside_is_all_there_is() {
+        let mut rng = CounterRng::new(7, 0, 0);
+        // In the small spheres every charge is near every face, and the flux exact but for rounding
+        // on faces.
+        for (radius, spacing, tolerance) in [
+            (0.8, 0.5, 1e-9),
+            (1.2, 1.0, 1e-9),
+            (4.0, 0.5, 1e-3),
+            (4.0, 2.0, 1e-3),
+        ] {
+            let solid = SesSolid::new(&Arrangement::new(&[Vec3::zeros()], &[radius], 1.4).unwrap());
+            let sources = |rng: &mut CounterRng| Source {
+                place: rng.vector_in_ball(0.98 * radius),
+                strength: 1.0,
+                least_distance_angstrom: 1e-3,
+            };
+            for _ in 0..20 {
+                let corner = Vec3::repeat(radius + 5.0) + rng.vector_in_ball(spacing);
+                let grid =
+                    Grid::around(&(-corner), &Vec3::repeat(radius + 5.0), spacing, 2).unwrap();
+                let map = DielectricMap::new(&grid, &solid, [2.0, 80.0], None);
+                let operator = Operator::new(grid.shape, map.edges, vec![0.0; grid.len()]);
+                let mut charges: Vec<Source> = (0..20).map(|_| sources(&mut rng)).collect();
+                // On a point, on a face and on the corner of a box.
+                let point = grid.point(grid.shape[0] / 2, grid.shape[1] / 2, grid.shape[2] / 2);
+                for part in [Vec3::zeros(), Vec3::new(0.5, 0.0, 0.0), Vec3::repeat(0.5)] {
+                    charges.push(Source {
+                        place: point - spacing * part,
+                        ..charges[0]
+                    });
+                }
+                charges.retain(|charge| charge.place.norm() < 0.98 * radius);
+                let coulomb = PointCharges::new(&charges);
+                let right = at_surface(&grid, &operator, &map.inside, &coulomb, [2.0, 80.0]);
+                let seen =
+                    right.iter().sum::<f64>() * spacing / (4.0 * PI * 2.0) / charges.len() as f64;
+                assert!((seen - 1.0).abs() < tolerance, "{radius} {spacing}: {seen}");
+            }
+        }
+    }
+}

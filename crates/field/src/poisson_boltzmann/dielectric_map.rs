@@ -1,0 +1,257 @@
+//! Permittivities and the accessibility to ions on a grid.
+//!
+//! An edge that crosses the surface, a part t of it inside, is two layers in series,
+//!
+//! 1/ε = t/ε_in + (1 - t)/ε_out,
+//!
+//! which keeps the flux of a potential whose gradient jumps at the surface exact along the edge
+//! (Liu, Fedkiw and Kang, J. Comput. Phys. 160, 151 (2000)); t follows from the signed distances of
+//! its ends. Two averages that take the normal of the surface into account do worse. Averaged over
+//! the boxes around edges, without the off-diagonal part of the tensor, they shrink a Born ion.
+//! Averaged over cells with the whole tensor, the derivative of an energy, they put 8 % (2.5 % at
+//! best) on the energy of a Born ion of 3 Å at 0.5 Å.
+//!
+//! The salt at a point is that of the part of its box of edge h that ions reach.
+
+use crate::grid::{Grid, set_points};
+use protomer_body::surface::ImplicitSolid;
+use protomer_kernel::Vec3;
+use rayon::prelude::*;
+
+/// Permittivities of edges and accessibility of points, x fastest.
+#[derive(Debug, Clone)]
+pub(super) struct DielectricMap {
+    /// Whether a point is inside the surface.
+    pub inside: Vec<bool>,
+    /// Relative permittivity of the edges from a point to its neighbour along x, y and z.
+    pub edges: [Vec<f32>; 3],
+    /// The part of the box around a point that ions reach, 0 to 1.
+    pub accessible: Vec<f32>,
+}
+
+impl DielectricMap {
+    /// The map of a solid in a solvent, with the permittivities inside and outside. `ion_gap` says
+    /// how far a point is from what ions cannot enter, Å, where that is more than the solid.
+    pub fn new(
+        grid: &Grid,
+        solid: &dyn ImplicitSolid,
+        permittivities: [f64; 2],
+        ion_gap: Option<&[f32]>,
+    ) -> Self {
+        let distance = node_distances(grid, solid);
+        let edges =
+            [0, 1, 2].map(|axis| edge_permittivities(grid, solid, &distance, axis, permittivities));
+        let accessible = match ion_gap {
+            Some(gap) => parts_beyond_gap(gap, grid.spacing_angstrom),
+            None => parts_outside(grid, solid, &distance),
+        };
+        Self {
+            inside: distance.iter().map(|d| *d < 0.0).collect(),
+            edges,
+            accessible,
+        }
+    }
+}
+
+/// Relative permittivities of the edges along an axis.
+fn edge_permittivities(
+    grid: &Grid,
+    solid: &dyn ImplicitSolid,
+    distance: &[f32],
+    axis: usize,
+    [inner, outer]: [f64; 2],
+) -> Vec<f32> {
+    let stride = grid.strides()[axis];
+    let mut edges = vec![outer as f32; grid.len()];
+    set_points(grid.shape, &mut edges, |at, edge| {
+        if at[axis] + 1 == grid.shape[axis] {
+            return;
+        }
+        let [i, j, k] = at;
+        let index = grid.index(i, j, k);
+        let ends = [distance[index], distance[index + stride]].map(f64::from);
+        let part_inside = match ends.map(|d| d < 0.0) {
+            [true, true] => 1.0,
+            [false, false] => 0.0,
+            [starts_inside, _] => {
+                let start = grid.point(i, j, k);
+                let part = crossing(solid, &start, axis, grid.spacing_angstrom, ends);
+                if starts_inside { part } else { 1.0 - part }
+            }
+        };
+        *edge = (1.0 / (part_inside / inner + (1.0 - part_inside) / outer)) as f32;
+    });
+    edges
+}
+
+/// The parts of the boxes around points that lie farther out than a gap of zero, for gaps in Å.
+fn parts_beyond_gap(gap: &[f32], h: f64) -> Vec<f32> {
+    let part = |gap: &f32| (0.5 + f64::from(*gap) / h).clamp(0.0, 1.0) as f32;
+    gap.iter().map(part).collect()
+}
+
+/// The parts of the boxes around points that lie outside a solid.
+fn parts_outside(grid: &Grid, solid: &dyn ImplicitSolid, distance: &[f32]) -> Vec<f32> {
+    let h = grid.spacing_angstrom;
+    // Only a box nearer to the surface than half its diagonal can be cut.
+    let half_diagonal = 0.5 * 3f64.sqrt() * h;
+    let mut parts = vec![0.0; grid.len()];
+    set_points(grid.shape, &mut parts, |[i, j, k], part| {
+        let d = f64::from(distance[grid.index(i, j, k)]);
+        *part = if d.abs() <= half_diagonal {
+            part_outside(solid, &grid.point(i, j, k), h) as f32
+        } else if d > 0.0 {
+            1.0
+        } else {
+            0.0
+        };
+    });
+    parts
+}
+
+/// A block of grid points: the first point and the number of points along each axis.
+struct Block {
+    first: [usize; 3],
+    size: [usize; 3],
+}
+
+/// Signed distances at all points, Å. Points of a block that the surface cannot cross take the
+/// value at its middle.
+fn node_distances(grid: &Grid, solid: &dyn ImplicitSolid) -> Vec<f32> {
+    let h = grid.spacing_angstrom;
+    // Far inside and outside distances are cut off near 1 Å: larger blocks could not be decided.
+    let edge = ((0.9 / (3f64.sqrt() * 0.5 * h)) as usize).clamp(1, 4);
+    let [nx, ny, _] = grid.shape;
+    let mut distance = vec![0.0_f32; grid.len()];
+    let slabs = distance.par_chunks_mut(nx * ny * edge).enumerate();
+    slabs.for_each(|(slab, values)| {
+        let (k, depth) = (slab * edge, values.len() / (nx * ny));
+        for j in (0..ny).step_by(edge) {
+            for i in (0..nx).step_by(edge) {
+                let block = Block {
+                    first: [i, j, k],
+                    size: [edge.min(nx - i), edge.min(ny - j), depth],
+                };
+                block.find_distances(grid, solid, values);
+            }
+        }
+    });
+    distance
+}
+
+impl Block {
+    /// Writes the signed distances of the points of this block into the slab of planes that holds
+    /// it.
+    fn find_distances(&self, grid: &Grid, solid: &dyn ImplicitSolid, slab: &mut [f32]) {
+        let [i0, j0, k0] = self.first;
+        let half =
+            Vec3::from(self.size.map(|points| (points - 1) as f64)) * (0.5 * grid.spacing_angstrom);
+        let middle = grid.point(i0, j0, k0) + half;
+        let radius = half.norm();
+        let value = distance_of_block(solid, &middle, radius, grid.spacing_angstrom);
+        // Boxes around points may be cut up to this distance, and need exact values.
+        let uncut = value.abs() >= radius + 1.5 * grid.spacing_angstrom || radius == 0.0;
+        for k in 0..self.size[2] {
+            for j in 0..self.size[1] {
+                for i in 0..self.size[0] {
+                    let at = (k * grid.shape[1] + j0 + j) * grid.shape[0] + i0 + i;
+                    slab[at] = if uncut {
+                        value as f32
+                    } else {
+                        solid.signed_distance(&grid.point(i0 + i, j0 + j, k0 + k)) as f32
+                    };
+                }
+            }
+        }
+    }
+}
+
+/// The signed distance at the middle of a block, Å; a lower bound far outside the bounding box of
+/// the solid.
+fn distance_of_block(solid: &dyn ImplicitSolid, middle: &Vec3, radius: f64, h: f64) -> f64 {
+    let (low, high) = solid.bounds();
+    let outside_box = (low - middle).sup(&(middle - high)).max();
+    if outside_box > radius + 2.0 * h {
+        radius + 2.0 * h
+    } else {
+        solid.signed_distance(middle)
+    }
+}
+
+/// Where along an edge of length h the surface crosses it, 0 to 1, from the signed distances of its
+/// ends: regula falsi, twice.
+fn crossing(solid: &dyn ImplicitSolid, start: &Vec3, axis: usize, h: f64, ends: [f64; 2]) -> f64 {
+    let (mut low, mut high) = ((0.0, ends[0]), (1.0, ends[1]));
+    for _ in 0..2 {
+        let part = zero_between(low, high);
+        let mut place = *start;
+        place[axis] += part * h;
+        let value = solid.signed_distance(&place);
+        if (value < 0.0) == (low.1 < 0.0) {
+            low = (part, value);
+        } else {
+            high = (part, value);
+        }
+    }
+    zero_between(low, high).clamp(0.0, 1.0)
+}
+
+/// Where the straight line through two points (place, value) is zero.
+fn zero_between(low: (f64, f64), high: (f64, f64)) -> f64 {
+    low.0 + (high.0 - low.0) * low.1 / (low.1 - high.1)
+}
+
+/// The part of the box of edge h around a place that is outside a solid.
+fn part_outside(solid: &dyn ImplicitSolid, place: &Vec3, h: f64) -> f64 {
+    let (_, normal) = solid.project(place);
+    part_beyond(solid.signed_distance(place) / h, &normal)
+}
+
+/// The part of the unit box around the origin that lies on the positive side, where the normal
+/// points, of a plane at signed distance `distance` below the origin (Scardovelli and Zaleski, J.
+/// Comput. Phys. 164, 228 (2000)).
+fn part_beyond(distance: f64, normal: &Vec3) -> f64 {
+    let m = normal.map(|component| component.abs().max(1e-4));
+    // Volume below the plane m·x = α in the box from 0 to 1.
+    let total = m.x + m.y + m.z;
+    let alpha = (distance + 0.5 * total).clamp(0.0, total);
+    // By symmetry the smaller part, where the formula cancels less.
+    let flip = alpha > 0.5 * total;
+    let alpha = if flip { total - alpha } else { alpha };
+    let singles = cube(alpha - m.x) + cube(alpha - m.y) + cube(alpha - m.z);
+    let pairs = cube(alpha - total + m.x) + cube(alpha - total + m.y) + cube(alpha - total + m.z);
+    let part = ((cube(alpha) - singles + pairs) / (6.0 * m.x * m.y * m.z)).clamp(0.0, 0.5);
+    if flip { 1.0 - part } else { part }
+}
+
+/// x³ for positive x, else zero.
+fn cube(x: f64) -> f64 {
+    if x > 0.0 { x * x * x } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use protomer_kernel::random::CounterRng;
+
+    #[test]
+    fn parts_of_boxes_are_those_of_many_points() {
+        let mut rng = CounterRng::new(1, 0, 0);
+        for _ in 0..50 {
+            let normal = rng.unit_vector();
+            let distance = rng.uniform_in(-0.9, 0.9);
+            let n = 40;
+            let mut beyond = 0;
+            for code in 0..n * n * n {
+                let at = |index: usize| (index as f64 + 0.5) / n as f64 - 0.5;
+                let place = Vec3::new(at(code % n), at(code / n % n), at(code / n / n));
+                beyond += usize::from(place.dot(&normal) + distance > 0.0);
+            }
+            let expected = beyond as f64 / (n * n * n) as f64;
+            assert!(
+                (part_beyond(distance, &normal) - expected).abs() < 0.01,
+                "{distance} {normal}"
+            );
+        }
+    }
+}

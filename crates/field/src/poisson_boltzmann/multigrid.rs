@@ -1,0 +1,210 @@
+//! An approximate inverse of the operator, for conjugate gradients: one V-cycle.
+//!
+//! Every level has half the points along each axis (`transfer`). Smoothing is by Chebyshev
+//! polynomials of D⁻¹ A, which need no order of points, so results do not depend on threads. The
+//! cycle is symmetric, as conjugate gradients require. Single precision is enough for a
+//! preconditioner.
+
+use super::operator::Operator;
+use super::transfer::{coarsen, prolong, restrict};
+use rayon::prelude::*;
+
+/// Degree of the smoothing polynomials.
+const SMOOTHING: usize = 3;
+/// Smoothing damps the part of the spectrum of D⁻¹ A above this; all of it lies below 2.
+const SMOOTHED_ABOVE: f32 = 0.35;
+const LARGEST_EIGENVALUE: f32 = 2.0;
+/// Degree of the polynomial that replaces a solution on the coarsest level.
+const COARSEST: usize = 24;
+const COARSEST_ABOVE: f32 = 0.02;
+
+/// A hierarchy of grids.
+#[derive(Debug)]
+pub(super) struct Multigrid {
+    levels: Vec<Level>,
+}
+
+#[derive(Debug)]
+struct Level {
+    operator: Operator,
+    x: Vec<f32>,
+    right: Vec<f32>,
+    residual: Vec<f32>,
+    direction: Vec<f32>,
+}
+
+impl Multigrid {
+    pub fn new(finest: &Operator) -> Self {
+        let mut levels = vec![Level::new(finest.clone())];
+        while let Some(coarse) = coarsen(&levels[levels.len() - 1].operator) {
+            levels.push(Level::new(coarse));
+        }
+        Self { levels }
+    }
+
+    /// out ≈ A⁻¹ r.
+    pub fn apply(&mut self, r: &[f64], out: &mut [f64]) {
+        let right = self.levels[0].right.par_iter_mut();
+        right.zip(r).for_each(|(right, r)| *right = *r as f32);
+        self.cycle();
+        let solution = out.par_iter_mut().zip(&self.levels[0].x);
+        solution.for_each(|(out, x)| *out = f64::from(*x));
+    }
+
+    fn cycle(&mut self) {
+        let last = self.levels.len() - 1;
+        for depth in 0..last {
+            let [fine, coarse] = self.level_and_next(depth);
+            fine.x.fill(0.0);
+            fine.smooth(SMOOTHING, SMOOTHED_ABOVE, true);
+            fine.find_residual();
+            let shapes = [fine.operator.shape, coarse.operator.shape];
+            restrict(&fine.residual, &mut coarse.right, shapes);
+        }
+        let coarsest = &mut self.levels[last];
+        coarsest.x.fill(0.0);
+        coarsest.smooth(COARSEST, COARSEST_ABOVE, true);
+        for depth in (0..last).rev() {
+            let [fine, coarse] = self.level_and_next(depth);
+            let shapes = [fine.operator.shape, coarse.operator.shape];
+            prolong(&coarse.x, &mut fine.x, shapes);
+            fine.smooth(SMOOTHING, SMOOTHED_ABOVE, false);
+        }
+    }
+
+    /// A level and the next coarser one.
+    fn level_and_next(&mut self, depth: usize) -> [&mut Level; 2] {
+        let (fine, coarse) = self.levels.split_at_mut(depth + 1);
+        [&mut fine[depth], &mut coarse[0]]
+    }
+}
+
+impl Level {
+    fn new(operator: Operator) -> Self {
+        let zeros = vec![0.0; operator.len()];
+        Self {
+            x: zeros.clone(),
+            right: zeros.clone(),
+            residual: zeros.clone(),
+            direction: zeros,
+            operator,
+        }
+    }
+
+    /// The residual b - A x.
+    fn find_residual(&mut self) {
+        let Self {
+            operator,
+            x,
+            right,
+            residual,
+            ..
+        } = self;
+        operator.inner_rows(residual, |row, start| {
+            operator.apply_row(x, row, start);
+            for (value, b) in row.iter_mut().zip(&right[start..]) {
+                *value = b - *value;
+            }
+        });
+    }
+
+    /// Chebyshev iteration on D⁻¹ A x = D⁻¹ b for eigenvalues from `above` to 2 (Saad, *Iterative
+    /// Methods for Sparse Linear Systems*, algorithm 12.1).
+    fn smooth(&mut self, degree: usize, above: f32, from_zero: bool) {
+        let theta = 0.5 * (LARGEST_EIGENVALUE + above);
+        let delta = 0.5 * (LARGEST_EIGENVALUE - above);
+        let sigma = theta / delta;
+        let mut rho = 1.0 / sigma;
+        for step in 0..degree {
+            if step == 0 && from_zero {
+                self.residual.copy_from_slice(&self.right);
+            } else {
+                self.find_residual();
+            }
+            if step == 0 {
+                self.advance(0.0, 1.0 / theta);
+            } else {
+                let next = 1.0 / (2.0 * sigma - rho);
+                self.advance(next * rho, 2.0 * next / delta);
+                rho = next;
+            }
+        }
+    }
+
+    /// d = keep · d + take · D⁻¹ r, then x += d.
+    fn advance(&mut self, keep: f32, take: f32) {
+        let Self {
+            operator,
+            x,
+            residual,
+            direction,
+            ..
+        } = self;
+        operator.inner_rows(direction, |row, start| {
+            let (residual, diagonal) = (&residual[start..], &operator.diagonal[start..]);
+            for ((value, r), d) in row.iter_mut().zip(residual).zip(diagonal) {
+                *value = keep * *value + take * r / d;
+            }
+        });
+        operator.inner_rows(x, |row, start| {
+            for (value, d) in row.iter_mut().zip(&direction[start..]) {
+                *value += d;
+            }
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use protomer_kernel::random::CounterRng;
+
+    fn operator(shape: [usize; 3], seed: u64) -> Operator {
+        let mut rng = CounterRng::new(seed, 0, 0);
+        let count = shape.iter().product();
+        let mut permittivity = |_| if rng.uniform() < 0.5 { 2.0 } else { 80.0 };
+        let edges = [0; 3].map(|_| (0..count).map(&mut permittivity).collect());
+        let mass = (0..count).map(|_| rng.uniform() as f32).collect();
+        Operator::new(shape, edges, mass)
+    }
+
+    fn inner(shape: [usize; 3], rng: &mut CounterRng) -> Vec<f64> {
+        let mut values = vec![0.0; shape.iter().product()];
+        for k in 1..shape[2] - 1 {
+            for j in 1..shape[1] - 1 {
+                for i in 1..shape[0] - 1 {
+                    values[(k * shape[1] + j) * shape[0] + i] = rng.uniform_in(-1.0, 1.0);
+                }
+            }
+        }
+        values
+    }
+
+    #[test]
+    fn operator_and_cycle_are_symmetric_and_positive() {
+        let shape = [17, 9, 33];
+        let a = operator(shape, 1);
+        let mut cycle = Multigrid::new(&a);
+        let mut rng = CounterRng::new(2, 0, 0);
+        let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(a, b)| a * b).sum::<f64>();
+        for _ in 0..5 {
+            let (x, y) = (inner(shape, &mut rng), inner(shape, &mut rng));
+            let (mut ax, mut ay) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+            a.apply(&x, &mut ax);
+            a.apply(&y, &mut ay);
+            assert!(
+                (dot(&ax, &y) - dot(&x, &ay)).abs()
+                    < 1e-9 * dot(&ax, &ax).sqrt() * dot(&y, &y).sqrt()
+            );
+            assert!(dot(&ax, &x) > 0.0);
+            let (mut mx, mut my) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+            cycle.apply(&x, &mut mx);
+            cycle.apply(&y, &mut my);
+            assert!(
+                (dot(&mx, &y) - dot(&x, &my)).abs()
+                    < 1e-4 * dot(&mx, &mx).sqrt() * dot(&y, &y).sqrt()
+            );
+            assert!(dot(&mx, &x) > 0.0);
+        }
+    }
+}

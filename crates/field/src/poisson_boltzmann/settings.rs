@@ -1,0 +1,135 @@
+//! How finely to solve, and on which grid.
+
+use crate::charged_sphere::{ChargedSphere, bounds};
+use crate::grid::Grid;
+use crate::{FieldError, Result};
+use protomer_kernel::Vec3;
+use std::ops::RangeInclusive;
+
+/// The coarsest grid on which the surface is resolved, Å: signed distances are exact up to here on
+/// either side of the surface, and the box around a point must not be larger.
+pub const LARGEST_SPACING_ANGSTROM: f64 = 1.1;
+
+/// The potential on the faces of the grid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum BoundaryCondition {
+    /// The sum of the Debye-Hückel potentials of the atoms, each alone in the solvent with ions up
+    /// to its radius: the usual choice. It ignores the solvent that the solute displaces: at 100 mM
+    /// and a margin of 10 Å that is 1.5 % of the potential outside crambin.
+    #[default]
+    ScreenedAtoms,
+    /// The solution on a coarse grid twice as large, on whose faces the solute looks like one
+    /// sphere. It hardly depends on the margin, and takes a second, smaller solve.
+    CoarseGrid,
+}
+
+/// How finely to solve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SolveSettings {
+    /// Grid spacing, Å.
+    pub spacing_angstrom: f64,
+    /// Least distance from the spheres to the faces of the grid, Å.
+    pub margin_angstrom: f64,
+    /// Potential on the faces.
+    pub boundary: BoundaryCondition,
+    /// Residual of the linear equations over its start.
+    pub relative_tolerance: f64,
+    /// Memory that a solve may take, bytes.
+    pub memory_limit_bytes: usize,
+}
+
+impl Default for SolveSettings {
+    fn default() -> Self {
+        Self {
+            spacing_angstrom: 0.5,
+            margin_angstrom: 10.0,
+            boundary: BoundaryCondition::default(),
+            relative_tolerance: 1e-6,
+            memory_limit_bytes: 16 << 30,
+        }
+    }
+}
+
+/// Bytes per grid point that a solve takes.
+const BYTES_PER_POINT: usize = 140;
+/// The coarse grid is this many times larger along each axis,
+const COARSE_EXTENT: f64 = 2.0;
+/// and this many times coarser, up to a limit in Å.
+const COARSE_SPACING: f64 = 4.0;
+const COARSEST_SPACING_ANGSTROM: f64 = 2.0;
+/// Grids have a multiple of this many cells along each axis, so that they can be halved four times.
+const CELLS_MULTIPLE: usize = 16;
+
+impl SolveSettings {
+    pub(super) fn check(&self) -> Result<()> {
+        let spacings = 0.05..=LARGEST_SPACING_ANGSTROM;
+        check_range("spacing", self.spacing_angstrom, spacings, "0.05 to 1.1 Å")?;
+        let margins = 1.0..=1000.0;
+        check_range("margin", self.margin_angstrom, margins, "1 to 1000 Å")?;
+        let tolerances = 1e-12..=1e-2;
+        check_range(
+            "tolerance",
+            self.relative_tolerance,
+            tolerances,
+            "1e-12 to 1e-2",
+        )
+    }
+
+    /// A grid that holds a box, if a solve on it fits in memory.
+    fn grid(&self, low: &Vec3, high: &Vec3, spacing_angstrom: f64) -> Result<Grid> {
+        let grid = Grid::around(low, high, spacing_angstrom, CELLS_MULTIPLE)?;
+        let (points, allowed_bytes) = (grid.len(), self.memory_limit_bytes);
+        let needed_bytes = points.saturating_mul(BYTES_PER_POINT);
+        if needed_bytes > allowed_bytes {
+            return Err(FieldError::TooLarge {
+                points,
+                needed_bytes,
+                allowed_bytes,
+            });
+        }
+        Ok(grid)
+    }
+}
+
+/// Refuses a setting outside its range.
+pub(super) fn check_range(
+    setting: &'static str,
+    value: f64,
+    range: RangeInclusive<f64>,
+    requirement: &'static str,
+) -> Result<()> {
+    if range.contains(&value) {
+        return Ok(());
+    }
+    Err(FieldError::BadSetting {
+        setting,
+        value,
+        requirement,
+    })
+}
+
+/// The grid on which the potential of these spheres is solved.
+///
+/// # Errors
+/// [`FieldError::BadSetting`] names the setting; [`FieldError::BadInput`] and
+/// [`FieldError::TooLarge`] for a grid that is too large.
+pub fn grid_around(spheres: &[ChargedSphere], settings: &SolveSettings) -> Result<Grid> {
+    settings.check()?;
+    let (low, high) = bounds(spheres);
+    let margin = Vec3::repeat(settings.margin_angstrom);
+    settings.grid(&(low - margin), &(high + margin), settings.spacing_angstrom)
+}
+
+/// The coarse grid of [`BoundaryCondition::CoarseGrid`].
+pub(super) fn coarse_grid_around(
+    spheres: &[ChargedSphere],
+    settings: &SolveSettings,
+) -> Result<Grid> {
+    let (low, high) = bounds(spheres);
+    let margin = Vec3::repeat(settings.margin_angstrom);
+    let extent = high - low + 2.0 * margin;
+    let wider = 0.5 * (COARSE_EXTENT - 1.0) * extent;
+    let coarsest = COARSEST_SPACING_ANGSTROM.max(settings.spacing_angstrom);
+    let spacing = (COARSE_SPACING * settings.spacing_angstrom).min(coarsest);
+    settings.grid(&(low - margin - wider), &(high + margin + wider), spacing)
+}

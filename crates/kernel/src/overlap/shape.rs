@@ -1,0 +1,89 @@
+//! A body prepared for overlap tests.
+
+use super::containment::{Shell, solid_contains};
+use super::tree::DiscTree;
+use crate::pose::RelativePose;
+use crate::{KernelError, Result, TriangleMesh, Vec3};
+
+/// A hard body prepared for overlap tests; immutable, to be shared.
+///
+/// ```
+/// use protomer_kernel::{CollisionShape, TriangleMesh, Vec3};
+/// let vertices = vec![Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()];
+/// let triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+/// let shape = CollisionShape::new(&TriangleMesh { vertices, triangles })?;
+/// assert_eq!(shape.bounding_radius_angstrom(), 1.0);
+/// assert!(shape.contains_point(&Vec3::repeat(0.1)));
+/// assert!(!shape.contains_point(&Vec3::repeat(0.5)));
+/// # Ok::<(), protomer_kernel::KernelError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct CollisionShape {
+    pub(super) mesh: TriangleMesh,
+    pub(super) tree: DiscTree,
+    shells: Vec<Shell>,
+    pub(super) radius: f64,
+}
+
+impl CollisionShape {
+    /// Prepares a body.
+    ///
+    /// # Errors
+    /// [`KernelError::BadMesh`] unless the mesh is closed, 2-manifold and outward-oriented, with at
+    /// least one triangle.
+    pub fn new(mesh: &TriangleMesh) -> Result<Self> {
+        mesh.topology()?;
+        if mesh.triangles.is_empty() {
+            return Err(KernelError::BadMesh("it has no triangles".into()));
+        }
+        Ok(Self {
+            tree: DiscTree::new(mesh),
+            shells: Shell::of_mesh(mesh)?,
+            radius: mesh.radius_about_origin_angstrom(),
+            mesh: mesh.clone(),
+        })
+    }
+
+    /// Radius of the smallest sphere about the body's origin that holds it, Å.
+    pub fn bounding_radius_angstrom(&self) -> f64 {
+        self.radius
+    }
+
+    /// The surface.
+    pub fn mesh(&self) -> &TriangleMesh {
+        &self.mesh
+    }
+
+    /// Memory held, bytes.
+    pub fn memory_bytes(&self) -> usize {
+        size_of::<Self>()
+            + size_of_val(self.mesh.vertices.as_slice())
+            + size_of_val(self.mesh.triangles.as_slice())
+            + size_of_val(self.tree.nodes.as_slice())
+    }
+
+    /// Whether a point (Å, in the body's frame) lies in the solid or on its surface.
+    pub fn contains_point(&self, point: &Vec3) -> bool {
+        point.norm() <= self.radius && solid_contains(&self.mesh, &self.tree, self.radius, point)
+    }
+
+    /// Whether a shell of another body lies inside this one, for surfaces that do not meet.
+    pub(super) fn holds_a_shell_of(&self, other: &Self, other_in_self: &RelativePose) -> bool {
+        other
+            .shells
+            .iter()
+            .any(|shell| self.holds(shell, other_in_self))
+    }
+
+    fn holds(&self, shell: &Shell, pose: &RelativePose) -> bool {
+        for corner in &shell.corners {
+            if pose.transform_point(corner).norm() > self.radius {
+                return false;
+            }
+        }
+        match shell.corners.first() {
+            Some(corner) => self.contains_point(&pose.transform_point(corner)),
+            None => false,
+        }
+    }
+}

@@ -1,0 +1,21 @@
+//! The error type of factorisations.
+
+/// What stops a factorisation.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SparseError {
+    /// A pivot that is not safely positive: the row depends on others.
+    #[error("row {row} depends linearly on other rows (pivot {pivot:e})")]
+    Dependent {
+        /// The row, in the caller's numbering.
+        row: usize,
+        /// The pivot, relative to the diagonal entry.
+        pivot: f64,
+    },
+    /// A number that is not finite.
+    #[error("row {row} has an entry that is not finite")]
+    NotFinite {
+        /// The row, in the caller's numbering.
+        row: usize,
+    },
+}

@@ -1,0 +1,150 @@
+//! The numbers of L and D, front by front.
+
+use super::front::{self, LANES};
+use super::ldl::Numbers;
+use super::symbolic::{Front, Symbolic};
+
+/// A pivot that is not safely positive.
+#[derive(Debug)]
+pub(super) struct BadPivot {
+    /// The step of elimination.
+    pub step: usize,
+    pub pivot: f64,
+    /// The diagonal entry before any elimination.
+    pub own: f64,
+}
+
+/// Factors a matrix with the widest vectors that the processor has.
+pub(super) fn factor(
+    symbolic: &Symbolic,
+    work: &mut Numbers,
+    numbers: &[f64],
+) -> Result<(), BadPivot> {
+    #[cfg(target_arch = "x86_64")]
+    {
+        if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
+            // SAFETY: the processor has the two features that the function is compiled for.
+            return unsafe { factor_avx512(symbolic, work, numbers) };
+        }
+        if is_x86_feature_detected!("avx2") {
+            // SAFETY: the processor has the feature that the function is compiled for.
+            return unsafe { factor_avx2(symbolic, work, numbers) };
+        }
+    }
+    factor_fronts(symbolic, work, numbers)
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512dq")]
+fn factor_avx512(symbolic: &Symbolic, work: &mut Numbers, numbers: &[f64]) -> Result<(), BadPivot> {
+    factor_fronts(symbolic, work, numbers)
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn factor_avx2(symbolic: &Symbolic, work: &mut Numbers, numbers: &[f64]) -> Result<(), BadPivot> {
+    factor_fronts(symbolic, work, numbers)
+}
+
+/// Each front takes its entries of A and what its children left, is factored, and leaves the rest to
+/// its parent.
+#[inline(always)]
+pub(super) fn factor_fronts(
+    symbolic: &Symbolic,
+    work: &mut Numbers,
+    numbers: &[f64],
+) -> Result<(), BadPivot> {
+    let Numbers {
+        values,
+        pivots,
+        inverse,
+        left,
+        packed,
+        ..
+    } = work;
+    for front in &symbolic.fronts {
+        let shape = front.shape;
+        let panel = &mut values[front.tiles()];
+        assemble(symbolic, front, numbers, left, panel);
+        let own = |column: usize| numbers[symbolic.diagonal[front.first + column] as usize];
+        let (pivots, inverse) = (&mut pivots[front.own()], &mut inverse[front.own()]);
+        if let Err((column, pivot)) =
+            front::factor_panel(panel, shape, own, pivots, inverse, packed)
+        {
+            let step = front.first + column;
+            let own = own(column);
+            return Err(BadPivot { step, pivot, own });
+        }
+        if shape.below() > 0 {
+            front::start_left(panel, shape, pivots, &mut left[front.left_over()], packed);
+            for child in &symbolic.children[front.children.clone()] {
+                add_to_left(symbolic, &symbolic.fronts[*child as usize], front, left);
+            }
+        }
+        front::invert_triangles(panel, shape);
+    }
+    Ok(())
+}
+
+/// Fills the tiles of a front with its entries of A and what its children left.
+#[inline(always)]
+fn assemble(symbolic: &Symbolic, front: &Front, numbers: &[f64], left: &[f64], panel: &mut [f64]) {
+    panel.fill(0.0);
+    for &(entry, at) in &symbolic.assembly[front.assembly.clone()] {
+        panel[at as usize] = numbers[entry as usize];
+    }
+    for child in &symbolic.children[front.children.clone()] {
+        let child = &symbolic.fronts[*child as usize];
+        add_to_panel(symbolic, child, front.shape.columns, left, panel);
+    }
+}
+
+/// Adds what a child left in the rows that are the parent's own to the tiles of the parent.
+#[inline(always)]
+fn add_to_panel(
+    symbolic: &Symbolic,
+    child: &Front,
+    columns: usize,
+    left: &[f64],
+    panel: &mut [f64],
+) {
+    let seats = &symbolic.seats[child.below()];
+    let (stride, skip) = (child.shape.left_stride(), child.shape.columns % LANES);
+    let left = &left[child.left_over()];
+    for (at, (seat, column)) in seats.iter().zip(left.chunks_exact(stride)).enumerate() {
+        let target = seat.row as usize;
+        if target >= columns {
+            break;
+        }
+        for (seat, value) in seats[at..].iter().zip(&column[skip + at..]) {
+            panel[seat.tile as usize + LANES * target] += value;
+        }
+    }
+}
+
+/// Adds what a child left in its other rows to what the parent leaves.
+#[inline(always)]
+fn add_to_left(symbolic: &Symbolic, child: &Front, parent: &Front, left: &mut [f64]) {
+    let seats = &symbolic.seats[child.below()];
+    let (stride, skip) = (child.shape.left_stride(), child.shape.columns % LANES);
+    let columns = parent.shape.columns;
+    let parent_stride = parent.shape.left_stride();
+    let base = LANES * parent.shape.first_left_tile();
+    let first = seats.partition_point(|seat| (seat.row as usize) < columns);
+    // The two places do not overlap, and either may come first.
+    let (source, target) = if child.left < parent.left {
+        let (low, high) = left.split_at_mut(parent.left);
+        (&low[child.left_over()], high)
+    } else {
+        let (low, high) = left.split_at_mut(child.left);
+        (&high[..child.shape.left_size()], &mut low[parent.left..])
+    };
+    for at in first..seats.len() {
+        let column = &source[at * stride..(at + 1) * stride];
+        let row = seats[at].row as usize - columns;
+        let target = &mut target[row * parent_stride..(row + 1) * parent_stride];
+        for (seat, value) in seats[at..].iter().zip(&column[skip + at..]) {
+            target[seat.row as usize - base] += value;
+        }
+    }
+}

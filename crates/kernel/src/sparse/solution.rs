@@ -1,0 +1,108 @@
+//! Solutions with L and D, front by front.
+
+use super::front::{self, LANES};
+use super::ldl::Numbers;
+use super::symbolic::{Front, Symbolic};
+
+/// Replaces b by the solution, with the widest vectors that the processor has.
+pub(super) fn solve(symbolic: &Symbolic, work: &mut Numbers, b: &mut [f64]) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
+            // SAFETY: the processor has the two features that the function is compiled for.
+            return unsafe { solve_avx512(symbolic, work, b) };
+        }
+        if is_x86_feature_detected!("avx2") {
+            // SAFETY: the processor has the feature that the function is compiled for.
+            return unsafe { solve_avx2(symbolic, work, b) };
+        }
+    }
+    solve_fronts(symbolic, work, b);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512dq")]
+fn solve_avx512(symbolic: &Symbolic, work: &mut Numbers, b: &mut [f64]) {
+    solve_fronts(symbolic, work, b);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn solve_avx2(symbolic: &Symbolic, work: &mut Numbers, b: &mut [f64]) {
+    solve_fronts(symbolic, work, b);
+}
+
+/// L y = P b, z = D⁻¹ y, Lᵀ P x = z.
+#[inline(always)]
+pub(super) fn solve_fronts(symbolic: &Symbolic, work: &mut Numbers, b: &mut [f64]) {
+    let Numbers {
+        values,
+        inverse,
+        permuted: x,
+        seen,
+        sums,
+        ..
+    } = work;
+    for (target, unknown) in x.iter_mut().zip(&symbolic.order) {
+        *target = b[*unknown as usize];
+    }
+    for front in &symbolic.fronts {
+        let seen = &mut seen[..front.shape.tiles()];
+        solve_forward(symbolic, front, &values[front.tiles()], x, seen);
+    }
+    for (x, inverse) in x.iter_mut().zip(inverse) {
+        *x *= *inverse;
+    }
+    for front in symbolic.fronts.iter().rev() {
+        let seen = &mut seen[..front.shape.tiles()];
+        solve_backward(symbolic, front, &values[front.tiles()], x, seen, sums);
+    }
+    for (value, unknown) in x.iter().zip(&symbolic.order) {
+        b[*unknown as usize] = *value;
+    }
+}
+
+/// Solves for the own rows of a front and updates the rows below.
+#[inline(always)]
+fn solve_forward(
+    symbolic: &Symbolic,
+    front: &Front,
+    panel: &[f64],
+    x: &mut [f64],
+    seen: &mut [[f64; LANES]],
+) {
+    let columns = front.shape.columns;
+    let flat = seen.as_flattened_mut();
+    flat[..columns].copy_from_slice(&x[front.own()]);
+    flat[columns..].fill(0.0);
+    front::solve_forward(panel, front.shape, seen);
+    let flat = seen.as_flattened();
+    x[front.own()].copy_from_slice(&flat[..columns]);
+    for (row, value) in symbolic.rows[front.below()].iter().zip(&flat[columns..]) {
+        x[*row as usize] += value;
+    }
+}
+
+/// Solves for the own rows of a front, given those below.
+#[inline(always)]
+fn solve_backward(
+    symbolic: &Symbolic,
+    front: &Front,
+    panel: &[f64],
+    x: &mut [f64],
+    seen: &mut [[f64; LANES]],
+    sums: &mut Vec<[f64; LANES]>,
+) {
+    let columns = front.shape.columns;
+    let flat = seen.as_flattened_mut();
+    flat[..columns].copy_from_slice(&x[front.own()]);
+    for (row, value) in symbolic.rows[front.below()]
+        .iter()
+        .zip(&mut flat[columns..])
+    {
+        *value = x[*row as usize];
+    }
+    flat[front.shape.height..].fill(0.0);
+    front::solve_backward(panel, front.shape, seen, sums);
+    x[front.own()].copy_from_slice(&seen.as_flattened()[..columns]);
+}
