@@ -72,8 +72,17 @@ pub struct Provenance {
 
 impl Body {
     /// Sum of the site charges, e.
+    ///
+    /// ```
+    /// # use protomer_body::{BodySettings, Source, build_body};
+    /// # let text = "ATOM      1  ND1 HIS A   7      11.104   6.134  -6.504  1.00 10.00           N";
+    /// # let source = Source { file: "histidine.pdb", sha256: "" };
+    /// let body = build_body("histidine", source, text.as_bytes(), &BodySettings::default())?.body;
+    /// assert!(body.net_charge_e() > 0.0 && body.net_charge_e() < 1.0);
+    /// # Ok::<(), protomer_body::BodyError>(())
+    /// ```
     pub fn net_charge_e(&self) -> f64 {
-        self.sites.iter().map(|site| site.charge_e).sum()
+        net_charge_e(&self.sites)
     }
 
     /// Radius of the sphere about the body's origin that holds the mesh, Å.
@@ -89,4 +98,13 @@ impl Body {
             .fold(0.0, f64::max)
             .sqrt()
     }
+}
+
+/// Sum of charges, e. Of no charges it is zero, where the sum of an empty iterator is -0.
+pub(crate) fn net_charge_e(sites: &[Site]) -> f64 {
+    let mut sum = 0.0;
+    for site in sites {
+        sum += site.charge_e;
+    }
+    sum
 }

@@ -24,6 +24,27 @@ pub enum BodyError {
         /// What the user can do.
         remedy: String,
     },
+    /// A protein of which there are only the Cα atoms.
+    #[error(
+        "the protein is a trace: of its {residues} residues there are only the Cα atoms; give a \
+         structure with all heavy atoms, deposited or rebuilt from the trace"
+    )]
+    Trace {
+        /// Residues of the protein.
+        residues: usize,
+    },
+    /// A box in which random insertion found no place for another body.
+    #[error(
+        "no room for body {} in the box after {attempts} attempts; enlarge the box, or ask for \
+         fewer bodies",
+        inserted + 1
+    )]
+    NoRoom {
+        /// Bodies inserted before.
+        inserted: usize,
+        /// Places tried.
+        attempts: u64,
+    },
     /// A kernel refused its input.
     #[error(transparent)]
     Kernel(#[from] protomer_kernel::KernelError),

@@ -6,6 +6,7 @@
 //! | [`pose`] | rigid motions: where a body is and how it is turned |
 //! | [`boundary`] | the space bodies live in: open, periodic, or a spherical wall |
 //! | [`mesh`] | closed triangle meshes, their topology and mass properties |
+//! | [`point_record`] | atoms, spheres and point charges as files of points describe them |
 //! | [`random`] | counter-based random numbers: directions, rotations, streams per step |
 //! | [`potential`] | radial pair potentials |
 //! | [`cells`] | which bodies are near a point |
@@ -20,6 +21,7 @@ pub mod cells;
 mod error;
 pub mod mesh;
 pub mod overlap;
+pub mod point_record;
 pub mod pose;
 pub mod potential;
 pub mod random;
@@ -31,6 +33,7 @@ pub use boundary::Boundary;
 pub use error::{KernelError, Result};
 pub use mesh::TriangleMesh;
 pub use overlap::CollisionShape;
+pub use point_record::PointRecord;
 pub use pose::{Pose, RelativePose};
 pub use units::Conditions;
 

@@ -181,15 +181,3 @@ fn chain_copy(reference: &Chain, copy: &Chain, origin: &Vec3) -> Result<ChainCop
         common_atoms: common.len(),
     })
 }
-
-impl Selection {
-    /// The residues of one chain, with the report of the whole.
-    pub fn only_chain(&self, chain: &str) -> Selection {
-        let of_chain = |residue: &&SelectedResidue| *residue.key.chain == *chain;
-        let residues: Vec<SelectedResidue> =
-            self.residues.iter().filter(of_chain).cloned().collect();
-        let mut report = self.report.clone();
-        report.atoms = residues.iter().map(|residue| residue.atoms.len()).sum();
-        Selection { residues, report }
-    }
-}

@@ -1,7 +1,7 @@
 //! The smallest uniform expansion without overlaps.
 
-use super::Placement;
 use super::contact::bisect;
+use super::placement::Placement;
 use crate::{BodyError, Result};
 use protomer_kernel::{Pose, Vec3};
 

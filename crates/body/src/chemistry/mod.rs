@@ -9,6 +9,7 @@
 //! | [`charges`] | one residue's charge on its atoms |
 //! | [`mutation`] | residues exchanged in place |
 //! | [`radii`] | radii for the surface |
+//! | `treatment` | how a residue that is not one of the twenty is treated, in words |
 //! | [`sites`] | the whole selection: sites and residues of a body |
 
 pub mod amino_acid;
@@ -19,6 +20,7 @@ pub mod radii;
 pub mod residue_names;
 pub mod sites;
 pub mod templates;
+pub(crate) mod treatment;
 
 pub use amino_acid::AminoAcid;
 pub use charges::ChargeModel;

@@ -20,7 +20,7 @@ pub struct BiologicalAssembly {
 /// Some chains and the operators that copy them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AssemblyPart {
-    /// Chains, by [`super::Atom::label_chain`].
+    /// Chains, by [`super::contents::Atom::label_chain`].
     pub chains: Vec<Arc<str>>,
     /// Motions; each gives one copy of the chains.
     pub operators: Vec<Operator>,
@@ -57,7 +57,7 @@ impl Operator {
                     "operator {} is not a rigid motion without a mirror (determinant {determinant:.4})",
                     self.name
                 ),
-                remedy: "choose another assembly or mend the operator in the file".into(),
+                remedy: "choose another assembly or correct the operator in the file".into(),
             });
         }
         Ok(Pose {

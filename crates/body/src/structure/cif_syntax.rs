@@ -3,7 +3,7 @@
 //!
 //! One pass, rows handed over as they are read, so that memory stays proportional to one row.
 
-use super::{parse_error, quoted};
+use super::messages::{parse_error, quoted};
 use crate::Result;
 
 /// A value: its text, or nothing for the placeholders `.` and `?`.
@@ -97,7 +97,7 @@ impl<'a, W: Fn(&str) -> bool, F: FnMut(&Row<'a, '_>) -> Result<()>> Parser<'a, '
                         self.tokens.source,
                         line,
                         cause,
-                        "quote values with blanks; mend the line",
+                        "quote values with blanks; correct the line",
                     ));
                 }
             }
@@ -136,7 +136,7 @@ impl<'a, W: Fn(&str) -> bool, F: FnMut(&Row<'a, '_>) -> Result<()>> Parser<'a, '
                     self.tokens.source,
                     line,
                     "a loop without item names",
-                    "mend the loop_",
+                    "correct the loop_",
                 ));
             }
             if values.is_empty() {

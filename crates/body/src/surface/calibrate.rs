@@ -29,9 +29,17 @@
 //! at least (isoperimetric inequality). All displacements fall as 1/density.
 
 use super::implicit::ImplicitSolid;
-use super::mesher::Target;
 use super::remesh::HalfEdgeMesh;
 use protomer_kernel::Vec3;
+
+/// What a mesh should measure, over its whole surface, cavities included.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Target {
+    /// Surface area, Å².
+    pub area_angstrom2: f64,
+    /// Enclosed volume, Å³.
+    pub volume_angstrom3: f64,
+}
 
 /// A vertex moves at most this fraction of the edge length around it.
 const FARTHEST: f64 = 0.3;
