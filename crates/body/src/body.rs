@@ -1,5 +1,5 @@
-//! The rigid body: mesh, charges, hydropathy, mass. Immutable, and shared between simulations
-//! behind an `Arc`.
+//! The rigid body: mesh, charges, hydropathy, mass. Immutable; simulations share it behind an
+//! `Arc`.
 
 use protomer_kernel::mesh::MassProperties;
 use protomer_kernel::{TriangleMesh, Vec3};
@@ -57,7 +57,7 @@ pub struct Residue {
     pub hydropathy: Option<f64>,
 }
 
-/// Where a body comes from: enough to make it again.
+/// Where a body comes from, in enough detail to make it again.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Provenance {
     /// The input file as the user named it.
@@ -66,7 +66,7 @@ pub struct Provenance {
     pub source_sha256: String,
     /// The body frame's origin in the coordinates of the input file, Å.
     pub origin_angstrom: Vec3,
-    /// Every setting that shaped the body (pH, probe, density, selection, mutations ...), by name.
+    /// Every setting that affects the body (pH, probe, density, selection, mutations ...), by name.
     pub settings: BTreeMap<String, String>,
 }
 
@@ -100,7 +100,7 @@ impl Body {
     }
 }
 
-/// Sum of charges, e. Of no charges it is zero, where the sum of an empty iterator is -0.
+/// Sum of charges, e. Zero without charges, although the sum of an empty iterator is -0.
 pub(crate) fn net_charge_e(sites: &[Site]) -> f64 {
     let mut sum = 0.0;
     for site in sites {

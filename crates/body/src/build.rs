@@ -1,4 +1,4 @@
-//! The whole way from the text of a structure file to a body.
+//! From the text of a structure file to a body.
 
 use crate::body::{Body, Provenance, Site};
 use crate::chemistry::{
@@ -11,20 +11,20 @@ use crate::{BodyError, Result};
 use protomer_kernel::PointRecord;
 use std::collections::{BTreeMap, HashMap};
 
-/// Everything that shapes a body.
+/// Every setting that affects a body.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct BodySettings {
-    /// Which atoms.
+    /// Which atoms to use.
     pub selection: SelectionSettings,
-    /// Which charges.
+    /// How to charge them.
     pub sites: SiteSettings,
-    /// Residues exchanged in place.
+    /// Mutations.
     pub mutations: Vec<Mutation>,
-    /// Which surface.
+    /// Which surface to make.
     pub surface: SurfaceSettings,
 }
 
-/// What kind of surface.
+/// Settings of the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceSettings {
     /// Radius of the probe, Å.
@@ -33,10 +33,10 @@ pub struct SurfaceSettings {
     pub density_per_angstrom2: f64,
     /// Keep the walls of all cavities as part of the surface.
     pub keep_cavities: bool,
-    /// A cavity into which a ball of this radius fits is an enclosed interior: its wall is kept in
-    /// any case, as other bodies may be in there. Å.
+    /// A cavity into which a ball of this radius fits is an enclosed interior, Å. Its wall is
+    /// always kept, because other bodies may be in there.
     pub interior_radius_angstrom: f64,
-    /// The surface is moved inward by this much, Å.
+    /// Distance by which the surface is moved inward, Å.
     pub inward_offset_angstrom: f64,
 }
 
@@ -59,12 +59,12 @@ impl Default for SurfaceSettings {
     }
 }
 
-/// A body with the account of how it was made.
+/// A body, the report of what it was made from, and warnings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BuiltBody {
     /// The body.
     pub body: Body,
-    /// What of the structure was selected; `None` for bare points.
+    /// What was selected from the structure; `None` for bare points.
     pub selection: Option<SelectionReport>,
     /// Warnings for the user.
     pub warnings: Vec<String>,
@@ -139,7 +139,7 @@ pub fn build_body_of_selection(
     })
 }
 
-/// Makes a body from bare points that bring their own charges and radii. Points with a radius of
+/// Makes a body from bare points that have charges and radii of their own. Points with a radius of
 /// zero carry charge only.
 ///
 /// ```
@@ -172,7 +172,7 @@ pub fn build_body_of_points(
     })
 }
 
-/// Refuses the name of a body if it is empty.
+/// Refuses an empty name of a body.
 ///
 /// # Errors
 /// [`BodyError::Invalid`] for a name without a visible character.
@@ -193,8 +193,8 @@ pub fn check_name(name: &str) -> Result<()> {
 
 /// The solvent-excluded surface of the sites that have a radius, cavities included.
 ///
-/// Moving the surface inward by δ is the surface of atoms smaller by δ rolled on by a probe larger
-/// by δ: the probe's centre goes where it went before.
+/// To move the surface inward by δ, the atoms' radii shrink by δ and the probe's radius grows by δ:
+/// the centre of the probe then reaches the same places as before.
 ///
 /// ```
 /// use protomer_body::{Site, SurfaceSettings, surface_of_sites};
@@ -212,8 +212,8 @@ pub fn check_name(name: &str) -> Result<()> {
 /// ```
 ///
 /// # Errors
-/// [`BodyError::Invalid`] for settings that make no sense, if no site has a radius, or if the offset
-/// is larger than the smallest one.
+/// [`BodyError::Invalid`] for a probe, density or offset out of range, without a site that has a
+/// radius, and for an offset larger than the smallest radius.
 pub fn surface_of_sites(sites: &[Site], settings: &SurfaceSettings) -> Result<Surface> {
     settings.check()?;
     let offset = settings.inward_offset_angstrom;
@@ -285,7 +285,7 @@ fn finish(
     Ok((body, warnings))
 }
 
-/// Enters the charges of the residues that the report lists, now that the pH is known.
+/// Adds the charges of the residues listed in the report, now that the pH is known.
 fn list_charges(report: &mut SelectionReport, sites: &ChargedSites) {
     let mut charges: HashMap<(&str, i32, &str), f64> = HashMap::new();
     for residue in &sites.residues {
@@ -354,7 +354,7 @@ impl SurfaceSettings {
     }
 }
 
-/// The settings of a selection by name, without those that are off.
+/// The settings of a selection by name, without those switched off.
 fn describe_selection(selection: &SelectionSettings) -> BTreeMap<String, String> {
     let Ok(serde_json::Value::Object(settings)) = serde_json::to_value(selection) else {
         return BTreeMap::new();

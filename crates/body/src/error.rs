@@ -4,12 +4,12 @@
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum BodyError {
-    /// A file that could not be understood: where, what, and what to do about it.
+    /// A file that cannot be read: where, why, and what to do about it.
     #[error("{}: {cause}; {remedy}", place(file, *line))]
     Parse {
         /// Name of the file as the user gave it.
         file: String,
-        /// Line, counted from one; zero where the whole file is meant.
+        /// Line, counted from one; zero for the whole file.
         line: usize,
         /// What is wrong.
         cause: String,
@@ -24,7 +24,7 @@ pub enum BodyError {
         /// What the user can do.
         remedy: String,
     },
-    /// A protein of which there are only the Cα atoms.
+    /// A Cα trace: a protein without any other atoms.
     #[error(
         "the protein is a trace: of its {residues} residues there are only the Cα atoms; give a \
          structure with all heavy atoms, deposited or rebuilt from the trace"
@@ -33,19 +33,19 @@ pub enum BodyError {
         /// Residues of the protein.
         residues: usize,
     },
-    /// A box in which random insertion found no place for another body.
+    /// A box too full for another body to be inserted at random.
     #[error(
         "no room for body {} in the box after {attempts} attempts; enlarge the box, or ask for \
          fewer bodies",
         inserted + 1
     )]
     NoRoom {
-        /// Bodies inserted before.
+        /// Bodies inserted so far.
         inserted: usize,
-        /// Places tried.
+        /// Attempts made.
         attempts: u64,
     },
-    /// A kernel refused its input.
+    /// An error of the geometry kernel.
     #[error(transparent)]
     Kernel(#[from] protomer_kernel::KernelError),
 }

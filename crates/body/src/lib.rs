@@ -21,7 +21,7 @@
 //! | [`chemistry`] | protonation, partial charges, radii, hydropathy, mutation |
 //! | [`surface`] | the solvent-excluded surface as a closed mesh |
 //! | [`body`] | the rigid body every engine shares |
-//! | [`build`] | the whole way, from text to body |
+//! | [`build`] | from text to body in one call |
 //! | `warnings` | warnings about a file and the body made from it |
 //! | [`assembly`] | poses of bodies: copies, rings, stacks, candidates, random insertion |
 

@@ -90,7 +90,7 @@ fn ligand_warnings(ligands: &[ListedResidue]) -> Vec<String> {
     warnings
 }
 
-/// Where the records of disulfide bonds and the distances between sulfurs differ.
+/// Disagreement between the records of disulfide bonds and the distances between sulfurs.
 fn disulfide_warnings(bonds: &[Disulfide]) -> Vec<String> {
     let (mut long, mut unrecorded, mut lone) = (Vec::new(), Vec::new(), Vec::new());
     let mut has_records = false;
@@ -131,7 +131,7 @@ fn disulfide_warnings(bonds: &[Disulfide]) -> Vec<String> {
     warnings
 }
 
-/// What became of the cavities of a surface.
+/// What was done with the cavities of a surface.
 pub(crate) fn cavity_warnings(
     cavities: &FilledCavities,
     interior_radius_angstrom: f64,

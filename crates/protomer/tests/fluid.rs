@@ -107,7 +107,7 @@ fn a_full_box_and_a_small_box_are_errors() {
     let refused =
         |counts: &[usize], edge| fluid(&files, counts, [edge; 3], 1).unwrap_err().to_string();
     assert!(refused(&[50, 0], 40.0).contains("no room for body"));
-    assert!(refused(&[65, 0], 40.0).contains("of bodies in a box"));
+    assert!(refused(&[65, 0], 40.0).contains("and the box has only"));
     assert!(refused(&[1, 1], 34.0).contains("an edge must hold two"));
     assert!(refused(&[1], 100.0).contains("one per body"));
     assert!(refused(&[0, 0], 100.0).contains("at least one"));

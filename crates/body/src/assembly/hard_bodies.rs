@@ -1,4 +1,4 @@
-//! Bodies prepared for overlap tests, and what is built with them: rings closed to contact, fluids.
+//! Bodies prepared for overlap tests, and assemblies built with them: closed rings and fluids.
 
 use super::insertion::{self, InsertedBody};
 use super::placement::Placement;
@@ -126,9 +126,9 @@ impl HardBodies {
         })
     }
 
-    /// A fluid: bodies at random places and in random orientations in a periodic box, none
-    /// overlapping another ([`insertion`]). `counts` has the number of bodies of each kind, in the
-    /// order of the list; the first kind comes first. The same seed gives the same fluid.
+    /// A fluid: bodies at random positions and in random orientations in a periodic box, without
+    /// overlaps ([`insertion`]). `counts` has the number of bodies of each kind, in the order of
+    /// the list; placements are sorted by kind. The same seed gives the same fluid.
     ///
     /// # Errors
     /// [`BodyError::Invalid`](crate::BodyError::Invalid) if the counts do not fit the list or the

@@ -1,18 +1,18 @@
 //! Random sequential insertion: a fluid of bodies in a periodic box.
 //!
-//! Body n is placed uniformly at random, position and orientation, until it overlaps none of the
-//! bodies before it nor one of their images. While the fluid is dilute this is close to the
-//! equilibrium of hard bodies; a dense one needs a run without energies.
+//! Each body gets a uniformly random position and orientation, again and again until it overlaps
+//! neither an earlier body nor one of its images. The result is close to the equilibrium of hard
+//! bodies while the fluid is dilute; equilibrate a dense one with a run without energies.
 
 use super::placement::Placement;
 use crate::{BodyError, Result};
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Boundary, Pose, Vec3};
 
-/// Places tried for one body before the box counts as full.
+/// Attempts at one body before the box counts as full.
 pub const ATTEMPTS_PER_BODY: u64 = 10_000;
 
-/// Sets these random numbers apart from those of a simulation with the same seed.
+/// Separates these random numbers from those of a simulation with the same seed.
 const PURPOSE: u8 = 1;
 
 /// The size of a kind of body.
@@ -28,8 +28,8 @@ pub struct InsertedBody {
 /// overlaps one of those before it or an image of them.
 ///
 /// # Errors
-/// [`BodyError::Invalid`] if there are not as many counts as kinds, no body is asked for, or the
-/// box is too small, [`BodyError::NoRoom`] if it is too full.
+/// [`BodyError::Invalid`] if counts and kinds differ in number, all counts are zero, or the box is
+/// too small; [`BodyError::NoRoom`] if it is too full.
 ///
 /// ```
 /// use protomer_body::assembly::Placement;
@@ -78,7 +78,7 @@ fn check_counts(kinds: &[InsertedBody], counts: &[usize]) -> Result<()> {
         let cause = format!("{} counts for {} bodies", counts.len(), kinds.len());
         (cause, "give one per body")
     } else if counts.iter().all(|count| *count == 0) {
-        ("no body at all is asked for".into(), "give at least one")
+        ("every count is zero".into(), "give at least one body")
     } else {
         return Ok(());
     };
@@ -88,9 +88,9 @@ fn check_counts(kinds: &[InsertedBody], counts: &[usize]) -> Result<()> {
     })
 }
 
-/// The bodies must fit in by volume. Only the nearest image of a pair is looked at, so no body may
-/// reach two images of another: an edge must hold two diameters of the largest. Kinds without a
-/// body do not count.
+/// Refuses bodies with a larger total volume than the box. Overlap is tested with the nearest image
+/// only, so no body may reach two images of another: an edge must hold two diameters of the
+/// largest body. Kinds with a count of zero are ignored.
 fn require_room(kinds: &[InsertedBody], counts: &[usize], boundary: &Boundary) -> Result<()> {
     let (mut volume, mut diameter) = (0.0, 0.0_f64);
     for (kind, count) in kinds.iter().zip(counts) {
@@ -102,7 +102,7 @@ fn require_room(kinds: &[InsertedBody], counts: &[usize], boundary: &Boundary) -
     let edge = boundary.smallest_length_angstrom();
     let (cause, remedy) = if volume > boundary.volume_angstrom3() {
         let cause = format!(
-            "{volume:.3e} Å³ of bodies in a box of {:.3e} Å³",
+            "the bodies fill {volume:.3e} Å³, and the box has only {:.3e} Å³",
             boundary.volume_angstrom3()
         );
         (cause, "enlarge the box, or ask for fewer bodies")
@@ -120,7 +120,7 @@ fn require_room(kinds: &[InsertedBody], counts: &[usize], boundary: &Boundary) -
     })
 }
 
-/// A pose from a stream of random numbers of its own for each attempt at each body.
+/// A random pose; each attempt at each body has its own stream of random numbers.
 fn random_pose(seed: u64, body: usize, attempt: u64, box_angstrom: [f64; 3]) -> Pose {
     let mut rng = CounterRng::for_purpose(seed, body as u32, attempt, PURPOSE);
     let position = Vec3::from(box_angstrom.map(|edge| rng.uniform_in(-0.5 * edge, 0.5 * edge)));
@@ -189,7 +189,7 @@ mod tests {
         );
     }
 
-    /// A kind of which there is no body may be larger than the box.
+    /// A kind with a count of zero may be larger than the box.
     #[test]
     fn kinds_without_a_body_do_not_count() {
         let giant = InsertedBody {

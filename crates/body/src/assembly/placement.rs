@@ -1,4 +1,4 @@
-//! A body somewhere.
+//! A body and its pose.
 
 use protomer_kernel::Pose;
 

@@ -1,10 +1,10 @@
 //! Rings C_n and stacks D_n of given bodies, closed to contact.
 //!
-//! Position i of n in a ring stands at azimuth 2πi/n, at a radius, in the frame: z along the ring's
-//! axis, x outward. A body there is turned by R_z(azimuth) R_x(tilt) [R_x(π) if it points down]
-//! R_z(spin) F, where F turns the body's own frame so that its z axis is the one meant to stand
-//! along the ring's axis ([`upright_frame`]). The second ring of a stack stands above the first,
-//! its azimuths advanced by the stagger.
+//! Position i of n in a ring has the azimuth 2πi/n. The local frame has z along the ring's axis and
+//! x outward. A body there is turned by R_z(azimuth) R_x(tilt) [R_x(π) if it points down] R_z(spin)
+//! F, where F turns the body's own frame so that z is the axis to align with that of the ring
+//! ([`upright_frame`]). The second ring of a stack is above the first, its azimuths advanced by the
+//! stagger.
 //!
 //! A half turn about an axis in the plane between two rings maps R_z(φ) R_x(t) to R_z(φ') R_x(t)
 //! R_x(π): equal tilts and opposite directions make a stack dihedral, which is what
@@ -32,7 +32,7 @@ pub struct RecipeSite {
 }
 
 impl RecipeSite {
-    /// A body that stands upright.
+    /// An upright body: no tilt, no spin.
     pub fn upright(body: usize) -> Self {
         Self {
             body,
@@ -83,9 +83,9 @@ impl Recipe {
         }
     }
 
-    /// A stack of two rings that half turns about axes between them map onto each other: position i
-    /// of the upper ring is position 1 - i of the lower, turned over, so that of two alternating
-    /// bodies each stands above the other.
+    /// A stack of two rings, mapped onto each other by half turns about axes between them: position
+    /// i of the upper ring is position 1 - i of the lower, turned over. Where two bodies alternate,
+    /// each is above one of the other kind.
     pub fn dihedral(members: usize, pattern: &[RecipeSite]) -> Self {
         let lower: Vec<RecipeSite> = pattern.iter().cycle().take(members).copied().collect();
         let upper = (0..lower.len())
@@ -143,7 +143,8 @@ impl Recipe {
     /// ```
     ///
     /// # Errors
-    /// Those of [`Recipe::placements`], and if the bodies overlap at every distance.
+    /// Those of [`Recipe::placements`]; [`BodyError::Invalid`] if the bodies overlap at every
+    /// distance.
     pub fn close(
         &self,
         frames: &[Rotation],
@@ -172,13 +173,12 @@ impl Recipe {
         })
     }
 
-    /// Closes the recipe to contact without any tilt and then opens it a little: neighbours around
-    /// a ring move `gap_angstrom` further apart (their distance is 2 r sin(π/n)), and so do the
-    /// rings of a stack. The surfaces' gaps are at least of about this size, larger where the
-    /// recipe's contact is elsewhere.
+    /// Closes the recipe to contact without tilt and then opens it: neighbours around a ring move
+    /// `gap_angstrom` further apart (their distance is 2 r sin(π/n)), and so do the rings of a
+    /// stack. The gaps between surfaces are at least about this large.
     ///
     /// # Errors
-    /// Those of [`Recipe::close`], and if the opened assembly overlaps.
+    /// Those of [`Recipe::close`]; [`BodyError::Invalid`] if the opened assembly overlaps.
     pub fn close_with_gap(
         &self,
         frames: &[Rotation],
@@ -216,7 +216,7 @@ impl Recipe {
     /// mean square distance of the bodies from the centre.
     ///
     /// # Errors
-    /// Those of [`Recipe::close`], and for an empty list of tilts.
+    /// Those of [`Recipe::close`]; [`BodyError::Invalid`] for an empty list of tilts.
     pub fn close_with_best_tilt(
         &self,
         frames: &[Rotation],
@@ -354,12 +354,12 @@ mod tests {
             .close(&[Rotation::identity(); 2], 0.0, 1e-9, spheres_overlap)
             .unwrap();
         assert!((closed.ring_distance_angstrom - 2.0).abs() < 1e-8);
-        // Of alternating bodies each stands above the other.
+        // Where two bodies alternate, each is above one of the other kind.
         assert!((0..8).all(|i| closed.placements[i].0 != closed.placements[i + 8].0));
     }
 
-    /// The half turns between the rings map the stack onto itself, tilts, spins, directions and
-    /// frames included.
+    /// The half turns between the rings map the stack onto itself, with its tilts, spins, directions
+    /// and frames.
     #[test]
     fn a_dihedral_recipe_is_dihedral() {
         let site = |body, up, tilt_radian, spin_radian| RecipeSite {

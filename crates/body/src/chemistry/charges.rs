@@ -1,15 +1,15 @@
 //! One residue's charge on its atoms.
 //!
 //! The residue's charge is the sum of the mean charges of its titratable groups at the pH
-//! ([`residue_charge_e`]). The models differ in where it sits ([`atom_charges_e`]); in each of them
-//! the atoms' charges add up to it exactly:
+//! ([`residue_charge_e`]). The models differ in how they distribute it over the atoms
+//! ([`atom_charges_e`]); in each of them the atoms' charges add up to it exactly:
 //!
 //! * force field: template charges, hydrogens added to their heavy atom, interpolated between the
 //!   protonated and the deprotonated form; the charge left over by missing or unknown atoms is
 //!   spread evenly over the heavy atoms present;
-//! * formal: the groups' charges on the atoms of the groups, nothing else.
+//! * formal: the groups' charges on the atoms of the groups only.
 //!
-//! Hydrogens that are kept carry no charge of their own: their heavy atom carries it.
+//! Hydrogens that are kept have no charge; it is on their heavy atom.
 
 use super::amino_acid::{AminoAcid, BACKBONE};
 use super::protonation::{C_TERMINUS, Group, N_TERMINUS, protonated_fraction, side_chain_groups};
@@ -19,7 +19,7 @@ use super::treatment::formal_charge_e;
 use crate::structure::{Atom, ResidueClass, SelectedResidue};
 use serde::{Deserialize, Serialize};
 
-/// Where the charges of a residue sit.
+/// How the charge of a residue is distributed over its atoms.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ChargeModel {
@@ -148,7 +148,7 @@ impl Charges<'_> {
         }
     }
 
-    /// The form of the parent without charge, for residues whose groups are their own.
+    /// The uncharged form of the parent, for residues with titratable groups of their own.
     fn neutral_template(&mut self, parent: AminoAcid) {
         let forms = forms(parent, false);
         let is_base = match side_chain_groups(parent).first() {
@@ -162,8 +162,8 @@ impl Charges<'_> {
         }
     }
 
-    /// A residue that stands on another's atoms: the new residue's template on the backbone, and
-    /// its side chain's net charge on the outermost atoms there are.
+    /// A mutated residue, which has the atoms of the old one: the new residue's template on the
+    /// backbone, and the net charge of the new side chain on the outermost atoms present.
     fn mutated(&mut self, amino_acid: AminoAcid) {
         self.template(amino_acid);
         let mut backbone = 0.0;
@@ -195,8 +195,8 @@ impl Charges<'_> {
         }
     }
 
-    /// Phosphates, and the formal charges of ligands and of residues in no table. What an ion
-    /// carries is the remainder.
+    /// Phosphates, and the formal charges of ligands and of residues in no table. The charge of an
+    /// ion is assigned later, as the remainder.
     fn place_fixed(&mut self) {
         match self.residue.class {
             ResidueClass::Nucleotide if self.residue.atom("P").is_some() => {
@@ -265,7 +265,7 @@ impl Charges<'_> {
         }
     }
 
-    /// Spreads what is left of the residue's charge evenly over its heavy atoms.
+    /// Spreads the remainder of the residue's charge evenly over its heavy atoms.
     fn spread_remainder(&mut self, charge: f64) {
         let mut atoms = self.indices(|atom| !atom.is_hydrogen());
         if atoms.is_empty() {

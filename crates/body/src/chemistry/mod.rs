@@ -6,11 +6,11 @@
 //! | [`residue_names`] | other residue names: modified residues and their parents, caps, nucleotides, waters |
 //! | [`protonation`] | titratable groups, model pKa values, Henderson-Hasselbalch |
 //! | [`templates`] | AMBER ff94 charges of each residue |
-//! | [`charges`] | one residue's charge on its atoms |
-//! | [`mutation`] | residues exchanged in place |
+//! | [`charges`] | the charge of one residue, distributed over its atoms |
+//! | [`mutation`] | mutations without new coordinates |
 //! | [`radii`] | radii for the surface |
 //! | `treatment` | how a residue that is not one of the twenty is treated, in words |
-//! | [`sites`] | the whole selection: sites and residues of a body |
+//! | [`sites`] | the sites and residues of a body, from a whole selection |
 
 pub mod amino_acid;
 pub mod charges;

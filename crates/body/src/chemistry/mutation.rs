@@ -1,9 +1,10 @@
-//! Residues exchanged in place: another charge and hydropathy on the same atoms.
+//! Mutations without new coordinates: another charge and hydropathy on the same atoms.
 //!
 //! The geometry stays: a mutated residue keeps its atoms and their names. The new residue's
-//! template holds on the backbone; its side chain's net charge goes to the outermost side-chain
-//! atoms there are ([`super::charges`]). That places a charge within a few Å of where a rebuilt
-//! side chain would have it, which is what supercharged variants of a rigid body need.
+//! template applies to the backbone; the net charge of its side chain goes to the outermost
+//! side-chain atoms present ([`super::charges`]). This places the charge within a few Å of its
+//! position in a rebuilt side chain, which is accurate enough for supercharged variants of a rigid
+//! body.
 
 use super::amino_acid::AminoAcid;
 use crate::structure::{ResidueClass, ResidueKey, SelectedResidue, Selection};
@@ -12,7 +13,7 @@ use std::collections::HashSet;
 use std::fmt;
 use std::sync::Arc;
 
-/// One exchange.
+/// One mutation.
 ///
 /// ```
 /// use protomer_body::chemistry::{AminoAcid, Mutation};
@@ -33,9 +34,9 @@ pub struct Mutation {
     pub number: i32,
     /// Insertion code; empty for none.
     pub insertion_code: String,
-    /// The amino acid that is there.
+    /// The amino acid in the structure.
     pub from: AminoAcid,
-    /// The amino acid to put.
+    /// The amino acid that replaces it.
     pub to: AminoAcid,
 }
 
@@ -100,8 +101,7 @@ fn parse_mutation(item: &str) -> Option<Mutation> {
     })
 }
 
-/// Applies the exchanges. A cysteine whose partner in a disulfide bond is exchanged gets a free
-/// thiol.
+/// Applies mutations. A cysteine whose partner in a disulfide bond is mutated gets a free thiol.
 ///
 /// ```
 /// use protomer_body::chemistry::{mutate, parse_mutations};
@@ -115,8 +115,8 @@ fn parse_mutation(item: &str) -> Option<Mutation> {
 /// ```
 ///
 /// # Errors
-/// [`BodyError::Invalid`] if there is no such residue, or another one than the mutation says, which
-/// it names.
+/// [`BodyError::Invalid`] if there is no such residue, or if it is another amino acid than the
+/// mutation says.
 pub fn mutate(selection: &mut Selection, mutations: &[Mutation]) -> Result<()> {
     for mutation in mutations {
         let mut found = false;
@@ -160,7 +160,7 @@ fn exchange(residue: &mut SelectedResidue, mutation: &Mutation) -> Result<()> {
     Ok(())
 }
 
-/// Ends the disulfide bonds of exchanged residues, on both sides.
+/// Breaks the disulfide bonds of mutated residues, on both sides.
 fn break_disulfides(selection: &mut Selection) {
     let mut exchanged: HashSet<ResidueKey> = HashSet::new();
     for residue in &selection.residues {

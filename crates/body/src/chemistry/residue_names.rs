@@ -12,7 +12,7 @@
 //! * ornithine, 2,4-diaminobutyric acid: CRC Handbook of Chemistry and Physics, dissociation
 //!   constants of amino acids, 10.8 and 10.4;
 //! * sulfate, sulfonate, sulfinate and quaternary ammonium groups are charged at any pH of interest;
-//!   the pKa stands for that.
+//!   their pKa values are set out of that range.
 
 use super::amino_acid::AminoAcid::{
     self, Ala, Arg, Asn, Asp, Cys, Gln, Glu, His, Ile, Leu, Lys, Met, Phe, Pro, Ser, Thr, Trp, Tyr,
@@ -20,7 +20,7 @@ use super::amino_acid::AminoAcid::{
 };
 use super::protonation::Group;
 
-/// A residue that stands in a chain in place of an amino acid.
+/// A residue that takes the place of an amino acid in a chain.
 ///
 /// ```
 /// use protomer_body::chemistry::AminoAcid;
@@ -33,7 +33,7 @@ use super::protonation::Group;
 pub struct ModifiedResidue {
     /// Residue name.
     pub name: &'static str,
-    /// The amino acid it was made from or stands for; `None` for a chromophore made of several.
+    /// The amino acid it derives from; `None` for a chromophore made of several.
     pub parent: Option<AminoAcid>,
     /// Its titratable groups; `None` where they are the parent's.
     pub groups: Option<&'static [Group]>,
@@ -103,8 +103,8 @@ const fn titrating(
 }
 
 /// A chromophore of a fluorescent protein: several residues condensed to one, taken as neutral. The
-/// phenol of the GFP chromophore has its pKa between 4 and 8 depending on its surroundings in the
-/// barrel; no model value holds.
+/// phenol of the GFP chromophore has a pKa between 4 and 8, depending on its environment in the
+/// barrel, so there is no useful model value.
 const fn chromophore(name: &'static str, what: &'static str) -> ModifiedResidue {
     ModifiedResidue {
         name,
@@ -114,9 +114,9 @@ const fn chromophore(name: &'static str, what: &'static str) -> ModifiedResidue 
     }
 }
 
-/// Modified residues (wwPDB chemical component dictionary) and the names force fields give to
-/// protonation states. The states themselves follow from the pH, so that `HIP` of a prepared file
-/// is a histidine like any other.
+/// Modified residues (wwPDB chemical component dictionary) and the names that force fields give to
+/// protonation states. The pH decides the state: `HIP` of a prepared file is a histidine like any
+/// other.
 const MODIFIED: &[ModifiedResidue] = &[
     like("MSE", Met, "selenomethionine"),
     like("FME", Met, "N-formylmethionine"),

@@ -17,7 +17,7 @@ use std::collections::HashMap;
 pub struct SiteSettings {
     /// pH of the protonation equilibria, 0 to 14.
     pub ph: f64,
-    /// Where the charges sit.
+    /// How the charge of a residue is distributed over its atoms.
     pub charges: ChargeModel,
 }
 
@@ -45,8 +45,7 @@ impl SiteSettings {
 /// Sites and residues in the body's frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChargedSites {
-    /// The frame's origin in the coordinates of the file, Å: the centroid of the atoms, each
-    /// counted alike.
+    /// The frame's origin in the coordinates of the file, Å: the unweighted centroid of the atoms.
     pub origin_angstrom: Vec3,
     /// One site per atom, relative to the origin.
     pub sites: Vec<Site>,
@@ -122,7 +121,7 @@ fn charged_residue(residue: &SelectedResidue, settings: &SiteSettings) -> Residu
     }
 }
 
-/// Refuses a trace of Cα atoms: charges and a surface need the side chains. A single Cα atom may be
+/// Refuses a Cα trace: charges and a surface need the side chains. A single Cα atom is accepted as
 /// a fragment.
 fn refuse_trace(selected: &[SelectedResidue]) -> Result<()> {
     let mut residues = 0;

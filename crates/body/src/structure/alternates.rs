@@ -1,9 +1,9 @@
 //! One conformer per residue.
 //!
-//! The letter with the highest mean occupancy holds for the whole residue (ties: the first letter),
-//! or a letter the user states where the residue has it. Atoms without a letter belong to every
-//! conformer. An atom that the chosen conformer lacks is taken from the conformer that has it with
-//! the highest occupancy, so that no atom is lost. With the letter goes the residue name, where a
+//! One letter is chosen for the whole residue: the user's where the residue has it, otherwise the
+//! one with the highest mean occupancy (ties: the first). Atoms without a letter belong to every
+//! conformer. An atom that the chosen conformer lacks comes from the conformer in which it has the
+//! highest occupancy, so that no atom is lost. The letter also decides the residue name where a
 //! crystal holds two residues in one place (microheterogeneity).
 
 use super::contents::Atom;
@@ -71,7 +71,7 @@ fn name_of(atoms: &[&Atom], letter: Option<char>) -> Arc<str> {
     }
 }
 
-/// Which of two records of one atom is better: chosen letter before no letter before another
+/// Whether one record of an atom is preferred to another: chosen letter before no letter before another
 /// letter, then the higher occupancy; of equals the first in the file stays.
 fn rank(atom: &Atom, letter: Option<char>, rival: &Atom) -> Ordering {
     preference(atom, letter)

@@ -8,7 +8,7 @@ use protomer_kernel::Pose;
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
-/// Atoms an assembly may have: twice the largest in the archive.
+/// Limit on the atoms of an assembly: twice the largest in the archive.
 const MOST_ATOMS: usize = 5_000_000;
 
 /// Copies the residues by the operators of the assembly.
@@ -19,7 +19,7 @@ pub(crate) fn apply_assembly(
 ) -> Result<Vec<SelectedResidue>> {
     let of_chain = by_label_chain(&residues);
     let mut copies = Vec::new();
-    // How often each residue has been copied: the number in the name of the copy's chain.
+    // How often each residue has been copied so far; the number names the chain of the copy.
     let mut times: Vec<usize> = vec![0; residues.len()];
     let mut atoms = 0;
     for part in &assembly.parts {
@@ -58,7 +58,7 @@ fn by_label_chain(residues: &[SelectedResidue]) -> HashMap<Arc<str>, Vec<usize>>
     of_chain
 }
 
-/// The residues that a part of an assembly copies, in file order, each once.
+/// The residues that a part of an assembly copies, in file order, without repeats.
 fn members(part: &AssemblyPart, of_chain: &HashMap<Arc<str>, Vec<usize>>) -> Vec<usize> {
     let chains: BTreeSet<&Arc<str>> = part.chains.iter().collect();
     let mut members = Vec::new();

@@ -14,7 +14,7 @@ use std::collections::HashMap;
 pub(crate) struct AtomSites {
     /// Index of each model number.
     models: HashMap<i32, usize>,
-    /// Where the items stand in the rows.
+    /// Positions of the items in a row.
     columns: Option<Columns>,
     serial: i64,
 }
@@ -62,9 +62,9 @@ const ITEMS: [&str; 17] = [
     "pdbx_pdb_model_num",
 ];
 
-/// Where the items of `_atom_site` stand in a row.
+/// Positions of the items of `_atom_site` in a row.
 struct Columns {
-    /// Number of items, to see whether the rows of a second loop agree.
+    /// Number of items; a second loop must have the same.
     width: usize,
     coordinates: [usize; 3],
     optional: [Option<usize>; ITEMS.len()],
@@ -90,7 +90,7 @@ impl Columns {
     }
 }
 
-/// A row with the places of its items.
+/// A row with the positions of its items.
 struct Cells<'a, 'r> {
     source: &'r str,
     row: &'r Row<'a, 'r>,

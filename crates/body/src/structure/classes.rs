@@ -43,7 +43,7 @@ impl ResidueClass {
         )
     }
 
-    /// The amino acid it is, was made from, or looks like.
+    /// The amino acid that it is, derives from, or has the atoms of.
     pub fn amino_acid(&self) -> Option<AminoAcid> {
         match self {
             ResidueClass::AminoAcid(amino_acid) | ResidueClass::LikeAminoAcid(amino_acid) => {
@@ -54,9 +54,9 @@ impl ResidueClass {
         }
     }
 
-    /// The class by the residue's name and atoms. `is_in_chain` says whether it stands in a polymer
-    /// or is bonded to one ([`super::residues::in_chain`]): anything outside is a ligand, also an
-    /// amino acid, and an unknown name is held for an amino acid only inside.
+    /// The class by the residue's name and atoms. `is_in_chain` says whether it is in a polymer or
+    /// bonded to one ([`super::residues::in_chain`]). Anything outside is a ligand, even an amino
+    /// acid; an unknown name is taken for an amino acid only inside.
     pub(crate) fn of(name: &str, atoms: &[&Atom], is_in_chain: bool) -> Self {
         if residue_names::is_water(name) {
             return ResidueClass::Water;
@@ -112,8 +112,8 @@ fn has_one_of(atoms: &[&Atom], names: &[&str]) -> bool {
     names.iter().any(|name| has(atoms, name))
 }
 
-/// The amino acid with exactly these heavy atoms; OXT may be there or not. Glycine and alanine are
-/// excluded: any residue looks like them once its side chain is lost.
+/// The amino acid with exactly these heavy atoms, with or without OXT. Glycine and alanine are
+/// excluded: any residue without its side chain has their atoms.
 fn amino_acid_of_atoms(atoms: &[&Atom]) -> Option<AminoAcid> {
     let mut names = Vec::new();
     for atom in atoms {

@@ -26,7 +26,7 @@ impl<'a> Line<'a> {
         self.text.get(from..to).unwrap_or("")
     }
 
-    /// The columns without the blanks around them.
+    /// The columns without surrounding blanks.
     pub(crate) fn field(&self, first: usize, last: usize) -> &'a str {
         self.columns(first, last).trim()
     }
@@ -40,9 +40,9 @@ impl<'a> Line<'a> {
         parse_error(self.source, self.number, cause, remedy)
     }
 
-    /// A coordinate: a finite number of a size that a molecule can have.
+    /// A coordinate: a finite number within the size of a molecule.
     pub(crate) fn coordinate(&self, name: &str, first: usize, last: usize) -> Result<f64> {
-        /// No structure is larger; eight columns can write more.
+        /// No structure is larger, although eight columns can hold larger numbers.
         const LARGEST_ANGSTROM: f64 = 1e6;
         let field = self.field(first, last);
         match field.parse::<f64>() {

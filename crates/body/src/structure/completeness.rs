@@ -5,7 +5,7 @@ use super::report::{ChainBreak, IncompleteResidue};
 use super::selected::SelectedResidue;
 use crate::chemistry::amino_acid::BACKBONE;
 
-/// A peptide bond is 1.33 Å; beyond this distance there is none.
+/// The largest distance of a peptide bond, which is 1.33 Å long.
 const BROKEN_ANGSTROM: f64 = 2.5;
 
 /// The residues that lack heavy atoms.
@@ -24,8 +24,8 @@ pub(crate) fn incomplete_residues(residues: &[SelectedResidue]) -> Vec<Incomplet
     incomplete
 }
 
-/// Heavy atoms that the residue should have and lacks. Of a residue that is not one of the twenty
-/// only the backbone is known; of a chromophore nothing.
+/// Heavy atoms that the residue lacks. Only the backbone is known for a residue that is not one of
+/// the twenty, and nothing for a chromophore.
 pub(crate) fn missing_atoms(residue: &SelectedResidue) -> Vec<&'static str> {
     let side_chain = match residue.class {
         ResidueClass::AminoAcid(amino_acid) => amino_acid.side_chain(),

@@ -1,4 +1,4 @@
-//! What a structure file holds, in both formats alike.
+//! The content of a structure file, the same for both formats.
 
 use super::biological_assembly::BiologicalAssembly;
 use super::ending::Ending;
@@ -26,7 +26,7 @@ pub struct Structure {
     pub ending: Ending,
 }
 
-/// What the head of the file says.
+/// General information from the head of the file.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Header {
     /// Entry identifier; empty if the file has none.
@@ -37,8 +37,7 @@ pub struct Header {
     pub method: String,
     /// Resolution, Å.
     pub resolution_angstrom: Option<f64>,
-    /// The crystal's unit cell; `None` without a crystal (the conventional 1 x 1 x 1 Å cell is not
-    /// one).
+    /// The crystal's unit cell; `None` without a crystal, which files show by a 1 x 1 x 1 Å cell.
     pub cell: Option<UnitCell>,
     /// Hermann-Mauguin symbol of the space group, where there is a crystal.
     pub space_group: Option<String>,
@@ -115,7 +114,7 @@ pub struct Model {
 /// One atom record.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Atom {
-    /// Serial number; the previous one plus one where the file's is unreadable.
+    /// Serial number; one more than the previous where it cannot be read.
     pub serial: i64,
     /// Atom name, trimmed.
     pub name: Arc<str>,
@@ -123,15 +122,15 @@ pub struct Atom {
     pub alternate: Option<char>,
     /// Residue name.
     pub residue_name: Arc<str>,
-    /// Chain as the authors call it.
+    /// Chain identifier (author's).
     pub chain: Arc<str>,
-    /// Chain as the archive calls it (`label_asym_id`); the author's where there is none.
+    /// Chain identifier of the archive (`label_asym_id`); the author's where there is none.
     pub label_chain: Arc<str>,
     /// Residue number (author's).
     pub residue_number: i32,
     /// Insertion code; empty for none.
     pub insertion_code: Arc<str>,
-    /// Element symbol in upper case; `D` for deuterium, `X` where it cannot be known.
+    /// Element symbol in upper case; `D` for deuterium, `X` if unknown.
     pub element: Arc<str>,
     /// Occupancy; 1 where the file has none.
     pub occupancy: f64,

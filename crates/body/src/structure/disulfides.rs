@@ -1,9 +1,9 @@
 //! Disulfide bonds: from the records of the file first, by distance second.
 //!
-//! A cysteine that the file records as bonded has no thiol, however long its bond was modelled:
-//! recorded bonds of 2.6 to 2.8 Å occur at low resolution (2FZZ has eight). That also holds where
-//! the partner is not selected, because it is in another chain or in a symmetry copy of the
-//! deposited coordinates: the body keeps the state that the cysteine has in the file.
+//! A cysteine that the file records as bonded has no thiol, however long the bond is in the model:
+//! recorded bonds of 2.6 to 2.8 Å occur at low resolution (2FZZ has eight). The same applies if the
+//! partner is not selected, because it is in another chain or in a symmetry copy of the deposited
+//! coordinates: the cysteine keeps the state that it has in the file.
 //!
 //! Cysteines without a record are bonded if their sulfurs lie within 2.5 Å of each other.
 
@@ -19,7 +19,7 @@ use std::collections::HashMap;
 /// Sulfurs at this distance or less are bonded without a record; the bond is 2.05 Å long.
 pub(crate) const BOND_ANGSTROM: f64 = 2.5;
 
-/// Of the copies that an assembly makes of a recorded partner, one this close is the partner.
+/// An assembly copies recorded partners; a copy at this distance or less is the bonded one.
 const LONGEST_RECORDED_ANGSTROM: f64 = 3.5;
 
 /// Marks the cysteines in disulfide bonds and lists the bonds in the order of their residues.
@@ -59,7 +59,7 @@ struct Cysteine {
     /// Index of its residue.
     residue: usize,
     key: ResidueKey,
-    /// The key under which the file knows it.
+    /// Its key in the file.
     source: ResidueKey,
     sulfur: Option<Vec3>,
 }
@@ -97,8 +97,8 @@ struct Cysteines {
 }
 
 impl Cysteines {
-    /// Of a cell with more sulfurs only these are looked at, so that a crowd in one place costs no
-    /// more than a pair.
+    /// Only this many sulfurs of a cell are compared, which bounds the time for files with many
+    /// sulfurs in one place.
     const MOST_PER_CELL: usize = 32;
 
     fn of(residues: &[SelectedResidue]) -> Self {
@@ -165,8 +165,8 @@ impl Cysteines {
         }
     }
 
-    /// The copy of the recorded partner that is close; without one, and if the record is not
-    /// between symmetry copies, the partner in the same copy of the chains, however far it is.
+    /// The nearby copy of the recorded partner. If there is none, and the record is not between
+    /// symmetry copies, the partner in the same copy of the chains at any distance.
     fn recorded_partner(
         &self,
         cysteine: usize,
@@ -245,8 +245,8 @@ impl Cysteines {
     }
 }
 
-/// Whether the residue is a cysteine with its own sulfur: a modified cysteine is none unless its
-/// titratable group is that of cysteine.
+/// Whether the residue has the thiol of a cysteine: a modified one has it only if its titratable
+/// group is that of cysteine.
 fn is_cysteine(residue: &SelectedResidue) -> bool {
     match residue.class {
         ResidueClass::AminoAcid(amino_acid) | ResidueClass::LikeAminoAcid(amino_acid) => {
@@ -259,7 +259,7 @@ fn is_cysteine(residue: &SelectedResidue) -> bool {
     }
 }
 
-/// Cells as wide as the longest distance asked about.
+/// The cell of a position. Cells are as wide as the longest distance searched.
 fn cell_of(position: &Vec3) -> [i64; 3] {
     [position.x, position.y, position.z].map(|x| (x / LONGEST_RECORDED_ANGSTROM).floor() as i64)
 }

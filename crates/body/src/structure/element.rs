@@ -1,7 +1,7 @@
 //! Elements, and guessing them where a file leaves them out.
 
-/// Element symbols up to lawrencium in upper case, with `D` for deuterium and `X` for an atom that
-/// is not known.
+/// Element symbols up to lawrencium in upper case, with `D` for deuterium and `X` for an unknown
+/// element.
 const SYMBOLS: &str = "\
     H HE LI BE B C N O F NE NA MG AL SI P S CL AR K CA SC TI V CR MN FE CO NI CU ZN GA GE AS SE BR \
     KR RB SR Y ZR NB MO TC RU RH PD AG CD IN SN SB TE I XE CS BA LA CE PR ND PM SM EU GD TB DY HO \
@@ -19,7 +19,7 @@ pub(crate) fn known(symbol: &str) -> Option<&'static str> {
         .find(|known| known.eq_ignore_ascii_case(symbol))
 }
 
-/// The element by the atom name in its four columns: one-letter elements stand in the second
+/// The element by the atom name in its four columns: a one-letter symbol is in the second
 /// column, so ` CA ` is a carbon and `CA  ` calcium; four-letter names that begin with H are
 /// hydrogens.
 pub(crate) fn from_pdb_name(columns: &str, is_ligand: bool) -> &'static str {
@@ -35,7 +35,7 @@ pub(crate) fn from_pdb_name(columns: &str, is_ligand: bool) -> &'static str {
     from_name(columns)
 }
 
-/// The element by a bare atom name: its first letter, hydrogens perhaps after a digit.
+/// The element by a bare atom name: its first letter. A digit may precede that of a hydrogen.
 pub(crate) fn from_name(name: &str) -> &'static str {
     for (at, letter) in name.char_indices() {
         if letter.is_ascii_alphabetic() {

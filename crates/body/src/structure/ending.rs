@@ -1,19 +1,19 @@
 //! Whether a structure file is complete, as far as its text tells.
 //!
 //! A file that was cut off in the middle reads like one of a smaller protein. Its last line shows a
-//! cut within a word; a deposited entry without the mark that ends such entries was cut as well.
-//! Files made by hand or by programs often have no such mark: nothing can be known about them, and
-//! no warning is given.
+//! cut within a word. A deposited entry was also cut off if it lacks the mark that ends such
+//! entries. Files made by hand or by programs often have no such mark, so nothing is known about
+//! them, and there is no warning.
 
 /// How a structure file ends.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum Ending {
-    /// As complete files do.
+    /// The file is complete.
     Whole,
-    /// Without a mark of its end, as files made by hand.
+    /// The file has no mark of its end, as is common in files made by hand.
     #[default]
     Unknown,
-    /// In the middle: what shows it, and what to do.
+    /// The file was cut off; the text says what shows it and what to do.
     CutOff(String),
 }
 
@@ -69,8 +69,8 @@ fn atom_line_lengths(text: &str) -> Vec<usize> {
     lengths
 }
 
-/// What shows that a file of fixed columns was cut in its last line: the line has no end, and is
-/// shorter than every other atom line, or stops in the name of its record. A coordinate may then
+/// The evidence that a file of fixed columns was cut in its last line: the line has no line end,
+/// and is shorter than every other atom line or stops in the name of its record. A coordinate may then
 /// have lost digits and still be a number.
 pub(super) fn cut_in_last_line(text: &str) -> Option<String> {
     /// Columns of the name of a record.

@@ -1,14 +1,15 @@
 //! Which residues carry a free amine or carboxylate.
 //!
-//! The first and the last protein residue of each chain do, and every residue with an OXT, unless
+//! The first and the last protein residue of each chain do, and so does every residue with an OXT,
+//! unless
 //!
 //! * the file lists unobserved residues beyond them;
 //! * the two are bonded to each other, which makes the chain a ring;
 //! * the residue is a cap, or its nitrogen is acylated (pyroglutamate, N-formylmethionine);
 //! * the nitrogen or the carbonyl carbon is bonded to another residue, whether that residue is
-//!   selected or not: a peptide that begins with an acyl group which the file calls a ligand has no
-//!   amine;
-//! * the residue is in no table and has no OXT: its last carbon may as well be an alcohol.
+//!   selected or not. For example, a peptide has no amine if it begins with an acyl group that the
+//!   file lists as a ligand;
+//! * the residue is in no table and has no OXT: its last carbon may be that of an alcohol.
 
 use super::classes::ResidueClass;
 use super::completeness::peptide_distance;
@@ -28,8 +29,8 @@ const BONDED_ANGSTROM: f64 = 1.9;
 /// Elements that make covalent bonds with the nitrogen or carbon of a chain's end.
 const COVALENT: [&str; 8] = ["B", "C", "N", "O", "P", "S", "SE", "SI"];
 
-/// Marks the residues that carry a free amine or carboxylate, and lists those whose end is bonded
-/// to something. `atoms` are all atoms of the model, selected or not.
+/// Marks the residues that carry a free amine or carboxylate, and lists the ends that are bonded to
+/// another residue. `atoms` are all atoms of the model, selected or not.
 pub(crate) fn mark_chain_ends(
     residues: &mut [SelectedResidue],
     unobserved: &[UnobservedResidue],
@@ -192,8 +193,8 @@ struct End {
     position: Vec3,
 }
 
-/// The ends that an atom of another residue is bonded to, each with that atom. An OXT settles the
-/// question: its residue is not asked about.
+/// The ends bonded to an atom of another residue, each with that atom. A carboxylate with an OXT is
+/// free and is not searched.
 fn bonded_partners(residues: &[SelectedResidue], atoms: &[Atom]) -> Vec<(End, String)> {
     let ends = ends(residues);
     let cells = cells_around(&ends);
@@ -245,7 +246,7 @@ fn ends(residues: &[SelectedResidue]) -> Vec<End> {
     ends
 }
 
-/// Ends by the cells that atoms bonded to them may stand in.
+/// Ends by the cells that can contain an atom bonded to them.
 fn cells_around(ends: &[End]) -> HashMap<[i64; 3], Vec<usize>> {
     let mut cells: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
     for (index, end) in ends.iter().enumerate() {

@@ -4,7 +4,7 @@ use super::messages::{parse_error, quoted};
 use crate::{BodyError, Result};
 use std::borrow::Cow;
 
-/// The structure formats this project reads.
+/// The structure formats that can be read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
     /// Protein Data Bank format, fixed columns.
@@ -33,12 +33,12 @@ impl Format {
         }
     }
 
-    /// The format by content, and by extension where the content leaves it open.
+    /// The format by content, and by extension if the content does not decide.
     ///
     /// # Errors
     /// [`crate::BodyError::Parse`] if nothing in the text looks like a structure.
     pub fn detect(name: &str, text: &str) -> Result<Self> {
-        /// Lines that are looked at.
+        /// Number of lines examined.
         const LINES: usize = 1000;
         let by_name = Self::of_name(name);
         if by_name == Some(Format::Pqr) {

@@ -1,4 +1,4 @@
-//! What the readers say: errors with their line, warnings, quoted text.
+//! Messages of the readers: errors with their line, warnings, quoted text.
 
 use crate::BodyError;
 
@@ -45,12 +45,12 @@ pub(crate) fn listed(items: &[String]) -> String {
     }
 }
 
-/// Warnings of a reader: the first few in full, and how many there were.
+/// Warnings of a reader: the first few in full, and the total number.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Warnings {
-    /// The first warnings, each beginning with its line.
+    /// The first warnings, each with its line number.
     pub messages: Vec<String>,
-    /// How many there were in all.
+    /// Total number.
     pub count: usize,
 }
 

@@ -36,7 +36,7 @@ const WANTED: [&str; 15] = [
     "reflns",
 ];
 
-/// Categories that show a file to be an entry of the archive.
+/// Categories that identify an entry of the archive.
 const OF_ENTRIES: [&str; 3] = ["audit_conform", "database_2", "pdbx_database_status"];
 
 /// Reads an mmCIF file.
@@ -320,7 +320,7 @@ mod tests {
                 "{cut}: {found:?}"
             );
         }
-        // Within a row it cannot be read at all, and the message says where and what to do.
+        // Cut within a row, it cannot be read, and the message says where and what to do.
         let message = of(&ENTRY[..ENTRY.find(" 6.75").unwrap()])
             .unwrap_err()
             .to_string();
@@ -366,7 +366,7 @@ mod tests {
             (of(&by_hand).ending, of(&by_hand).warnings.count),
             (Ending::Unknown, 0)
         );
-        // Where something follows the atoms, they are all there.
+        // If another category follows, no atom is missing.
         assert_eq!(
             of(&format!("{by_hand}_cell.length_a 10\n")).ending,
             Ending::Whole

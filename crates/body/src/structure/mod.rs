@@ -1,12 +1,12 @@
-//! Structure files: PDB and mmCIF text to one [`Structure`], and the selection of what becomes a
-//! body.
+//! Structure files: reads PDB and mmCIF text into a [`Structure`] and selects the part that becomes
+//! a body.
 //!
 //! The readers are our own. pdbtbx 0.12, the natural choice in Rust, was measured on 120 PDB and
 //! mmCIF files: at its loosest level it read 90, refused 27 (free-text remarks, coordinate lines
-//! shorter than 80 columns, odd charges) and panicked on three. Where blank and labelled alternate
-//! locations stand side by side, its atom iterator yields the blank ones once per conformer (5PTI:
-//! 1119 atoms for 1104 records), which would count charges twice. It reads no biological assemblies
-//! from either format. It serves as an independent witness in the tests.
+//! shorter than 80 columns, odd charges) and panicked on three. Where a residue has both
+//! blank and labelled alternate locations, its atom iterator yields the blank ones once per
+//! conformer (5PTI: 1119 atoms for 1104 records), which would count charges twice. It does not read
+//! biological assemblies. The tests use it as an independent reference.
 //!
 //! ```
 //! use protomer_body::structure::{SelectionSettings, Structure};
@@ -23,9 +23,9 @@
 //!
 //! | module | one idea |
 //! |---|---|
-//! | `contents` | what a structure file holds, in both formats alike |
+//! | `contents` | the content of a structure file, the same for both formats |
 //! | `read` | from the bytes of a file to its content |
-//! | [`mod@format`] | which format a file is in |
+//! | [`mod@format`] | the format of a file |
 //! | `columns` | fixed-column fields: numbers, hybrid-36, errors with line and column |
 //! | `pdb` | PDB coordinate records |
 //! | `pdb_header` | PDB title records and remarks |
@@ -36,7 +36,7 @@
 //! | [`mod@ending`] | whether a file is complete |
 //! | `element` | elements, and how to guess them from atom names |
 //! | `residue_key` | what identifies a residue |
-//! | `residues` | atoms grouped to residues, and which groups form a chain |
+//! | `residues` | atoms grouped into residues, and which groups form a chain |
 //! | [`classes`] | what kind of residue each is |
 //! | `alternates` | one conformer per residue |
 //! | [`selected`] | the selected residues |
@@ -45,8 +45,8 @@
 //! | `ends` | free amines and carboxylates at the ends of chains |
 //! | `disulfides` | disulfide bonds, from records first and by distance second |
 //! | `assembled` | selected residues copied by an assembly's operators |
-//! | [`selection`] | what becomes a body, and the count of what does not |
-//! | `messages`, `names` | what the readers say; shared strings |
+//! | [`selection`] | the part of a structure that becomes a body |
+//! | `messages`, `names` | messages of the readers; shared strings |
 
 mod alternates;
 mod assembled;

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
-/// Hands out one shared string for equal texts.
+/// Gives one shared string for equal texts.
 #[derive(Debug, Default)]
 pub(crate) struct Names {
     seen: HashSet<Arc<str>>,

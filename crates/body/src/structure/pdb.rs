@@ -4,13 +4,13 @@
 //! serial numbers; five-digit residue numbers; two-letter chains (columns 21-22); four-letter
 //! residue names; atoms outside MODEL ... ENDMDL.
 //!
-//! Warned of, and noted as the [`Ending`]: a deposited entry (one with HEADER or SEQRES) that ends
-//! without END or MASTER, as one cut off between two lines does; a model that is not closed; a last
-//! line that stops in a word. Files of other origin often have none of these records, so nothing
-//! can be said about them.
+//! Accepted with a warning, and noted as the [`Ending`]: a deposited entry (one with HEADER or
+//! SEQRES) without END or MASTER, probably cut off between two lines; a model that is not closed;
+//! a last line that stops in a word. Files of other origin often have none of these records, so
+//! nothing is known about them.
 //!
-//! Not tolerated: a coordinate or a residue number that cannot be read, because the atom would be
-//! lost in silence.
+//! Refused: a coordinate or residue number that cannot be read, because the atom would be lost
+//! silently.
 
 use super::columns::{Line, hybrid36};
 use super::contents::{Atom, Model, Structure};
@@ -64,14 +64,14 @@ struct Reader {
     names: Names,
     /// Whether atoms that follow belong to the last model.
     model_is_open: bool,
-    /// Whether a MODEL record waits for its ENDMDL.
+    /// Whether a MODEL record has no ENDMDL yet.
     awaits_endmdl: bool,
     /// Chains of this model in which a TER record has ended a polymer.
     ended_chains: HashSet<Arc<str>>,
     serial: i64,
-    /// The record that shows the file to be a deposited entry.
+    /// The record that identifies a deposited entry.
     deposited: Option<&'static str>,
-    /// Whether there was one of the two records with which deposited entries end.
+    /// Whether one of the two records that end deposited entries was found.
     has_end: bool,
 }
 
@@ -188,7 +188,7 @@ impl Reader {
         })
     }
 
-    /// A number that the file may lack; one that cannot be read is warned of.
+    /// An optional number; warns of one that cannot be read.
     fn number_or(
         &mut self,
         line: &Line,
@@ -352,7 +352,7 @@ mod tests {
         let warnings = |text: &str| read("1abc.pdb", text).unwrap().warnings.messages;
         let whole = format!("{header}{atoms}MASTER        0\nEND   \n");
         assert!(warnings(&whole).is_empty());
-        // Wherever it is cut before MASTER, the last line is named.
+        // For any cut before MASTER, the warning names the last line.
         for lines in 2..=6 {
             let cut: String = whole.split_inclusive('\n').take(lines).collect();
             let found = warnings(&cut);
@@ -373,7 +373,7 @@ mod tests {
             warnings(&format!("{header}MODEL        1\n{atoms}ENDMDL\n")).len() == 1,
             "further models may be lost"
         );
-        // Programs write files without HEADER and without END: nothing can be said of them.
+        // Programs write files without HEADER and END: nothing is known about them.
         assert!(
             warnings(&atoms).is_empty()
                 && warnings(&format!("REMARK made by a program\n{atoms}TER\n")).is_empty()
@@ -406,8 +406,8 @@ mod tests {
         ] {
             assert!(matches!(ending(&cut).unwrap(), Ending::CutOff(_)), "{cut}");
         }
-        // Wherever the last line is cut before its last letter, either it cannot be read or that it
-        // was cut is known: the coordinate -6.5 for -6.504 is not taken.
+        // If the last line is cut before its last letter, it either cannot be read or is known to
+        // be cut: the coordinate -6.5 is not accepted for -6.504.
         let begin = atoms.len() - atom(5).len();
         for cut in begin + 1..atoms.trim_end().len() {
             let found = ending(&atoms[..cut]);

@@ -12,7 +12,7 @@ use crate::Result;
 use nalgebra::Matrix3;
 use protomer_kernel::Vec3;
 
-/// Collects what stands outside the coordinate records.
+/// Collects the content of all records other than coordinates.
 #[derive(Default)]
 pub(crate) struct HeaderReader {
     header: Header,
@@ -41,7 +41,7 @@ impl HeaderReader {
         Ok(())
     }
 
-    /// Hands over what was collected.
+    /// What was collected.
     pub(crate) fn finish(self, structure: &mut Structure) {
         structure.header = self.header;
         structure.disulfides = self.disulfides;

@@ -1,4 +1,4 @@
-//! What was selected, what was left out and why, and how residues were treated.
+//! The report of a selection.
 
 use super::residue_key::ResidueKey;
 use serde::Serialize;
@@ -31,8 +31,8 @@ pub struct SelectionReport {
     pub ligands: Vec<ListedResidue>,
     /// Residues with other residues in the same place.
     pub microheterogeneous: Vec<ListedResidue>,
-    /// First and last residues of chains whose amine or carboxyl group is bonded to something, so
-    /// that it carries no charge.
+    /// First and last residues of chains whose amine or carboxyl group has no charge because it is
+    /// bonded to another residue.
     pub blocked_ends: Vec<ListedResidue>,
     /// Disulfide bonds.
     pub disulfides: Vec<Disulfide>,
@@ -40,7 +40,7 @@ pub struct SelectionReport {
     pub incomplete: Vec<IncompleteResidue>,
     /// Breaks of chains.
     pub chain_breaks: Vec<ChainBreak>,
-    /// Residues that the file lists as not observed, of the chains selected.
+    /// Residues of the selected chains that the file lists as not observed.
     pub unobserved: usize,
     /// Selected residues that have the chain and number of an earlier one, as in files without
     /// chain identifiers.
@@ -80,16 +80,16 @@ pub mod reason {
     pub const ASSEMBLY: &str = "not in the assembly";
 }
 
-/// A residue with a remark about it.
+/// A residue and how it was treated.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ListedResidue {
     /// Which residue.
     pub residue: ResidueKey,
     /// Its name.
     pub name: Arc<str>,
-    /// The remark.
+    /// How it was treated.
     pub note: String,
-    /// Its net charge, e, once the pH is known.
+    /// Its net charge, e; `None` before the pH is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub charge_e: Option<f64>,
 }
@@ -125,7 +125,7 @@ pub struct Disulfide {
     pub residue: ResidueKey,
     /// The cysteine it is bonded to.
     pub partner: ResidueKey,
-    /// What shows the bond.
+    /// The evidence of the bond.
     pub evidence: DisulfideEvidence,
     /// Distance between the sulfurs, Å; `None` where one of them is missing or the partner is not
     /// selected.
@@ -135,13 +135,13 @@ pub struct Disulfide {
     pub partner_is_selected: bool,
 }
 
-/// What shows a disulfide bond.
+/// The evidence of a disulfide bond.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum DisulfideEvidence {
-    /// A record of the file, and sulfurs as close as a bond makes them.
+    /// A record of the file, and sulfurs within bonding distance.
     RecordAndDistance,
-    /// A record of the file; the sulfurs are farther apart, or one of them is not there.
+    /// A record of the file; the sulfurs are farther apart, or one of them is missing.
     Record,
     /// The distance alone.
     Distance,

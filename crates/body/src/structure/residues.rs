@@ -1,4 +1,4 @@
-//! Atoms grouped to residues, and which groups form a chain.
+//! Atoms grouped into residues, and which groups form a chain.
 
 use super::contents::Atom;
 use super::residue_key::ResidueKey;
@@ -25,7 +25,7 @@ impl AtomGroup<'_> {
         None
     }
 
-    /// Whether the file shows all of it to be outside any polymer.
+    /// Whether all its atoms are outside any polymer according to the file.
     fn is_outside(&self) -> bool {
         self.atoms.iter().all(|atom| atom.outside_polymer)
     }
@@ -35,17 +35,17 @@ impl AtomGroup<'_> {
     }
 }
 
-/// Groups atoms by residue, in order of first appearance. The atoms of a residue need not stand
-/// together: some files list conformers one after the other. Waters and atoms outside polymers
+/// Groups atoms by residue, in order of first appearance. The atoms of a residue need not be
+/// contiguous: some files list conformers one after the other. Waters and atoms outside polymers
 /// never share a group with a polymer's residue of the same number.
 ///
-/// Where a residue's number comes again and so do its atoms, a new residue begins: files without
-/// chain identifiers number each chain from one, and large ones begin again after 9999.
+/// A new residue begins where both a residue's number and its atoms recur: files without chain
+/// identifiers number each chain from one, and large files start again after 9999.
 pub(crate) fn group(atoms: &[Atom]) -> Vec<AtomGroup<'_>> {
     let mut groups: Vec<AtomGroup> = Vec::new();
     let mut index_of: HashMap<(ResidueKey, bool), usize> = HashMap::new();
     let mut seen: HashSet<(usize, &str, Option<char>)> = HashSet::with_capacity(atoms.len());
-    // The group of the atom before, and whether it is outside.
+    // The group of the previous atom, and whether it is outside.
     let mut last: Option<(usize, bool)> = None;
     for atom in atoms {
         let outside = atom.outside_polymer || residue_names::is_water(&atom.residue_name);
@@ -94,10 +94,10 @@ pub(crate) fn is_of(atom: &Atom, key: &ResidueKey) -> bool {
         && key.insertion_code == atom.insertion_code
 }
 
-/// For each group whether it is part of a chain: it stands there as an ordinary ATOM, or it is
-/// bonded to its neighbour in the file as residues of a chain are (N-C or O3'-P). Of groups that
-/// the file shows to be outside any polymer, only those count that such bonds connect to a group
-/// inside: two parts of a ligand that are bonded to each other do not make a chain.
+/// For each group, whether it is part of a chain: an ordinary ATOM, or bonded to its neighbour in
+/// the file by a bond between residues of a chain (C-N or O3'-P). A group outside any polymer
+/// counts only if such bonds connect it to a group inside: two bonded parts of a ligand are not a
+/// chain.
 pub(crate) fn in_chain(groups: &[AtomGroup]) -> Vec<bool> {
     let mut bonded_to_next = Vec::with_capacity(groups.len());
     for pair in groups.windows(2) {
@@ -105,7 +105,7 @@ pub(crate) fn in_chain(groups: &[AtomGroup]) -> Vec<bool> {
     }
     bonded_to_next.push(false);
     let mut in_chain = vec![false; groups.len()];
-    // From each side: whether a run of bonds leads here from a group inside.
+    // From each side: whether a series of bonds connects a group inside to this one.
     let mut reaches = false;
     for (index, group) in groups.iter().enumerate() {
         in_chain[index] = !group.is_hetero() || reaches;

@@ -60,7 +60,7 @@ impl SelectedResidue {
         self.atoms.iter().find(|atom| &*atom.name == name)
     }
 
-    /// The key under which the file knows the residue, whatever copy of an assembly it is.
+    /// The key of the residue in the file, without the number of its copy in an assembly.
     pub(crate) fn source_key(&self) -> ResidueKey {
         ResidueKey {
             chain: self.source_chain.clone(),

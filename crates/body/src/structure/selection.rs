@@ -1,4 +1,4 @@
-//! What of a structure becomes a body, and the count of what does not.
+//! Selects the part of a structure that becomes a body, and counts the rest.
 
 use super::alternates::{self, Conformer};
 use super::assembled::apply_assembly;
@@ -100,7 +100,7 @@ impl Structure {
             ..SelectionReport::default()
         };
         let mut residues = select_residues(model, settings, &mut report);
-        // The ends are those of the chains in the file, before anything is left out or copied.
+        // Ends are those of the chains in the file, before anything is left out or copied.
         report.blocked_ends = mark_chain_ends(&mut residues, &self.header.unobserved, &model.atoms);
         if let Some(id) = &settings.assembly {
             residues = apply_assembly(residues, self.assembly(id)?, &mut report)?;
@@ -215,7 +215,7 @@ fn why_not(class: ResidueClass, settings: &SelectionSettings) -> Option<&'static
     }
 }
 
-/// The atoms of a conformer under the names that the tables know, without hydrogens unless they are
+/// The atoms of a conformer under the names used in the tables, without hydrogens unless they are
 /// kept.
 fn kept_atoms(conformer: &Conformer, class: ResidueClass, keep_hydrogens: bool) -> Vec<Atom> {
     let amino_acid = class.amino_acid();
@@ -230,8 +230,7 @@ fn kept_atoms(conformer: &Conformer, class: ResidueClass, keep_hydrogens: bool) 
     atoms
 }
 
-/// Simulation programs have names of their own for a few atoms; the tables know those of the
-/// Protein Data Bank.
+/// The Protein Data Bank's name of an atom: simulation programs have their own for a few atoms.
 fn use_standard_name(atom: &mut Atom, amino_acid: Option<AminoAcid>) {
     let name = match (amino_acid, &*atom.name) {
         (Some(AminoAcid::Ile), "CD") => "CD1",
@@ -261,7 +260,7 @@ fn selected(
     }
 }
 
-/// Lists a residue that is not one of the twenty in a single conformation.
+/// Lists a residue that is not one of the twenty, or that shares its place with another.
 fn list(report: &mut SelectionReport, residue: &SelectedResidue, conformer: &Conformer) {
     let entry = |note: String| ListedResidue {
         residue: residue.key.clone(),
