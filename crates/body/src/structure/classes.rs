@@ -80,8 +80,8 @@ impl ResidueClass {
         }
     }
 
-    /// The class of a residue of a chain whose name is in no table. A single `C1'` does not make a
-    /// nucleotide (2-ethylpiperidine has one): the whole sugar does.
+    /// The class of a residue of a chain whose name is in no table. A nucleotide is recognised by
+    /// its whole sugar; `C1'` alone is not enough (2-ethylpiperidine has one).
     fn by_atoms(atoms: &[&Atom]) -> Self {
         if SUGAR.iter().all(|names| has_one_of(atoms, names)) {
             ResidueClass::Nucleotide
@@ -120,7 +120,7 @@ fn amino_acid_of_atoms(atoms: &[&Atom]) -> Option<AminoAcid> {
         if atom.is_hydrogen() || &*atom.name == "OXT" {
             continue;
         }
-        // SD of methionine is a sulfur; a selenium of that name is another residue.
+        // SD of methionine is a sulfur; with a selenium of that name it is another residue.
         if !atom.name.starts_with(&*atom.element) {
             return None;
         }

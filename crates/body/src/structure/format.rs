@@ -1,4 +1,4 @@
-//! Which format a file is in.
+//! The format of a file.
 
 use super::messages::{parse_error, quoted};
 use crate::{BodyError, Result};
