@@ -1,5 +1,5 @@
-//! The rigid body: mesh, charges, hydropathy, mass. Immutable, and shared between simulations
-//! behind an `Arc`.
+//! The rigid body: mesh, charges, hydropathy, mass. Immutable; simulations share it behind an
+//! `Arc`.
 
 use protomer_kernel::mesh::MassProperties;
 use protomer_kernel::{TriangleMesh, Vec3};
@@ -57,7 +57,7 @@ pub struct Residue {
     pub hydropathy: Option<f64>,
 }
 
-/// Where a body comes from: enough to make it again.
+/// Where a body comes from, in enough detail to make it again.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Provenance {
     /// The input file as the user named it.
@@ -66,14 +66,23 @@ pub struct Provenance {
     pub source_sha256: String,
     /// The body frame's origin in the coordinates of the input file, Å.
     pub origin_angstrom: Vec3,
-    /// Every setting that shaped the body (pH, probe, density, selection, mutations ...), by name.
+    /// Every setting that affects the body (pH, probe, density, selection, mutations ...), by name.
     pub settings: BTreeMap<String, String>,
 }
 
 impl Body {
     /// Sum of the site charges, e.
+    ///
+    /// ```
+    /// # use protomer_body::{BodySettings, Source, build_body};
+    /// # let text = "ATOM      1  ND1 HIS A   7      11.104   6.134  -6.504  1.00 10.00           N";
+    /// # let source = Source { file: "histidine.pdb", sha256: "" };
+    /// let body = build_body("histidine", source, text.as_bytes(), &BodySettings::default())?.body;
+    /// assert!(body.net_charge_e() > 0.0 && body.net_charge_e() < 1.0);
+    /// # Ok::<(), protomer_body::BodyError>(())
+    /// ```
     pub fn net_charge_e(&self) -> f64 {
-        self.sites.iter().map(|site| site.charge_e).sum()
+        net_charge_e(&self.sites)
     }
 
     /// Radius of the sphere about the body's origin that holds the mesh, Å.
@@ -89,4 +98,13 @@ impl Body {
             .fold(0.0, f64::max)
             .sqrt()
     }
+}
+
+/// Sum of charges, e. Zero without charges, although the sum of an empty iterator is -0.
+pub(crate) fn net_charge_e(sites: &[Site]) -> f64 {
+    let mut sum = 0.0;
+    for site in sites {
+        sum += site.charge_e;
+    }
+    sum
 }

@@ -1,40 +1,50 @@
-//! The whole way from the text of a structure file to a body.
+//! From the text of a structure file to a body.
 
 use crate::body::{Body, Provenance, Site};
 use crate::chemistry::{
-    ChargedSites, Mutation, SiteSettings, build_sites, mutate, sites_of_points,
+    ChargeModel, ChargedSites, Mutation, SiteSettings, build_sites, mutate, sites_of_points,
 };
 use crate::structure::{Selection, SelectionReport, SelectionSettings, Structure};
-use crate::surface::{MeshSettings, Surface, solvent_excluded_surface};
+use crate::surface::{FilledCavities, MeshSettings, Surface, solvent_excluded_surface};
+use crate::warnings::{cavity_warnings, reader_warnings, selection_warnings};
 use crate::{BodyError, Result};
-use protomer_io::points::PointRecord;
-use protomer_kernel::Vec3;
-use std::collections::BTreeMap;
+use protomer_kernel::PointRecord;
+use std::collections::{BTreeMap, HashMap};
 
-/// Everything that shapes a body.
+/// Every setting that affects a body.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct BodySettings {
-    /// Which atoms.
+    /// Which atoms to use.
     pub selection: SelectionSettings,
-    /// Which charges.
+    /// How to charge them.
     pub sites: SiteSettings,
-    /// Residues exchanged in place.
+    /// Mutations.
     pub mutations: Vec<Mutation>,
-    /// Which surface.
+    /// Which surface to make.
     pub surface: SurfaceSettings,
 }
 
-/// What kind of surface.
+/// Settings of the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceSettings {
     /// Radius of the probe, Å.
     pub probe_radius_angstrom: f64,
     /// Mesh vertices per Å².
     pub density_per_angstrom2: f64,
-    /// Keep the walls of cavities as part of the surface.
+    /// Keep the walls of all cavities as part of the surface.
     pub keep_cavities: bool,
-    /// The surface is moved inward by this much, Å.
+    /// A cavity into which a ball of this radius fits is an enclosed interior, Å. Its wall is
+    /// always kept, because other bodies may be in there.
+    pub interior_radius_angstrom: f64,
+    /// Distance by which the surface is moved inward, Å.
     pub inward_offset_angstrom: f64,
+}
+
+impl SurfaceSettings {
+    /// The default of [`SurfaceSettings::interior_radius_angstrom`]: a ball as large as the
+    /// smallest folded proteins (crambin, 46 residues, has the volume of one of 11 Å). The cavities
+    /// of single proteins are several times narrower.
+    pub const INTERIOR_RADIUS_ANGSTROM: f64 = 10.0;
 }
 
 impl Default for SurfaceSettings {
@@ -43,19 +53,20 @@ impl Default for SurfaceSettings {
             probe_radius_angstrom: 1.4,
             density_per_angstrom2: 1.0,
             keep_cavities: false,
+            interior_radius_angstrom: Self::INTERIOR_RADIUS_ANGSTROM,
             inward_offset_angstrom: 0.0,
         }
     }
 }
 
-/// A body with the account of how it was made.
+/// A body, the report of what it was made from, and warnings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BuiltBody {
     /// The body.
     pub body: Body,
-    /// What of the structure was selected; `None` for bare points.
+    /// What was selected from the structure; `None` for bare points.
     pub selection: Option<SelectionReport>,
-    /// What a careful user should know.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
 }
 
@@ -68,17 +79,31 @@ pub struct Source<'a> {
     pub sha256: &'a str,
 }
 
-/// A body from the text of a PDB or mmCIF file.
+/// Makes a body from the text of a PDB or mmCIF file.
+///
+/// ```
+/// use protomer_body::{BodySettings, Source, build_body};
+/// let text = "\
+/// ATOM      1  N   LYS A   1      11.104   6.134  -6.504  1.00 10.00           N
+/// ATOM      2  CA  LYS A   1      11.639   6.071  -5.147  1.00 10.00           C";
+/// let source = Source { file: "lysine.pdb", sha256: "" };
+/// let built = build_body("lysine", source, text.as_bytes(), &BodySettings::default())?;
+/// assert_eq!(built.body.sites.len(), 2);
+/// assert!(built.body.mesh.volume_angstrom3() > 20.0);
+/// assert_eq!(built.warnings, ["LYS A:1 lacks C, O, CB, CG, CD, CE, NZ"]);
+/// # Ok::<(), protomer_body::BodyError>(())
+/// ```
 ///
 /// # Errors
-/// [`BodyError::Parse`] for text that is not a structure, [`BodyError::Invalid`] for settings that
-/// do not fit it; both say where and what to do.
+/// [`BodyError::Parse`] for text that is not a structure, [`BodyError::Invalid`] for an empty name
+/// and for settings that do not fit the structure; both say where and what to do.
 pub fn build_body(
     name: &str,
     source: Source<'_>,
     bytes: &[u8],
     settings: &BodySettings,
 ) -> Result<BuiltBody> {
+    check_name(name)?;
     let structure = Structure::read(source.file, bytes)?;
     let selection = structure.select(&settings.selection)?;
     let mut built = build_body_of_selection(name, source, selection, settings)?;
@@ -86,69 +111,60 @@ pub fn build_body(
     Ok(built)
 }
 
-/// What of a file and of what was selected from it deserves a line to the user.
-pub fn structure_warnings(structure: &Structure, report: &SelectionReport) -> Vec<String> {
-    let mut warnings = reader_warnings(structure);
-    warnings.extend(selection_warnings(report));
-    warnings
-}
-
-fn reader_warnings(structure: &Structure) -> Vec<String> {
-    let warnings = &structure.warnings;
-    let mut messages = warnings.messages.clone();
-    if warnings.count > messages.len() {
-        messages.push(format!(
-            "and {} more of the kind",
-            warnings.count - messages.len()
-        ));
-    }
-    messages
-}
-
-/// A body from selected residues.
+/// Makes a body from selected residues.
 ///
 /// # Errors
-/// [`BodyError::Invalid`] for a mutation that does not fit, or atoms that have no surface.
+/// [`BodyError::Invalid`] for an empty name, a mutation that does not fit, or atoms that have no
+/// surface.
 pub fn build_body_of_selection(
     name: &str,
     source: Source<'_>,
     mut selection: Selection,
     settings: &BodySettings,
 ) -> Result<BuiltBody> {
+    check_name(name)?;
     mutate(&mut selection, &settings.mutations)?;
     let sites = build_sites(&selection, &settings.sites)?;
-    let mut provenance = settings.surface.describe();
-    provenance.extend(describe_selection(&settings.selection));
-    provenance.insert("ph".into(), settings.sites.ph.to_string());
-    provenance.insert("charges".into(), format!("{:?}", settings.sites.charges));
-    if !settings.mutations.is_empty() {
-        let mutations: Vec<String> = settings.mutations.iter().map(Mutation::to_string).collect();
-        provenance.insert("mutations".into(), mutations.join(","));
+    let mut report = selection.report;
+    if settings.sites.charges != ChargeModel::None {
+        list_charges(&mut report, &sites);
     }
-    let (body, mut warnings) = finish(name, source, sites, provenance, &settings.surface)?;
-    warnings.splice(0..0, selection_warnings(&selection.report));
+    let described = describe_settings(settings);
+    let (body, mut warnings) = finish(name, source, sites, described, &settings.surface)?;
+    warnings.splice(0..0, selection_warnings(&report));
     Ok(BuiltBody {
         body,
-        selection: Some(selection.report),
+        selection: Some(report),
         warnings,
     })
 }
 
-/// A body from bare points that bring their own charges and radii. Points with a radius of zero
-/// carry charge only.
+/// Makes a body from bare points that have charges and radii of their own. Points with a radius of
+/// zero carry charge only.
+///
+/// ```
+/// use protomer_body::{Source, SurfaceSettings, build_body_of_points};
+/// use protomer_kernel::PointRecord;
+/// let ion = PointRecord { charge_e: 1.0, radius_angstrom: 2.0, ..PointRecord::default() };
+/// let source = Source { file: "ion.xyzr", sha256: "" };
+/// let body = build_body_of_points("ion", source, &[ion], &SurfaceSettings::default())?.body;
+/// assert!((body.mesh.volume_angstrom3() - 33.5).abs() < 0.1);
+/// # Ok::<(), protomer_body::BodyError>(())
+/// ```
 ///
 /// # Errors
-/// [`BodyError::Invalid`] without points, or without a positive radius.
+/// [`BodyError::Invalid`] for an empty name, without points, or without a positive radius.
 pub fn build_body_of_points(
     name: &str,
     source: Source<'_>,
     points: &[PointRecord],
     surface: &SurfaceSettings,
 ) -> Result<BuiltBody> {
+    check_name(name)?;
     let sites = sites_of_points(points)?;
-    let mut provenance = surface.describe();
-    provenance.insert("charges".into(), "from the file".into());
-    let (body, warnings) = finish(name, source, sites, provenance, surface)?;
+    let mut described = surface.describe();
+    described.insert("charges".into(), "from the file".into());
+    let (body, warnings) = finish(name, source, sites, described, surface)?;
     Ok(BuiltBody {
         body,
         selection: None,
@@ -156,19 +172,60 @@ pub fn build_body_of_points(
     })
 }
 
-/// The solvent-excluded surface of the sites that have a radius.
-///
-/// Moving the surface inward by δ is the surface of atoms smaller by δ rolled on by a probe larger
-/// by δ: the probe's centre goes where it went before.
+/// Refuses an empty name of a body.
 ///
 /// # Errors
-/// [`BodyError::Invalid`] if no site has a radius, or the offset is larger than the smallest one.
+/// [`BodyError::Invalid`] for a name without a visible character.
+///
+/// ```
+/// assert!(protomer_body::check_name("lysozyme").is_ok());
+/// assert!(protomer_body::check_name(" ").is_err());
+/// ```
+pub fn check_name(name: &str) -> Result<()> {
+    if name.trim().is_empty() {
+        return Err(BodyError::Invalid {
+            cause: "the name of the body is empty".into(),
+            remedy: "give it a name, by which assemblies and tables refer to it".into(),
+        });
+    }
+    Ok(())
+}
+
+/// The solvent-excluded surface of the sites that have a radius, cavities included.
+///
+/// To move the surface inward by δ, the atoms' radii shrink by δ and the probe's radius grows by δ:
+/// the centre of the probe then reaches the same places as before.
+///
+/// ```
+/// use protomer_body::{Site, SurfaceSettings, surface_of_sites};
+/// use protomer_kernel::Vec3;
+/// let carbon = Site {
+///     position: Vec3::zeros(),
+///     charge_e: 0.0,
+///     radius_angstrom: 1.7,
+///     atom_name: "C".into(),
+///     residue: None,
+/// };
+/// let surface = surface_of_sites(&[carbon], &SurfaceSettings::default())?;
+/// assert!((surface.exact.ses_area_angstrom2() - 36.317).abs() < 1e-3);
+/// # Ok::<(), protomer_body::BodyError>(())
+/// ```
+///
+/// # Errors
+/// [`BodyError::Invalid`] for a probe, density or offset out of range, without a site that has a
+/// radius, and for an offset larger than the smallest radius.
 pub fn surface_of_sites(sites: &[Site], settings: &SurfaceSettings) -> Result<Surface> {
-    let solid = || sites.iter().filter(|site| site.radius_angstrom > 0.0);
-    let smallest = solid()
-        .map(|site| site.radius_angstrom)
-        .fold(f64::INFINITY, f64::min);
+    settings.check()?;
     let offset = settings.inward_offset_angstrom;
+    let (mut centres, mut radii) = (Vec::new(), Vec::new());
+    let mut smallest = f64::INFINITY;
+    for site in sites {
+        if site.radius_angstrom > 0.0 {
+            centres.push(site.position);
+            radii.push(site.radius_angstrom - offset);
+            smallest = smallest.min(site.radius_angstrom);
+        }
+    }
     if !(offset.is_finite() && offset < smallest) {
         return Err(BodyError::Invalid {
             cause: format!(
@@ -177,139 +234,141 @@ pub fn surface_of_sites(sites: &[Site], settings: &SurfaceSettings) -> Result<Su
             remedy: "give a smaller offset".into(),
         });
     }
-    let centres: Vec<Vec3> = solid().map(|site| site.position).collect();
-    let radii: Vec<f64> = solid().map(|site| site.radius_angstrom - offset).collect();
     let mesh = MeshSettings {
         density_per_angstrom2: settings.density_per_angstrom2,
         ..MeshSettings::default()
     };
-    solvent_excluded_surface(
-        &centres,
-        &radii,
-        settings.probe_radius_angstrom + offset,
-        &mesh,
-    )
+    let probe = settings.probe_radius_angstrom + offset;
+    solvent_excluded_surface(&centres, &radii, probe, &mesh)
 }
 
+/// Surface, mass and provenance of charged sites, and the warnings about its cavities.
 fn finish(
     name: &str,
     source: Source<'_>,
     sites: ChargedSites,
-    settings: BTreeMap<String, String>,
-    surface: &SurfaceSettings,
+    mut settings: BTreeMap<String, String>,
+    surface_settings: &SurfaceSettings,
 ) -> Result<(Body, Vec<String>)> {
-    let whole = surface_of_sites(&sites.sites, surface)?;
-    let cavities = whole.topology.cavities;
-    let chosen = if surface.keep_cavities || cavities == 0 {
-        whole
+    let whole = surface_of_sites(&sites.sites, surface_settings)?;
+    let interior_radius = surface_settings.interior_radius_angstrom;
+    let (surface, cavities) = if surface_settings.keep_cavities {
+        (whole, FilledCavities::default())
     } else {
-        whole.without_cavities()?
+        whole.fill_cavities(interior_radius)?
     };
-    let mut warnings = Vec::new();
-    if !surface.keep_cavities && cavities > 0 {
-        warnings.push(format!(
-            "{cavities} internal cavities filled; keep them with --cavities keep"
-        ));
+    let mut warnings = cavity_warnings(&cavities, interior_radius);
+    if cavities.kept > 0 {
+        let kept = cavities.kept.to_string();
+        settings.insert("enclosed_interiors".into(), kept);
     }
-    let pieces = chosen.topology.components - chosen.topology.cavities;
+    let pieces = surface.topology.components - surface.topology.cavities;
     if pieces > 1 {
         warnings.push(format!(
             "the surface has {pieces} separate pieces; they move as one rigid body"
         ));
     }
-    let mesh = chosen.mesh;
-    let provenance = Provenance {
-        source: source.file.into(),
-        source_sha256: source.sha256.into(),
-        origin_angstrom: sites.origin_angstrom,
-        settings,
-    };
-    let mass_properties = mesh.mass_properties()?;
+    let mass_properties = surface.mesh.mass_properties()?;
     let body = Body {
         name: name.into(),
-        mesh,
+        mesh: surface.mesh,
         sites: sites.sites,
         residues: sites.residues,
         mass_properties,
-        provenance,
+        provenance: Provenance {
+            source: source.file.into(),
+            source_sha256: source.sha256.into(),
+            origin_angstrom: sites.origin_angstrom,
+            settings,
+        },
     };
     Ok((body, warnings))
 }
 
-impl SurfaceSettings {
-    fn describe(&self) -> BTreeMap<String, String> {
-        let setting = |name: &str, value: String| (name.to_owned(), value);
-        BTreeMap::from([
-            setting(
-                "probe_radius_angstrom",
-                self.probe_radius_angstrom.to_string(),
-            ),
-            setting(
-                "density_per_angstrom2",
-                self.density_per_angstrom2.to_string(),
-            ),
-            setting(
-                "inward_offset_angstrom",
-                self.inward_offset_angstrom.to_string(),
-            ),
-            setting(
-                "cavities",
-                if self.keep_cavities { "keep" } else { "drop" }.into(),
-            ),
-        ])
+/// Adds the charges of the residues listed in the report, now that the pH is known.
+fn list_charges(report: &mut SelectionReport, sites: &ChargedSites) {
+    let mut charges: HashMap<(&str, i32, &str), f64> = HashMap::new();
+    for residue in &sites.residues {
+        let key = (
+            residue.chain.as_str(),
+            residue.number,
+            residue.insertion_code.as_str(),
+        );
+        charges.insert(key, residue.charge_e);
+    }
+    for list in [
+        &mut report.modified,
+        &mut report.unknown,
+        &mut report.ligands,
+    ] {
+        for listed in list {
+            let key = &listed.residue;
+            let key = (&*key.chain, key.number, &*key.insertion_code);
+            listed.charge_e = charges.get(&key).copied();
+        }
     }
 }
 
-/// The settings of a selection by name, without those that are off.
+/// The settings of a body by name.
+fn describe_settings(settings: &BodySettings) -> BTreeMap<String, String> {
+    let mut described = settings.surface.describe();
+    described.extend(describe_selection(&settings.selection));
+    described.insert("ph".into(), settings.sites.ph.to_string());
+    described.insert("charges".into(), format!("{:?}", settings.sites.charges));
+    if !settings.mutations.is_empty() {
+        let mutations: Vec<String> = settings.mutations.iter().map(Mutation::to_string).collect();
+        described.insert("mutations".into(), mutations.join(","));
+    }
+    described
+}
+
+impl SurfaceSettings {
+    fn check(&self) -> Result<()> {
+        let radius = self.interior_radius_angstrom;
+        if radius > 0.0 {
+            return Ok(());
+        }
+        Err(BodyError::Invalid {
+            cause: format!("a radius of {radius} Å for enclosed interiors"),
+            remedy: "give a positive radius, larger than that of any cavity to fill".into(),
+        })
+    }
+
+    /// The settings by name; the interior radius only where it is not the default.
+    fn describe(&self) -> BTreeMap<String, String> {
+        let cavities = if self.keep_cavities { "keep" } else { "drop" };
+        let mut described = BTreeMap::from([("cavities".to_owned(), cavities.to_owned())]);
+        let lengths = [
+            ("probe_radius_angstrom", self.probe_radius_angstrom),
+            ("density_per_angstrom2", self.density_per_angstrom2),
+            ("inward_offset_angstrom", self.inward_offset_angstrom),
+        ];
+        for (name, value) in lengths {
+            described.insert(name.to_owned(), value.to_string());
+        }
+        if self.interior_radius_angstrom != Self::INTERIOR_RADIUS_ANGSTROM {
+            let radius = self.interior_radius_angstrom.to_string();
+            described.insert("interior_radius_angstrom".to_owned(), radius);
+        }
+        described
+    }
+}
+
+/// The settings of a selection by name, without those switched off.
 fn describe_selection(selection: &SelectionSettings) -> BTreeMap<String, String> {
     let Ok(serde_json::Value::Object(settings)) = serde_json::to_value(selection) else {
         return BTreeMap::new();
     };
-    let is_set = |value: &serde_json::Value| match value {
-        serde_json::Value::Null | serde_json::Value::Bool(false) => false,
-        serde_json::Value::Array(items) => !items.is_empty(),
-        _ => true,
-    };
-    settings
-        .into_iter()
-        .filter(|(_, value)| is_set(value))
-        .map(|(name, value)| (name, value.to_string()))
-        .collect()
-}
-
-/// What of the selection deserves a line to the user.
-fn selection_warnings(report: &SelectionReport) -> Vec<String> {
-    let mut warnings = Vec::new();
-    for listed in report
-        .unknown
-        .iter()
-        .chain(&report.modified)
-        .chain(&report.microheterogeneous)
-    {
-        warnings.push(format!(
-            "{} {}: {}",
-            listed.name, listed.residue, listed.note
-        ));
+    let mut described = BTreeMap::new();
+    for (name, value) in settings {
+        let is_set = match &value {
+            serde_json::Value::Null | serde_json::Value::Bool(false) => false,
+            serde_json::Value::Array(items) => !items.is_empty(),
+            _ => true,
+        };
+        if is_set {
+            described.insert(name, value.to_string());
+        }
     }
-    for residue in &report.incomplete {
-        warnings.push(format!(
-            "{} {} lacks {}",
-            residue.name,
-            residue.residue,
-            residue.missing_atoms.join(", ")
-        ));
-    }
-    for gap in &report.chain_breaks {
-        warnings.push(format!(
-            "chain break between {} and {}",
-            gap.before, gap.after
-        ));
-    }
-    if report.unobserved > 0 {
-        warnings.push(format!(
-            "{} residues are listed as not observed",
-            report.unobserved
-        ));
-    }
-    warnings
+    described
 }

@@ -4,12 +4,12 @@
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum BodyError {
-    /// A file that could not be understood: where, what, and what to do about it.
+    /// A file that cannot be read: where, why, and what to do about it.
     #[error("{}: {cause}; {remedy}", place(file, *line))]
     Parse {
         /// Name of the file as the user gave it.
         file: String,
-        /// Line, counted from one; zero where the whole file is meant.
+        /// Line, counted from one; zero for the whole file.
         line: usize,
         /// What is wrong.
         cause: String,
@@ -24,7 +24,28 @@ pub enum BodyError {
         /// What the user can do.
         remedy: String,
     },
-    /// A kernel refused its input.
+    /// A Cα trace: a protein without any other atoms.
+    #[error(
+        "the protein is a trace: of its {residues} residues there are only the Cα atoms; give a \
+         structure with all heavy atoms, deposited or rebuilt from the trace"
+    )]
+    Trace {
+        /// Residues of the protein.
+        residues: usize,
+    },
+    /// A box too full for another body to be inserted at random.
+    #[error(
+        "no room for body {} in the box after {attempts} attempts; enlarge the box, or ask for \
+         fewer bodies",
+        inserted + 1
+    )]
+    NoRoom {
+        /// Bodies inserted so far.
+        inserted: usize,
+        /// Attempts made.
+        attempts: u64,
+    },
+    /// An error of the geometry kernel.
     #[error(transparent)]
     Kernel(#[from] protomer_kernel::KernelError),
 }

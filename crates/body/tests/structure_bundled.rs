@@ -143,22 +143,36 @@ fn the_charge_falls_with_ph_from_all_bases_to_all_acids() {
         .unwrap()
         .net_charge_e()
     };
-    // 6 ARG, 4 LYS and the amine; 2 ASP, 2 GLU, 4 TYR and the carboxylate.
-    assert!((net(-10.0) - 11.0).abs() < 1e-6 && (net(30.0) + 9.0).abs() < 1e-6);
+    // 6 ARG, 4 LYS and the amine; 2 ASP, 2 GLU, 4 TYR and the carboxylate, none of which are at
+    // their last proton at the ends of the scale.
+    assert!((net(0.0) - 11.0).abs() < 2e-3 && (net(14.0) + 9.0).abs() < 0.2);
     let curve: Vec<f64> = (0..=140)
         .map(|tenth| net(f64::from(tenth) / 10.0))
         .collect();
     assert!(curve.windows(2).all(|pair| pair[1] < pair[0]));
-    assert!(
-        build_sites(
-            &selection,
-            &SiteSettings {
-                ph: f64::NAN,
-                ..SiteSettings::default()
-            }
-        )
-        .is_err()
-    );
+}
+
+#[test]
+fn a_ph_outside_the_scale_is_refused() {
+    let selection = select(&read(&bundled(), "5pti.cif.gz"));
+    for (ph, is_accepted) in [
+        (0.0, true),
+        (14.0, true),
+        (-0.1, false),
+        (14.1, false),
+        (f64::NAN, false),
+        (f64::INFINITY, false),
+    ] {
+        let settings = SiteSettings {
+            ph,
+            ..SiteSettings::default()
+        };
+        let sites = build_sites(&selection, &settings);
+        assert_eq!(sites.is_ok(), is_accepted, "{ph}");
+        if let Err(error) = sites {
+            assert!(error.to_string().contains("between 0 and 14"), "{error}");
+        }
+    }
 }
 
 #[test]

@@ -2,64 +2,15 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
+mod small;
+
 use protomer_body::assembly::body_types;
 use protomer_body::chemistry::{
     ChargeModel, SiteSettings, build_sites, mutate, parse_mutations, sites_of_points,
 };
 use protomer_body::structure::{SelectedResidue, Selection, SelectionSettings, Structure};
-use protomer_io::points::PointRecord;
-use protomer_kernel::Vec3;
-
-/// One PDB coordinate line; `code` is the alternate location.
-fn line(
-    record: &str,
-    name: &str,
-    code: char,
-    residue: &str,
-    place: &str,
-    at: [f64; 3],
-    occupancy: f64,
-) -> String {
-    let name = if name.len() < 4 {
-        format!(" {name:<3}")
-    } else {
-        name.to_string()
-    };
-    let [x, y, z] = at;
-    format!(
-        "{record:<6}    1 {name}{code}{residue:>3} {place:<6}   {x:8.3}{y:8.3}{z:8.3}{occupancy:6.2}  0.00\n"
-    )
-}
-
-fn atom(name: &str, residue: &str, place: &str, at: [f64; 3]) -> String {
-    line("ATOM", name, ' ', residue, place, at, 1.0)
-}
-
-/// N, CA, C, O of residue `i` of a straight chain along x with proper peptide bonds, and a CB.
-fn residue(record: &str, name: &str, place: &str, i: usize) -> String {
-    let x = 3.8 * i as f64;
-    let at = [
-        ("N", 0.0, 0.0),
-        ("CA", 1.2, 0.8),
-        ("C", 2.47, 0.0),
-        ("O", 2.5, -1.2),
-        ("CB", 1.2, 2.3),
-    ];
-    at.iter()
-        .map(|(atom, dx, y)| line(record, atom, ' ', name, place, [x + dx, *y, 0.0], 1.0))
-        .collect()
-}
-
-fn select(text: &str) -> Selection {
-    select_with(text, &SelectionSettings::default())
-}
-
-fn select_with(text: &str, settings: &SelectionSettings) -> Selection {
-    Structure::read("test.pdb", text.as_bytes())
-        .unwrap()
-        .select(settings)
-        .unwrap()
-}
+use protomer_kernel::{PointRecord, Vec3};
+use small::{atom, line, residue, select, select_with};
 
 fn names(residue: &SelectedResidue) -> Vec<&str> {
     residue.atoms.iter().map(|atom| &*atom.name).collect()

@@ -1,4 +1,6 @@
-//! Meshes of real proteins against their exact areas and volumes (../shared/reference/surface).
+//! Meshes of real proteins against their exact areas and volumes. The reference set is not part of
+//! the repository: it is read from `reference/surface` beside the checkout, or in the folder that
+//! `PROTOMER_TEST_DATA` names.
 
 #![allow(
     clippy::unwrap_used,
@@ -13,26 +15,25 @@ use protomer_body::surface::{MeshSettings, Surface, solvent_excluded_surface};
 use protomer_kernel::Vec3;
 use solids::random::{Dice, cluster};
 use solids::worst;
+use std::path::Path;
 use std::time::Instant;
 
 fn read(name: &str) -> Option<(Vec<Vec3>, Vec<f64>)> {
-    let path = format!(
-        "{}/../../../shared/reference/surface/{name}",
-        env!("CARGO_MANIFEST_DIR")
-    );
+    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
+    let root = std::env::var_os("PROTOMER_TEST_DATA").unwrap_or_else(|| beside.into());
+    let path = Path::new(&root).join("reference/surface").join(name);
     let Ok(text) = std::fs::read_to_string(&path) else {
-        eprintln!("skipped: no {path}");
+        eprintln!("skipped: {} is absent", path.display());
         return None;
     };
-    let rows = text.lines().map(|line| {
-        line.split_whitespace()
-            .map(|x| x.parse().unwrap())
-            .collect::<Vec<f64>>()
-    });
-    Some(
-        rows.map(|row| (Vec3::new(row[0], row[1], row[2]), row[3]))
-            .unzip(),
-    )
+    let (mut centres, mut radii) = (Vec::new(), Vec::new());
+    for line in text.lines() {
+        let words = line.split_whitespace();
+        let row: Vec<f64> = words.map(|word| word.parse().unwrap()).collect();
+        centres.push(Vec3::new(row[0], row[1], row[2]));
+        radii.push(row[3]);
+    }
+    Some((centres, radii))
 }
 
 /// Components, genus and cavities.
@@ -128,7 +129,7 @@ fn reference_surfaces_have_their_exact_area_and_volume_and_the_right_topology() 
             );
             assert!(worst(mesh).0 > 1e-6);
             let wanted = density * area_angstrom2;
-            let outside = surface.clone().without_cavities().unwrap();
+            let outside = surface.clone().fill_cavities(f64::INFINITY).unwrap().0;
             assert_eq!(outside.topology.cavities, 0);
             assert_eq!(
                 outside.topology.components,

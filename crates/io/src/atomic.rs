@@ -30,19 +30,27 @@ pub fn write_atomically(
     let (mut temporary, file) = Temporary::create(path)?;
     let mut writer = BufWriter::new(file);
     write(&mut writer).map_err(IoError::at(path, "write"))?;
-    let file = writer
-        .into_inner()
-        .map_err(|error| IoError::at(path, "write")(error.into_error()))?;
+    writer.flush().map_err(IoError::at(path, "write"))?;
+    let file = writer.get_ref();
     file.sync_all().map_err(IoError::at(path, "write"))?;
-    drop(file);
+    drop(writer);
     fs::rename(&temporary.path, path).map_err(IoError::at(path, "write"))?;
     temporary.renamed = true;
     sync_folder(path)
 }
 
-/// Removes from a folder what [`write_atomically`] left there when its process was killed. The
-/// caller sees to it that nobody writes into the folder meanwhile; folders within it are left
-/// alone.
+/// Removes the temporary files that [`write_atomically`] left in a folder when its process was
+/// killed. The caller makes sure that nobody writes into the folder meanwhile; folders within it
+/// are left alone.
+///
+/// ```
+/// # let folder = tempfile::tempdir()?;
+/// let abandoned = folder.path().join(".result.csv.1234-0.partial");
+/// std::fs::write(&abandoned, "half a ta")?;
+/// protomer_io::atomic::remove_abandoned(folder.path())?;
+/// assert!(!abandoned.exists());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// [`IoError::File`] if the folder cannot be read or a file cannot be removed.
@@ -57,17 +65,23 @@ pub fn remove_abandoned(folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Whether this is a name of [`Temporary`]: `.NAME.PID-N.partial`.
+/// Whether this is a name of [`Temporary`].
 fn is_temporary(name: &str) -> bool {
-    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
-    let middle = name
-        .strip_prefix('.')
-        .and_then(|name| name.strip_suffix(".partial"));
-    let tag = middle
-        .and_then(|middle| middle.rsplit_once('.'))
-        .map(|(_, tag)| tag);
-    tag.and_then(|tag| tag.split_once('-'))
-        .is_some_and(|(process, number)| is_number(process) && is_number(number))
+    match temporary_tag(name) {
+        Some((process, number)) => is_digits(process) && is_digits(number),
+        None => false,
+    }
+}
+
+/// PID and N of `.NAME.PID-N.partial`.
+fn temporary_tag(name: &str) -> Option<(&str, &str)> {
+    let middle = name.strip_prefix('.')?.strip_suffix(".partial")?;
+    let (_, tag) = middle.rsplit_once('.')?;
+    tag.split_once('-')
+}
+
+fn is_digits(text: &str) -> bool {
+    !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit())
 }
 
 /// Removed when dropped, unless it was renamed.
@@ -81,30 +95,24 @@ impl Temporary {
     fn create(path: &Path) -> Result<(Self, File)> {
         static COUNTER: AtomicU64 = AtomicU64::new(0);
         let Some(name) = path.file_name() else {
-            let no_name =
-                std::io::Error::new(std::io::ErrorKind::InvalidInput, "it has no file name");
+            let kind = std::io::ErrorKind::InvalidInput;
+            let no_name = std::io::Error::new(kind, "it has no file name");
             return Err(IoError::at(path, "write")(no_name));
         };
+        let name = name.to_string_lossy();
+        let process = std::process::id();
         let number = COUNTER.fetch_add(1, Ordering::Relaxed);
-        let temporary_name = format!(
-            ".{}.{}-{number}.partial",
-            name.to_string_lossy(),
-            std::process::id()
-        );
-        let temporary = path.with_file_name(temporary_name);
-        let file = OpenOptions::new()
-            .write(true)
-            .create(true)
-            .truncate(true)
-            .open(&temporary);
-        let file = file.map_err(IoError::at(path, "write"))?;
-        Ok((
-            Self {
-                path: temporary,
-                renamed: false,
-            },
-            file,
-        ))
+        let temporary = path.with_file_name(format!(".{name}.{process}-{number}.partial"));
+        let mut options = OpenOptions::new();
+        options.write(true).create(true).truncate(true);
+        let file = options
+            .open(&temporary)
+            .map_err(IoError::at(path, "write"))?;
+        let temporary = Self {
+            path: temporary,
+            renamed: false,
+        };
+        Ok((temporary, file))
     }
 }
 
@@ -116,20 +124,21 @@ impl Drop for Temporary {
     }
 }
 
-/// A rename is on disk only when its folder is.
+/// Syncs the folder of a file: a rename is on disk only when its folder is.
+#[cfg(unix)]
 fn sync_folder(path: &Path) -> Result<()> {
-    #[cfg(unix)]
-    {
-        let folder = path
-            .parent()
-            .filter(|folder| !folder.as_os_str().is_empty())
-            .unwrap_or(Path::new("."));
-        File::open(folder)
-            .and_then(|folder| folder.sync_all())
-            .map_err(IoError::at(path, "sync the folder of"))?;
-    }
-    #[cfg(not(unix))]
-    let _ = path;
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    File::open(folder)
+        .and_then(|folder| folder.sync_all())
+        .map_err(IoError::at(path, "sync the folder of"))
+}
+
+/// Other systems have no sync of folders.
+#[cfg(not(unix))]
+fn sync_folder(_: &Path) -> Result<()> {
     Ok(())
 }
 
@@ -140,10 +149,11 @@ fn sync_folder(path: &Path) -> Result<()> {
 /// assert_eq!(hash, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 /// ```
 pub fn sha256_hex(bytes: &[u8]) -> String {
-    Sha256::digest(bytes)
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect()
+    let mut text = String::with_capacity(64);
+    for byte in Sha256::digest(bytes) {
+        text.push_str(&format!("{byte:02x}"));
+    }
+    text
 }
 
 #[cfg(test)]
@@ -169,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_killed_process_left_is_removed_and_nothing_else() {
+    fn the_files_of_a_killed_process_are_removed_and_nothing_else() {
         let folder = tempfile::tempdir().unwrap();
         let (left, _file) = Temporary::create(&folder.path().join("checkpoint.bin")).unwrap();
         let others = [

@@ -42,12 +42,20 @@ const PREFIX_BYTES: usize = 8 + 4 + 8;
 pub struct Container {
     /// What the file is ("body", "checkpoint"), so that one is not taken for another.
     pub kind: String,
-    /// Everything that is not an array.
+    /// Everything except the arrays.
     pub header: serde_json::Value,
     arrays: BTreeMap<String, Array>,
 }
 
 /// An array of any shape, the last index running fastest.
+///
+/// ```
+/// use protomer_io::container::Array;
+/// let array = Array::u32(vec![1, 2, 3, 4, 5, 6], [2, 3])?;
+/// assert_eq!(array.shape(), [2, 3]);
+/// assert!(Array::u32(vec![1], [2, 3]).is_err());
+/// # Ok::<(), protomer_io::IoError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Array {
     shape: Vec<usize>,
@@ -106,7 +114,11 @@ impl Values {
     }
 
     fn write(&self, bytes: &mut Vec<u8>) {
-        with_values!(self, vector => vector.iter().for_each(|value| bytes.extend_from_slice(&value.to_le_bytes())));
+        with_values!(self, vector => {
+            for value in vector {
+                bytes.extend_from_slice(&value.to_le_bytes());
+            }
+        });
     }
 
     /// Reads `count` values; memory is taken only for bytes that are there.
@@ -115,32 +127,31 @@ impl Values {
         count: usize,
         cursor: &mut Cursor,
     ) -> std::result::Result<Option<Self>, Ended> {
-        macro_rules! read {
-            ($variant:ident, $number:ty) => {{
-                const SIZE: usize = size_of::<$number>();
-                let ended = Ended {
-                    at: cursor.position(),
-                };
-                let bytes = cursor.take(count.checked_mul(SIZE).ok_or(ended)?)?;
-                let number = |chunk: &[u8]| {
-                    let mut array = [0; SIZE];
-                    array.copy_from_slice(chunk);
-                    <$number>::from_le_bytes(array)
-                };
-                Values::$variant(bytes.chunks_exact(SIZE).map(number).collect())
-            }};
-        }
         Ok(Some(match code {
-            1 => read!(F64, f64),
-            2 => read!(F32, f32),
-            3 => read!(U64, u64),
-            4 => read!(I64, i64),
-            5 => read!(U32, u32),
-            6 => read!(I32, i32),
-            7 => read!(U8, u8),
+            1 => Values::F64(numbers(count, cursor, f64::from_le_bytes)?),
+            2 => Values::F32(numbers(count, cursor, f32::from_le_bytes)?),
+            3 => Values::U64(numbers(count, cursor, u64::from_le_bytes)?),
+            4 => Values::I64(numbers(count, cursor, i64::from_le_bytes)?),
+            5 => Values::U32(numbers(count, cursor, u32::from_le_bytes)?),
+            6 => Values::I32(numbers(count, cursor, i32::from_le_bytes)?),
+            7 => Values::U8(numbers(count, cursor, u8::from_le_bytes)?),
             _ => return Ok(None),
         }))
     }
+}
+
+/// The next `count` numbers of `SIZE` bytes each.
+fn numbers<const SIZE: usize, T>(
+    count: usize,
+    cursor: &mut Cursor,
+    number: fn([u8; SIZE]) -> T,
+) -> std::result::Result<Vec<T>, Ended> {
+    let ended = Ended {
+        at: cursor.position(),
+    };
+    let bytes = cursor.take(count.checked_mul(SIZE).ok_or(ended)?)?;
+    let (chunks, _) = bytes.as_chunks::<SIZE>();
+    Ok(chunks.iter().copied().map(number).collect())
 }
 
 macro_rules! array_constructors {
@@ -169,7 +180,10 @@ macro_rules! array_constructors {
                 pub fn $name(&self, file: &str, name: &str, shape: &[Option<usize>]) -> Result<&[$number]> {
                     match self.array(file, name, shape)? {
                         Values::$variant(values) => Ok(values),
-                        _ => Err(corrupt(file, format!("array {name:?} has not the type {}", stringify!($number)))),
+                        _ => {
+                            let cause = format!("array {name:?} does not have the type {}", stringify!($number));
+                            Err(corrupt(file, cause))
+                        }
                     }
                 }
             )*
@@ -185,14 +199,11 @@ impl Array {
     /// # Errors
     /// [`IoError::Unwritable`] unless the shape has as many elements as there are values.
     pub fn new(values: Values, shape: Vec<usize>) -> Result<Self> {
-        if element_count(shape.iter().copied()) != Some(values.len())
-            || shape.len() > usize::from(u8::MAX)
-        {
+        let is_filled = element_count(&shape) == Some(values.len());
+        if !is_filled || shape.len() > usize::from(u8::MAX) {
             let cause = format!("{} values do not fill the shape {shape:?}", values.len());
-            return Err(IoError::unwritable(
-                cause,
-                "give a shape whose product is the number of values",
-            ));
+            let remedy = "give a shape whose product is the number of values";
+            return Err(IoError::unwritable(cause, remedy));
         }
         Ok(Self { shape, values })
     }
@@ -236,20 +247,18 @@ impl Container {
     }
 
     fn array(&self, file: &str, name: &str, shape: &[Option<usize>]) -> Result<&Values> {
-        let array = self
-            .arrays
-            .get(name)
-            .ok_or_else(|| corrupt(file, format!("array {name:?} is missing")))?;
-        let fits = |(length, expected): (&usize, &Option<usize>)| {
-            expected.is_none_or(|expected| expected == *length)
+        let Some(array) = self.arrays.get(name) else {
+            return Err(corrupt(file, format!("array {name:?} is missing")));
         };
-        if array.shape.len() != shape.len() || !array.shape.iter().zip(shape).all(fits) {
-            return Err(corrupt(
-                file,
-                format!("array {name:?} has the unexpected shape {:?}", array.shape),
-            ));
+        let mut fits = array.shape.len() == shape.len();
+        for (length, expected) in array.shape.iter().zip(shape) {
+            fits &= expected.is_none_or(|expected| expected == *length);
         }
-        Ok(&array.values)
+        if fits {
+            return Ok(&array.values);
+        }
+        let cause = format!("array {name:?} has the unexpected shape {:?}", array.shape);
+        Err(corrupt(file, cause))
     }
 
     /// The bytes of the file. The same content gives the same bytes.
@@ -262,23 +271,16 @@ impl Container {
         bytes.extend_from_slice(&LAYOUT_VERSION.to_le_bytes());
         bytes.extend_from_slice(&[0; 8]); // the length, filled in below
         write_name(&mut bytes, &self.kind)?;
-        let header = serde_json::to_vec(&self.header).map_err(|error| {
-            IoError::unwritable(format!("the header is no JSON ({error})"), "use text keys")
-        })?;
-        if header.len() > LONGEST_HEADER_BYTES {
-            let cause = format!("the header has {} bytes", header.len());
-            return Err(IoError::unwritable(cause, "put large data into arrays"));
-        }
+        let header = self.header_bytes()?;
         bytes.extend_from_slice(&(header.len() as u64).to_le_bytes());
         bytes.extend_from_slice(&header);
         bytes.extend_from_slice(&(self.arrays.len() as u32).to_le_bytes());
         for (name, array) in &self.arrays {
             write_name(&mut bytes, name)?;
             bytes.extend_from_slice(&[array.values.code(), array.shape.len() as u8]);
-            array
-                .shape
-                .iter()
-                .for_each(|length| bytes.extend_from_slice(&(*length as u64).to_le_bytes()));
+            for length in &array.shape {
+                bytes.extend_from_slice(&(*length as u64).to_le_bytes());
+            }
             array.values.write(&mut bytes);
         }
         let length = (bytes.len() + CHECKSUM_BYTES) as u64;
@@ -288,38 +290,46 @@ impl Container {
         Ok(bytes)
     }
 
+    fn header_bytes(&self) -> Result<Vec<u8>> {
+        let header = match serde_json::to_vec(&self.header) {
+            Ok(header) => header,
+            Err(error) => {
+                let cause = format!("the header cannot be written as JSON ({error})");
+                return Err(IoError::unwritable(cause, "use text keys"));
+            }
+        };
+        if header.len() > LONGEST_HEADER_BYTES {
+            let cause = format!("the header has {} bytes", header.len());
+            return Err(IoError::unwritable(cause, "put large data into arrays"));
+        }
+        Ok(header)
+    }
+
     /// Reads a container of this kind. `file` is its name for error messages.
     ///
     /// # Errors
-    /// [`IoError::Parse`] says whether the file is no protomer file, newer than this program, cut,
-    /// damaged, or of another kind. Memory is only ever taken for bytes that are there.
+    /// [`IoError::Parse`] says whether the file is not a protomer file, newer than this program,
+    /// cut, damaged, or of another kind. Memory is only ever taken for bytes that are there.
     pub fn from_bytes(file: &str, kind: &str, bytes: &[u8]) -> Result<Self> {
         let content = check_envelope(file, bytes)?;
         let mut cursor = Cursor::new(content);
-        let container = read_content(file, &mut cursor).map_err(|unreadable| match unreadable {
-            Unreadable::Ended(ended) => corrupt(
-                file,
-                format!("a value is missing at byte {}", ended.at + PREFIX_BYTES),
-            ),
-            Unreadable::Error(error) => error,
-        })?;
+        let container = match read_content(file, &mut cursor) {
+            Ok(container) => container,
+            Err(Unreadable::Error(error)) => return Err(error),
+            Err(Unreadable::Ended(ended)) => {
+                let byte = ended.at + PREFIX_BYTES;
+                return Err(corrupt(file, format!("a value is missing at byte {byte}")));
+            }
+        };
         if cursor.remaining() > 0 {
-            return Err(corrupt(
-                file,
-                format!("{} bytes are left over", cursor.remaining()),
-            ));
+            let cause = format!("{} bytes are left over", cursor.remaining());
+            return Err(corrupt(file, cause));
         }
         if container.kind != kind {
-            let cause = format!(
-                "it is a {} file where a {kind} file was expected",
-                container.kind
-            );
-            return Err(IoError::parse(
-                file,
-                0,
-                cause,
-                format!("give a {kind} file"),
-            ));
+            let found = container.kind;
+            let cause = format!("it is a {found} file where a {kind} file was expected");
+            let remedy = format!("give a {kind} file");
+            return Err(IoError::parse(file, 0, cause, remedy));
         }
         Ok(container)
     }
@@ -329,46 +339,31 @@ impl Container {
 /// checksum.
 fn check_envelope<'a>(file: &str, bytes: &'a [u8]) -> Result<&'a [u8]> {
     let mut cursor = Cursor::new(bytes);
-    if bytes.is_empty() || cursor.take(MAGIC.len()).ok() != Some(MAGIC.as_slice()) {
-        let cause = "it is not a protomer file";
-        return Err(IoError::parse(
-            file,
-            0,
-            cause,
-            "give a file that protomer wrote, copied in binary mode",
-        ));
+    if cursor.take(MAGIC.len()) != Ok(MAGIC.as_slice()) {
+        let remedy = "give a file that protomer wrote, copied in binary mode";
+        return Err(IoError::parse(file, 0, "it is not a protomer file", remedy));
     }
-    let cut = |_| truncated(file, bytes.len(), None);
-    let version = cursor.u32().map_err(cut)?;
+    let (Ok(version), Ok(length)) = (cursor.u32(), cursor.u64()) else {
+        return Err(truncated(file, bytes.len(), None));
+    };
     if version > LAYOUT_VERSION {
         let cause = format!(
             "its version {version} is newer than this program, which reads up to {LAYOUT_VERSION}"
         );
-        return Err(IoError::parse(
-            file,
-            0,
-            cause,
-            "use a newer protomer, or make the file again with this one",
-        ));
+        let remedy = "use a newer protomer, or make the file again with this one";
+        return Err(IoError::parse(file, 0, cause, remedy));
     }
-    let length = cursor.u64().map_err(cut)?;
     if length > bytes.len() as u64 {
         return Err(truncated(file, bytes.len(), Some(length)));
     }
-    let signed = bytes
-        .len()
-        .checked_sub(CHECKSUM_BYTES)
-        .filter(|signed| *signed >= PREFIX_BYTES);
-    let signed = signed.ok_or_else(|| truncated(file, bytes.len(), None))?;
-    if length < bytes.len() as u64
-        || Sha256::digest(&bytes[..signed]).as_slice() != &bytes[signed..]
-    {
-        return Err(IoError::parse(
-            file,
-            0,
-            "its checksum differs: the file is damaged",
-            "make it again",
-        ));
+    let signed = match bytes.len().checked_sub(CHECKSUM_BYTES) {
+        Some(signed) if signed >= PREFIX_BYTES => signed,
+        _ => return Err(truncated(file, bytes.len(), None)),
+    };
+    let checksum = Sha256::digest(&bytes[..signed]);
+    if length < bytes.len() as u64 || checksum.as_slice() != &bytes[signed..] {
+        let cause = "its checksum differs: the file is damaged";
+        return Err(IoError::parse(file, 0, cause, "make it again"));
     }
     Ok(&bytes[PREFIX_BYTES..signed])
 }
@@ -396,41 +391,55 @@ fn read_content(file: &str, cursor: &mut Cursor) -> std::result::Result<Containe
     if length > LONGEST_HEADER_BYTES && length <= cursor.remaining() {
         return Err(corrupt(file, format!("its header has {length} bytes")).into());
     }
-    let header = serde_json::from_slice(cursor.take(length)?)
-        .map_err(|error| corrupt(file, format!("its header is no JSON ({error})")))?;
+    let header = match serde_json::from_slice(cursor.take(length)?) {
+        Ok(header) => header,
+        Err(error) => {
+            let cause = format!("its header is not JSON ({error})");
+            return Err(corrupt(file, cause).into());
+        }
+    };
     let mut container = Container::new(kind, header);
     for _ in 0..cursor.u32()? {
-        let name = read_name(file, cursor)?;
-        let (code, dimensions) = (cursor.u8()?, cursor.u8()?);
-        let mut shape = Vec::with_capacity(dimensions.into());
-        for _ in 0..dimensions {
-            shape.push(usize::try_from(cursor.u64()?).unwrap_or(usize::MAX));
-        }
-        let bad_shape = || {
-            corrupt(
-                file,
-                format!("array {name:?} has the impossible shape {shape:?}"),
-            )
-        };
-        let count = element_count(shape.iter().copied()).ok_or_else(bad_shape)?;
-        let values = Values::read(code, count, cursor)?
-            .ok_or_else(|| corrupt(file, format!("array {name:?} has the unknown type {code}")))?;
-        container.insert(name, Array { shape, values });
+        let (name, array) = read_array(file, cursor)?;
+        container.insert(name, array);
     }
     Ok(container)
 }
 
-fn element_count(shape: impl Iterator<Item = usize>) -> Option<usize> {
-    shape.into_iter().try_fold(1usize, usize::checked_mul)
+fn read_array(file: &str, cursor: &mut Cursor) -> std::result::Result<(String, Array), Unreadable> {
+    let name = read_name(file, cursor)?;
+    let (code, dimensions) = (cursor.u8()?, cursor.u8()?);
+    let mut shape = Vec::with_capacity(dimensions.into());
+    for _ in 0..dimensions {
+        shape.push(usize::try_from(cursor.u64()?).unwrap_or(usize::MAX));
+    }
+    let Some(count) = element_count(&shape) else {
+        let cause = format!("array {name:?} has the impossible shape {shape:?}");
+        return Err(corrupt(file, cause).into());
+    };
+    match Values::read(code, count, cursor)? {
+        Some(values) => Ok((name, Array { shape, values })),
+        None => {
+            let cause = format!("array {name:?} has the unknown type {code}");
+            Err(corrupt(file, cause).into())
+        }
+    }
+}
+
+/// The product of the lengths; `None` if it overflows.
+fn element_count(shape: &[usize]) -> Option<usize> {
+    let mut count = 1_usize;
+    for length in shape {
+        count = count.checked_mul(*length)?;
+    }
+    Some(count)
 }
 
 fn write_name(bytes: &mut Vec<u8>, name: &str) -> Result<()> {
-    let length = u16::try_from(name.len()).map_err(|_| {
-        IoError::unwritable(
-            format!("a name is {} bytes long", name.len()),
-            "use a shorter name",
-        )
-    })?;
+    let Ok(length) = u16::try_from(name.len()) else {
+        let cause = format!("a name is {} bytes long", name.len());
+        return Err(IoError::unwritable(cause, "use a shorter name"));
+    };
     bytes.extend_from_slice(&length.to_le_bytes());
     bytes.extend_from_slice(name.as_bytes());
     Ok(())
@@ -438,27 +447,21 @@ fn write_name(bytes: &mut Vec<u8>, name: &str) -> Result<()> {
 
 fn read_name(file: &str, cursor: &mut Cursor) -> std::result::Result<String, Unreadable> {
     let length = cursor.u16()?;
-    let name = cursor.take(length.into())?;
-    let name =
-        std::str::from_utf8(name).map_err(|_| corrupt(file, "a name is no UTF-8".to_owned()))?;
-    Ok(name.to_owned())
+    match std::str::from_utf8(cursor.take(length.into())?) {
+        Ok(name) => Ok(name.to_owned()),
+        Err(_) => Err(corrupt(file, "a name is not UTF-8".to_owned()).into()),
+    }
 }
 
 fn truncated(file: &str, present: usize, expected: Option<u64>) -> IoError {
-    let of = expected.map_or_else(String::new, |expected| format!(" of {expected}"));
-    IoError::parse(
-        file,
-        0,
-        format!("it is truncated at byte {present}{of}"),
-        "copy or make it again",
-    )
+    let cause = match expected {
+        Some(expected) => format!("it is truncated at byte {present} of {expected}"),
+        None => format!("it is truncated at byte {present}"),
+    };
+    IoError::parse(file, 0, cause, "copy or make it again")
 }
 
 fn corrupt(file: &str, cause: String) -> IoError {
-    IoError::parse(
-        file,
-        0,
-        cause,
-        "the file was not written by this version of protomer: make it again",
-    )
+    let remedy = "the file was not written by this version of protomer: make it again";
+    IoError::parse(file, 0, cause, remedy)
 }

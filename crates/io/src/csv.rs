@@ -1,10 +1,20 @@
 //! Small tables as comma-separated values (RFC 4180), numbers printed so that they read back
 //! exactly.
+//!
+//! Writing is a loop over cells that cannot fail. Reading is for files that people write: blanks
+//! around a quoted cell are allowed, and a quote that is not closed is an error with its line. The
+//! crate `csv` splits a cell at its commas if a blank precedes its quote, and reads on to the end
+//! of the file after an open quote, so it serves as a witness in the tests and not as the reader.
 
 use crate::{IoError, Result};
-use std::fmt::Write;
 
 /// A value in a table.
+///
+/// ```
+/// use protomer_io::csv::Cell;
+/// assert_eq!(Cell::from(None::<f64>), Cell::Empty);
+/// assert_eq!(Cell::from(7_usize), Cell::Integer(7));
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cell {
     /// Nothing known.
@@ -31,7 +41,10 @@ impl From<i64> for Cell {
 
 impl From<usize> for Cell {
     fn from(value: usize) -> Self {
-        i64::try_from(value).map_or(Cell::Number(value as f64), Cell::Integer)
+        match i64::try_from(value) {
+            Ok(value) => Cell::Integer(value),
+            Err(_) => Cell::Number(value as f64),
+        }
     }
 }
 
@@ -101,7 +114,8 @@ impl Table {
 
     /// The header line and a line per row.
     pub fn to_csv(&self) -> String {
-        let mut text = csv_line(self.columns.iter().map(|column| quote(column)));
+        let heading: Vec<String> = self.columns.iter().map(|column| quote(column)).collect();
+        let mut text = heading.join(",") + "\n";
         for row in &self.rows {
             text.push_str(&row_to_csv(row));
         }
@@ -110,31 +124,36 @@ impl Table {
 }
 
 /// One row as a line with its end, for logs that grow.
+///
+/// ```
+/// use protomer_io::csv::{Cell, row_to_csv};
+/// assert_eq!(row_to_csv(&["P 1, P 2".into(), Cell::Empty, 0.5.into()]), "\"P 1, P 2\",,0.5\n");
+/// ```
 pub fn row_to_csv(row: &[Cell]) -> String {
-    csv_line(row.iter().map(|cell| match cell {
-        Cell::Empty => String::new(),
-        Cell::Integer(value) => value.to_string(),
-        Cell::Number(value) => number(*value),
-        Cell::Text(text) => quote(text),
-    }))
-}
-
-fn csv_line(cells: impl Iterator<Item = String>) -> String {
-    let mut line = cells.collect::<Vec<_>>().join(",");
+    let mut line = String::new();
+    for (place, cell) in row.iter().enumerate() {
+        if place > 0 {
+            line.push(',');
+        }
+        match cell {
+            Cell::Empty => {}
+            Cell::Integer(value) => line.push_str(&value.to_string()),
+            Cell::Number(value) => line.push_str(&number(*value)),
+            Cell::Text(text) => line.push_str(&quote(text)),
+        }
+    }
     line.push('\n');
     line
 }
 
 /// The fewest digits that read back exactly, in exponent notation where that is much shorter.
 fn number(value: f64) -> String {
-    let magnitude = value.abs();
-    let mut text = String::new();
-    let _ = if value == 0.0 || (1e-5..1e16).contains(&magnitude) || !value.is_finite() {
-        write!(text, "{value}")
+    let is_short = value == 0.0 || (1e-5..1e16).contains(&value.abs());
+    if is_short || !value.is_finite() {
+        value.to_string()
     } else {
-        write!(text, "{value:e}")
-    };
-    text
+        format!("{value:e}")
+    }
 }
 
 fn quote(text: &str) -> String {
@@ -142,6 +161,71 @@ fn quote(text: &str) -> String {
         format!("\"{}\"", text.replace('"', "\"\""))
     } else {
         text.to_owned()
+    }
+}
+
+/// The cells of a line, without the blanks around them; a cell in double quotes may hold commas,
+/// and quotes doubled.
+///
+/// ```
+/// let cells = protomer_io::csv::cells("set.csv", 2, "1abc.pdb, \"P 1, \"\"x\"\"\" ,,c")?;
+/// assert_eq!(cells, ["1abc.pdb", "P 1, \"x\"", "", "c"]);
+/// # Ok::<(), protomer_io::IoError>(())
+/// ```
+///
+/// # Errors
+/// [`IoError::Parse`] names line and column of a quote that is not closed, and of text after a
+/// closing quote.
+pub fn cells(file: &str, line: usize, text: &str) -> Result<Vec<String>> {
+    let mut cells = Vec::new();
+    let mut rest = text.trim_end_matches('\r');
+    loop {
+        let column = cells.len() + 1;
+        let (cell, after) = match rest.trim_start().strip_prefix('"') {
+            Some(quoted) => quoted_cell(file, line, column, quoted)?,
+            None => match rest.find(',') {
+                Some(end) => (rest[..end].to_owned(), &rest[end..]),
+                None => (rest.to_owned(), ""),
+            },
+        };
+        cells.push(cell.trim().to_owned());
+        match after.strip_prefix(',') {
+            Some(next) => rest = next,
+            None => return Ok(cells),
+        }
+    }
+}
+
+/// The content of a quoted cell, without its opening quote, and what follows from the next comma
+/// on.
+fn quoted_cell<'a>(
+    file: &str,
+    line: usize,
+    column: usize,
+    mut rest: &'a str,
+) -> Result<(String, &'a str)> {
+    let mut cell = String::new();
+    loop {
+        let Some((content, after)) = rest.split_once('"') else {
+            let cause = format!("column {column}: a quote is not closed");
+            let remedy = "close it in the same line";
+            return Err(IoError::parse(file, line, cause, remedy));
+        };
+        cell.push_str(content);
+        if let Some(after) = after.strip_prefix('"') {
+            cell.push('"');
+            rest = after;
+            continue;
+        }
+        let after = after.trim_start();
+        return match after.chars().next() {
+            None | Some(',') => Ok((cell, after)),
+            Some(character) => {
+                let cause = format!("column {column}: '{character}' after a closing quote");
+                let remedy = "double quotes inside quotes";
+                Err(IoError::parse(file, line, cause, remedy))
+            }
+        };
     }
 }
 
@@ -156,6 +240,30 @@ mod tests {
             let value = f64::from_bits(bits);
             let back: f64 = number(value).parse().unwrap();
             prop_assert!(back.to_bits() == bits || (back.is_nan() && value.is_nan()));
+        }
+
+        /// The crate `csv` reads what is written here, and this reader does if no cell has blanks
+        /// at its ends or runs over lines.
+        #[test]
+        fn written_text_reads_back(rows in prop::collection::vec(["[a ,\"x]{1,9}", "[b\"\n, ]{1,9}"], 1..6)) {
+            let mut table = Table::new(["first", "second"]);
+            for [first, second] in &rows {
+                table.push([first.as_str().into(), second.as_str().into()]).unwrap();
+            }
+            let text = table.to_csv();
+            let mut witness = csv::Reader::from_reader(text.as_bytes());
+            let read: Vec<[String; 2]> = witness.deserialize().map(|row| row.unwrap()).collect();
+            prop_assert_eq!(&read, &rows);
+            for [first, _] in &rows {
+                let line = row_to_csv(&[first.as_str().into(), Cell::Empty]);
+                let read = cells("x.csv", 1, line.trim_end_matches('\n')).unwrap();
+                prop_assert_eq!(read, [first.trim(), ""]);
+            }
+        }
+
+        #[test]
+        fn any_line_is_read_or_refused(line in "[a\", ]{0,20}") {
+            let _ = cells("x.csv", 1, &line);
         }
     }
 
@@ -173,5 +281,29 @@ mod tests {
             "name,n,\"x, y\"\n\"say \"\"hi\"\"\",3,\n,-2,1e-300\n"
         );
         assert!(table.push([Cell::Empty]).is_err());
+    }
+
+    #[test]
+    fn a_quote_in_the_middle_of_a_cell_is_text() {
+        assert_eq!(
+            cells("x.csv", 1, "5\" disc,b\r").unwrap(),
+            ["5\" disc", "b"]
+        );
+        assert_eq!(cells("x.csv", 1, "").unwrap(), [""]);
+        assert_eq!(cells("x.csv", 1, "a,").unwrap(), ["a", ""]);
+    }
+
+    #[test]
+    fn damaged_quotes_are_refused_with_line_and_column() {
+        for (line, cause) in [
+            ("a.pdb,\"x,y", "set.csv:2: column 2: a quote is not closed"),
+            (
+                "a.pdb,\"x\"z,y",
+                "set.csv:2: column 2: 'z' after a closing quote",
+            ),
+        ] {
+            let message = cells("set.csv", 2, line).unwrap_err().to_string();
+            assert!(message.starts_with(cause), "{message}");
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! Reading files that may be gzipped, without trusting their size.
+//! Reads files that may be gzipped, without trusting their size.
 
 use crate::{IoError, Result};
 use flate2::read::MultiGzDecoder;
@@ -11,6 +11,15 @@ const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 /// The content of a file, decompressed if it begins like a gzip file, whatever its name. No more
 /// than `limit_bytes` are ever held, so neither a huge file nor a small one that expands without
 /// end fills the memory.
+///
+/// ```
+/// # let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("notes.txt");
+/// std::fs::write(&path, "plain text")?;
+/// assert_eq!(protomer_io::gzip::read_maybe_gzip(&path, 100)?, b"plain text");
+/// assert!(protomer_io::gzip::read_maybe_gzip(&path, 5).is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// [`IoError::File`] if the system refuses, [`IoError::TooLarge`] beyond the limit,
@@ -26,76 +35,60 @@ pub fn read_maybe_gzip(path: &Path, limit_bytes: u64) -> Result<Vec<u8>> {
     if metadata.len() > limit_bytes {
         return Err(too_large(&name, limit_bytes, false));
     }
-    read_bounded(&name, file, limit_bytes).map_err(|failure| failure.into_error(path, &name))
+    read_bounded(path, file, limit_bytes)
 }
 
 /// The same for any reader, such as standard input.
 ///
+/// ```
+/// let content = protomer_io::gzip::read_maybe_gzip_from("-", &b"ATOM"[..], 1 << 20)?;
+/// assert_eq!(content, b"ATOM");
+/// # Ok::<(), protomer_io::IoError>(())
+/// ```
+///
 /// # Errors
 /// As [`read_maybe_gzip`].
 pub fn read_maybe_gzip_from(name: &str, reader: impl Read, limit_bytes: u64) -> Result<Vec<u8>> {
-    read_bounded(name, reader, limit_bytes)
-        .map_err(|failure| failure.into_error(Path::new(name), name))
+    read_bounded(Path::new(name), reader, limit_bytes)
 }
 
-enum Failure {
-    System(std::io::Error),
-    Gzip(std::io::Error),
-    TooLarge(IoError),
-}
-
-impl Failure {
-    fn into_error(self, path: &Path, name: &str) -> IoError {
-        match self {
-            Failure::System(source) => IoError::at(path, "read")(source),
-            Failure::Gzip(source) => {
-                let cause = format!("the gzip data are damaged or cut ({source})");
-                IoError::parse(name, 0, cause, "compress or download the file again")
-            }
-            Failure::TooLarge(error) => error,
-        }
-    }
-}
-
-fn read_bounded(
-    name: &str,
-    mut reader: impl Read,
-    limit_bytes: u64,
-) -> std::result::Result<Vec<u8>, Failure> {
-    let mut start = Vec::with_capacity(2);
+fn read_bounded(path: &Path, mut reader: impl Read, limit_bytes: u64) -> Result<Vec<u8>> {
+    let name = path.display().to_string();
+    let mut start = Vec::with_capacity(GZIP_MAGIC.len());
     (&mut reader)
-        .take(2)
+        .take(GZIP_MAGIC.len() as u64)
         .read_to_end(&mut start)
-        .map_err(Failure::System)?;
+        .map_err(IoError::at(path, "read"))?;
     let compressed = start == GZIP_MAGIC;
     let whole = start.as_slice().chain(reader);
     let mut content = Vec::new();
     // One byte beyond the limit tells a file that just fits from one that does not.
     let bound = limit_bytes.saturating_add(1);
     if compressed {
-        MultiGzDecoder::new(whole)
-            .take(bound)
-            .read_to_end(&mut content)
-            .map_err(Failure::Gzip)?;
+        let mut decoder = MultiGzDecoder::new(whole).take(bound);
+        if let Err(error) = decoder.read_to_end(&mut content) {
+            let cause = format!("the gzip data are damaged or cut ({error})");
+            let remedy = "compress or download the file again";
+            return Err(IoError::parse(&name, 0, cause, remedy));
+        }
     } else {
         whole
             .take(bound)
             .read_to_end(&mut content)
-            .map_err(Failure::System)?;
+            .map_err(IoError::at(path, "read"))?;
     }
     if content.len() as u64 > limit_bytes {
-        return Err(Failure::TooLarge(too_large(name, limit_bytes, compressed)));
+        return Err(too_large(&name, limit_bytes, compressed));
     }
     Ok(content)
 }
 
 fn too_large(name: &str, limit_bytes: u64, compressed: bool) -> IoError {
-    let remedy = "check that it is the right file, split it, or raise the limit".to_owned();
     IoError::TooLarge {
         file: name.to_owned(),
         limit_bytes,
         compressed,
-        remedy,
+        remedy: "check that it is the right file, split it, or raise the limit".to_owned(),
     }
 }
 

@@ -24,11 +24,13 @@ mod error;
 pub mod gsd;
 pub mod gzip;
 pub mod mesh;
+#[cfg(feature = "npz")]
 pub mod npz;
 pub mod points;
 pub mod pqr;
 mod text;
 pub mod volume;
+#[cfg(feature = "zarr")]
 pub mod zarr;
 
 pub use error::{IoError, Result};

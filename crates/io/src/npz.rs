@@ -32,16 +32,18 @@ impl NpyValues<'_> {
         }
     }
 
-    fn bytes(&self) -> Vec<u8> {
+    fn write(&self, bytes: &mut Vec<u8>) {
         match self {
-            NpyValues::F32(values) => values
-                .iter()
-                .flat_map(|value| value.to_le_bytes())
-                .collect(),
-            NpyValues::F64(values) => values
-                .iter()
-                .flat_map(|value| value.to_le_bytes())
-                .collect(),
+            NpyValues::F32(values) => {
+                for value in *values {
+                    bytes.extend_from_slice(&value.to_le_bytes());
+                }
+            }
+            NpyValues::F64(values) => {
+                for value in *values {
+                    bytes.extend_from_slice(&value.to_le_bytes());
+                }
+            }
         }
     }
 }
@@ -57,7 +59,7 @@ pub struct NamedArray<'a> {
     pub values: NpyValues<'a>,
 }
 
-/// An archive of arrays, uncompressed, the same bytes for the same arrays.
+/// The bytes of an uncompressed archive of arrays, the same bytes for the same arrays.
 ///
 /// # Errors
 /// [`IoError::Unwritable`] if a shape does not fit its values, or two arrays have one name.
@@ -65,66 +67,60 @@ pub struct NamedArray<'a> {
 /// ```
 /// use protomer_io::npz::{NamedArray, NpyValues, write_npz};
 /// let values = NpyValues::F64(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
-/// let bytes = write_npz(&[NamedArray { name: "potential", shape: &[1, 2, 3], values }]).unwrap();
+/// let bytes = write_npz(&[NamedArray { name: "potential", shape: &[1, 2, 3], values }])?;
 /// assert_eq!(&bytes[..2], b"PK");
+/// # Ok::<(), protomer_io::IoError>(())
 /// ```
 pub fn write_npz(arrays: &[NamedArray]) -> Result<Vec<u8>> {
-    let refuse = |name: &str, cause: String| {
-        IoError::unwritable(
-            format!("array {name}: {cause}"),
-            "give every array a name of its own and as many values as its shape has",
-        )
-    };
     let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
-    // The time of a file is left at its least value, so that equal arrays give equal bytes.
-    let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
     for array in arrays {
         let expected: usize = array.shape.iter().product();
         if expected != array.values.len() {
-            let cause = format!(
-                "{} values for the shape {:?}",
-                array.values.len(),
-                array.shape
-            );
-            return Err(refuse(array.name, cause));
+            let count = array.values.len();
+            let cause = format!("{count} values for the shape {:?}", array.shape);
+            return Err(refused(array.name, &cause));
         }
-        let failed = |error: &dyn std::fmt::Display| refuse(array.name, error.to_string());
-        archive
-            .start_file(format!("{}.npy", array.name), options)
-            .map_err(|error| failed(&error))?;
-        archive
-            .write_all(&npy(array))
-            .map_err(|error| failed(&error))?;
+        if let Err(error) = add(&mut archive, array) {
+            return Err(refused(array.name, &error.to_string()));
+        }
     }
-    let bytes = archive
-        .finish()
-        .map_err(|error| refuse("archive", error.to_string()))?;
-    Ok(bytes.into_inner())
+    match archive.finish() {
+        Ok(bytes) => Ok(bytes.into_inner()),
+        Err(error) => Err(refused("archive", &error.to_string())),
+    }
+}
+
+fn add(archive: &mut ZipWriter<Cursor<Vec<u8>>>, array: &NamedArray) -> zip::result::ZipResult<()> {
+    // The time of a file is left at its least value, so that equal arrays give equal bytes.
+    let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
+    archive.start_file(format!("{}.npy", array.name), options)?;
+    archive.write_all(&npy(array))?;
+    Ok(())
+}
+
+fn refused(name: &str, cause: &str) -> IoError {
+    IoError::unwritable(
+        format!("array {name}: {cause}"),
+        "give every array a name of its own and as many values as its shape has",
+    )
 }
 
 /// An array with its header, which is padded so that the values begin at a multiple of 64 bytes.
 fn npy(array: &NamedArray) -> Vec<u8> {
     const MAGIC: &[u8] = b"\x93NUMPY\x01\x00";
-    let axes: String = array
-        .shape
-        .iter()
-        .map(|length| format!("{length}, "))
-        .collect();
-    let shape = if array.shape.len() == 1 {
-        axes.trim_end().to_owned()
-    } else {
-        axes.trim_end_matches(", ").to_owned()
+    let lengths: Vec<String> = array.shape.iter().map(usize::to_string).collect();
+    let shape = match lengths.as_slice() {
+        [length] => format!("({length},)"),
+        lengths => format!("({})", lengths.join(", ")),
     };
-    let header = format!(
-        "{{'descr': '{}', 'fortran_order': False, 'shape': ({shape}), }}",
-        array.values.kind()
-    );
+    let kind = array.values.kind();
+    let header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}");
     let before = MAGIC.len() + 2;
     let padded = (before + header.len() + 1).next_multiple_of(64) - before;
     let mut bytes = MAGIC.to_vec();
     bytes.extend((padded as u16).to_le_bytes());
     bytes.extend(format!("{header:<width$}\n", width = padded - 1).into_bytes());
-    bytes.extend(array.values.bytes());
+    array.values.write(&mut bytes);
     bytes
 }
 

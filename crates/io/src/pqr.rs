@@ -3,9 +3,9 @@
 //!
 //! `ATOM serial name residue [chain] number x y z charge radius`
 
-use crate::points::{PointRecord, radius};
 use crate::text::{self, Line};
 use crate::{IoError, Result};
+use protomer_kernel::PointRecord;
 use std::fmt::Write;
 
 /// Reads the `ATOM` and `HETATM` records of a PQR file up to the first `ENDMDL`. The chain may be
@@ -27,25 +27,18 @@ pub fn read_pqr(name: &str, bytes: &[u8]) -> Result<Vec<PointRecord>> {
         if text.starts_with("ENDMDL") {
             break;
         }
-        let Some(fields) = text
-            .strip_prefix("ATOM")
-            .or_else(|| text.strip_prefix("HETATM"))
-        else {
-            continue;
-        };
-        records.push(read_atom(&Line {
-            file: name,
-            number: index + 1,
-            text: fields,
-        })?);
+        let after_name = text.strip_prefix("ATOM");
+        if let Some(fields) = after_name.or_else(|| text.strip_prefix("HETATM")) {
+            records.push(read_atom(&Line {
+                file: name,
+                number: index + 1,
+                text: fields,
+            })?);
+        }
     }
     if records.is_empty() {
-        return Err(IoError::parse(
-            name,
-            0,
-            "the file holds no ATOM records",
-            "give a PQR file",
-        ));
+        let cause = "the file holds no ATOM records";
+        return Err(IoError::parse(name, 0, cause, "give a PQR file"));
     }
     Ok(records)
 }
@@ -57,30 +50,21 @@ fn read_atom(line: &Line) -> Result<PointRecord> {
     }
     let separated = separate_minus_signs(line.text);
     let tokens: Vec<&str> = separated.split_whitespace().collect();
-    read_fields(line, &tokens)?.ok_or_else(|| {
-        let remedy =
-            "write serial, name, residue, chain (or none), number, x, y, z, charge, radius";
-        line.error("the columns are not those of a PQR atom", remedy)
-    })
+    match read_fields(line, &tokens)? {
+        Some(record) => Ok(record),
+        None => {
+            let remedy =
+                "write serial, name, residue, chain (or none), number, x, y, z, charge, radius";
+            Err(line.error("the columns are not those of a PQR atom", remedy))
+        }
+    }
 }
 
-/// The record in these fields, `None` if they are not laid out like one. `fields` begin with the
-/// serial number.
+/// The record in these fields, which begin with the serial number; `None` if they are not laid out
+/// like one.
 fn read_fields(line: &Line, fields: &[&str]) -> Result<Option<PointRecord>> {
-    let (chain, number, values) = match fields {
-        [_, _, _, chain, number, values @ ..]
-            if values.len() >= 5 && split_number(number).is_some() =>
-        {
-            (*chain, *number, values)
-        }
-        [_, _, _, number, values @ ..] if values.len() >= 5 => match split_number(number) {
-            Some(_) => ("", *number, values),
-            None => match split_chain(number) {
-                Some((chain, number)) => (chain, number, values),
-                None => return Ok(None),
-            },
-        },
-        _ => return Ok(None),
+    let Some((chain, number, values)) = split_fields(fields) else {
+        return Ok(None);
     };
     let Some((residue_number, insertion_code)) = split_number(number) else {
         return Ok(None);
@@ -89,13 +73,35 @@ fn read_fields(line: &Line, fields: &[&str]) -> Result<Option<PointRecord>> {
     Ok(Some(PointRecord {
         position: line.point(&mut values, "the atom")?,
         charge_e: line.number(values.next(), "the charge")?,
-        radius_angstrom: radius(line, values.next())?,
+        radius_angstrom: line.radius(values.next())?,
         atom_name: fields[1].to_owned(),
         residue_name: fields[2].to_owned(),
         chain: chain.to_owned(),
         residue_number,
         insertion_code: insertion_code.to_owned(),
     }))
+}
+
+/// Chain, residue number and the five values after them. The chain may be absent, or glued to the
+/// number.
+fn split_fields<'a, 'f>(fields: &'f [&'a str]) -> Option<(&'a str, &'a str, &'f [&'a str])> {
+    const VALUES: usize = 5;
+    if let [_, _, _, chain, number, values @ ..] = fields
+        && values.len() >= VALUES
+        && split_number(number).is_some()
+    {
+        return Some((chain, number, values));
+    }
+    if let [_, _, _, number, values @ ..] = fields
+        && values.len() >= VALUES
+    {
+        if split_number(number).is_some() {
+            return Some(("", number, values));
+        }
+        let (chain, number) = split_chain(number)?;
+        return Some((chain, number, values));
+    }
+    None
 }
 
 /// `52B` is residue 52 with insertion code B.
@@ -129,8 +135,17 @@ fn separate_minus_signs(text: &str) -> String {
 
 /// The text of a PQR file. Columns are aligned while they fit and stay separated by spaces when
 /// they do not (more than 99 999 atoms, long names), so that every reader that splits at spaces
-/// reads it. Positions carry 5 decimals, charges 8, radii 4. An empty atom or residue name is
+/// reads it. Positions have 5 decimals, charges 8, radii 4. An empty atom or residue name is
 /// written as `X` and `UNK`.
+///
+/// ```
+/// use protomer_io::pqr::{read_pqr, write_pqr};
+/// use protomer_kernel::PointRecord;
+/// let ion = PointRecord { charge_e: 1.0, radius_angstrom: 2.27, ..PointRecord::default() };
+/// let text = write_pqr(&[ion])?;
+/// assert_eq!(read_pqr("ion.pqr", text.as_bytes())?[0].residue_name, "UNK");
+/// # Ok::<(), protomer_io::IoError>(())
+/// ```
 ///
 /// # Errors
 /// [`IoError::Unwritable`] for a name with a space in it or a number that is not finite.
@@ -140,14 +155,7 @@ pub fn write_pqr(records: &[PointRecord]) -> Result<String> {
     );
     for (index, record) in records.iter().enumerate() {
         check_writable(index, record)?;
-        let or = |name: &str, otherwise: &str| {
-            if name.is_empty() {
-                otherwise.to_owned()
-            } else {
-                name.to_owned()
-            }
-        };
-        let number = format!("{}{}", record.residue_number, record.insertion_code);
+        // Writing to a string cannot fail.
         let _ = writeln!(
             text,
             "ATOM  {:>5} {:<4} {:>3} {:>1} {:>5} {:>11.5} {:>11.5} {:>11.5} {:>11.8} {:>7.4}",
@@ -155,7 +163,7 @@ pub fn write_pqr(records: &[PointRecord]) -> Result<String> {
             or(&record.atom_name, "X"),
             or(&record.residue_name, "UNK"),
             record.chain,
-            number,
+            format!("{}{}", record.residue_number, record.insertion_code),
             record.position.x,
             record.position.y,
             record.position.z,
@@ -167,36 +175,34 @@ pub fn write_pqr(records: &[PointRecord]) -> Result<String> {
     Ok(text)
 }
 
+fn or<'a>(name: &'a str, otherwise: &'a str) -> &'a str {
+    if name.is_empty() { otherwise } else { name }
+}
+
 fn check_writable(index: usize, record: &PointRecord) -> Result<()> {
-    let names = [
+    let atom = index + 1;
+    for name in [
         &record.atom_name,
         &record.residue_name,
         &record.chain,
         &record.insertion_code,
-    ];
-    if let Some(name) = names
-        .into_iter()
-        .find(|name| name.contains(char::is_whitespace))
-    {
-        let cause = format!(
-            "atom {} has the name {name:?}, which PQR cannot hold",
-            index + 1
-        );
-        return Err(IoError::unwritable(cause, "take the spaces out"));
+    ] {
+        if name.contains(char::is_whitespace) {
+            let cause = format!("atom {atom} has the name {name:?}, which PQR cannot hold");
+            return Err(IoError::unwritable(cause, "take the spaces out"));
+        }
     }
-    let numbers = [
+    for number in [
         record.position.x,
         record.position.y,
         record.position.z,
         record.charge_e,
         record.radius_angstrom,
-    ];
-    if numbers.iter().any(|number| !number.is_finite()) {
-        let cause = format!(
-            "atom {} has a position, charge or radius that is not finite",
-            index + 1
-        );
-        return Err(IoError::unwritable(cause, "check the body it comes from"));
+    ] {
+        if !number.is_finite() {
+            let cause = format!("atom {atom} has a position, charge or radius that is not finite");
+            return Err(IoError::unwritable(cause, "check the body it comes from"));
+        }
     }
     Ok(())
 }

@@ -1,7 +1,8 @@
-//! Shared by the readers of text formats: numbered lines, numbers, and the screening of binary
+//! What the readers of text formats share: numbered lines, numbers, and the refusal of binary
 //! input.
 
 use crate::{IoError, Result};
+use protomer_kernel::Vec3;
 use std::borrow::Cow;
 
 /// The bytes without the byte-order mark that some editors put before the first letter.
@@ -14,30 +15,22 @@ pub fn without_byte_order_mark(bytes: &[u8]) -> &[u8] {
 }
 
 /// The text in these bytes, without a byte-order mark. Comments may be in any encoding; a NUL byte
-/// means that the file is no text at all.
+/// means that the file is not text.
 pub(crate) fn decode<'a>(file: &str, bytes: &'a [u8]) -> Result<Cow<'a, str>> {
     let bytes = without_byte_order_mark(bytes);
     if bytes.is_empty() {
-        return Err(IoError::parse(
-            file,
-            0,
-            "the file is empty",
-            "give a file with content",
-        ));
+        let remedy = "give a file with content";
+        return Err(IoError::parse(file, 0, "the file is empty", remedy));
     }
     if bytes.contains(&0) {
+        let cause = "the file is binary where text was expected";
         let remedy = "give a file of the format its extension names";
-        return Err(IoError::parse(
-            file,
-            0,
-            "the file is binary where text was expected",
-            remedy,
-        ));
+        return Err(IoError::parse(file, 0, cause, remedy));
     }
     Ok(String::from_utf8_lossy(bytes))
 }
 
-/// A token as an error message shows it: in quotes, and not in full where it is long.
+/// A token as an error message shows it: in quotes, and shortened if it is long.
 pub(crate) fn shown(token: &str) -> String {
     const LONGEST: usize = 40;
     match token.char_indices().nth(LONGEST) {
@@ -72,18 +65,34 @@ impl<'a> Line<'a> {
         IoError::parse(self.file, self.number, cause, remedy)
     }
 
+    /// A token that must be there.
+    fn required<'t>(&self, token: Option<&'t str>, what: &str) -> Result<&'t str> {
+        match token {
+            Some(token) => Ok(token),
+            None => Err(self.error(format!("{what} is missing"), "complete the line")),
+        }
+    }
+
     /// A finite number.
     pub fn number(&self, token: Option<&str>, what: &str) -> Result<f64> {
-        let Some(token) = token else {
-            return Err(self.error(format!("{what} is missing"), "complete the line"));
-        };
+        let token = self.required(token, what)?;
         match token.parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(value),
-            _ => Err(self.error(
-                format!("{what} is {}", shown(token)),
-                "write a finite number",
-            )),
+            _ => {
+                let cause = format!("{what} is {}", shown(token));
+                Err(self.error(cause, "write a finite number"))
+            }
         }
+    }
+
+    /// A radius: a number that is not negative.
+    pub fn radius(&self, token: Option<&str>) -> Result<f64> {
+        let radius = self.number(token, "the radius")?;
+        if radius < 0.0 {
+            let cause = format!("the radius is {radius}");
+            return Err(self.error(cause, "a radius is not negative"));
+        }
+        Ok(radius)
     }
 
     /// The next three tokens as a point.
@@ -91,25 +100,20 @@ impl<'a> Line<'a> {
         &self,
         tokens: &mut impl Iterator<Item = &'t str>,
         what: &str,
-    ) -> Result<protomer_kernel::Vec3> {
-        let mut coordinate = |axis: &str| self.number(tokens.next(), &format!("{axis} of {what}"));
-        Ok(protomer_kernel::Vec3::new(
-            coordinate("x")?,
-            coordinate("y")?,
-            coordinate("z")?,
-        ))
+    ) -> Result<Vec3> {
+        let mut position = Vec3::zeros();
+        for (axis, coordinate) in ["x", "y", "z"].into_iter().zip(position.iter_mut()) {
+            *coordinate = self.number(tokens.next(), &format!("{axis} of {what}"))?;
+        }
+        Ok(position)
     }
 
     /// A whole number.
     pub fn integer(&self, token: Option<&str>, what: &str) -> Result<i64> {
-        let Some(token) = token else {
-            return Err(self.error(format!("{what} is missing"), "complete the line"));
-        };
+        let token = self.required(token, what)?;
         token.parse().map_err(|_| {
-            self.error(
-                format!("{what} is {}", shown(token)),
-                "write a whole number",
-            )
+            let cause = format!("{what} is {}", shown(token));
+            self.error(cause, "write a whole number")
         })
     }
 }

@@ -189,7 +189,7 @@ fn arrays_are_asked_for_by_type_and_shape() {
             .u32("x", "v", &[None, None])
             .unwrap_err()
             .to_string()
-            .contains("not the type u32")
+            .contains("does not have the type u32")
     );
     assert!(Array::f64(vec![1.0; 5], [2, 3]).is_err());
     assert!(Array::f64(vec![], [usize::MAX, 2]).is_err());

@@ -270,7 +270,7 @@ fn errors_say_where_and_what() {
         (
             "m.ply",
             ply("1", "0 0 x\n").into(),
-            "m.ply:10: in element \"vertex\": \"x\" is no number",
+            "m.ply:10: in element \"vertex\": \"x\" is not a number",
         ),
         (
             "m.ply",

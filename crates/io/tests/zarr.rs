@@ -252,7 +252,7 @@ fn what_a_set_cannot_hold_is_refused() {
             .finish(&[], &[], Map::new())
             .unwrap_err()
             .to_string()
-            .contains("1 voxels came, 2 were promised")
+            .contains("1 voxels were pushed, 2 were promised")
     );
     assert!(SetReader::open(folder.path()).is_err(), "an unfinished set");
     assert!(SetReader::open(Path::new("/no/such/set.zarr")).is_err());

@@ -7,6 +7,7 @@
 //! | [`pose`] | rigid motions: where a body is and how it is turned |
 //! | [`boundary`] | the space that bodies live in: open, periodic, or inside a spherical wall |
 //! | [`mesh`] | closed triangle meshes, their topology and mass properties |
+//! | [`point_record`] | atoms, spheres and point charges as files of points describe them |
 //! | [`random`] | counter-based random numbers: directions, rotations, streams per step |
 //! | [`potential`] | radial pair potentials |
 //! | [`cells`] | which bodies are near a point |
@@ -22,6 +23,7 @@ pub mod electrolyte;
 mod error;
 pub mod mesh;
 pub mod overlap;
+pub mod point_record;
 pub mod pose;
 pub mod potential;
 pub mod random;
@@ -34,6 +36,7 @@ pub use electrolyte::Electrolyte;
 pub use error::{KernelError, Result};
 pub use mesh::TriangleMesh;
 pub use overlap::CollisionShape;
+pub use point_record::PointRecord;
 pub use pose::{Pose, RelativePose};
 
 /// A point or a displacement in three dimensions, Å.

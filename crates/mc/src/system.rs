@@ -121,13 +121,24 @@ impl System {
         .pair(partner)
     }
 
+    /// The types that bodies of the system have; a type without a body has no part in it.
+    pub fn placed_types(&self) -> Vec<&BodyType> {
+        let mut placed = Vec::new();
+        for (index, kind) in self.types.iter().enumerate() {
+            if self.type_of.contains(&index) {
+                placed.push(&**kind);
+            }
+        }
+        placed
+    }
+
     /// The largest distance of two origins at which surfaces can touch, Å.
     pub fn hard_range_angstrom(&self) -> f64 {
-        2.0 * self
-            .types
-            .iter()
-            .map(|kind| kind.hard_radius_angstrom())
-            .fold(0.0, f64::max)
+        let mut largest = 0.0_f64;
+        for kind in self.placed_types() {
+            largest = largest.max(kind.hard_radius_angstrom());
+        }
+        2.0 * largest
     }
 }
 

@@ -73,6 +73,32 @@ fn a_box_too_small_for_the_interactions_names_the_box_needed() {
     assert!(error.to_string().contains("124.00"), "{error}");
 }
 
+/// A kind of body that is declared and never placed has no part in the system.
+#[test]
+fn a_kind_without_a_body_needs_no_room() {
+    let boundary = Boundary::periodic(Vec3::repeat(100.0)).unwrap();
+    let placed = body(&[(Vec3::new(1.0, 0.0, 0.0), 1.0)]);
+    let far = [(Vec3::new(400.0, 0.0, 0.0), 1.0)];
+    let unplaced = Arc::new(BodyType::new("giant", &icosphere(300.0, 1), &far).unwrap());
+    let yukawa = Interaction::YukawaDirect(Yukawa::new(7.0, 0.1, 40.0).unwrap());
+    let start = |bodies: &[(usize, Pose)]| {
+        let types = vec![placed.clone(), unplaced.clone()];
+        let system = System::new(types, bodies, boundary).unwrap();
+        Simulation::new(system, Settings::new(yukawa), 1, 0)
+    };
+    assert!(start(&[(0, at(-20.0)), (0, at(20.0))]).is_ok());
+    assert!(start(&[(0, at(-20.0)), (1, at(20.0))]).is_err());
+}
+
+#[test]
+fn the_energy_of_nothing_is_zero_without_a_sign() {
+    use protomer_mc::energy::{DirectSum, EnergyModel};
+    let system = System::new(vec![body(&[])], &[(0, at(0.0))], Boundary::Open).unwrap();
+    let mut model = DirectSum::new(Yukawa::new(7.0, 0.1, 40.0).unwrap());
+    model.reset(&system).unwrap();
+    assert_eq!(format!("{:.6}", model.total_kt()), "0.000000");
+}
+
 #[test]
 fn charges_on_top_of_each_other_are_named() {
     let reaching_out = body(&[

@@ -4,12 +4,9 @@ use crate::assembly_file::{AssemblyFile, BodyEntry, Placement};
 use crate::body_file;
 use crate::run::refuse_set;
 use anyhow::{Context, Result, bail};
-use protomer_body::assembly::{self, Expansion, Recipe, expand_until_free};
+use protomer_body::assembly::{self, Expansion, HardBodies, HardBody, expand_until_free};
 use protomer_body::{Body, BodySettings, Source, build_body_of_selection};
 use protomer_io::atomic::write_atomically;
-use protomer_kernel::overlap::{CollisionShape, overlaps};
-use protomer_kernel::pose::RelativePose;
-use protomer_kernel::{Boundary, Rotation};
 use serde::Serialize;
 use std::path::{Component, Path, PathBuf};
 
@@ -20,7 +17,8 @@ pub struct BodyFiles {
     pub paths: Vec<PathBuf>,
     /// The bodies.
     pub bodies: Vec<Body>,
-    shapes: Vec<CollisionShape>,
+    /// The bodies, prepared for overlap tests.
+    pub hard: HardBodies,
 }
 
 impl BodyFiles {
@@ -37,123 +35,14 @@ impl BodyFiles {
     }
 
     fn new(paths: Vec<PathBuf>, bodies: Vec<Body>) -> Result<Self> {
-        let prepare = |(body, path): (&Body, &PathBuf)| {
-            CollisionShape::new(&body.mesh).with_context(|| path.display().to_string())
-        };
-        let shapes = bodies
-            .iter()
-            .zip(&paths)
-            .map(prepare)
-            .collect::<Result<_>>()?;
+        let mut hard = Vec::with_capacity(bodies.len());
+        for (body, path) in bodies.iter().zip(&paths) {
+            hard.push(HardBody::of(body).with_context(|| path.display().to_string())?);
+        }
         Ok(Self {
             paths,
             bodies,
-            shapes,
-        })
-    }
-
-    /// The pairs of placed bodies that overlap.
-    pub fn overlapping_pairs(&self, placements: &[assembly::Placement]) -> Vec<(usize, usize)> {
-        self.pairs(placements)
-            .filter(|pair| self.pair_overlaps(placements, *pair))
-            .collect()
-    }
-
-    /// Whether any two of the placed bodies overlap.
-    pub fn any_overlap(&self, placements: &[assembly::Placement]) -> bool {
-        self.pairs(placements)
-            .any(|pair| self.pair_overlaps(placements, pair))
-    }
-
-    /// Whether a placed body overlaps the nearest image of any of the others.
-    pub fn overlaps_any(
-        &self,
-        placement: &assembly::Placement,
-        others: &[assembly::Placement],
-        boundary: &Boundary,
-    ) -> bool {
-        others
-            .iter()
-            .any(|other| self.images_overlap(placement, other, boundary))
-    }
-
-    fn images_overlap(
-        &self,
-        first: &assembly::Placement,
-        second: &assembly::Placement,
-        boundary: &Boundary,
-    ) -> bool {
-        let ((kind_a, pose_a), (kind_b, pose_b)) = (first, second);
-        let displacement = boundary.displacement(&pose_a.position, &pose_b.position);
-        overlaps(
-            &self.shapes[*kind_a],
-            &self.shapes[*kind_b],
-            &RelativePose::new(pose_a, pose_b, &displacement),
-        )
-    }
-
-    fn pairs(&self, placements: &[assembly::Placement]) -> impl Iterator<Item = (usize, usize)> {
-        (0..placements.len()).flat_map(|second| (0..second).map(move |first| (first, second)))
-    }
-
-    fn pair_overlaps(
-        &self,
-        placements: &[assembly::Placement],
-        (first, second): (usize, usize),
-    ) -> bool {
-        self.images_overlap(&placements[first], &placements[second], &Boundary::Open)
-    }
-
-    /// Frames that turn each body's longest axis upright.
-    pub fn upright_frames(&self) -> Vec<Rotation> {
-        let upright = |body: &Body| {
-            let points: Vec<_> = match body.sites.is_empty() {
-                true => body.mesh.vertices.clone(),
-                false => body.sites.iter().map(|site| site.position).collect(),
-            };
-            assembly::recipe::upright_frame(&points)
-        };
-        self.bodies.iter().map(upright).collect()
-    }
-
-    /// Closes a recipe to contact and then opens it a little: neighbours around a ring move
-    /// `gap_angstrom` further apart (their distance is 2 r sin(π/n)), and so do the rings of a
-    /// stack. The surfaces' gaps are at least of about this size, larger where the recipe's contact
-    /// is elsewhere.
-    ///
-    /// # Errors
-    /// If the recipe does not fit the bodies.
-    pub fn close(&self, recipe: &Recipe, gap_angstrom: f64) -> Result<assembly::ClosedAssembly> {
-        const TOLERANCE_ANGSTROM: f64 = 1e-3;
-        let frames = self.upright_frames();
-        let contact = recipe.close(&frames, 0.0, TOLERANCE_ANGSTROM, |placements| {
-            self.any_overlap(placements)
-        })?;
-        let members = recipe.rings.first().map_or(1, Vec::len);
-        let widened = match members {
-            1 => 0.0,
-            _ => gap_angstrom / (2.0 * (std::f64::consts::PI / members as f64).sin()),
-        };
-        let opened = if recipe.rings.len() > 1 {
-            gap_angstrom
-        } else {
-            0.0
-        };
-        let (radius, distance) = (
-            contact.radius_angstrom + widened,
-            contact.ring_distance_angstrom + opened,
-        );
-        let placements = recipe.placements(&frames, radius, distance, 0.0)?;
-        if self.any_overlap(&placements) {
-            bail!(
-                "a gap of {gap_angstrom} Å brings bodies of the recipe into each other; try another gap"
-            );
-        }
-        Ok(assembly::ClosedAssembly {
-            placements,
-            radius_angstrom: radius,
-            ring_distance_angstrom: distance,
-            tilt_radian: contact.tilt_radian,
+            hard: HardBodies::new(hard),
         })
     }
 
@@ -328,7 +217,7 @@ pub fn assemble_structure(
         bodies.push(built.body);
     }
     let files = BodyFiles::new(paths, bodies)?;
-    let overlaps = files.overlapping_pairs(&placements);
+    let overlaps = files.hard.overlapping_pairs(&placements);
     let expansion = relax(&files, placements, &overlaps, &chains, settings)?;
     for (path, body) in files.paths.iter().zip(&files.bodies) {
         body_file::write(path, body)?;
@@ -366,7 +255,7 @@ fn relax(
 ) -> Result<Expansion> {
     if settings.relax {
         return Ok(expand_until_free(&placements, 1e-6, |placements| {
-            files.any_overlap(placements)
+            files.hard.any_overlap(placements)
         })?);
     }
     if !overlaps.is_empty() {

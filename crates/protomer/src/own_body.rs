@@ -2,7 +2,7 @@
 
 use crate::input::InputFile;
 use anyhow::{Context, Result};
-use protomer_body::{Body, Provenance, Site};
+use protomer_body::{Body, Provenance, Site, check_name};
 use protomer_io::mesh::read_mesh;
 use protomer_io::points::read_points;
 use protomer_kernel::Vec3;
@@ -25,6 +25,7 @@ pub struct OwnBody {
 /// # Errors
 /// Names the file, the line or the defect of the mesh.
 pub fn build(own: &OwnBody) -> Result<Body> {
+    check_name(&own.name)?;
     let file = InputFile::read(&own.mesh)?;
     let mesh = read_mesh(&file.name, &file.bytes)?;
     let checked = || -> Result<_> {

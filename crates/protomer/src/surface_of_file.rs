@@ -58,7 +58,7 @@ pub fn surface_of_file(
     let surface = if settings.keep_cavities {
         surface
     } else {
-        surface.without_cavities()?
+        surface.fill_cavities(settings.interior_radius_angstrom)?.0
     };
     let (mesh, exact, topology) = (surface.mesh, surface.exact, surface.topology);
     let report = SurfaceReport {

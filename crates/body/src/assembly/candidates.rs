@@ -1,32 +1,32 @@
 //! Up/down arrangements of a ring or a two-ring stack that are different under its symmetry.
 //!
-//! Bodies are given by a pattern repeated around the ring; the second ring continues it one
-//! position on, so that of two alternating bodies each stands above the other. Every body points up
-//! or down along the axis. The bodies are chiral, so only proper operations count: rotations about
-//! the axis, and half turns about axes in the plane, which turn every body over (and exchange the
-//! rings of a stack). Those that map each kind of body onto itself are the stack's own symmetry
-//! group.
+//! A pattern of bodies repeats around the ring. The second ring continues the pattern, shifted by
+//! one position: where two bodies alternate, each is above one of the other kind. Every body points
+//! up or down along the axis. The bodies are chiral, so only proper operations count: rotations
+//! about the axis, and half turns about axes in the plane, which turn every body over (and exchange
+//! the rings of a stack). The operations that map each kind of body onto itself form the symmetry
+//! group of the stack.
 //!
 //! Two reductions, in this order:
-//! 1. arrangements that an operation of the group maps onto each other are one; their number
-//!    follows also from Burnside's lemma ([`Stack::burnside_count`]);
-//! 2. of those that are invariant under the symmetry asked for ([`Symmetry`]), arrangements with
-//!    the same multiset of nearest-neighbour contacts are one. Neighbours are next to each other in
-//!    a ring or above each other in a stack; a contact is told by the two bodies, their directions,
-//!    and which stands clockwise of or above the other.
+//! 1. Arrangements that an operation of the group maps onto each other count as one. Burnside's
+//!    lemma gives their number independently ([`Stack::burnside_count`]).
+//! 2. Among those with the requested symmetry ([`Symmetry`]), arrangements with the same multiset
+//!    of nearest-neighbour contacts count as one. Neighbours are next to each other in a ring or
+//!    above each other in a stack. A contact is defined by the two bodies, their directions, and
+//!    which of them is clockwise of or above the other.
 //!
 //! For two rings of eight alternating bodies, 2¹⁶ = 65 536 arrangements and a group D4 of order 8:
 //!
-//! | asked for | arrangements | different under D4 | different in their contacts |
+//! | requested symmetry | arrangements | different under D4 | different in their contacts |
 //! |---|---|---|---|
-//! | nothing | 65 536 | 8 356 | 543 |
+//! | none | 65 536 | 8 356 | 543 |
 //! | C4 | 16 | 10 | 10 |
 //! | D4 | 4 | 4 | 4 |
 //!
-//! The four of Ramasubramani's thesis (section 3.2.2), which assumes that oligomers are highly
-//! symmetric and counts nearest-neighbour interactions, are the arrangements of full D4 symmetry:
-//! the two directions of the lower ring's bodies are free, the upper ring follows, and the four
-//! differ in which ends meet between the rings.
+//! Ramasubramani's thesis (section 3.2.2) assumes that oligomers are highly symmetric, counts
+//! nearest-neighbour interactions, and finds four candidates. They are the arrangements with full
+//! D4 symmetry: the directions of the two bodies in the lower ring are free, the upper ring
+//! follows, and the four differ in which ends meet between the rings.
 
 use super::recipe::{Recipe, RecipeSite};
 use crate::{BodyError, Result};
@@ -35,6 +35,13 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
 /// A ring or a stack of two rings.
+///
+/// ```
+/// use protomer_body::assembly::Stack;
+/// // Two bodies alternate in rings of eight; in a ring of seven they cannot.
+/// assert!(Stack::new(8, 2, vec![0, 1]).is_ok());
+/// assert!(Stack::new(7, 2, vec![0, 1]).is_err());
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Stack {
     /// Bodies per ring.
@@ -45,7 +52,7 @@ pub struct Stack {
     pub pattern: Vec<usize>,
 }
 
-/// The symmetry asked of an arrangement.
+/// The symmetry required of an arrangement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Symmetry {
@@ -60,7 +67,7 @@ pub enum Symmetry {
 /// A nearest-neighbour contact, written so that turning the pair over does not change it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub struct Contact {
-    /// Whether the two stand above each other rather than side by side.
+    /// Whether one is above the other rather than beside it.
     pub between_rings: bool,
     /// Body and direction (true: up) of the lower or clockwise-first of the two.
     pub first: (usize, bool),
@@ -87,30 +94,36 @@ pub struct Candidates {
     pub total: usize,
     /// Order of the symmetry group.
     pub group_order: usize,
-    /// Arrangements of the symmetry asked for.
+    /// Arrangements with the requested symmetry.
     pub symmetric: usize,
-    /// Of those, different under the group.
+    /// How many of those differ under the group.
     pub distinct: usize,
-    /// Of those, different in their contacts: one arrangement each.
+    /// One arrangement for each different set of contacts.
     pub arrangements: Vec<Arrangement>,
 }
 
-/// A permutation of positions that perhaps turns every body over.
+/// A permutation of positions that may also turn every body over.
 struct Operation {
     image: Vec<usize>,
     turns_over: bool,
 }
 
 impl Operation {
+    /// The arrangement after the operation; bit k of an arrangement says whether body k is up.
     fn apply(&self, arrangement: u32) -> u32 {
-        let moved = self.image.iter().enumerate().fold(0, |moved, (from, to)| {
-            moved | ((arrangement >> from & 1) << to)
-        });
+        let mut moved = 0;
+        for (from, to) in self.image.iter().enumerate() {
+            moved |= (arrangement >> from & 1) << to;
+        }
         if self.turns_over {
             !moved & all_ones(self.image.len())
         } else {
             moved
         }
+    }
+
+    fn leaves(&self, arrangement: u32) -> bool {
+        self.apply(arrangement) == arrangement
     }
 }
 
@@ -119,7 +132,7 @@ fn all_ones(bits: usize) -> u32 {
 }
 
 impl Stack {
-    /// The most bodies an enumeration takes.
+    /// The largest number of bodies an enumeration accepts.
     pub const MOST_BODIES: usize = 20;
 
     /// A ring or stack.
@@ -128,36 +141,32 @@ impl Stack {
     /// [`BodyError::Invalid`] for a number of rings other than one or two, a pattern that does not
     /// fit the ring a whole number of times, and more than [`Stack::MOST_BODIES`] bodies.
     pub fn new(members: usize, rings: usize, pattern: Vec<usize>) -> Result<Self> {
-        let invalid = |cause: String, remedy: &str| {
-            Err(BodyError::Invalid {
-                cause,
-                remedy: remedy.into(),
-            })
-        };
-        if !(1..=2).contains(&rings) || members == 0 {
-            return invalid(
+        let bodies = pattern.len();
+        let (cause, remedy) = if !(1..=2).contains(&rings) || members == 0 {
+            (
                 format!("{rings} rings of {members}"),
                 "give one or two rings of at least one body",
-            );
-        }
-        if pattern.is_empty() || !members.is_multiple_of(pattern.len()) {
-            let cause = format!(
-                "{} bodies do not alternate evenly in a ring of {members}",
-                pattern.len()
-            );
-            return invalid(
-                cause,
+            )
+        } else if pattern.is_empty() || !members.is_multiple_of(bodies) {
+            (
+                format!("{bodies} bodies do not alternate evenly in a ring of {members}"),
                 "choose a ring size that the number of bodies divides",
-            );
-        }
-        if members.saturating_mul(rings) > Self::MOST_BODIES {
-            let cause = format!("{rings} rings of {members} have too many arrangements");
-            return invalid(cause, "enumerate stacks of at most 20 bodies");
-        }
-        Ok(Self {
-            members,
-            rings,
-            pattern,
+            )
+        } else if members.saturating_mul(rings) > Self::MOST_BODIES {
+            (
+                format!("{rings} rings of {members} have too many arrangements"),
+                "enumerate stacks of at most 20 bodies",
+            )
+        } else {
+            return Ok(Self {
+                members,
+                rings,
+                pattern,
+            });
+        };
+        Err(BodyError::Invalid {
+            cause,
+            remedy: remedy.into(),
         })
     }
 
@@ -174,21 +183,30 @@ impl Stack {
         ring * self.members + position % self.members
     }
 
-    fn positions(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        (0..self.rings).flat_map(|ring| (0..self.members).map(move |position| (ring, position)))
+    /// Ring and position of every body, in the order of their indices.
+    fn positions(&self) -> Vec<(usize, usize)> {
+        let mut positions = Vec::with_capacity(self.size());
+        for ring in 0..self.rings {
+            for position in 0..self.members {
+                positions.push((ring, position));
+            }
+        }
+        positions
     }
 
     /// The proper operations that map each kind of body onto itself.
     fn group(&self) -> Vec<Operation> {
         let n = self.members;
-        let rotations = (0..n)
-            .map(|shift| self.operation(false, |ring, position| (ring, (position + shift) % n)));
-        let half_turns = (0..n).map(|sum| {
-            self.operation(true, |ring, position| {
+        let mut group = Vec::new();
+        for shift in 0..n {
+            group.extend(self.operation(false, |ring, position| (ring, (position + shift) % n)));
+        }
+        for sum in 0..n {
+            group.extend(self.operation(true, |ring, position| {
                 (self.rings - 1 - ring, (sum + n - position) % n)
-            })
-        });
-        rotations.chain(half_turns).flatten().collect()
+            }));
+        }
+        group
     }
 
     /// The operation, if it keeps the kinds of bodies.
@@ -208,21 +226,28 @@ impl Stack {
         Some(Operation { image, turns_over })
     }
 
-    /// The number of arrangements different under the group by Burnside's lemma: the mean number of
-    /// arrangements that an operation leaves as they are. One that turns over leaves none if it has
-    /// a cycle of odd length, and otherwise 2 per cycle, as the others.
+    /// The number of arrangements that differ under the group by Burnside's lemma: the mean number
+    /// of arrangements that an operation leaves unchanged. An operation has one free direction for
+    /// each of its cycles, so it leaves 2^cycles unchanged; but one that turns bodies over and has
+    /// a cycle of odd length leaves none.
+    ///
+    /// ```
+    /// use protomer_body::assembly::{Stack, Symmetry};
+    /// let ring = Stack::new(6, 1, vec![0])?;
+    /// assert_eq!(ring.burnside_count(), ring.candidates(Symmetry::None).distinct);
+    /// # Ok::<(), protomer_body::BodyError>(())
+    /// ```
     pub fn burnside_count(&self) -> usize {
         let group = self.group();
-        let unchanged = |operation: &Operation| {
+        let mut unchanged = 0;
+        for operation in &group {
             let lengths = cycle_lengths(&operation.image);
-            let impossible = operation.turns_over && lengths.iter().any(|length| length % 2 == 1);
-            if impossible {
-                0
-            } else {
-                1_usize << lengths.len()
+            let has_odd_cycle = lengths.iter().any(|length| length % 2 == 1);
+            if !(operation.turns_over && has_odd_cycle) {
+                unchanged += 1_usize << lengths.len();
             }
-        };
-        group.iter().map(unchanged).sum::<usize>() / group.len()
+        }
+        unchanged / group.len()
     }
 
     /// Enumerates the arrangements and reduces them.
@@ -235,104 +260,122 @@ impl Stack {
     /// ```
     pub fn candidates(&self, symmetry: Symmetry) -> Candidates {
         let group = self.group();
-        let required = |operation: &&Operation| match symmetry {
-            Symmetry::None => false,
-            Symmetry::Cyclic => !operation.turns_over,
-            Symmetry::Dihedral => true,
-        };
-        let required: Vec<&Operation> = group.iter().filter(required).collect();
-        let total = 1_usize << self.size();
         let (mut symmetric, mut distinct) = (0, 0);
         let mut by_contacts: BTreeMap<Vec<(Contact, usize)>, Arrangement> = BTreeMap::new();
         for arrangement in 0..=all_ones(self.size()) {
-            if required
-                .iter()
-                .any(|operation| operation.apply(arrangement) != arrangement)
-            {
+            if !has_symmetry(&group, symmetry, arrangement) {
                 continue;
             }
             symmetric += 1;
+            // The smallest of the equivalent arrangements represents them.
             if group
                 .iter()
-                .any(|operation| operation.apply(arrangement) < arrangement)
+                .any(|other| other.apply(arrangement) < arrangement)
             {
                 continue;
             }
             distinct += 1;
             let contacts = self.contacts(arrangement);
-            if let Entry::Vacant(entry) = by_contacts.entry(contacts.clone().into_iter().collect())
-            {
-                let fixing = group
-                    .iter()
-                    .filter(|operation| operation.apply(arrangement) == arrangement)
-                    .count();
-                let up = (0..self.size())
-                    .map(|bit| arrangement >> bit & 1 == 1)
-                    .collect();
-                entry.insert(Arrangement {
-                    up,
-                    equivalent: group.len() / fixing,
-                    contacts,
-                });
+            let key = contacts.clone().into_iter().collect();
+            if let Entry::Vacant(entry) = by_contacts.entry(key) {
+                entry.insert(self.arrangement(&group, arrangement, contacts));
             }
         }
-        let arrangements = by_contacts.into_values().collect();
         Candidates {
-            total,
+            total: 1 << self.size(),
             group_order: group.len(),
             symmetric,
             distinct,
-            arrangements,
+            arrangements: by_contacts.into_values().collect(),
+        }
+    }
+
+    fn arrangement(
+        &self,
+        group: &[Operation],
+        arrangement: u32,
+        contacts: BTreeMap<Contact, usize>,
+    ) -> Arrangement {
+        let mut fixing = 0;
+        for operation in group {
+            fixing += usize::from(operation.leaves(arrangement));
+        }
+        let mut up = Vec::with_capacity(self.size());
+        for body in 0..self.size() {
+            up.push(is_up(arrangement, body));
+        }
+        Arrangement {
+            up,
+            equivalent: group.len() / fixing,
+            contacts,
         }
     }
 
     fn contacts(&self, arrangement: u32) -> BTreeMap<Contact, usize> {
         let at = |ring: usize, position: usize| {
-            let position = position % self.members;
-            (
-                self.body(ring, position),
-                arrangement >> self.index(ring, position) & 1 == 1,
-            )
+            let body = self.body(ring, position % self.members);
+            (body, is_up(arrangement, self.index(ring, position)))
         };
         let mut contacts = BTreeMap::new();
         for (ring, position) in self.positions() {
+            let here = at(ring, position);
             if self.members > 1 {
-                let contact = Contact::new(false, at(ring, position), at(ring, position + 1));
+                let contact = Contact::new(false, here, at(ring, position + 1));
                 *contacts.entry(contact).or_default() += 1;
             }
             if ring + 1 < self.rings {
-                let contact = Contact::new(true, at(ring, position), at(ring + 1, position));
+                let contact = Contact::new(true, here, at(ring + 1, position));
                 *contacts.entry(contact).or_default() += 1;
             }
         }
         contacts
     }
 
-    /// The recipe of an arrangement, to be closed to contact.
+    /// The recipe of an arrangement. Close it to contact to obtain poses.
+    ///
+    /// ```
+    /// use protomer_body::assembly::{Stack, Symmetry};
+    /// let stack = Stack::new(4, 2, vec![0])?;
+    /// let candidates = stack.candidates(Symmetry::Dihedral);
+    /// let recipe = stack.recipe(&candidates.arrangements[0]);
+    /// assert_eq!((recipe.rings.len(), recipe.rings[0].len()), (2, 4));
+    /// # Ok::<(), protomer_body::BodyError>(())
+    /// ```
     pub fn recipe(&self, arrangement: &Arrangement) -> Recipe {
-        let site = |ring: usize, position: usize| RecipeSite {
-            up: arrangement
-                .up
-                .get(self.index(ring, position))
-                .copied()
-                .unwrap_or(true),
-            ..RecipeSite::upright(self.body(ring, position))
-        };
-        let rings = (0..self.rings).map(|ring| {
-            (0..self.members)
-                .map(|position| site(ring, position))
-                .collect()
-        });
+        let mut rings = vec![Vec::new(); self.rings];
+        for (ring, position) in self.positions() {
+            let direction = arrangement.up.get(self.index(ring, position));
+            rings[ring].push(RecipeSite {
+                up: direction.copied().unwrap_or(true),
+                ..RecipeSite::upright(self.body(ring, position))
+            });
+        }
         Recipe {
-            rings: rings.collect(),
+            rings,
             stagger: 0.0,
         }
     }
 }
 
+fn is_up(arrangement: u32, body: usize) -> bool {
+    arrangement >> body & 1 == 1
+}
+
+/// Whether the arrangement is invariant under the operations that the symmetry requires.
+fn has_symmetry(group: &[Operation], symmetry: Symmetry, arrangement: u32) -> bool {
+    group.iter().all(|operation| {
+        let is_required = match symmetry {
+            Symmetry::None => false,
+            Symmetry::Cyclic => !operation.turns_over,
+            Symmetry::Dihedral => true,
+        };
+        !is_required || operation.leaves(arrangement)
+    })
+}
+
 impl Contact {
-    /// Turning a pair over exchanges the two and their directions; the smaller of both readings
-    /// stands for the contact.
+    /// Turning a pair over exchanges the two bodies and inverts their directions. The smaller of
+    /// the two descriptions represents the contact.
     fn new(between_rings: bool, first: (usize, bool), second: (usize, bool)) -> Self {
         let contact = Self {
             between_rings,

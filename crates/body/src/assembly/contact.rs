@@ -1,20 +1,17 @@
 //! The parameter at which placements touch.
 
-/// How finely the way to the first change is searched.
+/// Factor between successive values in the search for the first overlap.
 const STEPS: u32 = 128;
 
-/// The smallest value above which nothing overlaps, seen from outside: doubles `start` until values
-/// up to four times as large are free too, walks inward to the first overlap, and bisects to
-/// `tolerance`. The value returned is free. `None` if nothing is free up to 2⁴⁰ times the start.
+/// The smallest value above which nothing overlaps. Doubles `start` until all values up to four
+/// times as large are free too, walks inward to the first overlap, and bisects to `tolerance`. The
+/// value returned is free of overlap. `None` if nothing is free up to 2⁴⁰ times the start.
 pub(super) fn from_outside(
     start: f64,
     tolerance: f64,
     overlaps: impl Fn(f64) -> bool,
 ) -> Option<f64> {
-    let is_outside = |value: f64| (0..=12).all(|k| !overlaps(value * (1.0 + 0.25 * f64::from(k))));
-    let mut free = (0..=40)
-        .map(|doublings| start * f64::from(doublings).exp2())
-        .find(|value| is_outside(*value))?;
+    let mut free = outside(start, &overlaps)?;
     let step = free / f64::from(STEPS);
     let mut inner = free;
     for _ in 0..STEPS {
@@ -25,6 +22,23 @@ pub(super) fn from_outside(
         free = inner;
     }
     Some(free)
+}
+
+/// The first of start, 2 start, 4 start ... that is free together with all values up to four times
+/// as large.
+fn outside(start: f64, overlaps: impl Fn(f64) -> bool) -> Option<f64> {
+    const MOST_DOUBLINGS: u32 = 40;
+    const PROBES: u32 = 12;
+    let is_outside =
+        |value: f64| (0..=PROBES).all(|k| !overlaps(value * (1.0 + 0.25 * f64::from(k))));
+    let mut value = start;
+    for _ in 0..=MOST_DOUBLINGS {
+        if is_outside(value) {
+            return Some(value);
+        }
+        value *= 2.0;
+    }
+    None
 }
 
 /// The free end of an interval between an overlapping and a free value, shrunk to the tolerance.
@@ -39,11 +53,11 @@ pub(super) fn bisect(
         if middle == free || middle == overlapping {
             break;
         }
-        *(if overlaps(middle) {
-            &mut overlapping
+        if overlaps(middle) {
+            overlapping = middle;
         } else {
-            &mut free
-        }) = middle;
+            free = middle;
+        }
     }
     free
 }

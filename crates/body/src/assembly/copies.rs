@@ -1,9 +1,9 @@
 //! Identical chains become one body and its poses.
 //!
-//! Two chains are identical if no residue number that both have bears different names, and the
-//! shared residues make up most of both; crystal copies differ in what is disordered. The copy with
-//! the most atoms is the reference: its atoms make the body, in a frame about their centroid, and
-//! each copy's pose is the superposition of the atoms common to both.
+//! Two chains are identical if residues with the same number have the same name, and the shared
+//! residues make up at least half of both chains: copies in a crystal differ in which residues are
+//! disordered. The copy with the most atoms is the reference. Its atoms make the body, in a frame
+//! about their centroid. The pose of each copy is the superposition of the atoms common to both.
 
 use super::superposition::superpose;
 use crate::structure::{SelectedResidue, Selection};
@@ -38,10 +38,26 @@ pub struct ChainCopy {
 /// The least share of the residues of the longer chain that two identical chains have in common.
 const LEAST_SHARED: f64 = 0.5;
 
-/// Every chain is compared with one of each family before it.
+/// The largest number of chains: every chain is compared with the reference of each family.
 const MOST_CHAINS: usize = 10_000;
 
 /// Sorts the chains of a selection into body types with their copies.
+///
+/// ```
+/// use protomer_body::assembly::body_types;
+/// use protomer_body::structure::{SelectionSettings, Structure};
+/// let text = "\
+/// ATOM      1  N   GLY A   7      11.104   6.134  -6.504  1.00 10.00           N
+/// ATOM      2  CA  GLY A   7      11.639   6.071  -5.147  1.00 10.00           C
+/// ATOM      3  N   GLY B   7      31.104   6.134  -6.504  1.00 10.00           N
+/// ATOM      4  CA  GLY B   7      31.639   6.071  -5.147  1.00 10.00           C";
+/// let structure = Structure::read("pair.pdb", text.as_bytes())?;
+/// let types = body_types(&structure.select(&SelectionSettings::default())?)?;
+/// assert_eq!((types.len(), types[0].copies.len()), (1, 2));
+/// let [first, second] = [0, 1].map(|copy| types[0].copies[copy].pose.position);
+/// assert!(((second - first).x - 20.0).abs() < 1e-9);
+/// # Ok::<(), protomer_body::BodyError>(())
+/// ```
 ///
 /// # Errors
 /// [`BodyError::Invalid`] for more than ten thousand chains, and those of [`superpose`].
@@ -53,38 +69,51 @@ pub fn body_types(selection: &Selection) -> Result<Vec<BodyType>> {
             remedy: "select some of them or a smaller assembly".into(),
         });
     }
+    let families = families(&chains);
+    let mut types = Vec::with_capacity(families.len());
+    for family in &families {
+        types.push(body_type(selection, &chains, family)?);
+    }
+    Ok(types)
+}
+
+/// Identical chains by their indices, in the order of the structure. Each family begins with its
+/// reference, the chain with the most atoms.
+fn families(chains: &[Chain]) -> Vec<Vec<usize>> {
     let mut largest_first: Vec<usize> = (0..chains.len()).collect();
     largest_first.sort_by_key(|index| std::cmp::Reverse(chains[*index].atoms()));
-    // Each family begins with its reference.
     let mut families: Vec<Vec<usize>> = Vec::new();
     for index in largest_first {
-        match families
-            .iter_mut()
-            .find(|family| are_identical(&chains[family[0]], &chains[index]))
-        {
+        let is_own = |family: &&mut Vec<usize>| are_identical(&chains[family[0]], &chains[index]);
+        match families.iter_mut().find(is_own) {
             Some(family) => family.push(index),
             None => families.push(vec![index]),
         }
     }
     families.sort_by_key(|family| family.iter().min().copied());
     families
-        .iter()
-        .map(|family| body_type(selection, &chains, family))
-        .collect()
 }
 
 struct Chain<'a> {
     name: &'a str,
     residues: Vec<&'a SelectedResidue>,
+    /// The first residue of each number and insertion code.
     by_number: HashMap<(i32, &'a str), usize>,
 }
 
-impl Chain<'_> {
+impl<'a> Chain<'a> {
     fn atoms(&self) -> usize {
-        self.residues
-            .iter()
-            .map(|residue| residue.atoms.len())
-            .sum()
+        let mut atoms = 0;
+        for residue in &self.residues {
+            atoms += residue.atoms.len();
+        }
+        atoms
+    }
+
+    /// The residue with the number of another.
+    fn partner(&self, residue: &SelectedResidue) -> Option<&'a SelectedResidue> {
+        let number = (residue.key.number, &*residue.key.insertion_code);
+        Some(self.residues[*self.by_number.get(&number)?])
     }
 }
 
@@ -103,22 +132,22 @@ fn by_chain(selection: &Selection) -> Vec<Chain<'_>> {
         });
         let chain = &mut chains[index];
         let number = (residue.key.number, &*residue.key.insertion_code);
-        chain
-            .by_number
-            .entry(number)
-            .or_insert(chain.residues.len());
+        let place = chain.residues.len();
+        chain.by_number.entry(number).or_insert(place);
         chain.residues.push(residue);
     }
     chains
 }
 
-/// The residues of both chains that bear the same number, in the order of the first.
+/// The residues of both chains that have the same number, in the order of the first.
 fn shared<'a>(a: &Chain<'a>, b: &Chain<'a>) -> Vec<(&'a SelectedResidue, &'a SelectedResidue)> {
-    let partner = |residue: &&'a SelectedResidue| {
-        let number = (residue.key.number, &*residue.key.insertion_code);
-        Some((*residue, b.residues[*b.by_number.get(&number)?]))
-    };
-    a.residues.iter().filter_map(partner).collect()
+    let mut shared = Vec::new();
+    for residue in &a.residues {
+        if let Some(partner) = b.partner(residue) {
+            shared.push((*residue, partner));
+        }
+    }
+    shared
 }
 
 fn are_identical(a: &Chain, b: &Chain) -> bool {
@@ -133,46 +162,49 @@ fn are_identical(a: &Chain, b: &Chain) -> bool {
 fn common_atoms(pairs: &[(&SelectedResidue, &SelectedResidue)]) -> Vec<(Vec3, Vec3)> {
     let mut common = Vec::new();
     for (a, b) in pairs {
-        let positions: HashMap<&str, Vec3> = b
-            .atoms
-            .iter()
-            .map(|atom| (&*atom.name, atom.position))
-            .collect();
-        let both = |(name, position): (&str, Vec3)| Some((position, *positions.get(name)?));
-        common.extend(
-            a.atoms
-                .iter()
-                .filter_map(|atom| both((&atom.name, atom.position))),
-        );
+        // The last atom of a name counts.
+        let mut positions: HashMap<&str, Vec3> = HashMap::new();
+        for atom in &b.atoms {
+            positions.insert(&atom.name, atom.position);
+        }
+        for atom in &a.atoms {
+            if let Some(position) = positions.get(&*atom.name) {
+                common.push((atom.position, *position));
+            }
+        }
     }
     common
 }
 
 fn body_type(selection: &Selection, chains: &[Chain], family: &[usize]) -> Result<BodyType> {
     let reference = &chains[family[0]];
-    let positions: Vec<Vec3> = reference
-        .residues
-        .iter()
-        .flat_map(|residue| &residue.atoms)
-        .map(|atom| atom.position)
-        .collect();
-    let origin = positions.iter().sum::<Vec3>() / positions.len().max(1) as f64;
+    let mut origin = Vec3::zeros();
+    for residue in &reference.residues {
+        for atom in &residue.atoms {
+            origin += atom.position;
+        }
+    }
+    origin /= reference.atoms().max(1) as f64;
     let mut in_order = family.to_vec();
     in_order.sort_unstable();
-    let copies = in_order
-        .iter()
-        .map(|&index| chain_copy(reference, &chains[index], &origin));
+    let mut copies = Vec::with_capacity(in_order.len());
+    for index in in_order {
+        copies.push(chain_copy(reference, &chains[index], &origin)?);
+    }
     Ok(BodyType {
         reference: reference.name.to_string(),
         selection: selection.only_chain(reference.name),
-        copies: copies.collect::<Result<_>>()?,
+        copies,
     })
 }
 
 fn chain_copy(reference: &Chain, copy: &Chain, origin: &Vec3) -> Result<ChainCopy> {
     let common = common_atoms(&shared(reference, copy));
-    let (body_points, copy_points): (Vec<Vec3>, Vec<Vec3>) =
-        common.iter().map(|(a, b)| (a - origin, *b)).unzip();
+    let (mut body_points, mut copy_points) = (Vec::new(), Vec::new());
+    for (in_reference, in_copy) in &common {
+        body_points.push(in_reference - origin);
+        copy_points.push(*in_copy);
+    }
     let best = superpose(&body_points, &copy_points)?;
     Ok(ChainCopy {
         chain: copy.name.to_string(),
@@ -180,16 +212,4 @@ fn chain_copy(reference: &Chain, copy: &Chain, origin: &Vec3) -> Result<ChainCop
         rmsd_angstrom: best.rmsd_angstrom,
         common_atoms: common.len(),
     })
-}
-
-impl Selection {
-    /// The residues of one chain, with the report of the whole.
-    pub fn only_chain(&self, chain: &str) -> Selection {
-        let of_chain = |residue: &&SelectedResidue| *residue.key.chain == *chain;
-        let residues: Vec<SelectedResidue> =
-            self.residues.iter().filter(of_chain).cloned().collect();
-        let mut report = self.report.clone();
-        report.atoms = residues.iter().map(|residue| residue.atoms.len()).sum();
-        Selection { residues, report }
-    }
 }

@@ -1,18 +1,19 @@
 //! Rings C_n and stacks D_n of given bodies, closed to contact.
 //!
-//! Position i of n in a ring stands at azimuth 2πi/n, at a radius, in the frame: z along the ring's
-//! axis, x outward. A body there is turned by R_z(azimuth) R_x(tilt) [R_x(π) if it points down]
-//! R_z(spin) F, where F turns the body's own frame so that its z axis is the one meant to stand
-//! along the ring's axis ([`upright_frame`]). The second ring of a stack stands above the first,
-//! its azimuths advanced by the stagger.
+//! Position i of n in a ring has the azimuth 2πi/n. The local frame has z along the ring's axis and
+//! x outward. A body there is turned by R_z(azimuth) R_x(tilt) [R_x(π) if it points down] R_z(spin)
+//! F, where F turns the body's own frame so that z is the axis to align with that of the ring
+//! ([`upright_frame`]). The second ring of a stack is above the first, its azimuths advanced by the
+//! stagger.
 //!
 //! A half turn about an axis in the plane between two rings maps R_z(φ) R_x(t) to R_z(φ') R_x(t)
 //! R_x(π): equal tilts and opposite directions make a stack dihedral, which is what
 //! [`Recipe::dihedral`] does.
 
-use super::Placement;
 use super::contact::from_outside;
+use super::placement::Placement;
 use crate::{BodyError, Result};
+use nalgebra::{Matrix3, Rotation3};
 use protomer_kernel::{Pose, Rotation, Vec3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
@@ -31,7 +32,7 @@ pub struct RecipeSite {
 }
 
 impl RecipeSite {
-    /// A body that stands upright.
+    /// An upright body: no tilt, no spin.
     pub fn upright(body: usize) -> Self {
         Self {
             body,
@@ -82,9 +83,9 @@ impl Recipe {
         }
     }
 
-    /// A stack of two rings that half turns about axes between them map onto each other: position i
-    /// of the upper ring is position 1 - i of the lower, turned over, so that of two alternating
-    /// bodies each stands above the other.
+    /// A stack of two rings, mapped onto each other by half turns about axes between them: position
+    /// i of the upper ring is position 1 - i of the lower, turned over. Where two bodies alternate,
+    /// each is above one of the other kind.
     pub fn dihedral(members: usize, pattern: &[RecipeSite]) -> Self {
         let lower: Vec<RecipeSite> = pattern.iter().cycle().take(members).copied().collect();
         let upper = (0..lower.len())
@@ -128,8 +129,22 @@ impl Recipe {
     /// Shrinks the radius until bodies of a ring touch, then the distance between rings until rings
     /// touch, to `tolerance_angstrom`. The result is free of overlap.
     ///
+    /// ```
+    /// use protomer_body::assembly::{Placement, Recipe, RecipeSite};
+    /// use protomer_kernel::Rotation;
+    /// let spheres_overlap = |placements: &[Placement]| {
+    ///     let at = |i: usize| placements[i].1.position;
+    ///     (0..placements.len()).any(|i| (0..i).any(|j| (at(i) - at(j)).norm() < 2.0))
+    /// };
+    /// let ring = Recipe::ring(6, &[RecipeSite::upright(0)]);
+    /// let closed = ring.close(&[Rotation::identity()], 0.0, 1e-9, spheres_overlap)?;
+    /// assert!((closed.radius_angstrom - 2.0).abs() < 1e-8);
+    /// # Ok::<(), protomer_body::BodyError>(())
+    /// ```
+    ///
     /// # Errors
-    /// Those of [`Recipe::placements`], and if the bodies overlap at every distance.
+    /// Those of [`Recipe::placements`]; [`BodyError::Invalid`] if the bodies overlap at every
+    /// distance.
     pub fn close(
         &self,
         frames: &[Rotation],
@@ -142,26 +157,13 @@ impl Recipe {
             self.placements(frames, radius, distance, tilt_radian)
                 .unwrap_or_default()
         };
-        let ring_overlaps = |radius: f64| {
-            self.rings
-                .iter()
-                .scan(0, |start, ring| {
-                    let members = at(radius, 0.0);
-                    let range = *start..*start + ring.len();
-                    *start = range.end;
-                    Some(members.get(range).is_some_and(&overlaps))
-                })
-                .any(|overlap| overlap)
-        };
-        let never_free = || BodyError::Invalid {
-            cause: "the bodies of the recipe overlap at any distance".into(),
-            remedy: "check the body meshes".into(),
-        };
+        let members = self.rings.first().map_or(1, Vec::len);
+        let ring_overlaps = |radius: f64| at(radius, 0.0).chunks(members).any(&overlaps);
         let radius = from_outside(1.0, tolerance_angstrom, ring_overlaps).ok_or_else(never_free)?;
+        let stack_overlaps = |distance: f64| overlaps(&at(radius, distance));
         let distance = match self.rings.len() {
             1 => 0.0,
-            _ => from_outside(1.0, tolerance_angstrom, |d| overlaps(&at(radius, d)))
-                .ok_or_else(never_free)?,
+            _ => from_outside(1.0, tolerance_angstrom, stack_overlaps).ok_or_else(never_free)?,
         };
         Ok(ClosedAssembly {
             placements: at(radius, distance),
@@ -171,11 +173,50 @@ impl Recipe {
         })
     }
 
+    /// Closes the recipe to contact without tilt and then opens it: neighbours around a ring move
+    /// `gap_angstrom` further apart (their distance is 2 r sin(π/n)), and so do the rings of a
+    /// stack. The gaps between surfaces are at least about this large.
+    ///
+    /// # Errors
+    /// Those of [`Recipe::close`]; [`BodyError::Invalid`] if the opened assembly overlaps.
+    pub fn close_with_gap(
+        &self,
+        frames: &[Rotation],
+        gap_angstrom: f64,
+        tolerance_angstrom: f64,
+        overlaps: impl Fn(&[Placement]) -> bool,
+    ) -> Result<ClosedAssembly> {
+        let mut closed = self.close(frames, 0.0, tolerance_angstrom, &overlaps)?;
+        let members = self.rings.first().map_or(1, Vec::len);
+        if members > 1 {
+            let per_radius = 2.0 * (PI / members as f64).sin();
+            closed.radius_angstrom += gap_angstrom / per_radius;
+        }
+        if self.rings.len() > 1 {
+            closed.ring_distance_angstrom += gap_angstrom;
+        }
+        closed.placements = self.placements(
+            frames,
+            closed.radius_angstrom,
+            closed.ring_distance_angstrom,
+            0.0,
+        )?;
+        if overlaps(&closed.placements) {
+            return Err(BodyError::Invalid {
+                cause: format!(
+                    "a gap of {gap_angstrom} Å brings bodies of the recipe into each other"
+                ),
+                remedy: "try another gap".into(),
+            });
+        }
+        Ok(closed)
+    }
+
     /// Closes the recipe at each of the tilts and returns the most compact assembly: the smallest
     /// mean square distance of the bodies from the centre.
     ///
     /// # Errors
-    /// Those of [`Recipe::close`], and for an empty list of tilts.
+    /// Those of [`Recipe::close`]; [`BodyError::Invalid`] for an empty list of tilts.
     pub fn close_with_best_tilt(
         &self,
         frames: &[Rotation],
@@ -183,17 +224,12 @@ impl Recipe {
         tolerance_angstrom: f64,
         overlaps: impl Fn(&[Placement]) -> bool,
     ) -> Result<ClosedAssembly> {
-        let extent = |closed: &ClosedAssembly| {
-            closed.radius_angstrom.powi(2) + 0.25 * closed.ring_distance_angstrom.powi(2)
-        };
         let mut best: Option<ClosedAssembly> = None;
         for &tilt in tilts_radian {
             let closed = self.close(frames, tilt, tolerance_angstrom, &overlaps)?;
-            if best
-                .as_ref()
-                .is_none_or(|best| extent(&closed) < extent(best))
-            {
-                best = Some(closed);
+            match &best {
+                Some(best) if best.extent_angstrom2() <= closed.extent_angstrom2() => {}
+                _ => best = Some(closed),
             }
         }
         best.ok_or_else(|| BodyError::Invalid {
@@ -210,18 +246,29 @@ impl Recipe {
                 remedy: "give each ring the same number of positions".into(),
             });
         }
-        match self
-            .rings
-            .iter()
-            .flatten()
-            .find(|site| site.body >= frames.len())
-        {
-            None => Ok(()),
-            Some(site) => Err(BodyError::Invalid {
-                cause: format!("the recipe names body {} of {}", site.body, frames.len()),
-                remedy: "give as many bodies as the recipe names".into(),
-            }),
+        for site in self.rings.iter().flatten() {
+            if site.body >= frames.len() {
+                return Err(BodyError::Invalid {
+                    cause: format!("the recipe names body {} of {}", site.body, frames.len()),
+                    remedy: "give as many bodies as the recipe names".into(),
+                });
+            }
         }
+        Ok(())
+    }
+}
+
+impl ClosedAssembly {
+    /// Mean square distance of the bodies from the centre, of one ring or two, Å².
+    fn extent_angstrom2(&self) -> f64 {
+        self.radius_angstrom.powi(2) + 0.25 * self.ring_distance_angstrom.powi(2)
+    }
+}
+
+fn never_free() -> BodyError {
+    BodyError::Invalid {
+        cause: "the bodies of the recipe overlap at any distance".into(),
+        remedy: "check the body meshes".into(),
     }
 }
 
@@ -243,29 +290,35 @@ fn orientation(site: &RecipeSite, azimuth: f64, tilt_radian: f64) -> Rotation {
 /// not depend on the input's orientation.
 pub fn upright_frame(points: &[Vec3]) -> Rotation {
     let mean = points.iter().sum::<Vec3>() / points.len().max(1) as f64;
-    let covariance: nalgebra::Matrix3<f64> = points
-        .iter()
-        .map(|p| (p - mean) * (p - mean).transpose())
-        .sum();
+    let arms: Vec<Vec3> = points.iter().map(|point| point - mean).collect();
+    let mut covariance = Matrix3::zeros();
+    for arm in &arms {
+        covariance += arm * arm.transpose();
+    }
     if !covariance.iter().all(|x| x.is_finite()) {
         return Rotation::identity();
     }
     let eigen = covariance.symmetric_eigen();
-    let oriented = |column: usize| {
-        let axis: Vec3 = eigen.eigenvectors.column(column).into();
-        let third: f64 = points.iter().map(|p| (p - mean).dot(&axis).powi(3)).sum();
-        if third < 0.0 { -axis } else { axis }
-    };
-    let (z, x) = (
-        oriented(eigen.eigenvalues.imax()),
-        oriented(eigen.eigenvalues.imin()),
+    let z = oriented(
+        eigen.eigenvectors.column(eigen.eigenvalues.imax()).into(),
+        &arms,
+    );
+    let x = oriented(
+        eigen.eigenvectors.column(eigen.eigenvalues.imin()).into(),
+        &arms,
     );
     let y = z.cross(&x);
     if y.norm() < 0.5 {
         return Rotation::identity();
     }
-    let matrix = nalgebra::Matrix3::from_rows(&[x.transpose(), y.transpose(), z.transpose()]);
-    Rotation::from_rotation_matrix(&nalgebra::Rotation3::from_matrix_unchecked(matrix))
+    let matrix = Matrix3::from_rows(&[x.transpose(), y.transpose(), z.transpose()]);
+    Rotation::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix))
+}
+
+/// The axis in the sense in which the third moment of the arms is positive.
+fn oriented(axis: Vec3, arms: &[Vec3]) -> Vec3 {
+    let third: f64 = arms.iter().map(|arm| arm.dot(&axis).powi(3)).sum();
+    if third < 0.0 { -axis } else { axis }
 }
 
 #[cfg(test)]
@@ -301,12 +354,12 @@ mod tests {
             .close(&[Rotation::identity(); 2], 0.0, 1e-9, spheres_overlap)
             .unwrap();
         assert!((closed.ring_distance_angstrom - 2.0).abs() < 1e-8);
-        // Of alternating bodies each stands above the other.
+        // Where two bodies alternate, each is above one of the other kind.
         assert!((0..8).all(|i| closed.placements[i].0 != closed.placements[i + 8].0));
     }
 
-    /// The half turns between the rings map the stack onto itself, tilts, spins, directions and
-    /// frames included.
+    /// The half turns between the rings map the stack onto itself, with its tilts, spins, directions
+    /// and frames.
     #[test]
     fn a_dihedral_recipe_is_dihedral() {
         let site = |body, up, tilt_radian, spin_radian| RecipeSite {

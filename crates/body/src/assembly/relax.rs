@@ -1,9 +1,9 @@
 //! The smallest uniform expansion without overlaps.
 
-use super::Placement;
 use super::contact::bisect;
+use super::placement::Placement;
 use crate::{BodyError, Result};
-use protomer_kernel::{Pose, Vec3};
+use protomer_kernel::Vec3;
 
 /// An assembly after expansion.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,10 +46,10 @@ pub fn expand_until_free(
         1.0
     };
     let centre = centre(placements);
-    let largest = placements
-        .iter()
-        .map(|(_, pose)| (pose.position - centre).norm())
-        .fold(0.0, f64::max);
+    let mut largest = 0.0_f64;
+    for (_, pose) in placements {
+        largest = largest.max((pose.position - centre).norm());
+    }
     Ok(Expansion {
         factor,
         largest_displacement_angstrom: (factor - 1.0) * largest,
@@ -75,31 +75,29 @@ fn smallest_free(tolerance: f64, overlaps_at: impl Fn(f64) -> bool) -> Result<f6
 }
 
 fn centre(placements: &[Placement]) -> Vec3 {
-    placements
-        .iter()
-        .map(|(_, pose)| pose.position)
-        .sum::<Vec3>()
-        / placements.len().max(1) as f64
+    let mut sum = Vec3::zeros();
+    for (_, pose) in placements {
+        sum += pose.position;
+    }
+    sum / placements.len().max(1) as f64
 }
 
 fn expanded(placements: &[Placement], factor: f64) -> Vec<Placement> {
     let centre = centre(placements);
-    let moved = |pose: &Pose| Pose {
-        position: centre + (pose.position - centre) * factor,
-        rotation: pose.rotation,
-    };
-    placements
-        .iter()
-        .map(|(body, pose)| (*body, moved(pose)))
-        .collect()
+    let mut expanded = placements.to_vec();
+    for (_, pose) in &mut expanded {
+        pose.position = centre + (pose.position - centre) * factor;
+    }
+    expanded
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use protomer_kernel::Pose;
 
     #[test]
-    fn what_is_free_stays_and_what_cannot_be_freed_is_an_error() {
+    fn free_placements_stay_and_hopeless_ones_are_an_error() {
         let at = |x| {
             (
                 0,

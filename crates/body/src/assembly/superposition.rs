@@ -4,7 +4,7 @@ use crate::{BodyError, Result};
 use nalgebra::Matrix3;
 use protomer_kernel::{Pose, Rotation, Vec3};
 
-/// The best rigid motion and what it leaves.
+/// The best rigid motion and the distance that remains.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Superposition {
     /// Maps the moving points onto the fixed ones.
@@ -15,8 +15,8 @@ pub struct Superposition {
 
 /// Minimises Σ |R mᵢ + t - fᵢ|² over proper rotations R and translations t (Kabsch, Acta Cryst.
 /// A32, 922 (1976) and A34, 827 (1978)): with both sets centred and Σ mᵢ fᵢᵀ = U S Vᵀ, R = V
-/// diag(1, 1, det(V Uᵀ)) Uᵀ, the sign on the smallest singular value. Points on a line leave the
-/// rotation about it open; one of the best is returned.
+/// diag(1, 1, det(V Uᵀ)) Uᵀ, the sign on the smallest singular value. For points on a line any
+/// rotation about the line is equally good; one of them is returned.
 ///
 /// ```
 /// use protomer_body::assembly::superpose;
@@ -41,16 +41,15 @@ pub fn superpose(moving: &[Vec3], fixed: &[Vec3]) -> Result<Superposition> {
         ),
         remedy: "match finite positions one to one".into(),
     };
-    let is_finite = |points: &[Vec3]| points.iter().flatten().all(|x| x.is_finite());
-    if moving.is_empty() || moving.len() != fixed.len() || !is_finite(moving) || !is_finite(fixed) {
+    let is_matched = !moving.is_empty() && moving.len() == fixed.len();
+    if !is_matched || !is_finite(moving) || !is_finite(fixed) {
         return Err(unmatched());
     }
     let (from, to) = (mean(moving), mean(fixed));
-    let covariance: Matrix3<f64> = moving
-        .iter()
-        .zip(fixed)
-        .map(|(m, f)| (m - from) * (f - to).transpose())
-        .sum();
+    let mut covariance = Matrix3::zeros();
+    for (m, f) in moving.iter().zip(fixed) {
+        covariance += (m - from) * (f - to).transpose();
+    }
     if !covariance.iter().all(|x| x.is_finite()) {
         return Err(unmatched());
     }
@@ -59,15 +58,18 @@ pub fn superpose(moving: &[Vec3], fixed: &[Vec3]) -> Result<Superposition> {
         position: to - rotation * from,
         rotation,
     };
-    let squares: f64 = moving
-        .iter()
-        .zip(fixed)
-        .map(|(m, f)| (pose.transform_point(m) - f).norm_squared())
-        .sum();
+    let mut squares = 0.0;
+    for (m, f) in moving.iter().zip(fixed) {
+        squares += (pose.transform_point(m) - f).norm_squared();
+    }
     Ok(Superposition {
         pose,
         rmsd_angstrom: (squares / moving.len() as f64).sqrt(),
     })
+}
+
+fn is_finite(points: &[Vec3]) -> bool {
+    points.iter().flatten().all(|x| x.is_finite())
 }
 
 fn best_rotation(covariance: &Matrix3<f64>) -> Rotation {
@@ -130,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_matched_is_refused() {
+    fn unmatched_sets_are_refused() {
         assert!(superpose(&[], &[]).is_err());
         assert!(superpose(&[Vec3::zeros()], &[]).is_err());
         assert!(superpose(&[Vec3::repeat(f64::NAN)], &[Vec3::zeros()]).is_err());

@@ -3,6 +3,12 @@
 use serde::{Deserialize, Serialize};
 
 /// An amino acid, by its three-letter name.
+///
+/// ```
+/// use protomer_body::chemistry::AminoAcid;
+/// assert_eq!((AminoAcid::Lys.letter(), AminoAcid::Lys.hydropathy()), ('K', -3.9));
+/// assert_eq!(AminoAcid::Ser.side_chain(), ["CB", "OG"]);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[allow(missing_docs, reason = "the variants are the three-letter names")]
 pub enum AminoAcid {
@@ -133,7 +139,7 @@ impl AminoAcid {
     }
 
     fn entry(self) -> &'static Entry {
-        // The table is in the order of the variants, which the test holds.
+        // A test checks that the table is in the order of the variants.
         &TABLE[self as usize]
     }
 
@@ -144,16 +150,19 @@ impl AminoAcid {
     /// assert_eq!(AminoAcid::of_name("GLU"), AminoAcid::of_name("E"));
     /// ```
     pub fn of_name(name: &str) -> Option<Self> {
-        let mut letters = name.chars();
-        let single = letters.next().filter(|_| name.len() == 1);
-        TABLE
-            .iter()
-            .find(|entry| entry.1 == name || Some(entry.2) == single)
-            .map(|entry| entry.0)
+        if name.len() != 1 {
+            return Self::of_residue(name);
+        }
+        for (amino_acid, _, letter, ..) in TABLE {
+            if name.starts_with(letter) {
+                return Some(amino_acid);
+            }
+        }
+        None
     }
 
-    /// The amino acid that a residue of a file is, by its three-letter name in upper case. One
-    /// letter is no name of an amino acid there: A, C and G are nucleotides.
+    /// The amino acid of a residue in a file, by its three-letter name in upper case. A single
+    /// letter is not the name of an amino acid there: A, C and G are nucleotides.
     ///
     /// ```
     /// use protomer_body::chemistry::AminoAcid;
@@ -161,10 +170,12 @@ impl AminoAcid {
     /// assert_eq!(AminoAcid::of_residue("G"), None);
     /// ```
     pub fn of_residue(name: &str) -> Option<Self> {
-        TABLE
-            .iter()
-            .find(|entry| entry.1 == name)
-            .map(|entry| entry.0)
+        for (amino_acid, known, ..) in TABLE {
+            if known == name {
+                return Some(amino_acid);
+            }
+        }
+        None
     }
 
     /// Three-letter name, upper case.

@@ -1,24 +1,25 @@
 //! One residue's charge on its atoms.
 //!
 //! The residue's charge is the sum of the mean charges of its titratable groups at the pH
-//! ([`residue_charge_e`]). The models differ in where it sits ([`atom_charges_e`]); in each of them
-//! the atoms' charges add up to it exactly:
+//! ([`residue_charge_e`]). The models differ in how they distribute it over the atoms
+//! ([`atom_charges_e`]); in each of them the atoms' charges add up to it exactly:
 //!
-//! * force field: template charges, hydrogens folded on their heavy atom, interpolated between the
-//!   protonated and the deprotonated form; what missing or unknown atoms leave over is spread
-//!   evenly over the heavy atoms present;
-//! * formal: the groups' charges on the atoms of the groups, nothing else.
+//! * force field: template charges, hydrogens added to their heavy atom, interpolated between the
+//!   protonated and the deprotonated form; the charge left over by missing or unknown atoms is
+//!   spread evenly over the heavy atoms present;
+//! * formal: the groups' charges on the atoms of the groups only.
 //!
-//! Hydrogens that are kept carry no charge of their own: their heavy atom carries it.
+//! Hydrogens that are kept have no charge; it is on their heavy atom.
 
 use super::amino_acid::{AminoAcid, BACKBONE};
 use super::protonation::{C_TERMINUS, Group, N_TERMINUS, protonated_fraction, side_chain_groups};
 use super::residue_names::ion_charge_e;
 use super::templates::{self, Template, forms};
-use crate::structure::{ResidueClass, SelectedResidue};
+use super::treatment::formal_charge_e;
+use crate::structure::{Atom, ResidueClass, SelectedResidue};
 use serde::{Deserialize, Serialize};
 
-/// Where the charges of a residue sit.
+/// How the charge of a residue is distributed over its atoms.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ChargeModel {
@@ -33,44 +34,43 @@ pub enum ChargeModel {
 
 /// The titratable groups of the side chain.
 pub fn side_groups(residue: &SelectedResidue) -> &'static [Group] {
-    match residue.class {
-        ResidueClass::Modified(modified) if modified.groups.is_some() => {
-            modified.groups.unwrap_or(&[])
-        }
-        _ if residue.in_disulfide => &[],
-        class => class.amino_acid().map_or(&[], side_chain_groups),
+    if let ResidueClass::Modified(modified) = residue.class
+        && let Some(groups) = modified.groups
+    {
+        return groups;
+    }
+    match residue.class.amino_acid() {
+        Some(amino_acid) if !residue.in_disulfide => side_chain_groups(amino_acid),
+        _ => &[],
     }
 }
 
-/// Net charge of a residue at a pH, e: side chain, ends of the chain, and the formal charge of
-/// ions, ligands and phosphates.
+/// Net charge of a residue at a pH, e: side chain, ends of the chain, and the fixed charge of ions,
+/// ligands and phosphates.
 pub fn residue_charge_e(residue: &SelectedResidue, ph: f64) -> f64 {
-    let side: f64 = side_groups(residue)
-        .iter()
-        .map(|group| group.charge_e(ph))
-        .sum();
-    let n_terminus = if residue.n_terminus {
-        N_TERMINUS.charge_e(ph)
-    } else {
-        0.0
-    };
-    let c_terminus = if residue.c_terminus {
-        C_TERMINUS.charge_e(ph)
-    } else {
-        0.0
-    };
-    side + n_terminus + c_terminus + fixed_charge_e(residue)
+    let mut charge = fixed_charge_e(residue);
+    for group in side_groups(residue) {
+        charge += group.charge_e(ph);
+    }
+    if residue.n_terminus {
+        charge += N_TERMINUS.charge_e(ph);
+    }
+    if residue.c_terminus {
+        charge += C_TERMINUS.charge_e(ph);
+    }
+    charge
 }
 
-/// Charges that no pH changes: one per phosphate of a nucleic acid, ions by their name, ligands as
-/// the file states.
+/// Charges that no pH changes: one per phosphate of a nucleic acid, ions by their name, ligands and
+/// residues in no table as the file states.
 fn fixed_charge_e(residue: &SelectedResidue) -> f64 {
     match residue.class {
         ResidueClass::Nucleotide if residue.atom("P").is_some() => -1.0,
-        ResidueClass::Ligand => f64::from(ion_charge_e(&residue.name).unwrap_or_else(|| {
-            let stated = residue.atoms.iter().filter_map(|atom| atom.formal_charge_e);
-            stated.fold(0, i32::saturating_add)
-        })),
+        ResidueClass::Ligand => match ion_charge_e(&residue.name) {
+            Some(charge) => f64::from(charge),
+            None => f64::from(formal_charge_e(residue)),
+        },
+        ResidueClass::UnknownAminoAcid => f64::from(formal_charge_e(residue)),
         _ => 0.0,
     }
 }
@@ -79,12 +79,13 @@ fn fixed_charge_e(residue: &SelectedResidue) -> f64 {
 pub fn atom_charges_e(residue: &SelectedResidue, ph: f64, model: ChargeModel) -> Vec<f64> {
     let mut charges = Charges {
         residue,
+        ph,
         values: vec![0.0; residue.atoms.len()],
     };
     match model {
         ChargeModel::None => return charges.values,
-        ChargeModel::Formal => charges.formal(ph),
-        ChargeModel::ForceField => charges.force_field(ph),
+        ChargeModel::Formal => charges.formal(),
+        ChargeModel::ForceField => charges.force_field(),
     }
     charges.spread_remainder(residue_charge_e(residue, ph));
     charges.values
@@ -92,57 +93,52 @@ pub fn atom_charges_e(residue: &SelectedResidue, ph: f64, model: ChargeModel) ->
 
 struct Charges<'a> {
     residue: &'a SelectedResidue,
+    ph: f64,
     values: Vec<f64>,
 }
 
 impl Charges<'_> {
-    fn formal(&mut self, ph: f64) {
-        for group in side_groups(self.residue) {
-            self.place_group(group, group.charge_e(ph));
-        }
+    fn formal(&mut self) {
+        self.place_groups(side_groups(self.residue));
         if self.residue.n_terminus {
-            self.place(N_TERMINUS.atoms, N_TERMINUS.charge_e(ph));
+            self.place(N_TERMINUS.atoms, N_TERMINUS.charge_e(self.ph));
         }
         if self.residue.c_terminus {
-            self.place(C_TERMINUS.atoms, C_TERMINUS.charge_e(ph));
+            self.place(C_TERMINUS.atoms, C_TERMINUS.charge_e(self.ph));
         }
-        self.fixed();
+        self.place_fixed();
     }
 
-    fn force_field(&mut self, ph: f64) {
-        match (self.residue.class, self.residue.mutated_from) {
-            (ResidueClass::AminoAcid(amino_acid), None) => self.template(amino_acid, ph),
-            (ResidueClass::AminoAcid(amino_acid), Some(_)) => self.mutated(amino_acid, ph),
-            (ResidueClass::Modified(modified), _) => {
-                if let Some(parent) = modified.parent {
-                    match modified.groups {
-                        None => self.template(parent, ph),
-                        Some(groups) => {
-                            self.neutral_template(parent);
-                            for group in groups {
-                                self.place_group(group, group.charge_e(ph));
-                            }
-                        }
-                    }
-                }
+    fn force_field(&mut self) {
+        match self.residue.class {
+            ResidueClass::AminoAcid(amino_acid) if self.residue.mutated_from.is_some() => {
+                self.mutated(amino_acid);
             }
-            _ => self.fixed(),
+            ResidueClass::AminoAcid(amino_acid) | ResidueClass::LikeAminoAcid(amino_acid) => {
+                self.template(amino_acid);
+            }
+            ResidueClass::Modified(modified) => match (modified.parent, modified.groups) {
+                (Some(parent), None) => self.template(parent),
+                (parent, groups) => {
+                    if let Some(parent) = parent {
+                        self.neutral_template(parent);
+                    }
+                    self.place_groups(groups.unwrap_or(&[]));
+                }
+            },
+            _ => self.place_fixed(),
         }
-        self.termini(ph);
+        self.add_termini();
     }
 
     /// The residue's template at the pH.
-    fn template(&mut self, amino_acid: AminoAcid, ph: f64) {
+    fn template(&mut self, amino_acid: AminoAcid) {
         let forms = forms(amino_acid, self.residue.in_disulfide);
-        let groups = if self.residue.in_disulfide {
-            &[]
-        } else {
-            side_chain_groups(amino_acid)
+        let group = match side_chain_groups(amino_acid).first() {
+            Some(group) if !self.residue.in_disulfide => group,
+            _ => return self.add(forms.protonated, 1.0),
         };
-        let Some(group) = groups.first() else {
-            return self.add(forms.protonated, 1.0);
-        };
-        let protonated = protonated_fraction(group.pka, ph);
+        let protonated = protonated_fraction(group.pka, self.ph);
         if forms.deprotonated.is_empty() {
             self.add(forms.protonated, 1.0);
             self.place_group(group, protonated - 1.0);
@@ -152,63 +148,64 @@ impl Charges<'_> {
         }
     }
 
-    /// The form of the parent without charge, for residues whose groups are their own.
+    /// The uncharged form of the parent, for residues with titratable groups of their own.
     fn neutral_template(&mut self, parent: AminoAcid) {
         let forms = forms(parent, false);
-        let is_base = side_chain_groups(parent)
-            .first()
-            .is_some_and(|group| group.protonated_charge_e > 0.5);
-        self.add(
-            if is_base && !forms.deprotonated.is_empty() {
-                forms.deprotonated
-            } else {
-                forms.protonated
-            },
-            1.0,
-        );
+        let is_base = match side_chain_groups(parent).first() {
+            Some(group) => group.protonated_charge_e > 0.5,
+            None => false,
+        };
+        if is_base && !forms.deprotonated.is_empty() {
+            self.add(forms.deprotonated, 1.0);
+        } else {
+            self.add(forms.protonated, 1.0);
+        }
     }
 
-    /// A residue that stands on another's atoms: the new residue's template on the backbone, and
-    /// its side chain's net charge on the outermost atoms there are.
-    fn mutated(&mut self, amino_acid: AminoAcid, ph: f64) {
-        self.template(amino_acid, ph);
+    /// A mutated residue, which has the atoms of the old one: the new residue's template on the
+    /// backbone, and the net charge of the new side chain on the outermost atoms present.
+    fn mutated(&mut self, amino_acid: AminoAcid) {
+        self.template(amino_acid);
+        let mut backbone = 0.0;
         for (atom, value) in self.residue.atoms.iter().zip(&mut self.values) {
             if !BACKBONE.contains(&&*atom.name) {
                 *value = 0.0;
             }
+            backbone += *value;
         }
-        let net: f64 = side_groups(self.residue)
-            .iter()
-            .map(|group| group.charge_e(ph))
-            .sum();
-        let backbone: f64 = self.values.iter().sum();
+        let mut net = 0.0;
+        for group in side_groups(self.residue) {
+            net += group.charge_e(self.ph);
+        }
         self.place_outermost(net - backbone);
     }
 
-    fn termini(&mut self, ph: f64) {
+    fn add_termini(&mut self) {
         if self.residue.n_terminus {
-            let charge = N_TERMINUS.charge_e(ph);
-            templates::N_TERMINUS
-                .iter()
-                .for_each(|(atom, share)| self.add_to(atom, charge * share));
+            let charge = N_TERMINUS.charge_e(self.ph);
+            for (atom, share) in templates::N_TERMINUS {
+                self.add_to(atom, charge * share);
+            }
         }
         if self.residue.c_terminus {
-            let charge = -C_TERMINUS.charge_e(ph);
-            templates::C_TERMINUS
-                .iter()
-                .for_each(|(atom, share)| self.add_to(atom, charge * share));
+            let charge = -C_TERMINUS.charge_e(self.ph);
+            for (atom, share) in templates::C_TERMINUS {
+                self.add_to(atom, charge * share);
+            }
         }
     }
 
-    /// Phosphates, ions and ligands.
-    fn fixed(&mut self) {
+    /// Phosphates, and the formal charges of ligands and of residues in no table. The charge of an
+    /// ion is assigned later, as the remainder.
+    fn place_fixed(&mut self) {
         match self.residue.class {
             ResidueClass::Nucleotide if self.residue.atom("P").is_some() => {
                 self.place(&["OP1", "OP2", "O1P", "O2P"], -1.0);
             }
-            ResidueClass::Ligand if ion_charge_e(&self.residue.name).is_none() => {
+            ResidueClass::Ligand if ion_charge_e(&self.residue.name).is_some() => {}
+            ResidueClass::Ligand | ResidueClass::UnknownAminoAcid => {
                 for (atom, value) in self.residue.atoms.iter().zip(&mut self.values) {
-                    *value = f64::from(atom.formal_charge_e.unwrap_or(0));
+                    *value += f64::from(atom.formal_charge_e.unwrap_or(0));
                 }
             }
             _ => {}
@@ -223,13 +220,17 @@ impl Charges<'_> {
     }
 
     fn add_to(&mut self, name: &str, charge: f64) {
-        if let Some(index) = self
-            .residue
-            .atoms
-            .iter()
-            .position(|atom| &*atom.name == name)
-        {
-            self.values[index] += charge;
+        for (atom, value) in self.residue.atoms.iter().zip(&mut self.values) {
+            if &*atom.name == name {
+                *value += charge;
+                return;
+            }
+        }
+    }
+
+    fn place_groups(&mut self, groups: &[Group]) {
+        for group in groups {
+            self.place_group(group, group.charge_e(self.ph));
         }
     }
 
@@ -246,8 +247,7 @@ impl Charges<'_> {
     /// Shares a charge equally between those of the named atoms that are present, or puts it on the
     /// outermost atoms.
     fn place(&mut self, names: &[&str], charge: f64) {
-        let is_named = |index: &usize| names.contains(&&*self.residue.atoms[*index].name);
-        let present: Vec<usize> = (0..self.values.len()).filter(is_named).collect();
+        let present = self.indices(|atom| names.contains(&&*atom.name));
         if present.is_empty() {
             self.place_outermost(charge)
         } else {
@@ -265,42 +265,56 @@ impl Charges<'_> {
         }
     }
 
-    /// Spreads what is left of the residue's charge evenly over its heavy atoms.
+    /// Spreads the remainder of the residue's charge evenly over its heavy atoms.
     fn spread_remainder(&mut self, charge: f64) {
-        let is_heavy = |index: &usize| !self.residue.atoms[*index].is_hydrogen();
-        let heavy: Vec<usize> = (0..self.values.len()).filter(is_heavy).collect();
-        let atoms = if heavy.is_empty() {
-            (0..self.values.len()).collect()
-        } else {
-            heavy
-        };
+        let mut atoms = self.indices(|atom| !atom.is_hydrogen());
+        if atoms.is_empty() {
+            atoms = (0..self.values.len()).collect();
+        }
         let remainder = charge - self.values.iter().sum::<f64>();
         self.share(&atoms, remainder);
+    }
+
+    /// Indices of the atoms that `is_wanted`.
+    fn indices(&self, is_wanted: impl Fn(&Atom) -> bool) -> Vec<usize> {
+        let mut indices = Vec::new();
+        for (index, atom) in self.residue.atoms.iter().enumerate() {
+            if is_wanted(atom) {
+                indices.push(index);
+            }
+        }
+        indices
     }
 }
 
 /// The heavy atoms of the side chain farthest from the backbone by the letter of their names (B, G,
 /// D, E, Z, H); CA, or any heavy atom, where there is no side chain.
 fn outermost(residue: &SelectedResidue) -> Vec<usize> {
-    let remoteness = |index: usize| {
-        let atom = &residue.atoms[index];
-        let is_side =
-            !BACKBONE.contains(&&*atom.name) && &*atom.name != "OXT" && !atom.is_hydrogen();
-        let letter = atom
-            .name
-            .chars()
-            .nth(1)
-            .and_then(|letter| "BGDEZH".find(letter));
-        match letter {
-            Some(rank) if is_side => 2 + rank,
-            _ if &*atom.name == "CA" => 1,
-            _ => 0,
+    let mut farthest = 0;
+    let mut outermost = Vec::new();
+    for (index, atom) in residue.atoms.iter().enumerate() {
+        let remoteness = remoteness(atom);
+        if remoteness > farthest {
+            farthest = remoteness;
+            outermost.clear();
         }
-    };
-    let farthest = (0..residue.atoms.len()).map(remoteness).max().unwrap_or(0);
-    (0..residue.atoms.len())
-        .filter(|index| remoteness(*index) == farthest)
-        .collect()
+        if remoteness == farthest {
+            outermost.push(index);
+        }
+    }
+    outermost
+}
+
+/// How far from the backbone an atom is, by the letter of its name.
+fn remoteness(atom: &Atom) -> usize {
+    let name = &*atom.name;
+    let is_side = !BACKBONE.contains(&name) && name != "OXT" && !atom.is_hydrogen();
+    let letter = name.chars().nth(1).unwrap_or(' ');
+    match "BGDEZH".find(letter) {
+        Some(rank) if is_side => 2 + rank,
+        _ if name == "CA" => 1,
+        _ => 0,
+    }
 }
 
 #[cfg(test)]

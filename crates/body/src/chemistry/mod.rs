@@ -6,10 +6,11 @@
 //! | [`residue_names`] | other residue names: modified residues and their parents, caps, nucleotides, waters |
 //! | [`protonation`] | titratable groups, model pKa values, Henderson-Hasselbalch |
 //! | [`templates`] | AMBER ff94 charges of each residue |
-//! | [`charges`] | one residue's charge on its atoms |
-//! | [`mutation`] | residues exchanged in place |
+//! | [`charges`] | the charge of one residue, distributed over its atoms |
+//! | [`mutation`] | mutations without new coordinates |
 //! | [`radii`] | radii for the surface |
-//! | [`sites`] | the whole selection: sites and residues of a body |
+//! | `treatment` | how a residue that is not one of the twenty is treated, in words |
+//! | [`sites`] | the sites and residues of a body, from a whole selection |
 
 pub mod amino_acid;
 pub mod charges;
@@ -19,6 +20,7 @@ pub mod radii;
 pub mod residue_names;
 pub mod sites;
 pub mod templates;
+pub(crate) mod treatment;
 
 pub use amino_acid::AminoAcid;
 pub use charges::ChargeModel;

@@ -1,17 +1,31 @@
-//! Residues exchanged in place: another charge and hydropathy on the same atoms.
+//! Mutations without new coordinates: another charge and hydropathy on the same atoms.
 //!
 //! The geometry stays: a mutated residue keeps its atoms and their names. The new residue's
-//! template holds on the backbone; its side chain's net charge goes to the outermost side-chain
-//! atoms there are ([`super::charges`]). That places a charge within a few Å of where a rebuilt
-//! side chain would have it, which is what supercharged variants of a rigid body need.
+//! template applies to the backbone; the net charge of its side chain goes to the outermost
+//! side-chain atoms present ([`super::charges`]). This places the charge within a few Å of its
+//! position in a rebuilt side chain, which is accurate enough for supercharged variants of a rigid
+//! body.
 
 use super::amino_acid::AminoAcid;
-use crate::structure::{ResidueClass, SelectedResidue, Selection, mark_disulfides};
+use crate::structure::{ResidueClass, ResidueKey, SelectedResidue, Selection};
 use crate::{BodyError, Result};
+use std::collections::HashSet;
 use std::fmt;
 use std::sync::Arc;
 
-/// One exchange.
+/// One mutation.
+///
+/// ```
+/// use protomer_body::chemistry::{AminoAcid, Mutation};
+/// let mutation = Mutation {
+///     chain: "A".into(),
+///     number: 45,
+///     insertion_code: String::new(),
+///     from: AminoAcid::Lys,
+///     to: AminoAcid::Glu,
+/// };
+/// assert_eq!(mutation.to_string(), "A:K45E");
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mutation {
     /// Chain (author's); every copy of it in an assembly is mutated.
@@ -20,9 +34,9 @@ pub struct Mutation {
     pub number: i32,
     /// Insertion code; empty for none.
     pub insertion_code: String,
-    /// The amino acid that is there.
+    /// The amino acid in the structure.
     pub from: AminoAcid,
-    /// The amino acid to put.
+    /// The amino acid that replaces it.
     pub to: AminoAcid,
 }
 
@@ -50,13 +64,17 @@ impl fmt::Display for Mutation {
 /// # Errors
 /// [`BodyError::Invalid`] that quotes the item.
 pub fn parse_mutations(list: &str) -> Result<Vec<Mutation>> {
-    let items = list
-        .split(',')
-        .map(str::trim)
-        .filter(|item| !item.is_empty());
-    items
-        .map(|item| parse_mutation(item).ok_or_else(|| unreadable(item)))
-        .collect()
+    let mut mutations = Vec::new();
+    for item in list.split(',').map(str::trim) {
+        if item.is_empty() {
+            continue;
+        }
+        match parse_mutation(item) {
+            Some(mutation) => mutations.push(mutation),
+            None => return Err(unreadable(item)),
+        }
+    }
+    Ok(mutations)
 }
 
 fn unreadable(item: &str) -> BodyError {
@@ -83,28 +101,36 @@ fn parse_mutation(item: &str) -> Option<Mutation> {
     })
 }
 
-/// Applies the exchanges.
+/// Applies mutations. A cysteine whose partner in a disulfide bond is mutated gets a free thiol.
+///
+/// ```
+/// use protomer_body::chemistry::{mutate, parse_mutations};
+/// use protomer_body::structure::{SelectionSettings, Structure};
+/// let line = "ATOM      1  CA  LYS A  45      11.104   6.134  -6.504  1.00 10.00           C";
+/// let structure = Structure::read("lysine.pdb", line.as_bytes())?;
+/// let mut selection = structure.select(&SelectionSettings::default())?;
+/// mutate(&mut selection, &parse_mutations("A:K45E")?)?;
+/// assert_eq!(&*selection.residues[0].name, "GLU");
+/// # Ok::<(), protomer_body::BodyError>(())
+/// ```
 ///
 /// # Errors
-/// [`BodyError::Invalid`] if there is no such residue, or another one than the mutation says, which
-/// it names.
+/// [`BodyError::Invalid`] if there is no such residue, or if it is another amino acid than the
+/// mutation says.
 pub fn mutate(selection: &mut Selection, mutations: &[Mutation]) -> Result<()> {
     for mutation in mutations {
         let mut found = false;
-        for residue in selection
-            .residues
-            .iter_mut()
-            .filter(|residue| is_at(residue, mutation))
-        {
-            exchange(residue, mutation)?;
-            found = true;
+        for residue in &mut selection.residues {
+            if is_at(residue, mutation) {
+                exchange(residue, mutation)?;
+                found = true;
+            }
         }
         if !found {
             return Err(absent(selection, mutation));
         }
     }
-    // A cysteine whose partner is gone has a free thiol.
-    mark_disulfides(&mut selection.residues);
+    break_disulfides(selection);
     Ok(())
 }
 
@@ -134,28 +160,47 @@ fn exchange(residue: &mut SelectedResidue, mutation: &Mutation) -> Result<()> {
     Ok(())
 }
 
-fn absent(selection: &Selection, mutation: &Mutation) -> BodyError {
-    let numbers = selection
-        .residues
-        .iter()
-        .filter(|residue| *residue.source_chain == *mutation.chain);
-    let range = numbers.fold(None, |range: Option<(i32, i32)>, residue| {
-        let number = residue.key.number;
-        Some(range.map_or((number, number), |(low, high)| {
-            (low.min(number), high.max(number))
-        }))
+/// Breaks the disulfide bonds of mutated residues, on both sides.
+fn break_disulfides(selection: &mut Selection) {
+    let mut exchanged: HashSet<ResidueKey> = HashSet::new();
+    for residue in &selection.residues {
+        if residue.mutated_from.is_some() {
+            exchanged.insert(residue.key.clone());
+        }
+    }
+    let mut freed: HashSet<ResidueKey> = exchanged.clone();
+    selection.report.disulfides.retain(|bond| {
+        let is_broken = exchanged.contains(&bond.residue) || exchanged.contains(&bond.partner);
+        if is_broken {
+            freed.extend([bond.residue.clone(), bond.partner.clone()]);
+        }
+        !is_broken
     });
+    for residue in &mut selection.residues {
+        residue.in_disulfide &= !freed.contains(&residue.key);
+    }
+}
+
+fn absent(selection: &Selection, mutation: &Mutation) -> BodyError {
+    let mut range: Option<(i32, i32)> = None;
+    for residue in &selection.residues {
+        if *residue.source_chain == *mutation.chain {
+            let number = residue.key.number;
+            let (low, high) = range.unwrap_or((number, number));
+            range = Some((low.min(number), high.max(number)));
+        }
+    }
+    let chain = &mutation.chain;
     BodyError::Invalid {
         cause: format!(
-            "no residue {}:{}{}",
-            mutation.chain, mutation.number, mutation.insertion_code
+            "no residue {chain}:{}{}",
+            mutation.number, mutation.insertion_code
         ),
         remedy: match range {
-            Some((low, high)) => format!(
-                "the residues of chain {} run from {low} to {high}",
-                mutation.chain
-            ),
-            None => format!("chain {} is not selected", mutation.chain),
+            Some((low, high)) => {
+                format!("the residues of chain {chain} run from {low} to {high}")
+            }
+            None => format!("chain {chain} is not selected"),
         },
     }
 }

@@ -1,12 +1,18 @@
 //! Titratable groups: model pKa values and the Henderson-Hasselbalch equation.
 //!
 //! Model pKa values of PROPKA 3 (Olsson, Søndergaard, Rostkowski and Jensen, J. Chem. Theory
-//! Comput. 7, 525 (2011)), those of a residue free in water. Shifts by the surroundings are not
+//! Comput. 7, 525 (2011)), for a residue in water. Shifts caused by the environment are not
 //! modelled.
 
 use super::amino_acid::AminoAcid;
 
 /// One titratable group.
+///
+/// ```
+/// use protomer_body::chemistry::protonation::Group;
+/// let carboxylate = Group::acid(4.5, &["OE1", "OE2"]);
+/// assert!((carboxylate.charge_e(4.5) + 0.5).abs() < 1e-12);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Group {
     /// pKa of the group.
@@ -48,6 +54,11 @@ impl Group {
 }
 
 /// Protonated fraction 1 / (1 + 10^(pH - pKa)) (Henderson-Hasselbalch).
+///
+/// ```
+/// use protomer_body::chemistry::protonation::protonated_fraction;
+/// assert_eq!(protonated_fraction(6.5, 6.5), 0.5);
+/// ```
 pub fn protonated_fraction(pka: f64, ph: f64) -> f64 {
     1.0 / (1.0 + 10_f64.powf(ph - pka))
 }
@@ -66,6 +77,13 @@ const LYSINE: &[Group] = &[Group::base(10.5, &["NZ"])];
 const TYROSINE: &[Group] = &[Group::acid(10.0, &["OH"])];
 
 /// Groups of the side chain; a cysteine's are those of the free thiol.
+///
+/// ```
+/// use protomer_body::chemistry::AminoAcid;
+/// use protomer_body::chemistry::protonation::side_chain_groups;
+/// assert_eq!(side_chain_groups(AminoAcid::Asp)[0].pka, 3.8);
+/// assert!(side_chain_groups(AminoAcid::Ala).is_empty());
+/// ```
 pub fn side_chain_groups(residue: AminoAcid) -> &'static [Group] {
     match residue {
         AminoAcid::Arg => ARGININE,

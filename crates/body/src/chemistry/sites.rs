@@ -5,10 +5,9 @@ use super::charges::{ChargeModel, atom_charges_e, residue_charge_e};
 use super::radii::radius_angstrom;
 use super::residue_names::modified_residue;
 use crate::body::{Residue, Site};
-use crate::structure::Selection;
+use crate::structure::{SelectedResidue, Selection};
 use crate::{BodyError, Result};
-use protomer_io::points::PointRecord;
-use protomer_kernel::Vec3;
+use protomer_kernel::{PointRecord, Vec3};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
@@ -16,9 +15,9 @@ use std::collections::HashMap;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SiteSettings {
-    /// pH of the protonation equilibria.
+    /// pH of the protonation equilibria, 0 to 14.
     pub ph: f64,
-    /// Where the charges sit.
+    /// How the charge of a residue is distributed over its atoms.
     pub charges: ChargeModel,
 }
 
@@ -31,11 +30,22 @@ impl Default for SiteSettings {
     }
 }
 
+impl SiteSettings {
+    fn check(&self) -> Result<()> {
+        if (0.0..=14.0).contains(&self.ph) {
+            return Ok(());
+        }
+        Err(BodyError::Invalid {
+            cause: format!("a pH of {}", self.ph),
+            remedy: "give a pH between 0 and 14".into(),
+        })
+    }
+}
+
 /// Sites and residues in the body's frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChargedSites {
-    /// The frame's origin in the coordinates of the file, Å: the centroid of the atoms, each
-    /// counted alike.
+    /// The frame's origin in the coordinates of the file, Å: the unweighted centroid of the atoms.
     pub origin_angstrom: Vec3,
     /// One site per atom, relative to the origin.
     pub sites: Vec<Site>,
@@ -46,7 +56,7 @@ pub struct ChargedSites {
 impl ChargedSites {
     /// Net charge, e.
     pub fn net_charge_e(&self) -> f64 {
-        self.sites.iter().map(|site| site.charge_e).sum()
+        crate::body::net_charge_e(&self.sites)
     }
 }
 
@@ -65,112 +75,152 @@ impl ChargedSites {
 /// ```
 ///
 /// # Errors
-/// [`BodyError::Invalid`] for a pH that is not a number between -10 and 30, and for a selection
-/// without atoms.
+/// [`BodyError::Invalid`] for a pH that is not between 0 and 14 and for a selection without atoms,
+/// [`BodyError::Trace`] for a protein that has no atoms but Cα.
 pub fn build_sites(selection: &Selection, settings: &SiteSettings) -> Result<ChargedSites> {
-    if !(-10.0..=30.0).contains(&settings.ph) {
-        return Err(BodyError::Invalid {
-            cause: format!("a pH of {}", settings.ph),
-            remedy: "give a pH, usually between 0 and 14".into(),
-        });
+    settings.check()?;
+    refuse_trace(&selection.residues)?;
+    let mut positions = Vec::new();
+    for residue in &selection.residues {
+        positions.extend(residue.atoms.iter().map(|atom| atom.position));
     }
-    let atoms = || selection.residues.iter().flat_map(|residue| &residue.atoms);
-    let origin = centroid(atoms().map(|atom| atom.position))?;
-    let mut sites = Vec::with_capacity(atoms().count());
+    let origin_angstrom = centroid(&positions)?;
+    let mut sites = Vec::with_capacity(positions.len());
     let mut residues = Vec::with_capacity(selection.residues.len());
     for (index, residue) in selection.residues.iter().enumerate() {
         let charges = atom_charges_e(residue, settings.ph, settings.charges);
         for (atom, charge_e) in residue.atoms.iter().zip(charges) {
             sites.push(Site {
-                position: atom.position - origin,
+                position: atom.position - origin_angstrom,
                 charge_e,
                 radius_angstrom: radius_angstrom(&atom.element),
                 atom_name: atom.name.to_string(),
                 residue: u32::try_from(index).ok(),
             });
         }
-        residues.push(Residue {
-            chain: residue.key.chain.to_string(),
-            number: residue.key.number,
-            insertion_code: residue.key.insertion_code.to_string(),
-            name: residue.name.to_string(),
-            charge_e: match settings.charges {
-                ChargeModel::None => 0.0,
-                _ => residue_charge_e(residue, settings.ph),
-            },
-            hydropathy: residue.class.amino_acid().map(AminoAcid::hydropathy),
-        });
+        residues.push(charged_residue(residue, settings));
     }
     Ok(ChargedSites {
-        origin_angstrom: origin,
+        origin_angstrom,
         sites,
         residues,
     })
+}
+
+fn charged_residue(residue: &SelectedResidue, settings: &SiteSettings) -> Residue {
+    Residue {
+        chain: residue.key.chain.to_string(),
+        number: residue.key.number,
+        insertion_code: residue.key.insertion_code.to_string(),
+        name: residue.name.to_string(),
+        charge_e: match settings.charges {
+            ChargeModel::None => 0.0,
+            _ => residue_charge_e(residue, settings.ph),
+        },
+        hydropathy: residue.class.amino_acid().map(AminoAcid::hydropathy),
+    }
+}
+
+/// Refuses a Cα trace: charges and a surface need the side chains. A single Cα atom is accepted as
+/// a fragment.
+fn refuse_trace(selected: &[SelectedResidue]) -> Result<()> {
+    let mut residues = 0;
+    for residue in selected {
+        if !residue.class.is_protein() {
+            continue;
+        }
+        match residue.atoms.as_slice() {
+            [atom] if &*atom.name == "CA" => residues += 1,
+            _ => return Ok(()),
+        }
+    }
+    if residues > 1 {
+        return Err(BodyError::Trace { residues });
+    }
+    Ok(())
 }
 
 /// The sites of a PQR or XYZR file, with its own charges and radii.
 ///
+/// ```
+/// use protomer_body::chemistry::sites_of_points;
+/// use protomer_kernel::{PointRecord, Vec3};
+/// let point = |x, charge_e| PointRecord {
+///     position: Vec3::new(x, 0.0, 0.0),
+///     charge_e,
+///     ..PointRecord::default()
+/// };
+/// let sites = sites_of_points(&[point(0.0, 1.0), point(4.0, -0.5)])?;
+/// assert_eq!((sites.origin_angstrom.x, sites.net_charge_e()), (2.0, 0.5));
+/// # Ok::<(), protomer_body::BodyError>(())
+/// ```
+///
 /// # Errors
 /// [`BodyError::Invalid`] without atoms.
 pub fn sites_of_points(atoms: &[PointRecord]) -> Result<ChargedSites> {
-    let origin = centroid(atoms.iter().map(|atom| atom.position))?;
+    let positions: Vec<Vec3> = atoms.iter().map(|atom| atom.position).collect();
+    let origin_angstrom = centroid(&positions)?;
     let mut residues: Vec<Residue> = Vec::new();
     let mut index_of = HashMap::new();
     let mut sites = Vec::with_capacity(atoms.len());
     for atom in atoms {
-        let key = (
-            &atom.chain,
-            atom.residue_number,
-            &atom.insertion_code,
-            &atom.residue_name,
-        );
-        let residue = (!atom.residue_name.is_empty()).then(|| {
-            *index_of.entry(key).or_insert_with(|| {
+        let mut residue = None;
+        if !atom.residue_name.is_empty() {
+            let key = (
+                &atom.chain,
+                atom.residue_number,
+                &atom.insertion_code,
+                &atom.residue_name,
+            );
+            let index = *index_of.entry(key).or_insert_with(|| {
                 residues.push(bare_residue(atom));
                 residues.len() - 1
-            })
-        });
-        if let Some(residue) = residue {
-            residues[residue].charge_e += atom.charge_e;
+            });
+            residues[index].charge_e += atom.charge_e;
+            residue = u32::try_from(index).ok();
         }
         sites.push(Site {
-            position: atom.position - origin,
+            position: atom.position - origin_angstrom,
             charge_e: atom.charge_e,
             radius_angstrom: atom.radius_angstrom,
             atom_name: atom.atom_name.clone(),
-            residue: residue.and_then(|index| u32::try_from(index).ok()),
+            residue,
         });
     }
     Ok(ChargedSites {
-        origin_angstrom: origin,
+        origin_angstrom,
         sites,
         residues,
     })
 }
 
+/// The residue of a point, without charge yet.
 fn bare_residue(atom: &PointRecord) -> Residue {
-    let name = atom.residue_name.as_str();
-    let amino_acid = AminoAcid::of_residue(name);
-    let parent = amino_acid.or_else(|| modified_residue(name)?.parent);
+    let name = &atom.residue_name;
+    let amino_acid = match AminoAcid::of_residue(name) {
+        Some(amino_acid) => Some(amino_acid),
+        None => modified_residue(name).and_then(|modified| modified.parent),
+    };
     Residue {
         chain: atom.chain.clone(),
         number: atom.residue_number,
         insertion_code: atom.insertion_code.clone(),
-        name: atom.residue_name.clone(),
+        name: name.clone(),
         charge_e: 0.0,
-        hydropathy: parent.map(AminoAcid::hydropathy),
+        hydropathy: amino_acid.map(AminoAcid::hydropathy),
     }
 }
 
-fn centroid(positions: impl Iterator<Item = Vec3>) -> Result<Vec3> {
-    let (sum, count) = positions.fold((Vec3::zeros(), 0_usize), |(sum, count), position| {
-        (sum + position, count + 1)
-    });
-    if count == 0 {
+fn centroid(positions: &[Vec3]) -> Result<Vec3> {
+    if positions.is_empty() {
         return Err(BodyError::Invalid {
             cause: "a body without atoms".into(),
             remedy: "select some".into(),
         });
     }
-    Ok(sum / count as f64)
+    let mut sum = Vec3::zeros();
+    for position in positions {
+        sum += position;
+    }
+    Ok(sum / positions.len() as f64)
 }

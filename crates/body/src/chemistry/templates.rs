@@ -22,8 +22,8 @@ pub struct Forms {
     pub deprotonated: &'static [Template],
 }
 
-/// The forms of a residue. Several templates for one form are equally weighted: the two tautomers
-/// of neutral histidine.
+/// The forms of a residue. A form with several templates (the two tautomers of neutral histidine)
+/// is their unweighted mean.
 pub fn forms(residue: AminoAcid, in_disulfide: bool) -> Forms {
     let (protonated, deprotonated): (&'static [Template], &'static [Template]) = match residue {
         AminoAcid::Ala => (&[ALA], &[]),
@@ -54,11 +54,11 @@ pub fn forms(residue: AminoAcid, in_disulfide: bool) -> Forms {
     }
 }
 
-/// What one proton more at the amine of a chain's beginning adds to the atoms: N-terminal less
-/// mid-chain alanine with hydrogens on their heavy atoms, the remainder on CA.
+/// Charges that protonation of the terminal amine adds to the atoms: N-terminal minus mid-chain
+/// alanine, hydrogens included in their heavy atoms, the remainder on CA.
 pub const N_TERMINUS: [(&str, f64); 2] = [("N", 0.8843), ("CA", 0.1157)];
 
-/// What the loss of the proton at the carboxyl of a chain's end adds to the atoms: C-terminal less
+/// Charges that deprotonation of the terminal carboxyl adds to the atoms: C-terminal minus
 /// mid-chain alanine, the remainder on CA.
 pub const C_TERMINUS: [(&str, f64); 4] = [
     ("C", 0.1758),

@@ -1,12 +1,12 @@
 //! One conformer per residue.
 //!
-//! The letter with the highest mean occupancy holds for the whole residue (ties: the first letter),
-//! or a letter the user states where the residue has it. Atoms without a letter belong to every
-//! conformer. An atom that the chosen conformer lacks is taken from the conformer that has it with
-//! the highest occupancy, so that no atom is lost. With the letter goes the residue name, where a
+//! One letter is chosen for the whole residue: the user's where the residue has it, otherwise the
+//! one with the highest mean occupancy (ties: the first). Atoms without a letter belong to every
+//! conformer. An atom that the chosen conformer lacks comes from the conformer in which it has the
+//! highest occupancy, so that no atom is lost. The letter also decides the residue name where a
 //! crystal holds two residues in one place (microheterogeneity).
 
-use super::Atom;
+use super::contents::Atom;
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
@@ -26,14 +26,8 @@ pub(crate) struct Conformer<'a> {
 /// Chooses the conformer; `atoms` belong to one residue and are not empty.
 pub(crate) fn choose<'a>(atoms: &[&'a Atom], wanted: Option<char>) -> Conformer<'a> {
     let letter = chosen_letter(atoms, wanted);
-    let of_letter = atoms
-        .iter()
-        .find(|atom| letter.is_some() && atom.alternate == letter);
-    let name = of_letter
-        .or(atoms.first())
-        .map_or_else(|| Arc::from(""), |atom| atom.residue_name.clone());
     let mut conformer = Conformer {
-        name,
+        name: name_of(atoms, letter),
         atoms: Vec::new(),
         alternates: 0,
         duplicates: 0,
@@ -46,42 +40,57 @@ pub(crate) fn choose<'a>(atoms: &[&'a Atom], wanted: Option<char>) -> Conformer<
             conformer.alternates += 1;
             continue;
         }
-        match chosen.get(&*atom.name) {
-            None => {
-                chosen.insert(&atom.name, conformer.atoms.len());
-                conformer.atoms.push(atom);
-            }
-            Some(&index) => {
-                let rival = conformer.atoms[index];
-                let is_repeat = rival.alternate == atom.alternate;
-                *(if is_repeat {
-                    &mut conformer.duplicates
-                } else {
-                    &mut conformer.alternates
-                }) += 1;
-                if rank(atom, letter, rival) == Ordering::Greater {
-                    conformer.atoms[index] = atom;
-                }
-            }
+        let Some(&index) = chosen.get(&*atom.name) else {
+            chosen.insert(&atom.name, conformer.atoms.len());
+            conformer.atoms.push(atom);
+            continue;
+        };
+        let rival = conformer.atoms[index];
+        if rival.alternate == atom.alternate {
+            conformer.duplicates += 1;
+        } else {
+            conformer.alternates += 1;
+        }
+        if rank(atom, letter, rival) == Ordering::Greater {
+            conformer.atoms[index] = atom;
         }
     }
     conformer
 }
 
-/// Which of two records of one atom is better: chosen letter before no letter before another
-/// letter, then occupancy, then the first in the file.
+/// The residue name of the chosen letter, or of the first atom.
+fn name_of(atoms: &[&Atom], letter: Option<char>) -> Arc<str> {
+    for atom in atoms {
+        if letter.is_some() && atom.alternate == letter {
+            return atom.residue_name.clone();
+        }
+    }
+    match atoms.first() {
+        Some(atom) => atom.residue_name.clone(),
+        None => Arc::from(""),
+    }
+}
+
+/// Whether one record of an atom is preferred to another: chosen letter before no letter before another
+/// letter, then the higher occupancy; of equals the first in the file stays.
 fn rank(atom: &Atom, letter: Option<char>, rival: &Atom) -> Ordering {
-    let preference = |atom: &Atom| match atom.alternate {
-        alternate if alternate == letter => 2,
-        None => 1,
-        Some(_) => 0,
-    };
-    preference(atom)
-        .cmp(&preference(rival))
+    preference(atom, letter)
+        .cmp(&preference(rival, letter))
         .then(atom.occupancy.total_cmp(&rival.occupancy))
 }
 
+fn preference(atom: &Atom, letter: Option<char>) -> u8 {
+    match atom.alternate {
+        alternate if alternate == letter => 2,
+        None => 1,
+        Some(_) => 0,
+    }
+}
+
 fn chosen_letter(atoms: &[&Atom], wanted: Option<char>) -> Option<char> {
+    /// Means that differ by less are equal: occupancies have two digits.
+    const TIE: f64 = 1e-6;
+    // Sum and number of the occupancies of each letter.
     let mut occupancies: BTreeMap<char, (f64, f64)> = BTreeMap::new();
     for atom in atoms {
         if let Some(letter) = atom.alternate {
@@ -93,14 +102,13 @@ fn chosen_letter(atoms: &[&Atom], wanted: Option<char>) -> Option<char> {
     if wanted.is_some_and(|letter| occupancies.contains_key(&letter)) {
         return wanted;
     }
-    /// Means that differ by less are equal: occupancies have two digits.
-    const TIE: f64 = 1e-6;
-    let mut best: Option<(char, f64)> = None;
+    let mut best = None;
+    let mut highest = f64::NEG_INFINITY;
     for (letter, (sum, count)) in occupancies {
         let mean = sum / count;
-        if best.is_none_or(|(_, highest)| mean > highest + TIE) {
-            best = Some((letter, mean));
+        if best.is_none() || mean > highest + TIE {
+            (best, highest) = (Some(letter), mean);
         }
     }
-    best.map(|(letter, _)| letter)
+    best
 }

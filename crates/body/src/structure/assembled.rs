@@ -1,13 +1,14 @@
 //! Selected residues copied by the operators of a biological assembly.
 
-use super::BiologicalAssembly;
-use super::selection::{SelectedResidue, SelectionReport, count, reason};
+use super::biological_assembly::{AssemblyPart, BiologicalAssembly};
+use super::report::{SelectionReport, reason};
+use super::selected::SelectedResidue;
 use crate::{BodyError, Result};
 use protomer_kernel::Pose;
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
-/// Atoms an assembly may have: twice the largest in the archive.
+/// Limit on the atoms of an assembly: twice the largest in the archive.
 const MOST_ATOMS: usize = 5_000_000;
 
 /// Copies the residues by the operators of the assembly.
@@ -16,36 +17,16 @@ pub(crate) fn apply_assembly(
     assembly: &BiologicalAssembly,
     report: &mut SelectionReport,
 ) -> Result<Vec<SelectedResidue>> {
-    let mut of_chain: HashMap<Arc<str>, Vec<usize>> = HashMap::new();
-    for (index, residue) in residues.iter().enumerate() {
-        if let Some(atom) = residue.atoms.first() {
-            of_chain
-                .entry(atom.label_chain.clone())
-                .or_default()
-                .push(index);
-        }
-    }
+    let of_chain = by_label_chain(&residues);
     let mut copies = Vec::new();
-    let mut used = vec![false; residues.len()];
-    // How often each residue has been copied: the number in the name of the copy's chain.
+    // How often each residue has been copied so far; the number names the chain of the copy.
     let mut times: Vec<usize> = vec![0; residues.len()];
     let mut atoms = 0;
     for part in &assembly.parts {
-        let members: Vec<usize> = {
-            let chains: BTreeSet<&Arc<str>> = part.chains.iter().collect();
-            let mut members: Vec<usize> = chains
-                .iter()
-                .filter_map(|chain| of_chain.get(*chain))
-                .flatten()
-                .copied()
-                .collect();
-            members.sort_unstable();
-            members
-        };
+        let members = members(part, &of_chain);
         for operator in &part.operators {
             let pose = operator.pose()?;
             for &index in &members {
-                used[index] = true;
                 times[index] += 1;
                 atoms += residues[index].atoms.len();
                 if atoms > MOST_ATOMS {
@@ -58,13 +39,34 @@ pub(crate) fn apply_assembly(
             }
         }
     }
-    let left_out = residues.iter().zip(&used).filter(|(_, used)| !**used);
-    count(
-        report,
-        reason::ASSEMBLY,
-        left_out.map(|(residue, _)| residue.atoms.len()).sum(),
-    );
+    for (residue, times) in residues.iter().zip(times) {
+        if times == 0 {
+            report.skip(reason::ASSEMBLY, residue.atoms.len());
+        }
+    }
     Ok(copies)
+}
+
+fn by_label_chain(residues: &[SelectedResidue]) -> HashMap<Arc<str>, Vec<usize>> {
+    let mut of_chain: HashMap<Arc<str>, Vec<usize>> = HashMap::new();
+    for (index, residue) in residues.iter().enumerate() {
+        if let Some(atom) = residue.atoms.first() {
+            let chain = atom.label_chain.clone();
+            of_chain.entry(chain).or_default().push(index);
+        }
+    }
+    of_chain
+}
+
+/// The residues that a part of an assembly copies, in file order, without repeats.
+fn members(part: &AssemblyPart, of_chain: &HashMap<Arc<str>, Vec<usize>>) -> Vec<usize> {
+    let chains: BTreeSet<&Arc<str>> = part.chains.iter().collect();
+    let mut members = Vec::new();
+    for chain in chains {
+        members.extend(of_chain.get(chain).into_iter().flatten().copied());
+    }
+    members.sort_unstable();
+    members
 }
 
 fn copied(residue: &SelectedResidue, pose: &Pose, copy: usize) -> SelectedResidue {

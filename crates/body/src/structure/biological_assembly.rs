@@ -20,13 +20,27 @@ pub struct BiologicalAssembly {
 /// Some chains and the operators that copy them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AssemblyPart {
-    /// Chains, by [`super::Atom::label_chain`].
+    /// Chains, by [`super::contents::Atom::label_chain`].
     pub chains: Vec<Arc<str>>,
     /// Motions; each gives one copy of the chains.
     pub operators: Vec<Operator>,
 }
 
-/// A motion x' = R x + t as a file writes it, with rounded digits and not yet known to be proper.
+/// A motion x' = R x + t as a file writes it: rounded, and not yet checked to be proper.
+///
+/// ```
+/// use nalgebra::Matrix3;
+/// use protomer_body::structure::Operator;
+/// use protomer_kernel::Vec3;
+/// let half_turn = Operator {
+///     name: "2".into(),
+///     rotation: Matrix3::from_diagonal(&Vec3::new(-1.0, -1.0, 1.0)),
+///     translation: Vec3::new(10.0, 0.0, 0.0),
+/// };
+/// let image = half_turn.pose()?.transform_point(&Vec3::new(1.0, 2.0, 3.0));
+/// assert!((image - Vec3::new(9.0, -2.0, 3.0)).norm() < 1e-12);
+/// # Ok::<(), protomer_body::BodyError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Operator {
     /// Identifier in the file; a product of two is written `a-b`.
@@ -46,18 +60,19 @@ impl Operator {
     pub fn pose(&self) -> Result<Pose> {
         const ROUNDING: f64 = 1e-3;
         const LARGEST_ANGSTROM: f64 = 1e6;
-        let defect = (self.rotation * self.rotation.transpose() - Matrix3::identity())
-            .abs()
-            .max();
+        let product = self.rotation * self.rotation.transpose();
+        let defect = (product - Matrix3::identity()).abs().max();
         let determinant = self.rotation.determinant();
+        let is_rotation = defect < ROUNDING && (determinant - 1.0).abs() < ROUNDING;
         let is_near = self.translation.iter().all(|t| t.abs() < LARGEST_ANGSTROM);
-        if !(defect < ROUNDING && (determinant - 1.0).abs() < ROUNDING && is_near) {
+        if !(is_rotation && is_near) {
+            let name = &self.name;
             return Err(BodyError::Invalid {
                 cause: format!(
-                    "operator {} is not a rigid motion without a mirror (determinant {determinant:.4})",
-                    self.name
+                    "operator {name} is not a rigid motion without a mirror (determinant \
+                     {determinant:.4})"
                 ),
-                remedy: "choose another assembly or mend the operator in the file".into(),
+                remedy: "choose another assembly or correct the operator in the file".into(),
             });
         }
         Ok(Pose {
@@ -76,8 +91,8 @@ impl Operator {
     }
 }
 
-/// The rotation nearest to a matrix that is one but for its rounded digits: the orthogonal factor U
-/// Vᵀ of its polar decomposition.
+/// The rotation nearest to a rounded rotation matrix: the orthogonal factor U Vᵀ of its polar
+/// decomposition.
 fn nearest_rotation(matrix: &Matrix3<f64>) -> Rotation {
     let svd = matrix.svd(true, true);
     let orthogonal = match (svd.u, svd.v_t) {
@@ -99,46 +114,54 @@ pub(crate) fn evaluate(
 ) -> std::result::Result<Vec<Operator>, String> {
     let mut product: Option<Vec<Operator>> = None;
     for factor in factors(expression)? {
-        let mut factor_operators = Vec::new();
+        let mut right = Vec::new();
         for name in names(&factor)? {
-            factor_operators.push(
-                operators
-                    .get(&name)
-                    .ok_or_else(|| format!("operator {name} is not listed"))?
-                    .clone(),
-            );
+            match operators.get(&name) {
+                Some(operator) => right.push(operator.clone()),
+                None => return Err(format!("operator {name} is not listed")),
+            }
         }
         product = Some(match product {
-            None => factor_operators,
-            Some(left) => {
-                if left.len().saturating_mul(factor_operators.len()) > MOST_OPERATORS {
-                    return Err(format!("more than {MOST_OPERATORS} operators"));
-                }
-                left.iter()
-                    .flat_map(|outer| factor_operators.iter().map(|inner| outer.after(inner)))
-                    .collect()
-            }
+            None => right,
+            Some(left) => multiplied(&left, &right)?,
         });
     }
-    product
-        .filter(|operators| !operators.is_empty())
-        .ok_or_else(|| "no operator".to_string())
+    match product {
+        Some(operators) if !operators.is_empty() => Ok(operators),
+        _ => Err("no operator".to_string()),
+    }
 }
 
-/// Operators a file may have; the largest viral assemblies have a few thousand.
+/// Limit on the operators of a file; the largest viral assemblies have a few thousand.
 pub(crate) const MOST_OPERATORS: usize = 100_000;
 
-/// The parenthesised factors of an expression; one without parentheses is its own factor.
+fn too_many() -> String {
+    format!("more than {MOST_OPERATORS} operators")
+}
+
+/// Every operator of the left factor after every one of the right.
+fn multiplied(left: &[Operator], right: &[Operator]) -> std::result::Result<Vec<Operator>, String> {
+    if left.len().saturating_mul(right.len()) > MOST_OPERATORS {
+        return Err(too_many());
+    }
+    let mut product = Vec::with_capacity(left.len() * right.len());
+    for outer in left {
+        for inner in right {
+            product.push(outer.after(inner));
+        }
+    }
+    Ok(product)
+}
+
+/// The parenthesised factors of an expression; an expression without parentheses is one factor.
 fn factors(expression: &str) -> std::result::Result<Vec<String>, String> {
-    let compact: String = expression.chars().filter(|c| !c.is_whitespace()).collect();
+    let compact: String = expression.split_whitespace().collect();
     if !compact.contains(['(', ')']) {
         return Ok(vec![compact]);
     }
     let unbalanced = || "parentheses do not match".to_string();
-    let inner = compact
-        .strip_prefix('(')
-        .and_then(|rest| rest.strip_suffix(')'))
-        .ok_or_else(unbalanced)?;
+    let inner = compact.strip_prefix('(').ok_or_else(unbalanced)?;
+    let inner = inner.strip_suffix(')').ok_or_else(unbalanced)?;
     let factors: Vec<String> = inner.split(")(").map(str::to_string).collect();
     if factors.iter().any(|factor| factor.contains(['(', ')'])) {
         Err(unbalanced())
@@ -150,22 +173,26 @@ fn factors(expression: &str) -> std::result::Result<Vec<String>, String> {
 /// The names in a list such as `1,2,5-8`.
 fn names(list: &str) -> std::result::Result<Vec<String>, String> {
     let mut names = Vec::new();
-    for item in list.split(',').filter(|item| !item.is_empty()) {
-        let range = item
-            .split_once('-')
-            .and_then(|(a, b)| Some((a.parse::<usize>().ok()?, b.parse::<usize>().ok()?)));
-        match range {
+    for item in list.split(',') {
+        match range(item) {
             Some((first, last)) if last.saturating_sub(first) < MOST_OPERATORS => {
                 names.extend((first..=last).map(|number| number.to_string()));
             }
-            Some(_) => return Err(format!("more than {MOST_OPERATORS} operators")),
+            Some(_) => return Err(too_many()),
+            None if item.is_empty() => {}
             None => names.push(item.to_string()),
         }
         if names.len() > MOST_OPERATORS {
-            return Err(format!("more than {MOST_OPERATORS} operators"));
+            return Err(too_many());
         }
     }
     Ok(names)
+}
+
+/// First and last number of a range such as `5-8`.
+fn range(item: &str) -> Option<(usize, usize)> {
+    let (first, last) = item.split_once('-')?;
+    Some((first.parse().ok()?, last.parse().ok()?))
 }
 
 #[cfg(test)]

@@ -1,10 +1,12 @@
 //! The grammar of CIF (Hall, Allen and Brown, Acta Cryst. A47, 655 (1991); CIF 1.1): tokens, loops,
 //! rows.
 //!
-//! One pass, rows handed over as they are read, so that memory stays proportional to one row.
+//! One pass that passes each row on as it is read, so that memory is proportional to one row.
 
-use super::{parse_error, quoted};
-use crate::Result;
+use super::messages::{parse_error, quoted};
+use crate::{BodyError, Result};
+
+const CUT_SHORT: &str = "the file may be cut short; fetch it again";
 
 /// A value: its text, or nothing for the placeholders `.` and `?`.
 pub(crate) type Value<'a> = Option<&'a str>;
@@ -89,39 +91,27 @@ impl<'a, W: Fn(&str) -> bool, F: FnMut(&Row<'a, '_>) -> Result<()>> Parser<'a, '
                 Token::Tag(tag) => self.single_row(tag, line)?,
                 Token::Other => {}
                 Token::Value(value) => {
-                    let cause = format!(
-                        "a value {} that belongs to no item",
-                        quoted(value.unwrap_or("?"))
-                    );
-                    return Err(parse_error(
-                        self.tokens.source,
-                        line,
-                        cause,
-                        "quote values with blanks; mend the line",
-                    ));
+                    let value = quoted(value.unwrap_or("?"));
+                    let cause = format!("a value {value} that belongs to no item");
+                    let remedy = "quote values with blanks; correct the line";
+                    return Err(self.error(line, cause, remedy));
                 }
             }
         }
         Ok(())
     }
 
+    fn error(&self, line: usize, cause: String, remedy: &str) -> BodyError {
+        parse_error(self.tokens.source, line, cause, remedy)
+    }
+
     /// `loop_`, the item names, then values row by row.
     fn table(&mut self, loop_line: usize) -> Result<()> {
-        let mut items = Vec::new();
-        let mut category = String::new();
-        while let Some((token, line)) = self.next()? {
-            let Token::Tag(tag) = token else {
-                self.ahead = Some((token, line));
-                break;
-            };
-            let (of_category, item) = split_tag(tag);
-            category = of_category;
-            items.push(item);
-        }
+        let (category, items) = self.heading()?;
         if self.ahead.is_none() {
             let cause = format!("the loop of {category} has no values");
             let remedy = "the file may be cut short; fetch it again, or remove the loop";
-            return Err(parse_error(self.tokens.source, loop_line, cause, remedy));
+            return Err(self.error(loop_line, cause, remedy));
         }
         let is_wanted = (self.wants)(&category);
         let mut values = Vec::with_capacity(items.len());
@@ -132,12 +122,8 @@ impl<'a, W: Fn(&str) -> bool, F: FnMut(&Row<'a, '_>) -> Result<()>> Parser<'a, '
                 break;
             };
             if items.is_empty() {
-                return Err(parse_error(
-                    self.tokens.source,
-                    line,
-                    "a loop without item names",
-                    "mend the loop_",
-                ));
+                let cause = "a loop without item names".into();
+                return Err(self.error(line, cause, "correct the loop_"));
             }
             if values.is_empty() {
                 row_line = line;
@@ -158,17 +144,25 @@ impl<'a, W: Fn(&str) -> bool, F: FnMut(&Row<'a, '_>) -> Result<()>> Parser<'a, '
         if values.is_empty() {
             return Ok(());
         }
-        let cause = format!(
-            "the last row of {category} has {} of {} values",
-            values.len(),
-            items.len()
-        );
-        Err(parse_error(
-            self.tokens.source,
-            row_line,
-            cause,
-            "the file may be cut short; fetch it again",
-        ))
+        let (found, expected) = (values.len(), items.len());
+        let cause = format!("the last row of {category} has {found} of {expected} values");
+        Err(self.error(row_line, cause, CUT_SHORT))
+    }
+
+    /// The category and the item names of a loop; the token after them is put back.
+    fn heading(&mut self) -> Result<(String, Vec<String>)> {
+        let mut items = Vec::new();
+        let mut category = String::new();
+        while let Some((token, line)) = self.next()? {
+            let Token::Tag(tag) = token else {
+                self.ahead = Some((token, line));
+                break;
+            };
+            let (of_category, item) = split_tag(tag);
+            category = of_category;
+            items.push(item);
+        }
+        Ok((category, items))
     }
 
     /// `_category.item value` pairs of one category, which make one row.
@@ -189,16 +183,9 @@ impl<'a, W: Fn(&str) -> bool, F: FnMut(&Row<'a, '_>) -> Result<()>> Parser<'a, '
             }
         }
         if values.len() < items.len() {
-            let cause = format!(
-                "_{category}.{} has no value",
-                items.last().map_or("", String::as_str)
-            );
-            return Err(parse_error(
-                self.tokens.source,
-                first_line,
-                cause,
-                "the file may be cut short; fetch it again",
-            ));
+            let item = items.last().map_or("", String::as_str);
+            let cause = format!("_{category}.{item} has no value");
+            return Err(self.error(first_line, cause, CUT_SHORT));
         }
         if (self.wants)(&category) {
             (self.on_row)(&Row {
@@ -276,7 +263,7 @@ impl<'a> Tokens<'a, '_> {
         }
     }
 
-    /// A value between quotes; the closing quote is one that a blank follows.
+    /// A value between quotes; a quote closes it only if a blank follows.
     fn quoted_value(&mut self, quote: u8) -> Result<&'a str> {
         let bytes = self.text.as_bytes();
         let start = self.at + 1;
@@ -292,10 +279,8 @@ impl<'a> Tokens<'a, '_> {
             }
             end += 1;
         }
-        let cause = format!(
-            "the quote of {} is not closed on its line",
-            quoted(&self.text[self.at..end])
-        );
+        let open = quoted(&self.text[self.at..end]);
+        let cause = format!("the quote of {open} is not closed on its line");
         Err(parse_error(
             self.source,
             self.line,
@@ -304,7 +289,7 @@ impl<'a> Tokens<'a, '_> {
         ))
     }
 
-    /// Lines between two semicolons that stand first on their lines.
+    /// Lines between two semicolons at the start of their lines.
     fn text_field(&mut self) -> Result<&'a str> {
         let start = self.at + 1;
         let Some(length) = self.text[start..].find("\n;") else {
@@ -379,7 +364,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_cut_short_is_an_error_with_its_line() {
+    fn cut_text_is_an_error_with_its_line() {
         for (text, line, cause) in [
             ("data_x\nloop_\n_l.x\n_l.y\n1 2\n3", 6, "1 of 2"),
             ("data_x\nloop_\n_l.x\n_l.", 2, "no values"),

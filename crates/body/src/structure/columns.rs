@@ -1,6 +1,6 @@
 //! Fixed-column fields of PDB lines.
 
-use super::{parse_error, quoted};
+use super::messages::{parse_error, quoted};
 use crate::{BodyError, Result};
 
 /// One line of a fixed-column file.
@@ -15,19 +15,18 @@ impl<'a> Line<'a> {
     /// Columns `first` to `last`, counted from one, both included; shorter or empty where the line
     /// ends early.
     pub(crate) fn columns(&self, first: usize, last: usize) -> &'a str {
-        if self.text.is_ascii() {
-            return self
-                .text
-                .get(first - 1..last.min(self.text.len()))
-                .unwrap_or("");
-        }
-        let mut starts = self.text.char_indices().map(|(at, _)| at).skip(first - 1);
-        let from = starts.next().unwrap_or(self.text.len());
-        let to = starts.nth(last - first).unwrap_or(self.text.len());
+        let length = self.text.len();
+        let (from, to) = if self.text.is_ascii() {
+            (first - 1, last.min(length))
+        } else {
+            let mut starts = self.text.char_indices().map(|(at, _)| at).skip(first - 1);
+            let from = starts.next().unwrap_or(length);
+            (from, starts.nth(last - first).unwrap_or(length))
+        };
         self.text.get(from..to).unwrap_or("")
     }
 
-    /// The columns without the blanks about them.
+    /// The columns without surrounding blanks.
     pub(crate) fn field(&self, first: usize, last: usize) -> &'a str {
         self.columns(first, last).trim()
     }
@@ -41,9 +40,9 @@ impl<'a> Line<'a> {
         parse_error(self.source, self.number, cause, remedy)
     }
 
-    /// A coordinate: a finite number of a size that a molecule can have.
+    /// A coordinate: a finite number within the size of a molecule.
     pub(crate) fn coordinate(&self, name: &str, first: usize, last: usize) -> Result<f64> {
-        /// No structure is larger; eight columns can write more.
+        /// No structure is larger, although eight columns can hold larger numbers.
         const LARGEST_ANGSTROM: f64 = 1e6;
         let field = self.field(first, last);
         match field.parse::<f64>() {
@@ -53,7 +52,7 @@ impl<'a> Line<'a> {
                     "{name} in columns {first}-{last} is {}, not a coordinate in Å",
                     quoted(field)
                 );
-                Err(self.error(cause, "mend or delete the line; columns may be shifted"))
+                Err(self.error(cause, "correct or delete the line; columns may be shifted"))
             }
         }
     }
@@ -68,25 +67,19 @@ pub(crate) fn hybrid36(field: &str, width: u32) -> Option<i64> {
     if let Ok(value) = field.parse::<i64>() {
         return Some(value);
     }
-    let first = field.chars().next()?;
-    let of_one_case =
-        |is_case: fn(&char) -> bool| field.chars().all(|c| c.is_ascii_digit() || is_case(&c));
-    let is_upper = first.is_ascii_uppercase() && of_one_case(char::is_ascii_uppercase);
-    let is_lower = first.is_ascii_lowercase() && of_one_case(char::is_ascii_lowercase);
-    if field.len() != width as usize || !(is_upper || is_lower) {
+    let (is_of_case, offset): (fn(&u8) -> bool, i64) = match field.bytes().next()? {
+        b'A'..=b'Z' => (u8::is_ascii_uppercase, -10),
+        b'a'..=b'z' => (u8::is_ascii_lowercase, 16),
+        _ => return None,
+    };
+    let is_one_case = field
+        .bytes()
+        .all(|byte| byte.is_ascii_digit() || is_of_case(&byte));
+    if field.len() != width as usize || !is_one_case {
         return None;
     }
     let value = i64::from_str_radix(field, 36).ok()?;
-    let letters = 36_i64.pow(width - 1);
-    Some(
-        value
-            + 10_i64.pow(width)
-            + if is_upper {
-                -10 * letters
-            } else {
-                16 * letters
-            },
-    )
+    Some(value + 10_i64.pow(width) + offset * 36_i64.pow(width - 1))
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
-//! Which format a file is in.
+//! The format of a file.
 
-use super::{parse_error, quoted};
-use crate::Result;
+use super::messages::{parse_error, quoted};
+use crate::{BodyError, Result};
 use std::borrow::Cow;
 
-/// The structure formats this project reads.
+/// The structure formats that can be read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
     /// Protein Data Bank format, fixed columns.
@@ -33,49 +33,51 @@ impl Format {
         }
     }
 
-    /// The format by content, and by extension where the content leaves it open.
+    /// The format by content, and by extension if the content does not decide.
     ///
     /// # Errors
     /// [`crate::BodyError::Parse`] if nothing in the text looks like a structure.
     pub fn detect(name: &str, text: &str) -> Result<Self> {
+        /// Number of lines examined.
+        const LINES: usize = 1000;
         let by_name = Self::of_name(name);
         if by_name == Some(Format::Pqr) {
             return Ok(Format::Pqr);
         }
-        let lines_seen = 1000;
-        for line in text
-            .lines()
-            .take(lines_seen)
-            .map(str::trim_start)
-            .filter(|line| !line.is_empty())
-        {
-            let lower = line.get(..5).unwrap_or("").to_ascii_lowercase();
-            if lower == "data_" || line.starts_with("_atom_site.") {
-                return Ok(Format::Mmcif);
-            }
-            if by_name != Some(Format::Mmcif)
-                && PDB_RECORDS.iter().any(|record| line.starts_with(record))
-            {
-                return Ok(Format::Pdb);
+        for line in text.lines().take(LINES) {
+            match Self::of_line(line.trim_start()) {
+                // A word of prose may begin like a PDB record.
+                Some(Format::Pdb) if by_name == Some(Format::Mmcif) => {}
+                Some(format) => return Ok(format),
+                None => {}
             }
         }
-        by_name.ok_or_else(|| {
-            let first = text
-                .lines()
-                .find(|line| !line.trim().is_empty())
-                .unwrap_or("");
-            let cause = format!(
-                "neither PDB nor mmCIF; the text begins with {}",
-                quoted(first)
-            );
-            parse_error(
-                name,
-                1,
-                cause,
-                "give a .pdb, .ent, .cif or .pqr file (or one of them with .gz)",
-            )
-        })
+        by_name.ok_or_else(|| not_a_structure(name, text))
     }
+
+    /// The format that a line shows.
+    fn of_line(line: &str) -> Option<Self> {
+        let start = line.get(..5).unwrap_or("");
+        if start.eq_ignore_ascii_case("data_") || line.starts_with("_atom_site.") {
+            return Some(Format::Mmcif);
+        }
+        for record in PDB_RECORDS {
+            if line.starts_with(record) {
+                return Some(Format::Pdb);
+            }
+        }
+        None
+    }
+}
+
+fn not_a_structure(name: &str, text: &str) -> BodyError {
+    let first = text.trim_start().lines().next().unwrap_or("");
+    let cause = format!(
+        "neither PDB nor mmCIF; the text begins with {}",
+        quoted(first)
+    );
+    let remedy = "give a .pdb, .ent, .cif or .pqr file (or one of them with .gz)";
+    parse_error(name, 1, cause, remedy)
 }
 
 /// Records a PDB file may begin with.
@@ -90,27 +92,22 @@ const PDB_RECORDS: [&str; 18] = [
 /// # Errors
 /// [`crate::BodyError::Parse`] for an empty file, a compressed one, and binary data.
 pub(crate) fn as_text<'a>(source: &str, bytes: &'a [u8]) -> Result<Cow<'a, str>> {
-    let bytes = protomer_io::without_byte_order_mark(bytes);
+    const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+    const GZIP: &[u8] = &[0x1f, 0x8b];
+    let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
+    let refuse =
+        |line: usize, cause: &str, remedy: &str| Err(parse_error(source, line, cause, remedy));
     if bytes.iter().all(u8::is_ascii_whitespace) {
-        return Err(parse_error(
-            source,
-            0,
-            "the file is empty",
-            "fetch it again",
-        ));
+        return refuse(0, "the file is empty", "fetch it again");
     }
-    if bytes.starts_with(&[0x1f, 0x8b]) {
-        return Err(parse_error(
-            source,
-            0,
-            "the data are gzip-compressed",
-            "decompress them before reading",
-        ));
+    if bytes.starts_with(GZIP) {
+        let remedy = "decompress them before reading";
+        return refuse(0, "the data are gzip-compressed", remedy);
     }
     if let Some(at) = bytes.iter().position(|byte| *byte == 0) {
         let line = 1 + bytes[..at].iter().filter(|byte| **byte == b'\n').count();
         let remedy = "give the text format; BinaryCIF, MMTF and trajectories are not read";
-        return Err(parse_error(source, line, "binary data, not text", remedy));
+        return refuse(line, "binary data, not text", remedy);
     }
     Ok(String::from_utf8_lossy(bytes))
 }
@@ -139,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn a_byte_order_mark_is_no_part_of_the_first_line() {
+    fn a_byte_order_mark_is_not_part_of_the_first_line() {
         assert_eq!(as_text("x", b"\xef\xbb\xbfATOM").unwrap(), "ATOM");
         assert!(
             as_text("x", b"\xef\xbb\xbf\n")

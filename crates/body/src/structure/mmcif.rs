@@ -1,26 +1,28 @@
-//! mmCIF categories: atom_site, cell, symmetry, exptl, refine, struct, unobserved residues,
-//! assemblies.
+//! mmCIF categories: atoms, cell, symmetry, method, resolution, title, unobserved residues,
+//! assemblies, disulfide bonds.
 
+use super::atom_site::AtomSites;
 use super::biological_assembly::{
     AssemblyPart, BiologicalAssembly, MOST_OPERATORS, Operator, evaluate,
 };
 use super::cif_syntax::{Row, read_rows};
+use super::contents::{RecordedDisulfide, Structure, UnitCell, UnobservedResidue};
 use super::ending::Ending;
-use super::{
-    Atom, Model, Names, ResidueKey, Structure, UnitCell, UnobservedResidue, element, parse_error,
-    quoted,
-};
-use crate::Result;
+use super::messages::{parse_error, quoted};
+use super::names::Names;
+use super::residue_key::ResidueKey;
+use crate::{BodyError, Result};
 use nalgebra::Matrix3;
 use protomer_kernel::Vec3;
 use std::cell::Cell;
 use std::collections::HashMap;
 
 /// Categories that are read; the rest is skipped.
-const WANTED: [&str; 14] = [
+const WANTED: [&str; 15] = [
     "atom_site",
     "entry",
     "struct",
+    "struct_conn",
     "exptl",
     "refine",
     "em_3d_reconstruction",
@@ -33,6 +35,9 @@ const WANTED: [&str; 14] = [
     "pdbx_struct_oper_list",
     "reflns",
 ];
+
+/// Categories that identify an entry of the archive.
+const OF_ENTRIES: [&str; 3] = ["audit_conform", "database_2", "pdbx_database_status"];
 
 /// Reads an mmCIF file.
 pub(crate) fn read(source: &str, text: &str) -> Result<Structure> {
@@ -50,30 +55,25 @@ pub(crate) fn read(source: &str, text: &str) -> Result<Structure> {
         WANTED.contains(&category)
     };
     read_rows(source, text, wants, |row| reader.row(row))?;
-    reader.structure.ending = ending(text, is_entry.get(), atoms_are_last.get());
-    if let Ending::CutOff(message) = &reader.structure.ending {
-        reader.structure.warnings.add(text.lines().count(), message);
+    let structure = &mut reader.structure;
+    structure.ending = ending(text, is_entry.get(), atoms_are_last.get());
+    if let Ending::CutOff(message) = &structure.ending {
+        structure.warnings.add(text.lines().count(), message);
     }
     reader.finish()
 }
 
-/// Categories that show a file to be an entry of the archive.
-const OF_ENTRIES: [&str; 3] = ["audit_conform", "database_2", "pdbx_database_status"];
-
-/// A row that is not whole is an error of the grammar. A cut between two rows shows in entries of
-/// the archive only, where a line of `#` ends every category.
+/// A row that is not complete is an error of the grammar. A cut between two rows shows only in
+/// entries of the archive, where a line of `#` ends every category.
 fn ending(text: &str, is_entry: bool, atoms_are_last: bool) -> Ending {
-    let is_mark = |line: &str| line.starts_with('#');
-    if text
-        .lines()
-        .rfind(|line| !line.trim().is_empty())
-        .is_some_and(is_mark)
-    {
+    let last_line = text.trim_end().lines().next_back().unwrap_or("");
+    if last_line.starts_with('#') {
         return Ending::Whole;
     }
     if is_entry && text.lines().any(|line| line.trim_end() == "#") {
-        let message = "a line of # ends every category of the file but the last: it may have been cut off; compare it with \
-                       the entry, or fetch it again; if it is whole, add a line #";
+        let message = "a line of # ends every category of the file but the last: it may have been \
+                       cut off; compare it with the entry, or fetch it again; if it is complete, \
+                       add a line #";
         return Ending::CutOff(message.into());
     }
     if atoms_are_last {
@@ -87,289 +87,134 @@ fn ending(text: &str, is_entry: bool, atoms_are_last: bool) -> Ending {
 struct Reader {
     structure: Structure,
     names: Names,
-    /// Index of each model number.
-    models: HashMap<i32, usize>,
-    /// Where the items of atom_site stand in its rows.
-    columns: Option<Columns>,
+    atoms: AtomSites,
     details: HashMap<String, String>,
-    /// Assembly, expression, chains, line.
-    generators: Vec<(String, String, String, usize)>,
+    generators: Vec<Generator>,
     operators: HashMap<String, Operator>,
-    serial: i64,
 }
 
-/// Columns of atom_site.
-struct Columns {
-    /// Number of items, to see that the rows of a second loop agree.
-    width: usize,
-    required: [usize; 3],
-    optional: [Option<usize>; ITEMS.len()],
+/// A row of `_pdbx_struct_assembly_gen`.
+struct Generator {
+    assembly: String,
+    expression: String,
+    chains: String,
+    line: usize,
 }
-
-/// Optional items of atom_site, in the order of the constants below.
-const ITEMS: [&str; 19] = [
-    "group_pdb",
-    "id",
-    "type_symbol",
-    "label_atom_id",
-    "auth_atom_id",
-    "label_alt_id",
-    "label_comp_id",
-    "auth_comp_id",
-    "label_asym_id",
-    "auth_asym_id",
-    "label_seq_id",
-    "auth_seq_id",
-    "pdbx_pdb_ins_code",
-    "occupancy",
-    "b_iso_or_equiv",
-    "pdbx_formal_charge",
-    "pdbx_pdb_model_num",
-    "label_entity_id",
-    "calc_flag",
-];
-const GROUP: usize = 0;
-const ID: usize = 1;
-const SYMBOL: usize = 2;
-const LABEL_ATOM: usize = 3;
-const AUTHOR_ATOM: usize = 4;
-const ALTERNATE: usize = 5;
-const LABEL_RESIDUE: usize = 6;
-const AUTHOR_RESIDUE: usize = 7;
-const LABEL_CHAIN: usize = 8;
-const AUTHOR_CHAIN: usize = 9;
-const LABEL_NUMBER: usize = 10;
-const AUTHOR_NUMBER: usize = 11;
-const INSERTION_CODE: usize = 12;
-const OCCUPANCY: usize = 13;
-const B_FACTOR: usize = 14;
-const FORMAL_CHARGE: usize = 15;
-const MODEL: usize = 16;
 
 impl Reader {
     fn row(&mut self, row: &Row) -> Result<()> {
-        let text = |item: &str| row.get(item).unwrap_or("").to_string();
         let header = &mut self.structure.header;
         match row.category {
-            "atom_site" => self.atom(row)?,
-            "entry" => header.entry = text("id"),
-            "struct" => header.title = text("title"),
+            "atom_site" => self.atoms.read(row, &mut self.names, &mut self.structure)?,
+            "entry" => header.entry = text(row, "id"),
+            "struct" => header.title = text(row, "title"),
             "exptl" => {
                 if !header.method.is_empty() {
                     header.method.push_str("; ");
                 }
                 header.method.push_str(row.get("method").unwrap_or(""));
             }
-            "refine" | "em_3d_reconstruction" | "reflns" => {
-                let item = match row.category {
-                    "refine" => "ls_d_res_high",
-                    "reflns" => "d_resolution_high",
-                    _ => "resolution",
-                };
-                let value = row.get(item).and_then(|value| value.parse::<f64>().ok());
-                let value = value.filter(|value| value.is_finite() && *value > 0.0);
-                header.resolution_angstrom = header.resolution_angstrom.or(value);
-            }
+            "refine" => self.resolution(row, "ls_d_res_high"),
+            "reflns" => self.resolution(row, "d_resolution_high"),
+            "em_3d_reconstruction" => self.resolution(row, "resolution"),
             "cell" => header.cell = cell(row),
-            "symmetry" | "space_group" => {
-                let symbol = row
-                    .get("space_group_name_h-m")
-                    .or_else(|| row.get("name_h-m_alt"));
-                header.space_group = symbol
-                    .map(str::to_string)
-                    .or_else(|| header.space_group.take());
-            }
+            "symmetry" => self.space_group(row, "space_group_name_h-m"),
+            "space_group" => self.space_group(row, "name_h-m_alt"),
+            "struct_conn" => self.connection(row),
             "pdbx_unobs_or_zero_occ_residues" => self.unobserved(row),
             "pdbx_struct_assembly" => {
-                let details = row
-                    .get("oligomeric_details")
-                    .or_else(|| row.get("details"))
-                    .unwrap_or("");
-                self.details.insert(text("id"), details.to_string());
+                let details = row.get("oligomeric_details").or(row.get("details"));
+                let details = details.unwrap_or("").to_string();
+                self.details.insert(text(row, "id"), details);
             }
-            "pdbx_struct_assembly_gen" => {
-                let generator = (
-                    text("assembly_id"),
-                    text("oper_expression"),
-                    text("asym_id_list"),
-                    row.line,
-                );
-                self.generators.push(generator);
-            }
+            "pdbx_struct_assembly_gen" => self.generators.push(Generator {
+                assembly: text(row, "assembly_id"),
+                expression: text(row, "oper_expression"),
+                chains: text(row, "asym_id_list"),
+                line: row.line,
+            }),
             "pdbx_struct_oper_list" => self.operator(row),
             _ => {}
         }
         Ok(())
     }
 
-    fn columns(&mut self, row: &Row) -> Result<()> {
-        if self
-            .columns
-            .as_ref()
-            .is_some_and(|columns| columns.width == row.items.len())
-        {
-            return Ok(());
+    /// Takes the first resolution that the file states.
+    fn resolution(&mut self, row: &Row, item: &str) {
+        let value = number(row, item);
+        let stated = &mut self.structure.header.resolution_angstrom;
+        if stated.is_none() && value.is_finite() && value > 0.0 {
+            *stated = Some(value);
         }
-        let find = |item: &str| row.items.iter().position(|name| name == item);
-        let missing = |item: &str| {
-            let cause = format!("_atom_site.{item} is missing");
-            parse_error(
-                &self.structure.source,
-                row.line,
-                cause,
-                "give an mmCIF file with Cartesian coordinates",
-            )
-        };
-        let require = |item: &str| find(item).ok_or_else(|| missing(item));
-        self.columns = Some(Columns {
-            width: row.items.len(),
-            required: [
-                require("cartn_x")?,
-                require("cartn_y")?,
-                require("cartn_z")?,
-            ],
-            optional: ITEMS.map(find),
-        });
-        Ok(())
     }
 
-    fn atom(&mut self, row: &Row) -> Result<()> {
-        self.columns(row)?;
-        let Some(columns) = &self.columns else {
-            return Ok(());
-        };
-        let source = &self.structure.source;
-        let raw = |index: usize| row.values.get(index).copied().flatten();
-        let value = |item: usize| columns.optional[item].and_then(raw);
-        let author_or_label = |author: usize, label: usize| value(author).or_else(|| value(label));
-        let error = |cause: String| parse_error(source, row.line, cause, "mend or delete the row");
-        let number =
-            |index: usize, name: &str| match raw(index).and_then(|text| text.parse::<f64>().ok()) {
-                Some(value) if value.is_finite() && value.abs() <= 1e6 => Ok(value),
-                _ => Err(error(format!(
-                    "{name} is {}, not a coordinate in Å",
-                    quoted(raw(index).unwrap_or("?"))
-                ))),
-            };
-        let [x, y, z] = columns.required;
-        let position = Vec3::new(
-            number(x, "Cartn_x")?,
-            number(y, "Cartn_y")?,
-            number(z, "Cartn_z")?,
-        );
-        let name = author_or_label(AUTHOR_ATOM, LABEL_ATOM)
-            .ok_or_else(|| error("the atom has no name".into()))?;
-        let residue_number =
-            match author_or_label(AUTHOR_NUMBER, LABEL_NUMBER).map(str::parse::<i32>) {
-                Some(Ok(number)) => number,
-                None => 0,
-                Some(Err(_)) => {
-                    let text = author_or_label(AUTHOR_NUMBER, LABEL_NUMBER).unwrap_or("?");
-                    return Err(error(format!("residue number is {}", quoted(text))));
-                }
-            };
-        let model = match value(MODEL).map(str::parse::<i32>) {
-            None => 1,
-            Some(Ok(number)) => number,
-            Some(Err(_)) => {
-                return Err(error(format!(
-                    "model number is {}",
-                    quoted(value(MODEL).unwrap_or("?"))
-                )));
-            }
-        };
-        let lenient = |item: usize, default: f64| match value(item).map(str::parse::<f64>) {
-            Some(Ok(number)) if number.is_finite() => (number, false),
-            None => (default, false),
-            Some(_) => (default, true),
-        };
-        let (occupancy, odd_occupancy) = lenient(OCCUPANCY, 1.0);
-        let (b_factor_angstrom2, odd_b_factor) = lenient(B_FACTOR, 0.0);
-        let hetero = value(GROUP) == Some("HETATM");
-        let element = value(SYMBOL)
-            .and_then(element::known)
-            .unwrap_or_else(|| element::from_name(name));
-        self.serial = value(ID)
-            .and_then(|id| id.parse().ok())
-            .unwrap_or(self.serial.saturating_add(1));
-        let label_chain = value(LABEL_CHAIN).or(value(AUTHOR_CHAIN)).unwrap_or("");
-        let atom = Atom {
-            serial: self.serial,
-            name: self.names.share(name),
-            alternate: value(ALTERNATE).and_then(|text| text.chars().next()),
-            residue_name: self
-                .names
-                .share(author_or_label(AUTHOR_RESIDUE, LABEL_RESIDUE).unwrap_or("UNK")),
-            chain: self
-                .names
-                .share(author_or_label(AUTHOR_CHAIN, LABEL_CHAIN).unwrap_or("")),
-            label_chain: self.names.share(label_chain),
-            residue_number,
-            insertion_code: self.names.share(value(INSERTION_CODE).unwrap_or("")),
-            element: self.names.share(element),
-            occupancy,
-            b_factor_angstrom2,
-            formal_charge_e: value(FORMAL_CHARGE).and_then(|text| text.parse().ok()),
-            position,
-            hetero,
-            outside_polymer: hetero
-                && columns.optional[LABEL_NUMBER].is_some()
-                && value(LABEL_NUMBER).is_none(),
-        };
-        if odd_occupancy || odd_b_factor {
-            self.structure.warnings.add(
-                row.line,
-                "occupancy or B factor is not a number; 1 and 0 are used",
-            );
+    fn space_group(&mut self, row: &Row, item: &str) {
+        if let Some(symbol) = row.get(item) {
+            self.structure.header.space_group = Some(symbol.to_string());
         }
-        let models = &mut self.structure.models;
-        let index = *self.models.entry(model).or_insert_with(|| {
-            models.push(Model {
-                number: model,
-                atoms: Vec::new(),
-            });
-            models.len() - 1
-        });
-        models[index].atoms.push(atom);
-        Ok(())
     }
 
     fn unobserved(&mut self, row: &Row) {
         let is_missing = row.get("occupancy_flag").is_none_or(|flag| flag == "1");
-        let number = row
-            .get("auth_seq_id")
-            .and_then(|number| number.parse().ok());
-        if let (true, Some(number)) = (is_missing, number) {
-            let key = ResidueKey {
-                chain: self.names.share(row.get("auth_asym_id").unwrap_or("")),
-                number,
-                insertion_code: self.names.share(row.get("pdb_ins_code").unwrap_or("")),
-            };
-            let name = self.names.share(row.get("auth_comp_id").unwrap_or("UNK"));
-            self.structure
-                .header
-                .unobserved
-                .push(UnobservedResidue { key, name });
+        let items = ["auth_asym_id", "auth_seq_id", "pdb_ins_code"];
+        if let (true, Some(key)) = (is_missing, self.residue_key(row, items)) {
+            let name = row.get("auth_comp_id").unwrap_or("UNK");
+            let name = self.names.share(name);
+            let residue = UnobservedResidue { key, name };
+            self.structure.header.unobserved.push(residue);
         }
     }
 
-    fn operator(&mut self, row: &Row) {
-        let number = |item: String| {
-            row.get(&item)
-                .and_then(|text| text.parse::<f64>().ok())
-                .unwrap_or(f64::NAN)
-        };
-        let rotation = Matrix3::from_fn(|i, j| number(format!("matrix[{}][{}]", i + 1, j + 1)));
-        let translation = Vec3::from_fn(|i, _| number(format!("vector[{}]", i + 1)));
-        let name = row.get("id").unwrap_or("").to_string();
-        self.operators.insert(
-            name.clone(),
-            Operator {
-                name,
-                rotation,
-                translation,
-            },
+    /// Keeps disulfide bonds; other connections are not used.
+    fn connection(&mut self, row: &Row) {
+        if row.get("conn_type_id") != Some("disulf") {
+            return;
+        }
+        let first = self.residue_key(
+            row,
+            [
+                "ptnr1_auth_asym_id",
+                "ptnr1_auth_seq_id",
+                "pdbx_ptnr1_pdb_ins_code",
+            ],
         );
+        let second = self.residue_key(
+            row,
+            [
+                "ptnr2_auth_asym_id",
+                "ptnr2_auth_seq_id",
+                "pdbx_ptnr2_pdb_ins_code",
+            ],
+        );
+        let symmetry = ["ptnr1_symmetry", "ptnr2_symmetry"];
+        if let (Some(first), Some(second)) = (first, second) {
+            self.structure.disulfides.push(RecordedDisulfide {
+                residues: [first, second],
+                symmetry: symmetry.map(|item| self.names.share(row.get(item).unwrap_or(""))),
+            });
+        }
+    }
+
+    /// The residue that a row names by chain, number and insertion code.
+    fn residue_key(&mut self, row: &Row, items: [&str; 3]) -> Option<ResidueKey> {
+        let [chain, number, code] = items.map(|item| row.get(item));
+        Some(ResidueKey {
+            chain: self.names.share(chain.unwrap_or("")),
+            number: number?.parse().ok()?,
+            insertion_code: self.names.share(code.unwrap_or("")),
+        })
+    }
+
+    fn operator(&mut self, row: &Row) {
+        let element = |i, j| number(row, &format!("matrix[{}][{}]", i + 1, j + 1));
+        let component = |i, _| number(row, &format!("vector[{}]", i + 1));
+        let name = text(row, "id");
+        let operator = Operator {
+            name: name.clone(),
+            rotation: Matrix3::from_fn(element),
+            translation: Vec3::from_fn(component),
+        };
+        self.operators.insert(name, operator);
     }
 
     fn finish(mut self) -> Result<Structure> {
@@ -382,58 +227,72 @@ impl Reader {
 
     /// Evaluates the generators, now that all operators are known.
     fn assemblies(&mut self) -> Result<()> {
-        let assemblies = &mut self.structure.assemblies;
-        let mut index_of: HashMap<String, usize> = HashMap::new();
         let mut total = 0;
-        for (id, expression, chains, line) in std::mem::take(&mut self.generators) {
-            let error = |cause: String| {
-                let cause = format!("operator expression {}: {cause}", quoted(&expression));
-                parse_error(
-                    &self.structure.source,
-                    line,
-                    cause,
-                    "mend _pdbx_struct_assembly_gen or remove it",
-                )
+        for generator in std::mem::take(&mut self.generators) {
+            let operators = match evaluate(&generator.expression, &self.operators) {
+                Ok(operators) => operators,
+                Err(cause) => return Err(self.bad_expression(&generator, &cause)),
             };
-            let operators = evaluate(&expression, &self.operators).map_err(error)?;
             total += operators.len();
             if total > MOST_OPERATORS {
-                return Err(error(format!(
-                    "with it there are more than {MOST_OPERATORS} operators"
-                )));
+                let cause = format!("with it there are more than {MOST_OPERATORS} operators");
+                return Err(self.bad_expression(&generator, &cause));
             }
-            let chains = chains
-                .split(',')
-                .map(str::trim)
-                .filter(|chain| !chain.is_empty());
-            let part = AssemblyPart {
-                chains: chains.map(|chain| self.names.share(chain)).collect(),
-                operators,
-            };
-            let index = *index_of.entry(id.clone()).or_insert_with(|| {
-                let details = self.details.get(&id).cloned().unwrap_or_default();
-                assemblies.push(BiologicalAssembly {
-                    id,
-                    details,
-                    parts: Vec::new(),
-                });
-                assemblies.len() - 1
-            });
-            assemblies[index].parts.push(part);
+            let mut chains = Vec::new();
+            for chain in generator.chains.split(',').map(str::trim) {
+                if !chain.is_empty() {
+                    chains.push(self.names.share(chain));
+                }
+            }
+            let part = AssemblyPart { chains, operators };
+            self.assembly(&generator.assembly).parts.push(part);
         }
         Ok(())
     }
+
+    /// The assembly of this identifier, a new one if there is none yet.
+    fn assembly(&mut self, id: &str) -> &mut BiologicalAssembly {
+        let assemblies = &mut self.structure.assemblies;
+        let index = match assemblies.iter().position(|assembly| assembly.id == id) {
+            Some(index) => index,
+            None => {
+                assemblies.push(BiologicalAssembly {
+                    id: id.to_string(),
+                    details: self.details.get(id).cloned().unwrap_or_default(),
+                    parts: Vec::new(),
+                });
+                assemblies.len() - 1
+            }
+        };
+        &mut assemblies[index]
+    }
+
+    fn bad_expression(&self, generator: &Generator, cause: &str) -> BodyError {
+        let expression = quoted(&generator.expression);
+        parse_error(
+            &self.structure.source,
+            generator.line,
+            format!("operator expression {expression}: {cause}"),
+            "correct _pdbx_struct_assembly_gen or remove it",
+        )
+    }
+}
+
+/// The text of an item; empty where there is none.
+fn text(row: &Row, item: &str) -> String {
+    row.get(item).unwrap_or("").to_string()
+}
+
+/// The number of an item; NaN where there is none.
+fn number(row: &Row, item: &str) -> f64 {
+    let text = row.get(item).unwrap_or("");
+    text.parse().unwrap_or(f64::NAN)
 }
 
 fn cell(row: &Row) -> Option<UnitCell> {
-    let number = |item: &str| {
-        row.get(item)
-            .and_then(|text| text.parse::<f64>().ok())
-            .unwrap_or(f64::NAN)
-    };
     UnitCell::of_crystal(
-        ["length_a", "length_b", "length_c"].map(number),
-        ["angle_alpha", "angle_beta", "angle_gamma"].map(number),
+        ["length_a", "length_b", "length_c"].map(|item| number(row, item)),
+        ["angle_alpha", "angle_beta", "angle_gamma"].map(|item| number(row, item)),
     )
 }
 
@@ -461,7 +320,7 @@ mod tests {
                 "{cut}: {found:?}"
             );
         }
-        // Within a row it cannot be read at all, and the message says where and what to do.
+        // Cut within a row, it cannot be read, and the message says where and what to do.
         let message = of(&ENTRY[..ENTRY.find(" 6.75").unwrap()])
             .unwrap_err()
             .to_string();
@@ -474,7 +333,31 @@ mod tests {
     }
 
     #[test]
-    fn a_file_by_hand_needs_no_mark_of_its_end() {
+    fn disulfide_bonds_are_read_and_other_connections_are_not() {
+        let connections = "data_x\nloop_\n_struct_conn.id\n_struct_conn.conn_type_id\n\
+            _struct_conn.ptnr1_auth_asym_id\n_struct_conn.ptnr1_auth_seq_id\n\
+            _struct_conn.pdbx_ptnr1_PDB_ins_code\n_struct_conn.ptnr1_symmetry\n\
+            _struct_conn.ptnr2_auth_asym_id\n_struct_conn.ptnr2_auth_seq_id\n\
+            _struct_conn.ptnr2_symmetry\n\
+            disulf1 disulf A 22 ? 1_555 B 27 1_555\n\
+            disulf2 disulf A 30 C 1_555 A 30 2_655\n\
+            covale1 covale A 31 ? 1_555 A 32 1_555\n";
+        let found = read("x.cif", connections).unwrap().disulfides;
+        let names = |bond: &RecordedDisulfide| {
+            bond.residues
+                .each_ref()
+                .map(ResidueKey::to_string)
+                .join("-")
+        };
+        assert_eq!(found.len(), 2);
+        assert_eq!(names(&found[0]), "A:22-B:27");
+        assert!(!found[0].is_between_symmetry_copies());
+        assert_eq!(names(&found[1]), "A:30C-A:30");
+        assert!(found[1].is_between_symmetry_copies());
+    }
+
+    #[test]
+    fn a_file_made_by_hand_needs_no_mark_of_its_end() {
         let by_hand = ENTRY
             .replace("#\n", "")
             .replace("_audit_conform.dict_name mmcif_pdbx.dic\n", "");
@@ -483,7 +366,7 @@ mod tests {
             (of(&by_hand).ending, of(&by_hand).warnings.count),
             (Ending::Unknown, 0)
         );
-        // Where something follows the atoms, they are all there.
+        // If another category follows, no atom is missing.
         assert_eq!(
             of(&format!("{by_hand}_cell.length_a 10\n")).ending,
             Ending::Whole

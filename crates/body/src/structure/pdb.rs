@@ -1,16 +1,23 @@
-//! PDB coordinate records (wwPDB format 3.3, section 9), read as files in the wild write them.
+//! PDB coordinate records (wwPDB format 3.3, section 9), read as files in practice write them.
 //!
-//! Tolerated: lines that end early, missing occupancy, B or element, hybrid-36 and overflowing
-//! serial numbers, five-digit residue numbers, two-letter chains (columns 21-22), four-letter
-//! residue names, atoms outside MODEL ... ENDMDL. Warned of, and noted as the [`Ending`]: a
-//! deposited entry (one with HEADER or SEQRES) that ends without END or MASTER, as one cut off
-//! between two lines does; a model that is not closed; a last line that stops in a word. Files of
-//! other origin often have none of these records, so for them nothing can be said. Not tolerated: a
-//! coordinate or a residue number that cannot be read, because the atom would be lost in silence.
+//! Tolerated: lines that end early; missing occupancy, B or element; hybrid-36 and overflowing
+//! serial numbers; five-digit residue numbers; two-letter chains (columns 21-22); four-letter
+//! residue names; atoms outside MODEL ... ENDMDL.
+//!
+//! Accepted with a warning, and noted as the [`Ending`]: a deposited entry (one with HEADER or
+//! SEQRES) without END or MASTER, probably cut off between two lines; a model that is not closed;
+//! a last line that stops in a word. Files of other origin often have none of these records, so
+//! nothing is known about them.
+//!
+//! Refused: a coordinate or residue number that cannot be read, because the atom would be lost
+//! silently.
 
 use super::columns::{Line, hybrid36};
+use super::contents::{Atom, Model, Structure};
 use super::ending::{Ending, cut_in_last_line};
-use super::{Atom, Model, Names, Structure, element, pdb_header, quoted};
+use super::messages::quoted;
+use super::names::Names;
+use super::{element, pdb_header};
 use crate::Result;
 use crate::chemistry::residue_names;
 use protomer_kernel::Vec3;
@@ -42,9 +49,7 @@ pub(crate) fn read(source: &str, text: &str) -> Result<Structure> {
             "TER" => reader.end_of_polymer(),
             record if record.starts_with("HETAT") => reader.atom(&line)?,
             record => {
-                reader.deposited = reader
-                    .deposited
-                    .or(DEPOSITED.into_iter().find(|name| *name == record));
+                reader.note_deposited(record);
                 header.read(record, &line, &mut reader.names)?;
             }
         }
@@ -53,19 +58,20 @@ pub(crate) fn read(source: &str, text: &str) -> Result<Structure> {
 }
 
 /// The state between one line and the next.
+#[derive(Default)]
 struct Reader {
     structure: Structure,
     names: Names,
     /// Whether atoms that follow belong to the last model.
     model_is_open: bool,
-    /// Whether a MODEL record waits for its ENDMDL.
+    /// Whether a MODEL record has no ENDMDL yet.
     awaits_endmdl: bool,
-    /// Whether a TER record has ended a polymer of the chain in this model.
+    /// Chains of this model in which a TER record has ended a polymer.
     ended_chains: HashSet<Arc<str>>,
     serial: i64,
-    /// The record that shows the file to be a deposited entry.
+    /// The record that identifies a deposited entry.
     deposited: Option<&'static str>,
-    /// Whether one of the two records was there with which deposited entries end.
+    /// Whether one of the two records that end deposited entries was found.
     has_end: bool,
 }
 
@@ -76,13 +82,15 @@ impl Reader {
                 source: source.to_string(),
                 ..Structure::default()
             },
-            names: Names::default(),
-            model_is_open: false,
-            awaits_endmdl: false,
-            ended_chains: HashSet::new(),
-            serial: 0,
-            deposited: None,
-            has_end: false,
+            ..Self::default()
+        }
+    }
+
+    fn note_deposited(&mut self, record: &str) {
+        for name in DEPOSITED {
+            if record == name && self.deposited.is_none() {
+                self.deposited = Some(name);
+            }
         }
     }
 
@@ -94,10 +102,10 @@ impl Reader {
     }
 
     fn next_model_number(&self) -> i32 {
-        self.structure
-            .models
-            .last()
-            .map_or(1, |model| model.number.saturating_add(1))
+        match self.structure.models.last() {
+            Some(model) => model.number.saturating_add(1),
+            None => 1,
+        }
     }
 
     fn push_model(&mut self, number: i32) {
@@ -115,11 +123,8 @@ impl Reader {
     }
 
     fn end_of_polymer(&mut self) {
-        if let Some(atom) = self
-            .structure
-            .models
-            .last()
-            .and_then(|model| model.atoms.last())
+        if let Some(model) = self.structure.models.last()
+            && let Some(atom) = model.atoms.last()
         {
             self.ended_chains.insert(atom.chain.clone());
         }
@@ -152,22 +157,20 @@ impl Reader {
         );
         let name = line.field(13, 16);
         if name.is_empty() {
-            return Err(line.error(
-                "no atom name in columns 13-16".into(),
-                "mend or delete the line",
-            ));
+            let cause = "no atom name in columns 13-16".into();
+            return Err(line.error(cause, "correct or delete the line"));
         }
         let occupancy = self.number_or(line, "occupancy", 55, 60, 1.0);
         let b_factor_angstrom2 = self.number_or(line, "B factor", 61, 66, 0.0);
         let chain = self.names.share(chain);
-        let element = element::known(line.field(77, 78)).unwrap_or_else(|| {
-            element::from_pdb_name(
-                line.columns(13, 16),
-                hetero && !residue_names::is_polymer(residue_name),
-            )
-        });
+        let is_ligand = hetero && !residue_names::is_polymer(residue_name);
+        let element = match element::known(line.field(77, 78)) {
+            Some(element) => element,
+            None => element::from_pdb_name(line.columns(13, 16), is_ligand),
+        };
+        let next_serial = self.serial.saturating_add(1);
         Ok(Atom {
-            serial: hybrid36(line.field(7, 11), 5).unwrap_or(self.serial.saturating_add(1)),
+            serial: hybrid36(line.field(7, 11), 5).unwrap_or(next_serial),
             name: self.names.share(name),
             alternate: line.character(17),
             residue_name: self.names.share(residue_name),
@@ -185,7 +188,7 @@ impl Reader {
         })
     }
 
-    /// A number that the file may lack; one that cannot be read is warned of.
+    /// An optional number; warns of one that cannot be read.
     fn number_or(
         &mut self,
         line: &Line,
@@ -199,25 +202,22 @@ impl Reader {
             Ok(value) if value.is_finite() => value,
             _ if field.is_empty() => default,
             _ => {
-                self.structure.warnings.add(
-                    line.number,
-                    &format!("{name} {} read as {default}", quoted(field)),
-                );
+                let message = format!("{name} {} read as {default}", quoted(field));
+                self.structure.warnings.add(line.number, &message);
                 default
             }
         }
     }
 
     fn finish(mut self, header: pdb_header::HeaderReader, text: &str) -> Result<Structure> {
-        self.structure.ending = self.ending(text);
-        if let Ending::CutOff(message) = &self.structure.ending {
-            self.structure.warnings.add(text.lines().count(), message);
+        let mut structure = std::mem::take(&mut self.structure);
+        structure.ending = self.ending(text);
+        if let Ending::CutOff(message) = &structure.ending {
+            structure.warnings.add(text.lines().count(), message);
         }
-        self.structure
-            .models
-            .retain(|model| !model.atoms.is_empty());
-        (self.structure.header, self.structure.assemblies) = header.finish();
-        Ok(self.structure)
+        structure.models.retain(|model| !model.atoms.is_empty());
+        header.finish(&mut structure);
+        Ok(structure)
     }
 
     fn ending(&self, text: &str) -> Ending {
@@ -226,16 +226,20 @@ impl Reader {
         }
         if let Some(record) = self.deposited {
             return Ending::CutOff(format!(
-                "the file has a {record} but ends without END or MASTER: it may have been cut off; compare it with the \
-                 entry, or fetch it again; if it is whole, add a line END"
+                "the file has a {record} but ends without END or MASTER: it may have been cut \
+                 off; compare it with the entry, or fetch it again; if it is complete, add a line \
+                 END"
             ));
         }
         if self.awaits_endmdl {
-            let message = "the last MODEL has no ENDMDL: the file may have been cut off; fetch it again, or, if it is \
-                           whole, add a line ENDMDL";
+            let message = "the last MODEL has no ENDMDL: the file may have been cut off; fetch it \
+                           again, or, if it is complete, add a line ENDMDL";
             return Ending::CutOff(message.into());
         }
-        cut_in_last_line(text).map_or(Ending::Unknown, Ending::CutOff)
+        match cut_in_last_line(text) {
+            Some(message) => Ending::CutOff(message),
+            None => Ending::Unknown,
+        }
     }
 }
 
@@ -244,27 +248,28 @@ impl Reader {
 /// four-letter residue name.
 fn residue_and_chain<'a>(line: &Line<'a>) -> (&'a str, &'a str) {
     let (three, four) = (line.field(18, 20), line.field(18, 21));
-    let is_residue = |name: &str| residue_names::is_polymer(name) || residue_names::is_water(name);
     if line.character(21).is_none() {
         (three, line.field(22, 22))
-    } else if is_residue(three) && !is_residue(four) {
+    } else if is_residue_name(three) && !is_residue_name(four) {
         (three, line.field(21, 22))
     } else {
         (four, line.field(22, 22))
     }
 }
 
+fn is_residue_name(name: &str) -> bool {
+    residue_names::is_polymer(name) || residue_names::is_water(name)
+}
+
 /// Residue number and insertion code; a digit in the insertion code's column is the fifth digit of
 /// the number.
 fn residue_number<'a>(line: &Line<'a>) -> Result<(i32, &'a str)> {
-    let code = line.field(27, 27);
-    let five_digits = code.starts_with(|c: char| c.is_ascii_digit());
-    let (field, code) = if five_digits {
-        (line.field(23, 27), "")
-    } else {
-        (line.field(23, 26), code)
-    };
-    match hybrid36(field, 4).and_then(|number| i32::try_from(number).ok()) {
+    let mut field = line.field(23, 26);
+    let mut code = line.field(27, 27);
+    if code.as_bytes().first().is_some_and(u8::is_ascii_digit) {
+        (field, code) = (line.field(23, 27), "");
+    }
+    match whole_number(field) {
         Some(number) => Ok((number, code)),
         None => {
             let cause = format!("residue number in columns 23-26 is {}", quoted(field));
@@ -273,15 +278,20 @@ fn residue_number<'a>(line: &Line<'a>) -> Result<(i32, &'a str)> {
     }
 }
 
+/// A residue number in decimal or hybrid-36 notation.
+pub(super) fn whole_number(field: &str) -> Option<i32> {
+    let number = hybrid36(field, 4)?;
+    i32::try_from(number).ok()
+}
+
 /// `2+`, `1-`, `+1`: a formal charge; anything else is none.
 fn formal_charge(field: &str) -> Option<i32> {
+    if !field.contains(['+', '-']) {
+        return None;
+    }
     let sign = if field.contains('-') { -1 } else { 1 };
-    let digits = field.trim_matches(['+', '-']);
-    digits
-        .parse::<i32>()
-        .ok()
-        .filter(|_| field.contains(['+', '-']))
-        .map(|charge| sign * charge)
+    let digits: i32 = field.trim_matches(['+', '-']).parse().ok()?;
+    Some(sign * digits)
 }
 
 #[cfg(test)]
@@ -342,7 +352,7 @@ mod tests {
         let warnings = |text: &str| read("1abc.pdb", text).unwrap().warnings.messages;
         let whole = format!("{header}{atoms}MASTER        0\nEND   \n");
         assert!(warnings(&whole).is_empty());
-        // Wherever it is cut before MASTER, the last line is named.
+        // For any cut before MASTER, the warning names the last line.
         for lines in 2..=6 {
             let cut: String = whole.split_inclusive('\n').take(lines).collect();
             let found = warnings(&cut);
@@ -363,7 +373,7 @@ mod tests {
             warnings(&format!("{header}MODEL        1\n{atoms}ENDMDL\n")).len() == 1,
             "further models may be lost"
         );
-        // Programs write files without HEADER and without END: nothing can be said of them.
+        // Programs write files without HEADER and END: nothing is known about them.
         assert!(
             warnings(&atoms).is_empty()
                 && warnings(&format!("REMARK made by a program\n{atoms}TER\n")).is_empty()
@@ -396,8 +406,8 @@ mod tests {
         ] {
             assert!(matches!(ending(&cut).unwrap(), Ending::CutOff(_)), "{cut}");
         }
-        // Wherever the last line is cut before its last letter, either it cannot be read or that it
-        // was cut is known: the coordinate -6.5 for -6.504 is not taken.
+        // If the last line is cut before its last letter, it either cannot be read or is known to
+        // be cut: the coordinate -6.5 is not accepted for -6.504.
         let begin = atoms.len() - atom(5).len();
         for cut in begin + 1..atoms.trim_end().len() {
             let found = ending(&atoms[..cut]);

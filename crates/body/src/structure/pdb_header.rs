@@ -1,22 +1,28 @@
-//! PDB title records and remarks: entry, method, resolution, cell, unobserved residues, assemblies.
+//! PDB title records and remarks: entry, method, resolution, cell, unobserved residues, assemblies,
+//! disulfide bonds.
 
 use super::biological_assembly::{AssemblyPart, BiologicalAssembly, Operator};
 use super::columns::Line;
-use super::{Header, Names, ResidueKey, UnitCell, UnobservedResidue, quoted};
+use super::contents::{Header, RecordedDisulfide, Structure, UnitCell, UnobservedResidue};
+use super::messages::quoted;
+use super::names::Names;
+use super::pdb::whole_number;
+use super::residue_key::ResidueKey;
 use crate::Result;
 use nalgebra::Matrix3;
 use protomer_kernel::Vec3;
 
-/// Collects what stands outside the coordinate records.
+/// Collects the content of all records other than coordinates.
 #[derive(Default)]
 pub(crate) struct HeaderReader {
     header: Header,
     assemblies: Vec<BiologicalAssembly>,
+    disulfides: Vec<RecordedDisulfide>,
     /// Whether the list of REMARK 465 has begun (its own heading comes first).
     in_unobserved_list: bool,
     /// Rows of the operator being read.
     rows: Vec<[f64; 4]>,
-    /// The next list of chains begins a new part of the assembly.
+    /// Whether the next list of chains begins a new part of the assembly.
     part_has_operators: bool,
 }
 
@@ -28,6 +34,7 @@ impl HeaderReader {
             "TITLE" => append(&mut self.header.title, line.field(11, 80)),
             "EXPDTA" => append(&mut self.header.method, line.field(11, 79)),
             "CRYST1" => self.crystal(line),
+            "SSBOND" => self.disulfides.extend(disulfide(line, names)),
             "REMARK" => self.remark(line, names)?,
             _ => {}
         }
@@ -35,23 +42,25 @@ impl HeaderReader {
     }
 
     /// What was collected.
-    pub(crate) fn finish(self) -> (Header, Vec<BiologicalAssembly>) {
-        let mut assemblies = self.assemblies;
-        for assembly in &mut assemblies {
+    pub(crate) fn finish(self, structure: &mut Structure) {
+        structure.header = self.header;
+        structure.disulfides = self.disulfides;
+        structure.assemblies = self.assemblies;
+        for assembly in &mut structure.assemblies {
             assembly.parts.retain(|part| !part.operators.is_empty());
         }
-        assemblies.retain(|assembly| !assembly.parts.is_empty());
-        (self.header, assemblies)
+        structure
+            .assemblies
+            .retain(|assembly| !assembly.parts.is_empty());
     }
 
     fn crystal(&mut self, line: &Line) {
-        let number = |first, last| line.field(first, last).parse::<f64>().unwrap_or(f64::NAN);
-        let lengths = [number(7, 15), number(16, 24), number(25, 33)];
-        let angles = [number(34, 40), number(41, 47), number(48, 54)];
+        let lengths = [(7, 15), (16, 24), (25, 33)].map(|columns| number(line, columns));
+        let angles = [(34, 40), (41, 47), (48, 54)].map(|columns| number(line, columns));
         self.header.cell = UnitCell::of_crystal(lengths, angles);
         let symbol = line.field(56, 66);
-        self.header.space_group =
-            (self.header.cell.is_some() && !symbol.is_empty()).then(|| symbol.to_string());
+        let is_crystal = self.header.cell.is_some() && !symbol.is_empty();
+        self.header.space_group = is_crystal.then(|| symbol.to_string());
     }
 
     fn remark(&mut self, line: &Line, names: &mut Names) -> Result<()> {
@@ -65,15 +74,11 @@ impl HeaderReader {
     }
 
     fn resolution(&mut self, line: &Line) {
-        if line.columns(12, 22) == "RESOLUTION." {
-            let value = line
-                .field(23, 38)
-                .split_whitespace()
-                .next()
-                .and_then(|word| word.parse::<f64>().ok());
-            self.header.resolution_angstrom =
-                value.filter(|value| value.is_finite() && *value > 0.0);
+        if line.columns(12, 22) != "RESOLUTION." {
+            return;
         }
+        let word = line.field(23, 38).split_whitespace().next();
+        self.header.resolution_angstrom = word.and_then(positive_number);
     }
 
     /// `REMARK 465   [model] residue chain number[code]`, after a heading that names these columns.
@@ -90,30 +95,23 @@ impl HeaderReader {
             [name, number] => (*name, "", *number),
             _ => return,
         };
-        let digits = number.trim_end_matches(|c: char| c.is_ascii_alphabetic());
-        if let Ok(number_value) = digits.parse() {
+        let digits = number.trim_end_matches(char::is_alphabetic);
+        if let Ok(value) = digits.parse() {
             let key = ResidueKey {
                 chain: names.share(chain),
-                number: number_value,
+                number: value,
                 insertion_code: names.share(&number[digits.len()..]),
             };
-            self.header.unobserved.push(UnobservedResidue {
-                key,
-                name: names.share(name),
-            });
+            let name = names.share(name);
+            self.header.unobserved.push(UnobservedResidue { key, name });
         }
     }
 
     fn assembly(&mut self, line: &Line, names: &mut Names) -> Result<()> {
         let text = line.field(12, 80);
         if let Some(id) = text.strip_prefix("BIOMOLECULE:") {
-            let id = id.split(',').next().unwrap_or(id).trim().to_string();
-            self.assemblies.push(BiologicalAssembly {
-                id,
-                details: String::new(),
-                parts: Vec::new(),
-            });
-            self.part_has_operators = true;
+            let id = id.split(',').next().unwrap_or(id).trim();
+            self.begin_assembly(id);
         } else if text.starts_with("AUTHOR DETERMINED BIOLOGICAL UNIT:")
             || text.starts_with("SOFTWARE DETERMINED")
         {
@@ -130,15 +128,19 @@ impl HeaderReader {
         Ok(())
     }
 
+    fn begin_assembly(&mut self, id: &str) {
+        self.assemblies.push(BiologicalAssembly {
+            id: id.to_string(),
+            details: String::new(),
+            parts: Vec::new(),
+        });
+        self.part_has_operators = true;
+    }
+
     /// A list of chains; lists that follow each other without operators between belong together.
     fn chains(&mut self, list: &str, names: &mut Names) {
         if self.assemblies.is_empty() {
-            self.assemblies.push(BiologicalAssembly {
-                id: "1".into(),
-                details: String::new(),
-                parts: Vec::new(),
-            });
-            self.part_has_operators = true;
+            self.begin_assembly("1");
         }
         let Some(assembly) = self.assemblies.last_mut() else {
             return;
@@ -151,48 +153,89 @@ impl HeaderReader {
             self.part_has_operators = false;
         }
         if let Some(part) = assembly.parts.last_mut() {
-            let chains = list
-                .split([',', ' '])
-                .map(str::trim)
-                .filter(|chain| !chain.is_empty());
-            part.chains.extend(chains.map(|chain| names.share(chain)));
+            for chain in list.split([',', ' ']) {
+                if !chain.trim().is_empty() {
+                    part.chains.push(names.share(chain.trim()));
+                }
+            }
         }
     }
 
     /// `BIOMTn  serial  r1 r2 r3  t`, n = 1, 2, 3.
     fn operator_row(&mut self, text: &str, line: &Line) -> Result<()> {
         let words: Vec<&str> = text.split_whitespace().collect();
-        let numbers: Vec<f64> = words
-            .iter()
-            .skip(2)
-            .filter_map(|word| word.parse().ok())
-            .collect();
-        let (Some(&row), [a, b, c, t]) = (words.first(), numbers.as_slice()) else {
+        let (Some(&row), Some(numbers)) = (words.first(), row_numbers(&words)) else {
             let cause = format!("assembly operator {} lacks numbers", quoted(text));
-            return Err(line.error(cause, "mend the REMARK 350 line or delete that remark"));
+            return Err(line.error(cause, "correct the REMARK 350 line or delete that remark"));
         };
         if row == "BIOMT1" {
             self.rows.clear();
         }
-        self.rows.push([*a, *b, *c, *t]);
-        let part = self
-            .assemblies
-            .last_mut()
-            .and_then(|assembly| assembly.parts.last_mut());
-        if let ("BIOMT3", [r1, r2, r3], Some(part)) = (row, self.rows.as_slice(), part) {
-            let rotation = Matrix3::from_fn(|i, j| [r1, r2, r3][i][j]);
-            let translation = Vec3::new(r1[3], r2[3], r3[3]);
-            let name = words.get(1).unwrap_or(&"").to_string();
+        self.rows.push(numbers);
+        let name = words.get(1).unwrap_or(&"");
+        if row == "BIOMT3" {
+            self.end_operator(name);
+        }
+        Ok(())
+    }
+
+    /// Adds the operator of three rows to the current part of the current assembly.
+    fn end_operator(&mut self, name: &str) {
+        let Some(assembly) = self.assemblies.last_mut() else {
+            return;
+        };
+        if let ([r1, r2, r3], Some(part)) = (self.rows.as_slice(), assembly.parts.last_mut()) {
             part.operators.push(Operator {
-                name,
-                rotation,
-                translation,
+                name: name.to_string(),
+                rotation: Matrix3::from_fn(|i, j| [r1, r2, r3][i][j]),
+                translation: Vec3::new(r1[3], r2[3], r3[3]),
             });
             self.part_has_operators = true;
             self.rows.clear();
         }
-        Ok(())
     }
+}
+
+/// A number in these columns; NaN where there is none.
+fn number(line: &Line, (first, last): (usize, usize)) -> f64 {
+    line.field(first, last).parse().unwrap_or(f64::NAN)
+}
+
+fn positive_number(word: &str) -> Option<f64> {
+    let value: f64 = word.parse().ok()?;
+    (value.is_finite() && value > 0.0).then_some(value)
+}
+
+/// The four numbers of a row of an operator: words beyond the first two, as many as are numbers.
+fn row_numbers(words: &[&str]) -> Option<[f64; 4]> {
+    let mut numbers = Vec::new();
+    for word in words.iter().skip(2) {
+        if let Ok(number) = word.parse::<f64>() {
+            numbers.push(number);
+        }
+    }
+    numbers.try_into().ok()
+}
+
+/// `SSBOND serial CYS chain number code  CYS chain number code  operator operator length`. A line
+/// without two residue numbers records nothing.
+fn disulfide(line: &Line, names: &mut Names) -> Option<RecordedDisulfide> {
+    let mut cysteine = |chain: (usize, usize), number: (usize, usize), code: usize| {
+        Some(ResidueKey {
+            chain: names.share(line.field(chain.0, chain.1)),
+            number: whole_number(line.field(number.0, number.1))?,
+            insertion_code: names.share(line.field(code, code)),
+        })
+    };
+    let first = cysteine((15, 16), (18, 21), 22)?;
+    let second = cysteine((29, 30), (32, 35), 36)?;
+    Some(RecordedDisulfide {
+        residues: [first, second],
+        symmetry: [
+            names.share(line.field(60, 65)),
+            names.share(line.field(67, 72)),
+        ],
+    })
 }
 
 fn append(text: &mut String, more: &str) {
@@ -200,4 +243,31 @@ fn append(text: &mut String, more: &str) {
         text.push(' ');
     }
     text.push_str(more);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bond(text: &str) -> Option<RecordedDisulfide> {
+        let line = Line {
+            source: "x.pdb",
+            number: 1,
+            text,
+        };
+        disulfide(&line, &mut Names::default())
+    }
+
+    #[test]
+    fn an_ssbond_record_names_two_residues_and_their_operators() {
+        let found =
+            bond("SSBOND   2 CYS A   22    CYS B   27A                         1555   2655  2.79")
+                .unwrap();
+        let names = found.residues.each_ref().map(ResidueKey::to_string);
+        assert_eq!(names, ["A:22", "B:27A"]);
+        assert!(found.is_between_symmetry_copies());
+        let short = bond("SSBOND   1 CYS A   22    CYS A   27").unwrap();
+        assert!(!short.is_between_symmetry_copies());
+        assert_eq!(bond("SSBOND   1 CYS A   22    CYS A"), None);
+    }
 }

@@ -1,14 +1,22 @@
-//! What of a structure becomes a body, and the count of what does not.
+//! Selects the part of a structure that becomes a body, and counts the rest.
 
 use super::alternates::{self, Conformer};
 use super::assembled::apply_assembly;
-use super::completeness::{self, ChainBreak, IncompleteResidue};
-use super::residues::{AtomGroup, group};
-use super::{Atom, BiologicalAssembly, Model, ResidueClass, ResidueKey, Structure};
+use super::biological_assembly::BiologicalAssembly;
+use super::classes::ResidueClass;
+use super::completeness;
+use super::contents::{Atom, Model, Structure, UnobservedResidue};
+use super::disulfides::mark_disulfides;
+use super::ends::mark_chain_ends;
+use super::messages::listed;
+use super::report::{ListedResidue, SelectionReport, reason};
+use super::residues::{AtomGroup, group, in_chain};
+use super::selected::{SelectedResidue, Selection, atom_count};
 use crate::chemistry::AminoAcid;
+use crate::chemistry::treatment;
 use crate::{BodyError, Result};
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::collections::{BTreeSet, HashSet};
 use std::sync::Arc;
 
 /// What to do with residues that lack heavy atoms.
@@ -20,13 +28,24 @@ pub enum MissingAtoms {
     Keep,
     /// Leave the whole residue out.
     Skip,
-    /// Refuse the structure, and for chain breaks too.
+    /// Refuse the structure, also for chain breaks.
     Fail,
 }
 
-/// Which part of a structure becomes a body. The default: first model, every chain, deposited
-/// coordinates, highest occupancy; no ligands, waters, hydrogens or nucleic acids; incomplete
-/// residues as they are.
+/// Which part of a structure becomes a body.
+///
+/// The default: first model, every chain, deposited coordinates, highest occupancy; no ligands,
+/// waters, hydrogens or nucleic acids; incomplete residues as they are.
+///
+/// ```
+/// use protomer_body::structure::{MissingAtoms, SelectionSettings};
+/// let settings = SelectionSettings {
+///     chains: vec!["A".into()],
+///     missing: MissingAtoms::Fail,
+///     ..SelectionSettings::default()
+/// };
+/// assert!(!settings.keep_waters);
+/// ```
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SelectionSettings {
@@ -50,117 +69,21 @@ pub struct SelectionSettings {
     pub missing: MissingAtoms,
 }
 
-/// The selected residues in file order.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Selection {
-    /// Residues, each with at least one atom.
-    pub residues: Vec<SelectedResidue>,
-    /// What was selected and what was not.
-    pub report: SelectionReport,
-}
-
-/// One residue in one conformer.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SelectedResidue {
-    /// Chain, number, insertion code. The second copy of chain A in an assembly is chain `A-2`.
-    pub key: ResidueKey,
-    /// Residue name; after a mutation that of the new residue.
-    pub name: Arc<str>,
-    /// What it is; after a mutation the new residue.
-    pub class: ResidueClass,
-    /// Its atoms.
-    pub atoms: Vec<Atom>,
-    /// Author's chain in the file.
-    pub source_chain: Arc<str>,
-    /// Whether it carries a free amine as the beginning of a chain.
-    pub n_terminus: bool,
-    /// Whether it carries a free carboxylate as the end of a chain.
-    pub c_terminus: bool,
-    /// Whether it is a cysteine in a disulfide bond.
-    pub in_disulfide: bool,
-    /// The amino acid before a mutation.
-    pub mutated_from: Option<AminoAcid>,
-}
-
-impl SelectedResidue {
-    /// The atom of a name.
-    pub fn atom(&self, name: &str) -> Option<&Atom> {
-        self.atoms.iter().find(|atom| &*atom.name == name)
-    }
-}
-
-/// A residue that deserves a line in the report.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ListedResidue {
-    /// Which residue.
-    pub residue: ResidueKey,
-    /// Its name.
-    pub name: Arc<str>,
-    /// What about it.
-    pub note: String,
-}
-
-/// What was selected, what was left out and why, and what is amiss.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
-pub struct SelectionReport {
-    /// Model used.
-    pub model: i32,
-    /// Models in the file.
-    pub models: usize,
-    /// Biological assembly used.
-    pub assembly: Option<String>,
-    /// Atom records of the model.
-    pub records: usize,
-    /// Atoms selected, over all copies of an assembly.
-    pub atoms: usize,
-    /// Atom records left out, by reason. With `atoms` they add up to `records` unless an assembly
-    /// is applied.
-    pub skipped: BTreeMap<&'static str, usize>,
-    /// Residues left out, by name.
-    pub skipped_residues: BTreeMap<String, usize>,
-    /// Modified residues with what they are and what they count as.
-    pub modified: Vec<ListedResidue>,
-    /// Residues of a chain that are in no table: kept, neutral.
-    pub unknown: Vec<ListedResidue>,
-    /// Residues with other residues in the same place.
-    pub microheterogeneous: Vec<ListedResidue>,
-    /// Residues that lack heavy atoms.
-    pub incomplete: Vec<IncompleteResidue>,
-    /// Breaks of chains.
-    pub chain_breaks: Vec<ChainBreak>,
-    /// Residues that the file lists as not observed, of the chains selected.
-    pub unobserved: usize,
-    /// Selected residues that bear the chain and number of an earlier one, as in files without
-    /// chain identifiers.
-    pub repeated_numbers: usize,
-    /// Selected atoms with zero occupancy.
-    pub zero_occupancy: usize,
-}
-
-/// Reasons in [`SelectionReport::skipped`].
-pub mod reason {
-    /// Another chain.
-    pub const CHAIN: &str = "other chain";
-    /// Another conformer of the residue.
-    pub const ALTERNATE: &str = "alternate location";
-    /// The same atom again.
-    pub const DUPLICATE: &str = "duplicate atom";
-    /// Water.
-    pub const WATER: &str = "water";
-    /// Ligands, ions, sugars.
-    pub const LIGAND: &str = "ligand";
-    /// Nucleic acids.
-    pub const NUCLEIC_ACID: &str = "nucleic acid";
-    /// Hydrogen and deuterium.
-    pub const HYDROGEN: &str = "hydrogen";
-    /// Residues that lack atoms, where they are to be skipped.
-    pub const INCOMPLETE: &str = "incomplete residue";
-    /// Chains that are not part of the biological assembly.
-    pub const ASSEMBLY: &str = "not in the assembly";
-}
-
 impl Structure {
-    /// Selects one conformer of one model.
+    /// Selects one conformer of one model, and decides which residues are charged as ends of chains
+    /// and which cysteines are bonded.
+    ///
+    /// ```
+    /// use protomer_body::structure::{SelectionSettings, Structure};
+    /// let text = "\
+    /// ATOM      1  N   LYS A   1      11.104   6.134  -6.504  1.00 10.00           N
+    /// ATOM      2  CA  LYS A   1      11.639   6.071  -5.147  1.00 10.00           C";
+    /// let structure = Structure::read("lysine.pdb", text.as_bytes())?;
+    /// let selection = structure.select(&SelectionSettings::default())?;
+    /// assert!(selection.residues[0].n_terminus);
+    /// assert_eq!(selection.report.incomplete[0].missing_atoms[..2], ["C", "O"]);
+    /// # Ok::<(), protomer_body::BodyError>(())
+    /// ```
     ///
     /// # Errors
     /// [`BodyError::Invalid`] for a model, chain or assembly that the file does not have, an
@@ -176,40 +99,17 @@ impl Structure {
             assembly: settings.assembly.clone(),
             ..SelectionReport::default()
         };
-        let mut residues = select_residues(&group(&model.atoms), settings, &mut report);
+        let mut residues = select_residues(model, settings, &mut report);
+        // Ends are those of the chains in the file, before anything is left out or copied.
+        report.blocked_ends = mark_chain_ends(&mut residues, &self.header.unobserved, &model.atoms);
         if let Some(id) = &settings.assembly {
             residues = apply_assembly(residues, self.assembly(id)?, &mut report)?;
         }
-        report_gaps(&mut residues, settings.missing, &mut report)?;
-        completeness::mark_chain_ends(&mut residues, &self.header.unobserved);
-        completeness::mark_disulfides(&mut residues);
-        let chains: HashSet<&str> = residues
-            .iter()
-            .map(|residue| &*residue.source_chain)
-            .collect();
-        report.unobserved = self
-            .header
-            .unobserved
-            .iter()
-            .filter(|r| chains.contains(&*r.key.chain))
-            .count();
-        report.atoms = residues.iter().map(|residue| residue.atoms.len()).sum();
-        let atoms = residues.iter().flat_map(|residue| &residue.atoms);
-        report.zero_occupancy = atoms.filter(|atom| atom.occupancy <= 0.0).count();
+        treat_gaps(&mut residues, settings.missing, &mut report)?;
+        report.disulfides = mark_disulfides(&mut residues, &self.disulfides);
+        count_rest(&residues, &self.header.unobserved, &mut report);
         if residues.is_empty() {
-            let skipped: Vec<String> = report
-                .skipped
-                .iter()
-                .map(|(why, count)| format!("{count} {why}"))
-                .collect();
-            return Err(BodyError::Invalid {
-                cause: format!(
-                    "no atoms selected from {} ({})",
-                    self.source,
-                    skipped.join(", ")
-                ),
-                remedy: "keep ligands, waters or nucleic acids if they are what you want".into(),
-            });
+            return Err(nothing_selected(&self.source, &report));
         }
         Ok(Selection { residues, report })
     }
@@ -219,42 +119,36 @@ impl Structure {
             None => self.models.first(),
             Some(number) => self.models.iter().find(|model| model.number == number),
         };
-        found.ok_or_else(|| {
-            let numbers = listed(self.models.iter().map(|model| model.number.to_string()));
-            BodyError::Invalid {
-                cause: format!("no model {} in {}", number.unwrap_or(1), self.source),
-                remedy: format!("the file has models {numbers}"),
-            }
+        if let Some(model) = found {
+            return Ok(model);
+        }
+        let mut numbers = Vec::new();
+        for model in &self.models {
+            numbers.push(model.number.to_string());
+        }
+        Err(BodyError::Invalid {
+            cause: format!("no model {} in {}", number.unwrap_or(1), self.source),
+            remedy: format!("the file has models {}", listed(&numbers)),
         })
     }
 
     fn assembly(&self, id: &str) -> Result<&BiologicalAssembly> {
-        self.assemblies
-            .iter()
-            .find(|assembly| assembly.id == id)
-            .ok_or_else(|| BodyError::Invalid {
-                cause: format!("no biological assembly {id} in {}", self.source),
-                remedy: match self.assemblies.as_slice() {
-                    [] => "the file describes none".into(),
-                    some => format!(
-                        "the file describes {}",
-                        listed(some.iter().map(|assembly| assembly.id.clone()))
-                    ),
-                },
-            })
+        let mut known = Vec::new();
+        for assembly in &self.assemblies {
+            if assembly.id == id {
+                return Ok(assembly);
+            }
+            known.push(assembly.id.clone());
+        }
+        Err(BodyError::Invalid {
+            cause: format!("no biological assembly {id} in {}", self.source),
+            remedy: if known.is_empty() {
+                "the file describes none".into()
+            } else {
+                format!("the file describes {}", listed(&known))
+            },
+        })
     }
-}
-
-/// The first few of a list, for a message.
-fn listed(items: impl Iterator<Item = String>) -> String {
-    const SHOWN: usize = 20;
-    let all: Vec<String> = items.collect();
-    let more = if all.len() > SHOWN {
-        format!(" and {} more", all.len() - SHOWN)
-    } else {
-        String::new()
-    };
-    format!("{}{more}", all[..all.len().min(SHOWN)].join(", "))
 }
 
 fn check_chains(model: &Model, wanted: &[String]) -> Result<()> {
@@ -262,89 +156,81 @@ fn check_chains(model: &Model, wanted: &[String]) -> Result<()> {
         return Ok(());
     }
     let chains: BTreeSet<&str> = model.atoms.iter().map(|atom| &*atom.chain).collect();
-    match wanted.iter().find(|chain| !chains.contains(chain.as_str())) {
-        None => Ok(()),
-        Some(chain) => Err(BodyError::Invalid {
-            cause: format!("no chain {chain} in model {}", model.number),
-            remedy: format!(
-                "the model has chains {}",
-                listed(chains.iter().map(|chain| format!("`{chain}`")))
-            ),
-        }),
+    for chain in wanted {
+        if !chains.contains(chain.as_str()) {
+            let known: Vec<String> = chains.iter().map(|chain| format!("`{chain}`")).collect();
+            return Err(BodyError::Invalid {
+                cause: format!("no chain {chain} in model {}", model.number),
+                remedy: format!("the model has chains {}", listed(&known)),
+            });
+        }
     }
+    Ok(())
 }
 
 /// Conformers, classes and filters, residue by residue.
 fn select_residues(
-    groups: &[AtomGroup],
+    model: &Model,
     settings: &SelectionSettings,
     report: &mut SelectionReport,
 ) -> Vec<SelectedResidue> {
     let wanted: HashSet<&str> = settings.chains.iter().map(String::as_str).collect();
+    let groups = group(&model.atoms);
+    let in_chain = in_chain(&groups);
     let mut residues = Vec::new();
-    for (index, group) in groups.iter().enumerate() {
+    for (group, is_in_chain) in groups.iter().zip(in_chain) {
         if !wanted.is_empty() && !wanted.contains(&*group.key.chain) {
-            *report.skipped.entry(reason::CHAIN).or_default() += group.atoms.len();
+            report.skip(reason::CHAIN, group.atoms.len());
             continue;
         }
         let conformer = alternates::choose(&group.atoms, settings.alternate);
-        count(report, reason::ALTERNATE, conformer.alternates);
-        count(report, reason::DUPLICATE, conformer.duplicates);
-        let class = ResidueClass::of(
-            &conformer.name,
-            &conformer.atoms,
-            is_in_chain(groups, index),
-        );
-        let why_not = match class {
-            ResidueClass::Water if !settings.keep_waters => Some(reason::WATER),
-            ResidueClass::Ligand if !settings.keep_ligands => Some(reason::LIGAND),
-            ResidueClass::Nucleotide if !settings.keep_nucleic_acids => Some(reason::NUCLEIC_ACID),
-            _ => None,
-        };
-        if let Some(why_not) = why_not {
-            count(report, why_not, conformer.atoms.len());
-            *report
-                .skipped_residues
-                .entry(conformer.name.to_string())
-                .or_default() += 1;
+        report.skip(reason::ALTERNATE, conformer.alternates);
+        report.skip(reason::DUPLICATE, conformer.duplicates);
+        let class = ResidueClass::of(&conformer.name, &conformer.atoms, is_in_chain);
+        if let Some(why_not) = why_not(class, settings) {
+            report.skip(why_not, conformer.atoms.len());
+            let name = conformer.name.to_string();
+            *report.skipped_residues.entry(name).or_default() += 1;
             continue;
         }
-        list(report, &group.key, &conformer, class);
-        let is_kept = |atom: &&&Atom| settings.keep_hydrogens || !atom.is_hydrogen();
-        let mut atoms: Vec<Atom> = conformer
-            .atoms
-            .iter()
-            .filter(is_kept)
-            .map(|atom| (*atom).clone())
-            .collect();
-        atoms
-            .iter_mut()
-            .for_each(|atom| use_standard_name(atom, class.amino_acid()));
-        count(
-            report,
-            reason::HYDROGEN,
-            conformer.atoms.len() - atoms.len(),
-        );
-        if !atoms.is_empty() {
+        let atoms = kept_atoms(&conformer, class, settings.keep_hydrogens);
+        report.skip(reason::HYDROGEN, conformer.atoms.len() - atoms.len());
+        let residue = selected(group, &conformer, class, atoms);
+        list(report, &residue, &conformer);
+        if !residue.atoms.is_empty() {
             report.repeated_numbers += usize::from(group.is_repeated);
-            residues.push(SelectedResidue {
-                key: group.key.clone(),
-                source_chain: group.key.chain.clone(),
-                name: conformer.name,
-                class,
-                atoms,
-                n_terminus: false,
-                c_terminus: false,
-                in_disulfide: false,
-                mutated_from: None,
-            });
+            residues.push(residue);
         }
     }
     residues
 }
 
-/// Simulation programs have names of their own for a few atoms; the tables know those of the
-/// Protein Data Bank.
+/// Why residues of this class are left out; `None` if they are kept.
+fn why_not(class: ResidueClass, settings: &SelectionSettings) -> Option<&'static str> {
+    match class {
+        ResidueClass::Water if !settings.keep_waters => Some(reason::WATER),
+        ResidueClass::Ligand if !settings.keep_ligands => Some(reason::LIGAND),
+        ResidueClass::Nucleotide if !settings.keep_nucleic_acids => Some(reason::NUCLEIC_ACID),
+        _ => None,
+    }
+}
+
+/// The atoms of a conformer under the names used in the tables, without hydrogens unless they are
+/// kept.
+fn kept_atoms(conformer: &Conformer, class: ResidueClass, keep_hydrogens: bool) -> Vec<Atom> {
+    let amino_acid = class.amino_acid();
+    let mut atoms = Vec::with_capacity(conformer.atoms.len());
+    for &atom in &conformer.atoms {
+        if keep_hydrogens || !atom.is_hydrogen() {
+            let mut atom = atom.clone();
+            use_standard_name(&mut atom, amino_acid);
+            atoms.push(atom);
+        }
+    }
+    atoms
+}
+
+/// The Protein Data Bank's name of an atom: simulation programs have their own for a few atoms.
 fn use_standard_name(atom: &mut Atom, amino_acid: Option<AminoAcid>) {
     let name = match (amino_acid, &*atom.name) {
         (Some(AminoAcid::Ile), "CD") => "CD1",
@@ -355,117 +241,116 @@ fn use_standard_name(atom: &mut Atom, amino_acid: Option<AminoAcid>) {
     atom.name = Arc::from(name);
 }
 
-pub(crate) fn count(report: &mut SelectionReport, why: &'static str, atoms: usize) {
-    if atoms > 0 {
-        *report.skipped.entry(why).or_default() += atoms;
-    }
-}
-
-fn list(
-    report: &mut SelectionReport,
-    key: &ResidueKey,
+fn selected(
+    group: &AtomGroup,
     conformer: &Conformer,
     class: ResidueClass,
-) {
-    let entry = |note: String| ListedResidue {
-        residue: key.clone(),
+    atoms: Vec<Atom>,
+) -> SelectedResidue {
+    SelectedResidue {
+        key: group.key.clone(),
+        source_chain: group.key.chain.clone(),
         name: conformer.name.clone(),
+        class,
+        atoms,
+        n_terminus: false,
+        c_terminus: false,
+        in_disulfide: false,
+        mutated_from: None,
+    }
+}
+
+/// Lists a residue that is not one of the twenty, or that shares its place with another.
+fn list(report: &mut SelectionReport, residue: &SelectedResidue, conformer: &Conformer) {
+    let entry = |note: String| ListedResidue {
+        residue: residue.key.clone(),
+        name: residue.name.clone(),
         note,
+        charge_e: None,
     };
-    match class {
-        ResidueClass::Modified(modified) => {
-            let parent = modified.parent.map_or(String::new(), |parent| {
-                format!(", counted as {}", parent.name())
-            });
-            report
-                .modified
-                .push(entry(format!("{}{parent}", modified.what)));
+    let treatment = entry(treatment::describe(residue));
+    match residue.class {
+        ResidueClass::Modified(_) => report.modified.push(treatment),
+        ResidueClass::LikeAminoAcid(_) | ResidueClass::UnknownAminoAcid => {
+            report.unknown.push(treatment);
         }
-        ResidueClass::UnknownAminoAcid => report.unknown.push(entry("kept as neutral".into())),
+        ResidueClass::Ligand => report.ligands.push(treatment),
         _ => {}
     }
-    if !conformer.other_names.is_empty() && class.is_protein() {
+    if !conformer.other_names.is_empty() && residue.class.is_protein() {
         let others: Vec<&str> = conformer.other_names.iter().map(|name| &**name).collect();
-        report
-            .microheterogeneous
-            .push(entry(format!("chosen over {}", others.join(", "))));
+        let chosen = entry(format!("chosen over {}", others.join(", ")));
+        report.microheterogeneous.push(chosen);
     }
 }
 
-/// Whether the residue is bonded to a neighbour in the file as residues of a chain are (N-C or
-/// O3'-P), or stands in the file as an ordinary ATOM.
-fn is_in_chain(groups: &[AtomGroup], index: usize) -> bool {
-    const BOND_ANGSTROM: f64 = 2.0;
-    let group = &groups[index];
-    let atom = |group: &AtomGroup, names: [&str; 2]| {
-        group
-            .atoms
-            .iter()
-            .find(|atom| names.contains(&&*atom.name))
-            .map(|atom| atom.position)
-    };
-    let bonded = |before: &AtomGroup, after: &AtomGroup| {
-        let pair =
-            |end, start| Some((atom(before, end)? - atom(after, start)?).norm() < BOND_ANGSTROM);
-        before.key.chain == after.key.chain
-            && (pair(["C", "C3"], ["N", "N1"]) == Some(true)
-                || pair(["O3'", "O3*"], ["P", "P"]) == Some(true))
-    };
-    let before = index.checked_sub(1).and_then(|i| groups.get(i));
-    let after = groups.get(index + 1);
-    group.atoms.iter().any(|atom| !atom.hetero)
-        || before.is_some_and(|before| bonded(before, group))
-        || after.is_some_and(|after| bonded(group, after))
-}
-
-/// Lists missing atoms and chain breaks, and does with them what is asked.
-fn report_gaps(
+/// Lists missing atoms and chain breaks, and does what `missing` says.
+fn treat_gaps(
     residues: &mut Vec<SelectedResidue>,
     missing: MissingAtoms,
     report: &mut SelectionReport,
 ) -> Result<()> {
     report.chain_breaks = completeness::chain_breaks(residues);
-    for residue in residues.iter() {
-        let missing_atoms = completeness::missing_atoms(residue);
-        if !missing_atoms.is_empty() {
-            let (key, name) = (residue.key.clone(), residue.name.clone());
-            report.incomplete.push(IncompleteResidue {
-                residue: key,
-                name,
-                missing_atoms,
-            });
-        }
-    }
+    report.incomplete = completeness::incomplete_residues(residues);
     match missing {
-        MissingAtoms::Keep => {}
+        MissingAtoms::Keep => Ok(()),
         MissingAtoms::Skip => {
-            let before: usize = residues.iter().map(|residue| residue.atoms.len()).sum();
+            let before = atom_count(residues);
             residues.retain(|residue| completeness::missing_atoms(residue).is_empty());
-            let after: usize = residues.iter().map(|residue| residue.atoms.len()).sum();
-            count(report, reason::INCOMPLETE, before - after);
+            report.skip(reason::INCOMPLETE, before - atom_count(residues));
+            Ok(())
         }
-        MissingAtoms::Fail => {
-            let incomplete = report.incomplete.iter().map(|r| {
-                format!(
-                    "{} {} lacks {}",
-                    r.name,
-                    r.residue,
-                    r.missing_atoms.join(" ")
-                )
-            });
-            let breaks = report
-                .chain_breaks
-                .iter()
-                .map(|gap| format!("chain break {} to {}", gap.before, gap.after));
-            let all = listed(incomplete.chain(breaks));
-            if !all.is_empty() {
-                let remedy = "complete the structure, or keep or skip incomplete residues".into();
-                return Err(BodyError::Invalid {
-                    cause: format!("incomplete structure: {all}"),
-                    remedy,
-                });
-            }
+        MissingAtoms::Fail => refuse_gaps(report),
+    }
+}
+
+fn refuse_gaps(report: &SelectionReport) -> Result<()> {
+    let mut gaps = Vec::new();
+    for residue in &report.incomplete {
+        let missing = residue.missing_atoms.join(" ");
+        gaps.push(format!(
+            "{} {} lacks {missing}",
+            residue.name, residue.residue
+        ));
+    }
+    for gap in &report.chain_breaks {
+        gaps.push(format!("chain break {} to {}", gap.before, gap.after));
+    }
+    if gaps.is_empty() {
+        return Ok(());
+    }
+    Err(BodyError::Invalid {
+        cause: format!("incomplete structure: {}", listed(&gaps)),
+        remedy: "complete the structure, or keep or skip incomplete residues".into(),
+    })
+}
+
+/// Counts atoms, unobserved residues and atoms of zero occupancy.
+fn count_rest(
+    residues: &[SelectedResidue],
+    unobserved: &[UnobservedResidue],
+    report: &mut SelectionReport,
+) {
+    let mut chains: HashSet<&str> = HashSet::new();
+    for residue in residues {
+        chains.insert(&residue.source_chain);
+        for atom in &residue.atoms {
+            report.zero_occupancy += usize::from(atom.occupancy <= 0.0);
         }
     }
-    Ok(())
+    for residue in unobserved {
+        report.unobserved += usize::from(chains.contains(&*residue.key.chain));
+    }
+    report.atoms = atom_count(residues);
+}
+
+fn nothing_selected(source: &str, report: &SelectionReport) -> BodyError {
+    let mut skipped = Vec::new();
+    for (why, count) in &report.skipped {
+        skipped.push(format!("{count} {why}"));
+    }
+    BodyError::Invalid {
+        cause: format!("no atoms selected from {source} ({})", skipped.join(", ")),
+        remedy: "keep ligands, waters or nucleic acids if they are what you want".into(),
+    }
 }

@@ -29,9 +29,17 @@
 //! at least (isoperimetric inequality). All displacements fall as 1/density.
 
 use super::implicit::ImplicitSolid;
-use super::mesher::Target;
 use super::remesh::HalfEdgeMesh;
 use protomer_kernel::Vec3;
+
+/// What a mesh should measure, over its whole surface, cavities included.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Target {
+    /// Surface area, Å².
+    pub area_angstrom2: f64,
+    /// Enclosed volume, Å³.
+    pub volume_angstrom3: f64,
+}
 
 /// A vertex moves at most this fraction of the edge length around it.
 const FARTHEST: f64 = 0.3;
@@ -112,15 +120,9 @@ impl Facets {
         }
         // A fan of six equilateral triangles of edge L has the area 6 (√3/4) L².
         let scale: Vec<f64> = area.iter().map(|area| area / (1.5 * 3f64.sqrt())).collect();
-        let farthest = scale
-            .iter()
-            .map(|square| FARTHEST * square.sqrt())
-            .collect();
-        let (start, position, offset) = (
-            mesh.positions.clone(),
-            mesh.positions.clone(),
-            vec![0.0; count],
-        );
+        let farthest: Vec<f64> = scale.iter().map(|l2| FARTHEST * l2.sqrt()).collect();
+        let start = mesh.positions.clone();
+        let (position, offset) = (start.clone(), vec![0.0; count]);
         Self {
             triangles,
             vertices,
@@ -137,7 +139,10 @@ impl Facets {
     /// quadratic d.
     fn straddle(&mut self, mesh: &HalfEdgeMesh, solid: &dyn ImplicitSolid) {
         let mut distance = vec![0.0; mesh.half_edge_bound() as usize];
-        for half_edge in (0..mesh.half_edge_bound()).filter(|&half_edge| mesh.is_edge(half_edge)) {
+        for half_edge in 0..mesh.half_edge_bound() {
+            if !mesh.is_edge(half_edge) {
+                continue;
+            }
             let (a, b) = mesh.ends(half_edge);
             let value = solid.signed_distance(&(0.5 * (mesh.position(a) + mesh.position(b))));
             distance[half_edge as usize] = value;
@@ -167,22 +172,15 @@ impl Facets {
             let volume_gap = target.volume_angstrom3 - now.volume;
             let area_gap = target.area_angstrom2 - now.area;
             let volume_is_close = volume_gap.abs() <= CLOSE * target.volume_angstrom3.abs();
-            let last = step >= STEPS;
-            if now.area <= 0.0
-                || volume_is_close && (last || area_gap.abs() <= CLOSE * target.area_angstrom2)
-            {
+            let area_is_close = area_gap.abs() <= CLOSE * target.area_angstrom2;
+            // The last steps are for the volume alone.
+            let is_last = step >= STEPS;
+            if now.area <= 0.0 || volume_is_close && (is_last || area_is_close) {
                 break;
             }
+            let (mean, variance) = self.curvature_moments(&now);
             let delta = volume_gap / now.area;
-            let total = |value: &dyn Fn(usize) -> f64| {
-                self.vertices
-                    .iter()
-                    .map(|&vertex| now.share[vertex as usize] * value(vertex as usize))
-                    .sum::<f64>()
-            };
-            let mean = total(&|i| now.curvature[i]) / now.area;
-            let variance = total(&|i| (now.curvature[i] - mean).powi(2));
-            let lambda = if last {
+            let lambda = if is_last {
                 0.0
             } else {
                 (area_gap - mean * volume_gap) / variance.max(f64::MIN_POSITIVE)
@@ -197,6 +195,22 @@ impl Facets {
         }
     }
 
+    /// Mean κ̄ of the curvature over the area, and ∫ (κ - κ̄)² dA.
+    fn curvature_moments(&self, now: &Measures) -> (f64, f64) {
+        let mut sum = 0.0;
+        for &vertex in &self.vertices {
+            let i = vertex as usize;
+            sum += now.share[i] * now.curvature[i];
+        }
+        let mean = sum / now.area;
+        let mut variance = 0.0;
+        for &vertex in &self.vertices {
+            let i = vertex as usize;
+            variance += now.share[i] * (now.curvature[i] - mean).powi(2);
+        }
+        (mean, variance)
+    }
+
     /// Positions after the displacement, which is bounded.
     fn update(&mut self) {
         for &vertex in &self.vertices {
@@ -208,10 +222,10 @@ impl Facets {
 
     fn measure(&self) -> Measures {
         let count = self.start.len();
-        let origin = self
-            .vertices
-            .first()
-            .map_or(Vec3::zeros(), |&vertex| self.start[vertex as usize]);
+        let origin = match self.vertices.first() {
+            Some(&vertex) => self.start[vertex as usize],
+            None => Vec3::zeros(),
+        };
         let (mut area, mut volume) = (0.0, 0.0);
         let (mut share, mut curvature) = (vec![0.0; count], vec![0.0; count]);
         for triangle in &self.triangles {

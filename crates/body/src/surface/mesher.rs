@@ -1,6 +1,6 @@
 //! From an implicit solid to its mesh: extract, remesh, calibrate, check.
 
-use super::calibrate::calibrate;
+use super::calibrate::{Target, calibrate};
 use super::extract::extract;
 use super::frame::Frame;
 use super::implicit::ImplicitSolid;
@@ -11,7 +11,7 @@ use protomer_kernel::{TriangleMesh, Vec3};
 
 /// More vertices than this are refused.
 const MOST_VERTICES: f64 = 1e7;
-/// The number of vertices that each shell gets at least may be at most this.
+/// [`MeshSettings::fewest_vertices_per_shell`] may be at most this.
 const MOST_PER_SHELL: usize = 10_000;
 /// How much finer the lattice gets with each new attempt. Not a simple fraction, so that the planes
 /// differ.
@@ -19,11 +19,17 @@ const REFINEMENT: f64 = 0.73;
 /// Attempts with ever finer lattices before giving up.
 const ATTEMPTS: usize = 3;
 
-/// The edges of the first mesh, in units of density^(-1/2), which is about the length of the last
-/// one's.
+/// Edges of the first mesh, in units of density^(-1/2), which is about the length of those of the
+/// final mesh.
 const FIRST_EDGE: f64 = 0.65;
 
 /// What a mesh should be like.
+///
+/// ```
+/// use protomer_body::surface::MeshSettings;
+/// let coarse = MeshSettings { density_per_angstrom2: 0.25, ..MeshSettings::default() };
+/// assert_eq!(coarse.base_spacing_angstrom, 0.3);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeshSettings {
     /// Vertices per Å² of surface.
@@ -46,15 +52,6 @@ impl Default for MeshSettings {
             fewest_vertices_per_shell: 120,
         }
     }
-}
-
-/// What a mesh should measure, over its whole surface, cavities included.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Target {
-    /// Surface area, Å².
-    pub area_angstrom2: f64,
-    /// Enclosed volume, Å³.
-    pub volume_angstrom3: f64,
 }
 
 /// A closed, 2-manifold, outward mesh of the surface of `solid`, cavities included.
@@ -99,7 +96,7 @@ pub fn mesh_solid(
     mesh_in_full(solid, settings, target).map(|meshed| meshed.mesh)
 }
 
-/// A mesh that is checked, and the surface that it was calibrated from.
+/// A checked mesh, and the mesh that it was calibrated from.
 pub(crate) struct Meshed {
     pub(crate) mesh: TriangleMesh,
     pub(crate) topology: Topology,
@@ -107,7 +104,7 @@ pub(crate) struct Meshed {
     pub(crate) uncalibrated: TriangleMesh,
 }
 
-/// [`mesh_solid`] with all that it knows.
+/// [`mesh_solid`] with everything that it found.
 pub(crate) fn mesh_in_full(
     solid: &dyn ImplicitSolid,
     settings: &MeshSettings,
@@ -157,13 +154,20 @@ fn finish(
     })
 }
 
-/// An uncalibrated mesh without its cavities, calibrated to `target`.
-pub(crate) fn calibrated_without_cavities(
+/// The shells of an uncalibrated mesh that `is_kept` says, calibrated to `target`.
+pub(crate) fn calibrated_shells(
     uncalibrated: &TriangleMesh,
+    is_kept: &[bool],
     solid: &dyn ImplicitSolid,
     target: Target,
 ) -> Result<(TriangleMesh, Topology)> {
-    let mut half_edges = HalfEdgeMesh::new(without_cavities(uncalibrated)?.0)?;
+    let mut kept = TriangleMesh::default();
+    for (shell, is_kept) in uncalibrated.shells()?.into_iter().zip(is_kept) {
+        if *is_kept {
+            append(&mut kept, shell);
+        }
+    }
+    let mut half_edges = HalfEdgeMesh::new(kept)?;
     calibrate(&mut half_edges, solid, Some(target));
     let mesh = half_edges.to_mesh();
     let topology = mesh.topology()?;
@@ -180,18 +184,19 @@ pub fn without_cavities(mesh: &TriangleMesh) -> Result<(TriangleMesh, usize)> {
     for shell in mesh.shells()? {
         if shell.volume_angstrom3() < 0.0 {
             dropped += 1;
-            continue;
+        } else {
+            append(&mut kept, shell);
         }
-        let offset = kept.vertices.len() as u32;
-        kept.vertices.extend(shell.vertices);
-        kept.triangles.extend(
-            shell
-                .triangles
-                .iter()
-                .map(|corners| corners.map(|vertex| vertex + offset)),
-        );
     }
     Ok((kept, dropped))
+}
+
+fn append(mesh: &mut TriangleMesh, shell: TriangleMesh) {
+    let offset = mesh.vertices.len() as u32;
+    mesh.vertices.extend(shell.vertices);
+    for corners in shell.triangles {
+        mesh.triangles.push(corners.map(|vertex| vertex + offset));
+    }
 }
 
 impl MeshSettings {
@@ -211,36 +216,38 @@ impl MeshSettings {
     }
 
     fn check(&self) -> Result<()> {
-        let positive = |value: f64| value.is_finite() && value > 0.0;
-        let refuse = |cause: String, remedy: &str| {
-            Err(BodyError::Invalid {
-                cause,
-                remedy: remedy.into(),
-            })
+        let Self {
+            density_per_angstrom2: density,
+            base_spacing_angstrom: spacing,
+            fewest_vertices_per_shell: fewest,
+        } = *self;
+        let (cause, remedy) = if !is_positive(density) {
+            (
+                format!("a mesh cannot have {density} vertices per Å²"),
+                "ask for a positive density, 1 per Å² for example",
+            )
+        } else if !is_positive(spacing) {
+            (
+                format!("a lattice cannot have a spacing of {spacing} Å"),
+                "ask for a positive spacing, 0.3 Å for example",
+            )
+        } else if fewest > MOST_PER_SHELL {
+            (
+                format!("{fewest} is too many vertices for the smallest shells"),
+                "ask for 10000 at most, or for a higher density",
+            )
+        } else {
+            return Ok(());
         };
-        if !positive(self.density_per_angstrom2) {
-            let cause = format!(
-                "a mesh cannot have {} vertices per Å²",
-                self.density_per_angstrom2
-            );
-            return refuse(cause, "ask for a positive density, 1 per Å² for example");
-        }
-        if !positive(self.base_spacing_angstrom) {
-            let cause = format!(
-                "a lattice cannot have a spacing of {} Å",
-                self.base_spacing_angstrom
-            );
-            return refuse(cause, "ask for a positive spacing, 0.3 Å for example");
-        }
-        if self.fewest_vertices_per_shell > MOST_PER_SHELL {
-            let cause = format!(
-                "{} is too many vertices for the smallest shells",
-                self.fewest_vertices_per_shell
-            );
-            return refuse(cause, "ask for 10000 at most, or for a higher density");
-        }
-        Ok(())
+        Err(BodyError::Invalid {
+            cause,
+            remedy: remedy.into(),
+        })
     }
+}
+
+fn is_positive(value: f64) -> bool {
+    value.is_finite() && value > 0.0
 }
 
 fn no_surface() -> BodyError {

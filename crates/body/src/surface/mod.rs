@@ -16,6 +16,7 @@
 //! | `remesh` | the same surface at a requested vertex density |
 //! | `calibrate` | the exact area and volume for flat triangles |
 //! | [`mesher`] | extract, remesh, calibrate, check: the mesh of any implicit solid |
+//! | `interior` | whether a cavity is an enclosed interior that other bodies may enter |
 //! | [`ses`] | atoms in, mesh and exact measures out |
 //!
 //! The solvent-accessible surface was defined by Lee and Richards (J. Mol. Biol. 55, 379 (1971)),
@@ -29,6 +30,7 @@ pub mod distance;
 mod extract;
 pub mod frame;
 pub mod implicit;
+mod interior;
 pub mod measure;
 pub mod mesher;
 mod remesh;
@@ -37,8 +39,10 @@ pub mod ses;
 pub(crate) mod test_support;
 
 pub use arrangement::Arrangement;
+pub use calibrate::Target;
 pub use distance::SesSolid;
 pub use implicit::ImplicitSolid;
+pub use interior::ball_fits_inside;
 pub use measure::{Measure, SurfaceMeasure};
-pub use mesher::{MeshSettings, Target, mesh_solid, without_cavities};
-pub use ses::{Surface, solvent_excluded_surface};
+pub use mesher::{MeshSettings, mesh_solid, without_cavities};
+pub use ses::{FilledCavities, Surface, solvent_excluded_surface};

@@ -1,7 +1,9 @@
 //! Atoms in, solvent-excluded surface out: the mesh, what it should measure exactly, and by how
 //! much it misses that.
 
-use super::mesher::{MeshSettings, Meshed, Target, calibrated_without_cavities, mesh_in_full};
+use super::calibrate::Target;
+use super::interior::ball_fits_inside;
+use super::mesher::{MeshSettings, Meshed, calibrated_shells, mesh_in_full};
 use super::{Arrangement, Measure, SesSolid, SurfaceMeasure};
 use crate::Result;
 use protomer_kernel::mesh::Topology;
@@ -13,7 +15,7 @@ const SPACING_PER_RADIUS: f64 = 0.6;
 /// Atoms smaller than this do not make the lattice finer, Å.
 const SMALLEST_RESOLVED_RADIUS_ANGSTROM: f64 = 0.3;
 
-/// A solvent-excluded surface.
+/// A solvent-excluded surface; [`solvent_excluded_surface`] makes it.
 #[derive(Debug, Clone)]
 pub struct Surface {
     /// The surface as a closed, 2-manifold, outward mesh.
@@ -29,6 +31,19 @@ pub struct Surface {
     solid: SesSolid,
 }
 
+/// What [`Surface::fill_cavities`] filled and what it kept.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct FilledCavities {
+    /// Cavities filled.
+    pub filled: usize,
+    /// Their volume in all, Å³.
+    pub filled_volume_angstrom3: f64,
+    /// Enclosed interiors kept.
+    pub kept: usize,
+    /// Their volume in all, Å³.
+    pub kept_volume_angstrom3: f64,
+}
+
 impl Surface {
     /// Area of the mesh over the exact area, less one.
     pub fn relative_area_error(&self) -> f64 {
@@ -40,24 +55,91 @@ impl Surface {
         self.mesh.volume_angstrom3() / self.exact.ses_volume_angstrom3 - 1.0
     }
 
-    /// The surface without the shells of its internal cavities, calibrated to the exact area and
-    /// volume of the shells that are left.
+    /// The surface without the walls of its cavities, calibrated to the exact area and volume of
+    /// the shells that are left. Enclosed interiors stay: cavities into which a ball of
+    /// `interior_radius_angstrom` fits ([`ball_fits_inside`]), as other bodies may be in there. An
+    /// infinite radius fills every cavity.
     ///
     /// # Errors
     /// [`crate::BodyError::Kernel`] if the mesh is not closed, which a surface made here always is.
-    pub fn without_cavities(self) -> Result<Self> {
+    ///
+    /// ```
+    /// use protomer_body::surface::{MeshSettings, solvent_excluded_surface};
+    /// use protomer_kernel::Vec3;
+    ///
+    /// // Atoms on a sphere of radius 12 Å, close enough to keep every probe inside.
+    /// let centres: Vec<Vec3> = (0..500)
+    ///     .map(|n| {
+    ///         let z = 1.0 - (2.0 * f64::from(n) + 1.0) / 500.0;
+    ///         let (sine, cosine) = (2.4 * f64::from(n)).sin_cos();
+    ///         let r = (1.0 - z * z).sqrt();
+    ///         12.0 * Vec3::new(r * cosine, r * sine, z)
+    ///     })
+    ///     .collect();
+    /// let shell = solvent_excluded_surface(&centres, &[1.7; 500], 1.4, &MeshSettings::default())?;
+    /// assert_eq!(shell.topology.cavities, 1);
+    /// let (solid, cavities) = shell.clone().fill_cavities(f64::INFINITY)?;
+    /// assert_eq!((solid.topology.cavities, cavities.filled), (0, 1));
+    /// let (hollow, cavities) = shell.fill_cavities(8.0)?;
+    /// assert_eq!((hollow.topology.cavities, cavities.kept), (1, 1));
+    /// assert!(cavities.kept_volume_angstrom3 > 4000.0);
+    /// # Ok::<(), protomer_body::BodyError>(())
+    /// ```
+    pub fn fill_cavities(self, interior_radius_angstrom: f64) -> Result<(Self, FilledCavities)> {
+        let mut cavities = FilledCavities::default();
         if self.topology.cavities == 0 {
-            return Ok(self);
+            return Ok((self, cavities));
         }
-        let exact = self.measure.without_cavities();
+        let shells = self.mesh.shells()?;
+        let mut is_kept = Vec::with_capacity(shells.len());
+        // Volumes of the cavities, and whether each is kept.
+        let mut ranking = Vec::new();
+        for shell in &shells {
+            let volume = shell.volume_angstrom3();
+            let is_interior = volume < 0.0 && ball_fits_inside(shell, interior_radius_angstrom);
+            is_kept.push(volume >= 0.0 || is_interior);
+            if volume >= 0.0 {
+                continue;
+            }
+            ranking.push((volume, is_interior));
+            if is_interior {
+                cavities.kept += 1;
+                cavities.kept_volume_angstrom3 -= volume;
+            } else {
+                cavities.filled += 1;
+                cavities.filled_volume_angstrom3 -= volume;
+            }
+        }
+        if cavities.filled == 0 {
+            return Ok((self, cavities));
+        }
+        let exact = self.exact_with(ranking);
         let (mesh, topology) =
-            calibrated_without_cavities(&self.uncalibrated, &self.solid, target(&exact))?;
-        Ok(Self {
+            calibrated_shells(&self.uncalibrated, &is_kept, &self.solid, target(&exact))?;
+        let surface = Self {
             mesh,
             topology,
             exact,
             ..self
-        })
+        };
+        Ok((surface, cavities))
+    }
+
+    /// Exact areas and volumes of the outer shells and of the cavities that are kept. The mesh may
+    /// have lost cavities smaller than its lattice, so the cavities of both are matched by their
+    /// rank in volume, largest first.
+    fn exact_with(&self, mut ranking: Vec<(f64, bool)>) -> SurfaceMeasure {
+        let mut exact = self.measure.without_cavities();
+        let mut cavities = self.measure.cavities();
+        // Volumes of cavities are negative.
+        ranking.sort_by(|a, b| a.0.total_cmp(&b.0));
+        cavities.sort_by(|a, b| a.ses_volume_angstrom3.total_cmp(&b.ses_volume_angstrom3));
+        for ((_, is_kept), cavity) in ranking.into_iter().zip(cavities) {
+            if is_kept {
+                exact += cavity;
+            }
+        }
+        exact
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::surface::arrangement::hashed_fraction;
 use protomer_kernel::Vec3;
 use std::ops::Range;
+use std::path::Path;
 
 /// The fixed pseudo-random number in [0, 1) of this index.
 pub(crate) fn fraction(index: u64) -> f64 {
@@ -74,28 +75,30 @@ pub(crate) fn probe_contacts(centres: &[Vec3], radii: &[f64]) -> Vec<Vec3> {
     contacts
 }
 
-/// Where the shared reference surfaces lie beside a checkout.
-pub(crate) const REFERENCE: &str = concat!(
-    env!("CARGO_MANIFEST_DIR"),
-    "/../../../shared/reference/surface"
-);
+/// A file of the reference surfaces, which are not part of the repository: they are read beside
+/// the checkout, or in the folder that `PROTOMER_TEST_DATA` names. `None`, with a message, where it
+/// is absent.
+pub(crate) fn reference_file(name: &str) -> Option<String> {
+    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
+    let root = std::env::var_os("PROTOMER_TEST_DATA").unwrap_or_else(|| beside.into());
+    let path = Path::new(&root).join("reference/surface").join(name);
+    let text = std::fs::read_to_string(&path).ok();
+    if text.is_none() {
+        eprintln!("skipped: {} is absent", path.display());
+    }
+    text
+}
 
-/// Centres and radii of a reference file; `None`, said aloud, where it is absent.
-pub(crate) fn read_reference(file: &str) -> Option<(Vec<Vec3>, Vec<f64>)> {
-    let path = format!("{REFERENCE}/{file}");
-    let Ok(text) = std::fs::read_to_string(&path) else {
-        eprintln!("skipped: {path} is absent");
-        return None;
-    };
-    let numbers = |line: &str| -> Vec<f64> {
-        line.split_whitespace()
-            .map(|word| word.parse().unwrap())
-            .collect()
-    };
-    let atoms = text.lines().map(numbers).filter(|row| row.len() == 4);
-    Some(
-        atoms
-            .map(|row| (Vec3::new(row[0], row[1], row[2]), row[3]))
-            .unzip(),
-    )
+/// Centres and radii of a reference file.
+pub(crate) fn read_reference(name: &str) -> Option<(Vec<Vec3>, Vec<f64>)> {
+    let (mut centres, mut radii) = (Vec::new(), Vec::new());
+    for line in reference_file(name)?.lines() {
+        let words = line.split_whitespace();
+        let row: Vec<f64> = words.map(|word| word.parse().unwrap()).collect();
+        if let [x, y, z, radius] = row[..] {
+            centres.push(Vec3::new(x, y, z));
+            radii.push(radius);
+        }
+    }
+    Some((centres, radii))
 }

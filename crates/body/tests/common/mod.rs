@@ -12,9 +12,12 @@ pub fn bundled() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/structures")
 }
 
-/// The larger set beside the checkout, if it is there.
+/// The larger set of structures, if it is there: in the folder that `PROTOMER_TEST_DATA` names, or
+/// beside the checkout.
 pub fn shared() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/structures");
+    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
+    let root = std::env::var_os("PROTOMER_TEST_DATA").unwrap_or_else(|| beside.into());
+    let folder = Path::new(&root).join("data/structures");
     if !folder.is_dir() {
         eprintln!("skipped: {} is absent", folder.display());
         return None;

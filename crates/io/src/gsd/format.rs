@@ -14,6 +14,13 @@ pub(super) const ENTRY_BYTES: u64 = 32;
 pub(super) const NAME_SEGMENT_BYTES: u64 = 64;
 
 /// One named array of a frame, `rows` x `columns`, the column running fastest.
+///
+/// ```
+/// use protomer_io::gsd::{Chunk, ChunkData};
+/// let data = ChunkData::F32(vec![0.0, 0.0, 1.5]);
+/// let chunk = Chunk { name: "particles/position".into(), columns: 3, data };
+/// assert_eq!(chunk.data.len() / chunk.columns as usize, 1);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chunk {
     /// Name, such as `particles/position`.
@@ -73,34 +80,15 @@ impl ChunkData {
     pub(super) fn to_bytes(&self) -> Vec<u8> {
         match self {
             ChunkData::U8(values) => values.clone(),
-            ChunkData::U32(values) => values
-                .iter()
-                .flat_map(|value| value.to_le_bytes())
-                .collect(),
-            ChunkData::U64(values) => values
-                .iter()
-                .flat_map(|value| value.to_le_bytes())
-                .collect(),
-            ChunkData::I8(values) => values
-                .iter()
-                .flat_map(|value| value.to_le_bytes())
-                .collect(),
-            ChunkData::F32(values) => values
-                .iter()
-                .flat_map(|value| value.to_le_bytes())
-                .collect(),
-            ChunkData::F64(values) => values
-                .iter()
-                .flat_map(|value| value.to_le_bytes())
-                .collect(),
+            ChunkData::U32(values) => bytes_of(values, u32::to_le_bytes),
+            ChunkData::U64(values) => bytes_of(values, u64::to_le_bytes),
+            ChunkData::I8(values) => bytes_of(values, i8::to_le_bytes),
+            ChunkData::F32(values) => bytes_of(values, f32::to_le_bytes),
+            ChunkData::F64(values) => bytes_of(values, f64::to_le_bytes),
         }
     }
 
     pub(super) fn from_bytes(code: u8, bytes: &[u8]) -> Option<Self> {
-        fn numbers<const N: usize, T>(bytes: &[u8], number: impl Fn([u8; N]) -> T) -> Vec<T> {
-            let (chunks, _) = bytes.as_chunks::<N>();
-            chunks.iter().map(|chunk| number(*chunk)).collect()
-        }
         Some(match code {
             1 => ChunkData::U8(bytes.to_vec()),
             3 => ChunkData::U32(numbers(bytes, u32::from_le_bytes)),
@@ -111,6 +99,15 @@ impl ChunkData {
             _ => return None,
         })
     }
+}
+
+fn bytes_of<const N: usize, T: Copy>(values: &[T], bytes: fn(T) -> [u8; N]) -> Vec<u8> {
+    values.iter().copied().flat_map(bytes).collect()
+}
+
+fn numbers<const N: usize, T>(bytes: &[u8], number: fn([u8; N]) -> T) -> Vec<T> {
+    let (chunks, _) = bytes.as_chunks::<N>();
+    chunks.iter().copied().map(number).collect()
 }
 
 /// Bytes of one value of a type of the specification; `None` for an unknown type.
@@ -159,7 +156,15 @@ impl IndexEntry {
         Ok(entry)
     }
 
-    /// Length of the data in bytes, `None` if it cannot be.
+    /// Whether the data lie within a file of this length.
+    pub(super) fn lies_within(&self, file_length: u64) -> bool {
+        let end = self
+            .length()
+            .and_then(|length| length.checked_add(self.location));
+        end.is_some_and(|end| end <= file_length)
+    }
+
+    /// Length of the data in bytes; `None` if it is impossible.
     pub(super) fn length(&self) -> Option<u64> {
         self.rows
             .checked_mul(self.columns.into())?
@@ -209,28 +214,19 @@ impl Header {
         if cursor.u64()? != MAGIC {
             return Ok(Err("it is not a GSD file".into()));
         }
-        let [
-            index_location,
-            index_entries,
-            names_location,
-            names_segments,
-        ] = [cursor.u64()?, cursor.u64()?, cursor.u64()?, cursor.u64()?];
-        let (schema_version, version) = (cursor.u32()?, cursor.u32()?);
-        if version >> 16 != FILE_VERSION >> 16 {
-            return Ok(Err(format!(
-                "it is a GSD file of version {}.{}, not 2",
-                version >> 16,
-                version & 0xFFFF
-            )));
+        let index_location = cursor.u64()?;
+        let index_entries = cursor.u64()?;
+        let names_location = cursor.u64()?;
+        let names_segments = cursor.u64()?;
+        let schema_version = cursor.u32()?;
+        let version = cursor.u32()?;
+        let (major, minor) = (version >> 16, version & 0xFFFF);
+        if major != FILE_VERSION >> 16 {
+            let cause = format!("it is a GSD file of version {major}.{minor}, not 2");
+            return Ok(Err(cause));
         }
-        let mut text = || -> std::result::Result<String, Ended> {
-            let bytes = cursor.take(64)?;
-            Ok(
-                String::from_utf8_lossy(bytes.split(|byte| *byte == 0).next().unwrap_or_default())
-                    .into_owned(),
-            )
-        };
-        let (application, schema) = (text()?, text()?);
+        let application = zero_terminated(cursor.take(64)?);
+        let schema = zero_terminated(cursor.take(64)?);
         Ok(Ok(Self {
             index_location,
             index_entries,
@@ -241,4 +237,10 @@ impl Header {
             schema,
         }))
     }
+}
+
+/// The text before the first zero.
+fn zero_terminated(bytes: &[u8]) -> String {
+    let text = bytes.split(|byte| *byte == 0).next().unwrap_or_default();
+    String::from_utf8_lossy(text).into_owned()
 }

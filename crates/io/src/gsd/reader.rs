@@ -10,6 +10,18 @@ use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 /// Reads a GSD 2 file frame by frame.
+///
+/// ```
+/// use protomer_io::gsd::{Chunk, ChunkData, GsdFile, GsdWriter};
+/// # let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("one.gsd");
+/// let step = Chunk { name: "step".into(), columns: 1, data: ChunkData::U64(vec![7]) };
+/// GsdWriter::create(&path, "an example", "own", (1, 0))?.append_frame(&[step.clone()])?;
+/// let mut file = GsdFile::open(&path)?;
+/// assert_eq!(file.frames(), 1);
+/// assert_eq!(file.chunk(0, "step")?, Some(step));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct GsdFile {
     path: PathBuf,
@@ -19,49 +31,33 @@ pub struct GsdFile {
     entries: Vec<IndexEntry>,
 }
 
+const COMPLETE: &str = "give a complete GSD file of version 2";
+
 impl GsdFile {
-    /// Opens a file and reads its index. Index entries from the first that points outside the file
-    /// on, as a process that died leaves them, are taken for the end.
+    /// Opens a file and reads its index. An index entry that points outside the file, as a process
+    /// that died leaves it, ends the index.
     ///
     /// # Errors
-    /// [`IoError::File`] if the system refuses, [`IoError::Parse`] if it is no GSD 2 file.
+    /// [`IoError::File`] if the system refuses, [`IoError::Parse`] if it is not a GSD 2 file.
     pub fn open(path: &Path) -> Result<Self> {
-        let mut file = File::open(path).map_err(IoError::at(path, "open"))?;
-        let length = file.metadata().map_err(IoError::at(path, "read"))?.len();
-        let bad = |cause: String| {
-            IoError::parse(
-                &path.display().to_string(),
-                0,
-                cause,
-                "give a complete GSD file of version 2",
-            )
+        let file = File::open(path).map_err(IoError::at(path, "open"))?;
+        let mut source = SizedFile {
+            path,
+            length: file.metadata().map_err(IoError::at(path, "read"))?.len(),
+            file: &file,
         };
-        let start = read_at(&mut file, path, length, 0, HEADER_BYTES)?;
-        let header = Header::read(&mut Cursor::new(&start))
-            .map_err(|_| bad("its header is cut".into()))?
-            .map_err(bad)?;
+        let start = source.read(0, HEADER_BYTES)?;
+        let header = match Header::read(&mut Cursor::new(&start)) {
+            Ok(Ok(header)) => header,
+            Ok(Err(cause)) => return Err(source.error(cause)),
+            Err(_) => return Err(source.error("its header is cut".into())),
+        };
         let names_length = header.names_segments.saturating_mul(NAME_SEGMENT_BYTES);
-        let names = read_at(&mut file, path, length, header.names_location, names_length)?;
-        let names: Vec<String> = names
-            .split(|byte| *byte == 0)
-            .take_while(|name| !name.is_empty())
-            .map(|name| String::from_utf8_lossy(name).into_owned())
-            .collect();
+        let names = source.read(header.names_location, names_length)?;
+        let names = split_names(&names);
         let index_length = header.index_entries.saturating_mul(ENTRY_BYTES);
-        let index = read_at(&mut file, path, length, header.index_location, index_length)?;
-        let mut entries: Vec<IndexEntry> = Vec::new();
-        let mut cursor = Cursor::new(&index);
-        while let Ok(entry) = IndexEntry::read(&mut cursor) {
-            let end = entry
-                .length()
-                .and_then(|bytes| bytes.checked_add(entry.location));
-            let ordered = entries.last().is_none_or(|last| last.frame <= entry.frame);
-            let named = usize::from(entry.name) < names.len();
-            if entry.location == 0 || end.is_none_or(|end| end > length) || !ordered || !named {
-                break;
-            }
-            entries.push(entry);
-        }
+        let index = source.read(header.index_location, index_length)?;
+        let entries = split_index(&index, names.len(), source.length);
         Ok(Self {
             path: path.to_owned(),
             file,
@@ -97,15 +93,15 @@ impl GsdFile {
     /// [`IoError::File`] if the system refuses, [`IoError::Parse`] for a type of values that this
     /// program never writes.
     pub fn chunk(&mut self, frame: u64, name: &str) -> Result<Option<Chunk>> {
-        let wanted = |entry: &&IndexEntry| {
-            self.names
-                .get(usize::from(entry.name))
-                .is_some_and(|known| known == name)
+        let Some(id) = self.names.iter().position(|known| known == name) else {
+            return Ok(None);
         };
-        match self.frame_entries(frame).iter().find(wanted).copied() {
-            Some(entry) => self.read_entry(entry).map(Some),
-            None => Ok(None),
+        for entry in self.frame_entries(frame) {
+            if usize::from(entry.name) == id {
+                return self.read_entry(*entry).map(Some);
+            }
         }
+        Ok(None)
     }
 
     /// All chunks of a frame, in the order in which they were written.
@@ -115,10 +111,11 @@ impl GsdFile {
     pub fn frame(&mut self, frame: u64) -> Result<Vec<Chunk>> {
         let mut entries = self.frame_entries(frame).to_vec();
         entries.sort_by_key(|entry| entry.location);
-        entries
-            .into_iter()
-            .map(|entry| self.read_entry(entry))
-            .collect()
+        let mut chunks = Vec::with_capacity(entries.len());
+        for entry in entries {
+            chunks.push(self.read_entry(entry)?);
+        }
+        Ok(chunks)
     }
 
     fn frame_entries(&self, frame: u64) -> &[IndexEntry] {
@@ -127,59 +124,87 @@ impl GsdFile {
         &self.entries[start..end]
     }
 
-    fn read_entry(&mut self, entry: IndexEntry) -> Result<Chunk> {
-        let name = self
-            .names
-            .get(usize::from(entry.name))
-            .cloned()
-            .unwrap_or_default();
-        let length = self
-            .file
-            .metadata()
-            .map_err(IoError::at(&self.path, "read"))?
-            .len();
-        let bytes = entry.length().unwrap_or(u64::MAX);
-        let bytes = read_at(&mut self.file, &self.path, length, entry.location, bytes)?;
-        let data = ChunkData::from_bytes(entry.code, &bytes).ok_or_else(|| {
-            let cause = format!("chunk {name:?} has values of type {}", entry.code);
-            IoError::parse(
-                &self.path.display().to_string(),
-                0,
-                cause,
-                "open it with the Python package gsd",
-            )
-        })?;
-        Ok(Chunk {
-            name,
-            columns: entry.columns,
-            data,
-        })
+    fn read_entry(&self, entry: IndexEntry) -> Result<Chunk> {
+        let metadata = self.file.metadata();
+        let mut source = SizedFile {
+            path: &self.path,
+            length: metadata.map_err(IoError::at(&self.path, "read"))?.len(),
+            file: &self.file,
+        };
+        let name = self.names.get(usize::from(entry.name));
+        let name = name.cloned().unwrap_or_default();
+        let bytes = source.read(entry.location, entry.length().unwrap_or(u64::MAX))?;
+        match ChunkData::from_bytes(entry.code, &bytes) {
+            Some(data) => Ok(Chunk {
+                name,
+                columns: entry.columns,
+                data,
+            }),
+            None => {
+                let file = self.path.display().to_string();
+                let cause = format!("chunk {name:?} has values of type {}", entry.code);
+                let remedy = "open it with the Python package gsd";
+                Err(IoError::parse(&file, 0, cause, remedy))
+            }
+        }
     }
 }
 
-/// Bytes of a file, refusing to take memory for more than the file has.
-fn read_at(
-    file: &mut File,
-    path: &Path,
-    file_length: u64,
-    location: u64,
-    count: u64,
-) -> Result<Vec<u8>> {
-    if location
-        .checked_add(count)
-        .is_none_or(|end| end > file_length)
-    {
-        let cause = format!("it is cut: {count} bytes at {location} are missing");
-        return Err(IoError::parse(
-            &path.display().to_string(),
-            0,
-            cause,
-            "give a complete GSD file of version 2",
-        ));
+/// The names of a list of zero-terminated strings, up to the first empty one.
+fn split_names(list: &[u8]) -> Vec<String> {
+    let mut names = Vec::new();
+    for name in list.split(|byte| *byte == 0) {
+        if name.is_empty() {
+            break;
+        }
+        names.push(String::from_utf8_lossy(name).into_owned());
     }
-    let mut bytes = vec![0; count as usize];
-    file.seek(SeekFrom::Start(location))
-        .and_then(|_| file.read_exact(&mut bytes))
-        .map_err(IoError::at(path, "read"))?;
-    Ok(bytes)
+    names
+}
+
+/// The entries of an index, up to the first that is empty, out of order, without a name or outside
+/// the file.
+fn split_index(index: &[u8], names: usize, file_length: u64) -> Vec<IndexEntry> {
+    let mut entries: Vec<IndexEntry> = Vec::new();
+    let mut cursor = Cursor::new(index);
+    let mut last_frame = 0;
+    while let Ok(entry) = IndexEntry::read(&mut cursor) {
+        let is_named = usize::from(entry.name) < names;
+        let is_ordered = last_frame <= entry.frame;
+        if entry.location == 0 || !is_named || !is_ordered || !entry.lies_within(file_length) {
+            break;
+        }
+        last_frame = entry.frame;
+        entries.push(entry);
+    }
+    entries
+}
+
+/// A file and its length, which no read may exceed.
+struct SizedFile<'a> {
+    path: &'a Path,
+    file: &'a File,
+    length: u64,
+}
+
+impl SizedFile<'_> {
+    /// Bytes of the file; memory is never taken for more than the file has.
+    fn read(&mut self, location: u64, count: u64) -> Result<Vec<u8>> {
+        let end = location.checked_add(count);
+        if end.is_none_or(|end| end > self.length) {
+            let cause = format!("it is cut: {count} bytes at {location} are missing");
+            return Err(self.error(cause));
+        }
+        let mut bytes = vec![0; count as usize];
+        let mut read = || {
+            self.file.seek(SeekFrom::Start(location))?;
+            self.file.read_exact(&mut bytes)
+        };
+        read().map_err(IoError::at(self.path, "read"))?;
+        Ok(bytes)
+    }
+
+    fn error(&self, cause: String) -> IoError {
+        IoError::parse(&self.path.display().to_string(), 0, cause, COMPLETE)
+    }
 }

@@ -1,8 +1,8 @@
 //! Trajectories of rigid bodies in the HOOMD schema 1.4.
 //!
-//! What never changes (types, their meshes, which body is of which type, charges) stands in frame
-//! 0; later frames hold step, box, positions, orientations and logged quantities, and readers take
-//! the rest from frame 0.
+//! Frame 0 holds what never changes: types, their meshes, the type of each body, charges. Every
+//! frame holds step, box, positions, orientations and logged quantities; readers take the rest from
+//! frame 0.
 
 use super::{Chunk, ChunkData, GsdFile, GsdWriter};
 use crate::{IoError, Result};
@@ -39,25 +39,32 @@ pub struct TrajectoryFrame<'a> {
     /// Sweeps done.
     pub step: u64,
     /// Edge lengths of the box centred on the origin, Å. For open space give [`enclosing_box`]:
-    /// readers want the bodies inside.
+    /// readers expect the bodies inside.
     pub box_lengths_angstrom: [f64; 3],
     /// The poses of the bodies.
     pub poses: &'a [Pose],
-    /// Logged quantities by name (written as `log/NAME`); the names of the first frame should come
-    /// in every frame.
+    /// Logged quantities by name (written as `log/NAME`); every frame should have the names of the
+    /// first.
     pub log: &'a [(&'a str, f64)],
 }
 
 /// The smallest centred cube that holds these positions with a margin on every side, Å.
+///
+/// ```
+/// use protomer_io::gsd::enclosing_box;
+/// use protomer_kernel::{Pose, Vec3};
+/// let pose = Pose { position: Vec3::new(-30.0, 5.0, 0.0), ..Pose::identity() };
+/// assert_eq!(enclosing_box(&[pose], 10.0), [80.0; 3]);
+/// ```
 pub fn enclosing_box(poses: &[Pose], margin_angstrom: f64) -> [f64; 3] {
-    let reach = poses
-        .iter()
-        .map(|pose| pose.position.amax())
-        .fold(0.0, f64::max);
+    let mut reach = 0.0_f64;
+    for pose in poses {
+        reach = reach.max(pose.position.amax());
+    }
     [2.0 * (reach + margin_angstrom); 3]
 }
 
-/// Writes a trajectory, and continues one where a checkpoint stands.
+/// Writes a trajectory, and continues one from a checkpoint.
 ///
 /// ```
 /// use protomer_io::gsd::{GsdFile, ParticleType, TrajectoryFrame, TrajectoryHeader, TrajectoryWriter};
@@ -94,43 +101,18 @@ impl TrajectoryWriter {
         })
     }
 
-    /// Continues a trajectory after its first `frames` frames: later ones, complete or not, are
+    /// Continues a trajectory after its first `frames` frames; later ones, complete or not, are
     /// dropped.
     ///
-    /// The frames to keep are written to a new file, which then takes the place of the old one. So
-    /// the file is always, byte for byte, what an uninterrupted run would have made of the same
-    /// frames.
+    /// The frames to keep are written to a new file, which then replaces the old one. So the file is
+    /// always, byte for byte, what an uninterrupted run would have made of the same frames.
     ///
     /// # Errors
     /// [`IoError::Parse`] if the file has fewer frames or belongs to other bodies; else as
     /// [`TrajectoryWriter::create`].
     pub fn resume(path: &Path, header: &TrajectoryHeader, frames: u64) -> Result<Self> {
         let mut old = GsdFile::open(path)?;
-        let name = path.display().to_string();
-        if old.frames() < frames {
-            let cause = format!(
-                "it holds {} frames where the checkpoint has written {frames}",
-                old.frames()
-            );
-            return Err(IoError::parse(
-                &name,
-                0,
-                cause,
-                "restore it, or begin the run again",
-            ));
-        }
-        if frames > 0
-            && !header_chunks(header)?
-                .iter()
-                .all(|chunk| stands_in(&mut old, chunk))
-        {
-            return Err(IoError::parse(
-                &name,
-                0,
-                "it is a trajectory of other bodies",
-                "continue it with its own run",
-            ));
-        }
+        check_resumable(&mut old, path, header, frames)?;
         let temporary = path.with_extension("gsd.partial");
         let mut resumed = Self::create(&temporary, header)?;
         for frame in 0..frames {
@@ -167,8 +149,8 @@ impl TrajectoryWriter {
         self.writer.frames()
     }
 
-    /// Returns when everything written is on disk; to be called before a checkpoint that counts on
-    /// it is written.
+    /// Returns when everything written is on disk. Call it before writing a checkpoint that counts
+    /// on it.
     ///
     /// # Errors
     /// [`IoError::File`] if the system refuses.
@@ -177,79 +159,83 @@ impl TrajectoryWriter {
     }
 }
 
-fn stands_in(old: &mut GsdFile, chunk: &Chunk) -> bool {
-    matches!(old.chunk(0, &chunk.name), Ok(Some(present)) if present == *chunk)
+/// Checks that a file has the frames to keep and belongs to these bodies.
+fn check_resumable(
+    old: &mut GsdFile,
+    path: &Path,
+    header: &TrajectoryHeader,
+    frames: u64,
+) -> Result<()> {
+    let refuse = |cause: &str, remedy: &str| {
+        let file = path.display().to_string();
+        Err(IoError::parse(&file, 0, cause, remedy))
+    };
+    let held = old.frames();
+    if held < frames {
+        let cause = format!("it holds {held} frames where the checkpoint has written {frames}");
+        return refuse(&cause, "restore it, or begin the run again");
+    }
+    if frames == 0 {
+        return Ok(());
+    }
+    for chunk in header_chunks(header)? {
+        let is_same = matches!(old.chunk(0, &chunk.name), Ok(Some(found)) if found == chunk);
+        if !is_same {
+            let cause = "it is a trajectory of other bodies";
+            return refuse(cause, "continue it with its own run");
+        }
+    }
+    Ok(())
 }
 
 fn check_header(header: &TrajectoryHeader) -> Result<()> {
     let bodies = header.type_ids.len();
-    if header.charges_e.len() != bodies {
-        let cause = format!(
-            "there are {} charges for {bodies} bodies",
-            header.charges_e.len()
-        );
+    let charges = header.charges_e.len();
+    if charges != bodies {
+        let cause = format!("there are {charges} charges for {bodies} bodies");
         return Err(IoError::unwritable(cause, "give a charge for each body"));
     }
-    if let Some(id) = header
-        .type_ids
-        .iter()
-        .find(|id| **id as usize >= header.types.len())
-    {
-        let cause = format!(
-            "a body is of type {id}, but there are {} types",
-            header.types.len()
-        );
-        return Err(IoError::unwritable(cause, "give an index into the types"));
+    let types = header.types.len();
+    for id in &header.type_ids {
+        if *id as usize >= types {
+            let cause = format!("a body is of type {id}, but there are {types} types");
+            return Err(IoError::unwritable(cause, "give an index into the types"));
+        }
     }
     Ok(())
 }
 
 fn frame_chunks(frame: &TrajectoryFrame) -> Vec<Chunk> {
     let [lx, ly, lz] = frame.box_lengths_angstrom.map(|length| length as f32);
-    let positions = frame
-        .poses
-        .iter()
-        .flat_map(|pose| pose.position.iter().map(|x| *x as f32).collect::<Vec<_>>());
-    let orientations = frame
-        .poses
-        .iter()
-        .flat_map(|pose| pose.wxyz().map(|x| x as f32));
+    let (mut positions, mut orientations) = (Vec::new(), Vec::new());
+    for pose in frame.poses {
+        positions.extend(pose.position.iter().map(|x| *x as f32));
+        orientations.extend(pose.wxyz().map(|x| x as f32));
+    }
+    let box_and_tilts = vec![lx, ly, lz, 0.0, 0.0, 0.0];
+    let bodies = frame.poses.len() as u32;
     let mut chunks = vec![
         chunk("configuration/step", 1, ChunkData::U64(vec![frame.step])),
-        chunk(
-            "configuration/box",
-            1,
-            ChunkData::F32(vec![lx, ly, lz, 0.0, 0.0, 0.0]),
-        ),
-        chunk(
-            "particles/N",
-            1,
-            ChunkData::U32(vec![frame.poses.len() as u32]),
-        ),
-        chunk("particles/position", 3, ChunkData::F32(positions.collect())),
-        chunk(
-            "particles/orientation",
-            4,
-            ChunkData::F32(orientations.collect()),
-        ),
+        chunk("configuration/box", 1, ChunkData::F32(box_and_tilts)),
+        chunk("particles/N", 1, ChunkData::U32(vec![bodies])),
+        chunk("particles/position", 3, ChunkData::F32(positions)),
+        chunk("particles/orientation", 4, ChunkData::F32(orientations)),
     ];
-    chunks.extend(
-        frame
-            .log
-            .iter()
-            .map(|(name, value)| chunk(&format!("log/{name}"), 1, ChunkData::F64(vec![*value]))),
-    );
+    for (name, value) in frame.log {
+        let data = ChunkData::F64(vec![*value]);
+        chunks.push(chunk(&format!("log/{name}"), 1, data));
+    }
     chunks
 }
 
 fn header_chunks(header: &TrajectoryHeader) -> Result<Vec<Chunk>> {
-    let names: Vec<String> = header.types.iter().map(|kind| kind.name.clone()).collect();
-    let shapes = header
-        .types
-        .iter()
-        .map(|kind| shape_json(kind.mesh.as_ref()))
-        .collect::<Vec<_>>();
-    let charges = header
+    let (mut names, mut shapes) = (Vec::new(), Vec::new());
+    for kind in &header.types {
+        names.push(kind.name.clone());
+        shapes.push(shape_json(kind.mesh.as_ref()));
+    }
+    let types = ChunkData::U32(header.type_ids.clone());
+    let charges: Vec<f32> = header
         .charges_e
         .iter()
         .map(|charge| *charge as f32)
@@ -257,11 +243,7 @@ fn header_chunks(header: &TrajectoryHeader) -> Result<Vec<Chunk>> {
     Ok(vec![
         text_chunk("particles/types", &names)?,
         text_chunk("particles/type_shapes", &shapes)?,
-        chunk(
-            "particles/typeid",
-            1,
-            ChunkData::U32(header.type_ids.clone()),
-        ),
+        chunk("particles/typeid", 1, types),
         chunk("particles/charge", 1, ChunkData::F32(charges)),
     ])
 }
@@ -276,19 +258,17 @@ fn chunk(name: &str, columns: u32, data: ChunkData) -> Chunk {
 
 /// Strings as rows of equal length, each ended by a zero.
 fn text_chunk(name: &str, rows: &[String]) -> Result<Chunk> {
-    let columns = rows.iter().map(String::len).max().unwrap_or(0) + 1;
-    let too_long =
-        |_| IoError::unwritable(format!("{name} is longer than 4 GB"), "give coarser meshes");
-    let mut data = Vec::with_capacity(columns * rows.len());
+    let longest = rows.iter().map(String::len).max().unwrap_or(0);
+    let Ok(columns) = u32::try_from(longest + 1) else {
+        let cause = format!("{name} is longer than 4 GB");
+        return Err(IoError::unwritable(cause, "give coarser meshes"));
+    };
+    let mut data = Vec::with_capacity((longest + 1) * rows.len());
     for row in rows {
         data.extend(row.bytes().map(|byte| byte as i8));
-        data.resize(data.len() + columns - row.len(), 0);
+        data.resize(data.len() + longest + 1 - row.len(), 0);
     }
-    Ok(chunk(
-        name,
-        u32::try_from(columns).map_err(too_long)?,
-        ChunkData::I8(data),
-    ))
+    Ok(chunk(name, columns, ChunkData::I8(data)))
 }
 
 /// The shape definition that HOOMD and OVITO understand; `{}` for none.
@@ -297,11 +277,12 @@ fn shape_json(mesh: Option<&TriangleMesh>) -> String {
         return "{}".to_owned();
     };
     // Coordinates are rounded to f32, which is what viewers use and is half as long to write.
-    let vertices: Vec<[f32; 3]> = mesh
-        .vertices
-        .iter()
-        .map(|v| [v.x as f32, v.y as f32, v.z as f32])
-        .collect();
-    serde_json::json!({ "type": "Mesh", "vertices": vertices, "indices": mesh.triangles })
-        .to_string()
+    let mut vertices: Vec<[f32; 3]> = Vec::with_capacity(mesh.vertices.len());
+    for v in &mesh.vertices {
+        vertices.push([v.x as f32, v.y as f32, v.z as f32]);
+    }
+    let shape = serde_json::json!({
+        "type": "Mesh", "vertices": vertices, "indices": mesh.triangles,
+    });
+    shape.to_string()
 }

@@ -15,6 +15,19 @@ const FIRST_NAME_SEGMENTS: u64 = 16;
 /// A frame's data are written first, its index entries second: a process that dies in between
 /// leaves a file that ends with its last complete frame. A full index moves to the end of the file
 /// at twice the size, a full name list as well.
+///
+/// ```
+/// use protomer_io::gsd::{Chunk, ChunkData, GsdWriter};
+/// # let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("one.gsd");
+/// let mut writer = GsdWriter::create(&path, "an example", "own", (1, 0))?;
+/// for step in 0..3 {
+///     let data = ChunkData::U64(vec![step]);
+///     writer.append_frame(&[Chunk { name: "step".into(), columns: 1, data }])?;
+/// }
+/// assert_eq!(writer.frames(), 3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct GsdWriter {
     path: PathBuf,
@@ -126,19 +139,14 @@ impl GsdWriter {
         if total >= self.header.index_entries {
             self.move_index((total + 1).next_power_of_two() * 2)?;
         }
-        let bytes: Vec<u8> = entries.iter().flat_map(|entry| entry.to_bytes()).collect();
         let end = self.header.index_location + self.entries.len() as u64 * ENTRY_BYTES;
-        self.write_at(end, &bytes)?;
+        self.write_at(end, &bytes_of(entries))?;
         self.entries.extend_from_slice(entries);
         Ok(())
     }
 
     fn move_index(&mut self, capacity: u64) -> Result<()> {
-        let mut block: Vec<u8> = self
-            .entries
-            .iter()
-            .flat_map(|entry| entry.to_bytes())
-            .collect();
+        let mut block = bytes_of(&self.entries);
         block.resize((capacity * ENTRY_BYTES) as usize, 0);
         self.write_at(self.length, &block)?;
         self.header.index_location = self.length;
@@ -162,9 +170,10 @@ impl GsdWriter {
         let known = self.names.len();
         for chunk in chunks {
             if !self.name_ids.contains_key(&chunk.name) {
-                let id = u16::try_from(self.names.len()).map_err(|_| {
-                    IoError::unwritable("there are more than 65 536 chunk names", "use fewer")
-                })?;
+                let Ok(id) = u16::try_from(self.names.len()) else {
+                    let cause = "there are more than 65 536 chunk names";
+                    return Err(IoError::unwritable(cause, "use fewer"));
+                };
                 self.name_ids.insert(chunk.name.clone(), id);
                 self.names.push(chunk.name.clone());
             }
@@ -172,20 +181,21 @@ impl GsdWriter {
         if self.names.len() == known {
             return Ok(());
         }
-        let mut list: Vec<u8> = self
-            .names
-            .iter()
-            .flat_map(|name| name.bytes().chain([0]))
-            .collect();
+        let mut list = Vec::new();
+        for name in &self.names {
+            list.extend_from_slice(name.as_bytes());
+            list.push(0);
+        }
         let needed = (list.len() as u64 + 1).div_ceil(NAME_SEGMENT_BYTES);
         if needed <= self.header.names_segments {
             return self.write_at(self.header.names_location, &list);
         }
-        self.header.names_segments = needed.next_power_of_two();
-        list.resize(
-            (self.header.names_segments * NAME_SEGMENT_BYTES) as usize,
-            0,
-        );
+        self.move_names(needed.next_power_of_two(), list)
+    }
+
+    fn move_names(&mut self, segments: u64, mut list: Vec<u8>) -> Result<()> {
+        self.header.names_segments = segments;
+        list.resize((segments * NAME_SEGMENT_BYTES) as usize, 0);
         self.write_at(self.length, &list)?;
         self.header.names_location = self.length;
         self.length += list.len() as u64;
@@ -205,35 +215,35 @@ impl GsdWriter {
     }
 }
 
+fn bytes_of(entries: &[IndexEntry]) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(entries.len() * ENTRY_BYTES as usize);
+    for entry in entries {
+        bytes.extend_from_slice(&entry.to_bytes());
+    }
+    bytes
+}
+
 fn check_chunks(chunks: &[Chunk]) -> Result<()> {
     if chunks.is_empty() {
-        return Err(IoError::unwritable(
-            "a frame has no chunks",
-            "give it at least its step",
-        ));
+        let remedy = "give it at least its step";
+        return Err(IoError::unwritable("a frame has no chunks", remedy));
     }
     for (index, chunk) in chunks.iter().enumerate() {
-        if chunk.columns == 0 || !chunk.data.len().is_multiple_of(chunk.columns as usize) {
-            let cause = format!(
-                "chunk {:?} has {} values in {} columns",
-                chunk.name,
-                chunk.data.len(),
-                chunk.columns
-            );
-            return Err(IoError::unwritable(cause, "give whole rows"));
-        }
-        if chunk.name.is_empty() || chunk.name.contains('\0') {
-            return Err(IoError::unwritable(
-                format!("a chunk has the name {:?}", chunk.name),
-                "give it a name",
-            ));
-        }
-        if chunks[..index].iter().any(|other| other.name == chunk.name) {
-            return Err(IoError::unwritable(
-                format!("chunk {:?} is given twice", chunk.name),
-                "give it once",
-            ));
-        }
+        let (name, values) = (&chunk.name, chunk.data.len());
+        let is_repeated = chunks[..index].iter().any(|other| other.name == *name);
+        let (cause, remedy) =
+            if chunk.columns == 0 || !values.is_multiple_of(chunk.columns as usize) {
+                let columns = chunk.columns;
+                let cause = format!("chunk {name:?} has {values} values in {columns} columns");
+                (cause, "give whole rows")
+            } else if name.is_empty() || name.contains('\0') {
+                (format!("a chunk has the name {name:?}"), "give it a name")
+            } else if is_repeated {
+                (format!("chunk {name:?} is given twice"), "give it once")
+            } else {
+                continue;
+            };
+        return Err(IoError::unwritable(cause, remedy));
     }
     Ok(())
 }

@@ -1,32 +1,41 @@
 //! Wavefront OBJ: `v x y z` and `f a b c ...`, indices counted from one, or from the end if
 //! negative.
 //!
-//! Texture and normal indices, groups, materials, lines and points are passed over: they are no
-//! part of the surface.
+//! Texture and normal indices, groups, materials, lines and points are ignored: they are not part
+//! of the surface.
 
-use super::MeshBuilder;
+use super::builder::MeshBuilder;
+use crate::Result;
 use crate::text::{self, Line};
-use crate::{Result, mesh::TriangleMesh};
+use protomer_kernel::TriangleMesh;
 use std::fmt::Write;
 
 /// Reads the vertices and faces of an OBJ file; polygons are triangulated.
 ///
+/// ```
+/// let text = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+/// let square = protomer_io::mesh::obj::read_obj("square.obj", text)?;
+/// assert_eq!(square.triangles.len(), 2);
+/// # Ok::<(), protomer_io::IoError>(())
+/// ```
+///
 /// # Errors
-/// [`crate::IoError::Parse`] names the line.
+/// [`IoError::Parse`](crate::IoError::Parse) names the line.
 pub fn read_obj(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
     let text = text::decode(name, bytes)?;
     let text = text.replace("\\\r\n", " ").replace("\\\n", " ");
     let mut builder = MeshBuilder::new(name);
-    // A face may only name vertices above it, so one pass does.
+    // A face may only name vertices above it, so one pass is enough.
     for line in Line::significant(name, &text) {
         let mut tokens = line.text.split_whitespace();
         match tokens.next() {
             Some("v") => builder.add_vertex(line.number, line.point(&mut tokens, "a vertex")?)?,
             Some("f") => {
-                let count = builder.mesh.vertices.len() as i64;
-                let corners = tokens
-                    .map(|token| corner(&line, token, count))
-                    .collect::<Result<Vec<_>>>()?;
+                let count = builder.vertices() as i64;
+                let mut corners = Vec::new();
+                for token in tokens {
+                    corners.push(corner(&line, token, count)?);
+                }
                 builder.add_polygon(line.number, &corners)?;
             }
             _ => {}
@@ -46,19 +55,23 @@ fn corner(line: &Line, token: &str, vertices: i64) -> Result<i64> {
 }
 
 /// The text of an OBJ file; coordinates are written so that they read back exactly.
+///
+/// ```
+/// use protomer_io::mesh::obj::{read_obj, write_obj};
+/// use protomer_kernel::{TriangleMesh, Vec3};
+/// let vertices = vec![Vec3::zeros(), Vec3::x() / 3.0, Vec3::y()];
+/// let mesh = TriangleMesh { vertices, triangles: vec![[0, 1, 2]] };
+/// assert_eq!(read_obj("mesh.obj", write_obj(&mesh).as_bytes())?, mesh);
+/// # Ok::<(), protomer_io::IoError>(())
+/// ```
 pub fn write_obj(mesh: &TriangleMesh) -> String {
     let mut text = String::from("# protomer surface mesh, lengths in angstrom\n");
     for v in &mesh.vertices {
         let _ = writeln!(text, "v {} {} {}", v.x, v.y, v.z);
     }
-    for [a, b, c] in &mesh.triangles {
-        let _ = writeln!(
-            text,
-            "f {} {} {}",
-            u64::from(*a) + 1,
-            u64::from(*b) + 1,
-            u64::from(*c) + 1
-        );
+    for corners in &mesh.triangles {
+        let [a, b, c] = corners.map(|corner| u64::from(corner) + 1);
+        let _ = writeln!(text, "f {a} {b} {c}");
     }
     text
 }

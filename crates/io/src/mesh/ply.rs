@@ -1,104 +1,132 @@
 //! Polygon File Format (Stanford): a text header that declares elements and their properties, then
 //! the values, as text or binary of either byte order.
 
-use super::MeshBuilder;
+use super::builder::MeshBuilder;
 use crate::bytes::Cursor;
 use crate::text::shown;
-use crate::{IoError, Result, mesh::TriangleMesh};
-use protomer_kernel::Vec3;
+use crate::{IoError, Result};
+use protomer_kernel::{TriangleMesh, Vec3};
 use std::fmt::Write;
 
 const REMEDY: &str = "the file is damaged, cut or not PLY: make it again";
 
 /// Reads the vertices (`x`, `y`, `z`) and faces (`vertex_indices` or `vertex_index`) of a PLY file:
-/// ASCII, binary little-endian or binary big-endian. Other elements and properties are passed over;
+/// ASCII, binary little-endian or binary big-endian. Other elements and properties are ignored;
 /// polygons are triangulated.
+///
+/// ```
+/// let text = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+///              property float z\nelement face 1\nproperty list uchar int vertex_indices\n\
+///              end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+/// let mesh = protomer_io::mesh::ply::read_ply("triangle.ply", text)?;
+/// assert_eq!(mesh.triangles, [[0, 1, 2]]);
+/// # Ok::<(), protomer_io::IoError>(())
+/// ```
 ///
 /// # Errors
 /// [`IoError::Parse`]; the line is given for the header and for ASCII files.
 pub fn read_ply(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
     let header = Header::read(name, bytes)?;
     let body = &bytes[header.length..];
+    let cursor = Cursor::new(body);
     let mut values: Box<dyn Values> = match header.encoding {
         Encoding::Ascii => Box::new(TextValues {
-            lines: body.split(|b| *b == b'\n'),
+            lines: body.split(|byte| *byte == b'\n'),
             line: header.lines,
             row: vec![],
         }),
         Encoding::LittleEndian => Box::new(BinaryValues {
-            cursor: Cursor::new(body),
+            cursor,
             big_endian: false,
         }),
         Encoding::BigEndian => Box::new(BinaryValues {
-            cursor: Cursor::new(body),
+            cursor,
             big_endian: true,
         }),
     };
-    read_elements(name, &header.elements, values.as_mut())
-}
-
-fn read_elements(
-    name: &str,
-    elements: &[Element],
-    values: &mut dyn Values,
-) -> Result<TriangleMesh> {
     let mut builder = MeshBuilder::new(name);
     let mut list = Vec::new();
-    for element in elements {
-        // The count steers the loop only: every row takes at least a byte, so a lying header runs
+    for element in &header.elements {
+        // The count only steers the loop: every row takes at least a byte, so a wrong header runs
         // out of bytes.
         for _ in 0..element.count {
-            let fail = |line: usize, cause: String| {
-                IoError::parse(
-                    name,
-                    line,
-                    format!("in element {}: {cause}", shown(&element.name)),
-                    REMEDY,
-                )
-            };
-            values
-                .begin_row()
-                .map_err(|cause| fail(values.line(), cause))?;
-            let mut position = Vec3::zeros();
-            for property in &element.properties {
-                values
-                    .read(property, &mut list)
-                    .map_err(|cause| fail(values.line(), cause))?;
-                match (element.role, property.role) {
-                    (ElementRole::Vertices, PropertyRole::Coordinate(axis)) => {
-                        position[axis] = list.first().copied().unwrap_or(f64::NAN);
-                    }
-                    (ElementRole::Faces, PropertyRole::Corners) => {
-                        let corners: Vec<i64> = list.iter().map(|value| *value as i64).collect();
-                        builder.add_polygon(values.line(), &corners)?;
-                    }
-                    _ => {}
-                }
-            }
-            if element.role == ElementRole::Vertices {
-                builder.add_vertex(values.line(), position)?;
-            }
+            read_row(name, element, values.as_mut(), &mut list, &mut builder)?;
         }
     }
     builder.finish()
 }
 
+/// Reads one row of an element; `list` is scratch space.
+fn read_row(
+    name: &str,
+    element: &Element,
+    values: &mut dyn Values,
+    list: &mut Vec<f64>,
+    builder: &mut MeshBuilder,
+) -> Result<()> {
+    let failed = |line: usize, cause: String| {
+        let cause = format!("in element {}: {cause}", shown(&element.name));
+        Err(IoError::parse(name, line, cause, REMEDY))
+    };
+    if let Err(cause) = values.begin_row() {
+        return failed(values.line(), cause);
+    }
+    let mut position = Vec3::zeros();
+    for property in &element.properties {
+        if let Err(cause) = values.read(property, list) {
+            return failed(values.line(), cause);
+        }
+        match (element.role, property.role) {
+            (ElementRole::Vertices, PropertyRole::Coordinate(axis)) => {
+                position[axis] = list.first().copied().unwrap_or(f64::NAN);
+            }
+            (ElementRole::Faces, PropertyRole::Corners) => {
+                let corners: Vec<i64> = list.iter().map(|value| *value as i64).collect();
+                builder.add_polygon(values.line(), &corners)?;
+            }
+            _ => {}
+        }
+    }
+    if element.role == ElementRole::Vertices {
+        builder.add_vertex(values.line(), position)?;
+    }
+    Ok(())
+}
+
 /// The bytes of a binary little-endian PLY file with `double` coordinates, which read back exactly.
+///
+/// ```
+/// use protomer_io::mesh::ply::{read_ply, write_ply_binary};
+/// use protomer_kernel::{TriangleMesh, Vec3};
+/// let vertices = vec![Vec3::zeros(), Vec3::x() / 3.0, Vec3::y()];
+/// let mesh = TriangleMesh { vertices, triangles: vec![[0, 1, 2]] };
+/// assert_eq!(read_ply("mesh.ply", &write_ply_binary(&mesh))?, mesh);
+/// # Ok::<(), protomer_io::IoError>(())
+/// ```
 pub fn write_ply_binary(mesh: &TriangleMesh) -> Vec<u8> {
     let mut bytes = header_text(mesh, "binary_little_endian").into_bytes();
-    for coordinate in mesh.vertices.iter().flat_map(|vertex| vertex.iter()) {
+    for coordinate in mesh.vertices.iter().flatten() {
         bytes.extend_from_slice(&coordinate.to_le_bytes());
     }
     for triangle in &mesh.triangles {
         bytes.push(3);
-        triangle
-            .iter()
-            .for_each(|corner| bytes.extend_from_slice(&corner.to_le_bytes()));
+        for corner in triangle {
+            bytes.extend_from_slice(&corner.to_le_bytes());
+        }
     }
     bytes
 }
 
 /// The text of an ASCII PLY file; coordinates are written so that they read back exactly.
+///
+/// ```
+/// use protomer_io::mesh::ply::{read_ply, write_ply_ascii};
+/// use protomer_kernel::{TriangleMesh, Vec3};
+/// let vertices = vec![Vec3::zeros(), Vec3::x() / 3.0, Vec3::y()];
+/// let mesh = TriangleMesh { vertices, triangles: vec![[0, 1, 2]] };
+/// assert_eq!(read_ply("mesh.ply", write_ply_ascii(&mesh).as_bytes())?, mesh);
+/// # Ok::<(), protomer_io::IoError>(())
+/// ```
 pub fn write_ply_ascii(mesh: &TriangleMesh) -> String {
     let mut text = header_text(mesh, "ascii");
     for v in &mesh.vertices {
@@ -198,36 +226,35 @@ impl Header {
         let mut length = 0;
         for (index, raw) in bytes.split_inclusive(|byte| *byte == b'\n').enumerate() {
             length += raw.len();
-            let line = index + 1;
             let text = String::from_utf8_lossy(raw);
             let tokens: Vec<&str> = text.split_whitespace().collect();
-            let bad = |cause: &str| IoError::parse(name, line, cause, REMEDY);
+            let line = index + 1;
+            let bad = |cause: &str| Err(IoError::parse(name, line, cause, REMEDY));
             match tokens[..] {
                 ["ply"] if index == 0 => {}
-                _ if index == 0 => return Err(bad("the file does not begin with `ply`")),
+                _ if index == 0 => return bad("the file does not begin with `ply`"),
                 [] | ["comment" | "obj_info", ..] => {}
-                ["format", "ascii", "1.0"] => encoding = Some(Encoding::Ascii),
-                ["format", "binary_little_endian", "1.0"] => {
-                    encoding = Some(Encoding::LittleEndian)
-                }
-                ["format", "binary_big_endian", "1.0"] => encoding = Some(Encoding::BigEndian),
-                ["element", element, count] => {
-                    let count = count
-                        .parse()
-                        .map_err(|_| bad("the count of an element is no whole number"))?;
-                    elements.push(Element::new(element, count));
-                }
+                ["format", format, "1.0"] => match Encoding::from_name(format) {
+                    Some(format) => encoding = Some(format),
+                    None => return bad("the line is not part of a PLY header"),
+                },
+                ["element", element, count] => match count.parse() {
+                    Ok(count) => elements.push(Element::new(element, count)),
+                    Err(_) => return bad("the count of an element is not a whole number"),
+                },
                 ["property", ref declaration @ ..] => {
-                    let element = elements
-                        .last_mut()
-                        .ok_or_else(|| bad("a property comes before any element"))?;
-                    element.properties.push(
-                        Property::parse(declaration).ok_or_else(|| bad("no such property type"))?,
-                    );
+                    let Some(element) = elements.last_mut() else {
+                        return bad("a property comes before any element");
+                    };
+                    match Property::parse(declaration) {
+                        Some(property) => element.properties.push(property),
+                        None => return bad("no such property type"),
+                    }
                 }
                 ["end_header"] => {
-                    let encoding =
-                        encoding.ok_or_else(|| bad("the header states no known format"))?;
+                    let Some(encoding) = encoding else {
+                        return bad("the header states no known format");
+                    };
                     check_elements(name, &elements)?;
                     return Ok(Self {
                         encoding,
@@ -236,52 +263,53 @@ impl Header {
                         lines: line,
                     });
                 }
-                _ => return Err(bad("the line is not part of a PLY header")),
+                _ => return bad("the line is not part of a PLY header"),
             }
         }
         Err(IoError::parse(name, 0, "the header has no end", REMEDY))
     }
 }
 
-/// Everything the rows must hold, checked once.
+/// Checks once that the rows hold everything needed.
 fn check_elements(name: &str, elements: &[Element]) -> Result<()> {
-    let bad = |cause: &str| {
-        Err(IoError::parse(
-            name,
-            0,
-            cause,
-            "give a PLY file of a surface mesh",
-        ))
+    let mut vertices = None;
+    let mut faces = None;
+    let mut is_empty = false;
+    for (place, element) in elements.iter().enumerate() {
+        is_empty |= element.properties.is_empty() && element.count > 0;
+        match element.role {
+            ElementRole::Vertices if vertices.is_none() => vertices = Some((place, element)),
+            ElementRole::Faces if faces.is_none() => faces = Some((place, element)),
+            _ => {}
+        }
+    }
+    let cause = match (vertices, faces) {
+        _ if is_empty => "an element has no properties",
+        (Some((_, vertex)), _) if !vertex.has_coordinates() => {
+            "its vertices lack a property x, y or z"
+        }
+        (Some(_), Some((_, face))) if !face.has(PropertyRole::Corners) => {
+            "its faces lack the list vertex_indices"
+        }
+        (Some((first, _)), Some((second, _))) if second < first => {
+            "its faces come before its vertices"
+        }
+        (Some(_), Some(_)) => return Ok(()),
+        _ => "it needs an element `vertex` and an element `face`",
     };
-    if elements
-        .iter()
-        .any(|element| element.properties.is_empty() && element.count > 0)
-    {
-        return bad("an element has no properties");
+    let remedy = "give a PLY file of a surface mesh";
+    Err(IoError::parse(name, 0, cause, remedy))
+}
+
+impl Encoding {
+    fn from_name(name: &str) -> Option<Self> {
+        match name {
+            "ascii" => Some(Encoding::Ascii),
+            "binary_little_endian" => Some(Encoding::LittleEndian),
+            "binary_big_endian" => Some(Encoding::BigEndian),
+            _ => None,
+        }
     }
-    let position_of = |role| elements.iter().position(|element| element.role == role);
-    let (Some(vertices), Some(faces)) = (
-        position_of(ElementRole::Vertices),
-        position_of(ElementRole::Faces),
-    ) else {
-        return bad("it needs an element `vertex` and an element `face`");
-    };
-    let has = |element: &Element, role| {
-        element
-            .properties
-            .iter()
-            .any(|property| property.role == role)
-    };
-    if !(0..3).all(|axis| has(&elements[vertices], PropertyRole::Coordinate(axis))) {
-        return bad("its vertices lack a property x, y or z");
-    }
-    if !has(&elements[faces], PropertyRole::Corners) {
-        return bad("its faces lack the list vertex_indices");
-    }
-    if faces < vertices {
-        return bad("its faces come before its vertices");
-    }
-    Ok(())
 }
 
 impl Element {
@@ -298,33 +326,37 @@ impl Element {
             properties: Vec::new(),
         }
     }
+
+    fn has(&self, role: PropertyRole) -> bool {
+        self.properties.iter().any(|property| property.role == role)
+    }
+
+    fn has_coordinates(&self) -> bool {
+        (0..3).all(|axis| self.has(PropertyRole::Coordinate(axis)))
+    }
 }
 
 impl Property {
     fn parse(declaration: &[&str]) -> Option<Self> {
         match declaration {
-            ["list", length, value, name] => {
-                let corners = matches!(*name, "vertex_indices" | "vertex_index");
-                let role = if corners {
-                    PropertyRole::Corners
-                } else {
-                    PropertyRole::Other
-                };
-                Some(Self {
-                    role,
-                    length: Some(Scalar::from_name(length)?),
-                    value: Scalar::from_name(value)?,
-                })
-            }
-            [value, name] => {
-                let axis = ["x", "y", "z"].iter().position(|axis| axis == name);
-                let role = axis.map_or(PropertyRole::Other, PropertyRole::Coordinate);
-                Some(Self {
-                    role,
-                    length: None,
-                    value: Scalar::from_name(value)?,
-                })
-            }
+            ["list", length, value, name] => Some(Self {
+                role: match *name {
+                    "vertex_indices" | "vertex_index" => PropertyRole::Corners,
+                    _ => PropertyRole::Other,
+                },
+                length: Some(Scalar::from_name(length)?),
+                value: Scalar::from_name(value)?,
+            }),
+            [value, name] => Some(Self {
+                role: match *name {
+                    "x" => PropertyRole::Coordinate(0),
+                    "y" => PropertyRole::Coordinate(1),
+                    "z" => PropertyRole::Coordinate(2),
+                    _ => PropertyRole::Other,
+                },
+                length: None,
+                value: Scalar::from_name(value)?,
+            }),
             _ => None,
         }
     }
@@ -349,42 +381,45 @@ struct TextValues<'a, L: Iterator<Item = &'a [u8]>> {
     row: Vec<f64>,
 }
 
+impl<'a, L: Iterator<Item = &'a [u8]>> TextValues<'a, L> {
+    fn next(&mut self) -> Scan<f64> {
+        self.row
+            .pop()
+            .ok_or_else(|| "the row has too few values".into())
+    }
+}
+
 impl<'a, L: Iterator<Item = &'a [u8]>> Values for TextValues<'a, L> {
     fn line(&self) -> usize {
         self.line
     }
 
     fn begin_row(&mut self) -> Scan<()> {
-        loop {
-            let line = self
-                .lines
-                .next()
-                .ok_or("the file ends before the last row")?;
-            self.line += 1;
-            let text = String::from_utf8_lossy(line);
-            let number = |token: &str| {
-                token
-                    .parse::<f64>()
-                    .map_err(|_| format!("{} is no number", shown(token)))
+        self.row.clear();
+        while self.row.is_empty() {
+            let Some(line) = self.lines.next() else {
+                return Err("the file ends before the last row".into());
             };
-            self.row = text.split_whitespace().map(number).collect::<Scan<_>>()?;
-            if !self.row.is_empty() {
-                self.row.reverse();
-                return Ok(());
+            self.line += 1;
+            for token in String::from_utf8_lossy(line).split_whitespace() {
+                match token.parse() {
+                    Ok(number) => self.row.push(number),
+                    Err(_) => return Err(format!("{} is not a number", shown(token))),
+                }
             }
         }
+        self.row.reverse();
+        Ok(())
     }
 
     fn read(&mut self, property: &Property, values: &mut Vec<f64>) -> Scan<()> {
-        let mut next = || self.row.pop().ok_or("the row has too few values");
-        let count = if property.length.is_some() {
-            next()?
-        } else {
-            1.0
+        let count = match property.length {
+            Some(_) => list_length(self.next()?)?,
+            None => 1,
         };
         values.clear();
-        for _ in 0..list_length(count)? {
-            values.push(next()?);
+        for _ in 0..count {
+            values.push(self.next()?);
         }
         Ok(())
     }
@@ -397,14 +432,15 @@ struct BinaryValues<'a> {
 
 impl BinaryValues<'_> {
     fn bytes<const N: usize>(&mut self) -> Scan<[u8; N]> {
-        let mut bytes = self
-            .cursor
-            .array::<N>()
-            .map_err(|end| format!("the values end at byte {} of them", end.at))?;
-        if self.big_endian {
-            bytes.reverse();
+        match self.cursor.array::<N>() {
+            Ok(mut bytes) => {
+                if self.big_endian {
+                    bytes.reverse();
+                }
+                Ok(bytes)
+            }
+            Err(end) => Err(format!("the values end at byte {} of them", end.at)),
         }
-        Ok(bytes)
     }
 
     fn scalar(&mut self, scalar: Scalar) -> Scan<f64> {
@@ -431,11 +467,12 @@ impl Values for BinaryValues<'_> {
     }
 
     fn read(&mut self, property: &Property, values: &mut Vec<f64>) -> Scan<()> {
-        let count = property
-            .length
-            .map_or(Ok(1.0), |length| self.scalar(length))?;
+        let count = match property.length {
+            Some(length) => list_length(self.scalar(length)?)?,
+            None => 1,
+        };
         values.clear();
-        for _ in 0..list_length(count)? {
+        for _ in 0..count {
             values.push(self.scalar(property.value)?);
         }
         Ok(())

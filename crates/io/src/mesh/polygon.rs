@@ -10,54 +10,60 @@ use protomer_kernel::Vec3;
 /// so that the boundary edges are always used exactly once and closed meshes stay closed.
 pub(super) fn triangulate(vertices: &[Vec3], corners: &[u32], triangles: &mut Vec<[u32; 3]>) {
     let mut remaining = corners.to_vec();
-    if remaining.len() > 3 {
-        let normal = newell_normal(vertices, corners);
-        while remaining.len() > 3 {
-            let count = remaining.len();
-            let ear = (0..count)
-                .find(|&middle| is_ear(vertices, &remaining, middle, &normal))
-                .unwrap_or(0);
-            triangles.push([
-                remaining[(ear + count - 1) % count],
-                remaining[ear],
-                remaining[(ear + 1) % count],
-            ]);
-            remaining.remove(ear);
-        }
+    let normal = newell_normal(vertices, corners);
+    while remaining.len() > 3 {
+        let is_ear = |middle: &usize| is_ear(vertices, &remaining, *middle, &normal);
+        let ear = (0..remaining.len()).find(is_ear).unwrap_or(0);
+        triangles.push(around(&remaining, ear));
+        remaining.remove(ear);
     }
     if let [a, b, c] = remaining[..] {
         triangles.push([a, b, c]);
     }
 }
 
+/// A corner between its neighbours.
+fn around(corners: &[u32], middle: usize) -> [u32; 3] {
+    let count = corners.len();
+    [
+        corners[(middle + count - 1) % count],
+        corners[middle],
+        corners[(middle + 1) % count],
+    ]
+}
+
 /// Newell's normal, Σ (pᵢ - p₀) × (pᵢ₊₁ - p₀): twice the vector area, defined for polygons that are
 /// not quite planar.
 fn newell_normal(vertices: &[Vec3], corners: &[u32]) -> Vec3 {
-    let at = |corner: usize| vertices[corners[corner] as usize];
-    let origin = at(0);
-    (1..corners.len() - 1)
-        .map(|i| (at(i) - origin).cross(&(at(i + 1) - origin)))
-        .sum()
+    let at = |corner: u32| vertices[corner as usize];
+    let mut normal = Vec3::zeros();
+    if let [first, rest @ ..] = corners {
+        for side in rest.windows(2) {
+            normal += (at(side[0]) - at(*first)).cross(&(at(side[1]) - at(*first)));
+        }
+    }
+    normal
 }
 
 fn is_ear(vertices: &[Vec3], remaining: &[u32], middle: usize, normal: &Vec3) -> bool {
-    let count = remaining.len();
-    let corners = [
-        remaining[(middle + count - 1) % count],
-        remaining[middle],
-        remaining[(middle + 1) % count],
-    ];
+    let corners = around(remaining, middle);
     let [a, b, c] = corners.map(|corner| vertices[corner as usize]);
     let turn =
         |from: &Vec3, to: &Vec3, point: &Vec3| (to - from).cross(&(point - from)).dot(normal);
-    let convex = turn(&a, &b, &c) > 0.0;
-    let inside = |point: &Vec3| {
-        turn(&a, &b, point) >= 0.0 && turn(&b, &c, point) >= 0.0 && turn(&c, &a, point) >= 0.0
-    };
-    convex
-        && !remaining
-            .iter()
-            .any(|corner| !corners.contains(corner) && inside(&vertices[*corner as usize]))
+    let is_convex = turn(&a, &b, &c) > 0.0;
+    if !is_convex {
+        return false;
+    }
+    for corner in remaining {
+        let point = &vertices[*corner as usize];
+        let is_inside = [(&a, &b), (&b, &c), (&c, &a)]
+            .into_iter()
+            .all(|(from, to)| turn(from, to, point) >= 0.0);
+        if is_inside && !corners.contains(corner) {
+            return false;
+        }
+    }
+    true
 }
 
 #[cfg(test)]

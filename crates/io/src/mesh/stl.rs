@@ -1,10 +1,10 @@
 //! Stereolithography: a soup of triangles, welded into a mesh where corners have equal coordinates.
 
-use super::MeshBuilder;
+use super::builder::MeshBuilder;
 use crate::bytes::{Cursor, Ended};
 use crate::text::{self, Line};
-use crate::{IoError, Result, mesh::TriangleMesh};
-use protomer_kernel::Vec3;
+use crate::{IoError, Result};
+use protomer_kernel::{TriangleMesh, Vec3};
 use std::collections::HashMap;
 
 const HEADER_BYTES: usize = 80;
@@ -14,66 +14,74 @@ const TRIANGLE_BYTES: usize = 50;
 /// have lost their area to the rounding of coordinates are dropped: their two remaining edges
 /// coincide, so a closed surface stays closed.
 ///
+/// ```
+/// let text = b"solid one\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n\
+///              vertex 0 1 0\nendloop\nendfacet\nendsolid one\n";
+/// let mesh = protomer_io::mesh::stl::read_stl("one.stl", text)?;
+/// assert_eq!(mesh.triangles, [[0, 1, 2]]);
+/// # Ok::<(), protomer_io::IoError>(())
+/// ```
+///
 /// # Errors
 /// [`IoError::Parse`] names the line (ASCII) or the number of bytes missing (binary).
 pub fn read_stl(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
+    let refuse = |cause: &str| {
+        let remedy = "it is cut or not STL: make it again";
+        Err(IoError::parse(name, 0, cause, remedy))
+    };
+    let promised = binary_triangles(bytes);
     // Binary headers may begin with "solid" too; the length tells them apart.
-    match binary_triangles(bytes) {
-        Some(count) if bytes.len() == HEADER_BYTES + 4 + count * TRIANGLE_BYTES => {
-            read_binary(name, bytes)
-        }
-        _ if bytes.trim_ascii_start().starts_with(b"solid") && !bytes.contains(&0) => {
-            read_ascii(name, bytes)
-        }
-        Some(count) => {
-            let cause = format!(
-                "its header promises {count} triangles in {} bytes, but the file has {} bytes",
-                (HEADER_BYTES + 4) as u128 + count as u128 * TRIANGLE_BYTES as u128,
-                bytes.len()
-            );
-            Err(IoError::parse(
-                name,
-                0,
-                cause,
-                "it is cut or not STL: make it again",
-            ))
-        }
-        None => Err(IoError::parse(
-            name,
-            0,
-            "the file is too short for STL",
-            "it is cut or not STL: make it again",
+    if promised.is_some_and(|count| bytes.len() as u128 == binary_length(count)) {
+        return read_binary(name, bytes);
+    }
+    if bytes.trim_ascii_start().starts_with(b"solid") && !bytes.contains(&0) {
+        return read_ascii(name, bytes);
+    }
+    match promised {
+        Some(count) => refuse(&format!(
+            "its header promises {count} triangles in {} bytes, but the file has {} bytes",
+            binary_length(count),
+            bytes.len()
         )),
+        None => refuse("the file is too short for STL"),
     }
 }
 
-fn binary_triangles(bytes: &[u8]) -> Option<usize> {
+/// The number of triangles that a binary header states.
+fn binary_triangles(bytes: &[u8]) -> Option<u32> {
     let mut cursor = Cursor::new(bytes);
     cursor.take(HEADER_BYTES).ok()?;
-    cursor.u32().ok().map(|count| count as usize)
+    cursor.u32().ok()
+}
+
+/// Bytes of a binary file of so many triangles.
+fn binary_length(triangles: u32) -> u128 {
+    (HEADER_BYTES + 4) as u128 + u128::from(triangles) * TRIANGLE_BYTES as u128
 }
 
 fn read_binary(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
     let mut welder = Welder::new(name);
-    let ended = |ended: Ended| {
-        IoError::parse(
-            name,
-            0,
-            format!("the file ends at byte {}", ended.at),
-            "make it again",
-        )
-    };
     for record in bytes[HEADER_BYTES + 4..].chunks_exact(TRIANGLE_BYTES) {
-        let mut cursor = Cursor::new(record);
-        cursor.take(12).map_err(ended)?; // the normal, which the corners' order states as well
-        let mut corners = [Vec3::zeros(); 3];
-        for corner in &mut corners {
-            let [x, y, z] = [cursor.f32(), cursor.f32(), cursor.f32()].map(|c| c.map_err(ended));
-            *corner = Vec3::new(x?.into(), y?.into(), z?.into());
+        match binary_corners(record) {
+            Ok(corners) => welder.add_triangle(0, corners)?,
+            Err(ended) => {
+                let cause = format!("the file ends at byte {}", ended.at);
+                return Err(IoError::parse(name, 0, cause, "make it again"));
+            }
         }
-        welder.add_triangle(0, corners)?;
     }
     welder.builder.finish()
+}
+
+/// The corners of a triangle, after its normal, which their order states as well.
+fn binary_corners(record: &[u8]) -> std::result::Result<[Vec3; 3], Ended> {
+    let mut cursor = Cursor::new(record);
+    cursor.take(12)?;
+    let mut corners = [Vec3::zeros(); 3];
+    for coordinate in corners.iter_mut().flatten() {
+        *coordinate = cursor.f32()?.into();
+    }
+    Ok(corners)
 }
 
 fn read_ascii(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
@@ -83,42 +91,33 @@ fn read_ascii(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
     let mut closed = false;
     for line in Line::significant(name, &text) {
         let mut tokens = line.text.split_whitespace();
-        match tokens.next() {
-            Some("vertex") => corners.push(line.point(&mut tokens, "a vertex")?),
-            Some("endloop") => {
-                let triangle = <[Vec3; 3]>::try_from(std::mem::take(&mut corners)).map_err(
-                    |corners: Vec<Vec3>| {
-                        line.error(
-                            format!("a facet has {} corners", corners.len()),
-                            "facets of STL have three",
-                        )
-                    },
-                )?;
+        match tokens.next().unwrap_or_default() {
+            "vertex" => corners.push(line.point(&mut tokens, "a vertex")?),
+            "endloop" => {
+                let Ok(triangle) = <[Vec3; 3]>::try_from(corners.as_slice()) else {
+                    let cause = format!("a facet has {} corners", corners.len());
+                    return Err(line.error(cause, "facets of STL have three"));
+                };
                 welder.add_triangle(line.number, triangle)?;
+                corners.clear();
             }
-            Some("endsolid") => closed = true,
-            Some("solid") => closed = false,
-            Some("facet" | "outer" | "endfacet") => {}
+            "endsolid" => closed = true,
+            "solid" => closed = false,
+            "facet" | "outer" | "endfacet" => {}
             other => {
-                let cause = format!(
-                    "{} is no keyword of STL",
-                    text::shown(other.unwrap_or_default())
-                );
+                let cause = format!("{} is not a keyword of STL", text::shown(other));
                 return Err(line.error(cause, "give an STL file"));
             }
         }
     }
     if !closed {
-        return Err(IoError::parse(
-            name,
-            0,
-            "the file ends before `endsolid`",
-            "it is cut: make it again",
-        ));
+        let cause = "the file ends before `endsolid`";
+        return Err(IoError::parse(name, 0, cause, "it is cut: make it again"));
     }
     welder.builder.finish()
 }
 
+/// Gives corners with equal coordinates one vertex.
 struct Welder<'a> {
     builder: MeshBuilder<'a>,
     vertex_at: HashMap<[u64; 3], i64>,
@@ -135,17 +134,7 @@ impl<'a> Welder<'a> {
     fn add_triangle(&mut self, line: usize, corners: [Vec3; 3]) -> Result<()> {
         let mut indices = [0; 3];
         for (index, corner) in indices.iter_mut().zip(corners) {
-            // Adding zero turns -0 into 0, which is the same place.
-            let key = [corner.x, corner.y, corner.z].map(|coordinate| (coordinate + 0.0).to_bits());
-            *index = match self.vertex_at.get(&key) {
-                Some(&known) => known,
-                None => {
-                    self.builder.add_vertex(line, corner)?;
-                    let new = self.builder.mesh.vertices.len() as i64 - 1;
-                    self.vertex_at.insert(key, new);
-                    new
-                }
-            };
+            *index = self.vertex(line, corner)?;
         }
         let [a, b, c] = indices;
         if a == b || b == c || c == a {
@@ -154,9 +143,30 @@ impl<'a> Welder<'a> {
             self.builder.add_polygon(line, &indices)
         }
     }
+
+    fn vertex(&mut self, line: usize, corner: Vec3) -> Result<i64> {
+        // Adding zero turns -0 into 0, which is the same place.
+        let key = [corner.x, corner.y, corner.z].map(|coordinate| (coordinate + 0.0).to_bits());
+        if let Some(&known) = self.vertex_at.get(&key) {
+            return Ok(known);
+        }
+        let new = self.builder.vertices() as i64;
+        self.builder.add_vertex(line, corner)?;
+        self.vertex_at.insert(key, new);
+        Ok(new)
+    }
 }
 
 /// The bytes of a binary STL file; coordinates are rounded to `f32`.
+///
+/// ```
+/// use protomer_io::mesh::stl::{read_stl, write_stl_binary};
+/// use protomer_kernel::{TriangleMesh, Vec3};
+/// let vertices = vec![Vec3::zeros(), Vec3::x(), Vec3::y()];
+/// let mesh = TriangleMesh { vertices, triangles: vec![[0, 1, 2]] };
+/// assert_eq!(read_stl("mesh.stl", &write_stl_binary(&mesh))?, mesh);
+/// # Ok::<(), protomer_io::IoError>(())
+/// ```
 pub fn write_stl_binary(mesh: &TriangleMesh) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(HEADER_BYTES + 4 + TRIANGLE_BYTES * mesh.triangles.len());
     bytes.extend_from_slice(b"protomer surface mesh, lengths in angstrom");
@@ -164,11 +174,9 @@ pub fn write_stl_binary(mesh: &TriangleMesh) -> Vec<u8> {
     bytes.extend_from_slice(&(mesh.triangles.len() as u32).to_le_bytes());
     for triangle in 0..mesh.triangles.len() {
         let [a, b, c] = mesh.corners(triangle);
-        let normal = (b - a)
-            .cross(&(c - a))
-            .try_normalize(0.0)
-            .unwrap_or_default();
-        for coordinate in [normal, a, b, c].iter().flat_map(|point| point.iter()) {
+        let across = (b - a).cross(&(c - a));
+        let normal = across.try_normalize(0.0).unwrap_or_default();
+        for coordinate in [normal, a, b, c].iter().flatten() {
             bytes.extend_from_slice(&(*coordinate as f32).to_le_bytes());
         }
         bytes.extend_from_slice(&[0, 0]);

@@ -1,4 +1,4 @@
-//! Arrays, chunks, files: what both sides must agree on.
+//! Arrays, chunks, files: what writer and reader must agree on.
 
 use crate::{IoError, Result};
 use half::f16;
@@ -22,7 +22,7 @@ const COMPRESSION_LEVEL: u8 = 3;
 
 /// Name of the array of voxel numbers.
 pub const INDEX: &str = "index";
-/// Name of the array of where samples begin.
+/// Name of the array of the samples' first elements.
 pub const OFFSETS: &str = "offsets";
 /// Name of the table of numbers known of each sample.
 pub const PROPERTIES: &str = "properties";
@@ -39,15 +39,14 @@ pub fn elements_per_file(elements: u64) -> u64 {
 
 /// A group's folder as a store.
 pub(super) fn store(path: &Path) -> Result<Arc<FilesystemStore>> {
-    let store = FilesystemStore::new(path).map_err(|cause| {
-        IoError::parse(
-            &path.display().to_string(),
-            0,
-            cause.to_string(),
-            "name the folder of a zarr group",
-        )
-    })?;
-    Ok(Arc::new(store))
+    match FilesystemStore::new(path) {
+        Ok(store) => Ok(Arc::new(store)),
+        Err(cause) => {
+            let folder = path.display().to_string();
+            let remedy = "name the folder of a zarr group";
+            Err(IoError::parse(&folder, 0, cause.to_string(), remedy))
+        }
+    }
 }
 
 /// The types of the arrays.
@@ -97,16 +96,13 @@ pub(super) fn array(
     attributes: serde_json::Map<String, serde_json::Value>,
 ) -> Result<Array<FilesystemStore>> {
     let failed = |cause: String| {
-        IoError::unwritable(
-            format!("array {name}: {cause}"),
-            "use another name or folder",
-        )
+        let cause = format!("array {name}: {cause}");
+        Err(IoError::unwritable(cause, "use another name or folder"))
     };
-    let level = BloscCompressionLevel::try_from(COMPRESSION_LEVEL)
-        .map_err(|_| failed("compression level".into()))?;
-    let (compressor, shuffle) = (BloscCompressor::Zstd, BloscShuffleMode::Shuffle);
-    let blosc = BloscCodec::new(compressor, level, None, shuffle, Some(kind.bytes()));
-    let blosc = blosc.map_err(|cause| failed(cause.to_string()))?;
+    let blosc = match compression(kind) {
+        Ok(blosc) => blosc,
+        Err(cause) => return failed(cause),
+    };
     let mut builder = ArrayBuilder::new(
         shape.to_vec(),
         per_file.to_vec(),
@@ -116,12 +112,29 @@ pub(super) fn array(
     builder
         .bytes_to_bytes_codecs(vec![Arc::new(blosc), Arc::new(Crc32cCodec::new())])
         .attributes(attributes);
-    if let [_] = shape {
-        builder.subchunk_shape(vec![
-            CHUNK_ELEMENTS.min(per_file.first().copied().unwrap_or(CHUNK_ELEMENTS)),
-        ]);
+    if let ([_], [per_file]) = (shape, per_file) {
+        builder.subchunk_shape(vec![CHUNK_ELEMENTS.min(*per_file)]);
     }
-    builder
-        .build(store.clone(), &format!("/{name}"))
-        .map_err(|cause| failed(cause.to_string()))
+    match builder.build(store.clone(), &format!("/{name}")) {
+        Ok(array) => Ok(array),
+        Err(cause) => failed(cause.to_string()),
+    }
+}
+
+/// zstd with byte shuffle.
+fn compression(kind: Kind) -> std::result::Result<BloscCodec, String> {
+    let Ok(level) = BloscCompressionLevel::try_from(COMPRESSION_LEVEL) else {
+        return Err("compression level".into());
+    };
+    let (compressor, shuffle) = (BloscCompressor::Zstd, BloscShuffleMode::Shuffle);
+    BloscCodec::new(compressor, level, None, shuffle, Some(kind.bytes()))
+        .map_err(|cause| cause.to_string())
+}
+
+/// Whether voxel numbers ascend inside a grid of `size`³ voxels.
+pub(super) fn ascends_within(index: &[u32], size: usize) -> bool {
+    let is_inside = index
+        .last()
+        .is_none_or(|last| (*last as usize) < size.pow(3));
+    is_inside && index.is_sorted_by(|a, b| a < b)
 }

@@ -11,17 +11,18 @@
 //! A channel that is 1 wherever it is not 0, and nowhere 0 in what is stored, is *implied*: it has
 //! no array. The arrays over all voxels are cut into chunks of 8192 elements, compressed by zstd
 //! with byte shuffle under a CRC-32C, many chunks to a file. Their fill values are what no sample
-//! can hold (NaN, the largest integer), so that a chunk that is lost is noticed and not taken for
-//! zeros.
+//! can hold (NaN, the largest integer), so that a lost chunk is noticed and not taken for zeros.
 //!
 //! | module | one idea |
 //! |---|---|
-//! | [`layout`] | arrays, chunks, files: what both sides must agree on |
+//! | [`layout`] | arrays, chunks, files: what writer and reader must agree on |
+//! | `stored` | an array on the disk, its chunks checked when they are first read |
 //! | [`mod@write`] | samples in, one after the other |
 //! | [`read`] | one sample out, checked |
 
 pub mod layout;
 pub mod read;
+mod stored;
 pub mod write;
 
 pub use read::{SetReader, StoredSample};

@@ -1,24 +1,19 @@
 //! One sample out, checked.
 
 use super::layout::{self, INDEX, LAYOUT_VERSION, OFFSETS, PROPERTIES};
+use super::stored::Stored;
 use crate::{IoError, Result};
 use half::f16;
 use half::slice::HalfFloatSliceExt;
 use serde_json::{Map, Value};
-use std::borrow::Cow;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
-use zarrs::array::codec::Crc32cCodec;
-use zarrs::array::codec::api::BytesToBytesCodecTraits;
-use zarrs::array::{
-    Array, ArrayShardedExt, ArrayShardedReadableExt, ArrayShardedReadableExtCache, ArraySubset,
-    BytesRepresentation, CodecOptions, ElementOwned,
-};
+use std::sync::Arc;
 use zarrs::filesystem::FilesystemStore;
 use zarrs::group::Group;
 
-/// An open set. Samples may be read from several threads at once.
+/// An open set. Samples may be read from several threads at once. [`super::SetWriter`] has an
+/// example.
 pub struct SetReader {
     path: PathBuf,
     size: usize,
@@ -42,19 +37,6 @@ pub struct StoredSample {
     pub values: Vec<Vec<f32>>,
 }
 
-/// An array over all voxels.
-struct Stored {
-    name: String,
-    array: Array<FilesystemStore>,
-    cache: ArrayShardedReadableExtCache,
-    per_file: u64,
-    per_chunk: u64,
-    /// Which chunks have been held against their checksums already.
-    verified: Vec<AtomicBool>,
-}
-
-/// Chunks remembered as verified: 16 million, a thousand times the largest set.
-const MOST_CHUNKS: u64 = 1 << 24;
 const MAKE_AGAIN: &str = "copy or make the set again";
 
 impl SetReader {
@@ -63,82 +45,31 @@ impl SetReader {
     /// # Errors
     /// [`IoError::Parse`] names the file that is missing, damaged or of a newer layout.
     pub fn open(path: &Path) -> Result<Self> {
-        let file = path.join("zarr.json").display().to_string();
-        let bad = |cause: String| {
-            IoError::parse(
-                &file,
-                0,
-                cause,
-                "give a set that protomer voxelize has written",
-            )
-        };
-        if !path.join("zarr.json").is_file() {
-            return Err(bad(
-                "there is no zarr group here, or an unfinished one".into()
-            ));
-        }
-        let store = layout::store(path)?;
-        let group = Group::open(store.clone(), "/").map_err(|cause| bad(cause.to_string()))?;
-        let attributes = group.attributes().clone();
-        let number = |key: &str| attributes.get(key).and_then(Value::as_u64);
-        let version = number("layout_version").ok_or_else(|| bad("it is no voxel set".into()))?;
-        if version > LAYOUT_VERSION {
-            return Err(bad(format!(
-                "layout {version} is newer than this program's, {LAYOUT_VERSION}"
-            )));
-        }
-        let size = number("size").filter(|size| (1..=1024).contains(size));
-        let size =
-            size.ok_or_else(|| bad("attribute 'size' is missing or absurd".into()))? as usize;
-        let channels =
-            words(attributes.get("channels")).ok_or_else(|| bad("no list 'channels'".into()))?;
-        let implied = words(attributes.get("implied_channels"))
-            .ok_or_else(|| bad("no 'implied_channels'".into()))?;
-        let open = |name: &str| Stored::open(path, &store, name);
-        let offsets = open(OFFSETS)?;
-        let offsets_file = offsets.file(path, 0);
-        let bad_offsets = |cause: &str| IoError::parse(&offsets_file, 0, cause, MAKE_AGAIN);
-        let all: Vec<i64> = offsets
-            .read(0..offsets.length())
-            .map_err(|cause| bad_offsets(&cause))?;
-        let index = open(INDEX)?;
-        let ends = (all.first().copied(), all.last().copied());
-        if ends != (Some(0), i64::try_from(index.length()).ok())
-            || all.windows(2).any(|pair| pair[0] > pair[1])
-        {
-            return Err(bad_offsets(
-                "the offsets do not ascend from zero to the number of voxels",
-            ));
-        }
-        let offsets: Vec<u64> = all.iter().map(|offset| *offset as u64).collect();
-        let samples = offsets.len() - 1;
-        let values = channels
-            .iter()
-            .map(|name| (!implied.contains(name)).then(|| open(name)).transpose());
-        let values = values.collect::<Result<Vec<Option<Stored>>>>()?;
-        if let Some(short) = values
-            .iter()
-            .flatten()
-            .find(|stored| stored.length() != index.length())
-        {
-            let cause = format!(
-                "array {} has {} values, index {}",
-                short.name,
-                short.length(),
-                index.length()
-            );
-            return Err(bad(cause));
-        }
-        let (columns, rows) = table(path, &open(PROPERTIES)?, samples)?;
-        let names = words(
-            attributes
-                .get("samples")
-                .and_then(|samples| samples.get("name")),
-        )
-        .unwrap_or_default();
-        let path = path.to_owned();
-        Ok(Self {
+        let (store, attributes) = open_group(path)?;
+        let head = Head {
             path,
+            attributes: &attributes,
+        };
+        head.check_version()?;
+        let size = head.size()?;
+        let channels = head.list("channels")?;
+        let implied = head.list("implied_channels")?;
+        let index = Stored::open(path, &store, INDEX)?;
+        let offsets = read_offsets(path, &store, index.length())?;
+        let mut values = Vec::with_capacity(channels.len());
+        for name in &channels {
+            values.push(if implied.contains(name) {
+                None
+            } else {
+                Some(head.channel(&store, name, index.length())?)
+            });
+        }
+        let properties = Stored::open(path, &store, PROPERTIES)?;
+        let (columns, rows) = table(path, &properties, offsets.len() - 1)?;
+        let samples = attributes.get("samples");
+        let names = words(samples.and_then(|samples| samples.get("name"))).unwrap_or_default();
+        Ok(Self {
+            path: path.to_owned(),
             size,
             channels,
             attributes,
@@ -197,8 +128,10 @@ impl SetReader {
 
     /// Occupied voxels of a sample; zero if there is no such sample.
     pub fn voxels(&self, sample: usize) -> usize {
-        self.range(sample)
-            .map_or(0, |range| (range.end - range.start) as usize)
+        match self.range(sample) {
+            Some(range) => (range.end - range.start) as usize,
+            None => 0,
+        }
     }
 
     fn range(&self, sample: usize) -> Option<Range<u64>> {
@@ -211,200 +144,195 @@ impl SetReader {
     /// [`IoError::Parse`] for a sample that is not there; for a damaged or missing file it names
     /// the file and all samples that lie in it.
     pub fn sample(&self, sample: usize) -> Result<StoredSample> {
-        let range = self.range(sample).ok_or_else(|| {
+        let Some(range) = self.range(sample) else {
+            let set = self.path.display().to_string();
             let cause = format!("there is no sample {sample}; the set has {}", self.len());
-            IoError::parse(
-                &self.path.display().to_string(),
-                0,
-                cause,
-                "count from zero",
-            )
-        })?;
-        let damaged = |stored: &Stored, cause: &str| self.damaged(stored, &range, sample, cause);
-        let index: Vec<u32> = self
-            .index
-            .read(range.clone())
-            .map_err(|cause| damaged(&self.index, &cause))?;
-        let beyond = index
-            .last()
-            .is_some_and(|last| *last as usize >= self.size.pow(3));
-        if beyond || index.windows(2).any(|pair| pair[0] >= pair[1]) {
-            return Err(damaged(
-                &self.index,
-                "voxel numbers do not ascend inside the grid",
-            ));
-        }
+            return Err(IoError::parse(&set, 0, cause, "count from zero"));
+        };
+        let index = match self.read_index(range.clone()) {
+            Ok(index) => index,
+            Err(cause) => return Err(self.damaged(&self.index, &range, sample, &cause)),
+        };
         let mut values = Vec::with_capacity(self.values.len());
         for stored in &self.values {
-            values.push(match stored {
-                None => vec![1.0; index.len()],
-                Some(stored) => {
-                    let halves: Vec<f16> = stored
-                        .read(range.clone())
-                        .map_err(|cause| damaged(stored, &cause))?;
-                    let singles = halves.to_f32_vec();
-                    if singles.iter().any(|value| !value.is_finite()) {
-                        return Err(damaged(stored, "values are missing or not finite"));
-                    }
-                    singles
-                }
-            });
+            let Some(stored) = stored else {
+                values.push(vec![1.0; index.len()]);
+                continue;
+            };
+            match read_channel(stored, range.clone()) {
+                Ok(channel) => values.push(channel),
+                Err(cause) => return Err(self.damaged(stored, &range, sample, &cause)),
+            }
         }
         Ok(StoredSample { index, values })
     }
 
+    fn read_index(&self, range: Range<u64>) -> std::result::Result<Vec<u32>, String> {
+        let index: Vec<u32> = self.index.read(range)?;
+        if layout::ascends_within(&index, self.size) {
+            Ok(index)
+        } else {
+            Err("voxel numbers do not ascend inside the grid".into())
+        }
+    }
+
     /// The error for a file that a sample could not be read from.
     fn damaged(&self, stored: &Stored, range: &Range<u64>, sample: usize, cause: &str) -> IoError {
-        let first = range.start / stored.per_file;
-        let last = range.end.saturating_sub(1).max(range.start) / stored.per_file;
+        let per_file = stored.per_file();
+        let first = range.start / per_file;
+        let last = range.end.saturating_sub(1).max(range.start) / per_file;
         // Of the files that a sample lies in, the one that cannot be read, if one alone cannot.
-        let is_bad = |file: &u64| !stored.reads(*file);
-        let file = (first..=last).find(is_bad).unwrap_or(first);
-        let (begin, end) = (file * stored.per_file, (file + 1) * stored.per_file);
-        let from = self
-            .offsets
-            .partition_point(|offset| *offset <= begin)
-            .saturating_sub(1);
-        let to = self
-            .offsets
-            .partition_point(|offset| *offset < end)
-            .saturating_sub(1)
-            .min(self.len())
-            .max(from + 1);
-        let name = |sample: usize| {
-            self.names
-                .get(sample)
-                .cloned()
-                .unwrap_or_else(|| sample.to_string())
-        };
+        let file = (first..=last)
+            .find(|file| !stored.reads(*file))
+            .unwrap_or(first);
+        let (begin, end) = (file * per_file, (file + 1) * per_file);
+        let from = self.offsets.partition_point(|offset| *offset <= begin);
+        let from = from.saturating_sub(1);
+        let to = self.offsets.partition_point(|offset| *offset < end);
+        let to = to.saturating_sub(1).min(self.len()).max(from + 1);
         let cause = format!(
             "{cause}, met at sample {}; it holds {} samples, {} to {}",
-            name(sample),
+            self.name(sample),
             to - from,
-            name(from),
-            name(to - 1)
+            self.name(from),
+            self.name(to - 1)
         );
         IoError::parse(&stored.file(&self.path, file), 0, cause, MAKE_AGAIN)
     }
-}
 
-impl Stored {
-    fn open(path: &Path, store: &std::sync::Arc<FilesystemStore>, name: &str) -> Result<Self> {
-        let file = path.join(name).join("zarr.json").display().to_string();
-        let bad = |cause: String| IoError::parse(&file, 0, cause, MAKE_AGAIN);
-        let array = Array::open(store.clone(), &format!("/{name}"))
-            .map_err(|cause| bad(cause.to_string()))?;
-        let per_file = array
-            .chunk_shape(&vec![0; array.shape().len()])
-            .map_err(|cause| bad(cause.to_string()))?;
-        let per_file = per_file.first().map_or(1, |length| length.get());
-        let per_chunk = array
-            .subchunk_shape()
-            .and_then(|shape| Some(shape.first()?.get()))
-            .unwrap_or(per_file);
-        let length = array.shape().first().copied().unwrap_or(0);
-        // A damaged length must not take memory: elements that are there take at least a bit each.
-        let chunks = length.div_ceil(per_chunk).min(MOST_CHUNKS);
-        let verified = (0..chunks).map(|_| AtomicBool::new(false)).collect();
-        let cache = ArrayShardedReadableExtCache::new(&array);
-        Ok(Self {
-            name: name.to_owned(),
-            array,
-            cache,
-            per_file,
-            per_chunk,
-            verified,
-        })
-    }
-
-    fn length(&self) -> u64 {
-        self.array.shape().first().copied().unwrap_or(0)
-    }
-
-    fn file(&self, path: &Path, file: u64) -> String {
-        path.join(&self.name)
-            .join("c")
-            .join(file.to_string())
-            .display()
-            .to_string()
-    }
-
-    /// Elements of an array of one dimension.
-    fn read<T: ElementOwned>(&self, range: Range<u64>) -> std::result::Result<Vec<T>, String> {
-        if range.is_empty() {
-            return Ok(Vec::new());
+    /// The name of a sample for messages: its number if the set names none.
+    fn name(&self, sample: usize) -> String {
+        match self.names.get(sample) {
+            Some(name) => name.clone(),
+            None => sample.to_string(),
         }
-        self.verify(&range)?;
-        let subset = ArraySubset::new_with_ranges(&[range]);
-        // One sample is little work: threads belong to whoever asks for many.
-        let options = CodecOptions::default().with_concurrent_target(1);
-        self.array
-            .retrieve_array_subset_sharded_opt::<Vec<T>>(&self.cache, &subset, &options)
-            .map_err(|cause| cause.to_string())
-    }
-
-    /// Holds the chunks of a range against their checksums, once: reading a part of a chunk does
-    /// not.
-    fn verify(&self, range: &Range<u64>) -> std::result::Result<(), String> {
-        if !self.array.is_sharded() {
-            return Ok(());
-        }
-        for chunk in range.start / self.per_chunk..=(range.end - 1) / self.per_chunk {
-            let verified = usize::try_from(chunk)
-                .ok()
-                .and_then(|chunk| self.verified.get(chunk));
-            if verified.is_some_and(|verified| verified.load(Ordering::Relaxed)) {
-                continue;
-            }
-            let bytes = self
-                .array
-                .retrieve_encoded_subchunk(&self.cache, &[chunk])
-                .map_err(|cause| cause.to_string())?;
-            let bytes = bytes.ok_or("a part is missing")?;
-            // The checksum stands last: what is under it is left to the array's own codecs.
-            let size = BytesRepresentation::BoundedSize(bytes.len() as u64);
-            let checked =
-                Crc32cCodec::new().decode(Cow::Owned(bytes), &size, &CodecOptions::default());
-            checked.map_err(|cause| cause.to_string())?;
-            if let Some(verified) = verified {
-                verified.store(true, Ordering::Relaxed);
-            }
-        }
-        Ok(())
-    }
-
-    /// Whether a file can be read from end to end.
-    fn reads(&self, file: u64) -> bool {
-        self.array
-            .retrieve_chunk::<zarrs::array::ArrayBytes>(&[file])
-            .is_ok()
     }
 }
 
+/// The values of a channel as single precision, none of them missing or not finite.
+fn read_channel(stored: &Stored, range: Range<u64>) -> std::result::Result<Vec<f32>, String> {
+    let halves: Vec<f16> = stored.read(range)?;
+    let singles = halves.to_f32_vec();
+    if singles.iter().all(|value| value.is_finite()) {
+        Ok(singles)
+    } else {
+        Err("values are missing or not finite".into())
+    }
+}
+
+/// The group's folder as a store, and its attributes.
+fn open_group(path: &Path) -> Result<(Arc<FilesystemStore>, Map<String, Value>)> {
+    if !path.join("zarr.json").is_file() {
+        let cause = "there is no zarr group here, or an unfinished one";
+        return Err(not_a_set(path, cause));
+    }
+    let store = layout::store(path)?;
+    match Group::open(store.clone(), "/") {
+        Ok(group) => Ok((store, group.attributes().clone())),
+        Err(cause) => Err(not_a_set(path, &cause.to_string())),
+    }
+}
+
+fn not_a_set(path: &Path, cause: &str) -> IoError {
+    let file = path.join("zarr.json").display().to_string();
+    let remedy = "give a set that protomer voxelize has written";
+    IoError::parse(&file, 0, cause, remedy)
+}
+
+/// The attributes of a group that say what the set is.
+struct Head<'a> {
+    path: &'a Path,
+    attributes: &'a Map<String, Value>,
+}
+
+impl Head<'_> {
+    fn number(&self, key: &str) -> Option<u64> {
+        self.attributes.get(key)?.as_u64()
+    }
+
+    fn check_version(&self) -> Result<()> {
+        match self.number("layout_version") {
+            None => Err(not_a_set(self.path, "it is not a voxel set")),
+            Some(version) if version > LAYOUT_VERSION => {
+                let cause =
+                    format!("layout {version} is newer than this program's, {LAYOUT_VERSION}");
+                Err(not_a_set(self.path, &cause))
+            }
+            Some(_) => Ok(()),
+        }
+    }
+
+    fn size(&self) -> Result<usize> {
+        match self.number("size") {
+            Some(size @ 1..=1024) => Ok(size as usize),
+            _ => Err(not_a_set(
+                self.path,
+                "attribute 'size' is missing or absurd",
+            )),
+        }
+    }
+
+    fn list(&self, key: &str) -> Result<Vec<String>> {
+        match words(self.attributes.get(key)) {
+            Some(list) => Ok(list),
+            None => Err(not_a_set(self.path, &format!("there is no list '{key}'"))),
+        }
+    }
+
+    /// The array of a channel, which has a value for each of the set's voxels.
+    fn channel(&self, store: &Arc<FilesystemStore>, name: &str, voxels: u64) -> Result<Stored> {
+        let stored = Stored::open(self.path, store, name)?;
+        if stored.length() == voxels {
+            return Ok(stored);
+        }
+        let values = stored.length();
+        let cause = format!("array {name} has {values} values, index {voxels}");
+        Err(not_a_set(self.path, &cause))
+    }
+}
+
+/// Where each sample begins, and where the last one ends.
+fn read_offsets(path: &Path, store: &Arc<FilesystemStore>, voxels: u64) -> Result<Vec<u64>> {
+    let stored = Stored::open(path, store, OFFSETS)?;
+    let bad = |cause: &str| Err(IoError::parse(&stored.file(path, 0), 0, cause, MAKE_AGAIN));
+    let offsets: Vec<i64> = match stored.read(0..stored.length()) {
+        Ok(offsets) => offsets,
+        Err(cause) => return bad(&cause),
+    };
+    let is_whole = offsets.first() == Some(&0)
+        && offsets.last().copied() == i64::try_from(voxels).ok()
+        && offsets.is_sorted();
+    if !is_whole {
+        return bad("the offsets do not ascend from zero to the number of voxels");
+    }
+    Ok(offsets.into_iter().map(|offset| offset as u64).collect())
+}
+
+/// Columns and rows of the table of properties.
 fn table(path: &Path, stored: &Stored, samples: usize) -> Result<(Vec<String>, Vec<f64>)> {
     let file = path.join(PROPERTIES).display().to_string();
-    let bad = |cause: String| IoError::parse(&file, 0, cause, MAKE_AGAIN);
-    let columns = words(stored.array.attributes().get("columns"))
-        .ok_or_else(|| bad("no list 'columns'".into()))?;
-    let rows: Vec<f64> = stored
-        .array
-        .retrieve_array_subset(&stored.array.subset_all())
-        .map_err(|cause| bad(cause.to_string()))?;
+    let bad = |cause: &str| Err(IoError::parse(&file, 0, cause, MAKE_AGAIN));
+    let Some(columns) = words(stored.attributes().get("columns")) else {
+        return bad("there is no list 'columns'");
+    };
+    let rows = match stored.read_table() {
+        Ok(rows) => rows,
+        Err(cause) => return bad(&cause),
+    };
     if rows.len() != samples * columns.len() {
-        return Err(bad(format!(
-            "{} numbers for {samples} samples of {} columns",
-            rows.len(),
-            columns.len()
-        )));
+        let (numbers, width) = (rows.len(), columns.len());
+        return bad(&format!(
+            "{numbers} numbers for {samples} samples of {width} columns"
+        ));
     }
     Ok((columns, rows))
 }
 
 /// A list of words.
 fn words(value: Option<&Value>) -> Option<Vec<String>> {
-    value?
-        .as_array()?
-        .iter()
-        .map(|word| word.as_str().map(str::to_owned))
-        .collect()
+    let mut words = Vec::new();
+    for word in value?.as_array()? {
+        words.push(word.as_str()?.to_owned());
+    }
+    Some(words)
 }

@@ -13,7 +13,23 @@ use zarrs::group::GroupBuilder;
 /// Rows of the table of properties in one file.
 const ROWS_PER_FILE: u64 = 1 << 16;
 
-/// Writes a set. The group's own metadata come last: a folder without them is no set.
+/// Writes a set. The group's own metadata come last: a folder without them is not a set.
+///
+/// ```
+/// use protomer_io::zarr::{SetReader, SetWriter};
+/// # let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("set.zarr");
+/// let channels = ["shape".to_owned(), "potential".to_owned()];
+/// // Two samples of three and two voxels; the shape is 1 in each and needs no array.
+/// let mut writer = SetWriter::create(&path, 16, &channels, &channels[..1], 5)?;
+/// writer.push(&[7, 8, 300], &[&[0.5, -1.0, 0.25]])?;
+/// writer.push(&[0, 9], &[&[2.0, 4.0]])?;
+/// writer.finish(&["charge_e".to_owned()], &[6.0, -2.0], serde_json::Map::new())?;
+/// let set = SetReader::open(&path)?;
+/// assert_eq!((set.len(), set.row(1)), (2, &[-2.0][..]));
+/// assert_eq!(set.sample(1)?.values, [[1.0, 1.0], [2.0, 4.0]]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct SetWriter {
     store: Arc<FilesystemStore>,
     size: usize,
@@ -35,6 +51,25 @@ struct Filling<T: Element + Copy> {
 }
 
 impl<T: Element + Copy> Filling<T> {
+    /// An array of one dimension with so many elements.
+    fn new(
+        store: &Arc<FilesystemStore>,
+        name: &str,
+        kind: Kind,
+        fill: T,
+        elements: u64,
+    ) -> Result<Self> {
+        let per_file = layout::elements_per_file(elements);
+        Ok(Self {
+            array: layout::array(store, name, kind, &[elements], &[per_file], Map::new())?,
+            name: name.to_owned(),
+            waiting: Vec::new(),
+            per_file: per_file as usize,
+            files: 0,
+            fill,
+        })
+    }
+
     fn push(&mut self, values: impl Iterator<Item = T>) -> Result<()> {
         self.waiting.extend(values);
         while self.waiting.len() >= self.per_file {
@@ -46,40 +81,48 @@ impl<T: Element + Copy> Filling<T> {
     }
 
     fn store(&mut self, values: Vec<T>) -> Result<()> {
-        self.array
-            .store_chunk_opt(&[self.files], values, &in_order())
-            .map_err(|cause| failed(&self.name, &cause.to_string()))?;
+        let stored = self
+            .array
+            .store_chunk_opt(&[self.files], values, &in_order());
+        succeeded(&self.name, stored)?;
         self.files += 1;
         Ok(())
     }
 
-    /// The last file, filled up.
+    /// Stores the last file, filled up.
     fn finish(mut self) -> Result<()> {
         if !self.waiting.is_empty() {
             let mut last = std::mem::take(&mut self.waiting);
             last.resize(self.per_file, self.fill);
             self.store(last)?;
         }
-        self.array
-            .store_metadata()
-            .map_err(|cause| failed(&self.name, &cause.to_string()))
+        succeeded(&self.name, self.array.store_metadata())
     }
 }
 
-/// Chunks one after the other: several threads would lay them into a file in the order in which
-/// they get done.
+/// Chunks one after the other: several threads would put them into a file in the order in which
+/// they finish.
 fn in_order() -> CodecOptions {
     CodecOptions::default().with_concurrent_target(1)
 }
 
-fn failed(array: &str, cause: &str) -> IoError {
-    IoError::unwritable(
-        format!("array {array}: {cause}"),
-        "make sure that the disk has room and may be written to",
-    )
+/// Turns an error of a store into one that names the array.
+fn succeeded<T, E: std::fmt::Display>(array: &str, result: std::result::Result<T, E>) -> Result<T> {
+    result.map_err(|cause| {
+        IoError::unwritable(
+            format!("array {array}: {cause}"),
+            "make sure that the disk has room and may be written to",
+        )
+    })
 }
 
 /// The value that a set keeps for this one: rounded to half precision, infinite beyond ± 65504.
+///
+/// ```
+/// use protomer_io::zarr::as_stored;
+/// assert_eq!(as_stored(0.25), 0.25);
+/// assert!(as_stored(1e6).is_infinite());
+/// ```
 pub fn as_stored(value: f32) -> f32 {
     f16::from_f32(value).to_f32()
 }
@@ -90,7 +133,7 @@ impl SetWriter {
     /// every occupied voxel and so need no array.
     ///
     /// # Errors
-    /// [`IoError::Unwritable`] for names that are no channel names, and if the folder cannot be
+    /// [`IoError::Unwritable`] for names that a channel cannot have, and if the folder cannot be
     /// written.
     pub fn create(
         path: &Path,
@@ -99,62 +142,21 @@ impl SetWriter {
         implied: &[String],
         voxels: u64,
     ) -> Result<Self> {
-        let is_name = |name: &String| {
-            !name.is_empty() && name.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'_')
-        };
-        let taken = [INDEX, OFFSETS, PROPERTIES];
-        if let Some(name) = channels
-            .iter()
-            .find(|name| !is_name(name) || taken.contains(&name.as_str()))
-        {
-            let cause = format!("'{name}' is no name for a channel");
-            return Err(IoError::unwritable(
-                cause,
-                "use letters, digits and _, and none of the arrays' names",
-            ));
-        }
-        if let Some(name) = implied.iter().find(|name| !channels.contains(name)) {
-            return Err(IoError::unwritable(
-                format!("'{name}' is implied but no channel"),
-                "name it among the channels",
-            ));
-        }
+        check_names(channels, implied)?;
         std::fs::create_dir_all(path).map_err(IoError::at(path, "make the folder"))?;
         let store = layout::store(path)?;
-        let per_file = layout::elements_per_file(voxels);
-        let array = |name: &str, kind| {
-            layout::array(&store, name, kind, &[voxels], &[per_file], Map::new())
-        };
-        let per_file = per_file as usize;
-        let index = Filling {
-            array: array(INDEX, Kind::Index)?,
-            name: INDEX.into(),
-            waiting: Vec::new(),
-            per_file,
-            files: 0,
-            fill: NO_INDEX,
-        };
-        let stored = channels
-            .iter()
-            .filter(|name| !implied.contains(name))
-            .map(|name| {
-                let array = array(name, Kind::Channel)?;
-                Ok(Filling {
-                    array,
-                    name: name.clone(),
-                    waiting: Vec::new(),
-                    per_file,
-                    files: 0,
-                    fill: f16::NAN,
-                })
-            });
-        let stored = stored.collect::<Result<Vec<_>>>()?;
-        let (channels, implied) = (channels.to_vec(), implied.to_vec());
+        let index = Filling::new(&store, INDEX, Kind::Index, NO_INDEX, voxels)?;
+        let mut stored = Vec::new();
+        for name in channels {
+            if !implied.contains(name) {
+                stored.push(Filling::new(&store, name, Kind::Channel, f16::NAN, voxels)?);
+            }
+        }
         Ok(Self {
             store,
             size,
-            channels,
-            implied,
+            channels: channels.to_vec(),
+            implied: implied.to_vec(),
             offsets: vec![0],
             index,
             stored,
@@ -168,52 +170,51 @@ impl SetWriter {
     /// [`IoError::Unwritable`] for indices that do not ascend inside the grid, lengths that
     /// disagree, values that half precision cannot hold, and a disk that takes no more.
     pub fn push(&mut self, index: &[u32], values: &[&[f32]]) -> Result<()> {
-        let sample = self.offsets.len() - 1;
-        let bad = |cause: String| {
-            IoError::unwritable(
-                format!("sample {sample}: {cause}"),
-                "give what the layout says",
-            )
-        };
-        let voxels = self.size.pow(3);
-        if index.windows(2).any(|pair| pair[0] >= pair[1])
-            || index.last().is_some_and(|last| *last as usize >= voxels)
-        {
-            return Err(bad("voxel numbers do not ascend inside the grid".into()));
+        if !layout::ascends_within(index, self.size) {
+            let cause = "voxel numbers do not ascend inside the grid";
+            return Err(self.bad_sample(cause));
         }
-        if values.len() != self.stored.len()
-            || values.iter().any(|values| values.len() != index.len())
-        {
+        let is_complete = values.iter().all(|values| values.len() == index.len());
+        if values.len() != self.stored.len() || !is_complete {
             let lengths: Vec<usize> = values.iter().map(|values| values.len()).collect();
-            let cause = format!(
-                "{lengths:?} values for {} voxels, {} channels",
-                index.len(),
-                self.stored.len()
-            );
-            return Err(bad(cause));
+            let (voxels, channels) = (index.len(), self.stored.len());
+            let cause = format!("{lengths:?} values for {voxels} voxels, {channels} channels");
+            return Err(self.bad_sample(&cause));
+        }
+        for (channel, values) in self.stored.iter().zip(values) {
+            if let Some(value) = values.iter().find(|value| !as_stored(**value).is_finite()) {
+                let name = &channel.name;
+                let cause = format!("channel {name} holds {value}, more than half precision can");
+                return Err(self.bad_sample(&cause));
+            }
         }
         for (channel, values) in self.stored.iter_mut().zip(values) {
-            if let Some(value) = values.iter().find(|value| !as_stored(**value).is_finite()) {
-                return Err(bad(format!(
-                    "channel {} holds {value}, more than half precision can",
-                    channel.name
-                )));
-            }
-            channel.push(values.iter().map(|value| f16::from_f32(*value)))?;
+            channel.push(values.iter().copied().map(f16::from_f32))?;
         }
         self.index.push(index.iter().copied())?;
-        let end = self.offsets.last().copied().unwrap_or(0) + index.len() as i64;
-        self.offsets.push(end);
+        self.offsets.push(self.voxels() + index.len() as i64);
         Ok(())
     }
 
-    /// Ends the set with a table of numbers known of each sample (rows in the order of the samples)
-    /// and further attributes; among them should be `samples`, words known of each sample: an
-    /// object of lists, of which `name` serves messages.
+    /// Voxels of the samples so far.
+    fn voxels(&self) -> i64 {
+        self.offsets.last().copied().unwrap_or(0)
+    }
+
+    /// The error for the sample that comes next.
+    fn bad_sample(&self, cause: &str) -> IoError {
+        let sample = self.offsets.len() - 1;
+        let remedy = "give a sample of the form that the layout describes";
+        IoError::unwritable(format!("sample {sample}: {cause}"), remedy)
+    }
+
+    /// Ends the set with a table of numbers for each sample (rows in the order of the samples) and
+    /// further attributes. Among them should be `samples`, words for each sample: an object of
+    /// lists, of which `name` is used in messages.
     ///
     /// # Errors
-    /// [`IoError::Unwritable`] if the table has not the right shape or fewer voxels came than were
-    /// promised.
+    /// [`IoError::Unwritable`] if the table does not have the right shape or fewer voxels were
+    /// pushed than promised.
     pub fn finish(
         self,
         columns: &[String],
@@ -221,41 +222,13 @@ impl SetWriter {
         attributes: Map<String, Value>,
     ) -> Result<()> {
         let samples = self.offsets.len() - 1;
-        if rows.len() != samples * columns.len() {
-            let cause = format!(
-                "{} numbers for {samples} samples of {} columns",
-                rows.len(),
-                columns.len()
-            );
-            return Err(IoError::unwritable(cause, "give one row per sample"));
-        }
-        let promised = self.index.array.shape().first().copied().unwrap_or(0);
-        let came = self.offsets.last().copied().unwrap_or(0);
-        if promised != came as u64 {
-            let cause = format!("{came} voxels came, {promised} were promised");
-            return Err(IoError::unwritable(cause, "count them before"));
-        }
+        self.check_finish(samples * columns.len(), rows.len())?;
         self.index.finish()?;
         for channel in self.stored {
             channel.finish()?;
         }
         let count = self.offsets.len() as u64;
-        let per_file = layout::elements_per_file(count);
-        let mut offsets = Filling {
-            array: layout::array(
-                &self.store,
-                OFFSETS,
-                Kind::Offsets,
-                &[count],
-                &[per_file],
-                Map::new(),
-            )?,
-            name: OFFSETS.into(),
-            waiting: Vec::new(),
-            per_file: per_file as usize,
-            files: 0,
-            fill: -1_i64,
-        };
+        let mut offsets = Filling::new(&self.store, OFFSETS, Kind::Offsets, -1_i64, count)?;
         offsets.push(self.offsets.iter().copied())?;
         offsets.finish()?;
         write_table(&self.store, columns, rows, samples as u64)?;
@@ -266,14 +239,47 @@ impl SetWriter {
             ("implied_channels".to_owned(), json!(self.implied)),
         ]);
         all.extend(attributes);
-        let group = GroupBuilder::new()
-            .attributes(all)
-            .build(self.store.clone(), "/");
-        let group = group.map_err(|cause| failed("group", &cause.to_string()))?;
-        group
-            .store_metadata()
-            .map_err(|cause| failed("group", &cause.to_string()))
+        let mut builder = GroupBuilder::new();
+        let group = builder.attributes(all).build(self.store.clone(), "/");
+        succeeded("group", succeeded("group", group)?.store_metadata())
     }
+
+    fn check_finish(&self, expected: usize, numbers: usize) -> Result<()> {
+        if numbers != expected {
+            let cause = format!("{numbers} numbers for a table of {expected}");
+            return Err(IoError::unwritable(cause, "give one row per sample"));
+        }
+        let promised = self.index.array.shape().first().copied().unwrap_or(0);
+        let pushed = self.voxels();
+        if promised != pushed as u64 {
+            let cause = format!("{pushed} voxels were pushed, {promised} were promised");
+            return Err(IoError::unwritable(cause, "count them before"));
+        }
+        Ok(())
+    }
+}
+
+fn check_names(channels: &[String], implied: &[String]) -> Result<()> {
+    const TAKEN: [&str; 3] = [INDEX, OFFSETS, PROPERTIES];
+    for name in channels {
+        if !is_identifier(name) || TAKEN.contains(&name.as_str()) {
+            let cause = format!("a channel cannot be called '{name}'");
+            let remedy = "use letters, digits and _, and none of the arrays' names";
+            return Err(IoError::unwritable(cause, remedy));
+        }
+    }
+    for name in implied {
+        if !channels.contains(name) {
+            let cause = format!("'{name}' is implied but not a channel");
+            return Err(IoError::unwritable(cause, "name it among the channels"));
+        }
+    }
+    Ok(())
+}
+
+fn is_identifier(name: &str) -> bool {
+    let is_allowed = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    !name.is_empty() && name.chars().all(is_allowed)
 }
 
 fn write_table(
@@ -284,24 +290,19 @@ fn write_table(
 ) -> Result<()> {
     let width = columns.len().max(1);
     let per_file = samples.clamp(1, ROWS_PER_FILE);
-    let attributes = Map::from_iter([("columns".to_owned(), json!(columns))]);
-    let shape = [samples, width as u64];
     let array = layout::array(
         store,
         PROPERTIES,
         Kind::Properties,
-        &shape,
+        &[samples, width as u64],
         &[per_file, width as u64],
-        attributes,
+        Map::from_iter([("columns".to_owned(), json!(columns))]),
     )?;
     for (file, part) in rows.chunks(per_file as usize * width).enumerate() {
         let mut part = part.to_vec();
         part.resize(per_file as usize * width, f64::NAN);
-        array
-            .store_chunk_opt(&[file as u64, 0], part, &in_order())
-            .map_err(|cause| failed(PROPERTIES, &cause.to_string()))?;
+        let stored = array.store_chunk_opt(&[file as u64, 0], part, &in_order());
+        succeeded(PROPERTIES, stored)?;
     }
-    array
-        .store_metadata()
-        .map_err(|cause| failed(PROPERTIES, &cause.to_string()))
+    succeeded(PROPERTIES, array.store_metadata())
 }

@@ -57,13 +57,14 @@ impl DirectSum {
 
 impl EnergyModel for DirectSum {
     fn range_angstrom(&self, system: &System) -> f64 {
-        let charged = system
-            .types()
-            .iter()
-            .filter(|kind| !kind.charges.is_empty());
-        charged
-            .map(|kind| 2.0 * kind.charge_radius_angstrom() + self.yukawa.cutoff_angstrom)
-            .fold(0.0, f64::max)
+        let mut range = 0.0_f64;
+        for kind in system.placed_types() {
+            if !kind.charges.is_empty() {
+                let reach = 2.0 * kind.charge_radius_angstrom();
+                range = range.max(reach + self.yukawa.cutoff_angstrom);
+            }
+        }
+        range
     }
 
     fn reset(&mut self, system: &System) -> Result<()> {

@@ -112,7 +112,12 @@ pub trait EnergyModel: Send {
 
     /// The energy of the system, kT, summed in the order of [`pairs`](EnergyModel::pairs).
     fn total_kt(&self) -> f64 {
-        self.pairs().iter().map(|pair| pair.energy_kt).sum()
+        // Not `sum`: that of no pairs is -0.
+        let mut total = 0.0;
+        for pair in self.pairs() {
+            total += pair.energy_kt;
+        }
+        total
     }
 }
 

@@ -200,7 +200,7 @@ impl RingArgs {
                 self.members
             );
         }
-        let closed = files.close(&recipe, self.gap)?;
+        let closed = files.hard.close(&recipe, self.gap)?;
         let provenance = serde_json::json!({
             "recipe": recipe, "gap_angstrom": self.gap,
             "radius_angstrom": closed.radius_angstrom, "ring_distance_angstrom": closed.ring_distance_angstrom,

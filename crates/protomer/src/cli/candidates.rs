@@ -63,7 +63,7 @@ impl CandidatesArgs {
             let files = BodyFiles::read(&self.bodies)?;
             for (index, arrangement) in found.arrangements.iter().enumerate() {
                 let recipe = stack.recipe(arrangement);
-                let closed = files.close(&recipe, self.gap)?;
+                let closed = files.hard.close(&recipe, self.gap)?;
                 let path = folder.join(format!("candidate_{}.json", index + 1));
                 let provenance = serde_json::json!({"arrangement": arrangement, "recipe": recipe, "gap_angstrom": self.gap});
                 let space = self.space.box_angstrom()?;

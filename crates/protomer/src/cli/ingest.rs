@@ -95,6 +95,10 @@ pub struct SurfaceFlags {
     /// What to do with cavities inside the body.
     #[arg(long, value_enum, default_value_t = Cavities::Drop)]
     pub cavities: Cavities,
+    /// An enclosed interior is a cavity into which a ball of this radius fits, Å; it is never
+    /// filled, as other bodies may be in there.
+    #[arg(long, default_value_t = SurfaceSettings::INTERIOR_RADIUS_ANGSTROM)]
+    pub interior_radius: f64,
     /// Move the surface inward by this much, Å.
     #[arg(long, default_value_t = 0.0)]
     pub offset: f64,
@@ -123,7 +127,7 @@ enum Charges {
 /// What to do with cavities.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Cavities {
-    /// Fill them.
+    /// Fill them, except for enclosed interiors.
     Drop,
     /// Keep their walls as part of the mesh.
     Keep,
@@ -165,6 +169,7 @@ impl SurfaceFlags {
             density_per_angstrom2: self.density,
             probe_radius_angstrom: self.probe,
             keep_cavities: self.cavities == Cavities::Keep,
+            interior_radius_angstrom: self.interior_radius,
             inward_offset_angstrom: self.offset,
         }
     }

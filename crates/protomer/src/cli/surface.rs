@@ -5,6 +5,7 @@ use super::{Global, Outcome, output};
 use crate::surface_of_file::{SurfaceReport, surface_of_file};
 use anyhow::Result;
 use clap::Args;
+use protomer_body::SurfaceSettings;
 use protomer_io::atomic::write_atomically;
 use protomer_io::mesh::{MeshFormat, write_mesh};
 use std::path::PathBuf;
@@ -24,6 +25,10 @@ pub struct SurfaceArgs {
     /// What to do with cavities inside.
     #[arg(long, value_enum, default_value_t = Cavities::Keep)]
     cavities: Cavities,
+    /// An enclosed interior is a cavity into which a ball of this radius fits, Å; it is never
+    /// filled.
+    #[arg(long, default_value_t = SurfaceSettings::INTERIOR_RADIUS_ANGSTROM)]
+    interior_radius: f64,
     /// Move the surface inward by this much, Å.
     #[arg(long, default_value_t = 0.0)]
     offset: f64,
@@ -38,6 +43,7 @@ impl SurfaceArgs {
             density: self.density,
             probe: self.probe,
             cavities: self.cavities,
+            interior_radius: self.interior_radius,
             offset: self.offset,
         };
         // A wrong ending is told before the work, not after it.

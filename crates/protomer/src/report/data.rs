@@ -1,8 +1,8 @@
 //! The numbers behind a figure: a folded table, and a link that saves them as CSV.
 
 use super::html::{escape, significant, table};
-use crate::voxelize::manifest::cells;
 use anyhow::{Context, Result};
+use protomer_io::csv::cells;
 use std::fmt::Write;
 use std::path::Path;
 

@@ -5,8 +5,8 @@ use super::page::{Page, Section};
 use super::{data, figures, provenance, training};
 use crate::train::TrainSettings;
 use crate::tune::TuneSettings;
-use crate::voxelize::manifest::cells;
 use anyhow::{Context, Result};
+use protomer_io::csv::cells;
 use std::path::Path;
 
 /// Trials that are shown unfolded.
@@ -88,7 +88,7 @@ impl Trials {
             .lines()
             .enumerate()
             .map(|(number, line)| cells("trials.csv", number + 1, line));
-        let mut rows = lines.collect::<Result<Vec<_>>>()?;
+        let mut rows = lines.collect::<Result<Vec<_>, _>>()?;
         let columns = if rows.is_empty() {
             Vec::new()
         } else {

@@ -3,6 +3,7 @@
 
 use crate::input::{InputFile, stem};
 use anyhow::{Context, Result, bail};
+use protomer_io::csv::cells;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -142,46 +143,6 @@ fn entries(file: &str, text: &str, folder: &Path) -> Result<Vec<Entry>> {
     Ok(entries)
 }
 
-/// The cells of a line; a cell in double quotes may hold commas, and quotes doubled.
-pub(crate) fn cells(file: &str, line: usize, text: &str) -> Result<Vec<String>> {
-    let mut cells = vec![String::new()];
-    let (mut quoted, mut was_quoted) = (false, false);
-    let mut characters = text.trim_end_matches('\r').chars().peekable();
-    while let Some(character) = characters.next() {
-        let count = cells.len();
-        let Some(cell) = cells.last_mut() else { break };
-        match character {
-            '"' if quoted && characters.peek() == Some(&'"') => {
-                characters.next();
-                cell.push('"');
-            }
-            '"' if quoted => quoted = false,
-            '"' if cell.trim().is_empty() && !was_quoted => {
-                cell.clear();
-                (quoted, was_quoted) = (true, true);
-            }
-            ',' if !quoted => {
-                was_quoted = false;
-                cells.push(String::new());
-            }
-            _ if was_quoted && !quoted && !character.is_whitespace() => {
-                bail!(
-                    "{file}:{line}, column {count}: '{character}' after a closing quote; double quotes inside quotes"
-                );
-            }
-            _ if was_quoted && !quoted => {}
-            _ => cell.push(character),
-        }
-    }
-    if quoted {
-        bail!(
-            "{file}:{line}, column {}: a quote is not closed; close it in the same line",
-            cells.len()
-        );
-    }
-    Ok(cells.iter().map(|cell| cell.trim().to_owned()).collect())
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
@@ -191,12 +152,6 @@ mod tests {
         entries("m.csv", text, Path::new(""))
             .unwrap_err()
             .to_string()
-    }
-
-    #[test]
-    fn cells_may_be_quoted() {
-        let read = cells("m", 1, "a, \"P 1, \"\"x\"\"\" ,,c\r").unwrap();
-        assert_eq!(read, ["a", "P 1, \"x\"", "", "c"]);
     }
 
     #[test]
@@ -248,11 +203,11 @@ mod tests {
             ),
             (
                 "file,label,cluster\na.pdb,\"x,y\n",
-                "m.csv:2, column 2: a quote",
+                "m.csv:2: column 2: a quote",
             ),
             (
                 "file,label,cluster\na.pdb,\"x\"z,y\n",
-                "m.csv:2, column 2: 'z'",
+                "m.csv:2: column 2: 'z'",
             ),
         ];
         for (text, expected) in cases {

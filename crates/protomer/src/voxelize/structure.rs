@@ -9,7 +9,7 @@ use protomer_body::chemistry::{
     AminoAcid, ChargedSites, SiteSettings, build_sites, sites_of_points,
 };
 use protomer_body::structure::{Ending, Format, SelectionSettings, Structure};
-use protomer_body::structure_warnings;
+use protomer_body::{BodyError, structure_warnings};
 use protomer_field::voxels::channels::{bounds, pose};
 use protomer_field::voxels::lattice::SPACING_RANGE_ANGSTROM;
 use protomer_field::voxels::orientation::principal_axes;
@@ -227,8 +227,10 @@ fn read(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Content> {
         ph: settings.ph,
         ..SiteSettings::default()
     };
-    let sites = build_sites(&selection, &site_settings)
-        .map_err(|error| Excluded(Reason::Failed, error.into()))?;
+    let sites = build_sites(&selection, &site_settings).map_err(|error| match error {
+        BodyError::Trace { .. } => Excluded(Reason::Truncated, error.into()),
+        _ => Excluded(Reason::Failed, error.into()),
+    })?;
     warnings.extend(structure_warnings(&structure, &selection.report));
     Ok(Content {
         sites,

@@ -1,9 +1,9 @@
 //! The expanded balls of the atoms, and the caps that they cut off each other.
 //!
 //! Exact coincidences (four contacts of one probe position, tangent balls, the same atom twice)
-//! have no generic combinatorics. They are resolved by growing each radius by its own tiny amount,
-//! a hash of the atom's index times an amplitude of 1e-8 Å, far below the accuracy of any radius;
-//! everything after this is generic.
+//! have no generic combinatorics. They are resolved by growing each radius by its own tiny amount:
+//! a hash of the atom's index times an amplitude of 1e-8 Å, far below the accuracy of any radius.
+//! Everything after this is generic.
 
 use super::cells::CellList;
 use super::circle::Cap;
@@ -34,32 +34,21 @@ impl Balls {
     pub(crate) fn new(centres: &[Vec3], radii: &[f64], probe: f64) -> Result<Self> {
         check(centres, radii, probe)?;
         let radii: Vec<f64> = radii.iter().map(|radius| radius + probe).collect();
-        let mut order: Vec<u32> = (0..centres.len() as u32)
-            .filter(|&i| radii[i as usize] >= LEAST_EXPANDED_RADIUS_ANGSTROM)
-            .collect();
-        let place = |i: u32| {
-            let c = &centres[i as usize];
-            [c.x, c.y, c.z].map(|x| (x + 0.0).to_bits())
-        };
-        order.sort_unstable_by(|&i, &j| {
-            place(i)
-                .cmp(&place(j))
-                .then(radii[j as usize].total_cmp(&radii[i as usize]))
-                .then(i.cmp(&j))
-        });
-        order.dedup_by_key(|i| place(*i));
-        let Some(largest) = order.iter().map(|&i| radii[i as usize]).reduce(f64::max) else {
-            return Err(invalid(
-                "no atom with a radius above zero",
-                "give atoms radii, or a probe",
-            ));
-        };
-        let cells = CellList::new(centres, order.into_iter(), 2.0 * largest * (1.0 + 1e-6));
+        let members = largest_at_each_place(centres, &radii);
+        let mut largest = 0.0_f64;
+        for &atom in &members {
+            largest = largest.max(radii[atom as usize]);
+        }
+        if members.is_empty() {
+            let cause = "no atom with a radius above zero";
+            return Err(invalid(cause, "give atoms radii, or a probe"));
+        }
+        let cell_edge = 2.0 * largest * (1.0 + 1e-6);
+        let cells = CellList::new(centres, members.into_iter(), cell_edge);
         if cells.candidate_pairs() > MAX_CANDIDATE_PAIRS {
-            return Err(invalid(
-                "too many atoms overlap each other",
-                "check the coordinates for atoms piled on each other and the radii and probe for their unit (Å)",
-            ));
+            let remedy = "check the coordinates for atoms piled on each other and the radii and \
+                          probe for their unit (Å)";
+            return Err(invalid("too many atoms overlap each other", remedy));
         }
         Ok(Self {
             centres: centres.to_vec(),
@@ -71,15 +60,11 @@ impl Balls {
     /// The same balls, each radius grown by a hash of the atom's index times `amplitude`, Å.
     pub(crate) fn perturbed(&self, amplitude: f64) -> Self {
         let salt = amplitude.to_bits();
-        let radii = self
-            .radii
-            .iter()
-            .enumerate()
-            .map(|(i, r)| r + amplitude * hashed_fraction(i as u64 ^ salt));
-        Self {
-            radii: radii.collect(),
-            ..self.clone()
+        let mut perturbed = self.clone();
+        for (index, radius) in (0..).zip(&mut perturbed.radii) {
+            *radius += amplitude * hashed_fraction(index ^ salt);
         }
+        perturbed
     }
 
     /// Atoms that take part, neighbours in space next to each other.
@@ -110,13 +95,12 @@ impl Balls {
                 swallowed |= excess > 0.0;
                 return;
             }
-            // Distance of the plane of intersection from the centre: h = (d² + R_i² - R_j²) / (2
-            // d).
+            // Distance of the plane of intersection from the centre, over R_i:
+            // h = (d² + R_i² - R_j²) / (2 d).
             let height = (square - excess * reach) / (2.0 * distance * radius);
-            let height = height.clamp(-1.0 + 1e-15, 1.0 - 1e-15);
             caps.push(Cap {
                 axis: offset / distance,
-                height,
+                height: height.clamp(-1.0 + 1e-15, 1.0 - 1e-15),
                 owner: other,
             });
         });
@@ -126,6 +110,24 @@ impl Balls {
         caps.sort_unstable_by(|a, b| a.height.total_cmp(&b.height).then(a.owner.cmp(&b.owner)));
         Some(())
     }
+}
+
+/// Of the atoms at exactly the same place, only the one with the largest ball; balls that are no
+/// more than points are left out.
+fn largest_at_each_place(centres: &[Vec3], radii: &[f64]) -> Vec<u32> {
+    let place = |atom: u32| {
+        let centre = &centres[atom as usize];
+        // Adding zero turns -0 into 0, which is the same place.
+        [centre.x, centre.y, centre.z].map(|x| (x + 0.0).to_bits())
+    };
+    let mut order: Vec<u32> = (0..centres.len() as u32).collect();
+    order.retain(|atom| radii[*atom as usize] >= LEAST_EXPANDED_RADIUS_ANGSTROM);
+    order.sort_unstable_by(|&i, &j| {
+        let larger_first = radii[j as usize].total_cmp(&radii[i as usize]);
+        place(i).cmp(&place(j)).then(larger_first).then(i.cmp(&j))
+    });
+    order.dedup_by_key(|atom| place(*atom));
+    order
 }
 
 fn check(centres: &[Vec3], radii: &[f64], probe: f64) -> Result<()> {
@@ -139,25 +141,19 @@ fn check(centres: &[Vec3], radii: &[f64], probe: f64) -> Result<()> {
     if u32::try_from(centres.len()).is_err() {
         return Err(invalid("more than 4294967295 atoms", "split the structure"));
     }
-    let acceptable = |radius: f64| (0.0..=MAX_RADIUS_ANGSTROM).contains(&radius);
-    if !acceptable(probe) {
-        return Err(invalid(
-            format!("probe radius {probe} Å"),
-            "use 0 to 1000 Å; water is 1.4 Å",
-        ));
+    let acceptable = 0.0..=MAX_RADIUS_ANGSTROM;
+    if !acceptable.contains(&probe) {
+        let cause = format!("probe radius {probe} Å");
+        return Err(invalid(cause, "use 0 to 1000 Å; water is 1.4 Å"));
     }
     for (index, (centre, &radius)) in centres.iter().zip(radii).enumerate() {
         if !centre.iter().all(|x| x.abs() <= MAX_COORDINATE_ANGSTROM) {
-            let cause = format!(
-                "atom {index} stands at ({}, {}, {}) Å",
-                centre.x, centre.y, centre.z
-            );
-            return Err(invalid(
-                cause,
-                "coordinates must be finite and below 1e10 Å",
-            ));
+            let [x, y, z] = (*centre).into();
+            let cause = format!("atom {index} stands at ({x}, {y}, {z}) Å");
+            let remedy = "coordinates must be finite and below 1e10 Å";
+            return Err(invalid(cause, remedy));
         }
-        if !acceptable(radius) {
+        if !acceptable.contains(&radius) {
             let cause = format!("atom {index} has radius {radius} Å");
             return Err(invalid(cause, "radii must lie within 0 to 1000 Å"));
         }

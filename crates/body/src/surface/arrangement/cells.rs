@@ -18,20 +18,17 @@ impl CellList {
         members: impl Iterator<Item = u32>,
         cell_edge: f64,
     ) -> Self {
-        let mut keyed: Vec<([i64; 3], u32)> = members
-            .filter_map(|atom| {
-                centres
-                    .get(atom as usize)
-                    .map(|c| (cell_of(c, cell_edge), atom))
-            })
-            .collect();
+        let mut keyed: Vec<([i64; 3], u32)> = Vec::new();
+        for atom in members {
+            if let Some(centre) = centres.get(atom as usize) {
+                keyed.push((cell_of(centre, cell_edge), atom));
+            }
+        }
         keyed.sort_unstable();
         let mut ranges: HashMap<[i64; 3], (u32, u32)> = HashMap::new();
-        for (position, (key, _)) in keyed.iter().enumerate() {
-            ranges
-                .entry(*key)
-                .or_insert((position as u32, position as u32))
-                .1 = position as u32 + 1;
+        for (position, (key, _)) in (0..).zip(&keyed) {
+            let (_, end) = ranges.entry(*key).or_insert((position, position));
+            *end = position + 1;
         }
         Self {
             cell_edge,
@@ -42,26 +39,27 @@ impl CellList {
 
     /// How many candidates all queries at the members' own places would visit together.
     pub(crate) fn candidate_pairs(&self) -> u64 {
-        self.ranges
-            .iter()
-            .map(|(key, range)| {
-                let around: u64 = around(key)
-                    .filter_map(|k| self.ranges.get(&k))
-                    .map(|r| u64::from(r.1 - r.0))
-                    .sum();
-                u64::from(range.1 - range.0) * around
-            })
-            .sum()
+        let mut pairs = 0;
+        for (key, (first, last)) in &self.ranges {
+            let mut near = 0;
+            for cell in around(key) {
+                if let Some((first, last)) = self.ranges.get(&cell) {
+                    near += u64::from(last - first);
+                }
+            }
+            pairs += u64::from(last - first) * near;
+        }
+        pairs
     }
 
-    /// Calls `visit` with every member in the cell of `point` and in the 26 cells about it: among
+    /// Calls `visit` with every member in the cell of `point` and in the 26 cells around it: among
     /// them are all members within one cell edge.
     pub(crate) fn for_each_near(&self, point: &Vec3, mut visit: impl FnMut(u32)) {
         for key in around(&cell_of(point, self.cell_edge)) {
             if let Some(&(first, last)) = self.ranges.get(&key) {
-                self.atoms[first as usize..last as usize]
-                    .iter()
-                    .for_each(|&atom| visit(atom));
+                for &atom in &self.atoms[first as usize..last as usize] {
+                    visit(atom);
+                }
             }
         }
     }

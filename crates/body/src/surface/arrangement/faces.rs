@@ -11,6 +11,7 @@ use std::f64::consts::PI;
 /// A solid angle may leave [0, 4π] by this much through rounding.
 const SOLID_ANGLE_TOLERANCE: f64 = 1e-6;
 
+/// The faces of an arrangement and what is known of them as a whole.
 pub(crate) struct Traced {
     pub(crate) faces: Vec<Face>,
     pub(crate) shells: u32,
@@ -22,40 +23,27 @@ pub(crate) struct Traced {
 /// balls.
 pub(crate) fn trace(balls: &Balls, joined: &Joined) -> Traced {
     let next = successors(joined);
-    let by_atom = half_arcs_by_atom(&joined.arcs);
     let mut faces: Vec<Face> = Vec::new();
     let mut face_of_half_arc = vec![u32::MAX; next.len()];
     let mut defects = 0;
-    for group in by_atom.chunk_by(|a, b| a.0 == b.0) {
-        let atom = group[0].0;
+    for group in half_arcs_by_atom(&joined.arcs).chunk_by(|a, b| a.0 == b.0) {
         let (loops, members) = loops_of(group, &next, &joined.arcs, balls);
-        let numbers = spherical::regions(&loops);
-        let parts = numbers.iter().max().map_or(0, |last| last + 1);
-        for part in 0..parts {
-            let boundary: Vec<&Loop> = loops
-                .iter()
-                .zip(&numbers)
-                .filter(|(_, number)| **number == part)
-                .map(|(edges, _)| edges)
-                .collect();
+        for region in spherical::regions(&loops) {
+            let mut boundary: Vec<&Loop> = Vec::with_capacity(region.len());
+            for number in region {
+                boundary.push(&loops[number]);
+                for &half_arc in &members[number] {
+                    face_of_half_arc[half_arc as usize] = faces.len() as u32;
+                }
+            }
             let solid_angle = spherical::solid_angle(&boundary);
             let possible = -SOLID_ANGLE_TOLERANCE..=4.0 * PI + SOLID_ANGLE_TOLERANCE;
             defects += u32::from(!possible.contains(&solid_angle));
-            for (half_arcs, _) in members
-                .iter()
-                .zip(&numbers)
-                .filter(|(_, number)| **number == part)
-            {
-                half_arcs
-                    .iter()
-                    .for_each(|&half| face_of_half_arc[half as usize] = faces.len() as u32);
-            }
-            let vector_angle = spherical::vector_angle(&boundary);
             faces.push(Face {
-                atom,
+                atom: group[0].0,
                 shell: 0,
                 solid_angle: solid_angle.clamp(0.0, 4.0 * PI),
-                vector_angle,
+                vector_angle: spherical::vector_angle(&boundary),
             });
         }
     }
@@ -106,16 +94,13 @@ fn successors(joined: &Joined) -> Vec<u32> {
     next
 }
 
+/// Atom and half-arc, sorted.
 fn half_arcs_by_atom(arcs: &[Arc]) -> Vec<(u32, u32)> {
-    let halves = arcs.iter().enumerate();
-    let mut by_atom: Vec<(u32, u32)> = halves
-        .flat_map(|(n, arc)| {
-            [
-                (arc.atoms[0], 2 * n as u32),
-                (arc.atoms[1], 2 * n as u32 + 1),
-            ]
-        })
-        .collect();
+    let mut by_atom: Vec<(u32, u32)> = Vec::with_capacity(2 * arcs.len());
+    for (number, arc) in (0..).zip(arcs) {
+        let [first, second] = arc.atoms;
+        by_atom.extend([(first, 2 * number), (second, 2 * number + 1)]);
+    }
     by_atom.sort_unstable();
     by_atom
 }
@@ -197,10 +182,10 @@ fn number_shells(faces: &mut [Face], face_of_half_arc: &[u32]) -> (u32, Vec<u32>
         }
         face.shell = numbers[representative];
     }
-    let arc_shells = face_of_half_arc
-        .chunks_exact(2)
-        .map(|pair| faces[pair[0] as usize].shell)
-        .collect();
+    let mut arc_shells = Vec::with_capacity(face_of_half_arc.len() / 2);
+    for pair in face_of_half_arc.chunks_exact(2) {
+        arc_shells.push(faces[pair[0] as usize].shell);
+    }
     (shells, arc_shells)
 }
 

@@ -1,7 +1,7 @@
 //! From clipped circles to arcs that share vertices.
 
 use super::balls::Balls;
-use super::circle::{Cap, CircleFrame, Exposure, counter_clockwise_angle, exposed_arcs};
+use super::circle::{Cap, CircleArc, CircleFrame, Exposure, counter_clockwise_angle, exposed_arcs};
 use super::{Arc, Vertex};
 use protomer_kernel::Vec3;
 
@@ -23,8 +23,8 @@ struct ArcEnd {
     end: u8,
 }
 
-/// Clips every circle and joins the arcs; `None` if rounding gave two circles different opinions
-/// about a vertex.
+/// Clips every circle and joins the arcs; `None` if rounding made two circles disagree about a
+/// vertex.
 pub(crate) fn join(balls: &Balls) -> Option<Joined> {
     let (mut arcs, ends, free_atoms) = clip_circles(balls);
     let vertices = join_ends(&mut arcs, ends)?;
@@ -35,6 +35,7 @@ pub(crate) fn join(balls: &Balls) -> Option<Joined> {
     })
 }
 
+/// The arcs that the balls leave of every circle, their ends, and the atoms without any circle.
 fn clip_circles(balls: &Balls) -> (Vec<Arc>, Vec<ArcEnd>, Vec<u32>) {
     let (mut arcs, mut ends, mut free_atoms) = (Vec::new(), Vec::new(), Vec::new());
     let (mut caps, mut pieces): (Vec<Cap>, _) = (Vec::new(), Vec::new());
@@ -45,53 +46,58 @@ fn clip_circles(balls: &Balls) -> (Vec<Arc>, Vec<ArcEnd>, Vec<u32>) {
         if caps.is_empty() {
             free_atoms.push(atom);
         }
-        let (centre, ball_radius) = (balls.centres[atom as usize], balls.radii[atom as usize]);
-        for index in 0..caps.len() {
-            let other = caps[index].owner;
-            if other < atom {
-                continue;
+        for (index, cap) in caps.iter().enumerate() {
+            if cap.owner < atom {
+                continue; // clipped with the other atom
             }
-            let frame = CircleFrame::new(&caps[index]);
-            let exposure = exposed_arcs(&caps, index, &frame, &mut pieces);
-            let height = frame.height * ball_radius;
-            let circle = Arc {
-                atoms: [atom, other],
-                centre: centre + frame.axis * height,
-                axis: frame.axis,
-                radius: frame.radius * ball_radius,
-                height,
-                ends: [frame.e1; 2],
-                middle: -frame.e1,
-                angle: std::f64::consts::TAU,
-                vertices: None,
-            };
-            if exposure == Exposure::Whole {
+            let frame = CircleFrame::new(cap);
+            let circle = circle(balls, atom, cap.owner, &frame);
+            if exposed_arcs(&caps, index, &frame, &mut pieces) == Exposure::Whole {
                 arcs.push(circle);
             }
             for piece in &pieces {
-                let angle = counter_clockwise_angle(&piece.ends[0], &piece.ends[1]);
-                let ([x, y], (sine, cosine)) = (piece.ends[0], (0.5 * angle).sin_cos());
-                let middle = frame.direction([x * cosine - y * sine, y * cosine + x * sine]);
-                let directions = piece.ends.map(|end| frame.direction(end));
                 for (end, &third) in piece.owners.iter().enumerate() {
-                    let name = vertex_name(atom, other, third, end == 0);
                     ends.push(ArcEnd {
-                        name,
+                        name: vertex_name(atom, cap.owner, third, end == 0),
                         arc: arcs.len() as u32,
                         end: end as u8,
                     });
                 }
-                arcs.push(Arc {
-                    ends: directions,
-                    middle,
-                    angle,
-                    vertices: Some([u32::MAX; 2]),
-                    ..circle
-                });
+                arcs.push(part_of(&circle, piece, &frame));
             }
         }
     }
     (arcs, ends, free_atoms)
+}
+
+/// The whole circle in which the balls of two atoms meet.
+fn circle(balls: &Balls, atom: u32, other: u32, frame: &CircleFrame) -> Arc {
+    let (centre, radius) = (balls.centres[atom as usize], balls.radii[atom as usize]);
+    let height = frame.height * radius;
+    Arc {
+        atoms: [atom, other],
+        centre: centre + frame.axis * height,
+        axis: frame.axis,
+        radius: frame.radius * radius,
+        height,
+        ends: [frame.e1; 2],
+        middle: -frame.e1,
+        angle: std::f64::consts::TAU,
+        vertices: None,
+    }
+}
+
+/// A part of a circle, its vertices not known yet.
+fn part_of(circle: &Arc, piece: &CircleArc, frame: &CircleFrame) -> Arc {
+    let angle = counter_clockwise_angle(&piece.ends[0], &piece.ends[1]);
+    let ([x, y], (sine, cosine)) = (piece.ends[0], (0.5 * angle).sin_cos());
+    Arc {
+        ends: piece.ends.map(|end| frame.direction(end)),
+        middle: frame.direction([x * cosine - y * sine, y * cosine + x * sine]),
+        angle,
+        vertices: Some([u32::MAX; 2]),
+        ..*circle
+    }
 }
 
 /// The name of the vertex where an arc of circle (i, j), i < j, is bounded by ball k.

@@ -67,18 +67,19 @@ pub(crate) type Loop = Vec<Edge>;
 
 /// Σ h φ - Σ ε over one loop.
 fn turning(edges: &[Edge]) -> f64 {
-    let curvature: f64 = edges.iter().map(|edge| edge.height * edge.angle).sum();
+    let mut curvature = 0.0;
+    for edge in edges {
+        curvature += edge.height * edge.angle;
+    }
     if let [only] = edges
         && only.is_whole()
     {
         return curvature;
     }
-    let next = edges.iter().cycle().skip(1);
-    let corners: f64 = edges
-        .iter()
-        .zip(next)
-        .map(|(arriving, departing)| exterior_angle(arriving, departing))
-        .sum();
+    let mut corners = 0.0;
+    for (arriving, departing) in edges.iter().zip(edges.iter().cycle().skip(1)) {
+        corners += exterior_angle(arriving, departing);
+    }
     curvature - corners
 }
 
@@ -98,43 +99,55 @@ fn exterior_angle(arriving: &Edge, departing: &Edge) -> f64 {
 
 /// Solid angle of a connected region with these boundary loops.
 pub(crate) fn solid_angle(loops: &[&Loop]) -> f64 {
-    2.0 * PI * (2.0 - loops.len() as f64) + loops.iter().map(|edges| turning(edges)).sum::<f64>()
+    let mut turned = 0.0;
+    for edges in loops {
+        turned += turning(edges);
+    }
+    2.0 * PI * (2.0 - loops.len() as f64) + turned
 }
 
 /// ∫ u dΩ over a region with these boundary loops.
 pub(crate) fn vector_angle(loops: &[&Loop]) -> Vec3 {
-    loops
-        .iter()
-        .flat_map(|edges| edges.iter())
-        .map(Edge::vector_angle)
-        .sum()
+    let mut vector_angle = Vec3::zeros();
+    for edge in loops.iter().copied().flatten() {
+        vector_angle += edge.vector_angle();
+    }
+    vector_angle
 }
 
-/// Groups loops into the connected regions that they bound: for each loop the number of its region.
+/// Groups loops into the connected regions that they bound: for each region the numbers of its
+/// loops.
 ///
 /// Two loops bound the same region exactly if no loop separates them.
-pub(crate) fn regions(loops: &[Loop]) -> Vec<usize> {
-    if loops.len() < 2 {
-        return vec![0; loops.len()];
+pub(crate) fn regions(loops: &[Loop]) -> Vec<Vec<usize>> {
+    if let [_] = loops {
+        return vec![vec![0]];
     }
-    let places: Vec<Vec3> = loops
-        .iter()
-        .map(|edges| longest(edges).map_or(Vec3::x(), |e| e.point(&e.middle)))
-        .collect();
-    let mut numbers: HashMap<Vec<bool>, usize> = HashMap::new();
-    places
-        .iter()
-        .enumerate()
-        .map(|(index, place)| {
-            let sides = loops
-                .iter()
-                .enumerate()
-                .map(|(other, edges)| other == index || on_left(edges, place))
-                .collect();
-            let next = numbers.len();
-            *numbers.entry(sides).or_insert(next)
-        })
-        .collect()
+    let mut regions: Vec<Vec<usize>> = Vec::new();
+    let mut region_of: HashMap<Vec<bool>, usize> = HashMap::new();
+    for (number, edges) in loops.iter().enumerate() {
+        let place = match longest(edges) {
+            Some(edge) => edge.point(&edge.middle),
+            None => Vec3::x(),
+        };
+        let region = *region_of
+            .entry(sides(loops, number, &place))
+            .or_insert(regions.len());
+        if region == regions.len() {
+            regions.push(Vec::new());
+        }
+        regions[region].push(number);
+    }
+    regions
+}
+
+/// On which side of every loop a place on loop `number` lies; of its own loop it bounds the left.
+fn sides(loops: &[Loop], number: usize, place: &Vec3) -> Vec<bool> {
+    let mut sides = Vec::with_capacity(loops.len());
+    for (other, edges) in loops.iter().enumerate() {
+        sides.push(other == number || on_left(edges, place));
+    }
+    sides
 }
 
 fn longest(edges: &[Edge]) -> Option<&Edge> {
@@ -156,11 +169,11 @@ fn on_left(edges: &[Edge], place: &Vec3) -> bool {
         return only.axis.dot(place) < only.height;
     }
     let stride = edges.len().div_ceil(MOST_PATHS).max(1);
-    (0..edges.len())
-        .step_by(stride)
-        .map(|start| vote(edges, start, place))
-        .sum::<f64>()
-        > 0.0
+    let mut votes = 0.0;
+    for start in (0..edges.len()).step_by(stride) {
+        votes += vote(edges, start, place);
+    }
+    votes > 0.0
 }
 
 /// Walks from the middle of edge `start` straight to `place` and counts the edges crossed: positive
@@ -174,16 +187,13 @@ fn vote(edges: &[Edge], start: usize, place: &Vec3) -> f64 {
     let departure = -normal.cross(&origin).dot(&first.axis);
     let mut crossings = 0;
     for (index, edge) in edges.iter().enumerate() {
-        let Some(directions) = edge.meets(&normal) else {
+        let Some([a, b]) = edge.meets(&normal) else {
             continue;
         };
         let half = (0.5 * edge.angle).cos();
-        let nearer = |a: &Vec3, b: &Vec3| a.dot(&first.middle) > b.dot(&first.middle);
-        for (direction, twin) in [
-            (directions[0], directions[1]),
-            (directions[1], directions[0]),
-        ] {
-            if index == start && nearer(&direction, &twin) {
+        for (direction, twin) in [(a, b), (b, a)] {
+            let is_nearer = direction.dot(&first.middle) > twin.dot(&first.middle);
+            if index == start && is_nearer {
                 continue; // the origin of the path itself
             }
             let point = edge.point(&direction);
@@ -211,59 +221,95 @@ pub(crate) struct Boundary {
 /// Clips the rims of all caps and joins the pieces; `None` if they do not close. Owners must be
 /// different.
 pub(crate) fn boundary_loops(caps: &[Cap]) -> Option<Boundary> {
-    let mut edges: Vec<Loop> = Vec::new();
-    let mut owners = Vec::new();
-    // An edge runs against the sense of its arc, from the arc's end to its start, where another cap
-    // takes over: its arc ends there. So the key of an edge is (cap at the arc's end, its own cap),
-    // its successor's is (own cap, cap at the start).
-    let mut open: HashMap<(u32, u32), (Edge, u32)> = HashMap::new();
+    let mut boundary = Boundary {
+        edges: Vec::new(),
+        owners: Vec::new(),
+    };
+    let mut open = OpenEdges::default();
     let mut arcs = Vec::new();
-    let mut order = Vec::new();
     for (index, cap) in caps.iter().enumerate() {
         let frame = CircleFrame::new(cap);
-        let edge = |ends: [Vec3; 2], middle: Vec3, angle: f64| Edge {
-            axis: cap.axis,
-            height: cap.height,
-            radius: frame.radius,
-            ends,
-            middle,
-            angle,
-        };
         let exposure = exposed_arcs(caps, index, &frame, &mut arcs);
         if exposure == Exposure::Whole {
-            edges.push(vec![edge([frame.e1; 2], -frame.e1, 2.0 * PI)]);
+            let whole = frame.edge([frame.e1; 2], -frame.e1, 2.0 * PI);
+            boundary.edges.push(vec![whole]);
         }
         if exposure == Exposure::Whole || !arcs.is_empty() {
-            owners.push(cap.owner);
+            boundary.owners.push(cap.owner);
         }
         for arc in &arcs {
             let angle = counter_clockwise_angle(&arc.ends[0], &arc.ends[1]);
             let ([x, y], (sine, cosine)) = (arc.ends[0], (0.5 * angle).sin_cos());
             let middle = frame.direction([x * cosine - y * sine, y * cosine + x * sine]);
             let [start, end] = arc.ends.map(|place| frame.direction(place));
-            let key = (arc.owners[1], cap.owner);
-            order.push(key);
-            if open
-                .insert(key, (edge([end, start], middle, angle), arc.owners[0]))
-                .is_some()
-            {
+            open.add(
+                cap.owner,
+                arc.owners,
+                frame.edge([end, start], middle, angle),
+            )?;
+        }
+    }
+    boundary.edges.extend(open.into_loops()?);
+    Some(boundary)
+}
+
+impl CircleFrame {
+    /// A piece of the rim of the cap that the circle belongs to.
+    fn edge(&self, ends: [Vec3; 2], middle: Vec3, angle: f64) -> Edge {
+        Edge {
+            axis: self.axis,
+            height: self.height,
+            radius: self.radius,
+            ends,
+            middle,
+            angle,
+        }
+    }
+}
+
+/// Edges that wait for the edges before and after them.
+///
+/// An edge runs against the sense of its arc, from the arc's end to its start, where another cap
+/// takes over: its arc ends there. So the key of an edge is (cap at the arc's end, its own cap),
+/// its successor's is (own cap, cap at the start).
+#[derive(Default)]
+struct OpenEdges {
+    by_key: HashMap<(u32, u32), (Edge, u32)>,
+    order: Vec<(u32, u32)>,
+}
+
+impl OpenEdges {
+    /// Adds an edge of cap `owner`, whose arc is bounded by two others; `None` if there is one with
+    /// its key.
+    fn add(&mut self, owner: u32, [at_start, at_end]: [u32; 2], edge: Edge) -> Option<()> {
+        let key = (at_end, owner);
+        self.order.push(key);
+        match self.by_key.insert(key, (edge, at_start)) {
+            Some(_) => None,
+            None => Some(()),
+        }
+    }
+
+    /// Follows the edges from each to the next; `None` if a chain of them does not close.
+    fn into_loops(mut self) -> Option<Vec<Loop>> {
+        let mut loops = Vec::new();
+        for first in self.order {
+            let mut chain = Vec::new();
+            let mut key = first;
+            while let Some((edge, successor)) = self.by_key.remove(&key) {
+                chain.push(edge);
+                key = (key.1, successor);
+            }
+            if chain.is_empty() {
+                continue;
+            }
+            if key != first {
                 return None;
             }
+            loops.push(chain);
         }
+        Some(loops)
     }
-    for first in order {
-        let mut chain = Vec::new();
-        let mut key = first;
-        while let Some((edge, successor)) = open.remove(&key) {
-            chain.push(edge);
-            key = (key.1, successor);
-        }
-        if !chain.is_empty() {
-            (key == first).then_some(())?;
-            edges.push(chain);
-        }
-    }
-    Some(Boundary { edges, owners })
 }
 
 #[cfg(test)]
@@ -280,17 +326,13 @@ mod tests {
 
     fn area(caps: &[Cap]) -> (usize, f64) {
         let loops = boundary_loops(caps).unwrap().edges;
-        let numbers = regions(&loops);
-        let parts = numbers.iter().max().map_or(0, |last| last + 1);
-        let part = |n: usize| {
-            loops
-                .iter()
-                .zip(&numbers)
-                .filter(|(_, m)| **m == n)
-                .map(|(l, _)| l)
-                .collect::<Vec<_>>()
-        };
-        (parts, (0..parts).map(|n| solid_angle(&part(n))).sum())
+        let regions = regions(&loops);
+        let mut total = 0.0;
+        for region in &regions {
+            let boundary: Vec<&Loop> = region.iter().map(|&number| &loops[number]).collect();
+            total += solid_angle(&boundary);
+        }
+        (regions.len(), total)
     }
 
     #[test]

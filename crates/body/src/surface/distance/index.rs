@@ -62,15 +62,8 @@ impl Builder {
         let edge = self.cell_edge;
         let limit = radius + reach;
         let half_diagonal = 0.5 * 3.0_f64.sqrt() * edge * (1.0 + 1e-9);
-        // How far a coordinate lies outside the cells numbered `n` along an axis.
-        let gap = |n: i64, x: f64| {
-            (n as f64 * edge - x)
-                .max(x - (n + 1) as f64 * edge)
-                .max(0.0)
-        };
-        let span = |x: f64, half: f64| {
-            (((x - half) / edge).floor() as i64)..=(((x + half) / edge).floor() as i64)
-        };
+        let gap = |n: i64, x: f64| gap(n, x, edge);
+        let span = |x: f64, half: f64| cell_number(x - half, edge)..=cell_number(x + half, edge);
         for x in span(centre.x, limit) {
             let square = limit * limit - gap(x, centre.x).powi(2);
             for y in span(centre.y, square.max(0.0).sqrt()) {
@@ -102,17 +95,19 @@ impl Builder {
     fn grow(&mut self) {
         let old = std::mem::take(&mut self.slots);
         self.slots = vec![([0; 3], EMPTY); 2 * old.len()];
-        for entry in old.into_iter().filter(|entry| entry.1 != EMPTY) {
-            let slot = find(&self.slots, &entry.0);
-            self.slots[slot] = entry;
+        for entry in old {
+            if entry.1 != EMPTY {
+                let slot = find(&self.slots, &entry.0);
+                self.slots[slot] = entry;
+            }
         }
     }
 
     pub(super) fn finish(self) -> FeatureIndex {
         let mut starts = vec![0_u32; 3 * self.lists as usize + 1];
-        self.pairs
-            .iter()
-            .for_each(|pair| starts[pair.0 as usize + 1] += 1);
+        for (list, _) in &self.pairs {
+            starts[*list as usize + 1] += 1;
+        }
         for list in 1..starts.len() {
             starts[list] += starts[list - 1];
         }
@@ -150,7 +145,17 @@ impl FeatureIndex {
 }
 
 fn cell_of(point: &Vec3, edge: f64) -> [i64; 3] {
-    [point.x, point.y, point.z].map(|x| (x / edge).floor() as i64)
+    [point.x, point.y, point.z].map(|x| cell_number(x, edge))
+}
+
+fn cell_number(x: f64, edge: f64) -> i64 {
+    (x / edge).floor() as i64
+}
+
+/// How far a coordinate lies outside the cells numbered `n` along an axis.
+fn gap(n: i64, x: f64, edge: f64) -> f64 {
+    let (below, above) = (n as f64 * edge - x, x - (n + 1) as f64 * edge);
+    below.max(above).max(0.0)
 }
 
 /// The slot that holds `cell`, or the empty slot where it belongs.

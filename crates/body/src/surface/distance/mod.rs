@@ -16,9 +16,9 @@
 mod index;
 mod project;
 
-use super::arrangement::Arrangement;
+use super::arrangement::{Arc, Arrangement};
 use super::implicit::ImplicitSolid;
-use index::{Builder, FeatureIndex, Kind};
+use index::{Builder, FeatureIndex, Kind, Nearby};
 use protomer_kernel::Vec3;
 
 /// How far inside and outside the excluded surface the function is followed, Å. Deeper inside it
@@ -88,26 +88,11 @@ impl SesSolid {
     /// The solid of an accessible surface.
     pub fn new(accessible: &Arrangement) -> Self {
         let (half_space_starts, half_spaces, exposed) = half_spaces_of(accessible);
-        let arcs: Vec<CompactArc> = accessible
-            .arcs()
-            .iter()
-            .map(|arc| CompactArc {
-                centre: arc.centre,
-                axis: arc.axis,
-                middle: arc.middle,
-                radius: arc.radius,
-                cosine_half_angle: if arc.vertices.is_some() {
-                    (0.5 * arc.angle).cos()
-                } else {
-                    -2.0
-                },
-            })
-            .collect();
-        let vertices: Vec<Vec3> = accessible
-            .vertices()
-            .iter()
-            .map(|vertex| vertex.position)
-            .collect();
+        let arcs: Vec<CompactArc> = accessible.arcs().iter().map(CompactArc::of).collect();
+        let mut vertices = Vec::with_capacity(accessible.vertices().len());
+        for vertex in accessible.vertices() {
+            vertices.push(vertex.position);
+        }
         let (cover, bounds) = cover_of(accessible);
         let mut solid = Self {
             probe_radius: accessible.probe_radius_angstrom(),
@@ -127,33 +112,29 @@ impl SesSolid {
     }
 
     fn build_index(&self, members: &[u32]) -> FeatureIndex {
-        let largest = members
-            .iter()
-            .map(|&i| self.radii[i as usize])
-            .fold(1e-3, f64::max);
-        let mut builder = Builder::new(CELL_EDGE_PER_REACH * (largest + BAND_ANGSTROM));
+        let mut largest = 1e-3_f64;
         for &atom in members {
-            let (centre, radius) = (self.centres[atom as usize], self.radii[atom as usize]);
+            largest = largest.max(self.radii[atom as usize]);
+        }
+        let mut builder = Builder::new(CELL_EDGE_PER_REACH * (largest + BAND_ANGSTROM));
+        let near_all = |_: &Vec3, _: f64| false;
+        for &atom in members {
+            let ball = (&self.centres[atom as usize], self.radii[atom as usize]);
             let reach = self.largest_value() - self.probe_radius;
-            builder.insert((Kind::Atom, atom), (&centre, radius), reach, |_, _| false);
+            builder.insert((Kind::Atom, atom), ball, reach, near_all);
         }
         let reach = self.reach();
         for (number, arc) in self.arcs.iter().enumerate() {
-            let ball = arc.ball();
-            builder.insert(
-                (Kind::Arc, number as u32),
-                (&ball.0, ball.1),
-                reach,
-                |middle, half_diagonal| arc.distance_from_circle(middle) > reach + half_diagonal,
-            );
+            let (centre, radius) = arc.ball();
+            let is_far = |middle: &Vec3, half_diagonal: f64| {
+                arc.distance_from_circle(middle) > reach + half_diagonal
+            };
+            let feature = (Kind::Arc, number as u32);
+            builder.insert(feature, (&centre, radius), reach, is_far);
         }
         for (number, vertex) in self.vertices.iter().enumerate() {
-            builder.insert(
-                (Kind::Vertex, number as u32),
-                (vertex, 0.0),
-                reach,
-                |_, _| false,
-            );
+            let feature = (Kind::Vertex, number as u32);
+            builder.insert(feature, (vertex, 0.0), reach, near_all);
         }
         builder.finish()
     }
@@ -213,30 +194,39 @@ impl SesSolid {
         limit: f64,
     ) -> Option<Nearest> {
         let mut best = limit * limit;
-        let mut found = None;
+        let mut nearest_vertex = None;
         for vertex in vertices {
             let square = (point - self.vertices[vertex as usize]).norm_squared();
             if square < best {
                 best = square;
-                found = Some(Err(vertex));
+                nearest_vertex = Some(vertex);
             }
         }
+        let mut nearest_arc = None;
         for arc in arcs {
             if let Some(square) = self.arcs[arc as usize].distance_squared(point)
                 && square < best
             {
                 best = square;
-                found = Some(Ok(arc));
+                nearest_arc = Some(arc);
             }
         }
-        let nearest = match found? {
-            Ok(arc) => self.arcs[arc as usize].nearest(point),
-            Err(vertex) => self.vertices[vertex as usize],
+        // An arc was nearer than every vertex before it.
+        let nearest = match (nearest_arc, nearest_vertex) {
+            (Some(arc), _) => self.arcs[arc as usize].nearest(point),
+            (None, Some(vertex)) => self.vertices[vertex as usize],
+            (None, None) => return None,
         };
         Some(Nearest {
             point: nearest,
             distance: best.sqrt(),
         })
+    }
+
+    /// The nearest point on the arcs and vertices near `point`, if it is within reach.
+    fn nearest_edge_within_reach(&self, point: &Vec3, nearby: &Nearby) -> Option<Nearest> {
+        let (arcs, vertices) = (nearby.arcs.iter().copied(), nearby.vertices.iter().copied());
+        self.nearest_edge(point, arcs, vertices, self.reach())
     }
 
     /// The nearest point of the accessible surface from a point inside it; searches everything if
@@ -251,24 +241,28 @@ impl SesSolid {
                 distance: depth,
             });
         }
-        let (arcs, vertices) = (nearby.arcs.iter().copied(), nearby.vertices.iter().copied());
-        self.nearest_edge(point, arcs, vertices, self.reach())
-            .or_else(|| {
-                let (arcs, vertices) = (0..self.arcs.len() as u32, 0..self.vertices.len() as u32);
-                self.nearest_edge(point, arcs, vertices, f64::INFINITY)
-            })
+        let near = self.nearest_edge_within_reach(point, &nearby);
+        if near.is_some() {
+            return near;
+        }
+        let (arcs, vertices) = (0..self.arcs.len() as u32, 0..self.vertices.len() as u32);
+        self.nearest_edge(point, arcs, vertices, f64::INFINITY)
     }
 
     /// How deep `point` lies within the accessible solid, at least, and in which ball; searches
     /// everything if nothing is near.
     fn deepest_anywhere(&self, point: &Vec3) -> Option<(u32, f64)> {
-        self.deepest(point, self.index.nearby(point).atoms)
-            .or_else(|| {
-                let atoms: Vec<u32> = (0..self.centres.len() as u32)
-                    .filter(|&i| self.exposed[i as usize])
-                    .collect();
-                self.deepest(point, &atoms)
-            })
+        let near = self.deepest(point, self.index.nearby(point).atoms);
+        if near.is_some() {
+            return near;
+        }
+        let mut exposed = Vec::new();
+        for (atom, is_exposed) in self.exposed.iter().enumerate() {
+            if *is_exposed {
+                exposed.push(atom as u32);
+            }
+        }
+        self.deepest(point, &exposed)
     }
 }
 
@@ -287,11 +281,10 @@ impl ImplicitSolid for SesSolid {
         if self.on_face(point, atom).is_some() {
             return self.probe_radius - depth;
         }
-        let (arcs, vertices) = (nearby.arcs.iter().copied(), nearby.vertices.iter().copied());
-        let nearest = self.nearest_edge(point, arcs, vertices, self.reach());
-        nearest.map_or(-BAND_ANGSTROM, |nearest| {
-            self.probe_radius - nearest.distance
-        })
+        match self.nearest_edge_within_reach(point, &nearby) {
+            Some(nearest) => self.probe_radius - nearest.distance,
+            None => -BAND_ANGSTROM,
+        }
     }
 
     fn project(&self, point: &Vec3) -> (Vec3, Vec3) {
@@ -308,6 +301,20 @@ impl ImplicitSolid for SesSolid {
 }
 
 impl CompactArc {
+    fn of(arc: &Arc) -> Self {
+        Self {
+            centre: arc.centre,
+            axis: arc.axis,
+            middle: arc.middle,
+            radius: arc.radius,
+            // A whole circle holds every direction.
+            cosine_half_angle: match arc.vertices {
+                Some(_) => (0.5 * arc.angle).cos(),
+                None => -2.0,
+            },
+        }
+    }
+
     /// Square of the distance from `point` to the nearest point of the circle if that lies on the
     /// arc.
     fn distance_squared(&self, point: &Vec3) -> Option<f64> {
@@ -316,21 +323,16 @@ impl CompactArc {
         let square = offset.norm_squared();
         let out = (square - along * along).max(0.0).sqrt();
         let on_arc = offset.dot(&self.middle) >= self.cosine_half_angle * out - ON_AXIS_ANGSTROM;
-        on_arc.then(|| {
-            let gap = out - self.radius;
-            along * along + gap * gap
-        })
+        let gap = out - self.radius;
+        on_arc.then_some(along * along + gap * gap)
     }
 
     /// The nearest point of the circle.
     fn nearest(&self, point: &Vec3) -> Vec3 {
         let offset = point - self.centre;
         let out = offset - self.axis * offset.dot(&self.axis);
-        self.centre
-            + out
-                .try_normalize(10.0 * ON_AXIS_ANGSTROM)
-                .unwrap_or(self.middle)
-                * self.radius
+        let direction = out.try_normalize(10.0 * ON_AXIS_ANGSTROM);
+        self.centre + direction.unwrap_or(self.middle) * self.radius
     }
 
     fn distance_from_circle(&self, point: &Vec3) -> f64 {
@@ -358,26 +360,27 @@ impl CompactArc {
 fn half_spaces_of(accessible: &Arrangement) -> (Vec<u32>, Vec<HalfSpace>, Vec<bool>) {
     let radii = accessible.expanded_radii_angstrom();
     let mut exposed = vec![false; radii.len()];
-    accessible
-        .faces()
-        .iter()
-        .for_each(|face| exposed[face.atom as usize] = true);
+    for face in accessible.faces() {
+        exposed[face.atom as usize] = true;
+    }
     let mut half_spaces = Vec::new();
     let mut starts = vec![0];
     let mut caps = Vec::new();
     for (atom, (radius, is_exposed)) in radii.iter().zip(&exposed).enumerate() {
         if *is_exposed && accessible.caps(atom as u32, &mut caps).is_some() {
-            half_spaces.extend(caps.iter().map(|cap| HalfSpace {
-                axis: cap.axis,
-                height: cap.height * radius,
-            }));
+            for cap in &caps {
+                half_spaces.push(HalfSpace {
+                    axis: cap.axis,
+                    height: cap.height * radius,
+                });
+            }
         }
         starts.push(half_spaces.len() as u32);
     }
     (starts, half_spaces, exposed)
 }
 
-/// Balls that hold the surface, and their bounding box.
+/// Balls that hold the surface, and the bounding box of the exposed atoms.
 ///
 /// A surface point lies on a segment from its nearest accessible point c towards the atoms that
 /// touch the probe at c, and as long as it does not pass their centres it lies in one of their
@@ -386,37 +389,27 @@ fn half_spaces_of(accessible: &Arrangement) -> (Vec<u32>, Vec<HalfSpace>, Vec<bo
 fn cover_of(accessible: &Arrangement) -> (Vec<(Vec3, f64)>, (Vec3, Vec3)) {
     let (centres, radii) = (accessible.centres(), accessible.expanded_radii_angstrom());
     let probe = accessible.probe_radius_angstrom();
-    let exposed = accessible.exposed_atoms();
-    let mut cover: Vec<(Vec3, f64)> = exposed
-        .iter()
-        .map(|&atom| (centres[atom as usize], radii[atom as usize]))
-        .collect();
-    let tight = exposed
-        .iter()
-        .map(|&atom| (centres[atom as usize], radii[atom as usize] - probe));
-    let everywhere = |x: f64| (Vec3::repeat(x), Vec3::repeat(-x));
-    let mut bounds = tight.fold(
-        everywhere(f64::INFINITY),
-        |(low, high), (centre, radius)| {
-            (
-                low.inf(&(centre - Vec3::repeat(radius))),
-                high.sup(&(centre + Vec3::repeat(radius))),
-            )
-        },
-    );
+    let mut cover = Vec::new();
+    let mut low = Vec3::repeat(f64::INFINITY);
+    let mut high = Vec3::repeat(-f64::INFINITY);
+    for atom in accessible.exposed_atoms() {
+        let (centre, radius) = (centres[atom as usize], radii[atom as usize]);
+        cover.push((centre, radius));
+        let tight = Vec3::repeat(radius - probe);
+        (low, high) = (low.inf(&(centre - tight)), high.sup(&(centre + tight)));
+    }
     for vertex in accessible.vertices() {
         let [a, b, c] = vertex.atoms.map(|atom| centres[atom as usize]);
-        let height = (b - a)
-            .cross(&(c - a))
-            .try_normalize(0.0)
-            .map_or(0.0, |n| n.dot(&(vertex.position - a)).abs());
+        let height = match (b - a).cross(&(c - a)).try_normalize(0.0) {
+            Some(normal) => normal.dot(&(vertex.position - a)).abs(),
+            None => 0.0,
+        };
         if height < probe {
             cover.push((vertex.position, probe));
         }
     }
     let margin = Vec3::repeat(1e-6);
-    bounds = (bounds.0 - margin, bounds.1 + margin);
-    (cover, bounds)
+    (cover, (low - margin, high + margin))
 }
 
 #[cfg(test)]

@@ -25,7 +25,9 @@ impl Patches {
             patch[vertex] = root(&mut patch, vertex as u32);
         }
         let mut size = vec![0; patch.len()];
-        patch.iter().for_each(|root| size[*root as usize] += 1);
+        for root in &patch {
+            size[*root as usize] += 1;
+        }
         let apart = vec![false; patch.len()];
         let mut patches = Self { patch, size, apart };
         let doubled_euler = patches.doubled_euler_numbers(dual);
@@ -61,22 +63,23 @@ impl Patches {
     }
 
     /// Merged patches that have fewer than `least` corners.
-    pub(super) fn with_fewer_corners<'a>(
-        &'a self,
-        corners: &'a [u32],
-        least: u32,
-    ) -> impl Iterator<Item = u32> + 'a {
-        (0..corners.len() as u32)
-            .filter(move |&patch| self.is_merged(patch) && corners[patch as usize] < least)
+    pub(super) fn with_fewer_corners(&self, corners: &[u32], least: u32) -> Vec<u32> {
+        let mut few = Vec::new();
+        for (patch, corners) in (0..).zip(corners) {
+            if self.is_merged(patch) && *corners < least {
+                few.push(patch);
+            }
+        }
+        few
     }
 
     /// 2 (V - E + F) of each closed patch: its tiles are the vertices of the dual, its edges those
     /// of the dual (each on two quadrangles), its vertices the quadrangles.
     fn doubled_euler_numbers(&self, dual: &Dual) -> Vec<i32> {
         let mut sum = vec![0; self.patch.len()];
-        self.patch
-            .iter()
-            .for_each(|patch| sum[*patch as usize] += 2);
+        for patch in &self.patch {
+            sum[*patch as usize] += 2;
+        }
         for quad in &dual.quads {
             let corners = quad.corners.map(|vertex| self.patch[vertex as usize]);
             for i in 0..4 {
@@ -96,19 +99,15 @@ impl Patches {
 
 /// A forest over the vertices: neighbours in the same coarse cell are in the same tree.
 fn united(dual: &Dual, width: i32) -> Vec<u32> {
-    let coarse: Vec<_> = dual
-        .cells
-        .iter()
-        .map(|cell| cell.map(|x| x.div_euclid(width)))
-        .collect();
     let mut parent: Vec<u32> = (0..dual.cells.len() as u32).collect();
     if width == 1 {
         return parent;
     }
+    let coarse_cell = |vertex: u32| dual.cells[vertex as usize].map(|x| x.div_euclid(width));
     for quad in &dual.quads {
         for i in 0..4 {
             let (a, b) = (quad.corners[i], quad.corners[(i + 1) % 4]);
-            if coarse[a as usize] == coarse[b as usize] {
+            if coarse_cell(a) == coarse_cell(b) {
                 let (a, b) = (root(&mut parent, a), root(&mut parent, b));
                 parent[a.max(b) as usize] = a.min(b);
             }
@@ -149,8 +148,8 @@ impl EdgeCounts {
     /// Counts an edge once more, and says how often it has been by now.
     pub(super) fn add(&mut self, a: u32, b: u32) -> u32 {
         let (low, high) = (a.min(b), a.max(b));
-        if let Some(entry) = self.find(low, high) {
-            let entry = &mut self.entries[entry as usize];
+        if let Some(known) = self.find(low, high) {
+            let entry = &mut self.entries[known as usize];
             entry.count += 1;
             return entry.count;
         }
@@ -165,8 +164,10 @@ impl EdgeCounts {
     }
 
     pub(super) fn count(&self, a: u32, b: u32) -> u32 {
-        self.find(a.min(b), a.max(b))
-            .map_or(0, |entry| self.entries[entry as usize].count)
+        match self.find(a.min(b), a.max(b)) {
+            Some(entry) => self.entries[entry as usize].count,
+            None => 0,
+        }
     }
 
     fn find(&self, low: u32, high: u32) -> Option<u32> {

@@ -41,41 +41,59 @@ fn edge_between(axis: usize, corner: usize) -> usize {
 }
 
 fn cycles(mask: usize) -> Cycles {
+    // Linked edges have the same label.
     let mut label: [usize; EDGES] = std::array::from_fn(|edge| edge);
     let mut crossed = [false; EDGES];
     for face in 0..6 {
-        let (axis, side) = (face % 3, face / 3);
-        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-        let corners = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(i, j)| side << axis | i << u | j << v);
-        let is_inside = |i: usize| mask >> corners[i % 4] & 1 == 1;
-        // Side i of the face runs from its corner i to the next.
-        let side_edge =
-            |i: usize| edge_between(if i.is_multiple_of(2) { u } else { v }, corners[i % 4]);
-        for start in (0..4).filter(|&i| is_inside(i) && !is_inside(i + 1)) {
-            let end = (start + 1..start + 4)
-                .find(|&i| is_inside(i + 1))
-                .unwrap_or(start);
-            let (from, to) = (side_edge(start), side_edge(end));
+        for [from, to] in links(mask, face) {
             (crossed[from], crossed[to]) = (true, true);
             let (kept, gone) = (label[from], label[to]);
-            label
-                .iter_mut()
-                .filter(|label| **label == gone)
-                .for_each(|label| *label = kept);
+            for label in &mut label {
+                if *label == gone {
+                    *label = kept;
+                }
+            }
         }
     }
     let mut of_edge = [NOT_CROSSED; EDGES];
     let mut count = 0;
     for first in 0..EDGES {
-        if crossed[first] && of_edge[first] == NOT_CROSSED {
-            for edge in (first..EDGES).filter(|&edge| crossed[edge] && label[edge] == label[first])
-            {
+        if !crossed[first] || of_edge[first] != NOT_CROSSED {
+            continue;
+        }
+        for edge in first..EDGES {
+            if crossed[edge] && label[edge] == label[first] {
                 of_edge[edge] = count;
             }
-            count += 1;
         }
+        count += 1;
     }
     Cycles { count, of_edge }
+}
+
+/// The pairs of crossed edges that are linked on a face of the cell: those at both ends of each run
+/// of outside corners.
+fn links(mask: usize, face: usize) -> Vec<[usize; 2]> {
+    let (axis, side) = (face % 3, face / 3);
+    let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+    let corners = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(i, j)| side << axis | i << u | j << v);
+    let is_inside = |i: usize| mask >> corners[i % 4] & 1 == 1;
+    // Side i of the face runs from its corner i to the next.
+    let side_edge = |i: usize| {
+        let along = if i.is_multiple_of(2) { u } else { v };
+        edge_between(along, corners[i % 4])
+    };
+    let mut links = Vec::new();
+    for start in 0..4 {
+        if is_inside(start) && !is_inside(start + 1) {
+            let mut end = start + 1;
+            while !is_inside(end + 1) {
+                end += 1;
+            }
+            links.push([side_edge(start), side_edge(end)]);
+        }
+    }
+    links
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 //! Every sheet in a cell is a vertex, every crossed edge a quadrangle of the sheets in the four
 //! cells around it (dual marching cubes: Nielson, IEEE Visualization 2004, 489).
 
-use super::cycles::{self, Cycles, EDGES, NOT_CROSSED, lower_corner};
+use super::cycles::{self, Cycles, NOT_CROSSED, lower_corner};
 use super::lattice::{BLOCK, Block, Cell, Mixer, NODES, SparseLattice, node_index};
 use protomer_kernel::Vec3;
 use std::hash::{Hash, Hasher};
@@ -68,17 +68,11 @@ struct March<'a> {
 
 impl March<'_> {
     fn block(&mut self, block: &Block) {
-        let blocks = std::array::from_fn(|after| {
-            self.lattice
-                .index(&at_corner(block.place, after))
-                .unwrap_or(NOTHING)
+        let blocks: [u32; 8] = std::array::from_fn(|after| {
+            let place = at_corner(block.place, after);
+            self.lattice.index(&place).unwrap_or(NOTHING)
         });
-        let around = || {
-            blocks
-                .iter()
-                .filter_map(|&index| self.lattice.blocks.get(index as usize))
-        };
-        if block.side.is_some() && around().all(|other| other.side == block.side) {
+        if block.side.is_some() && self.are_on_side(&blocks, block.side) {
             return;
         }
         let rim = Rim::of(block.place, blocks, self.lattice);
@@ -87,34 +81,47 @@ impl March<'_> {
         }
     }
 
+    /// Whether all of these blocks that are there lie on one side of the surface.
+    fn are_on_side(&self, blocks: &[u32; 8], side: Option<bool>) -> bool {
+        for &index in blocks {
+            if let Some(block) = self.lattice.blocks.get(index as usize)
+                && block.side != side
+            {
+                return false;
+            }
+        }
+        true
+    }
+
     /// Makes the vertices of a cell and enters them into the quadrangles of its edges.
     fn cell(&mut self, rim: &Rim, cell: Cell) {
-        let values: [f64; 8] = std::array::from_fn(|corner| rim.value(at_corner(cell, corner)));
-        let mask = (0..8)
-            .filter(|&corner| values[corner] < 0.0)
-            .fold(0, |mask, corner| mask | 1 << corner);
+        let mut values = [0.0; 8];
+        let mut mask = 0;
+        for (corner, value) in values.iter_mut().enumerate() {
+            *value = rim.value(at_corner(cell, corner));
+            mask |= usize::from(*value < 0.0) << corner;
+        }
         // A node that is not there belongs to a block whose cells the surface does not cross.
         if mask == 0 || mask == 255 || values.iter().any(|value| value.is_nan()) {
             return;
         }
         let cycles = self.table[mask];
         let first = self.dual.cells.len() as u32;
-        self.dual
-            .cells
-            .extend((0..cycles.count).map(|_| rim.global(cell)));
-        for edge in (0..EDGES).filter(|&edge| cycles.of_edge[edge] != NOT_CROSSED) {
+        for _ in 0..cycles.count {
+            self.dual.cells.push(rim.global(cell));
+        }
+        for (edge, &cycle) in cycles.of_edge.iter().enumerate() {
+            if cycle == NOT_CROSSED {
+                continue;
+            }
             let (axis, low) = (edge / 4, lower_corner(edge));
-            let quad = self.quad(
-                rim,
-                at_corner(cell, low),
-                axis,
-                [values[low], values[low | 1 << axis]],
-            );
+            let ends = [values[low], values[low | 1 << axis]];
+            let quad = self.quad(rim, at_corner(cell, low), axis, ends);
             // The cells around an edge, counter-clockwise seen from its upper end, have it at these
             // places.
             let place = [0, 1, 3, 2][edge % 4];
             let turned = if values[low] < 0.0 { place } else { 3 - place };
-            quad.corners[turned] = first + u32::from(cycles.of_edge[edge]);
+            quad.corners[turned] = first + u32::from(cycle);
         }
     }
 
@@ -176,9 +183,10 @@ impl Rim {
 
     /// Index of the block that a node belongs to, and of the node in it.
     fn locate(&self, node: Cell) -> (u32, usize) {
-        let after = (0..3).fold(0, |after, axis| {
-            after | usize::from(node[axis] == BLOCK) << axis
-        });
+        let mut after = 0;
+        for (axis, x) in node.into_iter().enumerate() {
+            after |= usize::from(x == BLOCK) << axis;
+        }
         (self.blocks[after], node_index(node.map(|x| x % BLOCK)))
     }
 

@@ -90,18 +90,7 @@ impl<'a> SparseLattice<'a> {
             if !(extent.is_finite() && extent < 1e8 && work < 4.0 * MOST_CANDIDATES as f64) {
                 return Err(too_large(self.spacing));
             }
-            let [low, high] = [-reach, reach].map(|r| centre.map(|x| (x + r).floor() as i32));
-            for x in low.x..=high.x {
-                for y in low.y..=high.y {
-                    for z in low.z..=high.z {
-                        let nearest = Vec3::new(f64::from(x), f64::from(y), f64::from(z))
-                            .zip_map(&centre, |corner, c| c - c.clamp(corner, corner + 1.0));
-                        if nearest.norm_squared() <= reach * reach {
-                            seen.insert([x, y, z]);
-                        }
-                    }
-                }
-            }
+            insert_blocks_near(&mut seen, &centre, reach);
             if seen.len() > MOST_CANDIDATES {
                 return Err(too_large(self.spacing));
             }
@@ -132,12 +121,7 @@ impl<'a> SparseLattice<'a> {
                 let corner = [0, 1, 2].map(|axis| (octant >> axis & 1) * (BLOCK / 2));
                 self.fill_octant(solid, first, corner, &mut block.values);
             }
-            let is_inside = block.values[0] < 0.0;
-            block.side = block
-                .values
-                .iter()
-                .all(|value| (*value < 0.0) == is_inside)
-                .then_some(is_inside);
+            block.side = common_side(&block.values);
         }
         Some(block)
     }
@@ -152,7 +136,8 @@ impl<'a> SparseLattice<'a> {
         values: &mut [f64; NODES],
     ) {
         let value_at = |cells: [f64; 3]| {
-            solid.signed_distance(&self.point([0, 1, 2].map(|axis| first[axis] + cells[axis])))
+            let place = [0, 1, 2].map(|axis| first[axis] + cells[axis]);
+            solid.signed_distance(&self.point(place))
         };
         let centre = corner.map(|x| f64::from(x) + 0.5);
         let mut known = [(centre, value_at(centre)); 9];
@@ -160,12 +145,8 @@ impl<'a> SparseLattice<'a> {
         for i in 0..8 {
             let node = [0, 1, 2].map(|axis| corner[axis] + (i >> axis & 1));
             let here = node.map(f64::from);
-            let fixed = known[..count].iter().find(|(there, value)| {
-                let square: f64 = (0..3).map(|axis| (here[axis] - there[axis]).powi(2)).sum();
-                value * value > square * self.spacing * self.spacing * (1.0 + 1e-9)
-            });
-            let value = match fixed {
-                Some((_, value)) => *value,
+            let value = match self.fixed_value(&known[..count], here) {
+                Some(value) => value,
                 None => {
                     let value = value_at(here);
                     known[count] = (here, value);
@@ -176,6 +157,48 @@ impl<'a> SparseLattice<'a> {
             values[node_index(node)] = value;
         }
     }
+
+    /// The first of the known values, each at its place, that fixes the sign at `here`: it is larger
+    /// than the distance, for a 1-Lipschitz function.
+    fn fixed_value(&self, known: &[([f64; 3], f64)], here: [f64; 3]) -> Option<f64> {
+        for (there, value) in known {
+            let mut square = 0.0;
+            for axis in 0..3 {
+                square += (here[axis] - there[axis]).powi(2);
+            }
+            if value * value > square * self.spacing * self.spacing * (1.0 + 1e-9) {
+                return Some(*value);
+            }
+        }
+        None
+    }
+}
+
+/// Whether all values are inside (true) or all outside (false); `None` if there are both.
+fn common_side(values: &[f64]) -> Option<bool> {
+    let is_inside = values.first().is_some_and(|value| *value < 0.0);
+    let is_common = values.iter().all(|value| (*value < 0.0) == is_inside);
+    is_common.then_some(is_inside)
+}
+
+/// Inserts the blocks within `reach` of a point, both in units of a block's edge.
+fn insert_blocks_near(
+    seen: &mut HashSet<Cell, BuildHasherDefault<Mixer>>,
+    centre: &Vec3,
+    reach: f64,
+) {
+    let [low, high] = [-reach, reach].map(|r| centre.map(|x| (x + r).floor() as i32));
+    for x in low.x..=high.x {
+        for y in low.y..=high.y {
+            for z in low.z..=high.z {
+                let block = Vec3::new(f64::from(x), f64::from(y), f64::from(z));
+                let nearest = block.zip_map(centre, |corner, c| c - c.clamp(corner, corner + 1.0));
+                if nearest.norm_squared() <= reach * reach {
+                    seen.insert([x, y, z]);
+                }
+            }
+        }
+    }
 }
 
 /// Index of a node in its block, counted from the block's first node.
@@ -183,18 +206,17 @@ pub(super) fn node_index(node: Cell) -> usize {
     ((node[0] * BLOCK + node[1]) * BLOCK + node[2]) as usize
 }
 
-/// A hash of lattice coordinates, which nobody chooses to collide: multiply and rotate.
+/// A fast hash of lattice coordinates, which nobody chooses to collide: multiply and rotate.
 #[derive(Default)]
 pub(super) struct Mixer(u64);
 
 impl Hasher for Mixer {
     fn write(&mut self, bytes: &[u8]) {
         for chunk in bytes.chunks(8) {
-            let word = chunk
-                .iter()
-                .rev()
-                .fold(0, |word, byte| word << 8 | u64::from(*byte));
-            self.0 = (self.0.rotate_left(23) ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            let mut word = [0; 8];
+            word[..chunk.len()].copy_from_slice(chunk);
+            let mixed = self.0.rotate_left(23) ^ u64::from_le_bytes(word);
+            self.0 = mixed.wrapping_mul(0x9e37_79b9_7f4a_7c15);
         }
     }
 

@@ -9,18 +9,16 @@ use super::lattice::Cell;
 use protomer_kernel::{TriangleMesh, Vec3};
 use std::collections::HashMap;
 
-/// Fewer corners than this a patch cannot have in a triangle mesh.
+/// A patch needs at least this many corners in a triangle mesh.
 const FEWEST_CORNERS: u32 = 3;
 
 /// The mesh of a dual surface whose vertices are merged within `width` cells; empty if the dual is
 /// not closed.
 pub(super) fn triangulate(dual: &Dual, width: i32) -> TriangleMesh {
-    if dual
-        .quads
-        .iter()
-        .any(|quad| quad.corners.contains(&NOTHING))
-    {
-        return TriangleMesh::default();
+    for quad in &dual.quads {
+        if quad.corners.contains(&NOTHING) {
+            return TriangleMesh::default();
+        }
     }
     let mut patches = Patches::merged(dual, width);
     loop {
@@ -66,6 +64,14 @@ fn polygon(quad: &Quad, patches: &Patches) -> ([u32; 4], usize) {
         }
     }
     (polygon, if count < 3 { 0 } else { count })
+}
+
+/// A diagonal of a quadrangle.
+enum Diagonal {
+    /// From the first corner to the third.
+    First,
+    /// From the second corner to the fourth.
+    Second,
 }
 
 /// Numbers the vertices and cuts the polygons into triangles.
@@ -122,11 +128,9 @@ impl<'a> Builder<'a> {
                 weight[number] += 1.0;
             }
         }
-        self.mesh
-            .vertices
-            .iter_mut()
-            .zip(weight)
-            .for_each(|(vertex, weight)| *vertex /= weight);
+        for (vertex, weight) in self.mesh.vertices.iter_mut().zip(weight) {
+            *vertex /= weight;
+        }
     }
 
     fn polygon(&mut self, quad: &Quad, polygon: &[u32]) {
@@ -141,43 +145,44 @@ impl<'a> Builder<'a> {
         match (polygon, corners.as_slice()) {
             ([], _) => {}
             (_, &[a, b, c]) => self.mesh.triangles.push([a, b, c]),
-            (&[p, q, r, s], &[a, b, c, d]) => {
-                let at = |vertex: u32| self.mesh.vertices[vertex as usize];
-                // Equal diagonals must be a tie in every orientation of the body, whatever the
-                // rounding.
-                let first =
-                    (at(a) - at(c)).norm_squared() <= (at(b) - at(d)).norm_squared() * (1.0 + 1e-9);
-                let choices = if first { [true, false] } else { [false, true] };
-                let free = |ac: bool| {
-                    if ac {
-                        self.edges.count(p, r) == 0
-                    } else {
-                        self.edges.count(q, s) == 0
-                    }
-                };
-                match choices.into_iter().find(|&ac| free(ac)) {
-                    Some(true) => {
-                        self.edges.add(p, r);
-                        self.mesh.triangles.extend([[a, b, c], [a, c, d]]);
-                    }
-                    Some(false) => {
-                        self.edges.add(q, s);
-                        self.mesh.triangles.extend([[a, b, d], [b, c, d]]);
-                    }
-                    None => self.fan(quad.point, &corners),
+            (&[p, q, r, s], &[a, b, c, d]) => match self.diagonal([p, q, r, s], [a, b, c, d]) {
+                Some(Diagonal::First) => {
+                    self.edges.add(p, r);
+                    self.mesh.triangles.extend([[a, b, c], [a, c, d]]);
                 }
-            }
+                Some(Diagonal::Second) => {
+                    self.edges.add(q, s);
+                    self.mesh.triangles.extend([[a, b, d], [b, c, d]]);
+                }
+                None => self.fan(quad.point, &corners),
+            },
             _ => self.fan(quad.point, &corners),
+        }
+    }
+
+    /// The shorter diagonal of a quadrangle if its patches have no edge yet, or else the other one;
+    /// `None` if both are taken.
+    fn diagonal(&self, [p, q, r, s]: [u32; 4], corners: [u32; 4]) -> Option<Diagonal> {
+        let [a, b, c, d] = corners.map(|vertex| self.mesh.vertices[vertex as usize]);
+        // Equal diagonals must be a tie in every orientation of the body, whatever the rounding.
+        let first_is_shorter = (a - c).norm_squared() <= (b - d).norm_squared() * (1.0 + 1e-9);
+        let first_is_free = self.edges.count(p, r) == 0;
+        let second_is_free = self.edges.count(q, s) == 0;
+        if first_is_free && (first_is_shorter || !second_is_free) {
+            Some(Diagonal::First)
+        } else if second_is_free {
+            Some(Diagonal::Second)
+        } else {
+            None
         }
     }
 
     fn fan(&mut self, centre: Vec3, corners: &[u32]) {
         let number = self.mesh.vertices.len() as u32;
         self.mesh.vertices.push(centre);
-        let next = corners.iter().cycle().skip(1);
-        self.mesh
-            .triangles
-            .extend(corners.iter().zip(next).map(|(&a, &b)| [a, b, number]));
+        for (&a, &b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+            self.mesh.triangles.push([a, b, number]);
+        }
     }
 
     /// The vertex in the middle of the seam between two patches that ends at `quad`: the mean of

@@ -10,7 +10,8 @@
 use crate::surface::arrangement::circle::{
     Cap, CircleArc, CircleFrame, Exposure, counter_clockwise_angle, exposed_arcs,
 };
-use crate::surface::arrangement::{Arrangement, CellList, hashed_fraction, spherical};
+use crate::surface::arrangement::spherical::{self, Loop};
+use crate::surface::arrangement::{Arrangement, CellList, hashed_fraction};
 use protomer_kernel::Vec3;
 use std::f64::consts::{PI, TAU};
 
@@ -43,11 +44,10 @@ pub(super) struct Patch {
 
 impl<'a> Probes<'a> {
     pub(super) fn new(accessible: &'a Arrangement) -> Self {
-        let positions: Vec<Vec3> = accessible
-            .vertices()
-            .iter()
-            .map(|vertex| vertex.position)
-            .collect();
+        let mut positions = Vec::with_capacity(accessible.vertices().len());
+        for vertex in accessible.vertices() {
+            positions.push(vertex.position);
+        }
         let reach = 2.0 * accessible.probe_radius_angstrom();
         let cells = CellList::new(&positions, 0..positions.len() as u32, reach);
         Self {
@@ -65,69 +65,36 @@ impl<'a> Probes<'a> {
         let legs = atoms.map(|atom| self.accessible.centres()[atom as usize] - place);
         let directions = legs.map(|leg| leg.normalize());
         let whole = cone_solid_angle(&directions);
-        let uncut = |solid_angle: f64| Patch {
-            area: probe.powi(2) * solid_angle,
-            layer_volume: probe.powi(3) * solid_angle / 3.0,
-            cut_by: Vec::new(),
-            area_error: 0.0,
-            is_sampled: false,
-        };
         let [a, b, c] = legs;
         let volume = a.dot(&b.cross(&c)).abs();
-        if volume >= probe * (b - a).cross(&(c - a)).norm() {
-            return uncut(whole);
+        let reaches_through = volume < probe * (b - a).cross(&(c - a)).norm();
+        if !reaches_through {
+            return Patch::uncut(probe, whole);
         }
         let cutters = self.cutters(number);
         if cutters.is_empty() {
-            return uncut(whole);
+            return Patch::uncut(probe, whole);
         }
+        let possible = -SOLID_ANGLE_TOLERANCE..=whole + SOLID_ANGLE_TOLERANCE;
         for shift in SHIFTS {
             let caps = self.caps(&directions, &place, &cutters, shift);
-            let Some((solid_angle, cuts)) = cut_solid_angle(&caps) else {
+            let Some((solid_angle, is_cut)) = cut_solid_angle(&caps) else {
                 continue;
             };
-            if !(-SOLID_ANGLE_TOLERANCE..=whole + SOLID_ANGLE_TOLERANCE).contains(&solid_angle) {
+            if !possible.contains(&solid_angle) {
                 continue;
             }
-            if cuts.is_empty() && solid_angle > 0.0 {
-                return uncut(whole);
+            if !is_cut && solid_angle > 0.0 {
+                return Patch::uncut(probe, whole);
             }
-            return Self::cut(
-                probe,
-                solid_angle.max(0.0),
-                &caps,
-                &cutters,
-                TAU * probe * probe * shift,
-            );
+            let error = TAU * probe * probe * shift;
+            return Patch::cut(probe, solid_angle.max(0.0), &caps, &cutters, error);
         }
         let caps = self.caps(&directions, &place, &cutters, 0.0);
         let (solid_angle, error) = sampled_solid_angle(&caps);
         Patch {
             is_sampled: true,
-            ..Self::cut(probe, solid_angle, &caps, &cutters, probe * probe * error)
-        }
-    }
-
-    fn cut(probe: f64, solid_angle: f64, caps: &[Cap], cutters: &[u32], area_error: f64) -> Patch {
-        let mut moment = solid_angle;
-        let mut cut_by = Vec::new();
-        for (index, cap) in caps
-            .iter()
-            .enumerate()
-            .filter(|(_, cap)| cap.owner as usize >= CONE_PLANES)
-        {
-            let area = plane_face_area(caps, index);
-            moment += cap.height * area;
-            if area > 1e-12 {
-                cut_by.push(cutters[cap.owner as usize - CONE_PLANES]);
-            }
-        }
-        Patch {
-            area: probe.powi(2) * solid_angle,
-            layer_volume: probe.powi(3) * moment / 3.0,
-            cut_by,
-            area_error,
-            is_sampled: false,
+            ..Patch::cut(probe, solid_angle, &caps, &cutters, probe * probe * error)
         }
     }
 
@@ -149,16 +116,14 @@ impl<'a> Probes<'a> {
         let reach = 2.0 * self.accessible.probe_radius_angstrom();
         let [a, b, c] = directions;
         let side = a.dot(&b.cross(c)).signum();
-        let planes =
-            [(a, b), (b, c), (c, a)].map(|(first, second)| second.cross(first).normalize() * side);
-        let mut caps: Vec<Cap> = (0..)
-            .zip(planes)
-            .map(|(owner, axis)| Cap {
-                axis,
+        let mut caps = Vec::with_capacity(CONE_PLANES + cutters.len());
+        for (owner, (first, second)) in (0..).zip([(a, b), (b, c), (c, a)]) {
+            caps.push(Cap {
+                axis: second.cross(first).normalize() * side,
                 height: 0.0,
                 owner,
-            })
-            .collect();
+            });
+        }
         for (owner, &cutter) in (CONE_PLANES as u32..).zip(cutters) {
             let offset = self.positions[cutter as usize] - place;
             let distance = offset.norm();
@@ -176,6 +141,41 @@ impl<'a> Probes<'a> {
     }
 }
 
+impl Patch {
+    /// A patch that no other probe cuts.
+    fn uncut(probe: f64, solid_angle: f64) -> Self {
+        Self {
+            area: probe.powi(2) * solid_angle,
+            layer_volume: probe.powi(3) * solid_angle / 3.0,
+            cut_by: Vec::new(),
+            area_error: 0.0,
+            is_sampled: false,
+        }
+    }
+
+    fn cut(probe: f64, solid_angle: f64, caps: &[Cap], cutters: &[u32], area_error: f64) -> Self {
+        let mut moment = solid_angle;
+        let mut cut_by = Vec::new();
+        for (index, cap) in caps.iter().enumerate() {
+            let Some(cutter) = (cap.owner as usize).checked_sub(CONE_PLANES) else {
+                continue;
+            };
+            let area = plane_face_area(caps, index);
+            moment += cap.height * area;
+            if area > 1e-12 {
+                cut_by.push(cutters[cutter]);
+            }
+        }
+        Self {
+            area: probe.powi(2) * solid_angle,
+            layer_volume: probe.powi(3) * moment / 3.0,
+            cut_by,
+            area_error,
+            is_sampled: false,
+        }
+    }
+}
+
 /// Solid angle of the cone of three unit vectors: tan(Ω/2) = |a·(b×c)| / (1 + a·b + b·c + c·a)
 /// (van Oosterom and Strackee, IEEE Trans. Biomed. Eng. 30, 125 (1983)).
 fn cone_solid_angle([a, b, c]: &[Vec3; 3]) -> f64 {
@@ -185,33 +185,27 @@ fn cone_solid_angle([a, b, c]: &[Vec3; 3]) -> f64 {
         .atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
 }
 
-/// Solid angle of the unit sphere less caps, and the owners of cutting caps on its boundary; `None`
+/// Solid angle of the unit sphere less caps, and whether a cutting cap is on its boundary; `None`
 /// if the boundary does not close.
-fn cut_solid_angle(caps: &[Cap]) -> Option<(f64, Vec<u32>)> {
-    let loops = spherical::boundary_loops(caps)?;
-    let numbers = spherical::regions(&loops.edges);
-    let parts = numbers.iter().max().map_or(0, |last| last + 1);
+fn cut_solid_angle(caps: &[Cap]) -> Option<(f64, bool)> {
+    let boundary = spherical::boundary_loops(caps)?;
     let mut total = 0.0;
-    for part in 0..parts {
-        let boundary: Vec<_> = loops
-            .edges
+    for region in spherical::regions(&boundary.edges) {
+        let loops: Vec<&Loop> = region
             .iter()
-            .zip(&numbers)
-            .filter(|(_, number)| **number == part)
-            .map(|(edges, _)| edges)
+            .map(|&number| &boundary.edges[number])
             .collect();
-        let solid_angle = spherical::solid_angle(&boundary);
+        let solid_angle = spherical::solid_angle(&loops);
         if !(-SOLID_ANGLE_TOLERANCE..=4.0 * PI).contains(&solid_angle) {
             return None;
         }
         total += solid_angle;
     }
-    let cuts = loops
+    let is_cut = boundary
         .owners
-        .into_iter()
-        .filter(|owner| *owner as usize >= CONE_PLANES)
-        .collect();
-    Some((total, cuts))
+        .iter()
+        .any(|owner| *owner as usize >= CONE_PLANES);
+    Some((total, is_cut))
 }
 
 /// Area of the part of the plane of a cap that lies in the unit ball and outside all other caps.
@@ -221,43 +215,64 @@ fn cut_solid_angle(caps: &[Cap]) -> Option<(f64, Vec<u32>)> {
 fn plane_face_area(caps: &[Cap], index: usize) -> f64 {
     let frame = CircleFrame::new(&caps[index]);
     let mut arcs: Vec<CircleArc> = Vec::new();
-    let turned = match exposed_arcs(caps, index, &frame, &mut arcs) {
-        Exposure::Whole => TAU,
-        Exposure::Arcs => arcs
-            .iter()
-            .map(|arc| counter_clockwise_angle(&arc.ends[0], &arc.ends[1]))
-            .sum(),
-    };
-    // Half-planes n·x <= d in the plane of the face, about the centre of the disc.
-    let others = caps.iter().enumerate().filter(|(other, _)| *other != index);
-    let half_planes: Vec<([f64; 2], f64)> = others
-        .filter_map(|(_, cap)| {
-            let (x, y) = (cap.axis.dot(&frame.e1), cap.axis.dot(&frame.e2));
-            let (length, distance) = (
-                x.hypot(y),
-                cap.height - frame.height * cap.axis.dot(&frame.axis),
-            );
-            (length > 1e-14).then(|| ([x / length, y / length], distance / length))
-        })
-        .collect();
-    let chords: f64 = (0..half_planes.len())
-        .map(|chord| half_planes[chord].1 * chord_length(&half_planes, chord, frame.radius))
-        .sum();
+    let mut turned = 0.0;
+    match exposed_arcs(caps, index, &frame, &mut arcs) {
+        Exposure::Whole => turned = TAU,
+        Exposure::Arcs => {
+            for arc in &arcs {
+                turned += counter_clockwise_angle(&arc.ends[0], &arc.ends[1]);
+            }
+        }
+    }
+    let half_planes = half_planes(caps, index, &frame);
+    let mut chords = 0.0;
+    for (chord, half_plane) in half_planes.iter().enumerate() {
+        chords += half_plane.distance * chord_length(&half_planes, chord, frame.radius);
+    }
     0.5 * (frame.radius * frame.radius * turned + chords)
 }
 
+/// The points n·x <= d of a plane.
+struct HalfPlane {
+    normal: [f64; 2],
+    distance: f64,
+}
+
+/// The half-planes that the other caps leave of the plane of a cap, about the centre of its disc.
+fn half_planes(caps: &[Cap], index: usize, frame: &CircleFrame) -> Vec<HalfPlane> {
+    const PARALLEL: f64 = 1e-14;
+    let mut half_planes = Vec::with_capacity(caps.len());
+    for (other, cap) in caps.iter().enumerate() {
+        let (x, y) = (cap.axis.dot(&frame.e1), cap.axis.dot(&frame.e2));
+        let length = x.hypot(y);
+        if other != index && length > PARALLEL {
+            let distance = cap.height - frame.height * cap.axis.dot(&frame.axis);
+            half_planes.push(HalfPlane {
+                normal: [x / length, y / length],
+                distance: distance / length,
+            });
+        }
+    }
+    half_planes
+}
+
 /// Length of the part of a half-plane's edge within the disc and all other half-planes.
-fn chord_length(half_planes: &[([f64; 2], f64)], chord: usize, radius: f64) -> f64 {
-    let ([x, y], distance) = half_planes[chord];
+fn chord_length(half_planes: &[HalfPlane], chord: usize, radius: f64) -> f64 {
+    let HalfPlane {
+        normal: [x, y],
+        distance,
+    } = half_planes[chord];
     let square = radius * radius - distance * distance;
     if square <= 0.0 {
         return 0.0;
     }
     let (mut low, mut high) = (-square.sqrt(), square.sqrt());
-    for (other, &([nx, ny], limit)) in half_planes.iter().enumerate() {
+    for (other, half_plane) in half_planes.iter().enumerate() {
         if other == chord {
             continue;
         }
+        let [nx, ny] = half_plane.normal;
+        let limit = half_plane.distance;
         // The edge's points are d (x, y) + t (-y, x).
         let slope = ny * x - nx * y;
         let room = limit - distance * (nx * x + ny * y);
@@ -277,15 +292,16 @@ fn chord_length(half_planes: &[([f64; 2], f64)], chord: usize, radius: f64) -> f
 /// Solid angle by counting points spread evenly over the sphere, and its statistical error.
 fn sampled_solid_angle(caps: &[Cap]) -> (f64, f64) {
     let golden = PI * (3.0 - 5.0_f64.sqrt());
-    let inside = (0..SAMPLES)
-        .filter(|&n| {
-            let z = 1.0 - (2.0 * f64::from(n) + 1.0) / f64::from(SAMPLES);
-            let (sine, cosine) = (golden * f64::from(n)).sin_cos();
-            let out = (1.0 - z * z).sqrt();
-            let u = Vec3::new(out * cosine, out * sine, z);
-            caps.iter().all(|cap| cap.axis.dot(&u) <= cap.height)
-        })
-        .count();
+    let mut inside = 0_u32;
+    for n in 0..SAMPLES {
+        let z = 1.0 - (2.0 * f64::from(n) + 1.0) / f64::from(SAMPLES);
+        let (sine, cosine) = (golden * f64::from(n)).sin_cos();
+        let out = (1.0 - z * z).sqrt();
+        let u = Vec3::new(out * cosine, out * sine, z);
+        let is_inside = caps.iter().all(|cap| cap.axis.dot(&u) <= cap.height);
+        inside += u32::from(is_inside);
+    }
     let step = 4.0 * PI / f64::from(SAMPLES);
-    (step * inside as f64, step * (inside as f64).sqrt().max(1.0))
+    let inside = f64::from(inside);
+    (step * inside, step * inside.sqrt().max(1.0))
 }

@@ -134,23 +134,35 @@ impl Measure {
     /// Everything together: the areas include the walls of cavities, the volumes exclude the
     /// cavities.
     pub fn total(&self) -> SurfaceMeasure {
-        self.shells
-            .iter()
-            .fold(SurfaceMeasure::default(), |sum, shell| sum + *shell)
+        let mut sum = SurfaceMeasure::default();
+        for shell in &self.shells {
+            sum += *shell;
+        }
+        sum
     }
 
     /// The outer shells only: areas without the walls of cavities, volumes with the cavities
     /// filled.
     pub fn without_cavities(&self) -> SurfaceMeasure {
-        self.shells
-            .iter()
-            .filter(|shell| !shell.is_cavity())
-            .fold(SurfaceMeasure::default(), |sum, s| sum + *s)
+        let mut sum = SurfaceMeasure::default();
+        for shell in &self.shells {
+            if !shell.is_cavity() {
+                sum += *shell;
+            }
+        }
+        sum
+    }
+
+    /// The shells of cavities that a probe fits into.
+    pub fn cavities(&self) -> Vec<SurfaceMeasure> {
+        let mut cavities = self.shells.clone();
+        cavities.retain(SurfaceMeasure::is_cavity);
+        cavities
     }
 
     /// Number of cavities that a probe fits into.
     pub fn cavity_count(&self) -> usize {
-        self.shells.iter().filter(|shell| shell.is_cavity()).count()
+        self.cavities().len()
     }
 
     fn add_faces(&mut self, accessible: &Arrangement) {
@@ -243,15 +255,17 @@ impl Measure {
     fn estimate_errors(&mut self, accessible: &Arrangement) {
         let amplitude = accessible.perturbation_angstrom();
         let probe = accessible.probe_radius_angstrom();
-        let exposed = accessible
-            .faces()
-            .iter()
-            .map(|f| accessible.expanded_radii_angstrom()[f.atom as usize] - probe);
-        let bend = [exposed.fold(f64::INFINITY, f64::min), probe]
-            .into_iter()
-            .filter(|r| *r > 1e-3)
-            .map(f64::recip);
-        let curvature: f64 = 2.0 * bend.sum::<f64>();
+        let mut smallest = f64::INFINITY;
+        for face in accessible.faces() {
+            let expanded = accessible.expanded_radii_angstrom()[face.atom as usize];
+            smallest = smallest.min(expanded - probe);
+        }
+        let mut curvature = 0.0;
+        for radius in [smallest, probe] {
+            if radius > 1e-3 {
+                curvature += 2.0 / radius;
+            }
+        }
         for shell in &mut self.shells {
             let area = shell.sas_area_angstrom2;
             shell.area_error_estimate_angstrom2 += area * (amplitude * curvature + ROUNDING);

@@ -30,6 +30,15 @@ pub(crate) struct HalfEdgeMesh {
     stamp: u32,
 }
 
+fn not_closed() -> BodyError {
+    BodyError::Invalid {
+        cause: "the first mesh of the surface is not closed".into(),
+        remedy: "ask for another base spacing; if that does not help, the solid's distance is not \
+                 1-Lipschitz"
+            .into(),
+    }
+}
+
 #[inline]
 pub(crate) fn next(half_edge: u32) -> u32 {
     if half_edge % 3 == 2 {
@@ -56,19 +65,15 @@ impl HalfEdgeMesh {
     pub(crate) fn new(mesh: TriangleMesh) -> Result<Self> {
         let vertices = mesh.vertices.len();
         let origin: Vec<u32> = mesh.triangles.as_flattened().to_vec();
-        let twin = twins(&origin, vertices).ok_or_else(|| BodyError::Invalid {
-            cause: "the first mesh of the surface is not closed".into(),
-            remedy: "ask for another base spacing; if that does not help, the solid's distance is not 1-Lipschitz"
-                .into(),
-        })?;
+        let Some(twin) = twins(&origin, vertices) else {
+            return Err(not_closed());
+        };
         let mut outgoing = vec![NONE; vertices];
-        for (half_edge, &vertex) in origin.iter().enumerate() {
-            outgoing[vertex as usize] = half_edge as u32;
-        }
         let mut valence = vec![0; vertices];
-        origin
-            .iter()
-            .for_each(|&vertex| valence[vertex as usize] += 1);
+        for (half_edge, &vertex) in (0..).zip(&origin) {
+            outgoing[vertex as usize] = half_edge;
+            valence[vertex as usize] += 1;
+        }
         let (shell, shells) = label_shells(&origin, &twin, &outgoing);
         let mark = vec![0; vertices];
         Ok(Self {
@@ -87,19 +92,17 @@ impl HalfEdgeMesh {
     /// The mesh without the holes that removed vertices and triangles left.
     pub(crate) fn to_mesh(&self) -> TriangleMesh {
         let mut number = vec![NONE; self.positions.len()];
-        let mut vertices = Vec::new();
+        let mut mesh = TriangleMesh::default();
         for vertex in self.vertices() {
-            number[vertex as usize] = vertices.len() as u32;
-            vertices.push(self.positions[vertex as usize]);
+            number[vertex as usize] = mesh.vertices.len() as u32;
+            mesh.vertices.push(self.positions[vertex as usize]);
         }
-        let triangles = self
-            .triangles()
-            .map(|t| self.triangle(t).map(|vertex| number[vertex as usize]))
-            .collect();
-        TriangleMesh {
-            vertices,
-            triangles,
+        for triangle in self.triangles() {
+            let corners = self.triangle(triangle);
+            mesh.triangles
+                .push(corners.map(|vertex| number[vertex as usize]));
         }
+        mesh
     }
 
     /// The vertices there are, in ascending order.
@@ -176,11 +179,14 @@ impl HalfEdgeMesh {
     #[inline]
     pub(crate) fn leaving(&self, vertex: u32) -> impl Iterator<Item = u32> + '_ {
         let first = self.outgoing[vertex as usize];
-        let mut here = Some(first).filter(|&half_edge| half_edge != NONE);
+        let mut here = first;
         std::iter::from_fn(move || {
-            let current = here?;
+            if here == NONE {
+                return None;
+            }
+            let current = here;
             let following = next(self.twin[current as usize]);
-            here = Some(following).filter(|&half_edge| half_edge != first);
+            here = if following == first { NONE } else { following };
             Some(current)
         })
     }
@@ -262,21 +268,28 @@ impl HalfEdgeMesh {
     pub(crate) fn can_collapse(&mut self, half_edge: u32) -> bool {
         let (a, b) = self.ends(half_edge);
         let (c, d) = (self.apex(half_edge), self.apex(self.twin(half_edge)));
+        self.mark_neighbours(a);
+        let mut common = 0;
+        for spoke in self.leaving(b) {
+            let neighbour = self.ends(spoke).1;
+            common += u32::from(self.mark[neighbour as usize] == self.stamp);
+        }
+        c != d && common == 2 && self.valence(c) > 3 && self.valence(d) > 3
+    }
+
+    /// Marks the neighbours of a vertex with a new stamp.
+    fn mark_neighbours(&mut self, vertex: u32) {
         self.stamp += 1;
-        let mut here = self.outgoing[a as usize];
+        let first = self.outgoing[vertex as usize];
+        let mut here = first;
         loop {
             let neighbour = self.ends(here).1;
             self.mark[neighbour as usize] = self.stamp;
             here = next(self.twin(here));
-            if here == self.outgoing[a as usize] {
-                break;
+            if here == first {
+                return;
             }
         }
-        let common = self
-            .leaving(b)
-            .filter(|&h| self.mark[self.ends(h).1 as usize] == self.stamp)
-            .count();
-        c != d && common == 2 && self.valence(c) > 3 && self.valence(d) > 3
     }
 
     /// Merges the end of an edge into its start. Only if [`Self::can_collapse`].

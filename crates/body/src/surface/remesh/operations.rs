@@ -71,30 +71,12 @@ impl<'a> Remesher<'a> {
         self.mesh
     }
 
+    /// Splits edges that are too long, in passes, until there are none.
     pub(super) fn split_long_edges(&mut self) {
         for _ in 0..SPLIT_PASSES {
             let mut splits = 0;
             for half_edge in 0..self.mesh.half_edge_bound() {
-                if !self.mesh.is_edge(half_edge) {
-                    continue;
-                }
-                let longest = LONG * self.target_length(half_edge);
-                let square = self.mesh.length_squared(half_edge);
-                if square > longest * longest {
-                    let (a, b) = self.mesh.ends(half_edge);
-                    let middle = 0.5 * (self.mesh.position(a) + self.mesh.position(b));
-                    let crowded = [half_edge, self.mesh.twin(half_edge)].iter().any(|&side| {
-                        let apex = self.mesh.position(self.mesh.apex(side));
-                        (apex - middle).norm_squared() < CROWDED * CROWDED * square
-                    });
-                    if crowded {
-                        continue; // a flip is due, not one more vertex beside the apex
-                    }
-                    self.mesh.split(half_edge, middle);
-                    self.grade
-                        .push(0.5 * (self.grade[a as usize] + self.grade[b as usize]));
-                    self.normal
-                        .push(0.5 * (self.normal[a as usize] + self.normal[b as usize]));
+                if self.mesh.is_edge(half_edge) && self.try_split(half_edge) {
                     splits += 1;
                 }
             }
@@ -105,6 +87,30 @@ impl<'a> Remesher<'a> {
         }
     }
 
+    /// Splits an edge in the middle if it is too long. Where an apex is close to the middle a flip
+    /// is due, not one more vertex beside the apex.
+    fn try_split(&mut self, half_edge: u32) -> bool {
+        let longest = LONG * self.target_length(half_edge);
+        let square = self.mesh.length_squared(half_edge);
+        if square <= longest * longest {
+            return false;
+        }
+        let (a, b) = self.mesh.ends(half_edge);
+        let middle = 0.5 * (self.mesh.position(a) + self.mesh.position(b));
+        for side in [half_edge, self.mesh.twin(half_edge)] {
+            let apex = self.mesh.position(self.mesh.apex(side));
+            if (apex - middle).norm_squared() < CROWDED * CROWDED * square {
+                return false;
+            }
+        }
+        self.mesh.split(half_edge, middle);
+        let (a, b) = (a as usize, b as usize);
+        self.grade.push(0.5 * (self.grade[a] + self.grade[b]));
+        self.normal.push(0.5 * (self.normal[a] + self.normal[b]));
+        true
+    }
+
+    /// Collapses edges that are too short.
     pub(super) fn collapse_short_edges(&mut self) {
         for half_edge in 0..self.mesh.half_edge_bound() {
             if !self.mesh.is_edge(half_edge) {
@@ -155,10 +161,13 @@ impl<'a> Remesher<'a> {
         self.flip_where(|mesh, half_edge| {
             let (a, b) = mesh.ends(half_edge);
             let (c, d) = (mesh.apex(half_edge), mesh.apex(mesh.twin(half_edge)));
-            let excess = [a, b, c, d].map(|vertex| i64::from(mesh.valence(vertex)) - 6);
-            let cost =
-                |change: [i64; 4]| (0..4).map(|i| (excess[i] + change[i]).pow(2)).sum::<i64>();
-            cost([-1, -1, 1, 1]) < cost([0; 4])
+            let (mut before, mut after) = (0, 0);
+            for (vertex, change) in [(a, -1), (b, -1), (c, 1), (d, 1)] {
+                let excess = i64::from(mesh.valence(vertex)) - 6;
+                before += excess.pow(2);
+                after += (excess + change).pow(2);
+            }
+            after < before
         });
     }
 
@@ -201,36 +210,44 @@ impl<'a> Remesher<'a> {
     /// surface.
     pub(super) fn relax(&mut self) {
         for vertex in 0..self.mesh.positions.len() as u32 {
-            if self.mesh.leaving(vertex).next().is_none() {
-                continue;
+            if let Some(pull) = self.pull(vertex) {
+                self.move_along_surface(vertex, pull);
             }
-            let here = self.mesh.position(vertex);
-            let (mut weight, mut centre, mut normal) = (0.0, Vec3::zeros(), Vec3::zeros());
-            for spoke in self.mesh.leaving(vertex) {
-                let area = self.mesh.area_vector(spoke / 3);
-                let size = area.norm();
-                weight += size;
-                normal += area;
-                centre += (here
-                    + self.mesh.position(self.mesh.ends(spoke).1)
-                    + self.mesh.position(self.mesh.apex(spoke)))
-                    * (size / 3.0);
-            }
-            let Some(normal) = normal.try_normalize(f64::MIN_POSITIVE) else {
-                continue;
-            };
-            let pull = centre / weight - here;
-            let along = pull - normal * pull.dot(&normal);
-            let reach = self.length[self.mesh.shell[vertex as usize] as usize];
-            for fraction in [1.0, 0.5, 0.0] {
-                let (projected, normal) = self.solid.project(&(here + along * fraction));
-                let usable =
-                    projected.iter().all(|x| x.is_finite()) && (projected - here).norm() < reach;
-                if usable && self.move_keeps_shape(vertex, &projected) {
-                    self.mesh.positions[vertex as usize] = projected;
-                    self.normal[vertex as usize] = normal;
-                    break;
-                }
+        }
+    }
+
+    /// From a vertex to the area-weighted centre of its neighbourhood, within the mean plane there;
+    /// `None` for a vertex that was removed or whose triangles have no area.
+    fn pull(&self, vertex: u32) -> Option<Vec3> {
+        let here = self.mesh.position(vertex);
+        let (mut weight, mut centre, mut normal) = (0.0, Vec3::zeros(), Vec3::zeros());
+        for spoke in self.mesh.leaving(vertex) {
+            let area = self.mesh.area_vector(spoke / 3);
+            let size = area.norm();
+            weight += size;
+            normal += area;
+            let neighbour = self.mesh.position(self.mesh.ends(spoke).1);
+            let apex = self.mesh.position(self.mesh.apex(spoke));
+            centre += (here + neighbour + apex) * (size / 3.0);
+        }
+        let normal = normal.try_normalize(f64::MIN_POSITIVE)?;
+        let pull = centre / weight - here;
+        Some(pull - normal * pull.dot(&normal))
+    }
+
+    /// Moves a vertex by a displacement, or half of it, or none, and onto the surface: as far as
+    /// the triangles at it stay in shape.
+    fn move_along_surface(&mut self, vertex: u32, displacement: Vec3) {
+        let here = self.mesh.position(vertex);
+        let reach = self.length[self.mesh.shell[vertex as usize] as usize];
+        for fraction in [1.0, 0.5, 0.0] {
+            let (projected, normal) = self.solid.project(&(here + displacement * fraction));
+            let is_near =
+                projected.iter().all(|x| x.is_finite()) && (projected - here).norm() < reach;
+            if is_near && self.move_keeps_shape(vertex, &projected) {
+                self.mesh.positions[vertex as usize] = projected;
+                self.normal[vertex as usize] = normal;
+                return;
             }
         }
     }
@@ -260,24 +277,26 @@ impl<'a> Remesher<'a> {
                 continue;
             }
             let points = corners.map(|vertex| self.mesh.position(vertex));
-            if quality(&points) > LEAST_QUALITY {
-                continue;
+            if quality(&points) <= LEAST_QUALITY {
+                self.remove_sliver(triangle);
             }
-            let mut sides = [3 * triangle, 3 * triangle + 1, 3 * triangle + 2];
-            sides.sort_by(|&a, &b| {
-                self.mesh
-                    .length_squared(a)
-                    .total_cmp(&self.mesh.length_squared(b))
-            });
-            let longest = sides[2];
-            let [a, b, c, d] = quadrangle(&self.mesh, longest);
-            let improves = quality(&[c, a, d]).min(quality(&[d, b, c]))
-                > quality(&[a, b, c]).min(quality(&[b, a, d]));
-            if improves && self.flip_keeps_shape(longest) && self.mesh.can_flip(longest) {
-                self.mesh.flip(longest);
-            } else {
-                self.try_collapse(sides[0], f64::INFINITY);
-            }
+        }
+    }
+
+    fn remove_sliver(&mut self, triangle: u32) {
+        let mut sides = [3 * triangle, 3 * triangle + 1, 3 * triangle + 2];
+        sides.sort_by(|&a, &b| {
+            let (a, b) = (self.mesh.length_squared(a), self.mesh.length_squared(b));
+            a.total_cmp(&b)
+        });
+        let [shortest, _, longest] = sides;
+        let [a, b, c, d] = quadrangle(&self.mesh, longest);
+        let improves = quality(&[c, a, d]).min(quality(&[d, b, c]))
+            > quality(&[a, b, c]).min(quality(&[b, a, d]));
+        if improves && self.flip_keeps_shape(longest) && self.mesh.can_flip(longest) {
+            self.mesh.flip(longest);
+        } else {
+            self.try_collapse(shortest, f64::INFINITY);
         }
     }
 }

@@ -10,11 +10,10 @@ impl Remesher<'_> {
     /// Edge lengths from the areas of the shells: a vertex of an equilateral mesh of edge L has the
     /// area (√3/2) L².
     pub(super) fn set_lengths(&mut self) {
-        let targets = self.vertex_targets();
-        self.length = targets
-            .iter()
-            .map(|(area, count)| (2.0 / 3f64.sqrt() * area / count).sqrt())
-            .collect();
+        self.length.clear();
+        for (area, count) in self.vertex_targets() {
+            self.length.push((2.0 / 3f64.sqrt() * area / count).sqrt());
+        }
     }
 
     /// The length that an edge should have, Å.
@@ -31,18 +30,20 @@ impl Remesher<'_> {
             let shell = self.mesh.shell[self.mesh.triangle(triangle)[0] as usize];
             areas[shell as usize] += 0.5 * self.mesh.area_vector(triangle).norm();
         }
-        areas
-            .into_iter()
-            .map(|area| (area, (area * self.density).max(self.fewest_vertices as f64)))
-            .collect()
+        let fewest = self.fewest_vertices as f64;
+        let mut targets = Vec::with_capacity(areas.len());
+        for area in areas {
+            targets.push((area, (area * self.density).max(fewest)));
+        }
+        targets
     }
 
     /// Corrects the target lengths by the vertex numbers reached so far: N ∝ 1/L².
     pub(super) fn adjust_lengths(&mut self) {
         let mut counts = vec![0.0; self.mesh.shells];
-        self.mesh
-            .vertices()
-            .for_each(|vertex| counts[self.mesh.shell[vertex as usize] as usize] += 1.0);
+        for vertex in self.mesh.vertices() {
+            counts[self.mesh.shell[vertex as usize] as usize] += 1.0;
+        }
         for (shell, (_, wanted)) in self.vertex_targets().into_iter().enumerate() {
             self.length[shell] *= (counts[shell] / wanted).sqrt().clamp(0.8, 1.25);
         }

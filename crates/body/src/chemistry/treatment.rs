@@ -1,0 +1,64 @@
+//! How a residue that is not one of the twenty is treated, in words.
+
+use super::protonation::Group;
+use super::residue_names::{ModifiedResidue, ion_charge_e};
+use crate::structure::{ResidueClass, SelectedResidue};
+
+/// What the residue is and where its charge and hydropathy come from; empty for one of the twenty.
+pub(crate) fn describe(residue: &SelectedResidue) -> String {
+    match residue.class {
+        ResidueClass::Modified(modified) => describe_modified(modified),
+        ResidueClass::LikeAminoAcid(amino_acid) => {
+            let name = amino_acid.name();
+            format!("in no table; has the heavy atoms of {name}, counted as {name}")
+        }
+        ResidueClass::UnknownAminoAcid => match formal_charge_e(residue) {
+            0 => "in no table, side chain taken as neutral".into(),
+            charge => format!("in no table, side chain charged {charge:+} e as the file states"),
+        },
+        ResidueClass::Ligand => match ion_charge_e(&residue.name) {
+            Some(charge) => format!("ligand, {charge:+} e by its name"),
+            None => format!(
+                "ligand, {:+} e, the sum of the formal charges that the file states",
+                formal_charge_e(residue)
+            ),
+        },
+        _ => String::new(),
+    }
+}
+
+fn describe_modified(modified: &ModifiedResidue) -> String {
+    let what = modified.what;
+    let hydropathy = match modified.parent {
+        Some(parent) => format!("hydropathy of {}", parent.name()),
+        None => "no hydropathy".into(),
+    };
+    match (modified.groups, modified.parent) {
+        (None, Some(parent)) => format!("{what}, counted as {}", parent.name()),
+        (None | Some([]), _) => format!("{what}: {hydropathy}, side chain taken as neutral"),
+        (Some(groups), _) => format!("{what}: {hydropathy}, {}", describe_groups(groups)),
+    }
+}
+
+/// `own groups of pKa 1.0 (acid), 5.6 (acid)`.
+fn describe_groups(groups: &[Group]) -> String {
+    let mut described = Vec::new();
+    for group in groups {
+        let kind = if group.protonated_charge_e > 0.5 {
+            "base"
+        } else {
+            "acid"
+        };
+        described.push(format!("{:.1} ({kind})", group.pka));
+    }
+    format!("own groups of pKa {}", described.join(", "))
+}
+
+/// Sum of the formal charges that the file states for the atoms, e.
+pub(crate) fn formal_charge_e(residue: &SelectedResidue) -> i32 {
+    let mut sum = 0_i32;
+    for atom in &residue.atoms {
+        sum = sum.saturating_add(atom.formal_charge_e.unwrap_or(0));
+    }
+    sum
+}

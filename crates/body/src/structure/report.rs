@@ -1,0 +1,148 @@
+//! The report of a selection.
+
+use super::residue_key::ResidueKey;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// What was selected, what was left out and why, and how residues were treated.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct SelectionReport {
+    /// Model used.
+    pub model: i32,
+    /// Models in the file.
+    pub models: usize,
+    /// Biological assembly used.
+    pub assembly: Option<String>,
+    /// Atom records of the model.
+    pub records: usize,
+    /// Atoms selected, over all copies of an assembly.
+    pub atoms: usize,
+    /// Atom records left out, by reason. With `atoms` they add up to `records` unless an assembly
+    /// is applied.
+    pub skipped: BTreeMap<&'static str, usize>,
+    /// Residues left out, by name.
+    pub skipped_residues: BTreeMap<String, usize>,
+    /// Modified residues: what each is and what it counts as.
+    pub modified: Vec<ListedResidue>,
+    /// Residues of a chain that are in no table, and what each counts as.
+    pub unknown: Vec<ListedResidue>,
+    /// Ligands kept, and where the charge of each comes from.
+    pub ligands: Vec<ListedResidue>,
+    /// Residues with other residues in the same place.
+    pub microheterogeneous: Vec<ListedResidue>,
+    /// First and last residues of chains whose amine or carboxyl group has no charge because it is
+    /// bonded to another residue.
+    pub blocked_ends: Vec<ListedResidue>,
+    /// Disulfide bonds.
+    pub disulfides: Vec<Disulfide>,
+    /// Residues that lack heavy atoms.
+    pub incomplete: Vec<IncompleteResidue>,
+    /// Breaks of chains.
+    pub chain_breaks: Vec<ChainBreak>,
+    /// Residues of the selected chains that the file lists as not observed.
+    pub unobserved: usize,
+    /// Selected residues that have the chain and number of an earlier one, as in files without
+    /// chain identifiers.
+    pub repeated_numbers: usize,
+    /// Selected atoms with zero occupancy.
+    pub zero_occupancy: usize,
+}
+
+impl SelectionReport {
+    /// Counts atoms that are left out.
+    pub(crate) fn skip(&mut self, why: &'static str, atoms: usize) {
+        if atoms > 0 {
+            *self.skipped.entry(why).or_default() += atoms;
+        }
+    }
+}
+
+/// Reasons in [`SelectionReport::skipped`].
+pub mod reason {
+    /// Another chain.
+    pub const CHAIN: &str = "other chain";
+    /// Another conformer of the residue.
+    pub const ALTERNATE: &str = "alternate location";
+    /// The same atom again.
+    pub const DUPLICATE: &str = "duplicate atom";
+    /// Water.
+    pub const WATER: &str = "water";
+    /// Ligands, ions, sugars.
+    pub const LIGAND: &str = "ligand";
+    /// Nucleic acids.
+    pub const NUCLEIC_ACID: &str = "nucleic acid";
+    /// Hydrogen and deuterium.
+    pub const HYDROGEN: &str = "hydrogen";
+    /// Residues that lack atoms, where they are to be skipped.
+    pub const INCOMPLETE: &str = "incomplete residue";
+    /// Chains that are not part of the biological assembly.
+    pub const ASSEMBLY: &str = "not in the assembly";
+}
+
+/// A residue and how it was treated.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ListedResidue {
+    /// Which residue.
+    pub residue: ResidueKey,
+    /// Its name.
+    pub name: Arc<str>,
+    /// How it was treated.
+    pub note: String,
+    /// Its net charge, e; `None` before the pH is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub charge_e: Option<f64>,
+}
+
+/// A residue without some of its heavy atoms.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct IncompleteResidue {
+    /// Which residue.
+    pub residue: ResidueKey,
+    /// Its name.
+    pub name: Arc<str>,
+    /// Names of the atoms it lacks.
+    pub missing_atoms: Vec<&'static str>,
+}
+
+/// Two residues that follow each other in the file but are not bonded.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChainBreak {
+    /// The residue before the break.
+    pub before: ResidueKey,
+    /// The residue after it.
+    pub after: ResidueKey,
+    /// Distance from C to N, Å; `None` if one of them is missing.
+    pub distance_angstrom: Option<f64>,
+    /// Residue numbers left out between the two.
+    pub missing_numbers: i32,
+}
+
+/// A disulfide bond of a selected cysteine.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Disulfide {
+    /// The selected cysteine.
+    pub residue: ResidueKey,
+    /// The cysteine it is bonded to.
+    pub partner: ResidueKey,
+    /// The evidence of the bond.
+    pub evidence: DisulfideEvidence,
+    /// Distance between the sulfurs, Å; `None` where one of them is missing or the partner is not
+    /// selected.
+    pub distance_angstrom: Option<f64>,
+    /// Whether the partner is selected too. If not, it is in another chain, or in a symmetry copy
+    /// of the deposited coordinates.
+    pub partner_is_selected: bool,
+}
+
+/// The evidence of a disulfide bond.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DisulfideEvidence {
+    /// A record of the file, and sulfurs within bonding distance.
+    RecordAndDistance,
+    /// A record of the file; the sulfurs are farther apart, or one of them is missing.
+    Record,
+    /// The distance alone.
+    Distance,
+}

@@ -1,0 +1,79 @@
+//! The selected residues.
+
+use super::classes::ResidueClass;
+use super::contents::Atom;
+use super::report::SelectionReport;
+use super::residue_key::ResidueKey;
+use crate::chemistry::amino_acid::AminoAcid;
+use std::sync::Arc;
+
+/// The selected residues in file order; [`Structure::select`](super::Structure::select) makes it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Selection {
+    /// Residues, each with at least one atom.
+    pub residues: Vec<SelectedResidue>,
+    /// What was selected, what was left out, and how residues were treated.
+    pub report: SelectionReport,
+}
+
+impl Selection {
+    /// The residues of one chain, with the report of the whole selection.
+    pub fn only_chain(&self, chain: &str) -> Selection {
+        let mut residues = Vec::new();
+        for residue in &self.residues {
+            if *residue.key.chain == *chain {
+                residues.push(residue.clone());
+            }
+        }
+        let mut report = self.report.clone();
+        report.atoms = atom_count(&residues);
+        Selection { residues, report }
+    }
+}
+
+/// One residue in one conformer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SelectedResidue {
+    /// Chain, number, insertion code. The second copy of chain A in an assembly is chain `A-2`.
+    pub key: ResidueKey,
+    /// Residue name; after a mutation that of the new residue.
+    pub name: Arc<str>,
+    /// What it is; after a mutation the new residue.
+    pub class: ResidueClass,
+    /// Its atoms.
+    pub atoms: Vec<Atom>,
+    /// Author's chain in the file.
+    pub source_chain: Arc<str>,
+    /// Whether it has a free amine as the beginning of a chain.
+    pub n_terminus: bool,
+    /// Whether it has a free carboxylate as the end of a chain.
+    pub c_terminus: bool,
+    /// Whether it is a cysteine in a disulfide bond.
+    pub in_disulfide: bool,
+    /// The amino acid before a mutation.
+    pub mutated_from: Option<AminoAcid>,
+}
+
+impl SelectedResidue {
+    /// The atom of a name.
+    pub fn atom(&self, name: &str) -> Option<&Atom> {
+        self.atoms.iter().find(|atom| &*atom.name == name)
+    }
+
+    /// The key of the residue in the file, without the number of its copy in an assembly.
+    pub(crate) fn source_key(&self) -> ResidueKey {
+        ResidueKey {
+            chain: self.source_chain.clone(),
+            ..self.key.clone()
+        }
+    }
+}
+
+/// Number of atoms of these residues.
+pub(crate) fn atom_count(residues: &[SelectedResidue]) -> usize {
+    let mut atoms = 0;
+    for residue in residues {
+        atoms += residue.atoms.len();
+    }
+    atoms
+}
