@@ -1,8 +1,10 @@
-"""Draws the figures of the papers on the lattice of rigid squares from the tables of the example paper_figures.
+"""Draws the figures of the papers on the lattice of rigid squares from the tables of the example paper_figures and from
+sweeps of 2 x 2 squares, of which it writes what is drawn.
 
-    python rhua_lattice.py FOLDER
+    python rhua_lattice.py FOLDER [SWEEPS]
 """
 
+import csv
 import sys
 from pathlib import Path
 
@@ -13,12 +15,50 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 FOLDER = Path(sys.argv[1])
+SWEEPS = Path(sys.argv[2]) if len(sys.argv) > 2 else None
 # The same tables give the same bytes.
 plt.rcParams.update({"svg.hashsalt": "rhua", "svg.fonttype": "none", "font.size": 9, "axes.spines.top": False, "axes.spines.right": False})
 
 
 def table(name):
     return np.genfromtxt(FOLDER / f"{name}.csv", delimiter=",", names=True)
+
+
+def rows_of_sweep(name, columns, **constants):
+    """The rows of a sweep, with these of its columns under new names."""
+    with open(SWEEPS / name / "lattice.csv", newline="") as file:
+        for row in csv.DictReader(file):
+            yield constants | {new: float(row[old]) for new, old in columns.items()}
+
+
+def write(name, rows):
+    rows = list(rows)
+    with open(FOLDER / f"{name}.csv", "w", newline="") as file:
+        print(*rows[0], sep=",", file=file)
+        for row in rows:
+            print(*(f"{value:.6g}" for value in row.values()), sep=",", file=file)
+
+
+def tables_of_sweeps():
+    exponent = {"r0": "r0", "runs": "runs", "exponent": "lyapunov_exponent", "error": "lyapunov_exponent_error"}
+    for name in ["lyapunov", "lyapunov_free", "lyapunov_growth"]:
+        write(name, rows_of_sweep(name, exponent))
+    share = {
+        "r0": "r0",
+        "trajectories": "runs",
+        "of_total": "checkerboard_deviation_of_total",
+        "of_total_error": "checkerboard_deviation_of_total_error",
+        "of_rotational": "checkerboard_deviation",
+        "of_rotational_error": "checkerboard_deviation_error",
+        "mean_share": "checkerboard_fraction_of_total",
+        "mean_share_error": "checkerboard_fraction_of_total_error",
+    }
+    rows = []
+    for angles in [0, 0.01, 0.1]:
+        for spins in [0, 0.001, 0.01, 0.1, 0.3, 1]:
+            disorder = {"angle_spread": angles, "rate_spread": spins}
+            rows += rows_of_sweep(f"checkerboard_{angles}_{spins}", share, **disorder)
+    write("checkerboard_small", rows)
 
 
 def save(figure, name):
@@ -190,14 +230,14 @@ def checkerboard():
 
 
 def lyapunov():
-    rows = table("lyapunov")
     figure, axis = plt.subplots(figsize=(4.6, 3))
-    for column, error, name in [
-        ("exponent", "error", "with collisions"),
-        ("free_exponent", "free_error", "without"),
-        ("growth_to_15", "growth_error", "growth along the coherent orbit, t < 1.5"),
+    for name, title in [
+        ("lyapunov", "with collisions"),
+        ("lyapunov_free", "without"),
+        ("lyapunov_growth", "growth along the coherent orbit, t < 1.5"),
     ]:
-        axis.errorbar(rows["r0"], rows[column], rows[error], marker="o", ms=4, lw=1, capsize=2, label=name)
+        rows = table(name)
+        axis.errorbar(rows["r0"], rows["exponent"], rows["error"], marker="o", ms=4, lw=1, capsize=2, label=title)
     axis.set(xscale="log", yscale="log", xlabel="$r_0/l$", ylabel="$\\lambda_\\mathrm{max}$")
     axis.legend(fontsize=7)
     save(figure, "lyapunov")
@@ -240,6 +280,8 @@ def potential():
     save(figure, "potential")
 
 
+if SWEEPS:
+    tables_of_sweeps()
 for draw in [
     phase_differences,
     synchronisation,

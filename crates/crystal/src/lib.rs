@@ -6,13 +6,15 @@
 //! | [`lattice`] | rigid impenetrable squares whose corners are joined by massless rigid rods: their dynamics |
 //! | [`analysis`] | what their motion shows: modes, synchronisation, strain, chaos, and the exact coherent orbit |
 //!
-//! The lattice lives in reduced units: the half-diagonal of a square is 1, its mass is 1, and time
-//! is what follows when velocities are of order one. A scale in Å is recorded where a lattice was
-//! made from a body.
+//! The lattice is described in reduced units: the half-diagonal of a square is 1, its mass is 1, and
+//! the unit of time is the one in which velocities are of order one. Where a square stands for a
+//! body, its half-diagonal is known in Å as well.
 
 pub mod analysis;
 mod error;
 pub mod framework;
 pub mod lattice;
+mod plane;
+mod random;
 
 pub use error::{CrystalError, Result};

@@ -6,9 +6,7 @@ mod common;
 
 use common::two_squares;
 use protomer_crystal::Result;
-use protomer_crystal::analysis::lyapunov::{
-    CollisionFlow, LyapunovSettings, RodFlow, maximal_exponent,
-};
+use protomer_crystal::analysis::lyapunov::{LyapunovSettings, SteppedFlow, maximal_exponent};
 use protomer_crystal::analysis::modes::{ModeEnergies, Modes, OutOf, orientational_spread};
 use protomer_crystal::analysis::spread::FirstMaximum;
 use protomer_crystal::analysis::strain::{
@@ -16,8 +14,8 @@ use protomer_crystal::analysis::strain::{
 };
 use protomer_crystal::analysis::synchronisation::{Synchronisation, angles, staggered};
 use protomer_crystal::lattice::{
-    AngularVelocities, Coherence, CollisionSettings, Dynamics, Edges, Engine, Force, Network,
-    Square, Start, State,
+    Coherence, CollisionSettings, Dynamics, Edges, Engine, Force, Network, Square, Start,
+    StartVelocities, State,
 };
 use std::f64::consts::{FRAC_PI_4, PI};
 use std::sync::Arc;
@@ -99,7 +97,7 @@ fn hill_and_valley_have_their_exponents() {
             velocities: vec![0.0; 3],
         };
         let flow = |state: &State| {
-            RodFlow::new(
+            SteppedFlow::new(
                 Dynamics::new(network.clone(), vec![Box::new(Hill(stiffness))], state).unwrap(),
                 1e-3,
             )
@@ -145,7 +143,7 @@ fn a_turning_line_of_squares_is_regular_and_a_folded_one_is_not() {
             velocities,
         };
         let flow = |state: &State| {
-            RodFlow::new(
+            SteppedFlow::new(
                 Dynamics::new(network.clone(), Vec::new(), state).unwrap(),
                 step,
             )
@@ -179,7 +177,7 @@ fn lattice_exponent(
     step: f64,
 ) -> (f64, f64) {
     let network = lattice(2, rod_length);
-    let velocities = AngularVelocities::Uniform {
+    let velocities = StartVelocities::Uniform {
         largest: 1.0,
         sum_of_squares: Some(4.0),
     };
@@ -193,7 +191,7 @@ fn lattice_exponent(
     .state;
     let flow = |state: &State| {
         let forces: Vec<Box<dyn Force>> = vec![Box::new(Coherence { kappa })];
-        RodFlow::new(Dynamics::new(network.clone(), forces, state).unwrap(), step)
+        SteppedFlow::new(Dynamics::new(network.clone(), forces, state).unwrap(), step)
     };
     let (mut first, mut second) = (flow(&state), flow(&state));
     let found = maximal_exponent(&network, &mut first, &mut second, &mut state, settings).unwrap();
@@ -245,7 +243,7 @@ fn four_squares_on_rods_are_chaotic_however_it_is_measured() {
 #[test]
 fn colliding_squares_are_chaotic() {
     let network = lattice(2, 0.5);
-    let velocities = AngularVelocities::Uniform {
+    let velocities = StartVelocities::Uniform {
         largest: 1.0,
         sum_of_squares: Some(4.0),
     };
@@ -258,7 +256,7 @@ fn colliding_squares_are_chaotic() {
     .unwrap()
     .state;
     let flow = |state: &State| {
-        CollisionFlow::new(
+        SteppedFlow::new(
             Engine::new(
                 network.clone(),
                 Vec::new(),
@@ -281,20 +279,20 @@ fn colliding_squares_are_chaotic() {
         "{} ± {}, {:?}",
         found.exponent,
         found.standard_error,
-        first.engine().statistics()
+        first.stepper().statistics()
     );
-    assert!(first.engine().statistics().impacts > 50);
+    assert!(first.stepper().statistics().impacts > 50);
     assert!(found.exponent > 6.0 * found.standard_error);
 }
 
-/// Poisson's ratio of a lattice that only opens and closes is -1 from its trajectory, by either
-/// points.
+/// Poisson's ratio of a lattice that only opens and closes is -1, from its centres as from its
+/// corners.
 #[test]
 fn a_coherent_trajectory_is_auxetic() {
     let network = lattice(2, 0.5);
     let start = Start {
         angle: 0.3,
-        velocities: AngularVelocities::Checkerboard { rate: 1.0 },
+        velocities: StartVelocities::Checkerboard { rate: 1.0 },
         ..Start::default()
     };
     let mut state = start.build(&network, 0).unwrap().state;
@@ -332,13 +330,13 @@ fn a_coherent_trajectory_is_auxetic() {
     assert!((plain[(0, 3)].norm() - 1.0).abs() < 1e-12);
 }
 
-/// From the closed state at ω_c = 1 the coherence potential keeps the squares together the better
-/// the stronger it is (fig. 12): lower and earlier first maxima of the spread.
+/// From the closed state at ω_c = 1, a stronger coherence potential keeps the squares closer together
+/// (fig. 12): lower and earlier first maxima of the spread.
 #[test]
 fn stronger_coherence_gives_lower_and_earlier_maxima_of_the_spread() {
     let network = lattice(4, 0.5);
     let start = Start {
-        velocities: AngularVelocities::Checkerboard { rate: 1.0 },
+        velocities: StartVelocities::Checkerboard { rate: 1.0 },
         ..Start::closed()
     };
     let found = [30.0, 100.0, 300.0].map(|kappa| {
@@ -361,7 +359,7 @@ fn stronger_coherence_gives_lower_and_earlier_maxima_of_the_spread() {
 fn a_coherent_motion_has_all_its_rotation_in_the_checkerboard_mode() {
     let network = lattice(2, 1.0);
     let start = Start {
-        velocities: AngularVelocities::Checkerboard { rate: 1.0 },
+        velocities: StartVelocities::Checkerboard { rate: 1.0 },
         ..Start::default()
     };
     let mut state = start.build(&network, 0).unwrap().state;

@@ -404,8 +404,8 @@ fn first_contacts_of_free_squares_are_found_however_short() {
         match (expected, found) {
             (Some(expected), Some(found)) => {
                 hits += 1;
-                // The slow twin can miss a graze between its samples, never find one that is not
-                // there.
+                // The slow twin can miss a graze between its samples, but never finds one that is
+                // not there.
                 assert!(found <= expected + 1e-10, "{state:?}: {found} {expected}");
                 if found < expected - 1e-10 {
                     grazes += 1;
@@ -716,8 +716,8 @@ fn coherent_motion_ends_at_the_angle_of_contact() {
     }
 }
 
-/// Results are a function of the state alone: neither the list of near pairs nor anything else of
-/// the past shows.
+/// Results are a function of the state alone: neither the list of near pairs nor anything else from
+/// the past affects them.
 #[test]
 fn a_run_taken_up_again_goes_on_as_if_nothing_had_been() {
     for r0 in [3.0 / 22.0, 2.0] {

@@ -18,6 +18,7 @@ use protomer_crystal::framework::{
     gpa_per_kcal_mol_angstrom3,
 };
 use protomer_kernel::random::CounterRng;
+use std::f64::consts::PI;
 use std::path::Path;
 
 fn gpa() -> f64 {
@@ -174,6 +175,37 @@ fn rotating_polygons_shrink_alike_in_all_directions() {
                 moduli.youngs_gpa[0].is_none()
                     && (moduli.poissons[0][1].unwrap() + 1.0).abs() < 1e-6
             );
+        }
+    }
+}
+
+/// One hinge at every corner that two polygons share, as published: E = 8 K_h / (a² (1 - sin θ)) for
+/// squares at the angle θ between them (Grima and Evans, J. Mater. Sci. Lett. 19, 1563 (2000)), E =
+/// 4√3 K_h / (a² (1 + cos(π/3 + θ))) for triangles (Grima and Evans, J. Mater. Sci. 41, 3193 (2006)),
+/// per unit thickness; ν = -1.
+#[test]
+fn rotating_polygons_have_the_published_moduli() {
+    let (side, kh, stiff) = (2.0, 1.5, 1e9);
+    for turn in [0.1_f64, 0.4, 0.7] {
+        let square = build::rotating_squares(side, turn, stiff, kh).unwrap();
+        let triangle = build::rotating_triangles(side, turn, stiff, kh).unwrap();
+        assert_eq!((square.hinges.len(), triangle.hinges.len()), (8, 3));
+        let theta = PI / 2.0 - 2.0 * turn;
+        let of_squares = 8.0 * kh / (side * side * (1.0 - theta.sin()));
+        let theta = 2.0 * PI / 3.0 - 2.0 * turn;
+        let of_triangles =
+            4.0 * 3f64.sqrt() * kh / (side * side * (1.0 + (PI / 3.0 + theta).cos()));
+        for (net, published) in [(square, of_squares), (triangle, of_triangles)] {
+            let moduli = Moduli::new(&Elasticity::of(&net).unwrap(), 1.0);
+            for axis in 0..2 {
+                let modulus = moduli.youngs_gpa[axis].unwrap();
+                assert!(
+                    (modulus / published - 1.0).abs() < 1e-6,
+                    "{turn}: {modulus} {published}"
+                );
+                let ratio = moduli.poissons[axis][1 - axis].unwrap();
+                assert!((ratio + 1.0).abs() < 1e-6, "{turn}: {ratio}");
+            }
         }
     }
 }
@@ -490,8 +522,8 @@ fn small_loads_stretch_by_the_compliance() {
             }
         }
     }
-    // Far out the two kinds of stress part: this one grows wider when pulled, so a nominal stress
-    // is the smaller.
+    // At large strains the two kinds of stress differ: this network grows wider when pulled, so a
+    // nominal stress stretches it less.
     let net = build::honeycomb(&made_of(60.0, 50.0, 10_000.0)).unwrap();
     let loads = |kind| -> Vec<Load> {
         (1..=5)

@@ -5,7 +5,7 @@
 use protomer_crystal::analysis::grima::{CoherentOrbit, smallest_angle};
 use protomer_crystal::analysis::modes::{Modes, orientational_spread};
 use protomer_crystal::lattice::{
-    AngularVelocities, Coherence, Dynamics, Edges, Force, Network, Square, Start, State,
+    Coherence, Dynamics, Edges, Force, Network, Square, Start, StartVelocities, State,
 };
 use std::f64::consts::FRAC_PI_4;
 use std::path::Path;
@@ -23,7 +23,7 @@ fn start(size: usize, rod_length: f64, angle: f64, rate: f64) -> (Arc<Network>, 
     .unwrap();
     let start = Start {
         angle,
-        velocities: AngularVelocities::Checkerboard { rate },
+        velocities: StartVelocities::Checkerboard { rate },
         ..Start::default()
     };
     let state = start.build(&network, 0).unwrap().state;
@@ -65,9 +65,8 @@ fn two_by_two_keeps_the_orbit_to_second_order_whatever_the_rods() {
     }
 }
 
-/// With r0 > 0 larger lattices leave the orbit. The shorter the rods the less of another motion
-/// there is, and in the limit r0 = 0, where the constraints are singular, the orbit is all that is
-/// left.
+/// With r0 > 0 larger lattices leave the orbit. The shorter the rods, the less other motion there is;
+/// in the limit r0 = 0, where the constraints are singular, only the orbit is left.
 #[test]
 fn four_by_four_approaches_the_orbit_as_the_rods_shrink() {
     let [long, middle, short] = [0.1, 0.025, 0.00625]
@@ -126,7 +125,7 @@ fn contact_times_and_velocities_are_those_computed_elsewhere() {
             (rate - numbers(&contact["v_after"])[2]).abs() < 1e-7,
             "{name}"
         );
-        // All of the trajectory, to the accuracy of the reference.
+        // The whole trajectory, to the accuracy of the reference.
         for (time, (s, v)) in numbers(&reference["times"])
             .iter()
             .zip(

@@ -1,5 +1,4 @@
-//! Runs that are long, for what must hold however long they are. Run by name, `-- --ignored
-//! --nocapture`.
+//! Long runs, for what must hold at any length. Run by name with `-- --ignored --nocapture`.
 
 #![allow(
     clippy::unwrap_used,
@@ -13,7 +12,7 @@ use protomer_crystal::analysis::modes::Modes;
 use protomer_crystal::lattice::collision::replay::first_contact;
 use protomer_crystal::lattice::paper::{PaperEngine, PaperSettings};
 use protomer_crystal::lattice::{
-    AngularVelocities, CollisionSettings, Corner, Dynamics, Edges, Engine, Network, Square, Start,
+    CollisionSettings, Corner, Dynamics, Edges, Engine, Network, Square, Start, StartVelocities,
     State,
 };
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_4};
@@ -25,7 +24,7 @@ fn lattice(size: usize, r0: f64) -> Arc<Network> {
 
 /// The open lattice with angular velocities U(-1, 1) brought onto the rods.
 fn random_start(network: &Network, seed: u64) -> State {
-    let velocities = AngularVelocities::Uniform {
+    let velocities = StartVelocities::Uniform {
         largest: 1.0,
         sum_of_squares: None,
     };
@@ -243,8 +242,7 @@ fn ten_times_longer_than_the_papers_no_rod_runs_through_a_square() {
     }
 }
 
-/// How far rods as in the papers, which nothing stops, get in the same time: the test above can
-/// fail.
+/// How far rods that nothing stops, as in the papers, get in the same time: the test above can fail.
 #[test]
 #[ignore = "10^4 steps of 10 x 10"]
 fn without_rods_as_obstacles_they_run_through_squares() {
@@ -270,7 +268,7 @@ fn without_rods_as_obstacles_they_run_through_squares() {
 fn coherent_two_by_two_follows_the_exact_orbit_through_contacts() {
     for r0 in [0.05, 3.0 / 22.0, 1.0, 2.0] {
         let network = lattice(2, r0);
-        let velocities = AngularVelocities::Checkerboard { rate: -1.0 };
+        let velocities = StartVelocities::Checkerboard { rate: -1.0 };
         let start = Start {
             velocities,
             ..Start::default()

@@ -8,8 +8,8 @@ mod common;
 use common::two_squares;
 use protomer_crystal::lattice::pair::{ScreenedCharges, SquareCharge, neighbours};
 use protomer_crystal::lattice::{
-    AngularVelocities, CollisionSettings, Corner, Drag, Dynamics, Edges, Engine, Force, Langevin,
-    Network, Rod, Square, Start, State,
+    CollisionSettings, Corner, Drag, Dynamics, Edges, Engine, Force, Langevin, Network, Rod,
+    Square, Start, StartVelocities, State,
 };
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::statistics::summarize;
@@ -78,7 +78,7 @@ fn lattice(size: usize, rod_length: f64) -> Arc<Network> {
 }
 
 fn random_start(network: &Network, seed: u64) -> State {
-    let velocities = AngularVelocities::Uniform {
+    let velocities = StartVelocities::Uniform {
         largest: 1.0,
         sum_of_squares: None,
     };

@@ -18,14 +18,18 @@ use protomer::lattice::settings::{
 };
 use protomer::lattice::square_of_body::{Axis, Size, square_of_body};
 use protomer::lattice::start::{begin, network};
-use protomer::lattice::sweep::{LatticeSweepEnd, run_sweep};
+use protomer::lattice::sweep::{LatticeSweep, LatticeSweepEnd, run_sweep};
 use protomer::lattice::trajectory::read_states;
 use protomer::own_body::{OwnBody, build};
 use protomer::run::Execution;
-use protomer_crystal::lattice::Edges;
+use protomer_crystal::analysis::grima::CoherentOrbit;
+use protomer_crystal::analysis::lyapunov::{LyapunovSettings, SteppedFlow, maximal_exponent};
+use protomer_crystal::lattice::{Edges, Mover, Square, State};
 use protomer_io::gsd::{ChunkData, GsdFile};
 use std::cell::Cell;
+use std::f64::consts::FRAC_PI_4;
 use std::path::Path;
+use std::sync::Arc;
 
 fn small() -> LatticeSettings {
     LatticeSettings {
@@ -450,6 +454,7 @@ fn sweeps_do_not_depend_on_threads_and_are_taken_up_again() {
             r0: vec![0.2, 1.0],
             kappa: vec![0.0, 1.0, 10.0],
             seeds: vec![1, 2],
+            lyapunov: None,
         }),
         ..small()
     };
@@ -473,6 +478,7 @@ fn sweeps_do_not_depend_on_threads_and_are_taken_up_again() {
     for file in [
         "lattice.csv",
         "runs.csv",
+        "crossings.csv",
         "lattice.json",
         "indices.svg",
         "spread.svg",
@@ -496,6 +502,178 @@ fn sweeps_do_not_depend_on_threads_and_are_taken_up_again() {
         spread(10.0),
         spread(1.0)
     );
+}
+
+/// A sweep in the given folder, on one thread.
+fn finish_sweep(settings: &LatticeSettings, directory: &Path) -> LatticeSweep {
+    match run_sweep(settings, directory, &Execution::default(), &|| {}).unwrap() {
+        LatticeSweepEnd::Finished(sweep) => *sweep,
+        LatticeSweepEnd::Stopped => panic!("nobody asked it to stop"),
+    }
+}
+
+/// Two by two squares from the open state, all turning alike but for a small disorder.
+fn nearly_coherent() -> LatticeSettings {
+    LatticeSettings {
+        rows: 2,
+        columns: 2,
+        start: "open".parse().unwrap(),
+        velocities: Velocities::Checkerboard,
+        steps: Some(2000),
+        log_every: 2,
+        ..small()
+    }
+}
+
+/// The exponent of the sweep is the one that the library finds for the same trajectory, it is
+/// chaotic, it is kept, and settings of another exponent are another sweep.
+#[test]
+fn sweeps_measure_lyapunov_exponents() {
+    let lyapunov = LyapunovSettings {
+        intervals: 60,
+        discarded: 10,
+        ..LyapunovSettings::default()
+    };
+    let settings = LatticeSettings {
+        velocity_spread: 0.1,
+        sweep: Some(SweepAxes {
+            r0: vec![0.5, 1.0],
+            seeds: vec![1, 2],
+            lyapunov: Some(lyapunov),
+            ..SweepAxes::default()
+        }),
+        ..nearly_coherent()
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let sweep = finish_sweep(&settings, folder.path());
+    assert!(sweep.runs.iter().all(|run| run.lyapunov_exponent > 0.2));
+    assert!(folder.path().join("lyapunov.svg").exists());
+
+    let run = LatticeSettings {
+        r0: 1.0,
+        seed: 2,
+        sweep: None,
+        ..settings.clone()
+    };
+    let begun = begin(&run).unwrap();
+    let (network, mut state) = (Arc::new(begun.network), begun.state);
+    let flow = |state: &State| {
+        let motion = run.motion().unwrap();
+        SteppedFlow::new(Mover::new(&motion, network.clone(), state).unwrap(), 5e-3)
+    };
+    let (mut first, mut second) = (flow(&state), flow(&state));
+    let seeded = LyapunovSettings {
+        seed: 2,
+        ..lyapunov
+    };
+    let found = maximal_exponent(&network, &mut first, &mut second, &mut state, &seeded).unwrap();
+    let of_sweep = sweep.runs.iter().find(|run| run.r0 == 1.0 && run.seed == 2);
+    assert_eq!(of_sweep.unwrap().lyapunov_exponent, found.exponent);
+
+    // A second look reads what is there.
+    let file = folder.path().join("r0_1_kappa_0/seed_2/lyapunov.json");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let other = text.replace(
+        &format!("\"exponent\": {}", found.exponent),
+        "\"exponent\": 7.5",
+    );
+    assert_ne!(other, text);
+    std::fs::write(&file, other).unwrap();
+    let again = finish_sweep(&settings, folder.path());
+    assert!(again.runs.iter().any(|run| run.lyapunov_exponent == 7.5));
+
+    let noisy = LatticeSettings {
+        temperature: Some(0.1),
+        friction: 1.0,
+        ..settings
+    };
+    assert!(noisy.check().unwrap_err().to_string().contains("noise"));
+}
+
+/// In the coherent motion the checkerboard mode passes the open state at the same speed every time,
+/// and as often as the exact orbit does; disorder ends that at the first contact.
+#[test]
+fn sweeps_follow_the_mode_through_the_open_state() {
+    let exact = CoherentOrbit::new(2, 2, Square::default(), 1.0, FRAC_PI_4, -1.0).unwrap();
+    let mut expected = 0;
+    let mut before = exact.at(1e-9)[0];
+    for step in 1..=1000 {
+        let angle = exact.at(0.01 * f64::from(step))[0];
+        expected += usize::from((angle - FRAC_PI_4) * (before - FRAC_PI_4) < 0.0);
+        before = angle;
+    }
+    assert!(expected >= 2, "{expected}");
+    let coherent = LatticeSettings {
+        r0: 1.0,
+        ..nearly_coherent()
+    };
+    let disordered = LatticeSettings {
+        velocity_spread: 0.3,
+        ..coherent.clone()
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let run = |settings: &LatticeSettings, name: &str| {
+        let directory = folder.path().join(name);
+        let row = finish_sweep(settings, &directory).runs.remove(0);
+        (
+            row,
+            std::fs::read_to_string(directory.join("crossings.csv")).unwrap(),
+        )
+    };
+    let (row, table) = run(&coherent, "coherent");
+    assert_eq!(table.lines().count(), 1 + expected, "{table}");
+    assert!((row.crossing_rate - 0.1 * expected as f64).abs() < 1e-12);
+    assert!((row.crossing_speed - 1.0).abs() < 1e-3, "{row:?}");
+    let (row, _) = run(&disordered, "disordered");
+    assert!(row.crossing_speed < 0.9, "{row:?}");
+    assert!(folder.path().join("disordered/crossings.svg").exists());
+}
+
+/// Disorder is added to the spins and the energy of rotation stays; starts in which squares overlap
+/// are drawn again.
+#[test]
+fn starts_may_be_disordered() {
+    let settings = LatticeSettings {
+        velocity_spread: 0.2,
+        speed: 0.5,
+        ..nearly_coherent()
+    };
+    let velocities = begin(&settings).unwrap().state.velocities;
+    let spins: Vec<f64> = velocities.iter().skip(2).step_by(3).copied().collect();
+    let sum: f64 = spins.iter().map(|omega| omega * omega).sum();
+    assert!((sum - 4.0 * 0.25).abs() < 1e-12, "{spins:?}");
+    assert!(spins.iter().any(|omega| (omega.abs() - 0.5).abs() > 0.02));
+    let random = LatticeSettings {
+        velocities: Velocities::Random,
+        ..settings.clone()
+    };
+    let error = random.check().unwrap_err().to_string();
+    assert!(error.contains("checkerboard start"), "{error}");
+
+    let crowded = LatticeSettings {
+        rows: 4,
+        columns: 4,
+        r0: 0.5,
+        angle_spread: 0.3,
+        velocity_spread: 0.0,
+        ..settings
+    };
+    let seeds: Vec<u32> = (1..=8)
+        .map(|seed| {
+            let settings = LatticeSettings {
+                seed,
+                ..crowded.clone()
+            };
+            begin(&settings).unwrap().discarded_draws
+        })
+        .collect();
+    assert!(seeds.iter().any(|draws| *draws > 0), "{seeds:?}");
+    // Squares that pass through each other may overlap.
+    let free = LatticeSettings {
+        collisions: false,
+        ..crowded
+    };
+    assert_eq!(begin(&free).unwrap().discarded_draws, 0);
 }
 
 #[test]
@@ -533,7 +711,8 @@ fn a_box_is_the_square_it_looks_like() {
     })
     .unwrap();
     for size in [Size::Corners, Size::Outside, Size::Area] {
-        let square = square_of_body(&body, Axis::Auto, size).unwrap();
+        let named = square_of_body(&body, Axis::Auto, size).unwrap();
+        let square = &named.square;
         let exact = 50f64.sqrt();
         assert!(
             (square.half_diagonal_angstrom / exact - 1.0).abs() < 2e-3,
@@ -559,7 +738,7 @@ fn a_box_is_the_square_it_looks_like() {
             "{plus:?}"
         );
         assert!((plus.position[0] + minus.position[0]).abs() < 1e-9);
-        let part: toml::Table = toml::from_str(&square.to_toml().unwrap()).unwrap();
+        let part: toml::Table = toml::from_str(&named.to_toml().unwrap()).unwrap();
         let settings: LatticeSettings = part.try_into().unwrap();
         assert_eq!(settings.charges, square.charges);
     }

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
-/// Whatever goes wrong.
+/// Anything that can go wrong.
 pub type Failure = Box<dyn std::error::Error + Send + Sync>;
 
 /// The step of the papers, after which states are looked at.
@@ -15,7 +15,7 @@ pub const FRAME: f64 = 0.01;
 /// r0 / l of the lattices that are compared.
 pub const LENGTHS: [f64; 7] = [0.02, 0.05, 3.0 / 22.0, 0.25, 0.5, 1.0, 2.0];
 
-/// What is asked for.
+/// What to compute.
 #[derive(Debug, Clone)]
 pub struct Settings {
     /// Where the tables go.
@@ -74,16 +74,7 @@ impl Run {
         })
     }
 
-    /// Of an engine prepared at this state.
-    pub fn of(engine: Engine, state: State, step: f64) -> Self {
-        Self {
-            engine,
-            state,
-            step,
-        }
-    }
-
-    /// Goes on by this time.
+    /// Continues for this time.
     pub fn advance(&mut self, duration: f64) -> Result<(), Failure> {
         let steps = (duration / self.step - 1e-9).ceil().max(1.0);
         for _ in 0..steps as u64 {

@@ -11,7 +11,7 @@ use protomer_crystal::analysis::strain::{
 use protomer_crystal::analysis::synchronisation::{
     Synchronisation, angles, eigenvalues, staggered,
 };
-use protomer_crystal::lattice::{AngularVelocities, CollisionSettings, Network, Start};
+use protomer_crystal::lattice::{CollisionSettings, Network, Start, StartVelocities};
 use std::sync::Arc;
 
 const FRAMES: usize = 1000;
@@ -47,7 +47,7 @@ pub struct Record {
 /// The start of the papers.
 pub fn start(seed: u64) -> Start {
     Start {
-        velocities: AngularVelocities::Uniform {
+        velocities: StartVelocities::Uniform {
             largest: 1.0,
             sum_of_squares: None,
         },

@@ -4,7 +4,7 @@
 use crate::common::{FRAME, Failure, Run, Settings, lattice, table, time_step};
 use protomer_crystal::analysis::grima::{CoherentOrbit, smallest_angle};
 use protomer_crystal::analysis::modes::Modes;
-use protomer_crystal::lattice::{AngularVelocities, CollisionSettings, Square, Start};
+use protomer_crystal::lattice::{CollisionSettings, Square, Start, StartVelocities};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// Writes the tables.
@@ -34,7 +34,7 @@ pub fn write(settings: &Settings) -> Result<(), Failure> {
         let network = lattice(2, rod_length)?;
         let orbit = CoherentOrbit::new(2, 2, Square::default(), rod_length, FRAC_PI_4, -1.0)?;
         for parts in [1.0, 2.0, 4.0] {
-            let velocities = AngularVelocities::Checkerboard { rate: -1.0 };
+            let velocities = StartVelocities::Checkerboard { rate: -1.0 };
             let state = Start {
                 velocities,
                 ..Start::default()

@@ -1,8 +1,8 @@
 //! The figures of the two papers on the rigid-square lattice, as tables of numbers:
 //!
 //! ```text
-//! cargo run --release -p protomer-crystal --example paper_figures -- FOLDER [--random N] [--reseeded N] [--small N] [--full] \
-//!     [--jobs N] [FIGURE...]
+//! cargo run --release -p protomer-crystal --example paper_figures -- \
+//!     FOLDER [--random N] [--reseeded N] [--small N] [--full] [--jobs N] [FIGURE...]
 //! ```
 //!
 //! | module | figures |
@@ -10,11 +10,13 @@
 //! | `ensemble` | random lattices of 10 x 10: preprint 4 to 7, paper 5 |
 //! | `long` | ten times longer: preprint 8 |
 //! | `grima` | phase space of the coherent motion: paper 4 |
-//! | `small` | the checkerboard mode of 2 x 2: paper 7 |
-//! | `chaos` | Lyapunov exponents: paper 8 |
+//! | `contact` | 2 x 2 after the first contact: beside paper 7 |
 //! | `opening` | a coherent start of 10 x 10: paper 10 |
 //! | `reseeded` | the checkerboard mode of 10 x 10: paper 11 |
 //! | `potential` | what a coherence potential does: paper 12 |
+//!
+//! The checkerboard mode of 2 x 2 (paper 7) and Lyapunov exponents (paper 8) are those of `protomer
+//! lattice sweep`.
 //!
 //! "The paper" and "the preprint" are those of `protomer_crystal::analysis`. Times are in the
 //! paper's unit, in which its step is 0.01; our steps are `common::time_step`. Numbers do not
@@ -22,27 +24,25 @@
 
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
-mod chaos;
 mod common;
+mod contact;
 mod ensemble;
 mod grima;
 mod long;
 mod opening;
 mod potential;
 mod reseeded;
-mod small;
 
 use common::{Failure, Settings};
 use std::path::PathBuf;
 
 type Figure = (&'static str, fn(&Settings) -> Result<(), Failure>);
 
-const FIGURES: [Figure; 8] = [
+const FIGURES: [Figure; 7] = [
     ("grima", grima::write),
     ("opening", opening::write),
-    ("chaos", chaos::write),
     ("potential", potential::write),
-    ("small", small::write),
+    ("contact", contact::write),
     ("ensemble", ensemble::write),
     ("reseeded", reseeded::write),
     ("long", long::write),

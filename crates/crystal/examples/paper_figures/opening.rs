@@ -4,12 +4,12 @@
 use crate::common::{FRAME, Failure, Run, Settings, lattice, table, time_step};
 use protomer_crystal::analysis::modes::{Modes, orientational_spread, spread_of_magnitudes};
 use protomer_crystal::analysis::synchronisation::angles;
-use protomer_crystal::lattice::{AngularVelocities, CollisionSettings, Start};
+use protomer_crystal::lattice::{CollisionSettings, Start, StartVelocities};
 
 /// Writes the tables.
 pub fn write(settings: &Settings) -> Result<(), Failure> {
     let network = lattice(10, 0.05)?;
-    let velocities = AngularVelocities::Checkerboard { rate: 1.0 };
+    let velocities = StartVelocities::Checkerboard { rate: 1.0 };
     let state = Start {
         velocities,
         ..Start::default()

@@ -5,7 +5,7 @@
 use crate::common::{Failure, Run, Settings, lattice, map, table, time_step};
 use protomer_crystal::analysis::modes::orientational_spread;
 use protomer_crystal::analysis::spread::FirstMaximum;
-use protomer_crystal::lattice::{AngularVelocities, Coherence, CollisionSettings, Force, Start};
+use protomer_crystal::lattice::{Coherence, CollisionSettings, Force, Start, StartVelocities};
 
 const LENGTHS: [f64; 5] = [0.05, 3.0 / 22.0, 0.25, 0.5, 1.0];
 const KAPPAS: [f64; 8] = [0.0, 10.0, 100.0, 300.0, 1e3, 3e3, 1e4, 3e4];
@@ -15,7 +15,7 @@ const DROP: f64 = 1e-4;
 
 fn first_maximum(rod_length: f64, kappa: f64) -> Result<Vec<f64>, Failure> {
     let network = lattice(10, rod_length)?;
-    let velocities = AngularVelocities::Checkerboard { rate: 1.0 };
+    let velocities = StartVelocities::Checkerboard { rate: 1.0 };
     let state = Start {
         velocities,
         ..Start::closed()

@@ -7,7 +7,7 @@ use crate::common::{
 };
 use crate::ensemble::start;
 use protomer_crystal::analysis::modes::{ModeEnergies, OutOf};
-use protomer_crystal::lattice::start::Projector;
+use protomer_crystal::lattice::Projector;
 use protomer_crystal::lattice::{CollisionSettings, State};
 use protomer_kernel::random::{CounterRng, Purpose};
 

@@ -26,12 +26,20 @@
 //!
 //! and beyond 4l they turn freely. An elastic contact turns ω_c around.
 
+use super::elliptic::{elliptic_e, inverse_elliptic_e};
+use crate::error::{Result, require, require_finite, require_not_negative, require_positive};
 use crate::lattice::Square;
-use crate::{CrystalError, Result};
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, SQRT_2};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, SQRT_2};
 
 /// The smallest θ_c before squares meet; the largest is π/2 less this. `None` where they turn
 /// freely.
+///
+/// ```
+/// use protomer_crystal::analysis::grima::smallest_angle;
+/// assert_eq!(smallest_angle(0.0, 1.0), Some(0.0)); // Grima's squares close completely
+/// assert!(smallest_angle(1.0, 1.0).unwrap() < 0.0); // rods let them turn beyond
+/// assert_eq!(smallest_angle(4.1, 1.0), None);
+/// ```
 pub fn smallest_angle(rod_length: f64, half_diagonal: f64) -> Option<f64> {
     let ratio = rod_length / half_diagonal;
     if ratio <= 2.0 * SQRT_2 {
@@ -42,6 +50,9 @@ pub fn smallest_angle(rod_length: f64, half_diagonal: f64) -> Option<f64> {
         None
     }
 }
+
+/// An angle this near to that of a contact may be the contact.
+const ANGLE_ROUNDING: f64 = 1e-12;
 
 /// The coherent orbit through a given angle and angular velocity, with elastic contacts.
 ///
@@ -70,7 +81,7 @@ impl CoherentOrbit {
     /// The orbit of this many rows and columns from θ_c = `angle` at ω_c = `rate`.
     ///
     /// # Errors
-    /// [`CrystalError::BadSetting`] for numbers that make no lattice, or an angle at which squares
+    /// [`CrystalError::BadSetting`](crate::CrystalError::BadSetting) for numbers that make no lattice, or an angle at which squares
     /// overlap.
     pub fn new(
         rows: usize,
@@ -81,37 +92,18 @@ impl CoherentOrbit {
         rate: f64,
     ) -> Result<Self> {
         let count = (rows * columns) as f64;
-        let bad = |setting, value, requirement| {
-            Err(CrystalError::BadSetting {
-                setting,
-                value,
-                requirement,
-            })
-        };
-        if rows * columns == 0 {
-            return bad("number of squares", count, "positive");
-        }
-        for (setting, value) in [
-            ("half_diagonal", square.half_diagonal),
-            ("mass", square.mass),
-            ("inertia", square.inertia),
-        ] {
-            if !(value.is_finite() && value > 0.0) {
-                return bad(setting, value, "positive");
-            }
-        }
-        if !(rod_length.is_finite() && rod_length >= 0.0) {
-            return bad("rod_length", rod_length, "zero or positive");
-        }
-        if !rate.is_finite() {
-            return bad("rate", rate, "finite");
-        }
+        require("number of squares", count, count > 0.0, "positive")?;
+        require_positive("half_diagonal", square.half_diagonal)?;
+        require_positive("mass", square.mass)?;
+        require_positive("inertia", square.inertia)?;
+        require_not_negative("rod_length", rod_length)?;
+        require_finite("rate", rate)?;
         let least = smallest_angle(rod_length, square.half_diagonal);
-        if !angle.is_finite()
-            || least.is_some_and(|least| angle < least - 1e-12 || angle > FRAC_PI_2 - least + 1e-12)
-        {
-            return bad("angle", angle, "between those at which squares meet");
-        }
+        let is_apart = least.is_none_or(|least| {
+            angle >= least - ANGLE_ROUNDING && angle <= FRAC_PI_2 - least + ANGLE_ROUNDING
+        });
+        let requirement = "between those at which squares meet";
+        require("angle", angle, is_apart, requirement)?;
         let around = (rows * rows + columns * columns - 2) as f64 / 12.0;
         let parameter = -4.0 * square.mass * square.half_diagonal.powi(2) * around / square.inertia;
         let from_open = FRAC_PI_4 - angle;
@@ -171,154 +163,11 @@ impl CoherentOrbit {
     }
 }
 
-/// The incomplete elliptic integral of the second kind, E(φ | m) = ∫₀^φ √(1 - m sin²φ') dφ', for
-/// any φ and any m ≤ 1, however negative; NaN where the root is not real.
-///
-/// By Carlson's symmetric integrals (Numer. Math. 33, 1 (1979)), for |φ| ≤ π/2, with s = sin φ: E =
-/// s R_F(1 - s², 1 - m s², 1) - (m/3) s³ R_D(1 - s², 1 - m s², 1); other φ by E(φ + kπ) = E(φ) + 2k
-/// E(π/2).
-pub fn elliptic_e(phi: f64, m: f64) -> f64 {
-    let turns = (phi / PI).round();
-    let within = |phi: f64| {
-        let (sine, cosine) = phi.sin_cos();
-        let (x, y) = (cosine * cosine, 1.0 - m * sine * sine);
-        if y < 0.0 {
-            return f64::NAN;
-        }
-        sine * carlson_rf(x, y, 1.0) - m / 3.0 * sine.powi(3) * carlson_rd(x, y, 1.0)
-    };
-    let rest = within(phi - turns * PI);
-    if turns == 0.0 {
-        rest
-    } else {
-        rest + 2.0 * turns * within(FRAC_PI_2)
-    }
-}
-
-/// φ with E(φ | m) = e, for m ≤ 0 (or below 1): Newton's method between bounds.
-pub fn inverse_elliptic_e(e: f64, m: f64) -> f64 {
-    let half_turn = 2.0 * elliptic_e(FRAC_PI_2, m);
-    let turns = (e / half_turn).round();
-    let rest = e - turns * half_turn;
-    let (mut low, mut high) = (-FRAC_PI_2, FRAC_PI_2);
-    let mut phi = PI * rest / half_turn;
-    for _ in 0..100 {
-        let excess = elliptic_e(phi, m) - rest;
-        if excess > 0.0 {
-            high = phi;
-        } else {
-            low = phi;
-        }
-        let next = phi - excess / (1.0 - m * phi.sin().powi(2)).sqrt();
-        let next = if next > low && next < high {
-            next
-        } else {
-            0.5 * (low + high)
-        };
-        if (next - phi).abs() <= 2.0 * f64::EPSILON * phi.abs().max(1.0) {
-            phi = next;
-            break;
-        }
-        phi = next;
-    }
-    phi + turns * PI
-}
-
-/// R_F(x, y, z) = ½ ∫₀^∞ dt / √((t + x)(t + y)(t + z)), for arguments ≥ 0 of which at most one is
-/// 0; by duplication.
-pub fn carlson_rf(mut x: f64, mut y: f64, mut z: f64) -> f64 {
-    for _ in 0..100 {
-        let mean = (x + y + z) / 3.0;
-        let [a, b, c] = [x, y, z].map(|number| 1.0 - number / mean);
-        if a.abs().max(b.abs()).max(c.abs()) < 2e-3 {
-            let (e2, e3) = (a * b - c * c, a * b * c);
-            let series = 1.0 - e2 / 10.0 + e3 / 14.0 + e2 * e2 / 24.0
-                - 3.0 * e2 * e3 / 44.0
-                - 5.0 * e2.powi(3) / 208.0
-                + 3.0 * e3 * e3 / 104.0;
-            return series / mean.sqrt();
-        }
-        let shift = (x * y).sqrt() + (y * z).sqrt() + (z * x).sqrt();
-        [x, y, z] = [x, y, z].map(|number| 0.25 * (number + shift));
-    }
-    f64::NAN
-}
-
-/// R_D(x, y, z) = 3/2 ∫₀^∞ dt / (√((t + x)(t + y)) (t + z)^(3/2)), for x, y ≥ 0 not both 0 and z >
-/// 0; by duplication.
-pub fn carlson_rd(mut x: f64, mut y: f64, mut z: f64) -> f64 {
-    let (mut sum, mut scale) = (0.0, 1.0);
-    for _ in 0..100 {
-        let mean = (x + y + 3.0 * z) / 5.0;
-        let [a, b, c] = [x, y, z].map(|number| 1.0 - number / mean);
-        if a.abs().max(b.abs()).max(c.abs()) < 1e-3 {
-            let (e2, e3) = (a * b - 6.0 * c * c, (3.0 * a * b - 8.0 * c * c) * c);
-            let (e4, e5) = (3.0 * (a * b - c * c) * c * c, a * b * c.powi(3));
-            let series = 1.0 - 3.0 * e2 / 14.0 + e3 / 6.0 + 9.0 * e2 * e2 / 88.0
-                - 3.0 * e4 / 22.0
-                - 9.0 * e2 * e3 / 52.0
-                + 3.0 * e5 / 26.0;
-            return 3.0 * sum + scale * series / (mean * mean.sqrt());
-        }
-        let shift = (x * y).sqrt() + (y * z).sqrt() + (z * x).sqrt();
-        sum += scale / (z.sqrt() * (z + shift));
-        scale *= 0.25;
-        [x, y, z] = [x, y, z].map(|number| 0.25 * (number + shift));
-    }
-    f64::NAN
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-
-    /// Composite Gauss-Legendre quadrature with three points an interval, summed in groups against
-    /// rounding.
-    fn quadrature(phi: f64, m: f64) -> f64 {
-        const INTERVALS: usize = 20_000;
-        let width = phi / INTERVALS as f64;
-        let root = |x: f64| (1.0 - m * x.sin().powi(2)).sqrt();
-        let part = |index: usize| {
-            let middle = (index as f64 + 0.5) * width;
-            let aside = 0.5 * width * 0.6f64.sqrt();
-            width / 18.0
-                * (5.0 * root(middle - aside) + 8.0 * root(middle) + 5.0 * root(middle + aside))
-        };
-        (0..INTERVALS / 100)
-            .map(|group| (100 * group..100 * group + 100).map(part).sum::<f64>())
-            .sum()
-    }
-
-    #[test]
-    fn the_elliptic_integral_agrees_with_quadrature() {
-        for m in [0.9, 0.5, 0.0, -0.1, -6.0, -30.0, -198.0, -2e4, -2e6] {
-            for phi in [1e-3, 0.3, FRAC_PI_4, 1.5, FRAC_PI_2, 1.8, 4.0, -0.7, -7.0] {
-                let (found, expected) = (elliptic_e(phi, m), quadrature(phi, m));
-                assert!(
-                    (found - expected).abs() < 2e-13 * expected.abs(),
-                    "{phi} {m}: {found} {expected}"
-                );
-                assert!(
-                    (inverse_elliptic_e(found, m) - phi).abs() < 2e-14 * phi.abs().max(1.0),
-                    "{phi} {m}"
-                );
-            }
-        }
-        assert!(elliptic_e(1.0, 4.0).is_nan());
-    }
-
-    #[test]
-    fn known_values() {
-        // E(φ | 0) = φ, E(φ | 1) = sin φ, E(π/2 | ½) from tables.
-        assert_eq!(
-            elliptic_e(0.7, 0.0),
-            0.7f64.sin() * carlson_rf(0.7f64.cos().powi(2), 1.0, 1.0)
-        );
-        assert!((elliptic_e(0.7, 0.0) - 0.7).abs() < 1e-15);
-        assert!((elliptic_e(0.7, 1.0) - 0.7f64.sin()).abs() < 1e-15);
-        assert!((elliptic_e(FRAC_PI_2, 0.5) - 1.350_643_881_047_675_5).abs() < 1e-15);
-    }
+    use std::f64::consts::PI;
 
     #[test]
     fn the_parameter_is_that_of_the_paper() {

@@ -2,40 +2,41 @@
 //!
 //! The maximal Lyapunov exponent by the method of Benettin, Galgani and Strelcyn (Phys. Rev. A 14,
 //! 2338 (1976)): a neighbour of a state at the small distance d0 is carried along for a while τ,
-//! the logarithm of its distance over d0 is noted, and it is brought back to d0 along the line
+//! the logarithm of its distance over d0 is recorded, and it is brought back to d0 along the line
 //! between the two,
 //!
 //! λ = 1/(K τ) Σ_k ln(d_k / d0),
 //!
 //! after which it is projected on what the constraints allow: positions by Newton's method on the
-//! rods, velocities on those that keep them. The distance after projection, not before, is what the
-//! next growth is measured from. Distances are measured with the masses, in positions and in
-//! velocities times a time scale of 1,
+//! rods, velocities on those that keep them. The next growth is measured from the distance after
+//! projection, not before. Distances are measured with the masses, in positions and in velocities
+//! times a time scale of 1,
 //!
 //! d² = Σ m (δx² + δy² + δẋ² + δẏ²) + I (δθ² + δω²).
 //!
-//! Where collisions leave no room for the neighbour at d0, it is carried on from where it is.
+//! Where collisions leave no room for the neighbour at d0, it continues from where it is.
 //!
 //! Directions without growth (translations, the time along the orbit) let d grow linearly, so a
 //! regular motion gives λ of about ln(T)/T, not zero, after a time T.
 
-use crate::lattice::start::{Projector, normal_pair};
-use crate::lattice::{Dynamics, Engine, Network, State};
-use crate::{CrystalError, Result};
+use crate::error::{CrystalError, Result, require, require_positive};
+use crate::lattice::{Dynamics, Engine, Mover, Network, Projector, State};
+use crate::random::normal;
 use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::statistics::{block_standard_error, summarize};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// What carries a state along in time: any stepper, with collisions or without.
 pub trait Flow {
-    /// The state after this time.
+    /// Carries the state along for this time.
     ///
     /// # Errors
-    /// Whatever the stepper cannot do.
+    /// Those of the stepper.
     fn advance(&mut self, state: &mut State, duration: f64) -> Result<()>;
 
     /// Brings a state that was moved by a little back to where the constraints hold, and prepares
-    /// to go on from there.
+    /// to continue from there.
     ///
     /// # Errors
     /// If there is no way back.
@@ -51,30 +52,98 @@ impl<F: FnMut(&mut State, f64) -> Result<()>> Flow for F {
     }
 }
 
-/// [`Dynamics`] without collisions, in equal steps of at most a given length.
-pub struct RodFlow {
-    dynamics: Dynamics,
+/// What makes single steps on the rods.
+pub trait Stepper {
+    /// The network.
+    fn network(&self) -> &Arc<Network>;
+
+    /// One step.
+    ///
+    /// # Errors
+    /// Those of the stepper.
+    fn step(&mut self, state: &mut State, step: f64) -> Result<()>;
+
+    /// Prepares to continue from a state that obeys the rods.
+    ///
+    /// # Errors
+    /// Those of the stepper.
+    fn prepare(&mut self, state: &State) -> Result<()>;
+}
+
+impl Stepper for Dynamics {
+    fn network(&self) -> &Arc<Network> {
+        self.network()
+    }
+
+    fn step(&mut self, state: &mut State, step: f64) -> Result<()> {
+        self.step(state, step)
+    }
+
+    fn prepare(&mut self, state: &State) -> Result<()> {
+        self.prepare(state)
+    }
+}
+
+impl Stepper for Engine {
+    fn network(&self) -> &Arc<Network> {
+        self.network()
+    }
+
+    fn step(&mut self, state: &mut State, step: f64) -> Result<()> {
+        self.step(state, step)
+    }
+
+    fn prepare(&mut self, state: &State) -> Result<()> {
+        self.prepare(state)
+    }
+}
+
+/// Every step is the first of its run: a heat bath would draw the same noise in each, so only movers
+/// without noise may be used here.
+impl Stepper for Mover {
+    fn network(&self) -> &Arc<Network> {
+        self.network()
+    }
+
+    fn step(&mut self, state: &mut State, step: f64) -> Result<()> {
+        self.step(state, step, 0)
+    }
+
+    fn prepare(&mut self, state: &State) -> Result<()> {
+        self.prepare(state)
+    }
+}
+
+/// A stepper in equal steps of at most a given length, with a projection onto the rods.
+pub struct SteppedFlow<S> {
+    stepper: S,
     projector: Projector,
     longest_step: f64,
 }
 
-impl RodFlow {
-    /// The flow of these dynamics, which must be prepared at the state from which it starts.
-    pub fn new(dynamics: Dynamics, longest_step: f64) -> Self {
-        let projector = Projector::new(dynamics.network());
+impl<S: Stepper> SteppedFlow<S> {
+    /// The flow of this stepper, which must be prepared at the state from which it starts.
+    pub fn new(stepper: S, longest_step: f64) -> Self {
+        let projector = Projector::new(stepper.network());
         Self {
-            dynamics,
+            stepper,
             projector,
             longest_step,
         }
     }
+
+    /// The stepper, with its statistics.
+    pub fn stepper(&self) -> &S {
+        &self.stepper
+    }
 }
 
-impl Flow for RodFlow {
+impl<S: Stepper> Flow for SteppedFlow<S> {
     fn advance(&mut self, state: &mut State, duration: f64) -> Result<()> {
+        // A ratio that is a whole number but for its rounding is meant to be whole.
         let steps = (duration / self.longest_step - 1e-9).ceil().max(1.0);
         for _ in 0..steps as u64 {
-            self.dynamics.step(state, duration / steps)?;
+            self.stepper.step(state, duration / steps)?;
         }
         Ok(())
     }
@@ -83,48 +152,7 @@ impl Flow for RodFlow {
         self.projector.positions(&mut state.positions)?;
         self.projector
             .velocities(&state.positions, &mut state.velocities)?;
-        self.dynamics.prepare(state)
-    }
-}
-
-/// An [`Engine`], with collisions, in equal steps of at most a given length.
-pub struct CollisionFlow {
-    engine: Engine,
-    projector: Projector,
-    longest_step: f64,
-}
-
-impl CollisionFlow {
-    /// The flow of this engine, which must be prepared at the state from which it starts.
-    pub fn new(engine: Engine, longest_step: f64) -> Self {
-        let projector = Projector::new(engine.network());
-        Self {
-            engine,
-            projector,
-            longest_step,
-        }
-    }
-
-    /// The engine, with its statistics.
-    pub fn engine(&self) -> &Engine {
-        &self.engine
-    }
-}
-
-impl Flow for CollisionFlow {
-    fn advance(&mut self, state: &mut State, duration: f64) -> Result<()> {
-        let steps = (duration / self.longest_step - 1e-9).ceil().max(1.0);
-        for _ in 0..steps as u64 {
-            self.engine.step(state, duration / steps)?;
-        }
-        Ok(())
-    }
-
-    fn project(&mut self, state: &mut State) -> Result<()> {
-        self.projector.positions(&mut state.positions)?;
-        self.projector
-            .velocities(&state.positions, &mut state.velocities)?;
-        self.engine.prepare(state)
+        self.stepper.prepare(state)
     }
 }
 
@@ -157,6 +185,20 @@ impl Default for LyapunovSettings {
     }
 }
 
+impl LyapunovSettings {
+    /// Checks settings that were read from a file.
+    ///
+    /// # Errors
+    /// [`CrystalError::BadSetting`] for a separation or interval that is not positive, or for no
+    /// intervals.
+    pub fn check(&self) -> Result<()> {
+        require_positive("separation", self.separation)?;
+        require_positive("interval", self.interval)?;
+        let intervals = self.intervals as f64;
+        require("intervals", intervals, self.intervals > 0, "positive")
+    }
+}
+
 /// A maximal Lyapunov exponent.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LyapunovExponent {
@@ -173,9 +215,27 @@ pub struct LyapunovExponent {
 /// and its neighbour; flows that remember nothing of the state may be two copies of one. The state
 /// is carried to the end.
 ///
+/// ```
+/// use protomer_crystal::analysis::lyapunov::{LyapunovSettings, SteppedFlow, maximal_exponent};
+/// use protomer_crystal::lattice::{Dynamics, Plan, Start, StartVelocities};
+/// use std::sync::Arc;
+/// let plan = Plan { rows: 2, columns: 2, rod_length: 1.0, ..Plan::default() };
+/// let network = Arc::new(plan.network()?);
+/// let velocities = StartVelocities::Uniform { largest: 1.0, sum_of_squares: Some(4.0) };
+/// let mut state = Start { velocities, seed: 4, ..Start::default() }.build(&network, 0)?.state;
+/// let dynamics = || Dynamics::new(network.clone(), Vec::new(), &state);
+/// let mut flow = SteppedFlow::new(dynamics()?, 0.01);
+/// let mut neighbour_flow = SteppedFlow::new(dynamics()?, 0.01);
+/// let settings = LyapunovSettings { intervals: 100, ..LyapunovSettings::default() };
+/// let found =
+///     maximal_exponent(&network, &mut flow, &mut neighbour_flow, &mut state, &settings)?;
+/// assert!(found.exponent > 0.0); // four squares on rods are chaotic
+/// # Ok::<(), protomer_crystal::CrystalError>(())
+/// ```
+///
 /// # Errors
 /// [`CrystalError::BadSetting`] for settings that make no sense, [`CrystalError::BadState`] if the
-/// constraints leave no neighbour, and what the flows cannot do.
+/// constraints leave no neighbour, and those of the flows.
 pub fn maximal_exponent<F: Flow, G: Flow>(
     network: &Network,
     flow: &mut F,
@@ -183,117 +243,154 @@ pub fn maximal_exponent<F: Flow, G: Flow>(
     state: &mut State,
     settings: &LyapunovSettings,
 ) -> Result<LyapunovExponent> {
-    for (setting, value) in [
-        ("separation", settings.separation),
-        ("interval", settings.interval),
-    ] {
-        if !(value.is_finite() && value > 0.0) {
-            return Err(CrystalError::BadSetting {
-                setting,
-                value,
-                requirement: "positive",
-            });
-        }
+    let mut neighbours = Neighbours::new(network, flow, neighbour_flow, state, settings)?;
+    while !neighbours.is_done() {
+        neighbours.advance()?;
     }
-    if settings.intervals == 0 {
-        return Err(CrystalError::BadSetting {
-            setting: "intervals",
-            value: 0.0,
-            requirement: "positive",
-        });
-    }
-    state.check(network)?;
-    let weights: Vec<f64> = network
-        .squares
-        .iter()
-        .flat_map(|square| [square.mass, square.mass, square.inertia])
-        .collect();
-    let mut neighbour = state.clone();
-    let mut rng = CounterRng::for_purpose(settings.seed, 0, 0, Purpose::LyapunovDirection);
-    for numbers in [&mut neighbour.positions, &mut neighbour.velocities] {
-        for (number, weight) in numbers.iter_mut().zip(&weights) {
-            *number += settings.separation * normal_pair(&mut rng)[0] / weight.sqrt();
+    Ok(neighbours.exponent())
+}
+
+/// A trajectory and its neighbour, interval by interval: [`maximal_exponent`] for those who want to
+/// stop in between.
+pub struct Neighbours<'a, F, G> {
+    flow: &'a mut F,
+    neighbour_flow: &'a mut G,
+    settings: LyapunovSettings,
+    /// Masses and inertia, coordinate by coordinate.
+    weights: Vec<f64>,
+    state: &'a mut State,
+    neighbour: State,
+    /// The distance at the start of the interval.
+    before: f64,
+    /// Intervals done.
+    done: usize,
+    growth_rates: Vec<f64>,
+}
+
+impl<'a, F: Flow, G: Flow> Neighbours<'a, F, G> {
+    /// A neighbour of this state in a random direction.
+    ///
+    /// # Errors
+    /// As [`maximal_exponent`].
+    pub fn new(
+        network: &Network,
+        flow: &'a mut F,
+        neighbour_flow: &'a mut G,
+        state: &'a mut State,
+        settings: &LyapunovSettings,
+    ) -> Result<Self> {
+        settings.check()?;
+        state.check(network)?;
+        let mut weights = Vec::with_capacity(state.positions.len());
+        for square in &network.squares {
+            weights.extend([square.mass, square.mass, square.inertia]);
         }
-    }
-    neighbour_flow.project(&mut neighbour)?;
-    let mut before = renormalise(
-        &weights,
-        neighbour_flow,
-        state,
-        &mut neighbour,
-        settings.separation,
-    )?;
-    let mut growth_rates = Vec::with_capacity(settings.intervals);
-    for interval in 0..settings.discarded + settings.intervals {
-        flow.advance(state, settings.interval)?;
-        neighbour_flow.advance(&mut neighbour, settings.interval)?;
-        if interval >= settings.discarded {
-            growth_rates
-                .push((distance(&weights, state, &neighbour) / before).ln() / settings.interval);
+        let mut neighbour = state.clone();
+        let mut rng = CounterRng::for_purpose(settings.seed, 0, 0, Purpose::LyapunovDirection);
+        for numbers in [&mut neighbour.positions, &mut neighbour.velocities] {
+            for (number, weight) in numbers.iter_mut().zip(&weights) {
+                *number += settings.separation * normal(&mut rng) / weight.sqrt();
+            }
         }
-        before = renormalise(
-            &weights,
+        neighbour_flow.project(&mut neighbour)?;
+        let mut neighbours = Self {
+            flow,
             neighbour_flow,
+            settings: *settings,
+            weights,
             state,
-            &mut neighbour,
-            settings.separation,
-        )?;
+            neighbour,
+            before: f64::NAN,
+            done: 0,
+            growth_rates: Vec::with_capacity(settings.intervals),
+        };
+        neighbours.renormalise()?;
+        Ok(neighbours)
     }
-    let summary = summarize(&growth_rates);
-    let standard_error = block_standard_error(&growth_rates).unwrap_or(summary.standard_error);
-    Ok(LyapunovExponent {
-        exponent: summary.mean,
-        standard_error,
-        growth_rates,
-    })
-}
 
-fn distance(weights: &[f64], state: &State, neighbour: &State) -> f64 {
-    let squares = |a: &[f64], b: &[f64]| -> f64 {
-        a.iter()
-            .zip(b)
-            .zip(weights)
-            .map(|((a, b), weight)| weight * (a - b) * (a - b))
-            .sum()
-    };
-    let positions = squares(&state.positions, &neighbour.positions);
-    (positions + squares(&state.velocities, &neighbour.velocities)).sqrt()
-}
-
-/// Brings the neighbour back to the distance `separation`, where that is free; returns the distance
-/// after projection.
-fn renormalise<F: Flow>(
-    weights: &[f64],
-    flow: &mut F,
-    state: &State,
-    neighbour: &mut State,
-    separation: f64,
-) -> Result<f64> {
-    let apart = distance(weights, state, neighbour);
-    if !(apart.is_finite() && apart > 0.0) {
-        return Err(CrystalError::BadState(format!(
-            "the neighbouring trajectory is {apart} away at t = {}; take another separation",
-            state.time
-        )));
+    /// Whether all intervals are done.
+    pub fn is_done(&self) -> bool {
+        self.done >= self.settings.discarded + self.settings.intervals
     }
-    let kept = neighbour.clone();
-    let factor = separation / apart;
-    let shrink = |from: &[f64], to: &mut [f64]| {
-        to.iter_mut()
-            .zip(from)
-            .for_each(|(to, from)| *to = from + factor * (*to - from));
-    };
-    shrink(&state.positions, &mut neighbour.positions);
-    shrink(&state.velocities, &mut neighbour.velocities);
-    neighbour.time = state.time;
-    match flow.project(neighbour) {
-        Err(CrystalError::Overlap { .. }) => {
-            // The neighbour at the smaller distance would be inside another body: it is left where
-            // it is this time.
-            neighbour.clone_from(&kept);
-            flow.project(neighbour)?;
+
+    /// Carries both along for an interval and brings the neighbour back.
+    ///
+    /// # Errors
+    /// As [`maximal_exponent`].
+    pub fn advance(&mut self) -> Result<()> {
+        let interval = self.settings.interval;
+        self.flow.advance(self.state, interval)?;
+        self.neighbour_flow.advance(&mut self.neighbour, interval)?;
+        if self.done >= self.settings.discarded {
+            let growth = (self.distance() / self.before).ln();
+            self.growth_rates.push(growth / interval);
         }
-        other => other?,
+        self.done += 1;
+        self.renormalise()
     }
-    Ok(distance(weights, state, neighbour))
+
+    /// The exponent of the intervals so far.
+    pub fn exponent(self) -> LyapunovExponent {
+        let summary = summarize(&self.growth_rates);
+        let of_blocks = block_standard_error(&self.growth_rates);
+        LyapunovExponent {
+            exponent: summary.mean,
+            standard_error: of_blocks.unwrap_or(summary.standard_error),
+            growth_rates: self.growth_rates,
+        }
+    }
+
+    /// d.
+    fn distance(&self) -> f64 {
+        let (state, neighbour) = (&self.state, &self.neighbour);
+        let positions = self.weighted_squares(&state.positions, &neighbour.positions);
+        let velocities = self.weighted_squares(&state.velocities, &neighbour.velocities);
+        (positions + velocities).sqrt()
+    }
+
+    fn weighted_squares(&self, a: &[f64], b: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        for ((a, b), weight) in a.iter().zip(b).zip(&self.weights) {
+            sum += weight * (a - b) * (a - b);
+        }
+        sum
+    }
+
+    /// Brings the neighbour back to the distance d0, where there is room.
+    fn renormalise(&mut self) -> Result<()> {
+        let apart = self.distance();
+        if !(apart.is_finite() && apart > 0.0) {
+            return Err(CrystalError::BadState(format!(
+                "the neighbouring trajectory is {apart} away at t = {}; take another separation",
+                self.state.time
+            )));
+        }
+        let kept = self.neighbour.clone();
+        let factor = self.settings.separation / apart;
+        shrink(&self.state.positions, factor, &mut self.neighbour.positions);
+        shrink(
+            &self.state.velocities,
+            factor,
+            &mut self.neighbour.velocities,
+        );
+        self.neighbour.time = self.state.time;
+        match self.neighbour_flow.project(&mut self.neighbour) {
+            Err(CrystalError::Overlap { .. }) => {
+                // At the smaller distance the neighbour would be inside another body: it stays
+                // where it is this time.
+                self.neighbour = kept;
+                self.neighbour_flow.project(&mut self.neighbour)?;
+            }
+            other => other?,
+        }
+        self.before = self.distance();
+        Ok(())
+    }
+}
+
+/// to = from + factor (to - from).
+fn shrink(from: &[f64], factor: f64, to: &mut [f64]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        *to = from + factor * (*to - from);
+    }
 }

@@ -7,13 +7,17 @@
 //! | [`strain`] | deformation, strain, Poisson's ratio |
 //! | [`lyapunov`] | how fast neighbouring trajectories part |
 //! | [`spread`] | the first maximum of a quantity in time |
+//! | [`crossings`] | passages of a quantity through a level |
 //! | [`grima`] | the coherent motion, which has one degree of freedom, exactly |
+//! | [`elliptic`] | elliptic integrals of the second kind |
 //!
 //! "The paper" is that of [`lattice`](crate::lattice); "the preprint" is its first version
 //! (Campos-Gonzalez-Angulo, Wiesehan, Ribeiro and Yuen-Zhou, "Computational method for
 //! highly-constrained molecular dynamics", with the sections on synchronisation and Poisson's
 //! ratio).
 
+pub mod crossings;
+pub mod elliptic;
 pub mod grima;
 pub mod lyapunov;
 pub mod modes;

@@ -15,11 +15,26 @@
 //! coherence potential does, and vertical and horizontal together to what is left. For the 2 x 2
 //! lattice the four modes are all there is.
 
-use crate::lattice::force::coherent_part;
+use crate::lattice::force::{coherent_part, incoherent_part, incoherent_spread};
+use crate::lattice::state::angles;
 use crate::lattice::{Network, State};
 use serde::{Deserialize, Serialize};
 
+/// A determinant below this share of its largest term is zero: the two modes are one.
+const DEPENDENT: f64 = 1e-12;
+/// Energies below this share of the whole are rounding.
+const NO_ENERGY: f64 = 1e-14;
+
 /// Amplitudes of the four modes.
+///
+/// ```
+/// use protomer_crystal::analysis::modes::Modes;
+/// use protomer_crystal::lattice::{Edges, Network, Square, State};
+/// let network = Network::lattice(4, 4, 0.2, Square::default(), Edges::Open, 0.3)?;
+/// let modes = Modes::of(&network, &State::coherent(&network, 0.3).positions);
+/// assert!((modes.checkerboard - 0.3).abs() < 1e-15 && modes.uniform.abs() < 1e-15);
+/// # Ok::<(), protomer_crystal::CrystalError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Modes {
     /// θ_u, ⟨θ⟩₀ of the paper.
@@ -37,30 +52,7 @@ impl Modes {
     /// array ẋ, ẏ, ω.
     pub fn of(network: &Network, coordinates: &[f64]) -> Self {
         let [uniform, checkerboard] = coherent_part(network, coordinates);
-        let (mut gram, mut right) = ([0.0; 3], [0.0; 2]);
-        for (p, square) in network.squares.iter().enumerate() {
-            let left = coordinates[3 * p + 2] - uniform - network.sign(p) * checkerboard;
-            let [row, column] = network.place(p);
-            let signs = [parity(column), parity(row)];
-            for (right, sign) in right.iter_mut().zip(signs) {
-                *right += square.inertia * sign * left;
-            }
-            gram[0] += square.inertia;
-            gram[1] += square.inertia * signs[0] * signs[1];
-        }
-        gram[2] = gram[0];
-        let determinant = gram[0] * gram[2] - gram[1] * gram[1];
-        let (single_row, single_column) = (network.rows == 1, network.columns == 1);
-        let [vertical, horizontal] =
-            if single_row || single_column || determinant <= 1e-12 * gram[0] * gram[0] {
-                // A mode that is the uniform or the checkerboard one over again has nothing left.
-                [0.0; 2]
-            } else {
-                [
-                    (gram[2] * right[0] - gram[1] * right[1]) / determinant,
-                    (gram[0] * right[1] - gram[1] * right[0]) / determinant,
-                ]
-            };
+        let [vertical, horizontal] = stripes(network, coordinates);
         Self {
             uniform,
             checkerboard,
@@ -68,6 +60,30 @@ impl Modes {
             horizontal,
         }
     }
+}
+
+/// θ_v and θ_h, fitted to what the uniform and the checkerboard mode leave.
+fn stripes(network: &Network, coordinates: &[f64]) -> [f64; 2] {
+    // Sums of the weights I, alone and times (-1)^(i+j), and of what is left times either sign.
+    let (mut weight, mut mixed, mut of_columns, mut of_rows) = (0.0, 0.0, 0.0, 0.0);
+    for (p, left) in incoherent_part(network, coordinates).enumerate() {
+        let inertia = network.squares[p].inertia;
+        let [row, column] = network.place(p).map(parity);
+        of_columns += inertia * column * left;
+        of_rows += inertia * row * left;
+        weight += inertia;
+        mixed += inertia * column * row;
+    }
+    let determinant = weight * weight - mixed * mixed;
+    let one_line = network.rows == 1 || network.columns == 1;
+    if one_line || determinant <= DEPENDENT * weight * weight {
+        // A mode that is the uniform or the checkerboard one over again has nothing left.
+        return [0.0; 2];
+    }
+    [
+        (weight * of_columns - mixed * of_rows) / determinant,
+        (weight * of_rows - mixed * of_columns) / determinant,
+    ]
 }
 
 fn parity(index: usize) -> f64 {
@@ -91,7 +107,7 @@ pub struct ModeEnergies {
     pub translational: f64,
 }
 
-/// Of which energy a fraction is taken.
+/// The energy of which a fraction is taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum OutOf {
@@ -106,17 +122,12 @@ impl ModeEnergies {
     /// The energies of this state.
     pub fn of(network: &Network, state: &State) -> Self {
         let modes = Modes::of(network, &state.velocities);
-        let half_inertia = 0.5
-            * network
-                .squares
-                .iter()
-                .map(|square| square.inertia)
-                .sum::<f64>();
-        let rotation = network.squares.iter().zip(state.velocities.chunks_exact(3));
-        let rotational = rotation
-            .map(|(square, v)| 0.5 * square.inertia * v[2] * v[2])
-            .sum();
-        let energy = |amplitude: f64| half_inertia * amplitude * amplitude;
+        let (mut inertia, mut rotational) = (0.0, 0.0);
+        for (square, omega) in network.squares.iter().zip(angles(&state.velocities)) {
+            inertia += square.inertia;
+            rotational += 0.5 * square.inertia * omega * omega;
+        }
+        let energy = |amplitude: f64| 0.5 * inertia * amplitude * amplitude;
         Self {
             uniform: energy(modes.uniform),
             checkerboard: energy(modes.checkerboard),
@@ -130,13 +141,25 @@ impl ModeEnergies {
     /// The share of the checkerboard mode after the uniform one has been taken off, E_c / (E -
     /// E_u); `None` when nothing but uniform rotation is left. E_c counts the rotation only: the
     /// translations of the coherent motion are in E but not in E_c.
+    ///
+    /// ```
+    /// use protomer_crystal::analysis::modes::{ModeEnergies, OutOf};
+    /// use protomer_crystal::lattice::{Edges, Network, Square, Start, StartVelocities};
+    /// let velocities = StartVelocities::Checkerboard { rate: 1.0 };
+    /// let start = Start { velocities, ..Start::default() };
+    /// let network = Network::lattice(2, 2, 0.2, Square::default(), Edges::Open, start.angle)?;
+    /// let energies = ModeEnergies::of(&network, &start.build(&network, 0)?.state);
+    /// let fraction = energies.checkerboard_fraction(OutOf::Rotational, 0.0).unwrap();
+    /// assert!((fraction - 1.0).abs() < 1e-12);
+    /// # Ok::<(), protomer_crystal::CrystalError>(())
+    /// ```
     pub fn checkerboard_fraction(&self, out_of: OutOf, potential_energy: f64) -> Option<f64> {
         let energy = match out_of {
             OutOf::Rotational => self.rotational,
             OutOf::Total => self.rotational + self.translational + potential_energy,
         };
         let left = energy - self.uniform;
-        (left > 1e-14 * energy.abs()).then(|| self.checkerboard / left)
+        (left > NO_ENERGY * energy.abs()).then(|| self.checkerboard / left)
     }
 }
 
@@ -144,31 +167,21 @@ impl ModeEnergies {
 ///
 /// σ² = Σ (θ - ⟨θ⟩₀ - (-1)^(i+j) ⟨θ⟩₁)² / N.
 pub fn orientational_spread(network: &Network, positions: &[f64]) -> f64 {
-    let [uniform, checkerboard] = coherent_part(network, positions);
-    let angles = positions.iter().skip(2).step_by(3).enumerate();
-    let squares: f64 = angles
-        .map(|(p, angle)| (angle - uniform - network.sign(p) * checkerboard).powi(2))
-        .sum();
-    (squares / network.squares.len() as f64).sqrt()
+    incoherent_spread(network, positions)
 }
 
 /// Standard deviation of |θ| over the squares, the curve of fig. 10 of the paper. It is the spread
 /// about the coherent state only while no square turns through θ = 0 and the lattice as a whole
 /// does not turn.
 pub fn spread_of_magnitudes(positions: &[f64]) -> f64 {
-    let magnitudes: Vec<f64> = positions
-        .iter()
-        .skip(2)
-        .step_by(3)
-        .map(|angle| angle.abs())
-        .collect();
-    let mean = magnitudes.iter().sum::<f64>() / magnitudes.len() as f64;
-    (magnitudes
-        .iter()
-        .map(|magnitude| (magnitude - mean).powi(2))
-        .sum::<f64>()
-        / magnitudes.len() as f64)
-        .sqrt()
+    let magnitudes: Vec<f64> = angles(positions).map(f64::abs).collect();
+    let count = magnitudes.len() as f64;
+    let mean = magnitudes.iter().sum::<f64>() / count;
+    let mut squares = 0.0;
+    for magnitude in magnitudes {
+        squares += (magnitude - mean).powi(2);
+    }
+    (squares / count).sqrt()
 }
 
 #[cfg(test)]

@@ -1,10 +1,9 @@
 //! The first maximum of a quantity in time.
 //!
+//! The first maximum is the first value from which the quantity falls by more than a given drop.
+//! Its time and height are those of the parabola through the largest sample and its two neighbours.
 //! For the loss of coherence (fig. 12 of the paper) the quantity is the standard deviation of the
-//! orientations, [`orientational_spread`](super::modes::orientational_spread), pushed after every
-//! step: the first maximum is the first value from which the quantity falls, by more than a given
-//! drop. Place and height are those of the parabola through the largest sample and its two
-//! neighbours.
+//! orientations, [`orientational_spread`](super::modes::orientational_spread), after every step.
 
 use serde::{Deserialize, Serialize};
 
@@ -17,7 +16,7 @@ pub struct Maximum {
     pub value: f64,
 }
 
-/// Looks for the first maximum of a series as it comes, in constant memory.
+/// Finds the first maximum of a series sample by sample, in constant memory.
 ///
 /// ```
 /// use protomer_crystal::analysis::spread::FirstMaximum;
@@ -27,7 +26,8 @@ pub struct Maximum {
 ///     first.push(time, time.sin());
 /// }
 /// let maximum = first.found().unwrap();
-/// assert!((maximum.time - std::f64::consts::FRAC_PI_2).abs() < 1e-4 && (maximum.value - 1.0).abs() < 1e-8);
+/// assert!((maximum.time - std::f64::consts::FRAC_PI_2).abs() < 1e-4);
+/// assert!((maximum.value - 1.0).abs() < 1e-8);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct FirstMaximum {

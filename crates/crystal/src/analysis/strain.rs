@@ -4,19 +4,23 @@
 //! F A + c that fits best (least squares): with the sums over points about their means, F = (Σ b
 //! aᵀ)(Σ a aᵀ)⁻¹ (eq. 41 of the preprint). The strain is that of Biot, ε = (Fᵀ F)^(1/2) - 1 (eq.
 //! 42), blind to how the lattice turns as a whole. A is the step before for increments of strain,
-//! or a fixed state for the whole of it.
+//! or a fixed state for all of it.
 //!
 //! Poisson's ratio ν = -dε_yy/dε_xx is a slope through many pairs (ε_xx, ε_yy). Ordinary least
-//! squares, ν = -s_xy/s_xx, holds x to be without scatter; where both strains scatter alike it is
+//! squares, ν = -s_xy/s_xx, assumes that x has no scatter; where both strains scatter alike it is
 //! too small by a factor of r at least. Total least squares takes the long axis of the cloud, tan
 //! 2α = 2 s_xy / (s_xx - s_yy), ν = -tan α, and does not prefer an axis: exchanging x and y turns ν
 //! into 1/ν. r² = s_xy²/(s_xx s_yy) says how much of a line the cloud is; where it is small neither
 //! number means much. Errors are those of the jackknife over blocks of consecutive samples.
 
+use crate::lattice::contact::layout::Layout;
 use crate::lattice::{Corner, Network};
 use crate::{CrystalError, Result};
 use nalgebra::{Matrix2, Vector2};
 use serde::{Deserialize, Serialize};
+
+/// A determinant below this share of the squared trace means that the points lie on one line.
+const ON_ONE_LINE: f64 = 1e-12;
 
 /// The centres of the squares.
 pub fn centres(positions: &[f64]) -> Vec<[f64; 2]> {
@@ -25,28 +29,26 @@ pub fn centres(positions: &[f64]) -> Vec<[f64; 2]> {
 
 /// The corners of all squares, four per square.
 pub fn corners(network: &Network, positions: &[f64]) -> Vec<[f64; 2]> {
-    let squares = network
-        .squares
-        .iter()
-        .zip(positions.chunks_exact(3))
-        .enumerate();
-    let corner = |(square, (body, s)): (usize, (&crate::lattice::Square, &[f64]))| {
-        let (sine, cosine) = s[2].sin_cos();
-        let (middle, half_diagonal) = ([s[0], s[1]], body.half_diagonal);
-        [1, 2, 3, 4].map(|vertex| {
-            let [x, y] = Corner { square, vertex }
-                .direction()
-                .map(|x| x * half_diagonal);
-            [
-                middle[0] + cosine * x - sine * y,
-                middle[1] + sine * x + cosine * y,
-            ]
-        })
-    };
-    squares.flat_map(corner).collect()
+    let layout = Layout::new(network, positions);
+    let mut corners = Vec::with_capacity(4 * network.squares.len());
+    for square in 0..network.squares.len() {
+        for vertex in 1..=4 {
+            corners.push(layout.place(Corner { square, vertex }));
+        }
+    }
+    corners
 }
 
 /// The uniform deformation F that takes `before` to `after` best, `after` = F `before` + c.
+///
+/// ```
+/// use protomer_crystal::analysis::strain::{biot_strain, deformation_gradient};
+/// let before = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+/// let after = before.map(|[x, y]| [1.1 * x + 7.0, 0.9 * y]);
+/// let strain = biot_strain(&deformation_gradient(&before, &after)?);
+/// assert!((strain[(0, 0)] - 0.1).abs() < 1e-14 && (strain[(1, 1)] + 0.1).abs() < 1e-14);
+/// # Ok::<(), protomer_crystal::CrystalError>(())
+/// ```
 ///
 /// # Errors
 /// [`CrystalError::BadState`] for different numbers of points, or points on one line, as the
@@ -54,18 +56,11 @@ pub fn corners(network: &Network, positions: &[f64]) -> Vec<[f64; 2]> {
 pub fn deformation_gradient(before: &[[f64; 2]], after: &[[f64; 2]]) -> Result<Matrix2<f64>> {
     if before.len() != after.len() || before.is_empty() {
         return Err(CrystalError::BadState(format!(
-            "{} points before and {} after the deformation; give the same number, three at least",
+            "{} points before and {} after the deformation; give the same number, at least three",
             before.len(),
             after.len()
         )));
     }
-    let mean = |points: &[[f64; 2]]| {
-        points
-            .iter()
-            .map(|point| Vector2::from(*point))
-            .sum::<Vector2<f64>>()
-            / points.len() as f64
-    };
     let (from, to) = (mean(before), mean(after));
     let (mut moments, mut mixed) = (Matrix2::zeros(), Matrix2::zeros());
     for (a, b) in before.iter().zip(after) {
@@ -73,13 +68,22 @@ pub fn deformation_gradient(before: &[[f64; 2]], after: &[[f64; 2]]) -> Result<M
         moments += a * a.transpose();
         mixed += b * a.transpose();
     }
-    let flat = moments.determinant() <= 1e-12 * moments.trace().powi(2);
+    let flat = moments.determinant() <= ON_ONE_LINE * moments.trace().powi(2);
     let inverse = if flat { None } else { moments.try_inverse() };
-    inverse.map(|inverse| mixed * inverse).ok_or_else(|| {
-        CrystalError::BadState(
+    match inverse {
+        Some(inverse) => Ok(mixed * inverse),
+        None => Err(CrystalError::BadState(
             "the points lie on one line and show no strain across it; use the corners".into(),
-        )
-    })
+        )),
+    }
+}
+
+fn mean(points: &[[f64; 2]]) -> Vector2<f64> {
+    let mut sum = Vector2::zeros();
+    for point in points {
+        sum += Vector2::from(*point);
+    }
+    sum / points.len() as f64
 }
 
 /// Strain (Fᵀ F)^(1/2) - 1, symmetric.
@@ -121,17 +125,17 @@ struct Sums {
 
 impl Sums {
     fn of(strains: &[[f64; 2]], origin: [f64; 2]) -> Self {
-        strains.iter().fold(Self::default(), |sums, strain| {
+        let mut sums = Self::default();
+        for strain in strains {
             let (x, y) = (strain[0] - origin[0], strain[1] - origin[1]);
-            Self {
-                count: sums.count + 1.0,
-                x: sums.x + x,
-                y: sums.y + y,
-                xx: sums.xx + x * x,
-                xy: sums.xy + x * y,
-                yy: sums.yy + y * y,
-            }
-        })
+            sums.count += 1.0;
+            sums.x += x;
+            sums.y += y;
+            sums.xx += x * x;
+            sums.xy += x * y;
+            sums.yy += y * y;
+        }
+        sums
     }
 
     fn less(&self, other: &Self) -> Self {
@@ -155,6 +159,7 @@ impl Sums {
         ]
     }
 
+    /// Poisson's ratio by ordinary and by total least squares.
     fn ratios(&self) -> [f64; 2] {
         let [xx, xy, yy] = self.moments();
         [-xy / xx, -(0.5 * (2.0 * xy).atan2(xx - yy)).tan()]
@@ -164,20 +169,29 @@ impl Sums {
 /// Poisson's ratio from pairs (ε_xx, ε_yy) in the order of time, with errors from this many blocks
 /// of them.
 ///
-/// The error is meaningful if a block is much longer than the strains remember.
+/// The error is meaningful if a block is much longer than the correlation time of the strains.
+///
+/// ```
+/// use protomer_crystal::analysis::strain::poisson_ratio;
+/// // An auxetic material: both strains grow together.
+/// let strains: Vec<[f64; 2]> = (0..20).map(|k| [0.01 * f64::from(k), 0.008 * f64::from(k)]).collect();
+/// let found = poisson_ratio(&strains, 4)?;
+/// assert!((found.total + 0.8).abs() < 1e-12 && (found.r_squared - 1.0).abs() < 1e-12);
+/// # Ok::<(), protomer_crystal::CrystalError>(())
+/// ```
 ///
 /// # Errors
 /// [`CrystalError::BadState`] for fewer than two samples a block, fewer than two blocks, or strains
 /// without any spread.
 pub fn poisson_ratio(strains: &[[f64; 2]], blocks: usize) -> Result<PoissonRatio> {
-    if blocks < 2 || strains.len() < 2 * blocks {
+    let samples = strains.len();
+    if blocks < 2 || samples < 2 * blocks {
         return Err(CrystalError::BadState(format!(
-            "{} strains cannot be split into {blocks} blocks; take two blocks or more, of two strains or more",
-            strains.len()
+            "{samples} strains cannot be split into {blocks} blocks; take two blocks or more, of \
+             two strains or more"
         )));
     }
-    let count = strains.len() as f64;
-    let origin = [0, 1].map(|axis| strains.iter().map(|strain| strain[axis]).sum::<f64>() / count);
+    let origin = mean_strain(strains);
     let all = Sums::of(strains, origin);
     let [xx, xy, yy] = all.moments();
     let spread_is_real = xx > 0.0 && yy > 0.0 && (xx + yy).is_finite();
@@ -186,42 +200,50 @@ pub fn poisson_ratio(strains: &[[f64; 2]], blocks: usize) -> Result<PoissonRatio
             "the strains do not vary along both axes, so there is no ratio".into(),
         ));
     }
-    let bounds = |block: usize| block * strains.len() / blocks;
-    let without: Vec<[f64; 2]> = (0..blocks)
-        .map(|block| {
-            all.less(&Sums::of(
-                &strains[bounds(block)..bounds(block + 1)],
-                origin,
-            ))
-            .ratios()
-        })
-        .collect();
-    // The jackknife: variance (B - 1)/B Σ (estimate without a block - their mean)².
-    let error = |which: usize| {
-        let mean = without.iter().map(|ratios| ratios[which]).sum::<f64>() / blocks as f64;
-        let squares: f64 = without
-            .iter()
-            .map(|ratios| (ratios[which] - mean).powi(2))
-            .sum();
-        (squares * (blocks as f64 - 1.0) / blocks as f64).sqrt()
-    };
+    let mut without = Vec::with_capacity(blocks);
+    for block in 0..blocks {
+        let range = block * samples / blocks..(block + 1) * samples / blocks;
+        let left_out = Sums::of(&strains[range], origin);
+        without.push(all.less(&left_out).ratios());
+    }
     let [ordinary, total] = all.ratios();
     Ok(PoissonRatio {
         ordinary,
-        ordinary_error: error(0),
+        ordinary_error: jackknife_error(&without, 0),
         total,
-        total_error: error(1),
+        total_error: jackknife_error(&without, 1),
         r_squared: xy * xy / (xx * yy),
-        samples: strains.len(),
+        samples,
     })
+}
+
+fn mean_strain(strains: &[[f64; 2]]) -> [f64; 2] {
+    let (mut x, mut y) = (0.0, 0.0);
+    for strain in strains {
+        x += strain[0];
+        y += strain[1];
+    }
+    let count = strains.len() as f64;
+    [x / count, y / count]
+}
+
+/// The jackknife: variance (B - 1)/B Σ (estimate without a block - their mean)².
+fn jackknife_error(without: &[[f64; 2]], which: usize) -> f64 {
+    let blocks = without.len() as f64;
+    let mean = without.iter().map(|ratios| ratios[which]).sum::<f64>() / blocks;
+    let mut squares = 0.0;
+    for ratios in without {
+        squares += (ratios[which] - mean).powi(2);
+    }
+    (squares * (blocks - 1.0) / blocks).sqrt()
 }
 
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::lattice::start::normal_pair;
     use crate::lattice::{Edges, Square, State};
+    use crate::random::normal_pair;
     use protomer_kernel::random::CounterRng;
     use std::f64::consts::FRAC_PI_4;
 

@@ -4,9 +4,9 @@
 //!
 //! R_ab = ⟨exp i(θ_a - θ_b)⟩,
 //!
-//! 1 in absolute value if their angles keep their difference, near 0 if they do not know of each
-//! other: they may also follow a third. What is left between two squares when the others are
-//! accounted for is the partial phase synchronisation index, the partial coherence of the matrix R
+//! 1 in absolute value if their angles keep their difference, near 0 if they are independent. Two
+//! squares may also follow a third: what is left between them when the others are accounted for is
+//! the partial phase synchronisation index, the partial coherence of the matrix R
 //! (Schelter, Winterhalder, Dahlhaus, Kurths and Timmer, Phys. Rev. Lett. 96, 208103 (2006)),
 //!
 //! P_ab = -(R⁻¹)_ab / √((R⁻¹)_aa (R⁻¹)_bb),
@@ -19,49 +19,68 @@
 //! The coherent motion turns neighbours oppositely, so their θ_a - θ_b is no constant.
 //! [`staggered`] gives (-1)^(i+j) θ, of which coherent squares keep the difference.
 
-use crate::lattice::Network;
-use crate::{CrystalError, Result};
+use crate::error::{CrystalError, Result, require};
+use crate::lattice::{Network, state};
 use nalgebra::{Complex, DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
+/// Eigenvalues below this many roundings per square of the largest are zero.
+const ROUNDINGS: f64 = 16.0;
+
 /// The angles of an array x, y, θ per square.
 pub fn angles(positions: &[f64]) -> Vec<f64> {
-    positions.iter().skip(2).step_by(3).copied().collect()
+    state::angles(positions).collect()
 }
 
 /// (-1)^(i+j) θ of every square.
 pub fn staggered(network: &Network, positions: &[f64]) -> Vec<f64> {
-    positions
-        .iter()
-        .skip(2)
-        .step_by(3)
-        .enumerate()
-        .map(|(p, angle)| network.sign(p) * angle)
-        .collect()
+    let angles = state::angles(positions).enumerate();
+    angles.map(|(p, angle)| network.sign(p) * angle).collect()
 }
 
 /// θ_a - θ_b of all pairs a < b, in the order (0, 1), (0, 2), ... (1, 2), ... The angles are those
 /// of the motion, not brought back into one turn.
 pub fn phase_differences(angles: &[f64]) -> Vec<f64> {
-    angles
-        .iter()
-        .enumerate()
-        .flat_map(|(a, angle)| angles[a + 1..].iter().map(move |other| angle - other))
-        .collect()
+    let mut differences = Vec::new();
+    for (a, angle) in angles.iter().enumerate() {
+        for other in &angles[a + 1..] {
+            differences.push(angle - other);
+        }
+    }
+    differences
 }
 
 /// The largest |θ_a - θ_b|: phases are locked within c (eq. 37 of the preprint) as long as it stays
 /// below c.
 pub fn largest_phase_difference(angles: &[f64]) -> f64 {
-    let (low, high) = angles
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
-            (low.min(*x), high.max(*x))
-        });
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for angle in angles {
+        low = low.min(*angle);
+        high = high.max(*angle);
+    }
     (high - low).max(0.0)
 }
 
-/// Sums up exp i(θ_a - θ_b) as time goes by, in memory that does not grow.
+/// √⟨(θ_a - θ_b)²⟩ over all pairs: √(2 n/(n-1)) times the standard deviation.
+///
+/// ```
+/// use protomer_crystal::analysis::synchronisation::root_mean_square_difference;
+/// assert!((root_mean_square_difference(&[0.1, 0.4]) - 0.3).abs() < 1e-15);
+/// ```
+pub fn root_mean_square_difference(angles: &[f64]) -> f64 {
+    let count = angles.len() as f64;
+    if count <= 1.0 {
+        return 0.0;
+    }
+    let mean = angles.iter().sum::<f64>() / count;
+    let mut squares = 0.0;
+    for angle in angles {
+        squares += (angle - mean).powi(2);
+    }
+    (2.0 * squares / (count - 1.0)).sqrt()
+}
+
+/// Averages exp i(θ_a - θ_b) over a trajectory sample by sample, in constant memory.
 ///
 /// ```
 /// use protomer_crystal::analysis::synchronisation::Synchronisation;
@@ -102,9 +121,9 @@ impl Synchronisation {
         trajectory: impl IntoIterator<Item = &'a [f64]>,
     ) -> Result<Self> {
         let mut whole = Self::new(squares);
-        trajectory
-            .into_iter()
-            .try_for_each(|angles| whole.push(angles))?;
+        for angles in trajectory {
+            whole.push(angles)?;
+        }
         Ok(whole)
     }
 
@@ -127,10 +146,10 @@ impl Synchronisation {
                 time: f64::NAN,
             });
         }
-        let phases: Vec<[f64; 2]> = angles
-            .iter()
-            .map(|angle| [angle.cos(), angle.sin()])
-            .collect();
+        let mut phases = Vec::with_capacity(angles.len());
+        for angle in angles {
+            phases.push([angle.cos(), angle.sin()]);
+        }
         let mut sums = self.sums.iter_mut();
         for (a, [x, y]) in phases.iter().enumerate() {
             for ([u, v], sum) in phases[..a].iter().zip(sums.by_ref()) {
@@ -199,44 +218,41 @@ impl Synchronisation {
     /// [`CrystalError::BadState`] for R without an inverse, [`CrystalError::BadSetting`] for ε
     /// outside 0 to 1.
     pub fn partial(&self, ridge: f64) -> Result<DMatrix<Complex<f64>>> {
-        if !(0.0..=1.0).contains(&ridge) {
-            return Err(CrystalError::BadSetting {
-                setting: "ridge",
-                value: ridge,
-                requirement: "between 0 and 1",
-            });
-        }
+        let holds = (0.0..=1.0).contains(&ridge);
+        require("ridge", ridge, holds, "between 0 and 1")?;
         let mut index = self.index()?;
         let identity = DMatrix::<Complex<f64>>::identity(self.squares, self.squares);
         index = index * Complex::new(1.0 - ridge, 0.0) + identity * Complex::new(ridge, 0.0);
+        let inverse = self.inverse(index)?;
+        let scale = |a: usize| inverse[(a, a)].re;
+        let mut partial = DMatrix::identity(self.squares, self.squares);
+        for a in 0..self.squares {
+            for b in (0..self.squares).filter(|b| *b != a) {
+                partial[(a, b)] = -inverse[(a, b)] / (scale(a) * scale(b)).sqrt();
+            }
+        }
+        Ok(partial)
+    }
+
+    /// R⁻¹ from eigenvalues and eigenvectors.
+    fn inverse(&self, index: DMatrix<Complex<f64>>) -> Result<DMatrix<Complex<f64>>> {
         let eigen = index.symmetric_eigen();
         let (least, largest) = (eigen.eigenvalues.min(), eigen.eigenvalues.max());
-        let resolution = 16.0 * f64::EPSILON * self.squares as f64;
-        let singular = least.is_nan() || least <= resolution * largest;
-        if singular {
+        let resolution = ROUNDINGS * f64::EPSILON * self.squares as f64;
+        if least.is_nan() || least <= resolution * largest {
             return Err(CrystalError::BadState(format!(
-                "the synchronisation matrix of {} squares from {} samples has no inverse (eigenvalues from {least:.1e} to \
-                 {largest:.1e}): take more samples than squares, or a small ridge if squares are locked together",
+                "the synchronisation matrix of {} squares from {} samples has no inverse \
+                 (eigenvalues from {least:.1e} to {largest:.1e}): take more samples than squares, \
+                 or a small ridge if squares are locked together",
                 self.squares, self.samples
             )));
         }
-        let reciprocals = DVector::from_iterator(
-            self.squares,
-            eigen
-                .eigenvalues
-                .iter()
-                .map(|value| Complex::new(1.0 / value, 0.0)),
-        );
-        let inverse = &eigen.eigenvectors
-            * DMatrix::from_diagonal(&reciprocals)
-            * eigen.eigenvectors.adjoint();
-        Ok(DMatrix::from_fn(self.squares, self.squares, |a, b| {
-            if a == b {
-                Complex::new(1.0, 0.0)
-            } else {
-                -inverse[(a, b)] / (inverse[(a, a)].re * inverse[(b, b)].re).sqrt()
-            }
-        }))
+        let mut reciprocals = DVector::zeros(self.squares);
+        for (reciprocal, value) in reciprocals.iter_mut().zip(eigen.eigenvalues.iter()) {
+            *reciprocal = Complex::new(1.0 / value, 0.0);
+        }
+        let diagonal = DMatrix::from_diagonal(&reciprocals);
+        Ok(&eigen.eigenvectors * diagonal * eigen.eigenvectors.adjoint())
     }
 
     /// Eq. 39 of the preprint as printed, R_ab - Σ_Z R_aZ (R_ZZ)⁻¹ R_Zb over single squares Z other
@@ -258,14 +274,21 @@ impl Synchronisation {
 /// The eigenvalues of a Hermitian matrix, the largest first (fig. 5c of the preprint shows the
 /// first).
 pub fn eigenvalues(matrix: &DMatrix<Complex<f64>>) -> Vec<f64> {
-    let mut values: Vec<f64> = matrix
-        .clone()
-        .symmetric_eigenvalues()
-        .iter()
-        .copied()
-        .collect();
+    let values = matrix.clone().symmetric_eigenvalues();
+    let mut values = values.as_slice().to_vec();
     values.sort_by(|a, b| b.total_cmp(a));
     values
+}
+
+/// The leading eigenvalue of the matrix of magnitudes, over the number of squares: 1 if all squares
+/// turn as one.
+///
+/// Of the magnitudes: P itself, with ones on its diagonal, is 2 less a normalised inverse, whose
+/// smallest eigenvalue is near 0 wherever squares hold together, so that its own leading eigenvalue
+/// is 2 whatever they do.
+pub fn leading_eigenvalue(matrix: &DMatrix<Complex<f64>>) -> f64 {
+    let magnitudes = matrix.map(|entry| entry.norm());
+    magnitudes.symmetric_eigenvalues().max() / matrix.nrows() as f64
 }
 
 #[cfg(test)]

@@ -9,7 +9,6 @@
 //! | E2 | K_h X2 / (b l² sin²θ X1) | K_s X2 / (b (2 + cos²θ) X1) |
 //! | ν12 | -tan θ X1/X2 | cot θ X1/X2 |
 //! | ν21 | -cot θ X2/X1 | sin θ cos θ X2 / ((2 + cos²θ) X1) |
-//!
 //! | 1/G12 | 4 b h² l² sin²θ / (K_h X1 X2) | 4 b (h cos θ - l)² / (K_s X1 X2) |
 //!
 //! The shear modulus is not in the paper. It follows from the balance of moments: under a shear
@@ -19,11 +18,25 @@
 //!
 //! A rib's K_s does not depend on its length. The paper's second line of eq. 6 repeats the
 //! denominator of the first; loading along 1 stretches only the inclined ribs, so that ν12 = cot θ
-//! X1/X2. When both happen, compliances add (eqs. 16, 20), which is exact for this model.
+//! X1/X2. Where ribs hinge and stretch, compliances add (eqs. 16, 20), which is exact for this model.
 
 use serde::Serialize;
 
-/// What a honeycomb is made of.
+/// The lengths, angle and stiffnesses of a honeycomb.
+///
+/// ```
+/// use protomer_crystal::framework::analytic::Honeycomb;
+/// let regular = Honeycomb {
+///     h_angstrom: 1.0,
+///     l_angstrom: 1.0,
+///     theta_rad: 120_f64.to_radians(),
+///     hinge_stiffness_kcal_mol_rad2: 50.0,
+///     rod_stiffness_kcal_mol_angstrom2: 10_000.0,
+///     thickness_angstrom: 1.0,
+/// };
+/// // Regular hexagons that hinge keep their area.
+/// assert!((regular.hinging(1.0).nu_yz - 1.0).abs() < 1e-12);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Honeycomb {
     /// Length of the vertical ribs, Å.
@@ -112,16 +125,22 @@ impl Honeycomb {
     /// Both at once: compliances add.
     pub fn both(&self, gpa: f64) -> AxialModuli {
         let (h, s) = (self.hinging(gpa), self.stretching(gpa));
-        // 1/(1/a + 1/b), also where one is infinite: at h cos θ = l shear stretches nothing.
-        let modulus = |a: f64, b: f64| 1.0 / (1.0 / a + 1.0 / b);
-        let ratio =
-            |nu_h: f64, e_h: f64, nu_s: f64, e_s: f64| (nu_s * e_h + nu_h * e_s) / (e_s + e_h);
         AxialModuli {
-            e_y_gpa: modulus(h.e_y_gpa, s.e_y_gpa),
-            e_z_gpa: modulus(h.e_z_gpa, s.e_z_gpa),
-            nu_yz: ratio(h.nu_yz, h.e_y_gpa, s.nu_yz, s.e_y_gpa),
-            nu_zy: ratio(h.nu_zy, h.e_z_gpa, s.nu_zy, s.e_z_gpa),
-            g_yz_gpa: modulus(h.g_yz_gpa, s.g_yz_gpa),
+            e_y_gpa: in_series(h.e_y_gpa, s.e_y_gpa),
+            e_z_gpa: in_series(h.e_z_gpa, s.e_z_gpa),
+            nu_yz: mean_ratio(h.nu_yz, h.e_y_gpa, s.nu_yz, s.e_y_gpa),
+            nu_zy: mean_ratio(h.nu_zy, h.e_z_gpa, s.nu_zy, s.e_z_gpa),
+            g_yz_gpa: in_series(h.g_yz_gpa, s.g_yz_gpa),
         }
     }
+}
+
+/// 1/(1/a + 1/b), also where one is infinite: at h cos θ = l shear stretches nothing.
+fn in_series(a: f64, b: f64) -> f64 {
+    1.0 / (1.0 / a + 1.0 / b)
+}
+
+/// Poisson's ratio of two mechanisms whose compliances add.
+fn mean_ratio(nu_h: f64, e_h: f64, nu_s: f64, e_s: f64) -> f64 {
+    (nu_s * e_h + nu_h * e_s) / (e_s + e_h)
 }

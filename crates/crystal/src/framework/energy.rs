@@ -9,18 +9,17 @@
 //!
 //! where A takes node displacements to differences and x are positions before the strain.
 
-use super::jet::{Jet, cross, dot};
+pub use super::configuration::Configuration;
+use super::configuration::strained;
+use super::jet::Jet;
 use super::model::{Framework, Neighbour};
+use super::term::{Bond, Kind, Term};
 use crate::{CrystalError, Result};
-use nalgebra::{DMatrix, Matrix3, Vector3};
+use nalgebra::DMatrix;
 use std::collections::HashMap;
-use std::f64::consts::PI;
 
-/// Rest angles nearer to straight than this (rad) use the form that is smooth there.
-const NEARLY_STRAIGHT: f64 = 1e-6;
-
-/// The energy of a network as a function of its nodes and cell; what is "as built" is fixed when it
-/// is made.
+/// The energy of a network as a function of its nodes and cell. Rest lengths and angles "as built"
+/// are fixed when it is made.
 #[derive(Debug, Clone)]
 pub struct NetworkEnergy {
     dimension: usize,
@@ -29,38 +28,7 @@ pub struct NetworkEnergy {
     entries: Vec<(usize, usize)>,
 }
 
-#[derive(Debug, Clone)]
-struct Term {
-    kind: Kind,
-    stiffness: f64,
-    rest: f64,
-    bonds: Vec<Bond>,
-    /// For each pair of bond ends, row end before column end, where its block of the Hessian
-    /// begins; `NONE` above the diagonal.
-    blocks: Vec<u32>,
-}
-
-const NONE: u32 = u32::MAX;
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Kind {
-    Rod,
-    /// The signed angle in the plane, from the first bond to the second.
-    PlaneHinge,
-    Hinge,
-    /// A hinge at rest when straight.
-    StraightHinge,
-    Torsion,
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Bond {
-    from: usize,
-    to: usize,
-    image: [i32; 3],
-}
-
-/// What a network's energy is and how it changes, kcal/mol, Å.
+/// The energy of a network and its derivatives, kcal/mol, Å.
 #[derive(Debug, Clone)]
 pub struct Derivatives {
     /// kcal/mol.
@@ -77,272 +45,100 @@ pub struct Derivatives {
     pub hessian: Vec<f64>,
 }
 
-/// Nodes and cell: where a network is in the course of a minimisation. Coordinates are (x, y, z) or
-/// (y, z), Å.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Configuration {
-    /// Coordinates node after node.
-    pub nodes_angstrom: Vec<f64>,
-    /// Cell vectors, rows.
-    pub cell_angstrom: [[f64; 3]; 3],
-}
-
-impl Configuration {
-    /// A network as it is built.
-    pub fn built(framework: &Framework) -> Self {
-        let mut cell = [[0.0; 3]; 3];
-        for (row, vector) in cell.iter_mut().zip(&framework.cell_angstrom) {
-            row[..vector.len()].copy_from_slice(vector);
-        }
-        Self {
-            nodes_angstrom: framework.nodes_angstrom.concat(),
-            cell_angstrom: cell,
-        }
-    }
-
-    /// Applies the homogeneous deformation 1 + ε.
-    pub fn strain(&mut self, dimension: usize, strains: &[f64]) {
-        let tensor = strain_tensor(dimension, strains);
-        let apply = |vector: &mut [f64]| {
-            let mut moved = [0.0; 3];
-            for i in 0..dimension {
-                moved[i] = vector[i]
-                    + (0..dimension)
-                        .map(|j| tensor[i][j] * vector[j])
-                        .sum::<f64>();
-            }
-            vector[..dimension].copy_from_slice(&moved[..dimension]);
-        };
-        self.nodes_angstrom
-            .chunks_exact_mut(dimension)
-            .for_each(apply);
-        self.cell_angstrom
-            .iter_mut()
-            .for_each(|vector| apply(&mut vector[..]));
-    }
-
-    /// The same without the rotation from `start` to here, so that axes keep their meaning: with F
-    /// = R U the deformation of the cell, all is turned by R⁻¹. Strains that follow each other add
-    /// up to rotations, which cost nothing.
-    #[must_use]
-    pub fn without_rotation(&self, start: &Self) -> Self {
-        let columns = |cell: &[[f64; 3]; 3]| {
-            let mut matrix = Matrix3::from_fn(|i, j| cell[j][i]);
-            // The axis that a plane leaves out.
-            if matrix.column(2).iter().all(|x| *x == 0.0) {
-                matrix[(2, 2)] = 1.0;
-            }
-            matrix
-        };
-        let Some(inverse) = columns(&start.cell_angstrom).try_inverse() else {
-            return self.clone();
-        };
-        let svd = (columns(&self.cell_angstrom) * inverse).svd(true, true);
-        let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else {
-            return self.clone();
-        };
-        let back = (u * v_t).transpose();
-        let turn =
-            |vector: &[f64]| back * Vector3::from_fn(|i, _| vector.get(i).copied().unwrap_or(0.0));
-        let mut turned = self.clone();
-        let dimension = if start.cell_angstrom[2] == [0.0; 3] {
-            2
-        } else {
-            3
-        };
-        for node in turned.nodes_angstrom.chunks_exact_mut(dimension) {
-            let place = turn(node);
-            node.copy_from_slice(&place.as_slice()[..dimension]);
-        }
-        for vector in turned.cell_angstrom.iter_mut().take(dimension) {
-            let place = turn(&vector[..dimension]);
-            vector[..dimension].copy_from_slice(&place.as_slice()[..dimension]);
-        }
-        turned
-    }
-
-    /// The network with its nodes and cell here.
-    pub fn place(&self, framework: &Framework) -> Framework {
-        let dimension = framework.dimension();
-        Framework {
-            nodes_angstrom: self
-                .nodes_angstrom
-                .chunks_exact(dimension)
-                .map(<[f64]>::to_vec)
-                .collect(),
-            cell_angstrom: self.cell_angstrom[..dimension]
-                .iter()
-                .map(|v| v[..dimension].to_vec())
-                .collect(),
-            ..framework.clone()
-        }
-    }
-}
-
-/// ε as a matrix from its components in the order of the [module](super).
-pub(crate) fn strain_tensor(dimension: usize, strains: &[f64]) -> [[f64; 3]; 3] {
-    let mut tensor = [[0.0; 3]; 3];
-    for (index, strain) in strains.iter().enumerate() {
-        let (i, j) = strain_axes(dimension, index);
-        if i == j {
-            tensor[i][i] += strain;
-        } else {
-            tensor[i][j] += 0.5 * strain;
-            tensor[j][i] += 0.5 * strain;
-        }
-    }
-    tensor
-}
-
-/// The two axes of a strain component.
-pub(crate) fn strain_axes(dimension: usize, index: usize) -> (usize, usize) {
-    match (dimension, index) {
-        (2, 2) => (0, 1),
-        (_, 3) => (1, 2),
-        (_, 4) => (0, 2),
-        (_, 5) => (0, 1),
-        (_, axis) => (axis, axis),
-    }
-}
-
-/// B_a D.
-fn strained(dimension: usize, index: usize, d: &[f64; 3]) -> [f64; 3] {
-    let mut moved = [0.0; 3];
-    match strain_axes(dimension, index) {
-        (i, j) if i == j => moved[i] = d[i],
-        (i, j) => (moved[i], moved[j]) = (0.5 * d[j], 0.5 * d[i]),
-    }
-    moved
-}
+/// The vectors of a term's bonds; those it does not have are zero.
+type Vectors = [[f64; 3]; 3];
 
 impl NetworkEnergy {
     /// The energy of this network; rest lengths and angles that are not given are those it is built
     /// with.
     ///
     /// # Errors
-    /// As [`Framework::check`].
+    /// As [`Framework::check`], and [`CrystalError::BadNetwork`] for a spring without a defined
+    /// length or angle.
     pub fn new(framework: &Framework) -> Result<Self> {
         framework.check()?;
-        let plane = framework.dimension() == 2;
-        let here = Configuration::built(framework);
         let mut energy = Self {
             dimension: framework.dimension(),
             nodes: framework.nodes_angstrom.len(),
             terms: Vec::new(),
             entries: Vec::new(),
         };
-        for rod in &framework.rods {
-            let bonds = vec![bond(&Neighbour::here(rod.from), &rod.to)];
-            energy.add(
-                &here,
-                Kind::Rod,
-                rod.stiffness_kcal_mol_angstrom2,
-                rod.rest_length_angstrom,
-                bonds,
-            );
-        }
-        for hinge in &framework.hinges {
-            let vertex = Neighbour::here(hinge.vertex);
-            let bonds = vec![
-                bond(&vertex, &hinge.between[0]),
-                bond(&vertex, &hinge.between[1]),
-            ];
-            let kind = if plane { Kind::PlaneHinge } else { Kind::Hinge };
-            energy.add(
-                &here,
-                kind,
-                hinge.stiffness_kcal_mol_rad2,
-                hinge.rest_angle_rad,
-                bonds,
-            );
-        }
-        for torsion in &framework.torsions {
-            let bonds = torsion
-                .along
-                .windows(2)
-                .map(|pair| bond(&pair[0], &pair[1]))
-                .collect();
-            energy.add(
-                &here,
-                Kind::Torsion,
-                torsion.stiffness_kcal_mol_rad2,
-                torsion.rest_angle_rad,
-                bonds,
-            );
-        }
+        let built = Configuration::built(framework);
+        energy.add_rods(framework, &built);
+        energy.add_hinges(framework, &built);
+        energy.add_torsions(framework, &built);
         if let Some(index) = energy.terms.iter().position(|term| !term.rest.is_finite()) {
             return Err(CrystalError::BadNetwork(format!(
-                "term {index} (rods, hinges and torsions counted through) has no defined length or angle as built"
+                "term {index} (rods, then hinges, then torsions) has no defined length or angle as \
+                 built"
             )));
         }
         energy.lay_out();
         Ok(energy)
     }
 
+    fn add_rods(&mut self, framework: &Framework, built: &Configuration) {
+        for rod in &framework.rods {
+            let bonds = vec![bond(&Neighbour::here(rod.from), &rod.to)];
+            let (stiffness, rest) = (rod.stiffness_kcal_mol_angstrom2, rod.rest_length_angstrom);
+            self.add(built, Kind::Rod, stiffness, rest, bonds);
+        }
+    }
+
+    fn add_hinges(&mut self, framework: &Framework, built: &Configuration) {
+        let kind = if self.dimension == 2 {
+            Kind::PlaneHinge
+        } else {
+            Kind::Hinge
+        };
+        for hinge in &framework.hinges {
+            let vertex = Neighbour::here(hinge.vertex);
+            let [first, second] = &hinge.between;
+            let bonds = vec![bond(&vertex, first), bond(&vertex, second)];
+            let (stiffness, rest) = (hinge.stiffness_kcal_mol_rad2, hinge.rest_angle_rad);
+            self.add(built, kind, stiffness, rest, bonds);
+        }
+    }
+
+    fn add_torsions(&mut self, framework: &Framework, built: &Configuration) {
+        for torsion in &framework.torsions {
+            let pairs = torsion.along.windows(2);
+            let bonds = pairs.map(|pair| bond(&pair[0], &pair[1])).collect();
+            let (stiffness, rest) = (torsion.stiffness_kcal_mol_rad2, torsion.rest_angle_rad);
+            self.add(built, Kind::Torsion, stiffness, rest, bonds);
+        }
+    }
+
     fn add(
         &mut self,
-        here: &Configuration,
-        mut kind: Kind,
+        built: &Configuration,
+        kind: Kind,
         stiffness: f64,
         rest: Option<f64>,
         bonds: Vec<Bond>,
     ) {
-        let vectors: Vec<[f64; 3]> = bonds.iter().map(|bond| self.vector(here, bond)).collect();
-        let built = measure(kind, &vectors);
-        let rest = match (kind, rest) {
-            (_, None) => built,
-            // On the side on which it is built.
-            (Kind::PlaneHinge, Some(angle)) if built < 0.0 => -angle,
-            (_, Some(rest)) => rest,
-        };
-        if kind == Kind::Hinge && (PI - rest).abs() < NEARLY_STRAIGHT {
-            kind = Kind::StraightHinge;
-        }
-        self.terms.push(Term {
-            kind,
-            stiffness,
-            rest,
-            bonds,
-            blocks: Vec::new(),
-        });
+        let vectors = self.vectors(built, &bonds);
+        let vectors = &vectors[..bonds.len()];
+        self.terms
+            .push(Term::new(kind, stiffness, rest, bonds, vectors));
     }
 
     /// Finds the places of the Hessian.
     fn lay_out(&mut self) {
-        let d = self.dimension;
-        let mut starts: HashMap<(usize, usize), u32> = HashMap::new();
-        let mut entries = Vec::new();
-        let mut start_of = |row: usize, column: usize| {
-            *starts.entry((row, column)).or_insert_with(|| {
-                let start = entries.len() as u32;
-                for a in 0..d {
-                    for b in 0..if row == column { a + 1 } else { d } {
-                        entries.push((d * row + a, d * column + b));
-                    }
-                }
-                start
-            })
-        };
+        let mut layout = Layout::new(self.dimension);
         for node in 0..self.nodes {
-            start_of(node, node);
+            layout.block(node, node);
         }
         for term in &mut self.terms {
-            let ends: Vec<usize> = term
-                .bonds
-                .iter()
-                .flat_map(|bond| [bond.from, bond.to])
-                .collect();
+            let ends = term.ends();
             for row in &ends {
                 for column in &ends {
-                    term.blocks.push(if row >= column {
-                        start_of(*row, *column)
-                    } else {
-                        NONE
-                    });
+                    let block = (row >= column).then(|| layout.block(*row, *column));
+                    term.blocks.push(block);
                 }
             }
         }
-        self.entries = entries;
+        self.entries = layout.entries;
     }
 
     /// The network with the rest lengths and angles written out that are otherwise those it is
@@ -355,18 +151,15 @@ impl NetworkEnergy {
             Kind::PlaneHinge => term.rest.abs(),
             _ => term.rest,
         });
-        fixed
-            .rods
-            .iter_mut()
-            .for_each(|rod| rod.rest_length_angstrom = rests.next());
-        fixed
-            .hinges
-            .iter_mut()
-            .for_each(|hinge| hinge.rest_angle_rad = rests.next());
-        fixed
-            .torsions
-            .iter_mut()
-            .for_each(|torsion| torsion.rest_angle_rad = rests.next());
+        for rod in &mut fixed.rods {
+            rod.rest_length_angstrom = rests.next();
+        }
+        for hinge in &mut fixed.hinges {
+            hinge.rest_angle_rad = rests.next();
+        }
+        for torsion in &mut fixed.torsions {
+            torsion.rest_angle_rad = rests.next();
+        }
         fixed
     }
 
@@ -386,6 +179,14 @@ impl NetworkEnergy {
         &self.entries
     }
 
+    fn vectors(&self, at: &Configuration, bonds: &[Bond]) -> Vectors {
+        let mut vectors = [[0.0; 3]; 3];
+        for (vector, bond) in vectors.iter_mut().zip(bonds) {
+            *vector = self.vector(at, bond);
+        }
+        vectors
+    }
+
     fn vector(&self, at: &Configuration, bond: &Bond) -> [f64; 3] {
         let d = self.dimension;
         let mut vector = [0.0; 3];
@@ -400,16 +201,12 @@ impl NetworkEnergy {
 
     /// The energy alone, kcal/mol.
     pub fn energy(&self, at: &Configuration) -> f64 {
-        let one = |term: &Term| {
-            let vectors: Vec<[f64; 3]> = term
-                .bonds
-                .iter()
-                .map(|bond| self.vector(at, bond))
-                .collect();
-            let away = deviation(term.kind, measure(term.kind, &vectors), term.rest);
-            0.5 * term.stiffness * away * away
-        };
-        self.terms.iter().map(one).sum()
+        let mut energy = 0.0;
+        for term in &self.terms {
+            let vectors = self.vectors(at, &term.bonds);
+            energy += term.energy(&vectors[..term.bonds.len()]);
+        }
+        energy
     }
 
     /// Energy, first and second derivatives.
@@ -424,16 +221,11 @@ impl NetworkEnergy {
             hessian: vec![0.0; self.entries.len()],
         };
         for term in &self.terms {
-            let mut vectors = [[0.0; 3]; 3];
-            for (vector, bond) in vectors.iter_mut().zip(&term.bonds) {
-                *vector = self.vector(at, bond);
-            }
+            let v = self.vectors(at, &term.bonds);
             match term.kind {
-                Kind::Rod => self.collect(term, &vectors, &rod_energy(term, &vectors), &mut sum),
-                Kind::Torsion => {
-                    self.collect(term, &vectors, &torsion_energy(term, &vectors), &mut sum)
-                }
-                _ => self.collect(term, &vectors, &hinge_energy(term, &vectors), &mut sum),
+                Kind::Rod => self.collect(term, &v, &term.rod_energy(&v), &mut sum),
+                Kind::Torsion => self.collect(term, &v, &term.torsion_energy(&v), &mut sum),
+                _ => self.collect(term, &v, &term.hinge_energy(&v), &mut sum),
             }
         }
         sum
@@ -443,76 +235,74 @@ impl NetworkEnergy {
     fn collect<const N: usize>(
         &self,
         term: &Term,
-        vectors: &[[f64; 3]; 3],
+        vectors: &Vectors,
         local: &Jet<N>,
         sum: &mut Derivatives,
     ) {
-        let (d, count) = (self.dimension, term.bonds.len());
         sum.energy += local.value;
         for (p, bond) in term.bonds.iter().enumerate() {
+            let d = self.dimension;
             for i in 0..d {
                 sum.gradient[d * bond.to + i] += local.gradient[3 * p + i];
                 sum.gradient[d * bond.from + i] -= local.gradient[3 * p + i];
             }
         }
         for a in 0..sum.strain_gradient.len() {
-            // B_a D and H B_a D over all vectors of the term.
-            let moved: [[f64; 3]; 3] = std::array::from_fn(|p| strained(d, a, &vectors[p]));
-            let mut turned = [[0.0; 3]; 3];
-            for p in 0..count {
-                for i in 0..3 {
-                    sum.strain_gradient[a] += local.gradient[3 * p + i] * moved[p][i];
-                    turned[p][i] = (0..3 * count)
-                        .map(|c| local.hessian[3 * p + i][c] * moved[c / 3][c % 3])
-                        .sum();
-                }
-            }
-            for b in 0..=a {
-                let other: [[f64; 3]; 3] = std::array::from_fn(|p| strained(d, b, &vectors[p]));
-                let product: f64 = (0..3 * count)
-                    .map(|c| turned[c / 3][c % 3] * other[c / 3][c % 3])
-                    .sum();
-                sum.strain_hessian[(a, b)] += product;
-                if a != b {
-                    sum.strain_hessian[(b, a)] += product;
-                }
-            }
-            for (p, bond) in term.bonds.iter().enumerate() {
-                let g: [f64; 3] = std::array::from_fn(|i| local.gradient[3 * p + i]);
-                let stretched = strained(d, a, &g);
-                for i in 0..d {
-                    let change = turned[p][i] + stretched[i];
-                    sum.mixed[(d * bond.to + i, a)] += change;
-                    sum.mixed[(d * bond.from + i, a)] -= change;
-                }
+            self.collect_strain(term, vectors, local, a, sum);
+        }
+        self.collect_hessian(term, local, &mut sum.hessian);
+    }
+
+    /// The derivatives over strain a: once, with other strains, and with nodes.
+    fn collect_strain<const N: usize>(
+        &self,
+        term: &Term,
+        vectors: &Vectors,
+        local: &Jet<N>,
+        a: usize,
+        sum: &mut Derivatives,
+    ) {
+        let d = self.dimension;
+        // B_a D and H B_a D over all vectors of the term.
+        let moved: [f64; N] = flattened(&vectors.map(|vector| strained(d, a, &vector)));
+        let pushed = local.hessian.map(|row| product(&row, &moved));
+        for (g, change) in local.gradient.iter().zip(moved) {
+            sum.strain_gradient[a] += g * change;
+        }
+        for b in 0..=a {
+            let other: [f64; N] = flattened(&vectors.map(|vector| strained(d, b, &vector)));
+            let second = product(&pushed, &other);
+            sum.strain_hessian[(a, b)] += second;
+            if a != b {
+                sum.strain_hessian[(b, a)] += second;
             }
         }
-        let mut block = 0;
-        for row_end in 0..2 * count {
-            for column_end in 0..2 * count {
-                let start = term.blocks[block];
-                block += 1;
-                if start == NONE {
+        for (p, bond) in term.bonds.iter().enumerate() {
+            let gradient = [0, 1, 2].map(|i| local.gradient[3 * p + i]);
+            let turned = strained(d, a, &gradient);
+            for i in 0..d {
+                let change = pushed[3 * p + i] + turned[i];
+                sum.mixed[(d * bond.to + i, a)] += change;
+                sum.mixed[(d * bond.from + i, a)] -= change;
+            }
+        }
+    }
+
+    /// Aᵀ H A: every end of a bond against every other, with the sign of the difference.
+    fn collect_hessian<const N: usize>(&self, term: &Term, local: &Jet<N>, hessian: &mut [f64]) {
+        let (d, ends) = (self.dimension, term.ends());
+        for (row_end, row) in ends.iter().enumerate() {
+            for (column_end, column) in ends.iter().enumerate() {
+                let Some(start) = term.blocks[row_end * ends.len() + column_end] else {
                     continue;
-                }
+                };
                 let (p, q) = (row_end / 2, column_end / 2);
-                let sign = if row_end % 2 == column_end % 2 {
-                    1.0
-                } else {
-                    -1.0
-                };
-                let ends = |end: usize| {
-                    if end.is_multiple_of(2) {
-                        term.bonds[end / 2].from
-                    } else {
-                        term.bonds[end / 2].to
-                    }
-                };
-                let diagonal = ends(row_end) == ends(column_end);
+                let same_sign = row_end % 2 == column_end % 2;
+                let sign = if same_sign { 1.0 } else { -1.0 };
                 let mut entry = start as usize;
                 for i in 0..d {
-                    for j in 0..if diagonal { i + 1 } else { d } {
-                        sum.hessian[entry] += sign * local.hessian[3 * p + i][3 * q + j];
+                    for j in 0..if row == column { i + 1 } else { d } {
+                        hessian[entry] += sign * local.hessian[3 * p + i][3 * q + j];
                         entry += 1;
                     }
                 }
@@ -521,96 +311,59 @@ impl NetworkEnergy {
     }
 }
 
+/// Hands out the blocks of the Hessian, node by node.
+struct Layout {
+    dimension: usize,
+    starts: HashMap<(usize, usize), u32>,
+    entries: Vec<(usize, usize)>,
+}
+
+impl Layout {
+    fn new(dimension: usize) -> Self {
+        Self {
+            dimension,
+            starts: HashMap::new(),
+            entries: Vec::new(),
+        }
+    }
+
+    /// Where the block of these nodes begins; of a diagonal block there is the lower triangle.
+    fn block(&mut self, row: usize, column: usize) -> u32 {
+        if let Some(start) = self.starts.get(&(row, column)) {
+            return *start;
+        }
+        let (start, d) = (self.entries.len() as u32, self.dimension);
+        for a in 0..d {
+            for b in 0..if row == column { a + 1 } else { d } {
+                self.entries.push((d * row + a, d * column + b));
+            }
+        }
+        self.starts.insert((row, column), start);
+        start
+    }
+}
+
 fn bond(from: &Neighbour, to: &Neighbour) -> Bond {
-    let image =
+    let cells =
         |neighbour: &Neighbour, axis: usize| neighbour.image.get(axis).copied().unwrap_or(0);
     Bond {
         from: from.node,
         to: to.node,
-        image: std::array::from_fn(|axis| image(to, axis) - image(from, axis)),
+        image: [0, 1, 2].map(|axis| cells(to, axis) - cells(from, axis)),
     }
 }
 
-/// Length or angle of a term.
-fn measure(kind: Kind, vectors: &[[f64; 3]]) -> f64 {
-    let vector = |index: usize| vectors[index].map(Jet::<0>::constant);
-    match kind {
-        Kind::Rod => vectors[0].iter().map(|x| x * x).sum::<f64>().sqrt(),
-        Kind::PlaneHinge => plane_angle(&vector(0), &vector(1)).value,
-        Kind::Hinge | Kind::StraightHinge => angle(&vector(0), &vector(1)).value,
-        Kind::Torsion => dihedral(&vector(0), &vector(1), &vector(2)).value,
+/// The first N components of some vectors.
+fn flattened<const N: usize>(vectors: &Vectors) -> [f64; N] {
+    let mut flat = [0.0; N];
+    flat.copy_from_slice(&vectors.as_flattened()[..N]);
+    flat
+}
+
+fn product<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
+    let mut sum = 0.0;
+    for (a, b) in a.iter().zip(b) {
+        sum += a * b;
     }
-}
-
-/// How far from rest, by the shorter way around for angles in a circle.
-fn deviation(kind: Kind, value: f64, rest: f64) -> f64 {
-    match kind {
-        Kind::PlaneHinge | Kind::Torsion => {
-            let away = value - rest;
-            away - 2.0 * PI * (away / (2.0 * PI)).round()
-        }
-        _ => value - rest,
-    }
-}
-
-fn variables<const N: usize>(vectors: &[[f64; 3]; 3], index: usize) -> [Jet<N>; 3] {
-    std::array::from_fn(|i| Jet::variable(vectors[index][i], 3 * index + i))
-}
-
-/// ½ k (x - rest)², from the jet of x.
-fn spring<const N: usize>(term: &Term, value: Jet<N>) -> Jet<N> {
-    let away = deviation(term.kind, value.value, term.rest);
-    value.chain(
-        0.5 * term.stiffness * away * away,
-        term.stiffness * away,
-        term.stiffness,
-    )
-}
-
-fn rod_energy(term: &Term, vectors: &[[f64; 3]; 3]) -> Jet<3> {
-    let d = variables(vectors, 0);
-    spring(term, dot(&d, &d).sqrt())
-}
-
-fn hinge_energy(term: &Term, vectors: &[[f64; 3]; 3]) -> Jet<6> {
-    let (a, b) = (variables(vectors, 0), variables(vectors, 1));
-    match term.kind {
-        Kind::PlaneHinge => spring(term, plane_angle(&a, &b)),
-        // (π - θ)² = 4 arcsin² (|û_a + û_b|/2), smooth where θ = π.
-        Kind::StraightHinge => {
-            let (la, lb) = (dot(&a, &a).sqrt().recip(), dot(&b, &b).sqrt().recip());
-            let sum: [Jet<6>; 3] = std::array::from_fn(|i| a[i] * la + b[i] * lb);
-            let quarter = dot(&sum, &sum) * 0.25;
-            quarter.arcsine_of_root_squared() * (2.0 * term.stiffness)
-        }
-        _ => spring(term, angle(&a, &b)),
-    }
-}
-
-fn torsion_energy(term: &Term, vectors: &[[f64; 3]; 3]) -> Jet<9> {
-    spring(
-        term,
-        dihedral(
-            &variables(vectors, 0),
-            &variables(vectors, 1),
-            &variables(vectors, 2),
-        ),
-    )
-}
-
-/// The angle from a to b in the plane, positive anticlockwise.
-fn plane_angle<const N: usize>(a: &[Jet<N>; 3], b: &[Jet<N>; 3]) -> Jet<N> {
-    Jet::atan2(&(a[0] * b[1] - a[1] * b[0]), &(a[0] * b[0] + a[1] * b[1]))
-}
-
-/// The angle between a and b, 0 to π.
-fn angle<const N: usize>(a: &[Jet<N>; 3], b: &[Jet<N>; 3]) -> Jet<N> {
-    let normal = cross(a, b);
-    Jet::atan2(&dot(&normal, &normal).sqrt(), &dot(a, b))
-}
-
-/// The dihedral angle about b: atan2(|b| a · (b × c), (a × b) · (b × c)).
-fn dihedral<const N: usize>(a: &[Jet<N>; 3], b: &[Jet<N>; 3], c: &[Jet<N>; 3]) -> Jet<N> {
-    let (first, second) = (cross(a, b), cross(b, c));
-    Jet::atan2(&(dot(b, b).sqrt() * dot(a, &second)), &dot(&first, &second))
+    sum
 }

@@ -7,6 +7,15 @@
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// A value with its gradient and Hessian over N variables.
+///
+/// ```
+/// use protomer_crystal::framework::jet::Jet;
+/// let (x, y) = (Jet::<2>::variable(3.0, 0), Jet::<2>::variable(4.0, 1));
+/// let length = (x.square() + y.square()).sqrt();
+/// assert_eq!(length.value, 5.0);
+/// assert!((length.gradient[0] - 0.6).abs() < 1e-15);
+/// assert!((length.hessian[0][1] + 12.0 / 125.0).abs() < 1e-15);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Jet<const N: usize> {
     /// f.
@@ -36,17 +45,15 @@ impl<const N: usize> Jet<N> {
 
     /// g(f) from g, g' and g'' at f.
     pub fn chain(&self, value: f64, first: f64, second: f64) -> Self {
-        let gradient = self.gradient.map(|x| first * x);
-        let hessian = std::array::from_fn(|i| {
-            std::array::from_fn(|j| {
-                first * self.hessian[i][j] + second * self.gradient[i] * self.gradient[j]
-            })
-        });
-        Self {
-            value,
-            gradient,
-            hessian,
+        let mut jet = Self::constant(value);
+        for i in 0..N {
+            jet.gradient[i] = first * self.gradient[i];
+            for j in 0..N {
+                jet.hessian[i][j] =
+                    first * self.hessian[i][j] + second * self.gradient[i] * self.gradient[j];
+            }
         }
+        jet
     }
 
     /// √f.
@@ -109,13 +116,14 @@ impl<const N: usize> Add for Jet<N> {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
-        Self {
-            value: self.value + other.value,
-            gradient: std::array::from_fn(|i| self.gradient[i] + other.gradient[i]),
-            hessian: std::array::from_fn(|i| {
-                std::array::from_fn(|j| self.hessian[i][j] + other.hessian[i][j])
-            }),
+        let mut jet = Self::constant(self.value + other.value);
+        for i in 0..N {
+            jet.gradient[i] = self.gradient[i] + other.gradient[i];
+            for j in 0..N {
+                jet.hessian[i][j] = self.hessian[i][j] + other.hessian[i][j];
+            }
         }
+        jet
     }
 }
 
@@ -161,18 +169,17 @@ impl<const N: usize> Mul for Jet<N> {
 
     fn mul(self, other: Self) -> Self {
         let (a, b) = (self.value, other.value);
-        Self {
-            value: a * b,
-            gradient: std::array::from_fn(|i| a * other.gradient[i] + b * self.gradient[i]),
-            hessian: std::array::from_fn(|i| {
-                std::array::from_fn(|j| {
-                    a * other.hessian[i][j]
-                        + b * self.hessian[i][j]
-                        + self.gradient[i] * other.gradient[j]
-                        + other.gradient[i] * self.gradient[j]
-                })
-            }),
+        let mut jet = Self::constant(a * b);
+        for i in 0..N {
+            jet.gradient[i] = a * other.gradient[i] + b * self.gradient[i];
+            for j in 0..N {
+                jet.hessian[i][j] = a * other.hessian[i][j]
+                    + b * self.hessian[i][j]
+                    + self.gradient[i] * other.gradient[j]
+                    + other.gradient[i] * self.gradient[j];
+            }
         }
+        jet
     }
 }
 

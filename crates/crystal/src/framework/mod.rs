@@ -9,13 +9,18 @@
 //!
 //! | module | one idea |
 //! |---|---|
-//! | [`model`] | the network as data, and what is wrong with it |
+//! | [`model`] | the network as data |
+//! | `check`, `supercell` | what is wrong with a network; the same network with a larger cell |
 //! | [`build`] | honeycombs, rotating squares and triangles, arrowheads, the rod lattice, FCC and diamond |
 //! | [`jet`] | numbers that carry their first and second derivatives |
+//! | `term` | one spring: its length or angle, and its energy with derivatives |
+//! | `configuration` | nodes and cell, and strains of them |
 //! | [`energy`] | energy, gradient and Hessian of a network |
+//! | `relaxation` | how nodes follow a strain |
 //! | [`elastic`] | elastic constants, mechanisms, Maxwell's count |
 //! | [`moduli`] | Young's and shear moduli, Poisson's ratios, on axis and off |
 //! | [`load`] | minimisation, with and without the cell, under uniaxial stress |
+//! | `newton`, `work` | its steps; the work of a load on the cell |
 //! | [`analytic`] | the closed formulas for honeycombs |
 //!
 //! The method is "empirical modelling using dummy atoms", Grima, Gatt, Bray, Alderson and Evans,
@@ -27,12 +32,19 @@
 
 pub mod analytic;
 pub mod build;
+mod check;
+mod configuration;
 pub mod elastic;
 pub mod energy;
 pub mod jet;
 pub mod load;
 pub mod model;
 pub mod moduli;
+mod newton;
+mod relaxation;
+mod supercell;
+mod term;
+mod work;
 
 pub use elastic::{Elasticity, Mechanism};
 pub use load::{Load, StressKind};

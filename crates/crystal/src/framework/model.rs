@@ -1,6 +1,5 @@
 //! The network as data.
 
-use crate::{CrystalError, Result};
 use serde::{Deserialize, Serialize};
 
 /// A periodic network of nodes.
@@ -8,6 +7,34 @@ use serde::{Deserialize, Serialize};
 /// Node i and its images stand at `nodes_angstrom[i]` + n · `cell_angstrom`. In two dimensions the
 /// first coordinate (x) of everything is zero and the cell has two vectors, in the plane of y and
 /// z.
+///
+/// ```
+/// use protomer_crystal::framework::{Elasticity, Framework, Moduli, Neighbour, Rod};
+/// let spring = |image: [i32; 2], k: f64| Rod {
+///     from: 0,
+///     to: Neighbour::there(0, &image),
+///     stiffness_kcal_mol_angstrom2: k,
+///     rest_length_angstrom: None,
+/// };
+/// // A square net of springs, with springs along its diagonals.
+/// let net = Framework {
+///     cell_angstrom: vec![vec![2.0, 0.0], vec![0.0, 2.0]],
+///     thickness_angstrom: 1.0,
+///     nodes_angstrom: vec![vec![0.0, 0.0]],
+///     rods: vec![
+///         spring([1, 0], 4.0),
+///         spring([0, 1], 4.0),
+///         spring([1, 1], 1.0),
+///         spring([1, -1], 1.0),
+///     ],
+///     hinges: Vec::new(),
+///     torsions: Vec::new(),
+/// };
+/// let moduli = Moduli::new(&Elasticity::of(&net)?, 1.0);
+/// // C11 = k + k', C12 = C33 = k'.
+/// assert!((moduli.poissons[0][1].unwrap() - 1.0 / 5.0).abs() < 1e-12);
+/// # Ok::<(), protomer_crystal::CrystalError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Framework {
@@ -39,12 +66,12 @@ fn one() -> f64 {
 pub struct Neighbour {
     /// Index of the node.
     pub node: usize,
-    /// The image: how many cells away along each cell vector; none is all zero.
+    /// The image: how many cells away along each cell vector; empty for the cell itself.
     #[serde(default)]
     pub image: Vec<i32>,
 }
 
-/// ½ k (|r_j - r_i| - L)².
+/// A spring between two nodes, ½ k (|r_j - r_i| - L)².
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rod {
@@ -59,7 +86,7 @@ pub struct Rod {
     pub rest_length_angstrom: Option<f64>,
 }
 
-/// ½ k (θ - θ0)², θ the angle at the vertex between two neighbours.
+/// A spring between two directions, ½ k (θ - θ0)², θ the angle at the vertex between two neighbours.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Hinge {
@@ -75,7 +102,7 @@ pub struct Hinge {
     pub rest_angle_rad: Option<f64>,
 }
 
-/// ½ k (φ - φ0)², φ the dihedral angle of four nodes in a row.
+/// A spring about an axis, ½ k (φ - φ0)², φ the dihedral angle of four nodes in a row.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Torsion {
@@ -87,12 +114,6 @@ pub struct Torsion {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rest_angle_rad: Option<f64>,
 }
-
-/// A rod, or a cell, shorter or flatter than this (Å) has collapsed.
-const SMALLEST_LENGTH_ANGSTROM: f64 = 1e-9;
-
-/// No term reaches over more cells than this; it keeps sums of images from overflowing.
-const FARTHEST_IMAGE: u32 = 1_000_000;
 
 impl Neighbour {
     /// A node of the cell itself.
@@ -129,8 +150,9 @@ impl Framework {
         if self.dimension() == 2 {
             (c[0][0] * c[1][1] - c[0][1] * c[1][0]).abs() * self.thickness_angstrom
         } else {
-            let cross = |i: usize, j: usize| c[1][i] * c[2][j] - c[1][j] * c[2][i];
-            (c[0][0] * cross(1, 2) + c[0][1] * cross(2, 0) + c[0][2] * cross(0, 1)).abs()
+            let [x, y, z] =
+                [(1, 2), (2, 0), (0, 1)].map(|(i, j)| c[1][i] * c[2][j] - c[1][j] * c[2][i]);
+            (c[0][0] * x + c[0][1] * y + c[0][2] * z).abs()
         }
     }
 
@@ -158,233 +180,5 @@ impl Framework {
     pub(crate) fn difference(&self, from: &Neighbour, to: &Neighbour) -> [f64; 3] {
         let (a, b) = (self.place(from), self.place(to));
         [b[0] - a[0], b[1] - a[1], b[2] - a[2]]
-    }
-
-    /// Checks what the types cannot.
-    ///
-    /// # Errors
-    /// [`CrystalError::BadNetwork`] says which node, rod, hinge or cell vector makes no sense, and
-    /// why.
-    pub fn check(&self) -> Result<()> {
-        let bad = |problem: String| Err(CrystalError::BadNetwork(problem));
-        let dimension = self.dimension();
-        if !(2..=3).contains(&dimension) {
-            return bad(format!(
-                "cell_angstrom has {dimension} vectors; a network has 2 or 3 dimensions"
-            ));
-        }
-        for (what, rows) in [
-            ("cell vector", &self.cell_angstrom),
-            ("node", &self.nodes_angstrom),
-        ] {
-            for (index, row) in rows.iter().enumerate() {
-                if row.len() != dimension || row.iter().any(|x| !x.is_finite()) {
-                    return bad(format!(
-                        "{what} {index} is {row:?}; give {dimension} finite numbers, Å"
-                    ));
-                }
-            }
-        }
-        if self.nodes_angstrom.is_empty() {
-            return bad("the network has no nodes".into());
-        }
-        let thickness = self.thickness_angstrom;
-        if !(thickness.is_finite() && thickness > 0.0) {
-            return bad(format!(
-                "thickness_angstrom is {thickness}; it must be positive"
-            ));
-        }
-        let longest = self
-            .cell_angstrom
-            .iter()
-            .map(|v| v.iter().map(|x| x * x).sum::<f64>().sqrt())
-            .fold(0.0, f64::max);
-        let across = self.volume_angstrom3() / longest.powi(dimension as i32 - 1);
-        if across.is_nan() || across < SMALLEST_LENGTH_ANGSTROM {
-            return bad(format!(
-                "the cell has collapsed: its volume is {:e} Å³",
-                self.volume_angstrom3()
-            ));
-        }
-        self.check_terms()
-    }
-
-    fn check_terms(&self) -> Result<()> {
-        let bad = |problem: String| Err(CrystalError::BadNetwork(problem));
-        let mut has_rod = vec![false; self.nodes_angstrom.len()];
-        let neighbour = |what: &str, index: usize, neighbour: &Neighbour| {
-            if neighbour.node >= self.nodes_angstrom.len() {
-                let count = self.nodes_angstrom.len();
-                return bad(format!(
-                    "{what} {index} names node {}, but there are {count}",
-                    neighbour.node
-                ));
-            }
-            if !(neighbour.image.is_empty() || neighbour.image.len() == self.dimension()) {
-                let dimension = self.dimension();
-                return bad(format!(
-                    "{what} {index} has image {:?}; give {dimension} whole numbers",
-                    neighbour.image
-                ));
-            }
-            if neighbour
-                .image
-                .iter()
-                .any(|count| count.unsigned_abs() > FARTHEST_IMAGE)
-            {
-                return bad(format!(
-                    "{what} {index} has image {:?}; {FARTHEST_IMAGE} cells is far enough",
-                    neighbour.image
-                ));
-            }
-            Ok(())
-        };
-        let stiffness = |what: &str, index: usize, k: f64| {
-            if k.is_finite() && k >= 0.0 {
-                Ok(())
-            } else {
-                bad(format!(
-                    "{what} {index} has stiffness {k}; it must be zero or positive"
-                ))
-            }
-        };
-        let apart = |what: &str, index: usize, a: &Neighbour, b: &Neighbour| {
-            let d = self.difference(a, b);
-            if d.iter().map(|x| x * x).sum::<f64>().sqrt() < SMALLEST_LENGTH_ANGSTROM {
-                return bad(format!(
-                    "{what} {index} joins two places that coincide (nodes {} and {})",
-                    a.node, b.node
-                ));
-            }
-            Ok(())
-        };
-        for (index, rod) in self.rods.iter().enumerate() {
-            let from = Neighbour::here(rod.from);
-            neighbour("rod", index, &from)?;
-            neighbour("rod", index, &rod.to)?;
-            stiffness("rod", index, rod.stiffness_kcal_mol_angstrom2)?;
-            apart("rod", index, &from, &rod.to)?;
-            if let Some(length) = rod
-                .rest_length_angstrom
-                .filter(|length| !(length.is_finite() && *length > 0.0))
-            {
-                return bad(format!(
-                    "rod {index} has rest length {length} Å; it must be positive"
-                ));
-            }
-            has_rod[rod.from] = true;
-            has_rod[rod.to.node] = true;
-        }
-        for (index, hinge) in self.hinges.iter().enumerate() {
-            let vertex = Neighbour::here(hinge.vertex);
-            neighbour("hinge", index, &vertex)?;
-            for end in &hinge.between {
-                neighbour("hinge", index, end)?;
-                apart("hinge", index, &vertex, end)?;
-            }
-            stiffness("hinge", index, hinge.stiffness_kcal_mol_rad2)?;
-        }
-        if !self.torsions.is_empty() && self.dimension() == 2 {
-            return bad("torsions need three dimensions; in the plane they do nothing".into());
-        }
-        for (index, torsion) in self.torsions.iter().enumerate() {
-            for node in &torsion.along {
-                neighbour("torsion", index, node)?;
-            }
-            for pair in torsion.along.windows(2) {
-                apart("torsion", index, &pair[0], &pair[1])?;
-            }
-            stiffness("torsion", index, torsion.stiffness_kcal_mol_rad2)?;
-        }
-        match has_rod.iter().position(|has| !has) {
-            Some(node) => bad(format!(
-                "node {node} has no rod: nothing holds it; remove it or join it"
-            )),
-            None => Ok(()),
-        }
-    }
-
-    /// The same network with a cell of so many of its cells.
-    ///
-    /// # Errors
-    /// [`CrystalError::BadSetting`] for a count of zero, [`CrystalError::BadNetwork`] for one count
-    /// too many or too few.
-    pub fn supercell(&self, counts: &[usize]) -> Result<Self> {
-        let dimension = self.dimension();
-        if counts.len() != dimension {
-            return Err(CrystalError::BadNetwork(format!(
-                "{} cell counts for {dimension} dimensions",
-                counts.len()
-            )));
-        }
-        if counts.contains(&0) {
-            return Err(CrystalError::BadSetting {
-                setting: "cells",
-                value: 0.0,
-                requirement: "at least 1 in each direction",
-            });
-        }
-        let mut full = [1; 3];
-        full[..dimension].copy_from_slice(counts);
-        let cells: Vec<[i32; 3]> = (0..full[0] * full[1] * full[2])
-            .map(|c| {
-                [c / (full[1] * full[2]), c / full[2] % full[1], c % full[2]].map(|x| x as i32)
-            })
-            .collect();
-        let base = self.nodes_angstrom.len();
-        let moved = |neighbour: &Neighbour, cell: &[i32; 3]| {
-            let (mut index, mut image) = (0, vec![0; dimension]);
-            for axis in 0..3 {
-                let count = full[axis] as i32;
-                let target = cell[axis] + neighbour.image.get(axis).copied().unwrap_or(0);
-                index = index * full[axis] + target.rem_euclid(count) as usize;
-                if let Some(image) = image.get_mut(axis) {
-                    *image = target.div_euclid(count);
-                }
-            }
-            Neighbour {
-                node: index * base + neighbour.node,
-                image,
-            }
-        };
-        let mut large = Self {
-            nodes_angstrom: Vec::new(),
-            rods: Vec::new(),
-            hinges: Vec::new(),
-            torsions: Vec::new(),
-            ..self.clone()
-        };
-        for (vector, count) in large.cell_angstrom.iter_mut().zip(counts) {
-            vector.iter_mut().for_each(|x| *x *= *count as f64);
-        }
-        for (number, cell) in cells.iter().enumerate() {
-            let offset = self.offset(&cell[..dimension]);
-            for node in &self.nodes_angstrom {
-                large
-                    .nodes_angstrom
-                    .push(node.iter().zip(offset).map(|(x, o)| x + o).collect());
-            }
-            let own = number * base;
-            large.rods.extend(self.rods.iter().map(|rod| Rod {
-                from: own + rod.from,
-                to: moved(&rod.to, cell),
-                ..rod.clone()
-            }));
-            large.hinges.extend(self.hinges.iter().map(|hinge| Hinge {
-                vertex: own + hinge.vertex,
-                between: [
-                    moved(&hinge.between[0], cell),
-                    moved(&hinge.between[1], cell),
-                ],
-                ..hinge.clone()
-            }));
-            large
-                .torsions
-                .extend(self.torsions.iter().map(|torsion| Torsion {
-                    along: std::array::from_fn(|i| moved(&torsion.along[i], cell)),
-                    ..torsion.clone()
-                }));
-        }
-        Ok(large)
     }
 }

@@ -8,8 +8,17 @@ use super::elastic::{Elasticity, Mechanism};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use serde::Serialize;
 
-/// Moduli on the axes, GPa. They are absent where a mechanism leaves nothing to resist the load. If
-/// it is the only one, it says how the network yields, and so what Poisson's ratio is.
+/// Moduli on the axes, GPa. They are absent where a mechanism leaves nothing to resist the load. A
+/// single mechanism says how the network yields, and so what Poisson's ratio is.
+///
+/// ```
+/// use protomer_crystal::framework::{Elasticity, Moduli, build::rotating_squares};
+/// // Without hinges rotating squares open and close freely, alike in both directions.
+/// let moduli = Moduli::new(&Elasticity::of(&rotating_squares(2.0, 0.3, 100.0, 0.0)?)?, 1.0);
+/// assert_eq!(moduli.youngs_gpa[0], None);
+/// assert!((moduli.poissons[0][1].unwrap() + 1.0).abs() < 1e-9);
+/// # Ok::<(), protomer_crystal::CrystalError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Moduli {
     /// E along each axis: (y, z) or (x, y, z).
@@ -33,17 +42,17 @@ pub struct Direction {
 
 /// How a network answers to uniaxial and shear loads, mechanisms or not.
 struct Answers<'a> {
-    /// Strain per stress; where there are mechanisms, that part of it which does not contain them.
+    /// Strain per stress; where there are mechanisms, without their part.
     compliance: DMatrix<f64>,
     mechanisms: &'a [Mechanism],
 }
 
 /// The answer to one load.
 struct Answer {
-    /// Strain along the load per stress; absent where it has no end.
+    /// Strain along the load per stress; absent where a mechanism yields.
     give: Option<f64>,
-    /// Minus the strain across over that along; absent where that depends on a mechanism that
-    /// nothing decides.
+    /// Minus the strain across over that along; absent where it depends on a mechanism that nothing
+    /// decides.
     poissons: Option<f64>,
 }
 
@@ -53,16 +62,9 @@ const NOTHING: f64 = 1e-9;
 impl<'a> Answers<'a> {
     fn new(elasticity: &'a Elasticity) -> Self {
         let mechanisms = &elasticity.mechanisms[..];
-        let compliance = elasticity.compliance().unwrap_or_else(|| {
-            let eigen = SymmetricEigen::new(elasticity.stiffness.clone());
-            let mut order: Vec<usize> = (0..eigen.eigenvalues.len()).collect();
-            order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
-            let mut inverse = DVector::zeros(order.len());
-            for index in order.into_iter().skip(mechanisms.len()) {
-                inverse[index] = 1.0 / eigen.eigenvalues[index];
-            }
-            &eigen.eigenvectors * DMatrix::from_diagonal(&inverse) * eigen.eigenvectors.transpose()
-        });
+        let compliance = elasticity
+            .compliance()
+            .unwrap_or_else(|| pseudo_inverse(&elasticity.stiffness, mechanisms.len()));
         Self {
             compliance,
             mechanisms,
@@ -72,16 +74,9 @@ impl<'a> Answers<'a> {
     /// The answer to a stress, where `across` projects a strain onto the other direction of
     /// interest.
     fn to(&self, stress: &[f64], across: &[f64]) -> Answer {
-        let project =
-            |onto: &[f64], strain: &[f64]| onto.iter().zip(strain).map(|(a, b)| a * b).sum::<f64>();
-        // The work that the load does on a mechanism.
-        let driven = self
-            .mechanisms
-            .iter()
-            .any(|mechanism| project(stress, &mechanism.strain).abs() > NOTHING);
-        if driven {
+        if self.drives_a_mechanism(stress) {
             let poissons = match self.mechanisms {
-                [one] => Some(-project(across, &one.strain) / project(stress, &one.strain)),
+                [one] => Some(-product(across, &one.strain) / product(stress, &one.strain)),
                 _ => None,
             };
             return Answer {
@@ -90,61 +85,88 @@ impl<'a> Answers<'a> {
             };
         }
         let strain = &self.compliance * DVector::from_column_slice(stress);
-        let give = project(stress, strain.as_slice());
-        let decided = self
-            .mechanisms
-            .iter()
-            .all(|mechanism| project(across, &mechanism.strain).abs() <= NOTHING);
+        let give = product(stress, strain.as_slice());
+        let is_decided = !self.drives_a_mechanism(across);
         Answer {
             give: Some(give),
-            poissons: decided.then(|| -project(across, strain.as_slice()) / give),
+            poissons: is_decided.then(|| -product(across, strain.as_slice()) / give),
         }
     }
+
+    /// Whether a stress does work on a mechanism.
+    fn drives_a_mechanism(&self, stress: &[f64]) -> bool {
+        let mut works = self
+            .mechanisms
+            .iter()
+            .map(|one| product(stress, &one.strain));
+        works.any(|work| work.abs() > NOTHING)
+    }
+}
+
+/// The inverse without the softest strains, as many as there are mechanisms.
+fn pseudo_inverse(stiffness: &DMatrix<f64>, mechanisms: usize) -> DMatrix<f64> {
+    let eigen = SymmetricEigen::new(stiffness.clone());
+    let values = &eigen.eigenvalues;
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+    let mut inverse = DVector::zeros(order.len());
+    for index in order.into_iter().skip(mechanisms) {
+        inverse[index] = 1.0 / values[index];
+    }
+    &eigen.eigenvectors * DMatrix::from_diagonal(&inverse) * eigen.eigenvectors.transpose()
+}
+
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 impl Moduli {
     /// The moduli of a network; `gpa` is what one kcal/mol/Å³ is worth.
     pub fn new(elasticity: &Elasticity, gpa: f64) -> Self {
-        let (d, strains) = (elasticity.dimension, elasticity.stiffness.nrows());
+        let (dimension, strains) = (elasticity.dimension, elasticity.stiffness.nrows());
         let answers = Answers::new(elasticity);
-        let unit = |index: usize| -> Vec<f64> {
-            (0..strains)
-                .map(|i| if i == index { 1.0 } else { 0.0 })
-                .collect()
-        };
-        let answer = |i: usize, j: usize| answers.to(&unit(i), &unit(j));
+        let answer = |i: usize, j: usize| answers.to(&unit(strains, i), &unit(strains, j));
         let modulus = |i: usize| answer(i, i).give.map(|give| gpa / give);
-        let ratio = |i: usize, j: usize| if i == j { None } else { answer(i, j).poissons };
+        let mut poissons = vec![vec![None; dimension]; dimension];
+        for (i, row) in poissons.iter_mut().enumerate() {
+            for (j, ratio) in row.iter_mut().enumerate() {
+                *ratio = if i == j { None } else { answer(i, j).poissons };
+            }
+        }
         Self {
-            youngs_gpa: (0..d).map(modulus).collect(),
-            poissons: (0..d)
-                .map(|i| (0..d).map(|j| ratio(i, j)).collect())
-                .collect(),
-            shear_gpa: (d..strains).map(modulus).collect(),
+            youngs_gpa: (0..dimension).map(modulus).collect(),
+            poissons,
+            shear_gpa: (dimension..strains).map(modulus).collect(),
         }
     }
 }
 
+fn unit(length: usize, index: usize) -> Vec<f64> {
+    let mut unit = vec![0.0; length];
+    unit[index] = 1.0;
+    unit
+}
+
 /// E and ν of a two-dimensional network against the direction of the load, `count` directions over
-/// half a turn.
+/// half a turn; none in three dimensions.
 pub fn polar(elasticity: &Elasticity, gpa: f64, count: usize) -> Vec<Direction> {
+    let mut directions = Vec::with_capacity(count);
+    if elasticity.dimension != 2 {
+        return directions;
+    }
     let answers = Answers::new(elasticity);
-    let at = |index: usize| {
+    for index in 0..count {
         let angle_deg = 180.0 * index as f64 / count as f64;
         let (sine, cosine) = angle_deg.to_radians().sin_cos();
         // n n, and its counterpart across; the shear counts half of an engineering strain, twice.
         let along = [cosine * cosine, sine * sine, sine * cosine];
         let across = [sine * sine, cosine * cosine, -sine * cosine];
         let answer = answers.to(&along, &across);
-        Direction {
+        directions.push(Direction {
             angle_deg,
             youngs_gpa: answer.give.map(|give| gpa / give),
             poissons: answer.poissons,
-        }
-    };
-    if elasticity.dimension == 2 {
-        (0..count).map(at).collect()
-    } else {
-        Vec::new()
+        });
     }
+    directions
 }

@@ -1,23 +1,38 @@
 //! Linear friction.
 //!
 //! v̇ = -P Γ v, with Γ = γ for translations and γ' for rotations and P = 1 - M⁻¹ Jᵀ A⁻¹ J the
-//! projection on velocities that keep the rods. It is a map of the velocities, made for half a step
-//! before and after a step without friction: the whole is of second order, and any way of making
-//! the middle step will do, collisions included ([`Drag::apply`] with the
+//! projection on velocities that keep the rods. Friction changes only the velocities; it acts for
+//! half a step before and half a step after a step without friction. The whole is of second order,
+//! whatever makes the middle step, collisions included ([`Drag::apply`] with the
 //! [`dynamics`](super::Engine::dynamics) of an engine).
 //!
-//! A single γ commutes with P, and v ← exp(-γ t) v is exact. With two, the midpoint rule of Runge
-//! is used, v ← v - t P Γ (v - t/2 P Γ v), of second order in t.
+//! A single γ commutes with P, and v ← exp(-γ t) v is exact. With two rates, the midpoint rule of
+//! Runge is used, v ← v - t P Γ (v - t/2 P Γ v), of second order in t.
 
 use super::dynamics::Dynamics;
 use super::state::State;
-use crate::{CrystalError, Result};
+use crate::error::{Result, require, require_not_negative};
 use serde::{Deserialize, Serialize};
 
-/// The midpoint rule with two rates is stable below γ t = 2, and accurate well below.
+/// The midpoint rule with two rates is stable below γ t = 2, and accurate well below that.
 const LARGEST_EXPLICIT: f64 = 0.5;
 
 /// Friction proportional to the velocities.
+///
+/// ```
+/// use protomer_crystal::lattice::{Drag, Dynamics, Edges, Network, Square, Start, StartVelocities};
+/// use std::sync::Arc;
+/// let velocities = StartVelocities::Checkerboard { rate: 1.0 };
+/// let start = Start { velocities, ..Start::default() };
+/// let network = Network::lattice(2, 2, 1.0, Square::default(), Edges::Open, start.angle)?;
+/// let mut state = start.build(&network, 0)?.state;
+/// let before = state.kinetic_energy(&network);
+/// let mut dynamics = Dynamics::new(Arc::new(network), Vec::new(), &state)?;
+/// Drag::uniform(0.5)?.apply(&mut dynamics, &mut state.velocities, 2.0)?;
+/// let after = state.kinetic_energy(dynamics.network());
+/// assert!((after / before - (-2.0f64).exp()).abs() < 1e-12);
+/// # Ok::<(), protomer_crystal::CrystalError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Drag {
@@ -39,7 +54,8 @@ impl Drag {
     /// Rates for translations and rotations, 1/time.
     ///
     /// # Errors
-    /// [`CrystalError::BadSetting`] for a rate that is negative or not finite.
+    /// [`CrystalError::BadSetting`](crate::CrystalError::BadSetting) for a rate that is negative or
+    /// not finite.
     pub fn new(translation: f64, rotation: f64) -> Result<Self> {
         let drag = Self {
             translation,
@@ -54,27 +70,15 @@ impl Drag {
     /// # Errors
     /// As [`Drag::new`].
     pub fn check(&self) -> Result<()> {
-        for (setting, value) in [
-            ("drag of translations", self.translation),
-            ("drag of rotations", self.rotation),
-        ] {
-            if !(value.is_finite() && value >= 0.0) {
-                return Err(CrystalError::BadSetting {
-                    setting,
-                    value,
-                    requirement: "zero or positive",
-                });
-            }
-        }
-        Ok(())
+        require_not_negative("drag of translations", self.translation)?;
+        require_not_negative("drag of rotations", self.rotation)
     }
 
-    /// What friction alone makes of the velocities in this time, at the positions at which
-    /// `dynamics` is prepared.
+    /// Slows the velocities down for this time, at the positions at which `dynamics` is prepared.
     ///
     /// # Errors
-    /// As [`Drag::new`], and [`CrystalError::BadSetting`] if two different rates are too high for
-    /// so long a time.
+    /// As [`Drag::new`], and [`CrystalError::BadSetting`](crate::CrystalError::BadSetting) if two
+    /// different rates are too high for so long a time.
     pub fn apply(
         &self,
         dynamics: &mut Dynamics,
@@ -84,25 +88,29 @@ impl Drag {
         self.check()?;
         if self.translation == self.rotation {
             let kept = (-self.translation * duration).exp();
-            velocities.iter_mut().for_each(|velocity| *velocity *= kept);
-        } else {
-            let fastest = self.translation.max(self.rotation) * duration;
-            if fastest > LARGEST_EXPLICIT {
-                return Err(CrystalError::BadSetting {
-                    setting: "drag times half the time step",
-                    value: fastest,
-                    requirement: "at most 0.5 where translations and rotations differ; take a shorter time step",
-                });
+            for velocity in velocities.iter_mut() {
+                *velocity *= kept;
             }
+        } else {
+            self.require_resolved(duration)?;
             let mut middle = velocities.to_vec();
             self.decelerate(dynamics, velocities, 0.5 * duration, &mut middle);
-            let slowed = middle.clone();
-            middle.copy_from_slice(velocities);
-            self.decelerate(dynamics, &slowed, duration, &mut middle);
-            velocities.copy_from_slice(&middle);
+            let mut end = velocities.to_vec();
+            self.decelerate(dynamics, &middle, duration, &mut end);
+            velocities.copy_from_slice(&end);
         }
         dynamics.velocities_changed(velocities);
         Ok(())
+    }
+
+    fn require_resolved(&self, duration: f64) -> Result<()> {
+        let fastest = self.translation.max(self.rotation) * duration;
+        require(
+            "drag times half the time step",
+            fastest,
+            fastest <= LARGEST_EXPLICIT,
+            "at most 0.5 where translations and rotations differ; take a shorter time step",
+        )
     }
 
     /// target = P (target - t Γ v).

@@ -6,13 +6,13 @@
 //! v(t+h) = v + (a + M⁻¹ Jᵀ λ + a(t+h)) h/2 - M⁻¹ J(t+h)ᵀ μ, with μ such that J v = 0 at t + h.
 //!
 //! λ starts from the multipliers of the accelerations (eq. 23 of the paper) and is improved by
-//! chord iteration, λ += A⁻¹ (-σ) 2/h², with A = J M⁻¹ Jᵀ factored once per state: the same factors
+//! chord iteration, λ -= A⁻¹ σ 2/h², with A = J M⁻¹ Jᵀ factored once per state: the same factors
 //! serve the velocities of the step that arrives there, the start of λ, and all iterations of the
 //! step that leaves.
 //!
 //! Measured on one core of a virtual Xeon (family 6, model 207, shared with other work), processor
 //! time, by `cargo bench -p protomer-crystal --bench lattice`, for r0 = 0.136, a step of 1e-3 and
-//! rods that turn by at most some 0.005 per step:
+//! rods that turn by at most 0.005 or so per step:
 //!
 //! | squares | steps per second | corrections per step | ms per step | J and A factored | one solution | one σ |
 //! |---|---|---|---|---|---|---|
@@ -25,24 +25,53 @@ use super::force::Force;
 use super::network::Network;
 use super::rods::RodSystem;
 use super::state::State;
+use crate::plane::largest_magnitude;
 use crate::{CrystalError, Result};
-use protomer_kernel::sparse::SparseError;
 use std::sync::Arc;
 
 /// Rods are brought this close to their lengths, plus the rounding of the largest coordinate.
 const ROD_TOLERANCE: f64 = 1e-13;
-/// What the velocities may leave of J v.
+/// Rods whose error no longer halves are as near as rounding allows within this many tolerances.
+const STALLED_WITHIN: f64 = 4.0;
+/// An error that grows by this factor in one correction does not converge.
+const DIVERGED: f64 = 1e3;
+/// The largest |J v| that a projection leaves.
 const VELOCITY_TOLERANCE: f64 = 1e-13;
+/// A projection leaves less than this share of |J v|: rounding of the solution.
+const PROJECTION_LEAVES: f64 = 1e-11;
+/// Projections of the velocities: the second and third only remove what rounding left.
+const MOST_PROJECTIONS: usize = 3;
 /// A step whose rods are not back after so many corrections is too large.
 const MOST_CORRECTIONS: usize = 60;
-/// A rod that turns by this in a step keeps the energy to some 1e-3.
+/// A rod that turns by this angle in a step keeps the energy to about 1e-3.
 const GOOD_TURN_PER_STEP: f64 = 0.1;
+/// A start whose rods are farther than this from their lengths is refused.
+const LARGEST_VIOLATION_AT_START: f64 = 1e-6;
 
 /// What makes a network move.
 ///
 /// [`prepare`](Dynamics::prepare) at a state, then any number of [`drift`](Dynamics::drift)s to see
 /// where it would be after some time, then [`arrive`](Dynamics::arrive), which is `prepare` at the
 /// new state as well. [`step`](Dynamics::step) is a drift and an arrival.
+///
+/// ```
+/// use protomer_crystal::lattice::{Dynamics, Edges, Network, Square, Start, StartVelocities};
+/// use std::sync::Arc;
+/// let start = Start {
+///     velocities: StartVelocities::Checkerboard { rate: -1.0 },
+///     ..Start::default()
+/// };
+/// let network = Network::lattice(2, 2, 1.0, Square::default(), Edges::Open, start.angle)?;
+/// let mut state = start.build(&network, 0)?.state;
+/// let energy = state.kinetic_energy(&network);
+/// let mut dynamics = Dynamics::new(Arc::new(network), Vec::new(), &state)?;
+/// for _ in 0..100 {
+///     dynamics.step(&mut state, 0.01)?;
+/// }
+/// assert!((state.time - 1.0).abs() < 1e-12);
+/// assert!((state.kinetic_energy(dynamics.network()) / energy - 1.0).abs() < 1e-4);
+/// # Ok::<(), protomer_crystal::CrystalError>(())
+/// ```
 pub struct Dynamics {
     network: Arc<Network>,
     forces: Vec<Box<dyn Force>>,
@@ -52,18 +81,21 @@ pub struct Dynamics {
     potential_energy: f64,
     /// Multipliers of eq. 23 at the prepared state.
     start: Vec<f64>,
-    /// Multipliers of the last drift, and how many corrections they took.
+    /// Multipliers of the last drift.
     multipliers: Vec<f64>,
     /// Change of the multipliers per length of the drift, from the first drift from the prepared
     /// state: a shorter one then begins near its end. (Kept from state to state it would help
     /// further, but make results depend on the past.)
     slope: Vec<f64>,
-    sloped: bool,
+    /// Whether `slope` is that of the prepared state.
+    has_slope: bool,
     /// Length of the last drift.
     last_step: f64,
+    /// Corrections of rod lengths in all drifts.
     corrections: u64,
     sigma: Vec<f64>,
     drifted: Vec<f64>,
+    /// Positions of a drift before the rods act, or velocities of an arrival.
     base: Vec<f64>,
 }
 
@@ -71,8 +103,8 @@ impl Dynamics {
     /// The dynamics of this network under these forces, prepared at this state.
     ///
     /// # Errors
-    /// For a network or state that makes no sense, rods that are not of their lengths, or rods that
-    /// depend on each other.
+    /// Those of [`Network::check`], [`State::check`] and [`prepare`](Dynamics::prepare), and
+    /// [`CrystalError::BadState`] for rods that do not have their lengths.
     pub fn new(network: Arc<Network>, forces: Vec<Box<dyn Force>>, state: &State) -> Result<Self> {
         network.check()?;
         state.check(&network)?;
@@ -87,19 +119,19 @@ impl Dynamics {
             start: vec![0.0; count],
             multipliers: vec![0.0; count],
             slope: vec![0.0; count],
-            sloped: false,
+            has_slope: false,
             last_step: 0.0,
             corrections: 0,
             sigma: vec![0.0; count],
             drifted: vec![0.0; coordinates],
             base: vec![0.0; coordinates],
         };
-        let (rod, violation) = dynamics
-            .rods
-            .violations(&state.positions, &mut dynamics.sigma);
-        if violation.is_nan() || violation.abs() >= 1e-6 {
+        let sigma = &mut dynamics.sigma;
+        let (rod, violation) = dynamics.rods.violations(&state.positions, sigma);
+        if violation.is_nan() || violation.abs() >= LARGEST_VIOLATION_AT_START {
             return Err(CrystalError::BadState(format!(
-                "rod {rod} is {violation:+e} longer than its length at the start; project the state onto the rods first"
+                "rod {rod} is {violation:+e} longer than its length at the start; project the \
+                 state onto the rods first"
             )));
         }
         dynamics.prepare(state)?;
@@ -134,14 +166,15 @@ impl Dynamics {
     /// A time step that keeps the energy to about 1e-3: 0.1 r0 / |Δv| of the rod that turns
     /// fastest, at most `longest`.
     pub fn good_time_step(&mut self, state: &State, longest: f64) -> f64 {
-        (GOOD_TURN_PER_STEP
-            / self
-                .rods
-                .largest_turning_rate(&state.positions, &state.velocities))
-        .min(longest)
+        (GOOD_TURN_PER_STEP / self.turning_rate(state)).min(longest)
     }
 
-    /// Forces, J and A at this state.
+    fn turning_rate(&mut self, state: &State) -> f64 {
+        self.rods
+            .largest_turning_rate(&state.positions, &state.velocities)
+    }
+
+    /// Computes forces, J and A at this state.
     ///
     /// # Errors
     /// [`CrystalError::OverConstrained`] or [`CrystalError::NotFinite`].
@@ -158,21 +191,14 @@ impl Dynamics {
             self.potential_energy +=
                 force.accelerate(&self.network, positions, &mut self.accelerations);
         }
-        self.rods.linearize(positions).map_err(|error| match error {
-            SparseError::Dependent { row, .. } => CrystalError::OverConstrained { rod: row, time },
-            SparseError::NotFinite { row } => CrystalError::NotFinite {
-                square: self.network.rods[row].from.square,
-                time,
-            },
-            _ => CrystalError::BadNetwork(error.to_string()),
-        })
+        self.rods.linearize(positions, time)
     }
 
     fn prepare_velocities(&mut self, velocities: &[f64]) {
         self.rods
             .acceleration_deficit(velocities, &self.accelerations, &mut self.start);
         self.rods.solve(&mut self.start);
-        self.sloped = false;
+        self.has_slope = false;
     }
 
     /// Where the squares would be `step` after the prepared state, rods and forces obeyed, nothing
@@ -182,76 +208,85 @@ impl Dynamics {
     /// [`CrystalError::StepTooLarge`] if the rods cannot be brought back to their lengths.
     pub fn drift(&mut self, state: &State, step: f64, positions: &mut [f64]) -> Result<()> {
         let half_square = 0.5 * step * step;
-        let moved = state
-            .positions
-            .iter()
-            .zip(&state.velocities)
-            .zip(&self.accelerations);
-        for (base, ((s, v), a)) in self.base.iter_mut().zip(moved) {
-            *base = s + v * step + a * half_square;
-        }
-        if self.sloped {
-            add(&mut self.multipliers, step - self.last_step, &self.slope);
-        } else {
-            self.multipliers.copy_from_slice(&self.start);
-        }
-        self.last_step = step;
+        self.predict(state, step, half_square);
         if half_square == 0.0 {
             positions.copy_from_slice(&self.base);
             return Ok(());
         }
-        let extent = self
-            .base
-            .iter()
-            .fold(1.0_f64, |extent, x| extent.max(x.abs()));
+        let extent = largest_magnitude(&self.base).max(1.0);
         let tolerance = ROD_TOLERANCE + 4.0 * f64::EPSILON * extent;
         let mut before = f64::INFINITY;
-        for correction in 0..=MOST_CORRECTIONS {
+        for correction in 0.. {
             positions.copy_from_slice(&self.base);
             self.rods
                 .add_response(&self.multipliers, half_square, positions);
             let (rod, violation) = self.rods.violations(positions, &mut self.sigma);
-            // Done, or as near as rounding allows.
-            if violation.abs() <= tolerance
-                || (violation.abs() >= 0.5 * before && violation.abs() <= 4.0 * tolerance)
-            {
+            let error = violation.abs();
+            let stalled = error >= 0.5 * before && error <= STALLED_WITHIN * tolerance;
+            if error <= tolerance || stalled {
                 self.corrections += correction as u64;
-                if !self.sloped {
-                    let ends = self.multipliers.iter().zip(&self.start);
-                    for (slope, (end, start)) in self.slope.iter_mut().zip(ends) {
-                        *slope = (end - start) / step;
-                    }
-                    self.sloped = true;
-                }
-                return Ok(());
+                self.remember_slope(step);
+                break;
             }
-            if correction == MOST_CORRECTIONS
-                || !violation.is_finite()
-                || violation.abs() > 1e3 * before
-            {
-                self.sloped = false;
-                let rate = self
-                    .rods
-                    .largest_turning_rate(&state.positions, &state.velocities);
-                return Err(CrystalError::StepTooLarge {
-                    time: state.time,
-                    time_step: step,
-                    rod,
-                    violation,
-                    suggested_time_step: (GOOD_TURN_PER_STEP / rate).min(0.5 * step.abs()),
-                });
+            let diverges = !violation.is_finite() || error > DIVERGED * before;
+            if diverges || correction == MOST_CORRECTIONS {
+                return Err(self.step_too_large(state, step, rod, violation));
             }
-            before = violation.abs();
+            before = error;
             self.rods.solve(&mut self.sigma);
-            for (multiplier, correction) in self.multipliers.iter_mut().zip(&self.sigma) {
-                *multiplier -= correction / half_square;
+            for (multiplier, sigma) in self.multipliers.iter_mut().zip(&self.sigma) {
+                *multiplier -= sigma / half_square;
             }
         }
         Ok(())
     }
 
+    /// Positions without the rods, and the multipliers from which the corrections start.
+    fn predict(&mut self, state: &State, step: f64, half_square: f64) {
+        let moving = state.positions.iter().zip(&state.velocities);
+        let moving = moving.zip(&self.accelerations);
+        for (base, ((s, v), a)) in self.base.iter_mut().zip(moving) {
+            *base = s + v * step + a * half_square;
+        }
+        if self.has_slope {
+            add(&mut self.multipliers, step - self.last_step, &self.slope);
+        } else {
+            self.multipliers.copy_from_slice(&self.start);
+        }
+        self.last_step = step;
+    }
+
+    fn remember_slope(&mut self, step: f64) {
+        if self.has_slope {
+            return;
+        }
+        let ends = self.multipliers.iter().zip(&self.start);
+        for (slope, (end, start)) in self.slope.iter_mut().zip(ends) {
+            *slope = (end - start) / step;
+        }
+        self.has_slope = true;
+    }
+
+    fn step_too_large(
+        &mut self,
+        state: &State,
+        time_step: f64,
+        rod: usize,
+        violation: f64,
+    ) -> CrystalError {
+        self.has_slope = false;
+        let slow_enough = GOOD_TURN_PER_STEP / self.turning_rate(state);
+        CrystalError::StepTooLarge {
+            time: state.time,
+            time_step,
+            rod,
+            violation,
+            suggested_time_step: slow_enough.min(0.5 * time_step.abs()),
+        }
+    }
+
     /// Completes the step whose [`drift`](Dynamics::drift) gave these positions: velocities at its
-    /// end. The state is then the one at the end, and this is prepared there.
+    /// end. The state is then the one at the end, and `self` is prepared there.
     ///
     /// # Errors
     /// As [`prepare`](Dynamics::prepare); the state is then as it was.
@@ -271,18 +306,15 @@ impl Dynamics {
         Ok(())
     }
 
-    /// Takes from the velocities what would change the lengths of the rods, v -= M⁻¹ Jᵀ A⁻¹ J v,
+    /// Removes from the velocities what would change the lengths of the rods, v -= M⁻¹ Jᵀ A⁻¹ J v,
     /// until nothing is left.
     pub fn project_velocities(&mut self, velocities: &mut [f64]) {
-        for _ in 0..3 {
-            self.rods.apply(velocities, &mut self.sigma);
-            let left = self.sigma.iter().fold(0.0_f64, |left, x| left.max(x.abs()));
-            if left <= VELOCITY_TOLERANCE {
-                return;
-            }
-            self.rods.solve(&mut self.sigma);
-            self.rods.add_response(&self.sigma, -1.0, velocities);
-        }
+        project(
+            &mut self.rods,
+            velocities,
+            VELOCITY_TOLERANCE,
+            &mut self.sigma,
+        );
     }
 
     /// Accelerations at the prepared state: of the forces alone, and with those of the rods (eq. 23
@@ -293,8 +325,8 @@ impl Dynamics {
         self.rods.add_response(&self.start, 1.0, total);
     }
 
-    /// To be called after changing the velocities at the prepared state, as impacts do: what of
-    /// them would change the lengths of the rods is taken out, and the next drift knows the rest.
+    /// To be called after changing the velocities at the prepared state, as impacts do. It removes
+    /// from them what would change the lengths of the rods, and prepares the next drift.
     pub fn velocities_changed(&mut self, velocities: &mut [f64]) {
         self.project_velocities(velocities);
         self.prepare_velocities(velocities);
@@ -311,6 +343,28 @@ impl Dynamics {
             .and_then(|()| self.arrive(state, step, &positions));
         self.drifted = positions;
         result
+    }
+}
+
+/// v -= M⁻¹ Jᵀ A⁻¹ J v until |J v| is within the tolerance, at the positions at which the rods are
+/// linearised.
+pub(crate) fn project(
+    rods: &mut RodSystem,
+    velocities: &mut [f64],
+    tolerance: f64,
+    scratch: &mut [f64],
+) {
+    for _ in 0..MOST_PROJECTIONS {
+        rods.apply(velocities, scratch);
+        let rate = largest_magnitude(scratch);
+        if rate <= tolerance {
+            return;
+        }
+        rods.solve(scratch);
+        rods.add_response(scratch, -1.0, velocities);
+        if PROJECTION_LEAVES * rate <= tolerance {
+            return;
+        }
     }
 }
 

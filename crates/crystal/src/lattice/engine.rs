@@ -1,19 +1,19 @@
 //! Steps with collisions, event by event.
 //!
-//! A step drifts to its end, or to the first contact on the way; there everything that touches
-//! takes part in one impact, and the rest of the step goes on from the new velocities. Steps of an
-//! engine therefore end where the caller wants them, and each sub-step is one of [`Dynamics`]: rods
+//! A step drifts to its end, or to the first contact on the way. There everything that touches takes
+//! part in one impact, and the rest of the step continues from the new velocities. A step of an
+//! engine therefore ends where the caller wants it, and each sub-step is one of [`Dynamics`]: rods
 //! are exact throughout.
 
-use super::collision::detection::{Detector, Meeting, overlap};
-use super::collision::replay::check_restitution;
-use super::collision::response::impact;
+use super::collision::detection::{Detector, Meeting, rods_block_by_default};
+use super::collision::response::{check_restitution, impact};
 use super::contact::{Contact, Row, TOUCHING, without_repetitions};
 use super::dynamics::Dynamics;
 use super::force::Force;
 use super::network::Network;
 use super::state::State;
-use crate::{CrystalError, Result};
+use crate::error::{CrystalError, Result, require_positive};
+use crate::plane::largest_magnitude;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -23,14 +23,19 @@ const AT_REST: f64 = 1e-13;
 const IMPACTS_BEFORE_REST: usize = 4;
 /// A contact that closes again within this share of the rest of a step has not really opened.
 const AT_ONCE: f64 = 0.02;
-/// The smallest speed with which resting contacts are made to part; it doubles with every impact in
-/// a step.
+/// The smallest speed with which resting contacts are made to part. It doubles with every impact in
+/// a step, as contacts that sink only in between ask for more each time.
 const LEAST_LIFT: f64 = 1e-9;
-/// Rods longer than this, in half-diagonals, are obstacles by default. On random 10 x 10 lattices
-/// no corner met a rod up to r0 = 0.7 in 2000 steps of 0.005, and some did at 1.
-const BLOCKING_LENGTH: f64 = 0.5;
-/// A jam is reported after so many times the cap.
+/// The lift doubles at most so often.
+const MOST_DOUBLINGS: usize = 20;
+/// Resting contacts part at this multiple of the speed with which they would sink.
+const LIFT_OVER_SINKING: f64 = 1.5;
+/// A jam is reported after this multiple of the impacts allowed per step.
 const JAMMED: usize = 25;
+/// The rest of a step counts as none below this share of it.
+const STEP_DONE: f64 = 1e-14;
+/// Rods are measured every so many steps without impacts.
+const STEPS_BETWEEN_MEASUREMENTS: u64 = 16;
 
 /// How bodies collide.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -38,11 +43,12 @@ const JAMMED: usize = 25;
 pub struct CollisionSettings {
     /// e, 0 (no rebound) to 1 (elastic).
     pub restitution: f64,
-    /// Whether rods are obstacles for corners and for the squares they hang on. By default they are
-    /// where a rod is longer than half a half-diagonal: corners do not come between shorter ones.
+    /// Whether rods are obstacles for corners and for the squares on which they hang. By default
+    /// they are where a rod is longer than half a half-diagonal: corners do not come between
+    /// shorter ones.
     pub rods_block: Option<bool>,
     /// Impacts in one step after which the contacts of the rest of the step are held apart with a
-    /// little speed of their own; such steps are counted.
+    /// small speed; such steps are counted.
     pub most_impacts_per_step: usize,
 }
 
@@ -56,7 +62,7 @@ impl Default for CollisionSettings {
     }
 }
 
-/// What has happened.
+/// Counts and extremes of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct CollisionStatistics {
     /// Steps completed.
@@ -65,18 +71,18 @@ pub struct CollisionStatistics {
     pub impacts: u64,
     /// Contacts with an impulse, over all impacts.
     pub contacts: u64,
-    /// Of these, contacts with rods.
+    /// Contacts of these with rods.
     pub rod_contacts: u64,
     /// Sum of all impulses.
     pub impulse: f64,
-    /// Energy the impacts changed (zero for elastic ones but for rounding).
+    /// Energy that impacts added: zero for elastic ones but for rounding.
     pub impact_energy: f64,
     /// The largest change of energy in one impact, over the energy (for restitution 1).
     pub largest_relative_energy_change: f64,
-    /// Impacts in which contacts were held apart with a little speed: resting contacts, and steps
+    /// Impacts in which contacts were held apart with a small speed: resting contacts, and steps
     /// with too many impacts.
     pub lifts: u64,
-    /// Energy that gave.
+    /// Energy that these added.
     pub lift_energy: f64,
     /// Steps with more impacts than `most_impacts_per_step`.
     pub capped_steps: u64,
@@ -93,15 +99,66 @@ pub struct CollisionStatistics {
     pub candidate_lists: u64,
 }
 
+impl CollisionStatistics {
+    fn count_impact(&mut self, contacts: &[Contact], impulses: &[f64], exact: bool) {
+        self.impacts += 1;
+        self.relaxed += u64::from(!exact);
+        for (contact, impulse) in contacts.iter().zip(impulses) {
+            if *impulse > 0.0 {
+                let with_rod =
+                    matches!(contact, Contact::RodCorner { .. } | Contact::RodStop { .. });
+                self.contacts += 1;
+                self.rod_contacts += u64::from(with_rod);
+                self.impulse += impulse;
+            }
+        }
+    }
+
+    fn see_gap(&mut self, gap: f64) {
+        let smallest = self.smallest_gap.map_or(gap, |smallest| smallest.min(gap));
+        self.smallest_gap = Some(smallest);
+    }
+}
+
 /// A network whose squares collide.
+///
+/// ```
+/// use protomer_crystal::lattice::{
+///     CollisionSettings, Edges, Engine, Network, Square, Start, StartVelocities,
+/// };
+/// use std::sync::Arc;
+/// let velocities = StartVelocities::Checkerboard { rate: -1.0 };
+/// let start = Start { velocities, ..Start::default() };
+/// let network = Network::lattice(2, 2, 1.0, Square::default(), Edges::Open, start.angle)?;
+/// let mut state = start.build(&network, 0)?.state;
+/// let settings = CollisionSettings::default();
+/// let mut engine = Engine::new(Arc::new(network), Vec::new(), &state, settings)?;
+/// while engine.statistics().impacts == 0 {
+///     engine.step(&mut state, 0.01)?;
+/// }
+/// // The coherent orbit ends where squares meet, at t = 1.9178.
+/// assert!((state.time - 1.92).abs() < 1e-9);
+/// # Ok::<(), protomer_crystal::CrystalError>(())
+/// ```
 pub struct Engine {
     dynamics: Dynamics,
     settings: CollisionSettings,
     detector: Detector,
     statistics: CollisionStatistics,
     next: Vec<f64>,
+    /// The state before the step.
     kept: State,
     scratch: Vec<f64>,
+}
+
+/// A moment in a step at which bodies touch.
+#[derive(Clone, Copy)]
+struct Moment {
+    meeting: Meeting,
+    /// What is left of the step.
+    left: f64,
+    /// Impacts in this step, this one included.
+    impacts: usize,
 }
 
 impl Engine {
@@ -118,19 +175,11 @@ impl Engine {
     ) -> Result<Self> {
         check_restitution(settings.restitution)?;
         let dynamics = Dynamics::new(network.clone(), forces, state)?;
-        let longer =
-            |end: usize, length: f64| length > BLOCKING_LENGTH * network.squares[end].half_diagonal;
-        let long = network
-            .rods
-            .iter()
-            .any(|rod| longer(rod.from.square, rod.length) || longer(rod.to.square, rod.length));
-        let detector = Detector::new(
-            &network,
-            &state.positions,
-            settings.rods_block.unwrap_or(long),
-        );
+        let rods_block = settings
+            .rods_block
+            .unwrap_or_else(|| rods_block_by_default(&network));
+        let detector = Detector::new(&network, &state.positions, rods_block);
         detector.check_no_overlap(&network, &state.positions, state.time)?;
-        let statistics = CollisionStatistics::default();
         Ok(Self {
             scratch: vec![0.0; network.rods.len()],
             next: state.positions.clone(),
@@ -138,7 +187,7 @@ impl Engine {
             dynamics,
             settings,
             detector,
-            statistics,
+            statistics: CollisionStatistics::default(),
         })
     }
 
@@ -162,12 +211,12 @@ impl Engine {
         self.detector.rods_block()
     }
 
-    /// What has happened so far.
+    /// Counts and extremes so far.
     pub fn statistics(&self) -> &CollisionStatistics {
         &self.statistics
     }
 
-    /// Goes on counting from here, for a run taken up again.
+    /// Continues counting from here, for a run that is resumed.
     pub fn set_statistics(&mut self, statistics: CollisionStatistics) {
         self.statistics = statistics;
     }
@@ -185,19 +234,13 @@ impl Engine {
             .check_no_overlap(&network, &state.positions, state.time)
     }
 
-    /// One step of length `step`, with whatever collisions there are.
+    /// One step of length `step`, with its collisions.
     ///
     /// # Errors
     /// Those of [`Dynamics::step`], [`CrystalError::Overlap`] if bodies overlap by more than 1e-9
     /// after all, [`CrystalError::Jammed`]; the state is then the one before the step.
     pub fn step(&mut self, state: &mut State, step: f64) -> Result<()> {
-        if !(step.is_finite() && step > 0.0) {
-            return Err(CrystalError::BadSetting {
-                setting: "step",
-                value: step,
-                requirement: "positive",
-            });
-        }
+        require_positive("step", step)?;
         self.kept.clone_from(state);
         let result = self.advance(state, step);
         if result.is_err() {
@@ -214,108 +257,117 @@ impl Engine {
         let end = state.time + step;
         let mut left = step;
         let mut impacts = 0;
-        loop {
-            let meeting =
-                self.detector
-                    .first_meeting(&mut self.dynamics, state, left, &mut self.next)?;
-            let length = meeting.map_or(left, |meeting| meeting.time);
-            if length > 0.0 {
-                self.dynamics.arrive(state, length, &self.next)?;
-            }
-            for watch in self.detector.hot() {
-                let gap = watch.gap(&network, &state.positions);
-                self.statistics.smallest_gap = Some(
-                    self.statistics
-                        .smallest_gap
-                        .map_or(gap, |smallest| smallest.min(gap)),
-                );
-                if gap.is_nan() || gap < -TOUCHING {
-                    return Err(overlap(&network, watch, -gap, state.time));
-                }
-            }
-            left -= length;
-            let Some(meeting) = meeting else {
-                break;
-            };
+        while let Some(meeting) = self.drift_to_contact(&network, state, left)? {
+            left -= meeting.time;
             impacts += 1;
-            self.meet(&network, state, meeting, left, impacts)?;
-            if left <= 1e-14 * step {
+            let moment = Moment {
+                meeting,
+                left,
+                impacts,
+            };
+            self.meet(&network, state, moment)?;
+            if left <= STEP_DONE * step {
                 break;
             }
         }
         state.time = end;
-        if impacts > self.settings.most_impacts_per_step {
-            self.statistics.capped_steps += 1;
-        }
-        self.statistics.steps += 1;
-        self.statistics.candidate_lists = self.detector.lists();
-        if impacts > 0 || self.statistics.steps.is_multiple_of(16) {
+        let capped = impacts > self.settings.most_impacts_per_step;
+        let statistics = &mut self.statistics;
+        statistics.capped_steps += u64::from(capped);
+        statistics.steps += 1;
+        statistics.candidate_lists = self.detector.lists();
+        if impacts > 0 || statistics.steps.is_multiple_of(STEPS_BETWEEN_MEASUREMENTS) {
             self.measure(state);
         }
         Ok(())
     }
 
-    /// Everything that touches takes part in one impact.
-    fn meet(
+    /// Takes the state to the first contact, or to the end of what is left of the step.
+    fn drift_to_contact(
         &mut self,
         network: &Network,
         state: &mut State,
-        meeting: Meeting,
         left: f64,
-        impacts: usize,
-    ) -> Result<()> {
-        if impacts > JAMMED * self.settings.most_impacts_per_step.max(1) {
-            let (first, second) = meeting.watch.names(network);
+    ) -> Result<Option<Meeting>> {
+        let meeting =
+            self.detector
+                .first_meeting(&mut self.dynamics, state, left, &mut self.next)?;
+        let length = meeting.map_or(left, |meeting| meeting.time);
+        if length > 0.0 {
+            self.dynamics.arrive(state, length, &self.next)?;
+        }
+        for watch in self.detector.hot() {
+            let gap = watch.gap(network, &state.positions);
+            self.statistics.see_gap(gap);
+            if gap.is_nan() || gap < -TOUCHING {
+                return Err(watch.overlap(network, -gap, state.time));
+            }
+        }
+        Ok(meeting)
+    }
+
+    /// Everything that touches takes part in one impact.
+    fn meet(&mut self, network: &Network, state: &mut State, moment: Moment) -> Result<()> {
+        let allowed = self.settings.most_impacts_per_step;
+        if moment.impacts > JAMMED * allowed.max(1) {
+            let (first, second) = moment.meeting.watch.names(network);
             return Err(CrystalError::Jammed {
-                events: impacts,
+                events: moment.impacts,
                 first,
                 second,
                 time: self.kept.time,
             });
         }
-        let contacts = without_repetitions(&self.detector.touching(network, &state.positions));
-        let lossy = self.settings.restitution < 1.0;
-        let at_once = impacts > 1 && meeting.time < AT_ONCE * (meeting.time + left);
-        let rests = if lossy {
-            at_once || impacts > IMPACTS_BEFORE_REST
+        let touching = self.detector.touching(network, &state.positions);
+        let contacts = without_repetitions(&touching);
+        let capped = moment.impacts > allowed;
+        if moment.left > 0.0 && (capped || self.rests(moment)) {
+            self.hold_apart(network, state, &contacts, moment)
         } else {
-            false
-        };
-        let capped = impacts > self.settings.most_impacts_per_step;
-        if (rests || capped) && left > 0.0 {
-            return self.rest(network, state, &contacts, left, impacts);
+            self.strike_while_approaching(network, state, &contacts);
+            Ok(())
         }
-        // An impact may send a contact that was parting back together: it then takes part in the
-        // next one, at once.
+    }
+
+    /// Whether lossy contacts have come to rest on each other.
+    fn rests(
+        &self,
+        Moment {
+            meeting,
+            left,
+            impacts,
+        }: Moment,
+    ) -> bool {
+        let at_once = impacts > 1 && meeting.time < AT_ONCE * (meeting.time + left);
+        self.settings.restitution < 1.0 && (at_once || impacts > IMPACTS_BEFORE_REST)
+    }
+
+    /// Impacts until no contact approaches: one may send a contact that was parting back together,
+    /// which then takes part in the next.
+    fn strike_while_approaching(
+        &mut self,
+        network: &Network,
+        state: &mut State,
+        contacts: &[Contact],
+    ) {
+        let restitution = self.settings.restitution;
         for _ in 0..self.settings.most_impacts_per_step.max(1) {
-            let approaching: Vec<Contact> = contacts
-                .iter()
-                .filter(|contact| rate(contact, network, state) <= AT_REST)
-                .copied()
-                .collect();
-            if !approaching
-                .iter()
-                .any(|contact| rate(contact, network, state) < -AT_REST)
-            {
+            let mut approaching = contacts.to_vec();
+            approaching.retain(|contact| rate(contact, network, state) <= AT_REST);
+            let is_closing = |contact: &Contact| rate(contact, network, state) < -AT_REST;
+            if !approaching.iter().any(is_closing) {
                 break;
             }
             let energy = state.kinetic_energy(network);
-            let change = self.strike(
-                network,
-                state,
-                &approaching,
-                self.settings.restitution,
-                None,
-            );
+            let change = self.strike(network, state, &approaching, restitution, None);
             let statistics = &mut self.statistics;
             statistics.impact_energy += change;
-            if !lossy {
-                statistics.largest_relative_energy_change = statistics
-                    .largest_relative_energy_change
-                    .max(change.abs() / energy);
+            if restitution >= 1.0 {
+                let relative = change.abs() / energy;
+                statistics.largest_relative_energy_change =
+                    statistics.largest_relative_energy_change.max(relative);
             }
         }
-        Ok(())
     }
 
     /// One impact; returns the change of the kinetic energy.
@@ -328,66 +380,39 @@ impl Engine {
         lift: Option<f64>,
     ) -> f64 {
         let energy = state.kinetic_energy(network);
-        let rows: Vec<Row> = contacts
-            .iter()
-            .map(|contact| contact.row(network, &state.positions))
-            .collect();
-        let result = impact(
-            network,
-            self.dynamics.rods(),
-            &mut state.velocities,
-            &rows,
-            restitution,
-            lift,
-        );
-        self.dynamics.velocities_changed(&mut state.velocities);
-        let statistics = &mut self.statistics;
-        statistics.impacts += 1;
-        statistics.relaxed += u64::from(!result.exact);
-        for (contact, impulse) in contacts
-            .iter()
-            .zip(&result.impulses)
-            .filter(|(_, impulse)| **impulse > 0.0)
-        {
-            statistics.contacts += 1;
-            let with_rod = matches!(contact, Contact::RodCorner { .. } | Contact::RodStop { .. });
-            statistics.rod_contacts += u64::from(with_rod);
-            statistics.impulse += impulse;
+        let mut rows: Vec<Row> = Vec::with_capacity(contacts.len());
+        for contact in contacts {
+            rows.push(contact.row(network, &state.positions));
         }
+        let (rods, velocities) = (self.dynamics.rods(), &mut state.velocities);
+        let result = impact(network, rods, velocities, &rows, restitution, lift);
+        self.dynamics.velocities_changed(&mut state.velocities);
+        self.statistics
+            .count_impact(contacts, &result.impulses, result.exact);
         state.kinetic_energy(network) - energy
     }
 
-    /// Holds contacts apart that would strike again and again. An impact takes what is left of
-    /// their approach; how far they would sink into each other in the rest of the step tells the
+    /// Holds contacts apart that would strike again and again. A first impact removes what is left
+    /// of their approach; how far they would sink into each other in the rest of the step tells the
     /// speed with which they must part so as not to.
-    fn rest(
+    fn hold_apart(
         &mut self,
         network: &Network,
         state: &mut State,
         contacts: &[Contact],
-        left: f64,
-        impacts: usize,
+        Moment { left, impacts, .. }: Moment,
     ) -> Result<()> {
-        let restitution = if self.settings.restitution < 1.0 {
-            0.0
-        } else {
-            1.0
-        };
+        let lossy = self.settings.restitution < 1.0;
+        let restitution = if lossy { 0.0 } else { 1.0 };
         let mut change = self.strike(network, state, contacts, restitution, Some(0.0));
         self.dynamics.drift(state, left, &mut self.next)?;
-        let sunk = contacts
-            .iter()
-            .map(|contact| -contact.gap(network, &self.next))
-            .fold(0.0, f64::max);
-        // Contacts that sink only in between ask for more each time.
-        let least = LEAST_LIFT * f64::from(1 << impacts.min(20));
-        change += self.strike(
-            network,
-            state,
-            contacts,
-            restitution,
-            Some(least.max(1.5 * sunk / left)),
-        );
+        let mut sunk = 0.0_f64;
+        for contact in contacts {
+            sunk = sunk.max(-contact.gap(network, &self.next));
+        }
+        let least = LEAST_LIFT * f64::from(1 << impacts.min(MOST_DOUBLINGS));
+        let lift = least.max(LIFT_OVER_SINKING * sunk / left);
+        change += self.strike(network, state, contacts, restitution, Some(lift));
         self.statistics.lifts += 1;
         self.statistics.lift_energy += change;
         Ok(())
@@ -397,10 +422,7 @@ impl Engine {
         let rods = self.dynamics.rods();
         let (_, violation) = rods.violations(&state.positions, &mut self.scratch);
         rods.apply(&state.velocities, &mut self.scratch);
-        let rate = self
-            .scratch
-            .iter()
-            .fold(0.0_f64, |rate, x| rate.max(x.abs()));
+        let rate = largest_magnitude(&self.scratch);
         let statistics = &mut self.statistics;
         statistics.largest_rod_violation = statistics.largest_rod_violation.max(violation.abs());
         statistics.largest_rod_rate = statistics.largest_rod_rate.max(rate);
@@ -408,7 +430,6 @@ impl Engine {
 }
 
 fn rate(contact: &Contact, network: &Network, state: &State) -> f64 {
-    contact
-        .row(network, &state.positions)
-        .dot(&state.velocities)
+    let row = contact.row(network, &state.positions);
+    row.dot(&state.velocities)
 }

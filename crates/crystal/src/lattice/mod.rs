@@ -1,25 +1,30 @@
 //! Rigid squares, joined at their corners by massless rigid rods.
 //!
 //! ```text
-//! Network (squares, rods)  +  State (positions, velocities, time)
-//!         |                            |
-//!         +------- Dynamics -----------+   one step: forces, SHAKE, RATTLE; one sparse factorisation
+//! Plan --> Network (squares, rods)  +  State (positions, velocities, time) <-- Start
+//!                 |                            |
+//!                 +---- Dynamics, Engine ------+   forces, SHAKE, RATTLE; one sparse factorisation
 //! ```
 //!
 //! | module | one idea |
 //! |---|---|
 //! | [`network`] | what is joined to what: data, not code |
-//! | [`state`] | where everything is, and starting states |
+//! | [`plan`] | a lattice with its defects |
+//! | [`square_of_body`] | the square that stands for a body |
+//! | [`state`] | where everything is and how it moves |
+//! | [`start`] | starting states |
+//! | [`projector`] | bringing positions and velocities onto the rods |
 //! | [`rods`] | the rods as constraints: lengths, gradients, J M⁻¹ Jᵀ |
 //! | [`force`] | accelerations beyond those of the rods |
 //! | [`dynamics`] | one step in time |
+//! | [`time_step`] | a time step that keeps the energy |
 //! | [`contact`] | who touches whom, and how |
 //! | [`collision`] | when bodies meet, and what follows |
 //! | [`engine`] | steps with collisions, event by event |
-//! | [`start`] | starting states, and how to bring positions and velocities onto the rods |
 //! | [`drag`] | linear friction |
 //! | [`thermostat`] | Langevin dynamics at a temperature |
 //! | [`pair`] | screened charges on the squares |
+//! | [`mover`] | forces, collisions and heat bath of a run in one |
 //! | [`paper`] | collisions as the paper prescribes them, for comparison |
 //!
 //! The equations are those of Campos-Gonzalez-Angulo, Wiesehan, Ribeiro and Yuen-Zhou,
@@ -33,13 +38,18 @@ pub mod drag;
 pub mod dynamics;
 pub mod engine;
 pub mod force;
+pub mod mover;
 pub mod network;
 pub mod pair;
 pub mod paper;
+pub mod plan;
+pub mod projector;
 pub mod rods;
+pub mod square_of_body;
 pub mod start;
 pub mod state;
 pub mod thermostat;
+pub mod time_step;
 
 pub use collision::replay::{FirstContact, Response, first_contact, respond};
 pub use contact::Contact;
@@ -47,8 +57,11 @@ pub use drag::Drag;
 pub use dynamics::Dynamics;
 pub use engine::{CollisionSettings, CollisionStatistics, Engine};
 pub use force::{Coherence, Force};
+pub use mover::{Charges, Meetings, Motion, Mover, Screening};
 pub use network::{Corner, Edges, Network, Rod, Square};
 pub use pair::ScreenedCharges;
-pub use start::{AngularVelocities, Start, Started};
+pub use plan::{ListedRod, OtherSquare, Plan};
+pub use projector::Projector;
+pub use start::{Start, StartVelocities, Started};
 pub use state::State;
 pub use thermostat::Langevin;

@@ -1,14 +1,20 @@
 //! What is joined to what.
 
-use crate::{CrystalError, Result};
+use crate::error::{CrystalError, Result, require_positive};
 use serde::{Deserialize, Serialize};
-use std::f64::consts::FRAC_1_SQRT_2;
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_4};
 
 /// A rigid square, in reduced units.
+///
+/// ```
+/// use protomer_crystal::lattice::Square;
+/// let heavy = Square { mass: 2.0, inertia: 2.0 / 3.0, ..Square::default() };
+/// assert_eq!(heavy.half_diagonal, 1.0);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Square {
-    /// From the centre to a corner, l.
+    /// Distance from the centre to a corner, l.
     pub half_diagonal: f64,
     /// Mass.
     pub mass: f64,
@@ -29,6 +35,13 @@ impl Default for Square {
 
 /// A corner of a square, k = 1 to 4 in the paper's numbering: at θ + 135°, θ + 45°, θ + 225° and
 /// θ - 45°.
+///
+/// ```
+/// use protomer_crystal::lattice::Corner;
+/// let upper_right = Corner { square: 0, vertex: 2 };
+/// let [x, y] = upper_right.direction();
+/// assert!(x > 0.0 && x == y);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Corner {
@@ -39,9 +52,15 @@ pub struct Corner {
 }
 
 impl Corner {
-    /// From the centre of a square of half-diagonal 1 at θ = 0 to this corner.
+    /// The vector from the centre of a square of half-diagonal 1 at θ = 0 to this corner.
     pub fn direction(self) -> [f64; 2] {
-        corner_direction(self.vertex)
+        let h = FRAC_1_SQRT_2;
+        match self.vertex {
+            1 => [-h, h],
+            2 => [h, h],
+            3 => [-h, -h],
+            _ => [h, -h],
+        }
     }
 }
 
@@ -49,18 +68,25 @@ impl Corner {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rod {
-    /// Where it begins.
+    /// Its first end.
     pub from: Corner,
-    /// Where it ends.
+    /// Its second end.
     pub to: Corner,
     /// Its length, r0.
     pub length: f64,
-    /// Which periodic image of the second square it leads to, in cells along x and y.
+    /// The periodic image of the second square at which the rod ends, in cells along x and y.
     #[serde(default)]
     pub image: [i32; 2],
 }
 
-/// What is at the edges of a lattice.
+impl Rod {
+    /// The corner at one end: 0 is `from`, 1 is `to`.
+    pub(crate) fn corner_at(&self, end: u8) -> Corner {
+        if end == 0 { self.from } else { self.to }
+    }
+}
+
+/// What lies beyond the edges of a lattice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Edges {
@@ -70,15 +96,27 @@ pub enum Edges {
     Periodic,
 }
 
-/// Squares and rods. Row i and column j of a lattice of `columns` columns is square p = i ·
-/// columns + j, at x growing with j and y falling with i.
+/// Squares and the rods that join them.
+///
+/// Row i and column j of a lattice with `columns` columns is square p = i · columns + j; x grows
+/// with j and y falls with i.
+///
+/// ```
+/// use protomer_crystal::lattice::{Edges, Network, Square};
+/// let lattice = Network::lattice(3, 3, 0.2, Square::default(), Edges::Open, 0.5)?;
+/// assert_eq!((lattice.squares.len(), lattice.rods.len()), (9, 12));
+/// // The square in the middle is missing, and its four rods with it.
+/// let with_a_hole = lattice.without_squares(&[4])?;
+/// assert_eq!((with_a_hole.squares.len(), with_a_hole.rods.len()), (8, 8));
+/// # Ok::<(), protomer_crystal::CrystalError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Network {
-    /// Rows and columns, for networks that are cut from a lattice; they give each square its sign
-    /// (-1)^(i+j).
+    /// Rows of the lattice from which the network is cut. Rows and columns give each square its
+    /// sign (-1)^(i+j).
     pub rows: usize,
-    /// See `rows`.
+    /// Columns of that lattice.
     pub columns: usize,
     /// The squares, row by row.
     pub squares: Vec<Square>,
@@ -87,21 +125,10 @@ pub struct Network {
     /// Edges of the periodic cell along x and y.
     #[serde(default)]
     pub cell: Option<[f64; 2]>,
-    /// Row and column of every square, where some are missing from the lattice; otherwise they fill
-    /// it row by row.
+    /// Row and column of every square, where some are missing from the lattice; otherwise the
+    /// squares fill it row by row.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub places: Option<Vec<[usize; 2]>>,
-}
-
-/// The corner of the unit square (half-diagonal 1) at θ = 0.
-pub(crate) fn corner_direction(vertex: u8) -> [f64; 2] {
-    let h = FRAC_1_SQRT_2;
-    match vertex {
-        1 => [-h, h],
-        2 => [h, h],
-        3 => [-h, -h],
-        _ => [h, -h],
-    }
 }
 
 impl Network {
@@ -113,15 +140,16 @@ impl Network {
     ///
     /// ```
     /// use protomer_crystal::lattice::{Edges, Network, Square};
-    /// let network = Network::lattice(10, 10, 3.0 / 22.0, Square::default(), Edges::Open, std::f64::consts::FRAC_PI_4)?;
+    /// let open = std::f64::consts::FRAC_PI_4;
+    /// let network = Network::lattice(10, 10, 3.0 / 22.0, Square::default(), Edges::Open, open)?;
     /// assert_eq!(network.rods.len(), 180);
     /// # Ok::<(), protomer_crystal::CrystalError>(())
     /// ```
     ///
     /// # Errors
     /// [`CrystalError::BadSetting`] for a rod length or square that is not positive,
-    /// [`CrystalError::BadNetwork`] for no squares, or periodic edges with an odd number of rows or
-    /// columns, where the checkerboard does not close.
+    /// [`CrystalError::BadNetwork`] for a lattice without squares, or for periodic edges with an
+    /// odd number of rows or columns, where the checkerboard does not close.
     pub fn lattice(
         rows: usize,
         columns: usize,
@@ -138,55 +166,17 @@ impl Network {
         let periodic = edges == Edges::Periodic;
         if periodic && (rows % 2 == 1 || columns % 2 == 1) {
             return Err(CrystalError::BadNetwork(format!(
-                "{rows} x {columns} squares cannot be periodic: neighbours must turn in opposite directions, so give an \
-                 even number of rows and columns"
+                "{rows} x {columns} squares cannot be periodic: neighbours must turn in opposite \
+                 directions, so give an even number of rows and columns"
             )));
         }
-        let mut rods = Vec::new();
-        for i in 0..rows {
-            for j in 0..columns {
-                let even = (i + j) % 2 == 0;
-                let here = |vertex| Corner {
-                    square: i * columns + j,
-                    vertex,
-                };
-                if j + 1 < columns || periodic {
-                    let to = Corner {
-                        square: i * columns + (j + 1) % columns,
-                        vertex: if even { 3 } else { 1 },
-                    };
-                    let from = here(if even { 4 } else { 2 });
-                    rods.push(Rod {
-                        from,
-                        to,
-                        length: rod_length,
-                        image: [i32::from(j + 1 == columns), 0],
-                    });
-                }
-                if i + 1 < rows || periodic {
-                    let to = Corner {
-                        square: (i + 1) % rows * columns + j,
-                        vertex: if even { 1 } else { 2 },
-                    };
-                    let from = here(if even { 3 } else { 4 });
-                    rods.push(Rod {
-                        from,
-                        to,
-                        length: rod_length,
-                        image: [0, -i32::from(i + 1 == rows)],
-                    });
-                }
-            }
-        }
-        let squares = vec![square; rows * columns];
         let distance = spacing(rod_length, square.half_diagonal, angle);
-        let cell = periodic.then_some([columns as f64 * distance, rows as f64 * distance]);
         let network = Self {
             rows,
             columns,
-            squares,
-            rods,
-            cell,
+            squares: vec![square; rows * columns],
+            rods: lattice_rods(rows, columns, rod_length, periodic),
+            cell: periodic.then_some([columns as f64 * distance, rows as f64 * distance]),
             places: None,
         };
         network.check()?;
@@ -222,31 +212,43 @@ impl Network {
         }
     }
 
-    /// The network without some of its squares and the rods that end there; the others move up in
-    /// the list.
+    /// The half-diagonal of the first square, which stands for all where they are equal.
+    pub(crate) fn first_half_diagonal(&self) -> f64 {
+        match self.squares.first() {
+            Some(square) => square.half_diagonal,
+            None => 1.0,
+        }
+    }
+
+    /// The network without some of its squares and the rods that end there; the other squares move
+    /// up in the list.
     ///
     /// # Errors
     /// [`CrystalError::BadNetwork`] if no square is left.
     pub fn without_squares(&self, removed: &[usize]) -> Result<Self> {
-        let kept: Vec<usize> = (0..self.squares.len())
-            .filter(|square| !removed.contains(square))
-            .collect();
-        let corner = |corner: Corner| {
-            kept.iter()
-                .position(|square| *square == corner.square)
-                .map(|square| Corner { square, ..corner })
-        };
-        let rods = self.rods.iter().filter_map(|rod| {
-            Some(Rod {
-                from: corner(rod.from)?,
-                to: corner(rod.to)?,
-                ..*rod
-            })
-        });
+        let mut new_index = vec![None; self.squares.len()];
+        let (mut squares, mut places) = (Vec::new(), Vec::new());
+        for (old, square) in self.squares.iter().enumerate() {
+            if !removed.contains(&old) {
+                new_index[old] = Some(squares.len());
+                squares.push(*square);
+                places.push(self.place(old));
+            }
+        }
+        let mut rods = Vec::new();
+        for rod in &self.rods {
+            let ends = (new_index[rod.from.square], new_index[rod.to.square]);
+            if let (Some(from), Some(to)) = ends {
+                let mut kept = *rod;
+                kept.from.square = from;
+                kept.to.square = to;
+                rods.push(kept);
+            }
+        }
         let network = Self {
-            rods: rods.collect(),
-            places: Some(kept.iter().map(|square| self.place(*square)).collect()),
-            squares: kept.iter().map(|square| self.squares[*square]).collect(),
+            squares,
+            rods,
+            places: Some(places),
             ..*self
         };
         network.check()?;
@@ -256,84 +258,110 @@ impl Network {
     /// Checks what the types cannot.
     ///
     /// # Errors
-    /// Names the square or rod that makes no sense.
+    /// [`CrystalError::BadNetwork`] or [`CrystalError::BadSetting`] names the square or rod that
+    /// makes no sense.
     pub fn check(&self) -> Result<()> {
-        let positive = |setting: &'static str, value: f64| {
-            if value.is_finite() && value > 0.0 {
-                Ok(())
-            } else {
-                Err(CrystalError::BadSetting {
-                    setting,
-                    value,
-                    requirement: "positive",
-                })
-            }
-        };
-        if let Some(places) = &self.places {
-            let outside = places
-                .iter()
-                .position(|[row, column]| *row >= self.rows || *column >= self.columns);
-            if places.len() != self.squares.len() || outside.is_some() {
-                return Err(CrystalError::BadNetwork(format!(
-                    "{} places in {} rows of {} columns do not fit {} squares",
-                    places.len(),
-                    self.rows,
-                    self.columns,
-                    self.squares.len()
-                )));
-            }
-        }
-        let fills = self.places.is_some() || self.rows * self.columns == self.squares.len();
-        if self.squares.is_empty() || !fills {
-            return Err(CrystalError::BadNetwork(format!(
-                "{} rows of {} columns are not {} squares",
-                self.rows,
-                self.columns,
-                self.squares.len()
-            )));
-        }
+        self.check_places()?;
         for square in &self.squares {
-            positive("half_diagonal", square.half_diagonal)?;
-            positive("mass", square.mass)?;
-            positive("inertia", square.inertia)?;
+            require_positive("half_diagonal", square.half_diagonal)?;
+            require_positive("mass", square.mass)?;
+            require_positive("inertia", square.inertia)?;
         }
         for edge in self.cell.iter().flatten() {
-            positive("cell", *edge)?;
+            require_positive("cell", *edge)?;
         }
         for (index, rod) in self.rods.iter().enumerate() {
-            positive("rod_length", rod.length)?;
-            let bad =
-                |problem: String| Err(CrystalError::BadNetwork(format!("rod {index} {problem}")));
-            for corner in [rod.from, rod.to] {
-                if corner.square >= self.squares.len() {
-                    return bad(format!(
-                        "ends at square {}, but there are {}",
-                        corner.square,
-                        self.squares.len()
-                    ));
-                }
-                if !(1..=4).contains(&corner.vertex) {
-                    return bad(format!(
-                        "ends at vertex {}; vertices are 1 to 4",
-                        corner.vertex
-                    ));
-                }
-            }
-            if rod.from.square == rod.to.square && rod.image == [0, 0] {
-                return bad(format!("joins square {} to itself", rod.from.square));
-            }
-            if rod.image != [0, 0] && self.cell.is_none() {
-                return bad("leads to a periodic image, but the network has no cell".into());
+            require_positive("rod_length", rod.length)?;
+            if let Some(problem) = self.problem_of_rod(rod) {
+                return Err(CrystalError::BadNetwork(format!("rod {index} {problem}")));
             }
         }
         Ok(())
+    }
+
+    fn check_places(&self) -> Result<()> {
+        let (rows, columns, squares) = (self.rows, self.columns, self.squares.len());
+        if let Some(places) = &self.places {
+            let is_outside = |place: &[usize; 2]| place[0] >= rows || place[1] >= columns;
+            if places.len() != squares || places.iter().any(is_outside) {
+                return Err(CrystalError::BadNetwork(format!(
+                    "{} places in {rows} rows of {columns} columns do not fit {squares} squares",
+                    places.len()
+                )));
+            }
+        }
+        let fills = self.places.is_some() || rows * columns == squares;
+        if self.squares.is_empty() || !fills {
+            return Err(CrystalError::BadNetwork(format!(
+                "{rows} rows of {columns} columns are not {squares} squares"
+            )));
+        }
+        Ok(())
+    }
+
+    fn problem_of_rod(&self, rod: &Rod) -> Option<String> {
+        let squares = self.squares.len();
+        for Corner { square, vertex } in [rod.from, rod.to] {
+            if square >= squares {
+                return Some(format!("ends at square {square}, but there are {squares}"));
+            }
+            if !(1..=4).contains(&vertex) {
+                return Some(format!("ends at vertex {vertex}; vertices are 1 to 4"));
+            }
+        }
+        if rod.from.square == rod.to.square && rod.image == [0, 0] {
+            return Some(format!("joins square {} to itself", rod.from.square));
+        }
+        if rod.image != [0, 0] && self.cell.is_none() {
+            return Some("leads to a periodic image, but the network has no cell".into());
+        }
+        None
+    }
+}
+
+/// Table I of the paper: rods to the right and below every square, in this order.
+fn lattice_rods(rows: usize, columns: usize, length: f64, periodic: bool) -> Vec<Rod> {
+    let mut rods = Vec::new();
+    for i in 0..rows {
+        for j in 0..columns {
+            let here = i * columns + j;
+            let even = (i + j).is_multiple_of(2);
+            if j + 1 < columns || periodic {
+                let right = i * columns + (j + 1) % columns;
+                let [from, to] = if even { [4, 3] } else { [2, 1] };
+                let image = [i32::from(j + 1 == columns), 0];
+                rods.push(rod([here, right], [from, to], length, image));
+            }
+            if i + 1 < rows || periodic {
+                let below = (i + 1) % rows * columns + j;
+                let [from, to] = if even { [3, 1] } else { [4, 2] };
+                let image = [0, -i32::from(i + 1 == rows)];
+                rods.push(rod([here, below], [from, to], length, image));
+            }
+        }
+    }
+    rods
+}
+
+fn rod(squares: [usize; 2], vertices: [u8; 2], length: f64, image: [i32; 2]) -> Rod {
+    Rod {
+        from: Corner {
+            square: squares[0],
+            vertex: vertices[0],
+        },
+        to: Corner {
+            square: squares[1],
+            vertex: vertices[1],
+        },
+        length,
+        image,
     }
 }
 
 /// The distance of neighbouring centres in the coherent state θ = (-1)^(i+j) angle with rods along
 /// x and y.
 pub(crate) fn spacing(rod_length: f64, half_diagonal: f64, angle: f64) -> f64 {
-    2.0 * half_diagonal * (angle - std::f64::consts::FRAC_PI_4).cos() + rod_length
+    2.0 * half_diagonal * (angle - FRAC_PI_4).cos() + rod_length
 }
 
 #[cfg(test)]

@@ -5,12 +5,15 @@
 //! V = kT Σ q q' λ_B exp(-κ r) / r, with r in Å = scale · |Δ|, Δ = s + R(θ) c - s' - R(θ') c'.
 //!
 //! The force on the first charge, in reduced units, is F = -kT q q' V'(r) scale Δ/|Δ|, and the
-//! torque on its square (R c)_x F_y - (R c)_y F_x. At a finite cut-off, value and slope are taken
-//! off, V(r) - V(r_c) - (r - r_c) V'(r_c), so that neither energy nor force jumps.
+//! torque on its square (R c)_x F_y - (R c)_y F_x. With a finite cut-off r_c the potential is
+//! shifted in value and slope, V(r) - V(r_c) - (r - r_c) V'(r_c), so that neither energy nor force
+//! jumps.
 
 use super::force::Force;
 use super::network::Network;
-use crate::{CrystalError, Result};
+use super::state::angles;
+use crate::error::{CrystalError, Result, require_positive};
+use crate::plane::{Vector, cross, direction, minus, norm, plus, scaled, turned};
 use protomer_kernel::potential::Yukawa;
 use serde::{Deserialize, Serialize};
 
@@ -18,7 +21,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SquareCharge {
-    /// Where it is in the frame of the square at θ = 0, in half-diagonals of the unit square.
+    /// Its place in the frame of the square at θ = 0, in half-diagonals of the unit square.
     pub position: [f64; 2],
     /// Elementary charges.
     pub charge: f64,
@@ -30,12 +33,29 @@ pub struct SquareCharge {
 pub struct SquarePair {
     /// Their indices.
     pub squares: [usize; 2],
-    /// Cells along x and y.
+    /// The image of the second, in cells along x and y.
     #[serde(default)]
     pub image: [i32; 2],
 }
 
 /// The screened Coulomb forces between the charges of neighbouring squares.
+///
+/// ```
+/// use protomer_crystal::lattice::pair::SquareCharge;
+/// use protomer_crystal::lattice::{Edges, Force, Network, ScreenedCharges, Square, State};
+/// use protomer_kernel::potential::Yukawa;
+/// let network = Network::lattice(1, 2, 1.0, Square::default(), Edges::Open, 0.0)?;
+/// let state = State::coherent(&network, 0.0);
+/// // One charge in the middle of each square, 14 Å per unit of length.
+/// let charges = [SquareCharge { position: [0.0, 0.0], charge: 2.0 }];
+/// let yukawa = Yukawa::new(7.0, 1.0 / 9.6, f64::INFINITY)?;
+/// let force = ScreenedCharges::on_every_square(&network, yukawa, 14.0, 0.1, &charges)?;
+/// let mut accelerations = vec![0.0; state.positions.len()];
+/// let energy = force.accelerate(&network, &state.positions, &mut accelerations);
+/// let apart_angstrom = 14.0 * (state.positions[3] - state.positions[0]);
+/// assert!((energy - 0.1 * 4.0 * yukawa.energy_kt(apart_angstrom)).abs() < 1e-15);
+/// # Ok::<(), protomer_crystal::CrystalError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScreenedCharges {
     yukawa: Yukawa,
@@ -43,6 +63,15 @@ pub struct ScreenedCharges {
     kt: f64,
     charges: Vec<Vec<SquareCharge>>,
     pairs: Vec<SquarePair>,
+}
+
+/// The force between the charges of two squares, and what it does to each of them.
+#[derive(Debug, Clone, Copy, Default)]
+struct Interaction {
+    energy: f64,
+    /// On the first square; that on the second is its opposite.
+    force: Vector,
+    torques: [f64; 2],
 }
 
 impl ScreenedCharges {
@@ -60,15 +89,8 @@ impl ScreenedCharges {
         charges: Vec<Vec<SquareCharge>>,
         pairs: Vec<SquarePair>,
     ) -> Result<Self> {
-        for (setting, value) in [("scale_angstrom", scale_angstrom), ("kt", kt)] {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(CrystalError::BadSetting {
-                    setting,
-                    value,
-                    requirement: "positive",
-                });
-            }
-        }
+        require_positive("scale_angstrom", scale_angstrom)?;
+        require_positive("kt", kt)?;
         let squares = network.squares.len();
         if charges.len() != squares {
             return Err(CrystalError::BadNetwork(format!(
@@ -77,17 +99,7 @@ impl ScreenedCharges {
             )));
         }
         for pair in &pairs {
-            let [first, second] = pair.squares;
-            if first >= squares || second >= squares || (first == second && pair.image == [0, 0]) {
-                return Err(CrystalError::BadNetwork(format!(
-                    "squares {first} and {second} are no pair of {squares}"
-                )));
-            }
-            if pair.image != [0, 0] && network.cell.is_none() {
-                return Err(CrystalError::BadNetwork(format!(
-                    "squares {first} and {second} meet in a periodic image, but the network has no cell"
-                )));
-            }
+            check_pair(network, pair)?;
         }
         Ok(Self {
             yukawa,
@@ -98,7 +110,7 @@ impl ScreenedCharges {
         })
     }
 
-    /// The same charges on every square, which act on the eight squares around each.
+    /// The same charges on every square; each square acts on the eight around it.
     ///
     /// # Errors
     /// As [`ScreenedCharges::new`].
@@ -110,14 +122,8 @@ impl ScreenedCharges {
         charges: &[SquareCharge],
     ) -> Result<Self> {
         let charges = vec![charges.to_vec(); network.squares.len()];
-        Self::new(
-            network,
-            yukawa,
-            scale_angstrom,
-            kt,
-            charges,
-            neighbours(network),
-        )
+        let pairs = neighbours(network);
+        Self::new(network, yukawa, scale_angstrom, kt, charges, pairs)
     }
 
     /// The pairs of squares.
@@ -127,80 +133,92 @@ impl ScreenedCharges {
 
     /// V and dV/dr of unit charges, in kT and kT/Å.
     fn potential(&self, distance_angstrom: f64) -> [f64; 2] {
-        let plain = |r: f64| {
-            let energy = self.yukawa.bjerrum_length_angstrom
-                * (-self.yukawa.inverse_debye_length_per_angstrom * r).exp()
-                / r;
-            [
-                energy,
-                -energy * (1.0 / r + self.yukawa.inverse_debye_length_per_angstrom),
-            ]
-        };
         let cutoff = self.yukawa.cutoff_angstrom;
         if distance_angstrom >= cutoff {
             return [0.0; 2];
         }
-        let [energy, slope] = plain(distance_angstrom);
+        let [energy, slope] = self.uncut_potential(distance_angstrom);
         if cutoff == f64::INFINITY {
             return [energy, slope];
         }
-        let [energy_there, slope_there] = plain(cutoff);
+        let [energy_there, slope_there] = self.uncut_potential(cutoff);
         [
             energy - energy_there - (distance_angstrom - cutoff) * slope_there,
             slope - slope_there,
         ]
     }
+
+    fn uncut_potential(&self, r: f64) -> [f64; 2] {
+        let kappa = self.yukawa.inverse_debye_length_per_angstrom;
+        let energy = self.yukawa.bjerrum_length_angstrom * (-kappa * r).exp() / r;
+        [energy, -energy * (1.0 / r + kappa)]
+    }
+
+    /// The interaction of the charges of two squares, given the vector between their centres and
+    /// cosine and sine of the angles of all squares.
+    fn interaction(
+        &self,
+        [p, q]: [usize; 2],
+        between: Vector,
+        turned_by: &[Vector],
+    ) -> Interaction {
+        let mut sum = Interaction::default();
+        for first in &self.charges[p] {
+            let here = turned(first.position, turned_by[p]);
+            for second in &self.charges[q] {
+                let there = turned(second.position, turned_by[q]);
+                let delta = minus(plus(between, here), there);
+                let distance = norm(delta);
+                let [energy, slope] = self.potential(distance * self.scale_angstrom);
+                let strength = self.kt * first.charge * second.charge;
+                sum.energy += strength * energy;
+                let force = scaled(delta, -strength * slope * self.scale_angstrom / distance);
+                sum.force = plus(sum.force, force);
+                sum.torques[0] += cross(here, force);
+                sum.torques[1] -= cross(there, force);
+            }
+        }
+        sum
+    }
+}
+
+fn check_pair(network: &Network, pair: &SquarePair) -> Result<()> {
+    let squares = network.squares.len();
+    let [first, second] = pair.squares;
+    if first >= squares || second >= squares || (first == second && pair.image == [0, 0]) {
+        return Err(CrystalError::BadNetwork(format!(
+            "squares {first} and {second} are not a pair of the {squares} squares"
+        )));
+    }
+    if pair.image != [0, 0] && network.cell.is_none() {
+        return Err(CrystalError::BadNetwork(format!(
+            "squares {first} and {second} meet in a periodic image, but the network has no cell"
+        )));
+    }
+    Ok(())
 }
 
 impl Force for ScreenedCharges {
     fn accelerate(&self, network: &Network, positions: &[f64], accelerations: &mut [f64]) -> f64 {
         let cell = network.cell.unwrap_or([0.0; 2]);
-        let turned: Vec<[f64; 2]> = positions
-            .iter()
-            .skip(2)
-            .step_by(3)
-            .map(|angle| angle.sin_cos().into())
-            .collect();
-        let arm = |square: usize, charge: &SquareCharge| {
-            let ([sine, cosine], [x, y]) = (turned[square], charge.position);
-            [cosine * x - sine * y, sine * x + cosine * y]
-        };
+        let turned_by: Vec<Vector> = angles(positions).map(direction).collect();
         let mut total = 0.0;
         for pair in &self.pairs {
             let [p, q] = pair.squares;
-            let apart = |axis: usize| {
-                positions[3 * p + axis]
-                    - positions[3 * q + axis]
-                    - f64::from(pair.image[axis]) * cell[axis]
-            };
-            let between = [apart(0), apart(1)];
-            let (mut force, mut torques) = ([0.0; 2], [0.0; 2]);
-            for first in &self.charges[p] {
-                let here = arm(p, first);
-                for second in &self.charges[q] {
-                    let there = arm(q, second);
-                    let delta = [
-                        between[0] + here[0] - there[0],
-                        between[1] + here[1] - there[1],
-                    ];
-                    let distance = delta[0].hypot(delta[1]);
-                    let [energy, slope] = self.potential(distance * self.scale_angstrom);
-                    let strength = self.kt * first.charge * second.charge;
-                    total += strength * energy;
-                    let pull = -strength * slope * self.scale_angstrom / distance;
-                    let [x, y] = [pull * delta[0], pull * delta[1]];
-                    force[0] += x;
-                    force[1] += y;
-                    torques[0] += here[0] * y - here[1] * x;
-                    torques[1] -= there[0] * y - there[1] * x;
-                }
-            }
-            for (square, sign, torque) in [(p, 1.0, torques[0]), (q, -1.0, torques[1])] {
+            let image = [0, 1].map(|axis| f64::from(pair.image[axis]) * cell[axis]);
+            let (here, there) = (
+                [positions[3 * p], positions[3 * p + 1]],
+                [positions[3 * q], positions[3 * q + 1]],
+            );
+            let between = minus(minus(here, there), image);
+            let sum = self.interaction(pair.squares, between, &turned_by);
+            for (square, sign, torque) in [(p, 1.0, sum.torques[0]), (q, -1.0, sum.torques[1])] {
                 let body = &network.squares[square];
-                accelerations[3 * square] += sign * force[0] / body.mass;
-                accelerations[3 * square + 1] += sign * force[1] / body.mass;
+                accelerations[3 * square] += sign * sum.force[0] / body.mass;
+                accelerations[3 * square + 1] += sign * sum.force[1] / body.mass;
                 accelerations[3 * square + 2] += torque / body.inertia;
             }
+            total += sum.energy;
         }
         total
     }
@@ -209,30 +227,34 @@ impl Force for ScreenedCharges {
 /// Every two squares that are next to each other in the lattice along rows, columns or diagonals,
 /// once each.
 pub fn neighbours(network: &Network) -> Vec<SquarePair> {
-    let (rows, columns) = (network.rows as i64, network.columns as i64);
-    // Outside the lattice there is nothing, or the next cell: its number along this axis.
-    let wrap = |index: i64, count: i64| {
-        let cells = index.div_euclid(count);
-        (cells == 0 || network.cell.is_some()).then_some((index.rem_euclid(count), cells as i32))
-    };
     let mut pairs = Vec::new();
-    for i in 0..rows {
-        for j in 0..columns {
+    for row in 0..network.rows {
+        for column in 0..network.columns {
+            let Some(first) = network.at(row, column) else {
+                continue;
+            };
             for (down, right) in [(0, 1), (1, 0), (1, 1), (1, -1)] {
-                if let (Some((row, below)), Some((column, beside))) =
-                    (wrap(i + down, rows), wrap(j + right, columns))
-                {
-                    let square = |row: i64, column: i64| network.at(row as usize, column as usize);
-                    if let (Some(first), Some(second)) = (square(i, j), square(row, column)) {
-                        // y falls with the row.
-                        pairs.push(SquarePair {
-                            squares: [first, second],
-                            image: [beside, -below],
-                        });
-                    }
+                let below = wrap(network, row as i64 + down, network.rows);
+                let beside = wrap(network, column as i64 + right, network.columns);
+                let (Some((row, cells_down)), Some((column, cells_right))) = (below, beside) else {
+                    continue;
+                };
+                if let Some(second) = network.at(row, column) {
+                    // y falls with the row.
+                    pairs.push(SquarePair {
+                        squares: [first, second],
+                        image: [cells_right, -cells_down],
+                    });
                 }
             }
         }
     }
     pairs
+}
+
+/// The index in the lattice, and the number of the cell along this axis; `None` beyond an open edge.
+fn wrap(network: &Network, index: i64, count: usize) -> Option<(usize, i32)> {
+    let cells = index.div_euclid(count as i64);
+    let inside = index.rem_euclid(count as i64) as usize;
+    (cells == 0 || network.cell.is_some()).then_some((inside, cells as i32))
 }

@@ -2,35 +2,36 @@
 //!
 //! Angles and velocities that are drawn at random do not obey the rods: of the 3 ns² velocities of
 //! an open lattice only ns² + 2 ns are free, and for short rods hardly any angle is. What is asked
-//! for is therefore brought onto the rods along the shortest way in the metric of the masses, and
-//! [`Started`] says what was reached.
+//! for is therefore brought onto the rods along the shortest way in the metric of the masses (see
+//! [`Projector`]), and [`Started`] says what was reached.
 //!
-//! Positions: s -= M⁻¹ Jᵀ A⁻¹ σ until σ = 0 (Newton's method; A = J M⁻¹ Jᵀ).
-//! Velocities: v -= M⁻¹ Jᵀ A⁻¹ J v.
-//!
-//! Squares may overlap after a random turn; whether they do is for the collisions to say.
+//! Squares may overlap after a random turn; [`Start::build_apart`] draws again until they do not.
 
-use super::force::coherent_part;
+use super::collision::detection::{Detector, rods_block_by_default};
+use super::dynamics::Dynamics;
+use super::force::{coherent_part, incoherent_spread};
 use super::network::Network;
-use super::rods::RodSystem;
-use super::state::State;
-use crate::{CrystalError, Result};
+use super::projector::Projector;
+use super::state::{State, angles, from_middle};
+use super::thermostat::Langevin;
+use crate::error::{CrystalError, Result, require_finite, require_not_negative, require_positive};
+use crate::plane::largest_magnitude;
+use crate::random::normal;
 use protomer_kernel::random::{CounterRng, Purpose};
-use protomer_kernel::sparse::SparseError;
 use serde::{Deserialize, Serialize};
-use std::f64::consts::{FRAC_PI_4, TAU};
+use std::f64::consts::FRAC_PI_4;
+use std::sync::Arc;
 
-const ROD_TOLERANCE: f64 = 1e-13;
-const VELOCITY_TOLERANCE: f64 = 1e-14;
-const MOST_ITERATIONS: usize = 50;
-/// Random turns are made in steps of at most this many rod lengths per half-diagonal, or this
-/// angle.
+/// Random turns are made in steps of at most this angle times the length of the shortest rod, or
+/// this angle if all rods are longer than a half-diagonal.
 const TURN_PER_STEP: f64 = 0.1;
+/// Starts are drawn at most so often until their squares are apart.
+const MOST_DRAWS: u32 = 200;
 
-/// How the squares turn at the start.
+/// How the squares move at the start. What the rods forbid is removed.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum AngularVelocities {
+pub enum StartVelocities {
     /// Not at all.
     #[default]
     Rest,
@@ -39,32 +40,38 @@ pub enum AngularVelocities {
         /// ⟨ω⟩₁.
         rate: f64,
     },
-    /// Each uniform in (-largest, largest), then brought onto the rods.
+    /// Every ω uniform in (-largest, largest).
     Uniform {
-        /// Bound of what is drawn.
+        /// Bound of the numbers drawn.
         largest: f64,
-        /// All velocities are scaled in the end so that Σ ω² is this.
+        /// Σ ω² to which all velocities are scaled in the end.
         #[serde(default)]
         sum_of_squares: Option<f64>,
     },
-    /// (-1)^(i+j) rate plus a normal number of this standard deviation, then brought onto the rods.
+    /// Disordered spins: (-1)^(i+j) rate plus a normal number.
     Normal {
-        /// ⟨ω⟩₁ of what is drawn.
+        /// ⟨ω⟩₁ before the normal numbers are added.
         #[serde(default)]
         rate: f64,
-        /// Standard deviation of what is drawn.
+        /// Standard deviation of the normal numbers.
         spread: f64,
-        /// All velocities are scaled in the end so that Σ ω² is this.
+        /// Σ ω² to which all velocities are scaled in the end.
         #[serde(default)]
         sum_of_squares: Option<f64>,
+    },
+    /// Those of the canonical ensemble, translations included.
+    Thermal {
+        /// kT in units of mass · half-diagonal² / time².
+        kt: f64,
     },
 }
 
 /// What a run starts from.
 ///
 /// ```
-/// use protomer_crystal::lattice::{AngularVelocities, Edges, Network, Square, Start};
-/// let start = Start { velocities: AngularVelocities::Checkerboard { rate: 1.0 }, ..Start::default() };
+/// use protomer_crystal::lattice::{Edges, Network, Square, Start, StartVelocities};
+/// let velocities = StartVelocities::Checkerboard { rate: 1.0 };
+/// let start = Start { velocities, ..Start::default() };
 /// let network = Network::lattice(2, 2, 1.0, Square::default(), Edges::Open, start.angle)?;
 /// let started = start.build(&network, 0)?;
 /// assert!((started.sum_of_squares - 4.0).abs() < 1e-12);
@@ -73,13 +80,13 @@ pub enum AngularVelocities {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Start {
-    /// θ = (-1)^(i+j) angle before random turns: π/4 is open, 0 closed.
+    /// θ = (-1)^(i+j) angle before random turns, rad: π/4 is open, 0 closed.
     pub angle: f64,
-    /// Standard deviation of the normal random turns asked for; the rods allow less.
+    /// Standard deviation of the normal random turns asked for, rad; the rods allow less.
     pub angle_spread: f64,
-    /// Angular velocities.
-    pub velocities: AngularVelocities,
-    /// Seed of whatever is random.
+    /// Velocities.
+    pub velocities: StartVelocities,
+    /// Seed of all random numbers.
     pub seed: u64,
 }
 
@@ -89,23 +96,25 @@ impl Default for Start {
         Self {
             angle: FRAC_PI_4,
             angle_spread: 0.0,
-            velocities: AngularVelocities::Rest,
+            velocities: StartVelocities::Rest,
             seed: 0,
         }
     }
 }
 
-/// A starting state, and what became of the wishes.
+/// A starting state, and how near it came to what was asked for.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Started {
     /// The state; rods and velocities agree.
     pub state: State,
-    /// Standard deviation about the coherent state of the angles that were drawn.
+    /// Standard deviation about the coherent state of the angles that were drawn, rad.
     pub angle_spread_drawn: f64,
-    /// The same of the angles that the rods allowed.
+    /// The same of the angles that the rods allowed, rad.
     pub angle_spread_reached: f64,
     /// Σ ω² of the state.
     pub sum_of_squares: f64,
+    /// How many starts were drawn before this one and discarded because squares overlapped.
+    pub discarded_draws: u32,
 }
 
 impl Start {
@@ -117,7 +126,7 @@ impl Start {
         }
     }
 
-    /// The state that this describes for a network; different replicas draw different numbers.
+    /// Builds the state for a network; different replicas draw different numbers.
     ///
     /// # Errors
     /// [`CrystalError::BadSetting`] for spreads or sums that make no sense,
@@ -130,76 +139,93 @@ impl Start {
         let mut projector = Projector::new(network);
         let mut angle_spread_drawn = 0.0;
         if self.angle_spread > 0.0 {
-            let mut rng = CounterRng::for_purpose(self.seed, replica, 0, Purpose::LatticeAngles);
-            let turns: Vec<f64> = network
-                .squares
-                .iter()
-                .map(|_| self.angle_spread * normal(&mut rng))
-                .collect();
-            angle_spread_drawn = spread_of(network, &turns);
+            let turns = self.draw_turns(network, replica);
+            angle_spread_drawn = incoherent_spread(network, &turns);
             turn_along_rods(network, &mut projector, &turns, &mut state)?;
         } else {
             projector.positions(&mut state.positions)?;
         }
         self.set_velocities(network, replica, &mut projector, &mut state)?;
         state.check(network)?;
-        let angles: Vec<f64> = state.positions.iter().skip(2).step_by(3).copied().collect();
-        let angle_spread_reached = spread_of(network, &angles);
-        let sum_of_squares = sum_of_squares(&state.velocities);
         Ok(Started {
-            state,
             angle_spread_drawn,
-            angle_spread_reached,
-            sum_of_squares,
+            angle_spread_reached: incoherent_spread(network, &state.positions),
+            sum_of_squares: sum_of_squares(&state.velocities),
+            discarded_draws: 0,
+            state,
         })
     }
 
-    fn check(&self) -> Result<()> {
-        let require =
-            |setting: &'static str, value: f64, holds: bool, requirement: &'static str| {
-                if value.is_finite() && holds {
-                    Ok(())
-                } else {
-                    Err(CrystalError::BadSetting {
-                        setting,
-                        value,
-                        requirement,
-                    })
-                }
-            };
-        require("angle", self.angle, true, "finite")?;
-        require(
-            "angle_spread",
-            self.angle_spread,
-            self.angle_spread >= 0.0,
-            "zero or positive",
-        )?;
-        let sum = match self.velocities {
-            AngularVelocities::Rest => None,
-            AngularVelocities::Checkerboard { rate } => {
-                require("rate", rate, true, "finite")?;
-                None
-            }
-            AngularVelocities::Uniform {
-                largest,
-                sum_of_squares,
-            } => {
-                require("largest", largest, largest > 0.0, "positive")?;
-                sum_of_squares
-            }
-            AngularVelocities::Normal {
-                rate,
-                spread,
-                sum_of_squares,
-            } => {
-                require("rate", rate, true, "finite")?;
-                require("spread", spread, spread >= 0.0, "zero or positive")?;
-                sum_of_squares
-            }
+    /// Builds the state of replica 0, or, if random angles let squares overlap or cannot be brought
+    /// onto the rods, that of the first replica in which all is well.
+    ///
+    /// ```
+    /// use protomer_crystal::lattice::{Edges, Network, Square, Start};
+    /// // Open squares stand corner to corner, and random turns let some of them overlap.
+    /// let start = Start { angle_spread: 0.3, seed: 3, ..Start::default() };
+    /// let network = Network::lattice(4, 4, 0.1, Square::default(), Edges::Open, start.angle)?;
+    /// assert!(start.build_apart(&network)?.discarded_draws > 0);
+    /// # Ok::<(), protomer_crystal::CrystalError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`build`](Start::build), and [`CrystalError::Overlap`], of the last of 200 draws.
+    pub fn build_apart(&self, network: &Network) -> Result<Started> {
+        let draws = if self.angle_spread > 0.0 {
+            MOST_DRAWS
+        } else {
+            1
         };
-        sum.map_or(Ok(()), |sum| {
-            require("sum_of_squares", sum, sum > 0.0, "positive")
-        })
+        let mut replica = 0;
+        loop {
+            let started = self.build(network, replica).and_then(|started| {
+                require_apart(network, &started.state)?;
+                Ok(started)
+            });
+            match started {
+                Err(CrystalError::Overlap { .. } | CrystalError::BadState(_))
+                    if replica + 1 < draws =>
+                {
+                    replica += 1;
+                }
+                Ok(started) => {
+                    return Ok(Started {
+                        discarded_draws: replica,
+                        ..started
+                    });
+                }
+                Err(error) => return Err(error),
+            }
+        }
+    }
+
+    fn check(&self) -> Result<()> {
+        require_finite("angle", self.angle)?;
+        require_not_negative("angle_spread", self.angle_spread)?;
+        match self.velocities {
+            StartVelocities::Rest => {}
+            StartVelocities::Checkerboard { rate } => require_finite("rate", rate)?,
+            StartVelocities::Uniform { largest, .. } => require_positive("largest", largest)?,
+            StartVelocities::Normal { rate, spread, .. } => {
+                require_finite("rate", rate)?;
+                require_not_negative("spread", spread)?;
+            }
+            StartVelocities::Thermal { kt } => require_not_negative("kt", kt)?,
+        }
+        match self.velocities.wanted_sum_of_squares() {
+            Some(sum) => require_positive("sum_of_squares", sum),
+            None => Ok(()),
+        }
+    }
+
+    /// A normal turn for every square, as an array of x, y, θ per square.
+    fn draw_turns(&self, network: &Network, replica: u32) -> Vec<f64> {
+        let mut rng = CounterRng::for_purpose(self.seed, replica, 0, Purpose::LatticeAngles);
+        let mut turns = vec![0.0; 3 * network.squares.len()];
+        for turn in turns.chunks_exact_mut(3) {
+            turn[2] = self.angle_spread * normal(&mut rng);
+        }
+        turns
     }
 
     fn set_velocities(
@@ -210,25 +236,21 @@ impl Start {
         state: &mut State,
     ) -> Result<()> {
         let mut rng = CounterRng::for_purpose(self.seed, replica, 0, Purpose::LatticeVelocities);
-        let mut wanted = None;
         match self.velocities {
-            AngularVelocities::Rest => return Ok(()),
-            AngularVelocities::Checkerboard { rate } => coherent_velocities(network, rate, state),
-            AngularVelocities::Uniform {
-                largest,
-                sum_of_squares,
-            } => {
-                wanted = sum_of_squares;
+            StartVelocities::Rest => return Ok(()),
+            StartVelocities::Thermal { kt } => {
+                let mut dynamics = Dynamics::new(Arc::new(network.clone()), Vec::new(), state)?;
+                let bath = Langevin::new(kt, 0.0, self.seed, replica)?;
+                bath.draw_velocities(&mut dynamics, state);
+                return Ok(());
+            }
+            StartVelocities::Checkerboard { rate } => coherent_velocities(network, rate, state),
+            StartVelocities::Uniform { largest, .. } => {
                 for velocity in state.velocities.chunks_exact_mut(3) {
                     velocity[2] = rng.uniform_in(-largest, largest);
                 }
             }
-            AngularVelocities::Normal {
-                rate,
-                spread,
-                sum_of_squares,
-            } => {
-                wanted = sum_of_squares;
+            StartVelocities::Normal { rate, spread, .. } => {
                 if rate != 0.0 {
                     coherent_velocities(network, rate, state);
                 }
@@ -238,19 +260,21 @@ impl Start {
             }
         }
         projector.velocities(&state.positions, &mut state.velocities)?;
-        if let Some(wanted) = wanted {
-            let factor = (wanted / sum_of_squares(&state.velocities)).sqrt();
-            if !factor.is_finite() {
-                return Err(CrystalError::BadState(
-                    "the squares do not turn, so Σ ω² cannot be scaled; give the velocities a spread or rate".into(),
-                ));
-            }
-            state
-                .velocities
-                .iter_mut()
-                .for_each(|velocity| *velocity *= factor);
+        match self.velocities.wanted_sum_of_squares() {
+            Some(wanted) => scale_to(wanted, &mut state.velocities),
+            None => Ok(()),
         }
-        Ok(())
+    }
+}
+
+impl StartVelocities {
+    fn wanted_sum_of_squares(self) -> Option<f64> {
+        match self {
+            Self::Uniform { sum_of_squares, .. } | Self::Normal { sum_of_squares, .. } => {
+                sum_of_squares
+            }
+            Self::Rest | Self::Checkerboard { .. } | Self::Thermal { .. } => None,
+        }
     }
 }
 
@@ -261,162 +285,69 @@ impl Start {
 /// ẋ = (j - mean j) ḋ, ẏ = (mean i - i) ḋ, ḋ = -2 l sin(θ - π/4) rate.
 pub fn coherent_velocities(network: &Network, rate: f64, state: &mut State) {
     let [_, angle] = coherent_part(network, &state.positions);
-    let half_diagonal = network
-        .squares
-        .first()
-        .map_or(1.0, |square| square.half_diagonal);
-    let opening = -2.0 * half_diagonal * (angle - FRAC_PI_4).sin() * rate;
-    let middle = |count: usize| 0.5 * (count - 1) as f64;
+    let opening = -2.0 * network.first_half_diagonal() * (angle - FRAC_PI_4).sin() * rate;
     for (p, velocity) in state.velocities.chunks_exact_mut(3).enumerate() {
-        let [i, j] = network.place(p).map(|index| index as f64);
-        velocity[0] = (j - middle(network.columns)) * opening;
-        velocity[1] = (middle(network.rows) - i) * opening;
+        let [right, up] = from_middle(network, p);
+        velocity[0] = right * opening;
+        velocity[1] = up * opening;
         velocity[2] = network.sign(p) * rate;
     }
 }
 
-/// Brings positions and velocities onto the rods.
-#[derive(Debug, Clone)]
-pub struct Projector {
-    rods: RodSystem,
-    sigma: Vec<f64>,
-}
-
-impl Projector {
-    /// For the rods of this network.
-    pub fn new(network: &Network) -> Self {
-        let rods = RodSystem::new(network);
-        let sigma = vec![0.0; rods.len()];
-        Self { rods, sigma }
-    }
-
-    fn linearize(&mut self, positions: &[f64]) -> Result<()> {
-        self.rods.linearize(positions).map_err(|error| match error {
-            SparseError::Dependent { row, .. } => CrystalError::OverConstrained {
-                rod: row,
-                time: 0.0,
-            },
-            other => CrystalError::BadState(format!(
-                "the positions cannot be brought onto the rods: {other}"
-            )),
-        })
-    }
-
-    /// Moves the squares, by little where they are heavy, until every rod has its length. Returns
-    /// the number of iterations.
-    ///
-    /// # Errors
-    /// [`CrystalError::OverConstrained`] at a singular position, [`CrystalError::BadState`] if the
-    /// way does not end.
-    pub fn positions(&mut self, positions: &mut [f64]) -> Result<usize> {
-        let extent = positions
-            .iter()
-            .fold(1.0_f64, |extent, x| extent.max(x.abs()));
-        let tolerance = ROD_TOLERANCE + 2.0 * f64::EPSILON * extent;
-        let mut before = f64::INFINITY;
-        for iteration in 0..MOST_ITERATIONS {
-            let (rod, violation) = self.rods.violations(positions, &mut self.sigma);
-            let stalled = violation.abs() >= 0.5 * before && violation.abs() <= 8.0 * tolerance;
-            if violation.abs() <= tolerance || stalled {
-                return Ok(iteration);
-            }
-            if !violation.is_finite() {
-                return Err(CrystalError::BadState(format!(
-                    "rod {rod} has no finite length"
-                )));
-            }
-            before = violation.abs();
-            self.linearize(positions)?;
-            self.rods.solve(&mut self.sigma);
-            self.rods.add_response(&self.sigma, -1.0, positions);
-        }
-        let (rod, violation) = self.rods.violations(positions, &mut self.sigma);
-        Err(CrystalError::BadState(format!(
-            "the positions cannot be brought onto the rods: rod {rod} is still off by {violation:+e} after \
-             {MOST_ITERATIONS} iterations; start nearer to a state that obeys them"
-        )))
-    }
-
-    /// Takes from the velocities what would change the lengths of the rods at these positions.
-    ///
-    /// # Errors
-    /// [`CrystalError::OverConstrained`] at a singular position.
-    pub fn velocities(&mut self, positions: &[f64], velocities: &mut [f64]) -> Result<()> {
-        self.linearize(positions)?;
-        for _ in 0..3 {
-            self.rods.apply(velocities, &mut self.sigma);
-            let left = self.sigma.iter().fold(0.0_f64, |left, x| left.max(x.abs()));
-            if left <= VELOCITY_TOLERANCE {
-                break;
-            }
-            self.rods.solve(&mut self.sigma);
-            self.rods.add_response(&self.sigma, -1.0, velocities);
-        }
-        Ok(())
-    }
-}
-
-/// Turns the squares by small parts of what is asked, each followed by a return to the rods, so
-/// that what the rods forbid is lost on the way and the rest arrives.
+/// Turns the squares by small parts of the turns, each followed by a projection onto the rods: what
+/// the rods forbid is lost on the way, and the rest arrives.
 fn turn_along_rods(
     network: &Network,
     projector: &mut Projector,
     turns: &[f64],
     state: &mut State,
 ) -> Result<()> {
-    let shortest = network
-        .rods
-        .iter()
-        .map(|rod| rod.length)
-        .fold(1.0, f64::min);
-    let largest_turn = turns
-        .iter()
-        .fold(0.0_f64, |largest, turn| largest.max(turn.abs()));
-    let steps = (largest_turn / (TURN_PER_STEP * shortest)).ceil().max(1.0);
+    let mut shortest = 1.0_f64;
+    for rod in &network.rods {
+        shortest = shortest.min(rod.length);
+    }
+    let steps = largest_magnitude(turns) / (TURN_PER_STEP * shortest);
+    let steps = steps.ceil().max(1.0);
     for _ in 0..steps as usize {
-        for (position, turn) in state.positions.chunks_exact_mut(3).zip(turns) {
-            position[2] += turn / steps;
+        let positions = state.positions.chunks_exact_mut(3);
+        for (position, turn) in positions.zip(turns.chunks_exact(3)) {
+            position[2] += turn[2] / steps;
         }
         projector.positions(&mut state.positions)?;
     }
     Ok(())
 }
 
-/// √(Σ (θ - ⟨θ⟩₀ - (-1)^(i+j) ⟨θ⟩₁)² / N).
-fn spread_of(network: &Network, angles: &[f64]) -> f64 {
-    let coordinates: Vec<f64> = angles.iter().flat_map(|angle| [0.0, 0.0, *angle]).collect();
-    let [uniform, checkerboard] = coherent_part(network, &coordinates);
-    let away =
-        |(p, angle): (usize, &f64)| (angle - uniform - network.sign(p) * checkerboard).powi(2);
-    (angles.iter().enumerate().map(away).sum::<f64>() / angles.len() as f64).sqrt()
+fn require_apart(network: &Network, state: &State) -> Result<()> {
+    let detector = Detector::new(network, &state.positions, rods_block_by_default(network));
+    detector.check_no_overlap(network, &state.positions, state.time)
 }
 
+fn scale_to(wanted: f64, velocities: &mut [f64]) -> Result<()> {
+    let factor = (wanted / sum_of_squares(velocities)).sqrt();
+    if !factor.is_finite() {
+        return Err(CrystalError::BadState(
+            "the squares do not turn, so Σ ω² cannot be scaled; give the velocities a spread or \
+             rate"
+                .into(),
+        ));
+    }
+    for velocity in velocities {
+        *velocity *= factor;
+    }
+    Ok(())
+}
+
+/// Σ ω².
 fn sum_of_squares(velocities: &[f64]) -> f64 {
-    velocities
-        .iter()
-        .skip(2)
-        .step_by(3)
-        .map(|omega| omega * omega)
-        .sum()
-}
-
-/// Two independent standard normal numbers (Box and Muller) from exactly two uniform ones.
-pub(crate) fn normal_pair(rng: &mut CounterRng) -> [f64; 2] {
-    // 1 - u lies in (0, 1].
-    let radius = (-2.0 * (1.0 - rng.uniform()).ln()).sqrt();
-    let (sine, cosine) = (TAU * rng.uniform()).sin_cos();
-    [radius * cosine, radius * sine]
-}
-
-fn normal(rng: &mut CounterRng) -> f64 {
-    normal_pair(rng)[0]
+    angles(velocities).map(|omega| omega * omega).sum()
 }
 
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::lattice::{Dynamics, Edges, Square};
+    use crate::lattice::{Corner, Dynamics, Edges, Rod, Square};
     use std::sync::Arc;
 
     fn lattice(size: usize, rod_length: f64) -> Network {
@@ -440,7 +371,7 @@ mod tests {
                 .zip(&state.velocities)
                 .map(|(s, v)| s + time * v)
                 .collect();
-            let corner = |corner: super::super::Corner| {
+            let corner = |corner: Corner| {
                 let angle = at[3 * corner.square + 2]
                     + [135.0_f64, 45.0, 225.0, -45.0][usize::from(corner.vertex) - 1].to_radians();
                 [
@@ -448,7 +379,7 @@ mod tests {
                     at[3 * corner.square + 1] + angle.sin(),
                 ]
             };
-            let length = |rod: &super::super::Rod| {
+            let length = |rod: &Rod| {
                 let (a, b) = (corner(rod.from), corner(rod.to));
                 (a[0] - b[0]).hypot(a[1] - b[1])
             };
@@ -471,7 +402,7 @@ mod tests {
             assert!(stretching(&network, &state) < 1e-8);
             let start = Start {
                 angle,
-                velocities: AngularVelocities::Checkerboard { rate: 0.7 },
+                velocities: StartVelocities::Checkerboard { rate: 0.7 },
                 ..Start::default()
             };
             let started = start.build(&network, 0).unwrap().state;
@@ -485,7 +416,7 @@ mod tests {
     fn random_starts_obey_the_rods_and_say_what_they_reached() {
         for rod_length in [0.05, 3.0 / 22.0, 1.0] {
             let network = lattice(4, rod_length);
-            let velocities = AngularVelocities::Uniform {
+            let velocities = StartVelocities::Uniform {
                 largest: 1.0,
                 sum_of_squares: Some(4.0),
             };
@@ -572,14 +503,14 @@ mod tests {
                 ..Start::default()
             },
             Start {
-                velocities: AngularVelocities::Uniform {
+                velocities: StartVelocities::Uniform {
                     largest: 0.0,
                     sum_of_squares: None,
                 },
                 ..Start::default()
             },
             Start {
-                velocities: AngularVelocities::Normal {
+                velocities: StartVelocities::Normal {
                     rate: 0.0,
                     spread: 0.0,
                     sum_of_squares: Some(1.0),

@@ -9,30 +9,30 @@
 //! one step of the dynamics without them, and again half a step (the splitting of Lelièvre, Rousset
 //! and Stoltz, Math. Comput. 81, 2071 (2012), with the exact Ornstein-Uhlenbeck map that a single γ
 //! allows). P M^(-1/2) ξ has the covariance P M⁻¹, that of the velocities of the constrained
-//! canonical ensemble, so the half steps leave it as it is: for a harmonic potential the mean
-//! kinetic energy has no error of the time step at all.
+//! canonical ensemble, so the half steps leave that ensemble unchanged: for a harmonic potential the
+//! time step causes no error in the mean kinetic energy.
 //!
-//! What is sampled is exp(-H/kT) on the phase space of *rigid* rods. Its positions are distributed
+//! The samples follow exp(-H/kT) on the phase space of *rigid* rods. Positions are then distributed
 //! as
 //!
 //! exp(-V/kT) √det(J M⁻¹ Jᵀ) δ(σ) ds,
 //!
-//! where the determinant comes from the momenta, of which those along the rods are absent. Rods
-//! that are the limit of ever stiffer springs lack the factor: their averages follow by weighting
-//! states with exp(-½ ln det A)
+//! where the determinant comes from the momenta, which have no component along the rods. Rods that
+//! are the limit of ever stiffer springs lack the factor. Their averages follow by weighting states
+//! with exp(-½ ln det A)
 //! ([`RodSystem::log_determinant`](super::rods::RodSystem::log_determinant), at the prepared
 //! state), the correction of Fixman (Proc. Natl. Acad. Sci. 71, 3050 (1974)).
 //!
-//! With elastic collisions the middle step is that of an [`Engine`](super::Engine), whose
-//! [`dynamics`](super::Engine::dynamics) [`Langevin::before`] and [`Langevin::after`] take.
+//! With elastic collisions the middle step is that of an [`Engine`](super::Engine);
+//! [`Langevin::before`] and [`Langevin::after`] then take its [`dynamics`](super::Engine::dynamics).
 //!
-//! The noise is counter-based: it is a function of seed, replica, step and square, and a run
-//! resumed from its state and the number of its step goes on bit for bit.
+//! The noise is counter-based: it is a function of seed, replica, step and square. A run resumed
+//! from its state and the number of its step continues bit for bit.
 
 use super::dynamics::Dynamics;
-use super::start::normal_pair;
 use super::state::State;
-use crate::{CrystalError, Result};
+use crate::error::{Result, require_not_negative};
+use crate::random::normal_pair;
 use protomer_kernel::random::{CounterRng, Purpose};
 use serde::{Deserialize, Serialize};
 
@@ -41,9 +41,10 @@ use serde::{Deserialize, Serialize};
 /// ```
 /// use protomer_crystal::lattice::{Dynamics, Edges, Langevin, Network, Square, Start};
 /// use std::sync::Arc;
-/// let network = Arc::new(Network::lattice(2, 2, 1.0, Square::default(), Edges::Open, Start::default().angle)?);
-/// let mut state = Start::default().build(&network, 0)?.state;
-/// let mut dynamics = Dynamics::new(network, Vec::new(), &state)?;
+/// let start = Start::default();
+/// let network = Network::lattice(2, 2, 1.0, Square::default(), Edges::Open, start.angle)?;
+/// let mut state = start.build(&network, 0)?.state;
+/// let mut dynamics = Dynamics::new(Arc::new(network), Vec::new(), &state)?;
 /// let langevin = Langevin::new(0.5, 1.0, 7, 0)?;
 /// for step in 0..10 {
 ///     langevin.step(&mut dynamics, &mut state, 0.01, step)?;
@@ -68,7 +69,8 @@ impl Langevin {
     /// Temperature kT and friction γ.
     ///
     /// # Errors
-    /// [`CrystalError::BadSetting`] for either negative or not finite.
+    /// [`CrystalError::BadSetting`](crate::CrystalError::BadSetting) if either is negative or not
+    /// finite.
     pub fn new(kt: f64, friction: f64, seed: u64, replica: u32) -> Result<Self> {
         let langevin = Self {
             kt,
@@ -85,33 +87,19 @@ impl Langevin {
     /// # Errors
     /// As [`Langevin::new`].
     pub fn check(&self) -> Result<()> {
-        for (setting, value) in [("kt", self.kt), ("friction", self.friction)] {
-            if !(value.is_finite() && value >= 0.0) {
-                return Err(CrystalError::BadSetting {
-                    setting,
-                    value,
-                    requirement: "zero or positive",
-                });
-            }
-        }
-        Ok(())
+        require_not_negative("kt", self.kt)?;
+        require_not_negative("friction", self.friction)
     }
 
-    /// Velocities of the canonical ensemble at the positions at which `dynamics` is prepared.
+    /// Draws velocities of the canonical ensemble at the positions at which `dynamics` is prepared.
     pub fn draw_velocities(&self, dynamics: &mut Dynamics, state: &mut State) {
-        self.mix(
-            dynamics,
-            &mut state.velocities,
-            0.0,
-            0,
-            Purpose::MaxwellVelocities,
-        );
+        self.mix(dynamics, &mut state.velocities, 0.0, 0, Purpose::MaxwellVelocities);
     }
 
-    /// Friction and noise for half a step of this length, before the other parts of the step of
+    /// Friction and noise for half a step of this length, before the other parts of the step with
     /// this number. `dynamics` must be prepared at the state.
     pub fn before(&self, dynamics: &mut Dynamics, state: &mut State, step: f64, number: u64) {
-        let kept = (-0.5 * self.friction * step).exp();
+        let kept = self.kept_in_half(step);
         self.mix(
             dynamics,
             &mut state.velocities,
@@ -123,7 +111,7 @@ impl Langevin {
 
     /// The same after them.
     pub fn after(&self, dynamics: &mut Dynamics, state: &mut State, step: f64, number: u64) {
-        let kept = (-0.5 * self.friction * step).exp();
+        let kept = self.kept_in_half(step);
         self.mix(
             dynamics,
             &mut state.velocities,
@@ -133,11 +121,16 @@ impl Langevin {
         );
     }
 
+    /// c = exp(-γ h/2).
+    fn kept_in_half(&self, step: f64) -> f64 {
+        (-0.5 * self.friction * step).exp()
+    }
+
     /// One step without collisions, the `number`th of the run.
     ///
     /// # Errors
     /// As [`Langevin::new`] and [`Dynamics::step`]; after an error of the latter the velocities
-    /// have had their first half step of noise, so go on from a copy. Noise has no largest value:
+    /// have had their first half step of noise, so continue from a copy. The noise is unbounded:
     /// choose the time step for several times the thermal velocity, 0.1 r0 √(m/kT) / 3 or so.
     pub fn step(
         &self,
@@ -170,7 +163,7 @@ impl Langevin {
             .iter()
             .zip(velocities.chunks_exact_mut(3))
         {
-            // Four uniform numbers a square, whatever happens: its noise has a fixed place in the
+            // Always four uniform numbers per square, so that its noise has a fixed place in the
             // stream.
             let ([x, y], [angle, _]) = (normal_pair(&mut rng), normal_pair(&mut rng));
             let per_mass = amplitude / square.mass.sqrt();

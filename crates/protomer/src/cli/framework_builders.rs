@@ -14,9 +14,9 @@ fn length(text: &str) -> Result<f64, String> {
 #[derive(Debug, Subcommand)]
 pub(super) enum Builder {
     Honeycomb(HoneycombArgs),
-    /// Squares that touch at corners and are turned by turns.
+    /// Squares that touch at corners, turned by turns.
     RotatingSquares(PolygonArgs),
-    /// Equilateral triangles that touch at corners and are turned by turns.
+    /// Equilateral triangles that touch at corners, turned by turns.
     RotatingTriangles(PolygonArgs),
     Arrowhead(ArrowheadArgs),
     RodLattice(RodLatticeArgs),
@@ -60,7 +60,8 @@ pub(super) struct PolygonArgs {
     /// Stiffness of the rods that keep a polygon in shape, kcal/mol/Å².
     #[arg(long, allow_negative_numbers = true)]
     ks: f64,
-    /// Stiffness of the hinges between neighbouring rods, kcal/mol/rad².
+    /// K_h: stiffness of the hinge between two polygons, one at every shared corner, as in the
+    /// published formulas, kcal/mol/rad².
     #[arg(long, allow_negative_numbers = true)]
     kh: f64,
 }
@@ -81,7 +82,8 @@ pub(super) struct ArrowheadArgs {
     /// Stiffness of each rib, kcal/mol/Å².
     #[arg(long, allow_negative_numbers = true)]
     ks: f64,
-    /// Stiffness of each hinge, kcal/mol/rad².
+    /// Stiffness of each hinge, one between any two ribs next to each other around a node,
+    /// kcal/mol/rad².
     #[arg(long, allow_negative_numbers = true)]
     kh: f64,
 }
@@ -105,7 +107,8 @@ pub(super) struct RodLatticeArgs {
     /// Stiffness of the rods between squares, kcal/mol/Å².
     #[arg(long, allow_negative_numbers = true)]
     ks: f64,
-    /// Stiffness of each hinge, kcal/mol/rad².
+    /// Stiffness of each hinge, one between any two rods next to each other around a node,
+    /// kcal/mol/rad².
     #[arg(long, allow_negative_numbers = true)]
     kh: f64,
 }
@@ -132,7 +135,7 @@ pub(super) struct DiamondArgs {
     /// Stiffness of each rod, kcal/mol/Å².
     #[arg(long, allow_negative_numbers = true)]
     ks: f64,
-    /// Stiffness of each hinge, kcal/mol/rad².
+    /// Stiffness of each hinge, one between every two rods at a node, kcal/mol/rad².
     #[arg(long, allow_negative_numbers = true)]
     kh: f64,
 }

@@ -1,7 +1,7 @@
 //! A network under growing loads along one axis.
 
 use super::axes;
-use super::report::rounded;
+use super::text::rounded;
 use anyhow::{Result, bail};
 use protomer_crystal::framework::load::{Loaded, stretch_curve};
 use protomer_crystal::framework::{Framework, Load, StressKind};

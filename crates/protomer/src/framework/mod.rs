@@ -8,6 +8,7 @@
 //! | [`curve`] | a network under growing loads |
 //! | [`figure`], [`drawing`] | moduli against direction; the cells, unloaded and loaded |
 //! | [`directory`] | the files of a result |
+//! | `text` | numbers for people |
 //! | [`tables`] | tables 2 to 4 of Grima et al., Mol. Simul. 31, 925 (2005), printed and recomputed |
 
 pub mod curve;
@@ -17,6 +18,7 @@ pub mod figure;
 pub mod network_file;
 pub mod report;
 pub mod tables;
+mod text;
 
 /// Names of the axes of two- and three-dimensional networks.
 pub fn axes(dimension: usize) -> &'static [&'static str] {

@@ -2,6 +2,7 @@
 //! any.
 
 use super::curve::Curve;
+use super::text::{fixed, rounded};
 use super::{axes, strain_names};
 use anyhow::{Context, Result};
 use nalgebra::DMatrix;
@@ -445,22 +446,5 @@ fn percent(fraction: f64) -> String {
         "0 %".into()
     } else {
         format!("{percent:+.4} %")
-    }
-}
-
-fn fixed(values: &[f64], decimals: usize) -> String {
-    values
-        .iter()
-        .map(|x| rounded(*x, decimals))
-        .collect::<Vec<_>>()
-        .join(", ")
-}
-
-/// A number with so many decimals; what rounds to zero has no sign.
-pub(super) fn rounded(value: f64, decimals: usize) -> String {
-    let text = format!("{value:.decimals$}");
-    match text.strip_prefix('-') {
-        Some(size) if size.bytes().all(|byte| b"0.".contains(&byte)) => size.to_owned(),
-        _ => text,
     }
 }

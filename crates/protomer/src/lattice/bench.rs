@@ -5,11 +5,11 @@
 //! lattices of every size are well resolved: the open state is the largest extension, and squares
 //! that leave it each their own way pull at their rods, the more the larger the lattice is.
 
-use super::mover::Mover;
 use super::settings::{LatticeSettings, Start, TimeStep, Velocities};
 use super::start::{begin, time_step};
 use crate::cpu_time::thread_seconds;
 use anyhow::{Result, bail};
+use protomer_crystal::lattice::Mover;
 use serde::Serialize;
 use std::sync::Arc;
 use std::time::Instant;
@@ -74,7 +74,7 @@ pub fn bench(settings: &LatticeSettings, steps: u64) -> Result<LatticeBench> {
         (TimeStep::Named(_), step) => step.min(LONGEST_AUTOMATIC_STEP),
     };
     let mut state = begun.state.clone();
-    let mut mover = Mover::new(&settings, Arc::new(begun.network), &state)?;
+    let mut mover = Mover::new(&settings.motion()?, Arc::new(begun.network), &state)?;
     let first_energy = mover.energy(&state);
     let setup_seconds = thread_seconds() - start;
     let (mut max_rod_violation, mut energy_error, mut done) = (0.0_f64, 0.0_f64, 0);

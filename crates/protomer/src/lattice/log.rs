@@ -1,11 +1,10 @@
 //! `log.csv`: what a run looks like from step to step.
 
-use super::mover::Mover;
 use crate::run::{complete_lines, read_text};
 use anyhow::{Result, bail};
 use protomer_crystal::analysis::modes::{ModeEnergies, Modes, OutOf, orientational_spread};
 use protomer_crystal::analysis::strain::{biot_strain, corners, deformation_gradient};
-use protomer_crystal::lattice::{Network, State};
+use protomer_crystal::lattice::{Mover, Network, State};
 use std::path::Path;
 
 /// One row of the log. Reduced units.

@@ -9,11 +9,11 @@
 //! |---|---|
 //! | [`settings`] | what a run is asked to do |
 //! | [`start`] | from settings to a network, a state, a time step |
-//! | [`mover`] | one step of a run, whatever moves it |
 //! | [`log`], [`trajectory`], [`directory`] | what a run writes |
 //! | [`run`] | one run in its directory |
 //! | [`replay`] | a state from a file, followed to the first contact and through it |
 //! | [`mod@bench`] | steps per CPU-second |
+//! | [`exponent`] | the Lyapunov exponent of a run of a sweep |
 //! | [`sweep`], [`sweep_table`], [`sweep_figures`] | many runs, their tables and figures |
 //! | [`animation`] | the page that plays a run |
 //! | [`square_of_body`] | the square that stands for a body |
@@ -21,8 +21,8 @@
 pub mod animation;
 pub mod bench;
 pub mod directory;
+pub mod exponent;
 pub mod log;
-pub mod mover;
 pub mod replay;
 pub mod run;
 pub mod settings;

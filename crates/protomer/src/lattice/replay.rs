@@ -6,8 +6,7 @@
 
 use crate::keys;
 use anyhow::{Context, Result, bail};
-use protomer_crystal::lattice::collision::detection::Detector;
-use protomer_crystal::lattice::collision::replay::{self, FirstContact};
+use protomer_crystal::lattice::collision::replay;
 use protomer_crystal::lattice::contact::TOUCHING;
 use protomer_crystal::lattice::{Coherence, Dynamics, Edges, Network, Square, State};
 use serde::{Deserialize, Serialize};
@@ -246,7 +245,7 @@ pub fn respond(file: &LatticeFile) -> Result<Response> {
         velocities: contact.v.clone(),
     };
     state.check(&network)?;
-    let found = touching(&network, &state);
+    let found = replay::touching(&network, &state);
     let contacts = if found.is_empty() {
         contact.contacts.clone()
     } else {
@@ -274,22 +273,4 @@ pub fn respond(file: &LatticeFile) -> Result<Response> {
         contacts,
         impulses: response.impulses,
     })
-}
-
-/// Square whose corner touches, which corner, square that is touched.
-fn touching(network: &Network, state: &State) -> Vec<[usize; 3]> {
-    let detector = Detector::new(network, &state.positions, false);
-    let mut contacts = Vec::new();
-    for watch in detector
-        .watches()
-        .filter(|watch| watch.gap(network, &state.positions) <= TOUCHING)
-    {
-        watch.contacts(network, &state.positions, &mut contacts);
-    }
-    FirstContact {
-        time: state.time,
-        state: state.clone(),
-        contacts,
-    }
-    .listed()
 }

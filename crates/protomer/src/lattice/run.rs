@@ -6,7 +6,6 @@
 
 use super::directory::{enter, identity, record};
 use super::log::{LogRow, columns};
-use super::mover::Mover;
 use super::settings::LatticeSettings;
 use super::start::{Begun, begin, time_step};
 use super::trajectory::Trajectory;
@@ -15,7 +14,7 @@ use crate::run::{
     write_checkpoint,
 };
 use anyhow::{Context, Result, bail};
-use protomer_crystal::lattice::State;
+use protomer_crystal::lattice::{Mover, State};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -25,12 +24,13 @@ const CHECKPOINT: &str = "checkpoint.bin";
 const LOG: &str = "log.csv";
 const TRAJECTORY: &str = "trajectory.gsd";
 /// Everything that a run writes beside its settings.
-pub const RESULTS: [&str; 6] = [
+pub const RESULTS: [&str; 7] = [
     "run.json",
     LOG,
     TRAJECTORY,
     CHECKPOINT,
     "trajectory.gsd.partial",
+    "lyapunov.json",
     "report.html",
 ];
 /// What the container says it holds.
@@ -78,6 +78,9 @@ pub struct LatticeResult {
     /// Standard deviation of the angles about the coherent state at the start: less than was asked
     /// for where rods are short.
     pub start_angle_spread: f64,
+    /// Random starts that were discarded because squares overlapped.
+    #[serde(default)]
+    pub discarded_starts: u32,
     /// Collisions.
     pub events: u64,
     /// Energy at the start.
@@ -119,7 +122,11 @@ pub fn run_lattice(
     let identity = identity(settings)?;
     // Before the directory is touched: a start that makes no sense leaves nothing behind.
     let time_step = time_step(settings, &begun)?;
-    let mover = Mover::new(settings, Arc::new(begun.network.clone()), &begun.state)?;
+    let mover = Mover::new(
+        &settings.motion()?,
+        Arc::new(begun.network.clone()),
+        &begun.state,
+    )?;
     let _mine = enter(path, settings, LATTICE_RUN, &RESULTS, execution.start_anew)?;
     let total = settings.total_steps(time_step);
     if let Some(result) = finished(path, &identity, total)? {
@@ -196,6 +203,7 @@ struct Run<'a> {
     /// The first state, which strains are measured from.
     start: State,
     start_angle_spread: f64,
+    discarded_starts: u32,
     state: State,
     /// Positions at the last row of the log.
     logged: Vec<f64>,
@@ -253,6 +261,7 @@ impl<'a> Run<'a> {
             mover,
             start: begun.state,
             start_angle_spread: begun.angle_spread,
+            discarded_starts: begun.discarded_draws,
             state,
             logged,
             time_step,
@@ -357,6 +366,7 @@ impl<'a> Run<'a> {
             time: self.state.time,
             time_step: self.time_step,
             start_angle_spread: self.start_angle_spread,
+            discarded_starts: self.discarded_starts,
             events: self.progress.events,
             start_energy: self.progress.first_energy,
             energy,

@@ -1,9 +1,17 @@
 //! What a run is asked to do: the resolved configuration, as `run.toml` has it.
 
 use anyhow::{Result, bail};
+use protomer_crystal::analysis::lyapunov::LyapunovSettings;
 use protomer_crystal::lattice::pair::SquareCharge;
-use protomer_crystal::lattice::{Edges, Square};
+use protomer_crystal::lattice::paper::PaperSettings;
+use protomer_crystal::lattice::{
+    self, Charges, CollisionSettings, Edges, Langevin, Meetings, Motion, Plan, Square,
+    StartVelocities,
+};
+pub use protomer_crystal::lattice::{ListedRod, OtherSquare, Screening};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+use std::f64::consts::FRAC_PI_4;
 
 /// Settings of a run. Everything that can change a result is here and nothing else. Reduced units:
 /// the half-diagonal of a square is 1, its mass is 1.
@@ -30,6 +38,10 @@ pub struct LatticeSettings {
     /// Angular velocity at the start: of every square (checkerboard), or the largest that is drawn
     /// (random).
     pub speed: f64,
+    /// Standard deviation of random numbers added to the angular velocities of a checkerboard
+    /// start; all velocities are then scaled so that the mean of ω² stays that of the speed.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub velocity_spread: f64,
     /// Run *to* this time.
     pub time: f64,
     /// Run to this many steps instead.
@@ -84,6 +96,10 @@ pub struct LatticeSettings {
     pub sweep: Option<SweepAxes>,
 }
 
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
 /// θ = ± this at the start, in radians.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(
@@ -111,7 +127,7 @@ impl Start {
     /// The angle, radians.
     pub fn angle_rad(self) -> f64 {
         match self {
-            Start::Named(NamedStart::Open) => std::f64::consts::FRAC_PI_4,
+            Start::Named(NamedStart::Open) => FRAC_PI_4,
             Start::Named(NamedStart::Closed) => 0.0,
             Start::Angle(angle) => angle,
         }
@@ -186,51 +202,6 @@ impl std::str::FromStr for TimeStep {
     }
 }
 
-/// A square that differs from the others. What is left out is as in them.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct OtherSquare {
-    /// Row and column, from 0 at the upper left.
-    pub at: [usize; 2],
-    /// From the centre to a corner.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub half_diagonal: Option<f64>,
-    /// Mass.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub mass: Option<f64>,
-    /// Moment of inertia about the centre; if left out, that of the same material, in proportion to
-    /// m l².
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub inertia: Option<f64>,
-}
-
-/// A rod of a list.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ListedRod {
-    /// Row, column, vertex (1 to 4).
-    pub from: [usize; 3],
-    /// Row, column, vertex (1 to 4).
-    pub to: [usize; 3],
-    /// Its length; r0 if left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub length: Option<f64>,
-}
-
-/// The medium between the charges.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Screening {
-    /// Bjerrum length, Å.
-    pub bjerrum_length_angstrom: f64,
-    /// Debye length, Å.
-    pub debye_length_angstrom: f64,
-    /// Where the interaction ends, Å.
-    pub cutoff_angstrom: f64,
-    /// kT in reduced units: how strong a pair of charges is against the motion.
-    pub kt: f64,
-}
-
 /// What a sweep varies: every r0 with every κ, as many times as there are seeds.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -241,6 +212,10 @@ pub struct SweepAxes {
     pub kappa: Vec<f64>,
     /// Seeds; that of the settings if empty.
     pub seeds: Vec<u64>,
+    /// How the Lyapunov exponent of every run is measured; it is not if this is left out. The seed
+    /// of a run is added to the seed here.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lyapunov: Option<LyapunovSettings>,
 }
 
 impl Default for LatticeSettings {
@@ -255,6 +230,7 @@ impl Default for LatticeSettings {
             angle_spread: 0.0,
             velocities: Velocities::Checkerboard,
             speed: 1.0,
+            velocity_spread: 0.0,
             time: 10.0,
             steps: None,
             time_step: TimeStep::AUTO,
@@ -302,6 +278,7 @@ impl LatticeSettings {
             ("angle_spread", self.angle_spread),
             ("kappa", self.kappa),
             ("speed", self.speed),
+            ("velocity_spread", self.velocity_spread),
             ("time", self.time),
             ("friction", self.friction),
             ("temperature", self.temperature.unwrap_or(0.0)),
@@ -359,6 +336,114 @@ impl LatticeSettings {
         if self.velocities == Velocities::Thermal && self.temperature.is_none() {
             bail!("thermal velocities need a temperature; add temperature = 0.1");
         }
+        if self.velocity_spread > 0.0 && self.velocities != Velocities::Checkerboard {
+            bail!(
+                "velocity_spread disturbs a checkerboard start; leave it out, or set velocities = \
+                 \"checkerboard\""
+            );
+        }
+        if let Some(lyapunov) = self.sweep.as_ref().and_then(|sweep| sweep.lyapunov) {
+            lyapunov.check()?;
+            if self.temperature.is_some() {
+                bail!(
+                    "the Lyapunov exponent is that of a motion without noise; leave out \
+                     temperature or the exponent"
+                );
+            }
+        }
         Ok(())
+    }
+
+    /// The lattice and its defects.
+    pub fn plan(&self) -> Plan {
+        Plan {
+            rows: self.rows,
+            columns: self.columns,
+            rod_length: self.r0,
+            edges: self.edges,
+            angle: self.start.angle_rad(),
+            square: self.square,
+            other_squares: self.other_squares.clone(),
+            rods: self.rods.clone(),
+            removed_rods: self.removed_rods.clone(),
+            removed_squares: self.removed_squares.clone(),
+        }
+    }
+
+    /// The first state.
+    pub fn first_state(&self) -> lattice::Start {
+        lattice::Start {
+            angle: self.start.angle_rad(),
+            angle_spread: self.angle_spread,
+            velocities: self.start_velocities(),
+            seed: self.seed,
+        }
+    }
+
+    fn start_velocities(&self) -> StartVelocities {
+        match self.velocities {
+            Velocities::Rest => StartVelocities::Rest,
+            Velocities::Thermal => StartVelocities::Thermal {
+                kt: self.temperature.unwrap_or(0.0),
+            },
+            Velocities::Random if self.speed > 0.0 => StartVelocities::Uniform {
+                largest: self.speed,
+                sum_of_squares: None,
+            },
+            Velocities::Random => StartVelocities::Rest,
+            Velocities::Checkerboard => self.checkerboard_velocities(),
+        }
+    }
+
+    fn checkerboard_velocities(&self) -> StartVelocities {
+        let is_open = (self.start.angle_rad() - FRAC_PI_4).abs() < 1e-9;
+        let rate = if is_open { -self.speed } else { self.speed };
+        if self.velocity_spread == 0.0 {
+            return StartVelocities::Checkerboard { rate };
+        }
+        let removed: BTreeSet<_> = self.removed_squares.iter().collect();
+        let squares = (self.rows * self.columns).saturating_sub(removed.len());
+        let sum_of_squares = squares as f64 * self.speed * self.speed;
+        StartVelocities::Normal {
+            rate,
+            spread: self.velocity_spread,
+            sum_of_squares: (sum_of_squares > 0.0).then_some(sum_of_squares),
+        }
+    }
+
+    /// What moves the squares.
+    ///
+    /// # Errors
+    /// For a temperature or friction that makes no sense.
+    pub fn motion(&self) -> Result<Motion> {
+        let kt = self.temperature.unwrap_or(0.0);
+        let bath = Langevin::new(kt, self.friction, self.seed, 0)?;
+        Ok(Motion {
+            kappa: self.kappa,
+            charges: self.screened_charges(),
+            meeting: self.meetings(),
+            bath: (self.friction > 0.0).then_some(bath),
+        })
+    }
+
+    fn screened_charges(&self) -> Option<Charges> {
+        Some(Charges {
+            on_square: self.charges.clone(),
+            screening: self.screening?,
+            scale_angstrom: self.half_diagonal_angstrom?,
+        })
+    }
+
+    fn meetings(&self) -> Meetings {
+        if self.paper {
+            Meetings::Paper(PaperSettings::default())
+        } else if self.collisions {
+            Meetings::Collisions(CollisionSettings {
+                restitution: self.restitution,
+                ..CollisionSettings::default()
+            })
+        } else {
+            Meetings::Ignored
+        }
     }
 }

@@ -2,33 +2,40 @@
 //! figures at the end.
 //!
 //! ```text
-//! DIR/run.toml  run.json  lattice.csv  runs.csv  lattice.json  *.svg  *.png
-//! DIR/r0_0.2_kappa_0/seed_1/   a run directory each
+//! DIR/run.toml  run.json  lattice.csv  runs.csv  crossings.csv  lattice.json  *.svg  *.png
+//! DIR/r0_0.2_kappa_0/seed_1/   a run directory each, with lyapunov.json if that is measured
 //! ```
 
 use super::directory::{enter, identity, record};
-use super::log::read_log;
+use super::exponent::{self, Exponent};
+use super::log::{LogRow, read_log};
 use super::run::{LatticeEnd, LatticeResult, run_lattice};
 use super::settings::{LatticeSettings, SweepAxes};
 use super::start::network;
 use super::sweep_figures;
-use super::sweep_table::{ConditionRow, RunRow, conditions_to_csv, runs_to_csv};
+use super::sweep_table::{ConditionRow, RunRow, conditions_to_csv, crossings_to_csv, runs_to_csv};
 use super::trajectory::read_states;
 use crate::run::{Execution, LATTICE_SWEEP, read_record};
 use anyhow::{Context, Result, bail};
-use protomer_crystal::analysis::synchronisation::{Synchronisation, staggered};
+use protomer_crystal::analysis::crossings::{Crossing, crossings};
+use protomer_crystal::analysis::lyapunov::LyapunovSettings;
+use protomer_crystal::analysis::synchronisation::{
+    Synchronisation, root_mean_square_difference, staggered,
+};
 use protomer_io::atomic::write_atomically;
 use rayon::prelude::*;
 use serde::Serialize;
+use std::f64::consts::FRAC_PI_4;
 use std::path::{Path, PathBuf};
 
 /// A run directory with more folders than this serves nobody.
 const MOST_RUNS: usize = 100_000;
 /// Files of a sweep beside its settings; the folders of its runs come on top.
-const RESULTS: [&str; 5] = [
+const RESULTS: [&str; 6] = [
     "run.json",
     "lattice.csv",
     "runs.csv",
+    "crossings.csv",
     "lattice.json",
     "report.html",
 ];
@@ -66,15 +73,26 @@ pub struct Task {
     pub directory: PathBuf,
 }
 
-/// What the figures need of one condition beside its row.
+/// What a run left behind.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunOutcome {
+    /// Its end.
+    pub result: LatticeResult,
+    /// Its Lyapunov exponent, if the sweep measures it.
+    pub exponent: Option<Exponent>,
+}
+
+/// The course of a run or, where several are merged, of all runs of a condition.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
     /// Time, root mean square difference of two angles, averaged over runs.
     pub phase_differences: Vec<[f64; 2]>,
-    /// Strains along x and y since the last row of the log, of all runs.
+    /// Strains along x and y since the last row of the log.
     pub strains: Vec<[f64; 2]>,
-    /// exp i(θ_a - θ_b) of all runs together.
+    /// exp i(θ_a - θ_b).
     pub synchronisation: Synchronisation,
+    /// Passages of the checkerboard mode through the open state, run by run.
+    pub crossings: Vec<Vec<Crossing>>,
 }
 
 /// The axes with what the settings say where they are empty.
@@ -95,6 +113,7 @@ pub fn axes(settings: &LatticeSettings) -> SweepAxes {
         } else {
             axes.seeds
         },
+        lyapunov: axes.lyapunov,
     }
 }
 
@@ -208,35 +227,50 @@ fn to_the_end(
         start_anew: false,
         ..execution.clone()
     };
-    let ends: Vec<Result<LatticeEnd>> = tasks
-        .par_iter()
-        .map(|task| {
-            if execution.interrupt.is_requested() {
-                return Ok(LatticeEnd::Stopped);
-            }
-            std::fs::create_dir_all(&task.directory).with_context(|| {
-                format!("cannot make the directory {}", task.directory.display())
-            })?;
-            let end = run_lattice(&task.settings, &task.directory, &execution, &|_| {});
-            if end.is_err() {
-                execution.interrupt.request_after_failure();
-            }
-            advanced();
-            end.with_context(|| task.directory.display().to_string())
-        })
-        .collect();
-    let ends = ends.into_iter().collect::<Result<Vec<LatticeEnd>>>()?;
-    let finished = |end| match end {
-        LatticeEnd::Finished(result) => Some(result),
-        LatticeEnd::Stopped => None,
+    let lyapunov = axes(settings).lyapunov;
+    let one = |task: &Task| -> Result<Option<RunOutcome>> {
+        if execution.interrupt.is_requested() {
+            return Ok(None);
+        }
+        let outcome = run_task(task, lyapunov.as_ref(), &execution);
+        if outcome.is_err() {
+            execution.interrupt.request_after_failure();
+        }
+        advanced();
+        outcome.with_context(|| task.directory.display().to_string())
     };
-    let results: Option<Vec<LatticeResult>> = ends.into_iter().map(finished).collect();
-    let Some(results) = results else {
+    let outcomes: Vec<Result<Option<RunOutcome>>> = tasks.par_iter().map(one).collect();
+    let outcomes = outcomes.into_iter().collect::<Result<Vec<_>>>()?;
+    let Some(outcomes) = outcomes.into_iter().collect::<Option<Vec<RunOutcome>>>() else {
         return Ok(LatticeSweepEnd::Stopped);
     };
-    let (sweep, series) = collect(settings, tasks, &results)?;
+    let (sweep, series) = collect(settings, tasks, &outcomes)?;
     write_results(&sweep, &series, path)?;
     Ok(LatticeSweepEnd::Finished(Box::new(sweep)))
+}
+
+/// One run of the sweep, and its exponent; `None` if it was interrupted.
+fn run_task(
+    task: &Task,
+    lyapunov: Option<&LyapunovSettings>,
+    execution: &Execution,
+) -> Result<Option<RunOutcome>> {
+    std::fs::create_dir_all(&task.directory)
+        .with_context(|| format!("cannot make the directory {}", task.directory.display()))?;
+    let end = run_lattice(&task.settings, &task.directory, execution, &|_| {})?;
+    let LatticeEnd::Finished(result) = end else {
+        return Ok(None);
+    };
+    let Some(lyapunov) = lyapunov else {
+        let exponent = None;
+        return Ok(Some(RunOutcome { result, exponent }));
+    };
+    let interrupt = &execution.interrupt;
+    let exponent = exponent::measure(&task.settings, lyapunov, &task.directory, interrupt)?;
+    Ok(exponent.map(|exponent| RunOutcome {
+        result,
+        exponent: Some(exponent),
+    }))
 }
 
 fn folders(settings: &LatticeSettings) -> Vec<String> {
@@ -256,78 +290,97 @@ fn folders(settings: &LatticeSettings) -> Vec<String> {
 fn collect(
     settings: &LatticeSettings,
     tasks: &[Task],
-    results: &[LatticeResult],
+    outcomes: &[RunOutcome],
 ) -> Result<(LatticeSweep, Vec<Series>)> {
     let mut runs = Vec::with_capacity(tasks.len());
-    let conditions = tasks
-        .iter()
-        .map(|task| task.condition + 1)
-        .max()
-        .unwrap_or(0);
-    let mut series: Vec<Option<Series>> = vec![None; conditions];
-    let mut of_condition: Vec<Vec<RunRow>> = vec![Vec::new(); conditions];
-    for (task, result) in tasks.iter().zip(results) {
+    let mut by_condition: Vec<Condition> = Vec::new();
+    for (task, outcome) in tasks.iter().zip(outcomes) {
         let rows = read_log(&task.directory.join("log.csv"))?;
-        let network = network(&task.settings)?;
-        let mut synchronisation = Synchronisation::new(network.squares.len());
-        let mut differences = Vec::new();
-        if task.settings.trajectory_every > 0 {
-            for (time, positions) in read_states(&task.directory.join("trajectory.gsd"))? {
-                let angles = staggered(&network, &positions);
-                synchronisation.push(&angles)?;
-                differences.push([time, root_mean_square_difference(&angles)]);
-            }
+        let series = Series::of_run(task, &rows)?;
+        let row = RunRow::new(task, outcome, &rows, &series)?;
+        // The first seed of every condition comes first, in the order of the conditions.
+        match by_condition.get_mut(task.condition) {
+            Some(condition) => condition.add(row.clone(), series)?,
+            None => by_condition.push(Condition::new(row.clone(), series)),
         }
-        let row = RunRow::new(task, result, &rows, &synchronisation)?;
-        let strains = rows
-            .iter()
-            .skip(1)
-            .map(|row| [row.step_strain_xx, row.step_strain_yy]);
-        match &mut series[task.condition] {
-            None => {
-                series[task.condition] = Some(Series {
-                    phase_differences: differences,
-                    strains: strains.collect(),
-                    synchronisation,
-                });
-            }
-            Some(series) => {
-                series.strains.extend(strains);
-                series.synchronisation.merge(&synchronisation)?;
-                // A running mean over the runs; frames of equal number are compared, and time steps
-                // may differ a little.
-                let earlier = of_condition[task.condition].len() as f64;
-                for (mean, [_, new]) in series.phase_differences.iter_mut().zip(&differences) {
-                    mean[1] += (new - mean[1]) / (earlier + 1.0);
-                }
-            }
-        }
-        of_condition[task.condition].push(row.clone());
         runs.push(row);
     }
-    let series: Vec<Series> = series.into_iter().flatten().collect();
-    let conditions = of_condition
-        .iter()
-        .zip(&series)
-        .map(|(runs, series)| ConditionRow::new(runs, series));
+    let mut conditions = Vec::with_capacity(by_condition.len());
+    let mut series = Vec::with_capacity(by_condition.len());
+    for condition in by_condition {
+        conditions.push(ConditionRow::new(&condition.runs, &condition.series)?);
+        series.push(condition.series);
+    }
     let sweep = LatticeSweep {
         version: env!("CARGO_PKG_VERSION").into(),
         settings: settings.clone(),
-        conditions: conditions.collect::<Result<_>>()?,
+        conditions,
         runs,
     };
     Ok((sweep, series))
 }
 
-/// √⟨(θ_a - θ_b)²⟩ over all pairs: √(2 n/(n-1)) times the standard deviation.
-fn root_mean_square_difference(angles: &[f64]) -> f64 {
-    let count = angles.len() as f64;
-    let mean = angles.iter().sum::<f64>() / count;
-    let squares: f64 = angles.iter().map(|angle| (angle - mean).powi(2)).sum();
-    if count > 1.0 {
-        (2.0 * squares / (count - 1.0)).sqrt()
-    } else {
-        0.0
+/// The runs of one r0 and κ.
+struct Condition {
+    runs: Vec<RunRow>,
+    series: Series,
+}
+
+impl Condition {
+    fn new(run: RunRow, series: Series) -> Self {
+        Self {
+            runs: vec![run],
+            series,
+        }
+    }
+
+    fn add(&mut self, run: RunRow, series: Series) -> Result<()> {
+        self.series.merge(series, self.runs.len())?;
+        self.runs.push(run);
+        Ok(())
+    }
+}
+
+impl Series {
+    /// From the log and the trajectory of a run.
+    fn of_run(task: &Task, rows: &[LogRow]) -> Result<Self> {
+        let network = network(&task.settings)?;
+        let mut synchronisation = Synchronisation::new(network.squares.len());
+        let mut phase_differences = Vec::new();
+        if task.settings.trajectory_every > 0 {
+            for (time, positions) in read_states(&task.directory.join("trajectory.gsd"))? {
+                let angles = staggered(&network, &positions);
+                synchronisation.push(&angles)?;
+                phase_differences.push([time, root_mean_square_difference(&angles)]);
+            }
+        }
+        let amplitudes: Vec<[f64; 2]> = rows
+            .iter()
+            .map(|row| [row.time, row.checkerboard])
+            .collect();
+        let strains = rows.iter().skip(1);
+        Ok(Self {
+            phase_differences,
+            strains: strains
+                .map(|row| [row.step_strain_xx, row.step_strain_yy])
+                .collect(),
+            synchronisation,
+            crossings: vec![crossings(&amplitudes, FRAC_PI_4)],
+        })
+    }
+
+    /// Adds a run to so many others. Phase differences are a running mean; frames of equal number
+    /// are compared, as time steps may differ a little.
+    fn merge(&mut self, other: Self, earlier_runs: usize) -> Result<()> {
+        let runs = earlier_runs as f64 + 1.0;
+        let frames = self.phase_differences.iter_mut();
+        for (mean, [_, new]) in frames.zip(&other.phase_differences) {
+            mean[1] += (new - mean[1]) / runs;
+        }
+        self.strains.extend(other.strains);
+        self.synchronisation.merge(&other.synchronisation)?;
+        self.crossings.extend(other.crossings);
+        Ok(())
     }
 }
 
@@ -336,6 +389,10 @@ fn write_results(sweep: &LatticeSweep, series: &[Series], directory: &Path) -> R
     let tables = [
         ("lattice.csv", conditions_to_csv(&sweep.conditions)?),
         ("runs.csv", runs_to_csv(&sweep.runs)?),
+        (
+            "crossings.csv",
+            crossings_to_csv(&sweep.conditions, series)?,
+        ),
     ];
     for (name, text) in tables {
         write_atomically(&directory.join(name), |file| {

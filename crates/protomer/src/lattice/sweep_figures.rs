@@ -9,6 +9,8 @@
 //! | `poisson` | r0 | Poisson's ratio and the squared correlation behind it |
 //! | `spread` | κ | first maximum of the spread of the angles, and when |
 //! | `checkerboard` | r0 | fluctuation of the checkerboard mode's share of the rotational energy |
+//! | `crossings` | time | angular velocity of the checkerboard mode where it passes the open state |
+//! | `lyapunov` | r0 | maximal Lyapunov exponent |
 
 use super::sweep::{LatticeSweep, Series as Data, axes};
 use super::sweep_table::{ConditionRow, Estimate, RIDGE, RunRow};
@@ -27,6 +29,20 @@ pub fn write(sweep: &LatticeSweep, data: &[Data], directory: &Path) -> Result<()
     let figures = [
         ("phase_differences", Some(phase_differences(sweep, data))),
         ("strains", Some(strains(sweep, data))),
+        ("crossings", Some(crossings(sweep, data))),
+        (
+            "lyapunov",
+            against_r0(
+                sweep,
+                "Maximal Lyapunov exponent against rod length",
+                &[(
+                    "",
+                    "λ_{max}",
+                    |row| row.lyapunov_exponent,
+                    |run| run.lyapunov_exponent,
+                )],
+            ),
+        ),
         (
             "synchronisation",
             against_r0(
@@ -205,6 +221,32 @@ fn strains(sweep: &LatticeSweep, data: &[Data]) -> Figure {
         x: Axis::linear("strain ε_{xx}"),
         panels: vec![Panel {
             y: Axis::linear("-ε_{yy}"),
+            series: series.collect(),
+        }],
+    }
+}
+
+fn crossings(sweep: &LatticeSweep, data: &[Data]) -> Figure {
+    let series = shown(sweep, data).map(|(row, data)| {
+        let passages = data.crossings.iter().flatten();
+        let speeds: Vec<[f64; 2]> = passages.map(|at| [at.time, at.rate.abs()]).collect();
+        Series {
+            name: name(row, sweep),
+            points: Vec::new(),
+            replicas: thinned(&speeds).collect(),
+            line: false,
+        }
+    });
+    Figure {
+        title: "Passages through the open state".into(),
+        caption: format!(
+            "of the checkerboard mode, all runs; in the coherent motion its angular velocity there \
+             is constant; {} × {} squares",
+            sweep.settings.rows, sweep.settings.columns
+        ),
+        x: Axis::linear("time"),
+        panels: vec![Panel {
+            y: Axis::linear("|ω_{c}| at θ_{c} = π/4"),
             series: series.collect(),
         }],
     }

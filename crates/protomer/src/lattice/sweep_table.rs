@@ -1,13 +1,11 @@
 //! From the logs of a sweep to a row per run, and a row per r0 and κ.
 
 use super::log::LogRow;
-use super::run::LatticeResult;
-use super::sweep::{Series, Task};
+use super::sweep::{RunOutcome, Series, Task};
 use anyhow::Result;
-use nalgebra::{Complex, DMatrix};
 use protomer_crystal::analysis::spread::FirstMaximum;
 use protomer_crystal::analysis::strain::{PoissonRatio, poisson_ratio};
-use protomer_crystal::analysis::synchronisation::Synchronisation;
+use protomer_crystal::analysis::synchronisation::{Synchronisation, leading_eigenvalue};
 use protomer_io::csv::{Cell, Table};
 use protomer_kernel::statistics::RunningMoments;
 use serde::Serialize;
@@ -18,7 +16,7 @@ const BLOCKS: usize = 10;
 /// it singular.
 pub const RIDGE: f64 = 1e-6;
 
-/// What one run gave. What it could not tell is NaN.
+/// The results of one run. What it could not tell is NaN.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RunRow {
     /// Length of the rods.
@@ -49,52 +47,53 @@ pub struct RunRow {
     pub synchronisation: f64,
     /// The same of the partial indices.
     pub partial_synchronisation: f64,
+    /// Standard deviation over time of the share of the checkerboard mode in all energy.
+    pub checkerboard_deviation_of_total: f64,
+    /// Mean of that share.
+    pub checkerboard_fraction_of_total: f64,
+    /// Passages of the checkerboard mode through the open state, per unit of time.
+    pub crossing_rate: f64,
+    /// Mean angular velocity of the mode at these passages: constant in the coherent motion.
+    pub crossing_speed: f64,
+    /// Maximal Lyapunov exponent, 1/time, if it was measured.
+    pub lyapunov_exponent: f64,
+    /// Its standard error.
+    pub lyapunov_error: f64,
 }
 
 impl RunRow {
-    /// From the log of a run and its angles.
+    /// From the end of a run, its log and its course.
     ///
     /// # Errors
     /// If the angles make no matrix.
     pub fn new(
         task: &Task,
-        result: &LatticeResult,
+        outcome: &RunOutcome,
         rows: &[LogRow],
-        angles: &Synchronisation,
+        series: &Series,
     ) -> Result<Self> {
-        let fractions: RunningMoments = rows
-            .iter()
-            .map(|row| row.checkerboard_fraction)
-            .filter(|fraction| fraction.is_finite())
-            .collect();
+        let result = &outcome.result;
+        let of_rotation = MeanAndDeviation::of(rows.iter().map(|row| row.checkerboard_fraction));
+        let of_total =
+            MeanAndDeviation::of(rows.iter().map(|row| row.checkerboard_fraction_of_total));
+        let speeds = series.crossings.iter().flatten().map(|at| at.rate.abs());
+        let crossings = MeanAndDeviation::of(speeds);
+        let exponent = outcome.exponent.as_ref();
         let mut first = FirstMaximum::new(0.0);
         rows.iter()
             .for_each(|row| first.push(row.time, row.angle_spread));
         let largest = first.found();
-        let strains: Vec<[f64; 2]> = rows
-            .iter()
-            .skip(1)
-            .map(|row| [row.step_strain_xx, row.step_strain_yy])
-            .collect();
-        let ratio = poisson_ratio(&strains, BLOCKS).ok();
+        let ratio = poisson_ratio(&series.strains, BLOCKS).ok();
         let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
-        let [whole, partial] = leading(angles)?;
+        let [whole, partial] = leading(&series.synchronisation)?;
         Ok(Self {
             r0: task.settings.r0,
             kappa: task.settings.kappa,
             seed: task.settings.seed,
             collision_rate: result.events as f64 / result.time,
             energy_error: result.energy_error,
-            checkerboard_deviation: if fractions.count() > 1 {
-                fractions.standard_deviation()
-            } else {
-                f64::NAN
-            },
-            checkerboard_fraction: if fractions.count() > 0 {
-                fractions.mean()
-            } else {
-                f64::NAN
-            },
+            checkerboard_deviation: of_rotation.deviation,
+            checkerboard_fraction: of_rotation.mean,
             largest_spread: or_nan(largest.map(|maximum| maximum.value)),
             largest_spread_time: or_nan(largest.map(|maximum| maximum.time)),
             poisson_ratio: or_nan(ratio.map(|ratio| ratio.total)),
@@ -102,31 +101,48 @@ impl RunRow {
             r_squared: or_nan(ratio.map(|ratio| ratio.r_squared)),
             synchronisation: whole,
             partial_synchronisation: partial,
+            checkerboard_deviation_of_total: of_total.deviation,
+            checkerboard_fraction_of_total: of_total.mean,
+            crossing_rate: crossings.count as f64 / result.time,
+            crossing_speed: crossings.mean,
+            lyapunov_exponent: or_nan(exponent.and_then(|found| found.exponent)),
+            lyapunov_error: or_nan(exponent.and_then(|found| found.standard_error)),
         })
     }
 }
 
+/// Mean and standard deviation of the finite numbers of a series; NaN where there are too few.
+struct MeanAndDeviation {
+    count: u64,
+    mean: f64,
+    deviation: f64,
+}
+
+impl MeanAndDeviation {
+    fn of(values: impl Iterator<Item = f64>) -> Self {
+        let moments: RunningMoments = values.filter(|value| value.is_finite()).collect();
+        let count = moments.count();
+        Self {
+            count,
+            mean: if count > 0 { moments.mean() } else { f64::NAN },
+            deviation: if count > 1 {
+                moments.standard_deviation()
+            } else {
+                f64::NAN
+            },
+        }
+    }
+}
+
 /// Leading eigenvalues of |R| and |P|, over the number of squares; NaN without frames.
-///
-/// Of the magnitudes: P itself, with ones on its diagonal, is 2 less a normalised inverse, whose
-/// smallest eigenvalue is near 0 wherever squares hold together, so that its own leading eigenvalue
-/// is 2 whatever they do.
 fn leading(angles: &Synchronisation) -> Result<[f64; 2]> {
     if angles.samples() == 0 {
         return Ok([f64::NAN; 2]);
     }
-    let first = |matrix: &DMatrix<Complex<f64>>| {
-        let largest = matrix
-            .map(|entry| entry.norm())
-            .symmetric_eigenvalues()
-            .max();
-        largest / matrix.nrows() as f64
-    };
+    let partial = angles.partial(RIDGE).ok();
     Ok([
-        first(&angles.index()?),
-        angles
-            .partial(RIDGE)
-            .map_or(f64::NAN, |partial| first(&partial)),
+        leading_eigenvalue(&angles.index()?),
+        partial.as_ref().map_or(f64::NAN, leading_eigenvalue),
     ])
 }
 
@@ -192,6 +208,16 @@ pub struct ConditionRow {
     pub pooled_partial_synchronisation: f64,
     /// Largest relative deviation of the energy in any run.
     pub energy_error: f64,
+    /// As in [`RunRow`].
+    pub checkerboard_deviation_of_total: Estimate,
+    /// As in [`RunRow`].
+    pub checkerboard_fraction_of_total: Estimate,
+    /// As in [`RunRow`].
+    pub crossing_rate: Estimate,
+    /// As in [`RunRow`].
+    pub crossing_speed: Estimate,
+    /// As in [`RunRow`].
+    pub lyapunov_exponent: Estimate,
 }
 
 impl ConditionRow {
@@ -225,6 +251,11 @@ impl ConditionRow {
             pooled_synchronisation,
             pooled_partial_synchronisation,
             energy_error: runs.iter().map(|run| run.energy_error).fold(0.0, f64::max),
+            checkerboard_deviation_of_total: of(|run| run.checkerboard_deviation_of_total),
+            checkerboard_fraction_of_total: of(|run| run.checkerboard_fraction_of_total),
+            crossing_rate: of(|run| run.crossing_rate),
+            crossing_speed: of(|run| run.crossing_speed),
+            lyapunov_exponent: of(|run| run.lyapunov_exponent),
         })
     }
 }
@@ -232,7 +263,7 @@ impl ConditionRow {
 /// Columns of the table of conditions that are estimates.
 type EstimateColumn = (&'static str, fn(&ConditionRow) -> Estimate);
 
-const ESTIMATES: [EstimateColumn; 10] = [
+const ESTIMATES: [EstimateColumn; 15] = [
     ("collision_rate", |row| row.collision_rate),
     ("checkerboard_deviation", |row| row.checkerboard_deviation),
     ("checkerboard_fraction", |row| row.checkerboard_fraction),
@@ -243,6 +274,15 @@ const ESTIMATES: [EstimateColumn; 10] = [
     ("r_squared", |row| row.r_squared),
     ("synchronisation", |row| row.synchronisation),
     ("partial_synchronisation", |row| row.partial_synchronisation),
+    ("checkerboard_deviation_of_total", |row| {
+        row.checkerboard_deviation_of_total
+    }),
+    ("checkerboard_fraction_of_total", |row| {
+        row.checkerboard_fraction_of_total
+    }),
+    ("crossing_rate", |row| row.crossing_rate),
+    ("crossing_speed", |row| row.crossing_speed),
+    ("lyapunov_exponent", |row| row.lyapunov_exponent),
 ];
 
 /// One row per r0 and κ; every estimate with its standard error, NaN where there is none.
@@ -281,7 +321,7 @@ pub fn conditions_to_csv(rows: &[ConditionRow]) -> Result<String> {
 /// Columns of the table of runs.
 type RunColumn = (&'static str, fn(&RunRow) -> f64);
 
-const OF_RUNS: [RunColumn; 11] = [
+const OF_RUNS: [RunColumn; 17] = [
     ("collision_rate", |row| row.collision_rate),
     ("energy_error", |row| row.energy_error),
     ("checkerboard_deviation", |row| row.checkerboard_deviation),
@@ -293,6 +333,16 @@ const OF_RUNS: [RunColumn; 11] = [
     ("r_squared", |row| row.r_squared),
     ("synchronisation", |row| row.synchronisation),
     ("partial_synchronisation", |row| row.partial_synchronisation),
+    ("checkerboard_deviation_of_total", |row| {
+        row.checkerboard_deviation_of_total
+    }),
+    ("checkerboard_fraction_of_total", |row| {
+        row.checkerboard_fraction_of_total
+    }),
+    ("crossing_rate", |row| row.crossing_rate),
+    ("crossing_speed", |row| row.crossing_speed),
+    ("lyapunov_exponent", |row| row.lyapunov_exponent),
+    ("lyapunov_error", |row| row.lyapunov_error),
 ];
 
 /// One row per run.
@@ -313,6 +363,29 @@ pub fn runs_to_csv(rows: &[RunRow]) -> Result<String> {
         ];
         cells.extend(OF_RUNS.iter().map(|(_, value)| Cell::from(value(row))));
         table.push(cells)?;
+    }
+    Ok(table.to_csv())
+}
+
+/// One row per passage of the checkerboard mode through the open state.
+///
+/// # Errors
+/// Never for rows of this module; the table checks its own shape.
+pub fn crossings_to_csv(conditions: &[ConditionRow], series: &[Series]) -> Result<String> {
+    let mut table = Table::new(["r0", "kappa", "run", "time", "rate"]);
+    for (condition, series) in conditions.iter().zip(series) {
+        for (run, crossings) in series.crossings.iter().enumerate() {
+            for crossing in crossings {
+                let cells: [Cell; 5] = [
+                    condition.r0.into(),
+                    condition.kappa.into(),
+                    (run + 1).into(),
+                    crossing.time.into(),
+                    crossing.rate.into(),
+                ];
+                table.push(cells)?;
+            }
+        }
     }
     Ok(table.to_csv())
 }

@@ -27,7 +27,7 @@ const STYLE: &str = concat!(
 );
 
 /// The figures of a sweep: file, title.
-const SWEEP_FIGURES: [(&str, &str); 7] = [
+const SWEEP_FIGURES: [(&str, &str); 9] = [
     ("poisson.svg", "Poisson's ratio against rod length"),
     ("synchronisation.svg", "Synchronisation against rod length"),
     (
@@ -37,6 +37,11 @@ const SWEEP_FIGURES: [(&str, &str); 7] = [
     ("spread.svg", "Spread of the angles against κ"),
     ("phase_differences.svg", "Phase differences"),
     ("strains.svg", "Strain against strain"),
+    ("crossings.svg", "Passages through the open state"),
+    (
+        "lyapunov.svg",
+        "Maximal Lyapunov exponent against rod length",
+    ),
     ("indices.svg", "Synchronisation indices between squares"),
 ];
 
@@ -88,6 +93,7 @@ pub fn page_of_sweep(directory: &Path, settings: &LatticeSettings) -> Result<Pag
     }
     html += &data::of_file(directory, "lattice.csv")?;
     html += &data::of_file(directory, "runs.csv")?;
+    html += &data::of_file(directory, "crossings.csv")?;
     let mut sections = vec![Section::new("Results", html)];
     let tasks = tasks(settings, directory)?;
     let mut rows = Vec::new();

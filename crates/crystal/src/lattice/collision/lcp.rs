@@ -13,164 +13,269 @@ pub struct Solution {
     pub impulses: Vec<f64>,
     /// W p + q.
     pub left: Vec<f64>,
-    /// False if the active-set method did not end, and relaxation had to (no case is known).
+    /// False if the active-set method did not end and relaxation took over (no case is known).
     pub exact: bool,
 }
 
-/// What w may be below zero, relative to the largest q.
+/// How far w may be below zero, relative to the largest q.
 const TOLERANCE: f64 = 1e-13;
 /// A pivot this small, relative to its diagonal, means a dependent contact.
 const DEPENDENT: f64 = 1e-11;
+/// An impulse this small, relative to the step that took it down, is zero but for rounding.
+const VANISHED: f64 = 1e-14;
+/// Relaxation ends when no impulse moves by more.
+const SETTLED: f64 = 1e-15;
 const MOST_SWEEPS: usize = 20_000;
 
 /// Solves 0 ≤ p ⟂ W p + q ≥ 0 for W given row by row.
+///
+/// ```
+/// use protomer_crystal::lattice::collision::lcp;
+/// // Two contacts that do not know of each other: one approaches at 3, the other opens at 1.
+/// let solution = lcp::solve(&[2.0, 0.0, 0.0, 2.0], &[-3.0, 1.0]);
+/// assert_eq!(solution.impulses, [1.5, 0.0]);
+/// assert_eq!(solution.left, [0.0, 1.0]);
+/// ```
 pub fn solve(w: &[f64], q: &[f64]) -> Solution {
-    let count = q.len();
-    let tolerance = TOLERANCE * q.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
-    let left = |p: &[f64]| -> Vec<f64> {
-        q.iter()
-            .zip(w.chunks_exact(count))
-            .map(|(q, row)| q + row.iter().zip(p).map(|(w, p)| w * p).sum::<f64>())
-            .collect()
-    };
-    let mut p = vec![0.0; count];
-    let mut inside: Vec<usize> = Vec::new();
-    let mut refused = vec![false; count];
-    if count == 0 {
-        return Solution {
-            impulses: p,
-            left: Vec::new(),
-            exact: true,
-        };
-    }
-    for _ in 0..10 * count + 20 {
-        let rates = left(&p);
-        let open =
-            (0..count).filter(|j| !inside.contains(j) && !refused[*j] && rates[*j] < -tolerance);
-        let Some(entering) = open.min_by(|a, b| rates[*a].total_cmp(&rates[*b])) else {
+    let mut search = ActiveSet::new(Problem { w, q });
+    for _ in 0..10 * q.len() + 20 {
+        let rates = search.problem.rates(&search.p);
+        let Some(entering) = search.most_violated(&rates) else {
             return Solution {
-                impulses: p,
+                impulses: search.p,
                 left: rates,
                 exact: true,
             };
         };
-        inside.push(entering);
-        while let Some(trial) = solve_inside(w, q, &inside) {
-            let limit = inside
-                .iter()
-                .zip(&trial)
-                .filter(|(_, z)| **z <= 0.0)
-                .map(|(j, z)| p[*j] / (p[*j] - z));
-            let share = limit.fold(1.0_f64, f64::min);
-            for (j, z) in inside.iter().zip(&trial) {
-                p[*j] += share * (z - p[*j]);
-            }
-            if share >= 1.0 && trial.iter().all(|z| *z > 0.0) {
-                for (j, z) in inside.iter().zip(&trial) {
-                    p[*j] = *z;
+        search.admit(entering);
+    }
+    search.problem.relax(search.p)
+}
+
+#[derive(Clone, Copy)]
+struct Problem<'a> {
+    w: &'a [f64],
+    q: &'a [f64],
+}
+
+impl Problem<'_> {
+    fn entry(&self, row: usize, column: usize) -> f64 {
+        self.w[row * self.q.len() + column]
+    }
+
+    /// W p + q in one row.
+    fn rate(&self, p: &[f64], row: usize) -> f64 {
+        let mut sum = 0.0;
+        for (column, p) in p.iter().enumerate() {
+            sum += self.entry(row, column) * p;
+        }
+        self.q[row] + sum
+    }
+
+    fn rates(&self, p: &[f64]) -> Vec<f64> {
+        (0..p.len()).map(|row| self.rate(p, row)).collect()
+    }
+
+    /// Projected Gauss-Seidel.
+    fn relax(&self, mut p: Vec<f64>) -> Solution {
+        for _ in 0..MOST_SWEEPS {
+            let mut moved = 0.0_f64;
+            for row in 0..p.len() {
+                let diagonal = self.entry(row, row);
+                if diagonal > 0.0 {
+                    let next = (p[row] - self.rate(&p, row) / diagonal).max(0.0);
+                    moved = moved.max((next - p[row]).abs());
+                    p[row] = next;
                 }
-                refused.fill(false);
+            }
+            if moved <= SETTLED {
                 break;
             }
-            // The contact that set the limit goes to zero exactly; rounding must not keep it.
-            let stopped: Vec<usize> = inside
-                .iter()
-                .zip(&trial)
-                .filter(|(j, z)| **z <= 0.0 && p[**j] <= 1e-14 * z.abs().max(f64::MIN_POSITIVE))
-                .map(|(j, _)| *j)
-                .collect();
-            let smallest = inside
-                .iter()
-                .copied()
-                .filter(|j| !stopped.contains(j))
-                .min_by(|a, b| p[*a].total_cmp(&p[*b]));
-            let out = if stopped.is_empty() {
-                smallest.into_iter().collect()
-            } else {
-                stopped
-            };
-            for j in &out {
-                p[*j] = 0.0;
-                if *j == entering {
-                    refused[*j] = true;
-                }
-            }
-            inside.retain(|j| !out.contains(j));
         }
-        if inside.contains(&entering) && p[entering] == 0.0 {
-            inside.retain(|j| *j != entering);
-            refused[entering] = true;
+        Solution {
+            left: self.rates(&p),
+            impulses: p,
+            exact: false,
         }
     }
-    relax(w, q, p)
+}
+
+/// The contacts that push, and their impulses.
+struct ActiveSet<'a> {
+    problem: Problem<'a>,
+    tolerance: f64,
+    p: Vec<f64>,
+    inside: Vec<usize>,
+    /// Contacts that left the set as soon as they entered it; they may try again once the set has
+    /// changed.
+    refused: Vec<bool>,
+}
+
+impl<'a> ActiveSet<'a> {
+    fn new(problem: Problem<'a>) -> Self {
+        let count = problem.q.len();
+        let mut largest = 0.0_f64;
+        for q in problem.q {
+            largest = largest.max(q.abs());
+        }
+        Self {
+            problem,
+            tolerance: TOLERANCE * largest,
+            p: vec![0.0; count],
+            inside: Vec::new(),
+            refused: vec![false; count],
+        }
+    }
+
+    /// The contact outside the set that approaches fastest.
+    fn most_violated(&self, rates: &[f64]) -> Option<usize> {
+        let mut worst = None;
+        let mut lowest = -self.tolerance;
+        for (contact, rate) in rates.iter().enumerate() {
+            let may_enter = !self.refused[contact] && !self.inside.contains(&contact);
+            if may_enter && *rate < lowest {
+                (worst, lowest) = (Some(contact), *rate);
+            }
+        }
+        worst
+    }
+
+    /// Takes a contact into the set and solves on it, taking those out that would have to pull.
+    fn admit(&mut self, entering: usize) {
+        self.inside.push(entering);
+        while let Some(trial) = solve_on(&self.problem, &self.inside) {
+            if self.move_towards(&trial) {
+                self.refused.fill(false);
+                break;
+            }
+            for contact in self.blocking(&trial) {
+                self.p[contact] = 0.0;
+                if contact == entering {
+                    self.refused[contact] = true;
+                }
+                self.inside.retain(|kept| *kept != contact);
+            }
+        }
+        if self.inside.contains(&entering) && self.p[entering] == 0.0 {
+            self.inside.retain(|kept| *kept != entering);
+            self.refused[entering] = true;
+        }
+    }
+
+    /// Moves the impulses towards a trial solution as far as none has to pull; true if they reach
+    /// it.
+    fn move_towards(&mut self, trial: &[f64]) -> bool {
+        let mut share = 1.0_f64;
+        for (contact, z) in self.inside.iter().zip(trial) {
+            if *z <= 0.0 {
+                let p = self.p[*contact];
+                share = share.min(p / (p - z));
+            }
+        }
+        for (contact, z) in self.inside.iter().zip(trial) {
+            let p = &mut self.p[*contact];
+            *p += share * (z - *p);
+        }
+        let arrived = share >= 1.0 && trial.iter().all(|z| *z > 0.0);
+        if arrived {
+            for (contact, z) in self.inside.iter().zip(trial) {
+                self.p[*contact] = *z;
+            }
+        }
+        arrived
+    }
+
+    /// The contacts that set the limit of a move: those whose impulse has come down to zero, or, if
+    /// rounding hides them, the one with the smallest impulse.
+    fn blocking(&self, trial: &[f64]) -> Vec<usize> {
+        let (mut vanished, mut smallest) = (Vec::new(), None);
+        let mut least = f64::INFINITY;
+        for (contact, z) in self.inside.iter().zip(trial) {
+            let p = self.p[*contact];
+            if *z <= 0.0 && p <= VANISHED * z.abs().max(f64::MIN_POSITIVE) {
+                vanished.push(*contact);
+            } else if p < least {
+                (smallest, least) = (Some(*contact), p);
+            }
+        }
+        if vanished.is_empty() {
+            vanished.extend(smallest);
+        }
+        vanished
+    }
 }
 
 /// W z = -q on a set of contacts by Cholesky with one refinement; `None` if they depend on each
 /// other.
-fn solve_inside(w: &[f64], q: &[f64], inside: &[usize]) -> Option<Vec<f64>> {
-    let (count, size) = (q.len(), inside.len());
-    let at = |row: usize, column: usize| w[inside[row] * count + inside[column]];
-    let mut factor = vec![0.0; size * size];
-    for row in 0..size {
-        for column in 0..=row {
-            let known: f64 = (0..column)
-                .map(|k| factor[row * size + k] * factor[column * size + k])
-                .sum();
-            let rest = at(row, column) - known;
-            if row == column {
-                if rest.is_nan() || rest <= DEPENDENT * at(row, row) {
-                    return None;
-                }
-                factor[row * size + row] = rest.sqrt();
-            } else {
-                factor[row * size + column] = rest / factor[column * size + column];
-            }
+fn solve_on(problem: &Problem, inside: &[usize]) -> Option<Vec<f64>> {
+    let factor = Cholesky::new(problem, inside)?;
+    let mut z: Vec<f64> = inside.iter().map(|contact| -problem.q[*contact]).collect();
+    factor.solve(&mut z);
+    let mut residual = Vec::with_capacity(inside.len());
+    for row in inside {
+        let mut sum = 0.0;
+        for (column, z) in inside.iter().zip(&z) {
+            sum += problem.entry(*row, *column) * z;
         }
+        residual.push(-problem.q[*row] - sum);
     }
-    let back_substitute = |mut b: Vec<f64>| {
-        for row in 0..size {
-            let known: f64 = (0..row).map(|k| factor[row * size + k] * b[k]).sum();
-            b[row] = (b[row] - known) / factor[row * size + row];
-        }
-        for row in (0..size).rev() {
-            let known: f64 = (row + 1..size).map(|k| factor[k * size + row] * b[k]).sum();
-            b[row] = (b[row] - known) / factor[row * size + row];
-        }
-        b
-    };
-    let mut z = back_substitute(inside.iter().map(|j| -q[*j]).collect());
-    let residual = (0..size)
-        .map(|row| -q[inside[row]] - (0..size).map(|k| at(row, k) * z[k]).sum::<f64>())
-        .collect();
-    for (z, correction) in z.iter_mut().zip(back_substitute(residual)) {
+    factor.solve(&mut residual);
+    for (z, correction) in z.iter_mut().zip(residual) {
         *z += correction;
     }
     Some(z)
 }
 
-/// Projected Gauss-Seidel.
-fn relax(w: &[f64], q: &[f64], mut p: Vec<f64>) -> Solution {
-    let count = q.len();
-    let rate =
-        |p: &[f64], row: usize| q[row] + (0..count).map(|k| w[row * count + k] * p[k]).sum::<f64>();
-    for _ in 0..MOST_SWEEPS {
-        let mut moved = 0.0_f64;
-        for row in 0..count {
-            let diagonal = w[row * count + row];
-            if diagonal > 0.0 {
-                let next = (p[row] - rate(&p, row) / diagonal).max(0.0);
-                moved = moved.max((next - p[row]).abs());
-                p[row] = next;
+/// L with L Lᵀ = W on a set of contacts.
+struct Cholesky {
+    size: usize,
+    factor: Vec<f64>,
+}
+
+impl Cholesky {
+    fn new(problem: &Problem, inside: &[usize]) -> Option<Self> {
+        let size = inside.len();
+        let mut cholesky = Self {
+            size,
+            factor: vec![0.0; size * size],
+        };
+        for row in 0..size {
+            for column in 0..=row {
+                let entry = problem.entry(inside[row], inside[column]);
+                let rest = entry - cholesky.product_of_rows(row, column);
+                cholesky.factor[row * size + column] = if row == column {
+                    if rest.is_nan() || rest <= DEPENDENT * entry {
+                        return None;
+                    }
+                    rest.sqrt()
+                } else {
+                    rest / cholesky.at(column, column)
+                };
             }
         }
-        if moved <= 1e-15 {
-            break;
-        }
+        Some(cholesky)
     }
-    let left = (0..count).map(|row| rate(&p, row)).collect();
-    Solution {
-        impulses: p,
-        left,
-        exact: false,
+
+    fn at(&self, row: usize, column: usize) -> f64 {
+        self.factor[row * self.size + column]
+    }
+
+    /// Σ L_rk L_ck over the columns k before c.
+    fn product_of_rows(&self, row: usize, column: usize) -> f64 {
+        (0..column)
+            .map(|k| self.at(row, k) * self.at(column, k))
+            .sum()
+    }
+
+    /// Replaces b by W⁻¹ b.
+    fn solve(&self, b: &mut [f64]) {
+        for row in 0..self.size {
+            let known: f64 = (0..row).map(|k| self.at(row, k) * b[k]).sum();
+            b[row] = (b[row] - known) / self.at(row, row);
+        }
+        for row in (0..self.size).rev() {
+            let known: f64 = (row + 1..self.size).map(|k| self.at(k, row) * b[k]).sum();
+            b[row] = (b[row] - known) / self.at(row, row);
+        }
     }
 }

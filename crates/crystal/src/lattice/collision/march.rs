@@ -11,8 +11,14 @@ use crate::lattice::contact::separation::Along;
 
 /// A gap this small is a root.
 pub const ROOT: f64 = 1e-11;
+/// The march goes on by at least this time.
 const SMALLEST_ADVANCE: f64 = 1e-14;
 const MOST_ADVANCES: usize = 10_000;
+/// While bodies still touch, samples are so near that they miss nothing deeper than this share of a
+/// touch.
+const MISSED_DEPTH: f64 = 0.01;
+/// Halvings of the time in which a contact that did not come apart sinks in.
+const BISECTIONS: usize = 40;
 
 /// A gap at some time: its functions, and how long until one of them has a kink.
 pub struct Probe<const N: usize> {
@@ -41,57 +47,25 @@ pub enum End {
     },
 }
 
-/// Marches from 0 to `end`. A gap closed at the start is no root if it opens.
-pub fn first_root<const N: usize>(
-    probe: impl Fn(f64) -> Probe<N>,
-    curvature: f64,
-    end: f64,
-) -> End {
-    let (mut time, mut before, mut lowest) = (0.0, 0.0, 0.0_f64);
-    let mut leaving = false;
-    // While bodies still touch, samples this near miss nothing deeper than a hundredth of a touch.
-    let sample = (8.0 * 0.01 * TOUCHING / curvature).sqrt();
-    for _ in 0..MOST_ADVANCES {
-        let Probe { along, to_kink } = probe(time);
-        let (mut most, mut rate) = (f64::NEG_INFINITY, 0.0);
-        for function in &along {
-            if function.distance > most {
-                (most, rate) = (function.distance, function.rate);
+impl<const N: usize> Probe<N> {
+    /// The gap, max m_i, and the rate of the function that leads.
+    fn gap_and_rate(&self) -> (f64, f64) {
+        let (mut gap, mut rate) = (f64::NEG_INFINITY, 0.0);
+        for function in &self.along {
+            if function.distance > gap {
+                (gap, rate) = (function.distance, function.rate);
             }
         }
-        if time == 0.0 {
-            if most < -TOUCHING || most.is_nan() {
-                return End::Overlapping { depth: -most };
-            }
-            leaving = most <= TOUCHING;
-            lowest = most.min(0.0) - 2.0 * ROOT;
-        }
-        leaving = leaving && most <= TOUCHING;
-        if leaving && most < lowest {
-            // What touched has not come apart, or another corner has come down beside it.
-            let depth = |time: f64| {
-                probe(time)
-                    .along
-                    .iter()
-                    .fold(f64::NEG_INFINITY, |most, m| most.max(m.distance))
-            };
-            let (mut open, mut closed) = (before, time);
-            for _ in 0..40 {
-                let middle = 0.5 * (open + closed);
-                if depth(middle) < lowest {
-                    closed = middle
-                } else {
-                    open = middle
-                }
-            }
-            return End::Root { time: open, rate };
-        }
-        if most <= ROOT && !leaving {
-            return End::Root { time, rate };
-        }
-        let mut advance = 0.0_f64;
-        for function in &along {
-            let height = if leaving && function.distance >= -TOUCHING {
+        (gap, rate)
+    }
+
+    /// The longest time in which some m_i certainly stays positive. Functions that count as open
+    /// although they touch start at zero while the bodies are `leaving`.
+    fn safe_advance(&self, curvature: f64, leaving: bool) -> f64 {
+        let mut longest = 0.0_f64;
+        for function in &self.along {
+            let touches = leaving && function.distance >= -TOUCHING;
+            let height = if touches {
                 function.distance.max(0.0)
             } else {
                 function.distance
@@ -99,19 +73,48 @@ pub fn first_root<const N: usize>(
             if height < 0.0 {
                 continue;
             }
-            let mut safe = safe_advance(height, function.rate, curvature);
-            if safe > to_kink {
-                safe = (to_kink + SMALLEST_ADVANCE).max(safe_advance(
-                    height,
-                    function.worst_rate,
-                    curvature,
-                ));
+            let mut safe = time_above(height, function.rate, curvature);
+            if safe > self.to_kink {
+                let after_kink = time_above(height, function.worst_rate, curvature);
+                safe = (self.to_kink + SMALLEST_ADVANCE).max(after_kink);
             }
-            advance = advance.max(safe);
+            longest = longest.max(safe);
         }
+        longest
+    }
+}
+
+/// Marches from 0 to `end` over a gap whose functions have this curvature at most. A gap that is
+/// closed at the start is no root if it opens.
+pub fn first_root<const N: usize>(
+    probe: impl Fn(f64) -> Probe<N>,
+    curvature: f64,
+    end: f64,
+) -> End {
+    let start = probe(0.0);
+    let (gap, _) = start.gap_and_rate();
+    if gap < -TOUCHING || gap.is_nan() {
+        return End::Overlapping { depth: -gap };
+    }
+    let lowest = gap.min(0.0) - 2.0 * ROOT;
+    let sample = (8.0 * MISSED_DEPTH * TOUCHING / curvature).sqrt();
+    let (mut time, mut before, mut here) = (0.0, 0.0, start);
+    let mut leaving = true;
+    for _ in 0..MOST_ADVANCES {
+        let (gap, rate) = here.gap_and_rate();
+        leaving = leaving && gap <= TOUCHING;
+        if leaving && gap < lowest {
+            // What touched has not come apart, or another corner has come down beside it.
+            let time = last_above(&probe, lowest, before, time);
+            return End::Root { time, rate };
+        }
+        if gap <= ROOT && !leaving {
+            return End::Root { time, rate };
+        }
+        let mut advance = here.safe_advance(curvature, leaving);
         if leaving {
             advance = advance.max(sample);
-        } else if advance <= SMALLEST_ADVANCE && most <= TOUCHING {
+        } else if advance <= SMALLEST_ADVANCE && gap <= TOUCHING {
             return End::Root { time, rate };
         }
         before = time;
@@ -119,12 +122,32 @@ pub fn first_root<const N: usize>(
         if time >= end {
             return End::Free;
         }
+        here = probe(time);
     }
     End::Root { time, rate: 0.0 }
 }
 
+/// The last time between `open` and `closed` at which the gap is not below `lowest`.
+fn last_above<const N: usize>(
+    probe: &impl Fn(f64) -> Probe<N>,
+    lowest: f64,
+    mut open: f64,
+    mut closed: f64,
+) -> f64 {
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (open + closed);
+        let (gap, _) = probe(middle).gap_and_rate();
+        if gap < lowest {
+            closed = middle;
+        } else {
+            open = middle;
+        }
+    }
+    open
+}
+
 /// The largest δ with m + m' δ - K δ²/2 ≥ 0.
-fn safe_advance(height: f64, rate: f64, curvature: f64) -> f64 {
+fn time_above(height: f64, rate: f64, curvature: f64) -> f64 {
     let root = (rate * rate + 2.0 * curvature * height).sqrt();
     if rate > 0.0 {
         if curvature > 0.0 {

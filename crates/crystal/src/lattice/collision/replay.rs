@@ -1,13 +1,16 @@
-//! First contact and response for scripts.
+//! First contact and response of single states.
 
 use super::detection::Detector;
-use super::response::impact;
-use crate::lattice::contact::{Contact, Row, without_repetitions};
+use super::response::{check_restitution, impact};
+use crate::error::{CrystalError, Result, require_positive};
+use crate::lattice::contact::{Contact, TOUCHING, without_repetitions};
 use crate::lattice::network::{Corner, Network};
 use crate::lattice::rods::RodSystem;
 use crate::lattice::{Dynamics, State};
-use crate::{CrystalError, Result};
-use protomer_kernel::sparse::SparseError;
+use crate::plane::Vector;
+
+/// What is left of the time to a goal counts as none below this share of a step.
+const REACHED: f64 = 1e-12;
 
 /// The first contact of a trajectory.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,20 +26,53 @@ pub struct FirstContact {
 impl FirstContact {
     /// Contacts of squares as [striker, corner 1 to 4, target].
     pub fn listed(&self) -> Vec<[usize; 3]> {
-        let listed = |contact: &Contact| match *contact {
-            Contact::VertexSide {
-                striker, target, ..
-            } => Some([striker.square, usize::from(striker.vertex), target]),
-            Contact::VertexVertex {
-                striker, target, ..
-            } => Some([striker.square, usize::from(striker.vertex), target.square]),
-            Contact::RodCorner { .. } | Contact::RodStop { .. } => None,
-        };
-        self.contacts.iter().filter_map(listed).collect()
+        listed(&self.contacts)
     }
 }
 
-/// Goes on from a prepared state in steps of `step` to the first contact of squares (and of rods,
+fn listed(contacts: &[Contact]) -> Vec<[usize; 3]> {
+    let mut list = Vec::new();
+    for contact in contacts {
+        let (striker, target) = match *contact {
+            Contact::VertexSide {
+                striker, target, ..
+            } => (striker, target),
+            Contact::VertexVertex {
+                striker, target, ..
+            } => (striker, target.square),
+            Contact::RodCorner { .. } | Contact::RodStop { .. } => continue,
+        };
+        list.push([striker.square, usize::from(striker.vertex), target]);
+    }
+    list
+}
+
+/// Contacts of squares in a state, as [striker, corner 1 to 4, target]; corners head on from either
+/// side.
+///
+/// ```
+/// use protomer_crystal::lattice::collision::replay::touching;
+/// use protomer_crystal::lattice::{Edges, Network, Square, State};
+/// let network = Network::lattice(1, 2, 0.5, Square::default(), Edges::Open, 0.0)?;
+/// let mut state = State::coherent(&network, 0.0);
+/// assert!(touching(&network, &state).is_empty());
+/// // Side against side: two corners of each square touch the other.
+/// state.positions[0] += 0.5;
+/// assert_eq!(touching(&network, &state).len(), 4);
+/// # Ok::<(), protomer_crystal::CrystalError>(())
+/// ```
+pub fn touching(network: &Network, state: &State) -> Vec<[usize; 3]> {
+    let detector = Detector::new(network, &state.positions, false);
+    let mut contacts = Vec::new();
+    for watch in detector.watches() {
+        if watch.gap(network, &state.positions) <= TOUCHING {
+            watch.contacts(network, &state.positions, &mut contacts);
+        }
+    }
+    listed(&contacts)
+}
+
+/// Continues from a prepared state in steps of `step` to the first contact of squares (and of rods,
 /// with `rods_block`), or to `until`, where the result is `None`. The state is left at the contact,
 /// or at `until`.
 ///
@@ -49,13 +85,7 @@ pub fn first_contact(
     until: f64,
     rods_block: bool,
 ) -> Result<Option<FirstContact>> {
-    if !(step.is_finite() && step > 0.0) {
-        return Err(CrystalError::BadSetting {
-            setting: "step",
-            value: step,
-            requirement: "positive",
-        });
-    }
+    require_positive("step", step)?;
     let network = dynamics.network().clone();
     let mut detector = Detector::new(&network, &state.positions, rods_block);
     detector.check_no_overlap(&network, &state.positions, state.time)?;
@@ -63,19 +93,19 @@ pub fn first_contact(
     let begin = state.time;
     for index in 1_u64.. {
         let goal = (begin + index as f64 * step).min(until);
-        if goal - state.time <= 1e-12 * step {
+        let left = goal - state.time;
+        if left <= REACHED * step {
             break;
         }
-        let meeting = detector.first_meeting(dynamics, state, goal - state.time, &mut positions)?;
-        let length = meeting.map_or(goal - state.time, |meeting| meeting.time);
+        let meeting = detector.first_meeting(dynamics, state, left, &mut positions)?;
+        let length = meeting.map_or(left, |meeting| meeting.time);
         if length > 0.0 {
             dynamics.arrive(state, length, &positions)?;
         }
-        let contacts = if meeting.is_some() {
-            detector.touching(&network, &state.positions)
-        } else {
-            Vec::new()
-        };
+        if meeting.is_none() {
+            continue;
+        }
+        let contacts = detector.touching(&network, &state.positions);
         if !contacts.is_empty() {
             return Ok(Some(FirstContact {
                 time: state.time,
@@ -87,7 +117,7 @@ pub fn first_contact(
     Ok(None)
 }
 
-/// What an impact made of the velocities.
+/// The velocities after an impact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Response {
     /// Velocities after it.
@@ -114,72 +144,63 @@ pub fn respond(
     restitution: f64,
 ) -> Result<Response> {
     network.check()?;
-    let state = State {
+    let mut state = State {
         time: 0.0,
         positions: positions.to_vec(),
         velocities: velocities.to_vec(),
     };
     state.check(network)?;
     check_restitution(restitution)?;
-    let squares = network.squares.len();
     let mut touches = Vec::with_capacity(contacts.len());
-    for &[striker, vertex, target] in contacts {
-        if striker >= squares || target >= squares || !(1..=4).contains(&vertex) {
-            return Err(CrystalError::BadState(format!(
-                "contact [{striker}, {vertex}, {target}]: squares are 0 to {}, corners 1 to 4",
-                squares - 1
-            )));
-        }
-        let shift = network.cell.map_or([0.0; 2], |cell| {
-            [0, 1].map(|axis| {
-                let away = positions[3 * striker + axis] - positions[3 * target + axis];
-                (away / cell[axis]).round() * cell[axis]
-            })
-        });
-        let striker = Corner {
-            square: striker,
-            vertex: vertex as u8,
-        };
-        touches.push(Contact::of_corner(
-            network, positions, striker, target, shift,
-        ));
+    for contact in contacts {
+        touches.push(touch(network, positions, *contact)?);
     }
     let contacts = without_repetitions(&touches);
-    let rows: Vec<Row> = contacts
-        .iter()
-        .map(|contact| contact.row(network, positions))
-        .collect();
+    let mut rows = Vec::with_capacity(contacts.len());
+    for contact in &contacts {
+        rows.push(contact.row(network, positions));
+    }
     let mut rods = RodSystem::new(network);
-    rods.linearize(positions).map_err(|error| match error {
-        SparseError::Dependent { row, .. } => CrystalError::OverConstrained {
-            rod: row,
-            time: 0.0,
-        },
-        other => CrystalError::BadNetwork(other.to_string()),
-    })?;
-    let mut velocities_after = velocities.to_vec();
-    let impact = impact(
-        network,
-        &mut rods,
-        &mut velocities_after,
-        &rows,
-        restitution,
-        None,
-    );
+    rods.linearize(positions, state.time)?;
+    let velocities = &mut state.velocities;
+    let impact = impact(network, &mut rods, velocities, &rows, restitution, None);
     Ok(Response {
-        velocities_after,
+        velocities_after: state.velocities,
         contacts,
         impulses: impact.impulses,
     })
 }
 
-pub(crate) fn check_restitution(value: f64) -> Result<()> {
-    if (0.0..=1.0).contains(&value) {
-        return Ok(());
+/// The touch that a contact of a list describes.
+fn touch(
+    network: &Network,
+    positions: &[f64],
+    [striker, vertex, target]: [usize; 3],
+) -> Result<Contact> {
+    let squares = network.squares.len();
+    if striker >= squares || target >= squares || !(1..=4).contains(&vertex) {
+        return Err(CrystalError::BadState(format!(
+            "contact [{striker}, {vertex}, {target}]: squares are 0 to {}, corners 1 to 4",
+            squares - 1
+        )));
     }
-    Err(CrystalError::BadSetting {
-        setting: "restitution",
-        value,
-        requirement: "between 0 and 1",
+    let shift = to_nearest_image(network, positions, striker, target);
+    let striker = Corner {
+        square: striker,
+        vertex: vertex as u8,
+    };
+    Ok(Contact::of_corner(
+        network, positions, striker, target, shift,
+    ))
+}
+
+/// From the target to its image that is nearest to the striker.
+fn to_nearest_image(network: &Network, positions: &[f64], striker: usize, target: usize) -> Vector {
+    let Some(cell) = network.cell else {
+        return [0.0; 2];
+    };
+    [0, 1].map(|axis| {
+        let away = positions[3 * striker + axis] - positions[3 * target + axis];
+        (away / cell[axis]).round() * cell[axis]
     })
 }

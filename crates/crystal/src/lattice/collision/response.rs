@@ -9,6 +9,7 @@
 //! however many contacts there are.
 
 use super::lcp;
+use crate::error::{Result, require};
 use crate::lattice::contact::Row;
 use crate::lattice::network::Network;
 use crate::lattice::rods::RodSystem;
@@ -27,8 +28,7 @@ pub struct Impact {
 }
 
 /// Lets the contacts with these rows act on the velocities; `rods` must be linearised at the
-/// positions. A contact parts at least as fast as `lift` says, if it says anything, whatever the
-/// restitution.
+/// positions. With `lift`, every contact parts at least at that speed, whatever the restitution.
 pub fn impact(
     network: &Network,
     rods: &mut RodSystem,
@@ -37,12 +37,33 @@ pub fn impact(
     restitution: f64,
     lift: Option<f64>,
 ) -> Impact {
-    let (count, coordinates) = (rows.len(), velocities.len());
-    let before: Vec<f64> = rows.iter().map(|row| row.dot(velocities)).collect();
-    let columns: Vec<Vec<f64>> = rows
-        .iter()
-        .map(|row| constrained_response(network, rods, row, coordinates))
-        .collect();
+    let mut before = Vec::with_capacity(rows.len());
+    let mut demands = Vec::with_capacity(rows.len());
+    let mut columns = Vec::with_capacity(rows.len());
+    for row in rows {
+        let rate = row.dot(velocities);
+        let rebound = (1.0 + restitution) * rate;
+        demands.push(lift.map_or(rebound, |lift| rebound.min(rate - lift)));
+        before.push(rate);
+        columns.push(constrained_response(network, rods, row, velocities.len()));
+    }
+    let solution = lcp::solve(&coupling(rows, &columns), &demands);
+    add_impulses(&solution.impulses, &columns, velocities);
+    let mut energy_change = 0.0;
+    for ((impulse, row), before) in solution.impulses.iter().zip(rows).zip(&before) {
+        energy_change += 0.5 * impulse * (row.dot(velocities) + before);
+    }
+    Impact {
+        impulses: solution.impulses,
+        before,
+        energy_change,
+        exact: solution.exact,
+    }
+}
+
+/// N S Nᵀ row by row, made symmetric.
+fn coupling(rows: &[Row], columns: &[Vec<f64>]) -> Vec<f64> {
+    let count = rows.len();
     let mut w = vec![0.0; count * count];
     for (i, row) in rows.iter().enumerate() {
         for (j, column) in columns.iter().enumerate() {
@@ -56,32 +77,15 @@ pub fn impact(
             w[j * count + i] = mean;
         }
     }
-    let demand = |rate: &f64| {
-        let plain = (1.0 + restitution) * rate;
-        lift.map_or(plain, |lift| plain.min(rate - lift))
-    };
-    let q: Vec<f64> = before.iter().map(demand).collect();
-    let solution = lcp::solve(&w, &q);
-    for (impulse, column) in solution.impulses.iter().zip(&columns) {
+    w
+}
+
+/// v += S Nᵀ p.
+pub(crate) fn add_impulses(impulses: &[f64], columns: &[Vec<f64>], velocities: &mut [f64]) {
+    for (impulse, column) in impulses.iter().zip(columns) {
         for (v, x) in velocities.iter_mut().zip(column) {
             *v += impulse * x;
         }
-    }
-    let energy = |((impulse, row), before): ((&f64, &Row), &f64)| {
-        0.5 * impulse * (row.dot(velocities) + before)
-    };
-    let energy_change = solution
-        .impulses
-        .iter()
-        .zip(rows)
-        .zip(&before)
-        .map(energy)
-        .sum();
-    Impact {
-        impulses: solution.impulses,
-        before,
-        energy_change,
-        exact: solution.exact,
     }
 }
 
@@ -104,4 +108,10 @@ pub(crate) fn constrained_response(
     rods.solve(&mut along);
     rods.add_response(&along, -1.0, &mut column);
     column
+}
+
+/// Refuses a restitution outside 0 to 1.
+pub(crate) fn check_restitution(value: f64) -> Result<()> {
+    let holds = (0.0..=1.0).contains(&value);
+    require("restitution", value, holds, "between 0 and 1")
 }

@@ -4,8 +4,12 @@
 //! grid over the centres and used until a centre has moved by half the skin. In a periodic cell
 //! every image that is near enough is a pair of its own.
 
+use super::grid::{Grid, Image};
+use super::layout::rod_shift;
 use super::separation::{Rectangle, at_rest};
 use crate::lattice::network::Network;
+use crate::plane::{Vector, dot, minus, plus};
+use std::cmp::Ordering;
 
 /// A square or a rod.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -24,7 +28,7 @@ pub struct Pair {
     /// What it could meet: a square of a higher index (or its own image), or a rod that does not
     /// hang on it.
     pub second: Body,
-    /// From the second to the image of it that is meant.
+    /// From the second body to the image of it that is meant.
     pub shift: [f64; 2],
 }
 
@@ -36,7 +40,9 @@ pub struct Candidates {
     pairs: Vec<Pair>,
     /// Centres of squares when the list was made.
     reference: Vec<f64>,
-    middles: Vec<[f64; 2]>,
+    /// Centres and radii of squares, then of rods.
+    middles: Vec<Vector>,
+    radii: Vec<f64>,
     rebuilds: u64,
 }
 
@@ -49,6 +55,7 @@ impl Candidates {
             pairs: Vec::new(),
             reference: Vec::new(),
             middles: Vec::new(),
+            radii: Vec::new(),
             rebuilds: 0,
         };
         list.rebuild(network, positions);
@@ -68,18 +75,23 @@ impl Candidates {
     /// Whether the list still holds where every centre is within `margin` of these positions.
     pub fn holds(&self, positions: &[f64], margin: f64) -> bool {
         let allowed = 0.5 * self.skin - margin;
-        // A rod's middle moves at most as its ends, and those also by the turning of the squares:
-        // rods ask for the chord.
+        if allowed.is_nan() || allowed <= 0.0 {
+            return false;
+        }
+        // A rod's middle moves at most as its ends, and those also by the turning of the squares,
+        // by the chord.
         let turning = if self.with_rods { 1.0 } else { 0.0 };
-        allowed > 0.0
-            && positions
-                .chunks_exact(3)
-                .zip(self.reference.chunks_exact(3))
-                .all(|(s, r)| {
-                    let (x, y) = (s[0] - r[0], s[1] - r[1]);
-                    let moved = (x * x + y * y).sqrt() + turning * (s[2] - r[2]).abs().min(2.0);
-                    moved <= allowed
-                })
+        let moving = positions
+            .chunks_exact(3)
+            .zip(self.reference.chunks_exact(3));
+        for (s, r) in moving {
+            let away = [s[0] - r[0], s[1] - r[1]];
+            let moved = dot(away, away).sqrt() + turning * (s[2] - r[2]).abs().min(2.0);
+            if moved.is_nan() || moved > allowed {
+                return false;
+            }
+        }
+        true
     }
 
     /// Width of the skin from the next list on.
@@ -92,194 +104,84 @@ impl Candidates {
         self.rebuilds += 1;
         self.reference.clear();
         self.reference.extend_from_slice(positions);
-        self.pairs.clear();
-        self.middles.clear();
-        let mut radii: Vec<f64> = Vec::with_capacity(network.squares.len() + network.rods.len());
-        for (square, s) in network.squares.iter().zip(positions.chunks_exact(3)) {
-            self.middles.push([s[0], s[1]]);
-            radii.push(square.half_diagonal);
-        }
-        if self.with_rods {
-            for (index, rod) in network.rods.iter().enumerate() {
-                self.middles
-                    .push(Rectangle::rod(network, index, at_rest(positions)).centre);
-                radii.push(0.5 * rod.length);
-            }
-        }
+        self.measure_bodies(network, positions);
         let squares = network.squares.len();
-        let largest = radii[..squares]
-            .iter()
-            .fold(0.0_f64, |largest, x| largest.max(*x));
-        let other = radii.iter().fold(0.0_f64, |largest, x| largest.max(*x));
-        let reach = largest + other + self.skin;
-        let grid = Grid::new(&self.middles, reach, network.cell);
-        let mut found: Vec<Pair> = Vec::new();
-        let mut near: Vec<(usize, [f64; 2])> = Vec::new();
-        for (p, place) in self.middles[..squares].iter().enumerate() {
+        let largest = largest_of(&self.radii[..squares]) + largest_of(&self.radii);
+        let grid = Grid::new(&self.middles, largest + self.skin, network.cell);
+        let (mut near, mut found) = (Vec::new(), Vec::new());
+        self.pairs.clear();
+        for first in 0..squares {
+            grid.near(self.middles[first], &mut near);
             found.clear();
-            grid.near(&self.middles, *place, reach, &mut near);
-            for (q, shift) in &near {
-                let (q, shift) = (*q, *shift);
-                let middle = self.middles[q];
-                let (x, y) = (
-                    middle[0] + shift[0] - place[0],
-                    middle[1] + shift[1] - place[1],
-                );
-                let within = radii[p] + radii[q] + self.skin;
-                if x * x + y * y > within * within {
-                    continue;
-                }
-                if q < squares {
-                    // Every pair once; of a square and its images, one of each two opposite ones.
-                    if q > p || (q == p && shift > [0.0, 0.0]) {
-                        found.push(Pair {
-                            first: p,
-                            second: Body::Square(q),
-                            shift,
-                        });
-                    }
-                } else if !hangs_on(network, q - squares, p, shift) {
-                    found.push(Pair {
-                        first: p,
-                        second: Body::Rod(q - squares),
-                        shift,
-                    });
-                }
+            for image in &near {
+                found.extend(self.pair(network, first, *image));
             }
-            found.sort_by(|a, b| {
-                a.second
-                    .cmp(&b.second)
-                    .then(a.shift[0].total_cmp(&b.shift[0]))
-                    .then(a.shift[1].total_cmp(&b.shift[1]))
-            });
+            found.sort_by(in_order);
             self.pairs.extend_from_slice(&found);
         }
     }
+
+    /// Centre and circumscribed radius of every body.
+    fn measure_bodies(&mut self, network: &Network, positions: &[f64]) {
+        self.middles.clear();
+        self.radii.clear();
+        for (square, s) in network.squares.iter().zip(positions.chunks_exact(3)) {
+            self.middles.push([s[0], s[1]]);
+            self.radii.push(square.half_diagonal);
+        }
+        if self.with_rods {
+            for (index, rod) in network.rods.iter().enumerate() {
+                let body = Rectangle::rod(network, index, at_rest(positions));
+                self.middles.push(body.centre);
+                self.radii.push(0.5 * rod.length);
+            }
+        }
+    }
+
+    /// The pair of a square and the image of another body, if they are near and the list should
+    /// have it.
+    fn pair(&self, network: &Network, first: usize, (body, shift): Image) -> Option<Pair> {
+        let away = minus(plus(self.middles[body], shift), self.middles[first]);
+        let within = self.radii[first] + self.radii[body] + self.skin;
+        if dot(away, away) > within * within {
+            return None;
+        }
+        let squares = network.squares.len();
+        let (second, is_listed) = if body < squares {
+            // Every pair once; of a square and its images, one of each two opposite ones.
+            let once = body > first || (body == first && shift > [0.0, 0.0]);
+            (Body::Square(body), once)
+        } else {
+            let rod = body - squares;
+            (Body::Rod(rod), !hangs_on(network, rod, first, shift))
+        };
+        is_listed.then_some(Pair {
+            first,
+            second,
+            shift,
+        })
+    }
+}
+
+fn largest_of(radii: &[f64]) -> f64 {
+    radii.iter().copied().fold(0.0, f64::max)
+}
+
+fn in_order(a: &Pair, b: &Pair) -> Ordering {
+    a.second
+        .cmp(&b.second)
+        .then(a.shift[0].total_cmp(&b.shift[0]))
+        .then(a.shift[1].total_cmp(&b.shift[1]))
 }
 
 /// Whether the image of a rod at this shift ends at a corner of this square.
-pub(crate) fn hangs_on(network: &Network, rod: usize, square: usize, shift: [f64; 2]) -> bool {
+fn hangs_on(network: &Network, rod: usize, square: usize, shift: Vector) -> bool {
     let ends = network.rods[rod];
-    let image = super::rod_shift(network, rod);
-    let near = |shift: [f64; 2]| shift[0].abs() + shift[1].abs() < 1e-9;
-    (ends.from.square == square && near(shift))
-        || (ends.to.square == square && near([shift[0] + image[0], shift[1] + image[1]]))
+    let end_shift = plus(shift, rod_shift(network, rod));
+    (ends.from.square == square && is_zero(shift))
+        || (ends.to.square == square && is_zero(end_shift))
 }
 
-/// Points sorted into cells at least as wide as the reach.
-struct Grid {
-    low: [f64; 2],
-    counts: [usize; 2],
-    width: [f64; 2],
-    periodic: Option<[f64; 2]>,
-    /// First point of every cell, and the points cell by cell.
-    starts: Vec<usize>,
-    points: Vec<usize>,
-}
-
-impl Grid {
-    fn new(places: &[[f64; 2]], reach: f64, periodic: Option<[f64; 2]>) -> Self {
-        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for place in places {
-            for axis in 0..2 {
-                low[axis] = low[axis].min(place[axis]);
-                high[axis] = high[axis].max(place[axis]);
-            }
-        }
-        let extent = |axis: usize| {
-            periodic
-                .map_or(high[axis] - low[axis], |cell| cell[axis])
-                .max(1e-9)
-        };
-        // Squares that have flown far apart must not ask for more cells than there are points.
-        let most = 2.0 * (places.len() as f64).sqrt().ceil() + 1.0;
-        let count = |axis: usize| (extent(axis) / reach).floor().clamp(1.0, most) as usize;
-        let counts = [count(0), count(1)];
-        let width = [extent(0) / counts[0] as f64, extent(1) / counts[1] as f64];
-        let mut grid = Self {
-            low,
-            counts,
-            width,
-            periodic,
-            starts: Vec::new(),
-            points: vec![0; places.len()],
-        };
-        let cells: Vec<usize> = places.iter().map(|place| grid.cell(*place)).collect();
-        let mut starts = vec![0; counts[0] * counts[1] + 1];
-        for cell in &cells {
-            starts[cell + 1] += 1;
-        }
-        for cell in 1..starts.len() {
-            starts[cell] += starts[cell - 1];
-        }
-        let mut next = starts.clone();
-        for (point, cell) in cells.iter().enumerate() {
-            grid.points[next[*cell]] = point;
-            next[*cell] += 1;
-        }
-        grid.starts = starts;
-        grid
-    }
-
-    fn column(&self, place: f64, axis: usize) -> usize {
-        let at = ((place - self.low[axis]) / self.width[axis]).floor();
-        if self.periodic.is_some() {
-            at.rem_euclid(self.counts[axis] as f64) as usize % self.counts[axis]
-        } else {
-            at.clamp(0.0, (self.counts[axis] - 1) as f64) as usize
-        }
-    }
-
-    fn cell(&self, place: [f64; 2]) -> usize {
-        self.column(place[1], 1) * self.counts[0] + self.column(place[0], 0)
-    }
-
-    /// Points, with the shifts of their images, that may be within reach of a place.
-    fn near(
-        &self,
-        places: &[[f64; 2]],
-        place: [f64; 2],
-        reach: f64,
-        out: &mut Vec<(usize, [f64; 2])>,
-    ) {
-        out.clear();
-        let columns = |axis: usize| {
-            let count = self.counts[axis] as isize;
-            let middle = self.column(place[axis], axis) as isize;
-            if self.periodic.is_some() {
-                if count < 3 {
-                    return (0..count).collect::<Vec<isize>>();
-                }
-                (middle - 1..=middle + 1)
-                    .map(|at| at.rem_euclid(count))
-                    .collect()
-            } else {
-                ((middle - 1).max(0)..=(middle + 1).min(count - 1)).collect()
-            }
-        };
-        let across = columns(0);
-        for row in columns(1) {
-            for column in &across {
-                let cell = (row * self.counts[0] as isize + column) as usize;
-                for point in &self.points[self.starts[cell]..self.starts[cell + 1]] {
-                    match self.periodic {
-                        None => out.push((*point, [0.0; 2])),
-                        Some(edges) => {
-                            let images = |axis: usize| {
-                                let away = places[*point][axis] - place[axis];
-                                let low = ((-reach - away) / edges[axis]).ceil() as i64;
-                                let high = ((reach - away) / edges[axis]).floor() as i64;
-                                (low..=high).map(move |image| image as f64 * edges[axis])
-                            };
-                            for x in images(0) {
-                                for y in images(1) {
-                                    out.push((*point, [x, y]));
-                                }
-                            }
-                        }
-                    }
-                }
-            }
-        }
-    }
+fn is_zero(shift: Vector) -> bool {
+    shift[0].abs() + shift[1].abs() < 1e-9
 }

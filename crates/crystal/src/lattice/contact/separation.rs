@@ -10,8 +10,10 @@
 //! the bodies touch, never more than their distance, and for two squares its sign is that of eq. 13
 //! of the paper over all corners and both roles. A rod is a rectangle of no width.
 
-use super::rod_shift;
-use crate::lattice::network::{Corner, Network, corner_direction};
+use super::layout::rod_shift;
+use crate::lattice::network::{Corner, Network};
+use crate::plane::{Vector, cross, direction, dot, left_of, minus, norm, plus, turned};
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
 
 /// A rectangle in motion.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -20,7 +22,7 @@ pub struct Rectangle {
     pub centre: [f64; 2],
     /// Half its edges.
     pub half: [f64; 2],
-    /// Its first axis, cos and sin of its angle.
+    /// Its first axis: cosine and sine of its angle.
     pub axis: [f64; 2],
     /// Velocity of the centre.
     pub velocity: [f64; 2],
@@ -35,7 +37,7 @@ pub struct Along {
     pub distance: f64,
     /// dm/dt.
     pub rate: f64,
-    /// What dm/dt can be once another corner leads.
+    /// The lowest dm/dt once another corner leads.
     pub worst_rate: f64,
 }
 
@@ -45,10 +47,8 @@ pub type Moving = ([f64; 3], [f64; 3]);
 /// The squares at rest at these positions.
 pub fn at_rest(positions: &[f64]) -> impl Fn(usize) -> Moving + Copy + '_ {
     |p| {
-        (
-            [positions[3 * p], positions[3 * p + 1], positions[3 * p + 2]],
-            [0.0; 3],
-        )
+        let s = [positions[3 * p], positions[3 * p + 1], positions[3 * p + 2]];
+        (s, [0.0; 3])
     }
 }
 
@@ -57,157 +57,150 @@ pub(crate) fn corner_in_motion(
     network: &Network,
     corner: Corner,
     (s, v): Moving,
-) -> ([f64; 2], [f64; 2]) {
-    let [x, y] =
-        corner_direction(corner.vertex).map(|x| x * network.squares[corner.square].half_diagonal);
-    let (sine, cosine) = s[2].sin_cos();
-    let rho = [cosine * x - sine * y, sine * x + cosine * y];
-    (
-        [s[0] + rho[0], s[1] + rho[1]],
-        [v[0] - v[2] * rho[1], v[1] + v[2] * rho[0]],
-    )
+) -> (Vector, Vector) {
+    let half_diagonal = network.squares[corner.square].half_diagonal;
+    let rho = turned(
+        corner.direction().map(|x| x * half_diagonal),
+        direction(s[2]),
+    );
+    let velocity = [v[0] - v[2] * rho[1], v[1] + v[2] * rho[0]];
+    (plus([s[0], s[1]], rho), velocity)
 }
 
 impl Rectangle {
     /// A square, moving as `at` says.
     pub fn square(network: &Network, square: usize, at: impl Fn(usize) -> Moving) -> Self {
         let (s, v) = at(square);
-        let (sine, cosine) = s[2].sin_cos();
         Self {
             centre: [s[0], s[1]],
-            half: [network.squares[square].half_diagonal * std::f64::consts::FRAC_1_SQRT_2; 2],
-            axis: [cosine, sine],
+            half: [network.squares[square].half_diagonal * FRAC_1_SQRT_2; 2],
+            axis: direction(s[2]),
             velocity: [v[0], v[1]],
             spin: v[2],
         }
     }
 
-    /// A rod, the first axis from its first to its second end, its squares moving as `at` says.
+    /// A rod, its first axis from its first to its second end, its squares moving as `at` says.
     pub fn rod(network: &Network, rod: usize, at: impl Fn(usize) -> Moving) -> Self {
         let (ends, shift) = (network.rods[rod], rod_shift(network, rod));
         let (a, va) = corner_in_motion(network, ends.from, at(ends.from.square));
         let (b, vb) = corner_in_motion(network, ends.to, at(ends.to.square));
-        let along = [b[0] + shift[0] - a[0], b[1] + shift[1] - a[1]];
-        let length = along[0].hypot(along[1]);
+        let along = minus(plus(b, shift), a);
+        let length = norm(along);
         let u = [along[0] / length, along[1] / length];
         Self {
             centre: [a[0] + 0.5 * along[0], a[1] + 0.5 * along[1]],
             half: [0.5 * length, 0.0],
             axis: u,
             velocity: [0.5 * (va[0] + vb[0]), 0.5 * (va[1] + vb[1])],
-            spin: (u[0] * (vb[1] - va[1]) - u[1] * (vb[0] - va[0])) / length,
+            spin: cross(u, minus(vb, va)) / length,
         }
     }
 
-    /// The same, moved.
+    /// The same rectangle elsewhere.
     pub fn moved(mut self, shift: [f64; 2]) -> Self {
-        self.centre[0] += shift[0];
-        self.centre[1] += shift[1];
+        self.centre = plus(self.centre, shift);
         self
+    }
+
+    /// The longer of its half edges.
+    fn longest_half(&self) -> f64 {
+        self.half[0].max(self.half[1])
     }
 }
 
 /// The separation: the greatest along the four axes.
 pub fn separation(a: &Rectangle, b: &Rectangle) -> f64 {
-    along_axes(a, b)
-        .iter()
-        .fold(f64::NEG_INFINITY, |most, along| most.max(along.distance))
+    let mut most = f64::NEG_INFINITY;
+    for along in along_axes(a, b) {
+        most = most.max(along.distance);
+    }
+    most
+}
+
+/// The relative motion of two rectangles.
+struct Relative {
+    /// From the centre of B to that of A, and its rate.
+    d: Vector,
+    v: Vector,
+    /// |cos φ| and |sin φ| of the relative angle φ, and their rates.
+    cosine: [f64; 2],
+    sine: [f64; 2],
+    turning: f64,
+}
+
+impl Relative {
+    #[inline(always)]
+    fn new(a: &Rectangle, b: &Rectangle) -> Self {
+        let (cosine, sine) = (dot(a.axis, b.axis), cross(a.axis, b.axis));
+        let turning = b.spin - a.spin;
+        Self {
+            d: minus(a.centre, b.centre),
+            v: minus(a.velocity, b.velocity),
+            cosine: [cosine.abs(), -sine * cosine.signum() * turning],
+            sine: [sine.abs(), cosine * sine.signum() * turning],
+            turning,
+        }
+    }
+
+    /// How far a rectangle reaches along the first and the second axis of the other one, and the
+    /// rates.
+    #[inline(always)]
+    fn reaches(&self, body: &Rectangle) -> [[f64; 2]; 2] {
+        let [x, y] = body.half;
+        let (c, s) = (self.cosine, self.sine);
+        [
+            [0, 1].map(|order| x * c[order] + y * s[order]),
+            [0, 1].map(|order| x * s[order] + y * c[order]),
+        ]
+    }
+
+    /// The separation along an axis that turns at `spin`, where the bodies reach `own` and `other`
+    /// along it.
+    #[inline(always)]
+    fn along(&self, axis: Vector, spin: f64, own: f64, other: [f64; 2], longest: f64) -> Along {
+        let (d, v) = (self.d, self.v);
+        let height = dot(d, axis);
+        // The axis turns: de/dt = spin × e.
+        let height_rate =
+            v[0] * axis[0] + v[1] * axis[1] + spin * (d[1] * axis[0] - d[0] * axis[1]);
+        let sign = if height >= 0.0 { 1.0 } else { -1.0 };
+        let [reach, reach_rate] = other;
+        let rate = sign * height_rate - reach_rate;
+        Along {
+            distance: height.abs() - own - reach,
+            rate,
+            worst_rate: rate - 2.0 * longest * self.turning.abs(),
+        }
+    }
 }
 
 /// The separations along the axes of `a` and of `b`.
 pub fn along_axes(a: &Rectangle, b: &Rectangle) -> [Along; 4] {
-    let d = [a.centre[0] - b.centre[0], a.centre[1] - b.centre[1]];
-    let v = [a.velocity[0] - b.velocity[0], a.velocity[1] - b.velocity[1]];
-    let (cosine, sine) = (
-        a.axis[0] * b.axis[0] + a.axis[1] * b.axis[1],
-        a.axis[0] * b.axis[1] - a.axis[1] * b.axis[0],
-    );
-    let turning = b.spin - a.spin;
-    let (c, s) = (cosine.abs(), sine.abs());
-    // d|cos φ|/dt and d|sin φ|/dt.
-    let (c_rate, s_rate) = (
-        -sine * cosine.signum() * turning,
-        cosine * sine.signum() * turning,
-    );
-    let one = |axis: [f64; 2], spin: f64, own: f64, reach: f64, reach_rate: f64, largest: f64| {
-        let height = d[0] * axis[0] + d[1] * axis[1];
-        // The axis turns: de/dt = spin × e.
-        let height_rate =
-            v[0] * axis[0] + v[1] * axis[1] + spin * (d[1] * axis[0] - d[0] * axis[1]);
-        let rate = if height >= 0.0 {
-            height_rate
-        } else {
-            -height_rate
-        } - reach_rate;
-        Along {
-            distance: height.abs() - own - reach,
-            rate,
-            worst_rate: rate - 2.0 * largest * turning.abs(),
-        }
-    };
-    let left = |axis: [f64; 2]| [-axis[1], axis[0]];
-    let of = |other: &Rectangle| {
-        let [x, y] = other.half;
-        let largest = x.max(y);
-        (
-            (x * c + y * s, x * c_rate + y * s_rate),
-            (x * s + y * c, x * s_rate + y * c_rate),
-            largest,
-        )
-    };
-    let (first_of_b, second_of_b, largest_b) = of(b);
-    let (first_of_a, second_of_a, largest_a) = of(a);
+    let relative = Relative::new(a, b);
+    let [b_first, b_second] = relative.reaches(b);
+    let [a_first, a_second] = relative.reaches(a);
+    let (a_longest, b_longest) = (a.longest_half(), b.longest_half());
     [
-        one(
-            a.axis,
-            a.spin,
-            a.half[0],
-            first_of_b.0,
-            first_of_b.1,
-            largest_b,
-        ),
-        one(
-            left(a.axis),
-            a.spin,
-            a.half[1],
-            second_of_b.0,
-            second_of_b.1,
-            largest_b,
-        ),
-        one(
-            b.axis,
-            b.spin,
-            b.half[0],
-            first_of_a.0,
-            first_of_a.1,
-            largest_a,
-        ),
-        one(
-            left(b.axis),
-            b.spin,
-            b.half[1],
-            second_of_a.0,
-            second_of_a.1,
-            largest_a,
-        ),
+        relative.along(a.axis, a.spin, a.half[0], b_first, b_longest),
+        relative.along(left_of(a.axis), a.spin, a.half[1], b_second, b_longest),
+        relative.along(b.axis, b.spin, b.half[0], a_first, a_longest),
+        relative.along(left_of(b.axis), b.spin, b.half[1], a_second, a_longest),
     ]
 }
 
 /// How long until another corner of the turning bodies leads, from the relative angle and its rate.
 pub fn time_to_next_corner(a: &Rectangle, b: &Rectangle) -> f64 {
-    let sine = a.axis[0] * b.axis[1] - a.axis[1] * b.axis[0];
-    let cosine = a.axis[0] * b.axis[0] + a.axis[1] * b.axis[1];
-    let quarter = std::f64::consts::FRAC_PI_2;
-    let angle = sine.atan2(cosine).rem_euclid(quarter);
     let turning = b.spin - a.spin;
+    if turning == 0.0 {
+        return f64::INFINITY;
+    }
+    let (cosine, sine) = (dot(a.axis, b.axis), cross(a.axis, b.axis));
+    let angle = sine.atan2(cosine).rem_euclid(FRAC_PI_2);
     let left = if turning > 0.0 {
-        quarter - angle
+        FRAC_PI_2 - angle
     } else {
         angle
     };
-    if turning == 0.0 {
-        f64::INFINITY
-    } else {
-        left / turning.abs()
-    }
+    left / turning.abs()
 }

@@ -11,9 +11,10 @@
 //! singular and the system has no solution, so it is solved by least squares, and the lengths of
 //! the rods are missed. The error is part of what the paper's method is, and is measured.
 
-use crate::lattice::contact::{arm, rod_shift};
-use crate::lattice::network::Network;
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use crate::lattice::contact::layout::{Layout, rod_shift};
+use crate::lattice::network::{Network, Rod};
+use crate::plane::{Vector, dot, left_of};
+use nalgebra::{DMatrix, DVector, Dyn, SymmetricEigen};
 
 /// Eigenvalues of K below this share of the largest count as zero.
 const SINGULAR: f64 = 1e-10;
@@ -24,19 +25,21 @@ pub struct Ansatz<'a> {
     positions: &'a [f64],
     velocities: &'a [f64],
     accelerations: &'a [f64],
+    /// D.
     gradient: DMatrix<f64>,
     /// K = D M⁻¹ Dᵀ.
-    gram: SymmetricEigen<f64, nalgebra::Dyn>,
+    gram: SymmetricEigen<f64, Dyn>,
     rods: Vec<RodMotion>,
 }
 
+/// A rod vector that turns.
 struct RodMotion {
-    delta: [f64; 2],
-    rate: [f64; 2],
+    delta: Vector,
+    rate: Vector,
     omega: f64,
     alpha: f64,
     /// ω² ρ - ω'² ρ'.
-    centripetal: [f64; 2],
+    centripetal: Vector,
 }
 
 /// Where a sub-step leads.
@@ -57,43 +60,12 @@ impl<'a> Ansatz<'a> {
         accelerations: &'a [f64],
         total: &[f64],
     ) -> Self {
-        let count = network.rods.len();
-        let mut gradient = DMatrix::zeros(2 * count, positions.len());
-        let mut rods = Vec::with_capacity(count);
+        let layout = Layout::new(network, positions);
+        let mut gradient = DMatrix::zeros(2 * network.rods.len(), positions.len());
+        let mut rods = Vec::with_capacity(network.rods.len());
         for (index, rod) in network.rods.iter().enumerate() {
-            let shift = rod_shift(network, index);
-            let (mut delta, mut rate, mut change) = ([-shift[0], -shift[1]], [0.0; 2], [0.0; 2]);
-            let mut centripetal = [0.0; 2];
-            for (corner, sign) in [(rod.from, 1.0), (rod.to, -1.0)] {
-                let (rho, p) = (arm(network, positions, corner), 3 * corner.square);
-                let turned = [-rho[1], rho[0]];
-                let omega = velocities[p + 2];
-                for axis in 0..2 {
-                    gradient[(2 * index + axis, p + axis)] += sign;
-                    gradient[(2 * index + axis, p + 2)] += sign * turned[axis];
-                    delta[axis] += sign * (positions[p + axis] + rho[axis]);
-                    rate[axis] += sign * (velocities[p + axis] + omega * turned[axis]);
-                    change[axis] += sign
-                        * (total[p + axis] + total[p + 2] * turned[axis]
-                            - omega * omega * rho[axis]);
-                    centripetal[axis] += sign * omega * omega * rho[axis];
-                }
-            }
-            let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
-            let speed = dot(rate, rate).sqrt();
-            let omega = speed / rod.length;
-            let alpha = if speed > 0.0 {
-                dot(delta, change).abs().sqrt() * dot(rate, change) / (speed * speed * rod.length)
-            } else {
-                0.0
-            };
-            rods.push(RodMotion {
-                delta,
-                rate,
-                omega,
-                alpha,
-                centripetal,
-            });
+            add_gradient(&mut gradient, index, rod, &layout);
+            rods.push(RodMotion::new(index, rod, &layout, velocities, total));
         }
         let mut scaled = gradient.clone();
         for (p, square) in network.squares.iter().enumerate() {
@@ -113,14 +85,16 @@ impl<'a> Ansatz<'a> {
         }
     }
 
+    /// Eigenvalues of K that are not above this are zero.
+    fn zero(&self) -> f64 {
+        SINGULAR * self.gram.eigenvalues.amax()
+    }
+
     /// How many of the equations (38) are independent.
     pub fn rank(&self) -> usize {
-        let largest = self.gram.eigenvalues.amax();
-        self.gram
-            .eigenvalues
-            .iter()
-            .filter(|value| **value > SINGULAR * largest)
-            .count()
+        let zero = self.zero();
+        let eigenvalues = self.gram.eigenvalues.iter();
+        eigenvalues.filter(|value| **value > zero).count()
     }
 
     /// Positions after a time δ, which may be negative.
@@ -132,34 +106,8 @@ impl<'a> Ansatz<'a> {
                 residual: 0.0,
             };
         }
-        let forces = DVector::from_column_slice(self.accelerations);
-        let mut right = -(&self.gradient * forces);
-        for (index, rod) in self.rods.iter().enumerate() {
-            let phi = rod.omega * time + 0.5 * rod.alpha * time * time;
-            let (sine, cosine) = phi.sin_cos();
-            let over = if rod.omega > 0.0 {
-                sine / rod.omega
-            } else {
-                time
-            };
-            for axis in 0..2 {
-                let moved = rod.delta[axis] * (cosine - 1.0) + rod.rate[axis] * over;
-                right[2 * index + axis] +=
-                    2.0 / (time * time) * (moved - rod.rate[axis] * time) + rod.centripetal[axis];
-            }
-        }
-        let largest = self.gram.eigenvalues.amax();
-        let mut inside = self.gram.eigenvectors.tr_mul(&right);
-        let mut missed = 0.0;
-        for (x, value) in inside.iter_mut().zip(self.gram.eigenvalues.iter()) {
-            if *value > SINGULAR * largest {
-                *x /= value;
-            } else {
-                missed += *x * *x;
-                *x = 0.0;
-            }
-        }
-        let multipliers = &self.gram.eigenvectors * inside;
+        let right = self.right_hand_side(time);
+        let (multipliers, missed) = self.least_squares(&right);
         let push = self.gradient.tr_mul(&multipliers);
         for (p, square) in self.network.squares.iter().enumerate() {
             for (axis, inertia) in [square.mass, square.mass, square.inertia]
@@ -173,7 +121,93 @@ impl<'a> Ansatz<'a> {
         }
         Landing {
             positions,
-            residual: missed.sqrt() / right.norm().max(f64::MIN_POSITIVE),
+            residual: missed / right.norm().max(f64::MIN_POSITIVE),
         }
+    }
+
+    /// The right-hand side of eq. 38.
+    fn right_hand_side(&self, time: f64) -> DVector<f64> {
+        let forces = DVector::from_column_slice(self.accelerations);
+        let mut right = -(&self.gradient * forces);
+        for (index, rod) in self.rods.iter().enumerate() {
+            let moved = rod.moved(time);
+            for axis in 0..2 {
+                let curved = moved[axis] - rod.rate[axis] * time;
+                right[2 * index + axis] += 2.0 / (time * time) * curved + rod.centripetal[axis];
+            }
+        }
+        right
+    }
+
+    /// χ of least squares, and the norm of what it misses.
+    fn least_squares(&self, right: &DVector<f64>) -> (DVector<f64>, f64) {
+        let zero = self.zero();
+        let mut inside = self.gram.eigenvectors.tr_mul(right);
+        let mut missed = 0.0;
+        for (x, value) in inside.iter_mut().zip(self.gram.eigenvalues.iter()) {
+            if *value > zero {
+                *x /= value;
+            } else {
+                missed += *x * *x;
+                *x = 0.0;
+            }
+        }
+        (&self.gram.eigenvectors * inside, missed.sqrt())
+    }
+}
+
+/// Writes the two rows of D of a rod.
+fn add_gradient(gradient: &mut DMatrix<f64>, index: usize, rod: &Rod, layout: &Layout) {
+    for (corner, sign) in [(rod.from, 1.0), (rod.to, -1.0)] {
+        let (across, p) = (left_of(layout.arm(corner)), 3 * corner.square);
+        for axis in 0..2 {
+            gradient[(2 * index + axis, p + axis)] += sign;
+            gradient[(2 * index + axis, p + 2)] += sign * across[axis];
+        }
+    }
+}
+
+impl RodMotion {
+    fn new(index: usize, rod: &Rod, layout: &Layout, velocities: &[f64], total: &[f64]) -> Self {
+        let shift = rod_shift(layout.network, index);
+        let (mut delta, mut rate, mut change) = ([-shift[0], -shift[1]], [0.0; 2], [0.0; 2]);
+        let mut centripetal = [0.0; 2];
+        for (corner, sign) in [(rod.from, 1.0), (rod.to, -1.0)] {
+            let (rho, p) = (layout.arm(corner), 3 * corner.square);
+            let across = left_of(rho);
+            let omega = velocities[p + 2];
+            for axis in 0..2 {
+                delta[axis] += sign * (layout.positions[p + axis] + rho[axis]);
+                rate[axis] += sign * (velocities[p + axis] + omega * across[axis]);
+                change[axis] += sign
+                    * (total[p + axis] + total[p + 2] * across[axis] - omega * omega * rho[axis]);
+                centripetal[axis] += sign * omega * omega * rho[axis];
+            }
+        }
+        let speed = dot(rate, rate).sqrt();
+        let alpha = if speed > 0.0 {
+            dot(delta, change).abs().sqrt() * dot(rate, change) / (speed * speed * rod.length)
+        } else {
+            0.0
+        };
+        Self {
+            delta,
+            rate,
+            omega: speed / rod.length,
+            alpha,
+            centripetal,
+        }
+    }
+
+    /// Δr(t+δ) - Δr.
+    fn moved(&self, time: f64) -> Vector {
+        let phi = self.omega * time + 0.5 * self.alpha * time * time;
+        let (sine, cosine) = phi.sin_cos();
+        let over = if self.omega > 0.0 {
+            sine / self.omega
+        } else {
+            time
+        };
+        [0, 1].map(|axis| self.delta[axis] * (cosine - 1.0) + self.rate[axis] * over)
     }
 }

@@ -4,31 +4,40 @@
 //! one of them, forward from the start and backward from the end by the [`ansatz`], the nearer of
 //! the two is kept, and the *mean* of all is taken for the whole lattice. There one system of
 //! equalities (eq. 43) reverses the approach of all of them at once, through the rods. The step
-//! then goes on to its end, where nothing is checked again.
+//! then continues to its end, where nothing is checked again.
 //!
-//! What that costs is measured: corners left inside squares, impulses that pull, rods of wrong
-//! length in the sub-steps. The [`Engine`](super::Engine) has none of these. Where the paper is
-//! silent: a corner that is inside at the start as well takes part with collision time 0 if it goes
+//! The cost is measured: corners left inside squares, impulses that pull, rods of wrong length in
+//! the sub-steps. The [`Engine`](super::Engine) has none of these. Where the paper is silent, this
+//! is done: a corner that is inside at the start as well takes part with collision time 0 if it goes
 //! deeper and not at all if it leaves; dependent equations are solved by least squares.
 
 pub mod ansatz;
+mod normal;
 
+use super::collision::response::{add_impulses, constrained_response};
 use super::contact::candidates::{Body, Candidates};
-use super::contact::{Contact, Row, TOUCHING, arm, without_repetitions};
+use super::contact::layout::Layout;
+use super::contact::{Contact, Row, TOUCHING, without_repetitions};
 use super::dynamics::Dynamics;
 use super::force::Force;
 use super::network::{Corner, Network};
 use super::rods::RodSystem;
 use super::state::State;
 use crate::Result;
+use crate::plane::Vector;
 use ansatz::Ansatz;
 use nalgebra::{DMatrix, DVector};
+pub use normal::printed_normal;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// How close corners must be to count as head on, with the normal of eq. 42.
-const HEAD_ON: f64 = 1e-8;
+/// Extra width of the candidate list.
 const SKIN: f64 = 0.5;
+/// Bisections for a collision time end at this share of the step: by the ansatz, and by sub-steps.
+const ANSATZ_TIME: f64 = 1e-12;
+const SUB_STEP_TIME: f64 = 1e-10;
+/// Singular values of eq. 43 below this share of the largest count as zero.
+const SINGULAR: f64 = 1e-10;
 
 /// How the paper's protocol is followed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -45,7 +54,7 @@ impl Default for PaperSettings {
     }
 }
 
-/// What the protocol has left behind.
+/// Counts and extremes of a run: what the protocol costs.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct PaperStatistics {
     /// Steps completed.
@@ -81,11 +90,12 @@ pub struct PaperEngine {
     next: Vec<f64>,
 }
 
+/// A corner inside a square.
 #[derive(Debug, Clone, Copy)]
 struct Hit {
     striker: Corner,
     target: usize,
-    shift: [f64; 2],
+    shift: Vector,
 }
 
 impl PaperEngine {
@@ -101,17 +111,16 @@ impl PaperEngine {
     ) -> Result<Self> {
         let candidates = Candidates::new(&network, &state.positions, SKIN, false);
         let dynamics = Dynamics::new(network, forces, state)?;
-        let statistics = PaperStatistics::default();
         Ok(Self {
             dynamics,
             settings,
             candidates,
-            statistics,
+            statistics: PaperStatistics::default(),
             next: state.positions.clone(),
         })
     }
 
-    /// What the protocol has left behind so far.
+    /// Counts and extremes so far.
     pub fn statistics(&self) -> &PaperStatistics {
         &self.statistics
     }
@@ -128,43 +137,67 @@ impl PaperEngine {
     pub fn step(&mut self, state: &mut State, step: f64) -> Result<()> {
         let network = self.dynamics.network().clone();
         self.dynamics.drift(state, step, &mut self.next)?;
-        let hits = corners_inside(&mut self.candidates, &network, &self.next);
-        let times = if hits.is_empty() {
-            Vec::new()
-        } else {
-            self.collision_times(&network, state, step, &hits)?
-        };
+        let hits = self.hits_at_next(&network);
+        let times = self.collision_times(&network, state, step, &hits)?;
         if times.is_empty() {
             if !hits.is_empty() {
                 self.dynamics.drift(state, step, &mut self.next)?;
             }
             self.dynamics.arrive(state, step, &self.next)?;
         } else {
-            let mean = times.iter().map(|(_, time)| time).sum::<f64>() / times.len() as f64;
-            let spread = times
-                .iter()
-                .fold(0.0_f64, |spread, (_, time)| spread.max((time - mean).abs()));
-            self.statistics.largest_time_spread = self.statistics.largest_time_spread.max(spread);
-            self.statistics.collisions += 1;
-            self.statistics.contacts += times.len() as u64;
-            if mean > 0.0 {
-                self.dynamics.drift(state, mean, &mut self.next)?;
-                self.dynamics.arrive(state, mean, &self.next)?;
-            }
-            let struck: Vec<Hit> = times.iter().map(|(hit, _)| *hit).collect();
-            self.reverse(&network, state, &struck);
-            self.dynamics.drift(state, step - mean, &mut self.next)?;
-            self.dynamics.arrive(state, step - mean, &self.next)?;
+            self.collide(&network, state, step, &times)?;
         }
-        let depth = corners_inside(&mut self.candidates, &network, &state.positions)
-            .iter()
-            .fold(0.0_f64, |depth, hit| {
-                depth.max(-height(&network, &state.positions, hit))
-            });
-        self.statistics.deepest_overlap = self.statistics.deepest_overlap.max(depth);
-        self.statistics.steps_with_overlap += u64::from(depth > TOUCHING);
+        self.measure_overlap(&network, state);
         self.statistics.steps += 1;
         Ok(())
+    }
+
+    /// Reverses all collisions at the mean of their times.
+    fn collide(
+        &mut self,
+        network: &Network,
+        state: &mut State,
+        step: f64,
+        times: &[(Hit, f64)],
+    ) -> Result<()> {
+        let (mut sum, mut spread) = (0.0, 0.0_f64);
+        let mut struck = Vec::with_capacity(times.len());
+        for (hit, time) in times {
+            sum += time;
+            struck.push(*hit);
+        }
+        let mean = sum / times.len() as f64;
+        for (_, time) in times {
+            spread = spread.max((time - mean).abs());
+        }
+        let statistics = &mut self.statistics;
+        statistics.largest_time_spread = statistics.largest_time_spread.max(spread);
+        statistics.collisions += 1;
+        statistics.contacts += times.len() as u64;
+        if mean > 0.0 {
+            self.advance(state, mean)?;
+        }
+        self.reverse(network, state, &struck);
+        self.advance(state, step - mean)
+    }
+
+    fn advance(&mut self, state: &mut State, time: f64) -> Result<()> {
+        self.dynamics.drift(state, time, &mut self.next)?;
+        self.dynamics.arrive(state, time, &self.next)
+    }
+
+    fn measure_overlap(&mut self, network: &Network, state: &State) {
+        let mut depth = 0.0_f64;
+        for hit in corners_inside(&mut self.candidates, network, &state.positions) {
+            depth = depth.max(-height(network, &state.positions, &hit));
+        }
+        let statistics = &mut self.statistics;
+        statistics.deepest_overlap = statistics.deepest_overlap.max(depth);
+        statistics.steps_with_overlap += u64::from(depth > TOUCHING);
+    }
+
+    fn hits_at_next(&mut self, network: &Network) -> Vec<Hit> {
+        corners_inside(&mut self.candidates, network, &self.next)
     }
 
     /// Steps 1 to 3 of the protocol.
@@ -175,203 +208,201 @@ impl PaperEngine {
         step: f64,
         hits: &[Hit],
     ) -> Result<Vec<(Hit, f64)>> {
+        if hits.is_empty() {
+            return Ok(Vec::new());
+        }
+        let found = if self.settings.ansatz {
+            self.times_by_ansatz(network, state, step, hits)?
+        } else {
+            self.times_by_sub_steps(network, state, step, hits)?
+        };
+        let mut times = Vec::new();
+        for (hit, found) in hits.iter().zip(found) {
+            let time = if height(network, &state.positions, hit) < 0.0 {
+                // Inside at the start as well.
+                (hit.rate(network, state) < 0.0).then_some(0.0)
+            } else {
+                found
+            };
+            if let Some(time) = time {
+                times.push((*hit, time));
+            }
+        }
+        Ok(times)
+    }
+
+    /// The nearer of the times forward from the start and backward from the end.
+    fn times_by_ansatz(
+        &mut self,
+        network: &Network,
+        state: &State,
+        step: f64,
+        hits: &[Hit],
+    ) -> Result<Vec<Option<f64>>> {
         let mut at_end = state.clone();
         let end = self.next.clone();
-        let forward = if self.settings.ansatz {
-            self.by_ansatz(network, state, step, hits)
-        } else {
-            Vec::new()
-        };
-        let true_times = if self.settings.ansatz {
-            Vec::new()
-        } else {
-            hits.iter()
-                .map(|hit| self.by_sub_steps(network, state, step, hit))
-                .collect::<Result<Vec<f64>>>()?
-        };
-        let mut backward = Vec::new();
-        if self.settings.ansatz {
-            // `arrive` completes the last drift, which was that of the whole step.
-            self.dynamics.arrive(&mut at_end, step, &end)?;
-            backward = self.by_ansatz(network, &at_end, -step, hits);
-            self.dynamics.prepare(state)?;
-        }
-        let mut times = Vec::new();
-        for (index, hit) in hits.iter().enumerate() {
-            if height(network, &state.positions, hit) < 0.0 {
-                let contact = Contact::of_corner(
-                    network,
-                    &state.positions,
-                    hit.striker,
-                    hit.target,
-                    hit.shift,
-                );
-                if contact
-                    .row(network, &state.positions)
-                    .dot(&state.velocities)
-                    < 0.0
-                {
-                    times.push((*hit, 0.0));
-                }
-            } else if self.settings.ansatz {
-                let (ahead, behind) = (forward[index], backward[index]);
-                let time = match (ahead, behind) {
-                    (Some(ahead), Some(behind)) if ahead > -behind => step + behind,
-                    (Some(ahead), _) => ahead,
-                    (None, Some(behind)) => step + behind,
-                    (None, None) => continue,
-                };
-                times.push((*hit, time.clamp(0.0, step)));
-            } else {
-                times.push((*hit, true_times[index]));
-            }
+        let forward = self.roots_by_ansatz(network, state, step, hits);
+        // `arrive` completes the last drift, which was that of the whole step.
+        self.dynamics.arrive(&mut at_end, step, &end)?;
+        let backward = self.roots_by_ansatz(network, &at_end, -step, hits);
+        self.dynamics.prepare(state)?;
+        let mut times = Vec::with_capacity(hits.len());
+        for pair in forward.into_iter().zip(backward) {
+            let time = match pair {
+                (Some(ahead), Some(behind)) if ahead > -behind => Some(step + behind),
+                (Some(ahead), _) => Some(ahead),
+                (None, Some(behind)) => Some(step + behind),
+                (None, None) => None,
+            };
+            times.push(time.map(|time| time.clamp(0.0, step)));
         }
         Ok(times)
     }
 
     /// Collision times from a prepared state, where the ansatz leads through the side of the
     /// target.
-    fn by_ansatz(
+    fn roots_by_ansatz(
         &mut self,
         network: &Network,
         state: &State,
         step: f64,
         hits: &[Hit],
     ) -> Vec<Option<f64>> {
-        let (mut free, mut total) = (
-            vec![0.0; state.positions.len()],
-            vec![0.0; state.positions.len()],
-        );
+        let mut free = vec![0.0; state.positions.len()];
+        let mut total = free.clone();
         self.dynamics.accelerations_into(&mut free, &mut total);
         let ansatz = Ansatz::new(network, &state.positions, &state.velocities, &free, &total);
         let mut times = Vec::with_capacity(hits.len());
         for hit in hits {
-            let at = |time: f64| height(network, &ansatz.land(time).positions, hit);
-            let (mut low, mut high) = (0.0, step);
-            let (begin, end) = (at(low), at(high));
-            if (begin < 0.0) == (end < 0.0) {
-                times.push(None);
-                continue;
+            let time = root_by_ansatz(&ansatz, network, step, hit);
+            if let Some(time) = time {
+                self.measure_ansatz(&ansatz, network, time);
             }
-            while (high - low).abs() > 1e-12 * step.abs() {
-                let middle = 0.5 * (low + high);
-                if middle == low || middle == high {
-                    break;
-                }
-                if (at(middle) < 0.0) == (begin < 0.0) {
-                    low = middle
-                } else {
-                    high = middle
-                }
-            }
-            let landing = ansatz.land(high);
-            let mut rods = RodSystem::new(network);
-            let mut sigma = vec![0.0; rods.len()];
-            let (rod, sigma) = rods.violations(&landing.positions, &mut sigma);
-            // σ = (|Δ|² - r0²) / 2 r0.
-            let r0 = network.rods.get(rod).map_or(1.0, |rod| rod.length);
-            let error = (r0 * r0 + 2.0 * r0 * sigma).max(0.0).sqrt() - r0;
-            let statistics = &mut self.statistics;
-            statistics.largest_ansatz_rod_error =
-                statistics.largest_ansatz_rod_error.max(error.abs());
-            statistics.largest_ansatz_residual =
-                statistics.largest_ansatz_residual.max(landing.residual);
-            times.push(Some(high));
+            times.push(time);
         }
         times
     }
 
-    /// The collision time of one corner with the rods kept, by bisection.
-    fn by_sub_steps(
+    fn measure_ansatz(&mut self, ansatz: &Ansatz, network: &Network, time: f64) {
+        let landing = ansatz.land(time);
+        let mut rods = RodSystem::new(network);
+        let mut sigma = vec![0.0; rods.len()];
+        let (rod, sigma) = rods.violations(&landing.positions, &mut sigma);
+        // σ = (|Δ|² - r0²) / 2 r0.
+        let r0 = network.rods.get(rod).map_or(1.0, |rod| rod.length);
+        let error = (r0 * r0 + 2.0 * r0 * sigma).max(0.0).sqrt() - r0;
+        let statistics = &mut self.statistics;
+        statistics.largest_ansatz_rod_error = statistics.largest_ansatz_rod_error.max(error.abs());
+        statistics.largest_ansatz_residual =
+            statistics.largest_ansatz_residual.max(landing.residual);
+    }
+
+    /// The collision times with the rods kept, by bisection.
+    fn times_by_sub_steps(
         &mut self,
         network: &Network,
         state: &State,
         step: f64,
-        hit: &Hit,
-    ) -> Result<f64> {
-        let (mut open, mut closed) = (0.0, step);
-        while closed - open > 1e-10 * step {
-            let middle = 0.5 * (open + closed);
-            self.dynamics.drift(state, middle, &mut self.next)?;
-            if height(network, &self.next, hit) < 0.0 {
-                closed = middle
-            } else {
-                open = middle
+        hits: &[Hit],
+    ) -> Result<Vec<Option<f64>>> {
+        let mut times = Vec::with_capacity(hits.len());
+        for hit in hits {
+            let (mut open, mut closed) = (0.0, step);
+            while closed - open > SUB_STEP_TIME * step {
+                let middle = 0.5 * (open + closed);
+                self.dynamics.drift(state, middle, &mut self.next)?;
+                if height(network, &self.next, hit) < 0.0 {
+                    closed = middle;
+                } else {
+                    open = middle;
+                }
             }
+            times.push(Some(closed));
         }
-        Ok(closed)
+        Ok(times)
     }
 
     /// Eq. 43: N v⁺ = -N v⁻ for all contacts, whatever the sign of the impulses.
     fn reverse(&mut self, network: &Network, state: &mut State, hits: &[Hit]) {
-        let contacts: Vec<Contact> = hits
-            .iter()
-            .map(|hit| {
-                Contact::of_corner(
-                    network,
-                    &state.positions,
-                    hit.striker,
-                    hit.target,
-                    hit.shift,
-                )
-            })
-            .collect();
-        let contacts = without_repetitions(&contacts);
-        let rows: Vec<Row> = contacts
-            .iter()
-            .map(|contact| self.row(network, state, contact))
-            .collect();
-        let rods = self.dynamics.rods();
-        let columns: Vec<Vec<f64>> = rows
-            .iter()
-            .map(|row| {
-                super::collision::response::constrained_response(
-                    network,
-                    rods,
-                    row,
-                    state.velocities.len(),
-                )
-            })
-            .collect();
+        let mut contacts = Vec::with_capacity(hits.len());
+        for hit in hits {
+            contacts.push(hit.contact(network, &state.positions));
+        }
+        let (mut rows, mut columns, mut demands) = (Vec::new(), Vec::new(), Vec::new());
+        for contact in without_repetitions(&contacts) {
+            let row = printed_row(network, state, &contact);
+            let (rods, coordinates) = (self.dynamics.rods(), state.velocities.len());
+            columns.push(constrained_response(network, rods, &row, coordinates));
+            demands.push(-2.0 * row.dot(&state.velocities));
+            rows.push(row);
+        }
         let w = DMatrix::from_fn(rows.len(), rows.len(), |i, j| rows[i].dot(&columns[j]));
-        let q = DVector::from_iterator(
-            rows.len(),
-            rows.iter().map(|row| -2.0 * row.dot(&state.velocities)),
-        );
         let svd = w.svd(true, true);
-        let threshold = 1e-10 * svd.singular_values.amax();
-        let Ok(impulses) = svd.solve(&q, threshold) else {
+        let threshold = SINGULAR * svd.singular_values.amax();
+        let Ok(impulses) = svd.solve(&DVector::from_vec(demands), threshold) else {
             return;
         };
         let energy = state.kinetic_energy(network);
-        for (impulse, column) in impulses.iter().zip(&columns) {
-            if *impulse < 0.0 {
-                self.statistics.pulling_impulses += 1;
-                self.statistics.pull -= impulse;
-            }
-            for (v, x) in state.velocities.iter_mut().zip(column) {
-                *v += impulse * x;
-            }
-        }
+        add_impulses(impulses.as_slice(), &columns, &mut state.velocities);
         self.dynamics.velocities_changed(&mut state.velocities);
         let change = (state.kinetic_energy(network) / energy - 1.0).abs();
-        self.statistics.largest_relative_energy_change =
-            self.statistics.largest_relative_energy_change.max(change);
+        let statistics = &mut self.statistics;
+        for impulse in impulses.iter().filter(|impulse| **impulse < 0.0) {
+            statistics.pulling_impulses += 1;
+            statistics.pull -= impulse;
+        }
+        statistics.largest_relative_energy_change =
+            statistics.largest_relative_energy_change.max(change);
+    }
+}
+
+impl Hit {
+    fn contact(&self, network: &Network, positions: &[f64]) -> Contact {
+        Contact::of_corner(network, positions, self.striker, self.target, self.shift)
     }
 
-    /// The row of a contact; corners head on take the normal of eq. 42 as printed, where it is
-    /// defined.
-    fn row(&self, network: &Network, state: &State, contact: &Contact) -> Row {
-        if let Contact::VertexVertex {
-            striker, target, ..
-        } = *contact
-            && let Some(normal) = printed_normal(network, state, striker, target)
-        {
-            let arms = [striker, target].map(|corner| arm(network, &state.positions, corner));
-            return Row::along([striker.square, target.square], normal, arms);
-        }
-        contact.row(network, &state.positions)
+    /// How fast the corner leaves the square.
+    fn rate(&self, network: &Network, state: &State) -> f64 {
+        let contact = self.contact(network, &state.positions);
+        let row = contact.row(network, &state.positions);
+        row.dot(&state.velocities)
     }
+}
+
+/// The time at which the ansatz takes a corner through the side of its target, by bisection.
+fn root_by_ansatz(ansatz: &Ansatz, network: &Network, step: f64, hit: &Hit) -> Option<f64> {
+    let is_inside = |time: f64| height(network, &ansatz.land(time).positions, hit) < 0.0;
+    let (mut low, mut high) = (0.0, step);
+    let at_first = is_inside(low);
+    if at_first == is_inside(high) {
+        return None;
+    }
+    while (high - low).abs() > ANSATZ_TIME * step.abs() {
+        let middle = 0.5 * (low + high);
+        if middle == low || middle == high {
+            break;
+        }
+        if is_inside(middle) == at_first {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Some(high)
+}
+
+/// The row of a contact; corners head on take the normal of eq. 42 as printed, where it is defined.
+fn printed_row(network: &Network, state: &State, contact: &Contact) -> Row {
+    if let Contact::VertexVertex {
+        striker, target, ..
+    } = *contact
+        && let Some(normal) = printed_normal(network, state, striker, target)
+    {
+        let layout = Layout::new(network, &state.positions);
+        let arms = [layout.arm(striker), layout.arm(target)];
+        return Row::along([striker.square, target.square], normal, arms);
+    }
+    contact.row(network, &state.positions)
 }
 
 /// Corners inside squares (inequality 13 violated), in both roles.
@@ -385,15 +416,11 @@ fn corners_inside(candidates: &mut Candidates, network: &Network, positions: &[f
             continue;
         };
         let back = [-pair.shift[0], -pair.shift[1]];
-        for (striker, target, shift) in
-            [(pair.first, second, pair.shift), (second, pair.first, back)]
-        {
+        let roles = [(pair.first, second, pair.shift), (second, pair.first, back)];
+        for (square, target, shift) in roles {
             for vertex in 1..=4 {
                 let hit = Hit {
-                    striker: Corner {
-                        square: striker,
-                        vertex,
-                    },
+                    striker: Corner { square, vertex },
                     target,
                     shift,
                 };
@@ -406,60 +433,17 @@ fn corners_inside(candidates: &mut Candidates, network: &Network, positions: &[f
     hits
 }
 
-/// Eq. 12 less l², over √2 l.
+/// Eq. 12 less l², over √2 l: how far a corner is above the sides of its target.
 fn height(network: &Network, positions: &[f64], hit: &Hit) -> f64 {
-    let contact = (0..4).map(|side| {
-        Contact::VertexSide {
+    let mut highest = f64::NEG_INFINITY;
+    for side in 0..4 {
+        let contact = Contact::VertexSide {
             striker: hit.striker,
             target: hit.target,
             side,
             shift: hit.shift,
-        }
-        .gap(network, positions)
-    });
-    contact.fold(f64::NEG_INFINITY, f64::max)
-}
-
-/// The direction of eq. 42, turned from target to striker:
-///
-/// n ∝ G ((ρ_l ρ_lᵀ - ρ_k ρ_kᵀ)/I)⁻¹ ((Gᵀ + ρ_l e_zᵀ) ṡ_target + (Gᵀ + ρ_k e_zᵀ) ṡ_striker).
-///
-/// It holds the *sum* of the velocities, so it depends on the observer. `None` where the matrix is
-/// singular.
-pub fn printed_normal(
-    network: &Network,
-    state: &State,
-    striker: Corner,
-    target: Corner,
-) -> Option<[f64; 2]> {
-    let (k, l) = (
-        arm(network, &state.positions, striker),
-        arm(network, &state.positions, target),
-    );
-    let inertia = network.squares[striker.square].inertia;
-    let entry = |i: usize, j: usize| (l[i] * l[j] - k[i] * k[j]) / inertia;
-    let (a, b, c) = (entry(0, 0), entry(0, 1), entry(1, 1));
-    let determinant = a * c - b * b;
-    if determinant.abs() <= HEAD_ON {
-        return None;
+        };
+        highest = highest.max(contact.gap(network, positions));
     }
-    // G = (0 -1; 1 0): G x = (-y, x), Gᵀ x = (y, -x).
-    let part = |corner: Corner, rho: [f64; 2]| {
-        let v = &state.velocities[3 * corner.square..3 * corner.square + 3];
-        [v[1] + rho[0] * v[2], -v[0] + rho[1] * v[2]]
-    };
-    let (first, second) = (part(target, l), part(striker, k));
-    let sum = [first[0] + second[0], first[1] + second[1]];
-    let solved = [
-        (c * sum[0] - b * sum[1]) / determinant,
-        (a * sum[1] - b * sum[0]) / determinant,
-    ];
-    let (x, y) = (-solved[1], solved[0]);
-    let length = x.hypot(y);
-    if length.is_nan() || length <= HEAD_ON {
-        return None;
-    }
-    let outward = (l[0] - k[0]) * x + (l[1] - k[1]) * y;
-    let sign = if outward < 0.0 { -1.0 } else { 1.0 };
-    Some([sign * x / length, sign * y / length])
+    highest
 }

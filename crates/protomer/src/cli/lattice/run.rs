@@ -55,6 +55,10 @@ pub struct SettingsArgs {
     /// Angular velocity of every square (checkerboard), or the largest drawn (random) [default: 1].
     #[arg(long, allow_negative_numbers = true)]
     speed: Option<f64>,
+    /// Standard deviation of random numbers added to the angular velocities of a checkerboard start
+    /// [default: 0].
+    #[arg(long, allow_negative_numbers = true)]
+    velocity_spread: Option<f64>,
     /// Run to this time [default: 10].
     #[arg(long, allow_negative_numbers = true)]
     time: Option<f64>,
@@ -123,6 +127,7 @@ impl SettingsArgs {
         override_with(&mut settings.angle_spread, self.angle_spread);
         override_with(&mut settings.velocities, self.velocities);
         override_with(&mut settings.speed, self.speed);
+        override_with(&mut settings.velocity_spread, self.velocity_spread);
         if self.time.is_some() {
             settings.steps = None;
         }

@@ -4,7 +4,7 @@ use super::super::{Global, Outcome, output};
 use crate::body_file;
 use crate::lattice::square_of_body::{Axis, Size, square_of_body};
 use anyhow::{Result, bail};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use protomer_io::atomic::write_atomically;
 use std::path::{Path, PathBuf};
 
@@ -14,22 +14,65 @@ pub struct SquareArgs {
     /// Body file.
     body: PathBuf,
     /// The axis to look along.
-    #[arg(long, value_enum, default_value_t = Axis::Auto)]
-    axis: Axis,
+    #[arg(long, value_enum, default_value_t = AxisName::Auto)]
+    axis: AxisName,
     /// What the half-diagonal is.
-    #[arg(long, value_enum, default_value_t = Size::Corners)]
-    size: Size,
+    #[arg(long, value_enum, default_value_t = SizeName::Corners)]
+    size: SizeName,
     /// Write the configuration to this file instead of stdout.
     #[arg(short, long)]
     output: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum AxisName {
+    /// Found from the moments of inertia.
+    Auto,
+    /// The body's x axis.
+    X,
+    /// The body's y axis.
+    Y,
+    /// The body's z axis.
+    Z,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum SizeName {
+    /// The reach of the outline at the corners.
+    Corners,
+    /// Of the smallest square that holds the outline.
+    Outside,
+    /// Of the square with the area of the outline.
+    Area,
+}
+
+impl From<AxisName> for Axis {
+    fn from(name: AxisName) -> Self {
+        match name {
+            AxisName::Auto => Self::Auto,
+            AxisName::X => Self::X,
+            AxisName::Y => Self::Y,
+            AxisName::Z => Self::Z,
+        }
+    }
+}
+
+impl From<SizeName> for Size {
+    fn from(name: SizeName) -> Self {
+        match name {
+            SizeName::Corners => Self::Corners,
+            SizeName::Outside => Self::Outside,
+            SizeName::Area => Self::Area,
+        }
+    }
 }
 
 impl SquareArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
         square(
             &self.body,
-            self.axis,
-            self.size,
+            self.axis.into(),
+            self.size.into(),
             self.output.as_deref(),
             global,
         )

@@ -1,5 +1,6 @@
 //! `protomer lattice sweep`: rod lengths, κ and seeds.
 
+use super::super::execution::override_with;
 use super::super::{Global, Outcome, output};
 use super::run::{DirectoryArgs, SettingsArgs};
 use crate::lattice::sweep::{LatticeSweep, LatticeSweepEnd, axes, run_sweep, tasks};
@@ -22,6 +23,12 @@ pub struct SweepArgs {
     /// Runs per rod length and κ: seeds 1, 2, ...
     #[arg(long)]
     seeds: Option<u64>,
+    /// Measure the maximal Lyapunov exponent of every run.
+    #[arg(long)]
+    lyapunov: bool,
+    /// Intervals over which the exponent is averaged [default: 200].
+    #[arg(long, requires = "lyapunov")]
+    lyapunov_intervals: Option<usize>,
     #[command(flatten)]
     settings: SettingsArgs,
 }
@@ -47,7 +54,12 @@ impl SweepArgs {
             Some(seeds) => sweep.seeds = (1..=seeds).collect(),
             None => {}
         }
+        if self.lyapunov {
+            let lyapunov = sweep.lyapunov.get_or_insert_default();
+            override_with(&mut lyapunov.intervals, self.lyapunov_intervals);
+        }
         settings.sweep = Some(sweep);
+        settings.check()?;
         let runs = tasks(&settings, &self.directory.output)?.len();
         let conditions = axes(&settings);
         global.say(&format!(
@@ -86,7 +98,7 @@ impl SweepArgs {
         if global.quiet {
             return Ok(());
         }
-        let heading = [
+        let mut heading = vec![
             "r0",
             "κ",
             "runs",
@@ -96,7 +108,11 @@ impl SweepArgs {
             "σ of checkerboard",
             "synchronisation",
         ];
-        let mut table = vec![heading.map(str::to_owned).to_vec()];
+        let has_exponents = axes(&sweep.settings).lyapunov.is_some();
+        if has_exponents {
+            heading.push("λ_max");
+        }
+        let mut table = vec![Vec::from_iter(heading.into_iter().map(str::to_owned))];
         let show = |Estimate { mean, error }: Estimate| match (mean.is_finite(), error.is_finite())
         {
             (false, _) => "-".to_owned(),
@@ -104,7 +120,7 @@ impl SweepArgs {
             (true, true) => format!("{mean:.3} ± {error:.3}"),
         };
         for row in &sweep.conditions {
-            table.push(vec![
+            let mut cells = vec![
                 format!("{:.4}", row.r0),
                 row.kappa.to_string(),
                 row.runs.to_string(),
@@ -113,7 +129,11 @@ impl SweepArgs {
                 show(row.largest_spread),
                 show(row.checkerboard_deviation),
                 show(row.synchronisation),
-            ]);
+            ];
+            if has_exponents {
+                cells.push(show(row.lyapunov_exponent));
+            }
+            table.push(cells);
         }
         output::text(&output::table(&table))?;
         global.say(&format!(

@@ -1,0 +1,134 @@
+//! Points sorted into cells at least as wide as the reach.
+
+use crate::plane::Vector;
+use std::ops::RangeInclusive;
+
+/// A point and the shift to one of its periodic images.
+pub(super) type Image = (usize, Vector);
+
+pub(super) struct Grid<'a> {
+    places: &'a [Vector],
+    reach: f64,
+    low: Vector,
+    counts: [usize; 2],
+    width: Vector,
+    /// Edges of the periodic cell.
+    periodic: Option<Vector>,
+    /// The first point of every cell, and the points cell by cell.
+    starts: Vec<usize>,
+    points: Vec<usize>,
+}
+
+impl<'a> Grid<'a> {
+    pub fn new(places: &'a [Vector], reach: f64, periodic: Option<Vector>) -> Self {
+        let (low, extent) = extent(places, periodic);
+        // Squares that have flown far apart must not ask for more cells than there are points.
+        let most = 2.0 * (places.len() as f64).sqrt().ceil() + 1.0;
+        let counts = extent.map(|extent| (extent / reach).floor().clamp(1.0, most) as usize);
+        let width = [extent[0] / counts[0] as f64, extent[1] / counts[1] as f64];
+        let mut grid = Self {
+            places,
+            reach,
+            low,
+            counts,
+            width,
+            periodic,
+            starts: Vec::new(),
+            points: vec![0; places.len()],
+        };
+        grid.sort_points();
+        grid
+    }
+
+    /// Counting sort of the points by their cells.
+    fn sort_points(&mut self) {
+        let mut starts = vec![0; self.counts[0] * self.counts[1] + 1];
+        for place in self.places {
+            starts[self.cell(*place) + 1] += 1;
+        }
+        for cell in 1..starts.len() {
+            starts[cell] += starts[cell - 1];
+        }
+        let mut next = starts.clone();
+        for (point, place) in self.places.iter().enumerate() {
+            let cell = self.cell(*place);
+            self.points[next[cell]] = point;
+            next[cell] += 1;
+        }
+        self.starts = starts;
+    }
+
+    fn column(&self, place: f64, axis: usize) -> usize {
+        let at = ((place - self.low[axis]) / self.width[axis]).floor();
+        let count = self.counts[axis];
+        if self.periodic.is_some() {
+            at.rem_euclid(count as f64) as usize % count
+        } else {
+            at.clamp(0.0, (count - 1) as f64) as usize
+        }
+    }
+
+    fn cell(&self, place: Vector) -> usize {
+        self.column(place[1], 1) * self.counts[0] + self.column(place[0], 0)
+    }
+
+    /// The columns (or rows) next to that of a place, and its own.
+    fn columns_around(&self, place: f64, axis: usize) -> Vec<usize> {
+        let (count, middle) = (self.counts[axis], self.column(place, axis));
+        if self.periodic.is_none() {
+            return (middle.saturating_sub(1)..=(middle + 1).min(count - 1)).collect();
+        }
+        if count < 3 {
+            return (0..count).collect();
+        }
+        vec![(middle + count - 1) % count, middle, (middle + 1) % count]
+    }
+
+    /// Collects the points, with the shifts of their images, that may be within reach of a place.
+    pub fn near(&self, place: Vector, out: &mut Vec<Image>) {
+        out.clear();
+        let columns = self.columns_around(place[0], 0);
+        for row in self.columns_around(place[1], 1) {
+            for column in &columns {
+                let cell = row * self.counts[0] + column;
+                for point in &self.points[self.starts[cell]..self.starts[cell + 1]] {
+                    self.add_images(*point, place, out);
+                }
+            }
+        }
+    }
+
+    fn add_images(&self, point: usize, place: Vector, out: &mut Vec<Image>) {
+        let Some(edges) = self.periodic else {
+            out.push((point, [0.0; 2]));
+            return;
+        };
+        let there = self.places[point];
+        for right in self.images_within(there[0] - place[0], edges[0]) {
+            for up in self.images_within(there[1] - place[1], edges[1]) {
+                out.push((point, [right as f64 * edges[0], up as f64 * edges[1]]));
+            }
+        }
+    }
+
+    /// The images of a point this far away, in cells of this edge, that are within reach.
+    fn images_within(&self, away: f64, edge: f64) -> RangeInclusive<i64> {
+        let low = ((-self.reach - away) / edge).ceil() as i64;
+        let high = ((self.reach - away) / edge).floor() as i64;
+        low..=high
+    }
+}
+
+/// The lowest coordinates and the extent of the points, or of the periodic cell.
+fn extent(places: &[Vector], periodic: Option<Vector>) -> (Vector, Vector) {
+    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    for place in places {
+        for axis in 0..2 {
+            low[axis] = low[axis].min(place[axis]);
+            high[axis] = high[axis].max(place[axis]);
+        }
+    }
+    let of_points = [high[0] - low[0], high[1] - low[1]];
+    let extent = periodic.unwrap_or(of_points);
+    (low, extent.map(|length| length.max(1e-9)))
+}

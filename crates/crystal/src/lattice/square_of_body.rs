@@ -1,0 +1,377 @@
+//! The square that stands for a body: seen along its symmetry axis, how large it is, how it is
+//! turned, how hard to spin, and where its charges are.
+//!
+//! * The axis is the principal axis of inertia whose other two moments differ least (they are equal
+//!   for three-fold symmetry and higher), unless it is given.
+//! * The outline is the support function of the mesh, h(φ) = max (x cos φ + y sin φ). Its harmonics
+//!   tell the symmetry: the order n from 2 to 8 with the largest |c_n|. The corners are where the
+//!   fourth harmonic is largest.
+//! * The half-diagonal reaches to the corners (the mean of h there), or is that of the square that
+//!   holds the outline, or that of the square of equal area.
+//! * The inertia about the axis is that of a solid of uniform density, in units of m l²; it is 1/3
+//!   for a square.
+
+use super::pair::SquareCharge;
+use crate::plane::{Vector, direction, dot};
+use crate::{CrystalError, Result};
+use protomer_kernel::Vec3;
+use protomer_kernel::mesh::{MassProperties, TriangleMesh};
+use serde::Serialize;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, SQRT_2, TAU};
+
+/// Directions in which the outline is measured.
+const DIRECTIONS: usize = 720;
+/// Orders of symmetry that are told apart.
+const HIGHEST_ORDER: usize = 8;
+
+/// What the half-diagonal measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Size {
+    /// The reach of the outline at the corners.
+    Corners,
+    /// The smallest square that holds the outline.
+    Outside,
+    /// The square with the area of the outline.
+    Area,
+}
+
+/// The axis to look along.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Axis {
+    /// Found from the moments of inertia.
+    Auto,
+    /// The body's x axis.
+    X,
+    /// The body's y axis.
+    Y,
+    /// The body's z axis.
+    Z,
+}
+
+/// A body as the solid inside a mesh, with point charges.
+#[derive(Debug, Clone, Copy)]
+pub struct Solid<'a> {
+    /// The surface, Å.
+    pub mesh: &'a TriangleMesh,
+    /// Those of the mesh.
+    pub mass_properties: &'a MassProperties,
+    /// Places (Å) and charges (e).
+    pub charges: &'a [(Vec3, f64)],
+}
+
+/// A body as a square.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BodySquare {
+    /// The axis, a unit vector in the frame of the body.
+    pub axis: [f64; 3],
+    /// Relative difference of the moments of inertia about the two other principal axes: 0 for
+    /// symmetry.
+    pub moments_differ: f64,
+    /// Order of the symmetry that the outline shows most.
+    pub symmetry_order: usize,
+    /// How much the outline changes when it is turned by 90° (root mean square, in parts of its
+    /// mean radius).
+    pub deviation_from_fourfold: f64,
+    /// Distance from the centre to a corner, Å, as chosen.
+    pub half_diagonal_angstrom: f64,
+    /// How it was chosen.
+    pub size: Size,
+    /// The reach of the outline at the corners, Å.
+    pub corner_reach_angstrom: f64,
+    /// Half-diagonal of the smallest square that holds the outline, Å.
+    pub outside_half_diagonal_angstrom: f64,
+    /// Half-diagonal of the square with the area of the outline (its convex hull), Å.
+    pub equal_area_half_diagonal_angstrom: f64,
+    /// Extent along the axis, Å.
+    pub height_angstrom: f64,
+    /// Moment of inertia about the axis in units of m l².
+    pub inertia: f64,
+    /// Net charge, e.
+    pub net_charge_e: f64,
+    /// The charges, gathered by sign in the four quarters between the sides' normals, in units of
+    /// l, corner 2 at 45°.
+    pub charges: Vec<SquareCharge>,
+}
+
+impl BodySquare {
+    /// The square of a body.
+    ///
+    /// ```
+    /// use protomer_crystal::lattice::square_of_body::{Axis, BodySquare, Size, Solid};
+    /// use protomer_kernel::{Vec3, mesh::TriangleMesh};
+    /// // A cube with an edge of 10 Å.
+    /// let corner = |k: usize| Vec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
+    /// let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    /// let halves = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]];
+    /// let mesh = TriangleMesh {
+    ///     vertices: (0..8).map(|k| 10.0 * corner(k)).collect(),
+    ///     triangles: faces.into_iter().flat_map(halves).collect(),
+    /// };
+    /// let mass_properties = mesh.mass_properties()?;
+    /// let cube = Solid { mesh: &mesh, mass_properties: &mass_properties, charges: &[] };
+    /// let square = BodySquare::of(&cube, Axis::Z, Size::Corners)?;
+    /// assert!((square.half_diagonal_angstrom - 50f64.sqrt()).abs() < 1e-9);
+    /// assert!((square.inertia - 1.0 / 3.0).abs() < 1e-9 && square.symmetry_order == 4);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`CrystalError::BadState`] if the body has no extent across the axis.
+    pub fn of(solid: &Solid, axis: Axis, size: Size) -> Result<Self> {
+        let (axis, moments_differ) = choose_axis(solid, axis);
+        let view = View::along(solid, axis);
+        let outline = Outline::of(solid, &view);
+        let mean = outline.mean();
+        if !(mean.is_finite() && mean > 0.0) {
+            return Err(CrystalError::BadState(
+                "the body has no extent across the axis; choose another axis".into(),
+            ));
+        }
+        let corner = outline.harmonic(4).angle;
+        let corner_reach_angstrom = outline.mean_reach_at_corners(corner);
+        let outside_half_diagonal_angstrom = SQRT_2 * outline.farthest_side(corner);
+        let equal_area_half_diagonal_angstrom = (0.5 * outline.hull_area()).sqrt();
+        let half_diagonal_angstrom = match size {
+            Size::Corners => corner_reach_angstrom,
+            Size::Outside => outside_half_diagonal_angstrom,
+            Size::Area => equal_area_half_diagonal_angstrom,
+        };
+        let turn = direction(corner - FRAC_PI_4);
+        Ok(Self {
+            axis: axis.into(),
+            moments_differ,
+            symmetry_order: outline.strongest_order(),
+            deviation_from_fourfold: outline.change_by_quarter_turn() / mean,
+            half_diagonal_angstrom,
+            size,
+            corner_reach_angstrom,
+            outside_half_diagonal_angstrom,
+            equal_area_half_diagonal_angstrom,
+            height_angstrom: height(solid, &axis),
+            inertia: moment_about(solid, &axis) / (half_diagonal_angstrom * half_diagonal_angstrom),
+            net_charge_e: solid.charges.iter().map(|(_, charge)| charge).sum(),
+            charges: gather(solid, &view, turn, half_diagonal_angstrom),
+        })
+    }
+}
+
+/// The axis and the relative difference of the two moments across it.
+fn choose_axis(solid: &Solid, axis: Axis) -> (Vec3, f64) {
+    let given = match axis {
+        Axis::X => Vec3::x(),
+        Axis::Y => Vec3::y(),
+        Axis::Z => Vec3::z(),
+        Axis::Auto => return principal_axis(solid),
+    };
+    let inertia = solid.mass_properties.inertia_angstrom5;
+    let [across, along] = plane_across(&given);
+    let (a, b) = (
+        across.dot(&(inertia * across)),
+        along.dot(&(inertia * along)),
+    );
+    let c = across.dot(&(inertia * along));
+    (given, 2.0 * (a - b).hypot(2.0 * c) / (a + b))
+}
+
+/// The principal axis whose other two moments differ least.
+fn principal_axis(solid: &Solid) -> (Vec3, f64) {
+    let eigen = solid.mass_properties.inertia_angstrom5.symmetric_eigen();
+    let (mut best, mut least) = (2, f64::INFINITY);
+    for axis in 0..3 {
+        let a = eigen.eigenvalues[(axis + 1) % 3];
+        let b = eigen.eigenvalues[(axis + 2) % 3];
+        let difference = 2.0 * (a - b).abs() / (a + b);
+        if difference < least {
+            (best, least) = (axis, difference);
+        }
+    }
+    let axis: Vec3 = eigen.eigenvectors.column(best).into_owned();
+    // Of the two directions, the one that points along the largest component.
+    let sign = axis[axis.iamax()].signum();
+    (axis * sign, least)
+}
+
+/// Two unit vectors across the axis, right-handed with it.
+fn plane_across(axis: &Vec3) -> [Vec3; 2] {
+    let mut helper = Vec3::zeros();
+    helper[axis.iamin()] = 1.0;
+    // For the z axis these are x and y.
+    let across = (helper - axis * axis.dot(&helper)).normalize();
+    [across, axis.cross(&across)]
+}
+
+fn height(solid: &Solid, axis: &Vec3) -> f64 {
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for vertex in &solid.mesh.vertices {
+        let place = vertex.dot(axis);
+        low = low.min(place);
+        high = high.max(place);
+    }
+    high - low
+}
+
+/// The moment of inertia about the axis, over the mass, Å².
+fn moment_about(solid: &Solid, axis: &Vec3) -> f64 {
+    let inertia = solid.mass_properties.inertia_angstrom5;
+    axis.dot(&(inertia * axis)) / solid.mass_properties.volume_angstrom3
+}
+
+/// The plane across the axis, through the centre of the body.
+struct View {
+    centre: Vec3,
+    axes: [Vec3; 2],
+}
+
+impl View {
+    fn along(solid: &Solid, axis: Vec3) -> Self {
+        Self {
+            centre: solid.mass_properties.centroid,
+            axes: plane_across(&axis),
+        }
+    }
+
+    fn flatten(&self, point: &Vec3) -> Vector {
+        let from_centre = point - self.centre;
+        [
+            from_centre.dot(&self.axes[0]),
+            from_centre.dot(&self.axes[1]),
+        ]
+    }
+}
+
+/// The support function of a body seen along an axis.
+struct Outline {
+    points: Vec<Vector>,
+    /// h in equally spaced directions.
+    support: Vec<f64>,
+}
+
+/// |c_n| and the angle at which the harmonic is largest.
+struct Harmonic {
+    size: f64,
+    angle: f64,
+}
+
+impl Outline {
+    fn of(solid: &Solid, view: &View) -> Self {
+        let vertices = &solid.mesh.vertices;
+        let mut outline = Self {
+            points: vertices.iter().map(|vertex| view.flatten(vertex)).collect(),
+            support: Vec::with_capacity(DIRECTIONS),
+        };
+        for k in 0..DIRECTIONS {
+            let reach = outline.reach(TAU * k as f64 / DIRECTIONS as f64);
+            outline.support.push(reach);
+        }
+        outline
+    }
+
+    /// h.
+    fn reach(&self, angle: f64) -> f64 {
+        let along = direction(angle);
+        let mut reach = f64::NEG_INFINITY;
+        for point in &self.points {
+            reach = reach.max(dot(*point, along));
+        }
+        reach
+    }
+
+    fn mean(&self) -> f64 {
+        self.support.iter().sum::<f64>() / DIRECTIONS as f64
+    }
+
+    fn harmonic(&self, order: usize) -> Harmonic {
+        let (mut re, mut im) = (0.0, 0.0);
+        for (k, h) in self.support.iter().enumerate() {
+            let [cosine, sine] = direction(TAU * (order * k) as f64 / DIRECTIONS as f64);
+            re += h * cosine;
+            im += h * sine;
+        }
+        Harmonic {
+            size: re.hypot(im) / DIRECTIONS as f64,
+            angle: im.atan2(re) / order as f64,
+        }
+    }
+
+    /// The order with the largest harmonic; the higher one of equals.
+    fn strongest_order(&self) -> usize {
+        let (mut strongest, mut largest) = (4, f64::NEG_INFINITY);
+        for order in 2..=HIGHEST_ORDER {
+            let size = self.harmonic(order).size;
+            if size >= largest {
+                (strongest, largest) = (order, size);
+            }
+        }
+        strongest
+    }
+
+    /// Root mean square of h(φ) - h(φ + 90°).
+    fn change_by_quarter_turn(&self) -> f64 {
+        let mut squares = 0.0;
+        for k in 0..DIRECTIONS {
+            let turned = self.support[(k + DIRECTIONS / 4) % DIRECTIONS];
+            squares += (self.support[k] - turned).powi(2);
+        }
+        (squares / DIRECTIONS as f64).sqrt()
+    }
+
+    fn mean_reach_at_corners(&self, corner: f64) -> f64 {
+        let mut sum = 0.0;
+        for k in 0..4 {
+            sum += self.reach(corner + FRAC_PI_2 * f64::from(k));
+        }
+        sum / 4.0
+    }
+
+    fn farthest_side(&self, corner: f64) -> f64 {
+        let mut farthest = 0.0_f64;
+        for k in 0..4 {
+            farthest = farthest.max(self.reach(corner + FRAC_PI_4 + FRAC_PI_2 * f64::from(k)));
+        }
+        farthest
+    }
+
+    /// Area of the convex shape with this support function, ½ ∮ h (h + h'') dφ = ½ ∮ (h² - h'²) dφ.
+    fn hull_area(&self) -> f64 {
+        let step = TAU / DIRECTIONS as f64;
+        let mut sum = 0.0;
+        for (k, a) in self.support.iter().enumerate() {
+            let b = self.support[(k + 1) % DIRECTIONS];
+            sum += 0.5 * (a * a + b * b) - ((b - a) / step).powi(2);
+        }
+        0.5 * step * sum
+    }
+}
+
+/// Charges of each sign in each quarter, at their mean place. The square at θ = 0 has its sides
+/// along x and y.
+fn gather(solid: &Solid, view: &View, turn: Vector, half_diagonal: f64) -> Vec<SquareCharge> {
+    let [cosine, sine] = turn;
+    let mut sums = [[0.0; 3]; 8];
+    for (place, charge) in solid.charges.iter().filter(|(_, charge)| *charge != 0.0) {
+        let [x, y] = view.flatten(place);
+        let (x, y) = (x * cosine + y * sine, y * cosine - x * sine);
+        let quarter = match (x >= 0.0, y >= 0.0) {
+            (true, true) => 0,
+            (false, true) => 1,
+            (false, false) => 2,
+            (true, false) => 3,
+        };
+        let sum = &mut sums[2 * quarter + usize::from(*charge < 0.0)];
+        for (sum, term) in sum.iter_mut().zip([charge * x, charge * y, *charge]) {
+            *sum += term;
+        }
+    }
+    let mut charges = Vec::new();
+    for [x, y, charge] in sums {
+        if charge != 0.0 {
+            charges.push(SquareCharge {
+                position: [x / charge / half_diagonal, y / charge / half_diagonal],
+                charge,
+            });
+        }
+    }
+    charges
+}

@@ -1,0 +1,131 @@
+//! A time step that keeps the energy.
+//!
+//! The first guess lets the rod that turns fastest turn by a twentieth of a radian per step. Where
+//! squares start to pull at their rods (all open, say, each turning its own way) rods soon turn
+//! faster than that, and the energy makes a jump in the first steps that falls with the square of
+//! the step: the step is halved until a short trial without collisions keeps the energy.
+
+use super::dynamics::Dynamics;
+use super::force::Force;
+use super::network::Network;
+use super::plan::Plan;
+use super::rods::RodSystem;
+use super::state::{State, angles};
+use crate::Result;
+use std::sync::Arc;
+
+/// A rod turns by at most this angle in the first guess, rad.
+const TURN_PER_STEP: f64 = 0.05;
+/// The longest step: squares that are at rest may be pushed later.
+const LONGEST_STEP: f64 = 0.01;
+/// The largest relative change of the energy in a trial.
+const TRIAL_ERROR: f64 = 1e-3;
+const TRIAL_STEPS: u64 = 20;
+const MOST_HALVINGS: usize = 8;
+
+/// A time step for a run from this state under these forces at the temperature kT (0 without a heat
+/// bath): 1, 2 or 5 times a power of ten, so that times are round. `network` is that of the plan,
+/// whose square and rod length stand for all.
+///
+/// ```
+/// use protomer_crystal::lattice::time_step::automatic_time_step;
+/// use protomer_crystal::lattice::{Plan, Start, StartVelocities};
+/// let plan = Plan { rows: 2, columns: 2, rod_length: 1.0, ..Plan::default() };
+/// let network = plan.network()?;
+/// let velocities = StartVelocities::Checkerboard { rate: 1.0 };
+/// let state = Start { velocities, ..Start::default() }.build(&network, 0)?.state;
+/// assert_eq!(automatic_time_step(&plan, &network, &state, Vec::new(), 0.0)?, 0.01);
+/// # Ok::<(), protomer_crystal::CrystalError>(())
+/// ```
+///
+/// # Errors
+/// Those of [`Dynamics::new`].
+pub fn automatic_time_step(
+    plan: &Plan,
+    network: &Network,
+    state: &State,
+    forces: Vec<Box<dyn Force>>,
+    kt: f64,
+) -> Result<f64> {
+    let rate = fastest_turning(plan, network, state, kt);
+    let mut step = round_down((TURN_PER_STEP / rate).min(LONGEST_STEP));
+    let mut dynamics = Dynamics::new(Arc::new(network.clone()), forces, state)?;
+    for _ in 0..MOST_HALVINGS {
+        if trial_error(&mut dynamics, state, step)? < TRIAL_ERROR {
+            break;
+        }
+        step = round_down(0.55 * step);
+    }
+    Ok(step)
+}
+
+/// How fast the rods turn, or could turn: in a coherent start they are at rest, and what the squares
+/// can give them counts.
+fn fastest_turning(plan: &Plan, network: &Network, state: &State, kt: f64) -> f64 {
+    let mut rods = RodSystem::new(network);
+    let turning = rods.largest_turning_rate(&state.positions, &state.velocities);
+    let spin = angles(&state.velocities).fold(0.0_f64, |most, omega| most.max(omega.abs()));
+    let of_corners = spin * plan.square.half_diagonal / plan.rod_length;
+    let thermal_speed = (kt / plan.square.mass).sqrt();
+    turning.max(of_corners).max(thermal_speed / plan.rod_length)
+}
+
+/// Largest relative change of the energy in a few steps; infinite if one of them fails.
+fn trial_error(dynamics: &mut Dynamics, first: &State, step: f64) -> Result<f64> {
+    let mut state = first.clone();
+    dynamics.prepare(&state)?;
+    let start = energy(dynamics, &state);
+    let mut largest = 0.0_f64;
+    for _ in 0..TRIAL_STEPS {
+        if dynamics.step(&mut state, step).is_err() {
+            return Ok(f64::INFINITY);
+        }
+        largest = largest.max((energy(dynamics, &state) - start).abs());
+    }
+    Ok(if start > 0.0 { largest / start } else { 0.0 })
+}
+
+fn energy(dynamics: &Dynamics, state: &State) -> f64 {
+    state.kinetic_energy(dynamics.network()) + dynamics.potential_energy()
+}
+
+/// The largest of 1, 2 or 5 times a power of ten that is not above the step.
+fn round_down(step: f64) -> f64 {
+    let power = step.log10().floor() as i32;
+    let scale = 10f64.powi(power.abs());
+    // Division by an exact power of ten is correctly rounded; multiplication by 0.001 is not.
+    let [five, two, one] = [5.0, 2.0, 1.0].map(|digit| {
+        if power < 0 {
+            digit / scale
+        } else {
+            digit * scale
+        }
+    });
+    if five <= step {
+        five
+    } else if two <= step {
+        two
+    } else {
+        one
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_are_round() {
+        for (step, rounded) in [
+            (0.0123, 0.01),
+            (0.05, 0.05),
+            (0.0499, 0.02),
+            (1.9e-3, 1e-3),
+            (7e-4, 5e-4),
+            (3.0, 2.0),
+            (60.0, 50.0),
+        ] {
+            assert_eq!(round_down(step), rounded);
+        }
+    }
+}

@@ -1,0 +1,16 @@
+//! Numbers for people.
+
+/// Several numbers with so many decimals.
+pub(super) fn fixed(values: &[f64], decimals: usize) -> String {
+    let texts: Vec<String> = values.iter().map(|x| rounded(*x, decimals)).collect();
+    texts.join(", ")
+}
+
+/// A number with so many decimals; what rounds to zero has no sign.
+pub(super) fn rounded(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(size) if size.bytes().all(|byte| b"0.".contains(&byte)) => size.to_owned(),
+        _ => text,
+    }
+}

@@ -1,0 +1,111 @@
+//! `lyapunov.json`: the maximal Lyapunov exponent of a run of a sweep.
+//!
+//! It is that of the trajectory from the start of the run, moved as the run is, with its time step.
+
+use super::settings::LatticeSettings;
+use super::start::{begin, time_step};
+use crate::interrupt::Interrupt;
+use crate::keys;
+use anyhow::{Context, Result};
+use protomer_crystal::analysis::lyapunov::{
+    LyapunovExponent, LyapunovSettings, Neighbours, SteppedFlow,
+};
+use protomer_crystal::lattice::Mover;
+use protomer_io::atomic::write_atomically;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+use std::sync::Arc;
+
+const FILE: &str = "lyapunov.json";
+
+/// A maximal Lyapunov exponent, or why there is none.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Exponent {
+    /// How it was measured.
+    pub settings: LyapunovSettings,
+    /// λ, 1/time.
+    pub exponent: Option<f64>,
+    /// Its standard error.
+    pub standard_error: Option<f64>,
+    /// Why the trajectory or its neighbour could not be carried to the end.
+    pub failure: Option<String>,
+}
+
+/// Measures the exponent of a run and writes it into its directory, or reads it from there. `None`
+/// if it was interrupted.
+///
+/// # Errors
+/// For settings that make no sense, a damaged file, or a disk that takes no more. A trajectory that
+/// cannot be carried to the end is no error: the file says why.
+pub fn measure(
+    settings: &LatticeSettings,
+    lyapunov: &LyapunovSettings,
+    directory: &Path,
+    interrupt: &Interrupt,
+) -> Result<Option<Exponent>> {
+    let lyapunov = LyapunovSettings {
+        seed: lyapunov.seed.wrapping_add(settings.seed),
+        ..*lyapunov
+    };
+    let path = directory.join(FILE);
+    if let Some(present) = read(&path)?
+        && present.settings == lyapunov
+    {
+        return Ok(Some(present));
+    }
+    let exponent = match follow(settings, &lyapunov, interrupt) {
+        Ok(None) => return Ok(None),
+        Ok(Some(found)) => Exponent {
+            settings: lyapunov,
+            exponent: Some(found.exponent),
+            standard_error: Some(found.standard_error),
+            failure: None,
+        },
+        Err(error) => Exponent {
+            settings: lyapunov,
+            exponent: None,
+            standard_error: None,
+            failure: Some(format!("{error:#}")),
+        },
+    };
+    let text = serde_json::to_string_pretty(&exponent).context(FILE)?;
+    write_atomically(&path, |file| writeln!(file, "{text}"))?;
+    Ok(Some(exponent))
+}
+
+fn read(path: &Path) -> Result<Option<Exponent>> {
+    if !path.exists() {
+        return Ok(None);
+    }
+    let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+    keys::from_json(path, &bytes).map(Some)
+}
+
+fn follow(
+    settings: &LatticeSettings,
+    lyapunov: &LyapunovSettings,
+    interrupt: &Interrupt,
+) -> Result<Option<LyapunovExponent>> {
+    let begun = begin(settings)?;
+    let time_step = time_step(settings, &begun)?;
+    let (network, motion) = (Arc::new(begun.network), settings.motion()?);
+    let mut state = begun.state;
+    let mut flow = SteppedFlow::new(Mover::new(&motion, network.clone(), &state)?, time_step);
+    let neighbour = Mover::new(&motion, network.clone(), &state)?;
+    let mut neighbour_flow = SteppedFlow::new(neighbour, time_step);
+    let mut neighbours = Neighbours::new(
+        &network,
+        &mut flow,
+        &mut neighbour_flow,
+        &mut state,
+        lyapunov,
+    )?;
+    while !neighbours.is_done() {
+        if interrupt.is_requested() {
+            return Ok(None);
+        }
+        neighbours.advance()?;
+    }
+    Ok(Some(neighbours.exponent()))
+}
