@@ -2,16 +2,21 @@
 //!
 //! Reflections are left out: they would turn a protein into its mirror image, which does not exist.
 
-use crate::{LearnError, Result, SparseGrid};
+use crate::SparseGrid;
 
 /// A rotation that maps the cube to itself: the coordinate a of the turned grid is ± the coordinate
 /// `axes[a]` of the grid before.
 ///
 /// ```
-/// use protomer_learn::{SparseGrid, augmentation::CubeRotation};
+/// use protomer_learn::SparseGrid;
+/// use protomer_learn::augmentation::CubeRotation;
+///
 /// let grid = SparseGrid { size: 2, channels: 1, index: vec![0], values: vec![1.0] };
-/// let corners: Vec<u32> = CubeRotation::all().iter().map(|turn| turn.sparse(&grid).index[0]).collect();
-/// assert!((0..8).all(|corner| corners.iter().filter(|seen| **seen == corner).count() == 3));
+/// let mut visits = [0; 8];
+/// for turn in CubeRotation::all() {
+///     visits[turn.sparse(&grid).index[0] as usize] += 1;
+/// }
+/// assert_eq!(visits, [3; 8], "each corner is reached by three rotations");
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CubeRotation {
@@ -25,7 +30,7 @@ impl CubeRotation {
 
     /// All of them, the identity first.
     pub fn all() -> Vec<Self> {
-        let orders = [
+        const ORDERS: [[usize; 3]; 6] = [
             [0, 1, 2],
             [1, 2, 0],
             [2, 0, 1],
@@ -33,11 +38,17 @@ impl CubeRotation {
             [1, 0, 2],
             [2, 1, 0],
         ];
-        let signs = (0..8_u8).map(|bits| [bits & 1 != 0, bits & 2 != 0, bits & 4 != 0]);
-        let every = orders
-            .into_iter()
-            .flat_map(|axes| signs.clone().map(move |reversed| Self { axes, reversed }));
-        every.filter(|turn| turn.determinant() == 1).collect()
+        let mut proper = Vec::with_capacity(Self::COUNT);
+        for axes in ORDERS {
+            for bits in 0..8_u8 {
+                let reversed = [bits & 1 != 0, bits & 2 != 0, bits & 4 != 0];
+                let turn = Self { axes, reversed };
+                if turn.determinant() == 1 {
+                    proper.push(turn);
+                }
+            }
+        }
+        proper
     }
 
     /// The matrix, rows for the coordinates (z, y, x) after the turn.
@@ -61,68 +72,39 @@ impl CubeRotation {
         let before = [voxel / (size * size), voxel / size % size, voxel % size];
         let mut after = 0;
         for (axis, reversed) in self.axes.iter().zip(self.reversed) {
-            let coordinate = before[*axis];
-            after = after * size
-                + if reversed {
-                    size - 1 - coordinate
-                } else {
-                    coordinate
-                };
+            let coordinate = if reversed {
+                size - 1 - before[*axis]
+            } else {
+                before[*axis]
+            };
+            after = after * size + coordinate;
         }
         after
     }
 
     /// The grid turned, its voxels ascending again. The grid must pass [`SparseGrid::check`].
     pub fn sparse(&self, grid: &SparseGrid) -> SparseGrid {
-        let turned =
-            |(place, voxel): (usize, &u32)| (self.voxel(grid.size, *voxel as usize) as u32, place);
-        let mut order: Vec<(u32, usize)> = grid.index.iter().enumerate().map(turned).collect();
+        // Voxels after the turn, with their places before it.
+        let mut order: Vec<(u32, usize)> = Vec::with_capacity(grid.index.len());
+        for (place, voxel) in grid.index.iter().enumerate() {
+            order.push((self.voxel(grid.size, *voxel as usize) as u32, place));
+        }
         order.sort_unstable();
         let mut values = Vec::with_capacity(grid.values.len());
-        for channel in grid.values.chunks(grid.index.len().max(1)) {
-            values.extend(order.iter().filter_map(|(_, place)| channel.get(*place)));
+        for channel in grid.values.chunks_exact(grid.index.len().max(1)) {
+            values.extend(order.iter().map(|(_, place)| channel[*place]));
         }
-        let index = order.into_iter().map(|(voxel, _)| voxel).collect();
         SparseGrid {
             size: grid.size,
             channels: grid.channels,
-            index,
+            index: order.into_iter().map(|(voxel, _)| voxel).collect(),
             values,
         }
-    }
-
-    /// Writes the turned (channel, z, y, x) over `turned`; both hold channels x size³ numbers.
-    ///
-    /// # Errors
-    /// [`LearnError::Sample`] if they do not.
-    pub fn dense(&self, size: usize, grid: &[f32], turned: &mut [f32]) -> Result<()> {
-        let voxels = size.pow(3);
-        if voxels == 0 || grid.len() != turned.len() || !grid.len().is_multiple_of(voxels) {
-            let reason = format!(
-                "{} and {} numbers are no grids of {size}³",
-                grid.len(),
-                turned.len()
-            );
-            return Err(LearnError::Sample {
-                name: "voxels".into(),
-                reason,
-            });
-        }
-        for (grid, turned) in grid
-            .chunks_exact(voxels)
-            .zip(turned.chunks_exact_mut(voxels))
-        {
-            for (voxel, value) in grid.iter().enumerate() {
-                turned[self.voxel(size, voxel)] = *value;
-            }
-        }
-        Ok(())
     }
 }
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
 
     fn product(a: [[i32; 3]; 3], b: [[i32; 3]; 3]) -> [[i32; 3]; 3] {
@@ -202,22 +184,27 @@ mod tests {
         }
     }
 
+    /// The obvious way to turn a grid: every voxel of every channel moves.
+    fn turn_dense(turn: &CubeRotation, size: usize, grid: &[f32]) -> Vec<f32> {
+        let voxels = size.pow(3);
+        let mut turned = vec![0.0; grid.len()];
+        for (place, value) in grid.iter().enumerate() {
+            let channel = place / voxels;
+            turned[channel * voxels + turn.voxel(size, place % voxels)] = *value;
+        }
+        turned
+    }
+
     #[test]
     fn sparse_and_dense_grids_turn_alike() {
         let grid = grid(5);
         let mut before = vec![0.0; 250];
         grid.write_dense(&mut before).unwrap();
         for turn in CubeRotation::all() {
-            let (mut turned, mut expected) = (vec![0.0; 250], vec![0.0; 250]);
-            turn.dense(5, &before, &mut turned).unwrap();
-            turn.sparse(&grid).write_dense(&mut expected).unwrap();
-            assert_eq!(turned, expected);
+            let mut turned = vec![0.0; 250];
+            turn.sparse(&grid).write_dense(&mut turned).unwrap();
+            assert_eq!(turned, turn_dense(&turn, 5, &before));
         }
-        assert!(
-            CubeRotation::all()[0]
-                .dense(5, &before, &mut [0.0; 125])
-                .is_err()
-        );
     }
 
     #[test]

@@ -1,13 +1,14 @@
-//! What can be predicted without a network: nothing counts as learnt before it beats these on the
+//! What can be predicted without a network. Nothing counts as learnt before it beats these on the
 //! same split.
 
+use crate::error::refuse;
 use crate::logistic::{Logistic, Table, prior};
 use crate::scores::{Scores, most_probable};
 use crate::split::Split;
 use crate::{Description, LearnError, Result};
 
-/// Strengths of the ridge; the validation part chooses.
-const RIDGES: [f64; 6] = [1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0];
+/// Strengths of the ridge, strongest first. The validation part chooses.
+const RIDGES: [f64; 6] = [10.0, 1.0, 1e-1, 1e-2, 1e-3, 1e-4];
 
 /// A prediction from less than the voxels.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +22,13 @@ pub struct Baseline {
 /// What a regression looks at.
 type Features = fn(&Description) -> Vec<f64>;
 
+/// The regressions by name.
+const REGRESSIONS: [(&str, Features); 3] = [
+    ("size", size),
+    ("size_and_charge", size_and_charge),
+    ("composition", composition),
+];
+
 /// The baselines on a split.
 ///
 /// * `majority`: the most frequent class of the training part, with certainty. Only its accuracies
@@ -31,12 +39,31 @@ type Features = fn(&Description) -> Vec<f64>;
 /// * `size_and_charge`: the same with net charge, its size, and charge per residue.
 /// * `composition`: shares of the amino acids.
 ///
-/// Regressions are fitted to the training part, their ridge is chosen by the log-loss of the
+/// Regressions are fitted to the training part. Their ridge is chosen by the log-loss of the
 /// validation part (the largest if that is empty).
 ///
+/// ```
+/// use protomer_learn::baselines::baselines;
+/// use protomer_learn::controls::{Control, Variant};
+/// use protomer_learn::scores::Scores;
+/// use protomer_learn::split::{Fractions, Split};
+///
+/// let set = Control::Charge.samples(Variant::Usual, 100, 16, 1);
+/// let labels: Vec<usize> = (0..100).map(|sample| sample % 2).collect();
+/// let split = Split::grouped(&set.descriptions, 1, Fractions::default())?;
+/// let truth: Vec<usize> = split.test.iter().map(|sample| labels[*sample]).collect();
+///
+/// // The label is the sign of the net charge, which one of the regressions knows.
+/// for baseline in baselines(&set.descriptions, &labels, 2, None, &split)? {
+///     let scores = Scores::of(&baseline.probabilities, &truth, 2, None)?;
+///     assert_eq!(scores.accuracy > 0.9, baseline.name == "size_and_charge");
+/// }
+/// # Ok::<(), protomer_learn::LearnError>(())
+/// ```
+///
 /// # Errors
-/// [`LearnError::Settings`] if lengths disagree or a part is missing; a description that is not
-/// finite is named.
+/// [`LearnError::Settings`] if lengths disagree or a part is missing. [`LearnError::Sample`] names
+/// a description that is not finite.
 pub fn baselines(
     descriptions: &[Description],
     labels: &[usize],
@@ -46,52 +73,32 @@ pub fn baselines(
 ) -> Result<Vec<Baseline>> {
     split.check(labels.len())?;
     if descriptions.len() != labels.len() || split.training.is_empty() || split.test.is_empty() {
-        let reason = format!(
+        return refuse(format!(
             "{} samples, {} labels; training and test must not be empty",
             descriptions.len(),
             labels.len()
-        );
-        return Err(LearnError::Settings(reason));
+        ));
     }
     let shares = prior(&split.training, labels, weights, classes);
     let mut majority = vec![0.0; classes];
     if let Some(most) = majority.get_mut(most_probable(&shares)) {
         *most = 1.0;
     }
-    let repeated = |p: &[f64]| p.repeat(split.test.len());
     let mut all = vec![
         Baseline {
             name: "majority",
-            probabilities: repeated(&majority),
+            probabilities: majority.repeat(split.test.len()),
         },
         Baseline {
             name: "prior",
-            probabilities: repeated(&shares),
+            probabilities: shares.repeat(split.test.len()),
         },
     ];
-    let regressions: [(&'static str, Features); 3] = [
-        ("size", size),
-        ("size_and_charge", size_and_charge),
-        ("composition", composition),
-    ];
-    for (name, features_of) in regressions {
-        let mut features = Vec::new();
-        for description in descriptions {
-            let row = features_of(description);
-            if row.iter().any(|value| !value.is_finite()) {
-                let reason = format!(
-                    "its description for the baseline {name} holds a number that is not finite"
-                );
-                return Err(LearnError::Sample {
-                    name: description.name.clone(),
-                    reason,
-                });
-            }
-            features.extend(row);
-        }
+    for (name, features_of) in REGRESSIONS {
+        let features = table(descriptions, name, features_of)?;
         let table = Table {
             features: &features,
-            columns: features.len() / descriptions.len().max(1),
+            columns: features.len() / descriptions.len(),
         };
         all.push(Baseline {
             name,
@@ -101,71 +108,84 @@ pub fn baselines(
     Ok(all)
 }
 
+/// The features of all samples.
+///
+/// # Errors
+/// [`LearnError::Sample`] names a description that is not finite.
+fn table(descriptions: &[Description], name: &str, features_of: Features) -> Result<Vec<f64>> {
+    let mut features = Vec::new();
+    for known in descriptions {
+        let row = features_of(known);
+        if row.iter().any(|value| !value.is_finite()) {
+            return Err(LearnError::Sample {
+                name: known.name.clone(),
+                reason: format!(
+                    "its description for the baseline {name} holds a number that is not finite"
+                ),
+            });
+        }
+        features.extend(row);
+    }
+    Ok(features)
+}
+
 /// Probabilities for the test part by the regression whose ridge the validation part prefers.
 ///
 /// # Errors
-/// [`LearnError::Settings`] as [`Logistic::fit`].
-pub fn regression(
+/// [`LearnError::Settings`] as for [`Logistic::fit`].
+fn regression(
     table: Table,
     labels: &[usize],
     classes: usize,
     weights: Option<&[f64]>,
     split: &Split,
 ) -> Result<Vec<f64>> {
-    let pick = |samples: &[usize]| {
-        samples
-            .iter()
-            .map(|sample| labels[*sample])
-            .collect::<Vec<_>>()
+    let pick = |all: &[f64]| -> Vec<f64> { split.validation.iter().map(|i| all[*i]).collect() };
+    let weights_there = weights.map(pick);
+    let truth: Vec<usize> = split.validation.iter().map(|i| labels[*i]).collect();
+    let fit = |ridge| Logistic::fit(table, &split.training, labels, weights, classes, ridge);
+    let mut best = fit(RIDGES[0])?;
+    if split.validation.is_empty() {
+        return best.probabilities(table, &split.test);
+    }
+    let loss = |model: &Logistic| -> Result<f64> {
+        let p = model.probabilities(table, &split.validation)?;
+        Ok(Scores::of(&p, &truth, classes, weights_there.as_deref())?.log_loss_nats)
     };
-    let mut best: Option<(f64, Logistic)> = None;
-    for ridge in RIDGES.into_iter().rev() {
-        let fit = Logistic::fit(table, &split.training, labels, weights, classes, ridge)?;
-        if split.validation.is_empty() {
-            return fit.probabilities(table, &split.test);
-        }
-        let p = fit.probabilities(table, &split.validation)?;
-        let chosen: Option<Vec<f64>> =
-            weights.map(|all| split.validation.iter().map(|sample| all[*sample]).collect());
-        let loss =
-            Scores::of(&p, &pick(&split.validation), classes, chosen.as_deref())?.log_loss_nats;
-        if best.as_ref().is_none_or(|(least, _)| loss < *least) {
-            best = Some((loss, fit));
+    let mut least = loss(&best)?;
+    for ridge in &RIDGES[1..] {
+        let other = fit(*ridge)?;
+        let loss = loss(&other)?;
+        if loss < least {
+            (least, best) = (loss, other);
         }
     }
-    match best {
-        Some((_, fit)) => fit.probabilities(table, &split.test),
-        None => Err(LearnError::Settings("no ridge to try".into())),
-    }
+    best.probabilities(table, &split.test)
 }
 
 /// Logarithms, with sizes that are not known (zero) kept finite.
-fn size(description: &Description) -> Vec<f64> {
-    let mut lengths = vec![
-        description.residues,
-        description.radius_of_gyration_angstrom,
-    ];
-    lengths.extend(description.extents_angstrom);
-    lengths
-        .into_iter()
-        .map(|length| if length < 1.0 { 0.0 } else { length.ln() })
-        .collect()
-}
-
-fn size_and_charge(description: &Description) -> Vec<f64> {
-    let mut features = size(description);
-    let charge = description.net_charge_e;
-    features.extend([charge, charge.abs(), charge / description.residues.max(1.0)]);
+fn size(known: &Description) -> Vec<f64> {
+    let mut features = vec![known.residues, known.radius_of_gyration_angstrom];
+    features.extend(known.extents_angstrom);
+    for length in &mut features {
+        *length = if *length < 1.0 { 0.0 } else { length.ln() };
+    }
     features
 }
 
-fn composition(description: &Description) -> Vec<f64> {
-    description.composition.to_vec()
+fn size_and_charge(known: &Description) -> Vec<f64> {
+    let mut features = size(known);
+    let charge = known.net_charge_e;
+    features.extend([charge, charge.abs(), charge / known.residues.max(1.0)]);
+    features
+}
+
+fn composition(known: &Description) -> Vec<f64> {
+    known.composition.to_vec()
 }
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::split::Fractions;
     use protomer_kernel::random::CounterRng;

@@ -1,10 +1,12 @@
-//! Intervals by resampling clusters: related samples are no independent evidence.
+//! Intervals by resampling clusters: related samples are not independent evidence.
 
-use crate::{LearnError, Result};
+use crate::Result;
+use crate::error::refuse;
 use protomer_kernel::random::{CounterRng, Purpose};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::array;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A value and where it would fall in other draws of clusters.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -17,93 +19,121 @@ pub struct Interval {
     pub high: f64,
 }
 
-/// The percentile interval of a statistic (Efron and Tibshirani, *An Introduction to the
-/// Bootstrap*, 1993, chapter 13).
+/// Percentile intervals of N statistics (Efron and Tibshirani, *An Introduction to the Bootstrap*,
+/// 1993, chapter 13).
 ///
-/// Each of `replicates` draws takes as many clusters as there are, with replacement, and hands the
-/// statistic a weight for each sample: how often its cluster was drawn. The interval leaves (1 -
-/// level) / 2 of the finite values on either side. Paired differences come from a statistic that
-/// computes both numbers from the same weights.
+/// Each of `replicates` draws takes as many clusters as there are, with replacement, and hands
+/// `statistics` a weight for each sample: how often its cluster was drawn. An interval leaves (1 -
+/// level) / 2 of the finite values on either side. For a paired difference, compute both numbers
+/// from the same weights.
 ///
 /// ```
 /// use protomer_learn::bootstrap::bootstrap;
+///
 /// let (values, clusters) = ([1.0, 2.0, 3.0, 4.0], ["a", "a", "b", "c"]);
 /// let mean = |weights: &[f64]| {
-///     values.iter().zip(weights).map(|(value, weight)| value * weight).sum::<f64>() / weights.iter().sum::<f64>()
+///     let sum: f64 = values.iter().zip(weights).map(|(value, weight)| value * weight).sum();
+///     [sum / weights.iter().sum::<f64>()]
 /// };
-/// let interval = bootstrap(&clusters, 0.95, 200, 1, mean).unwrap();
-/// assert!(interval.low < 2.5 && interval.estimate == 2.5 && interval.high > 2.5);
+/// let [interval] = bootstrap(&clusters, 0.95, 200, 1, mean)?;
+/// assert_eq!(interval.estimate, 2.5);
+/// assert!(interval.low < 2.5 && interval.high > 2.5);
+/// # Ok::<(), protomer_learn::LearnError>(())
 /// ```
 ///
 /// # Errors
-/// [`LearnError::Settings`] without clusters or replicates, for a level outside (0, 1), or if no
-/// draw gives a finite value.
-pub fn bootstrap<C: Ord>(
+/// [`LearnError::Settings`](crate::LearnError::Settings) without clusters or replicates, for a
+/// level outside (0, 1), or if no draw gives a finite value.
+pub fn bootstrap<C: Ord, const N: usize>(
     clusters: &[C],
     level: f64,
     replicates: usize,
     seed: u64,
-    statistic: impl Fn(&[f64]) -> f64 + Sync,
-) -> Result<Interval> {
+    statistics: impl Fn(&[f64]) -> [f64; N] + Sync,
+) -> Result<[Interval; N]> {
     if clusters.is_empty() || replicates == 0 || !(level > 0.0 && level < 1.0) {
-        let reason = format!(
-            "{replicates} resamplings of {} samples at the level {level}",
-            clusters.len()
-        );
-        return Err(LearnError::Settings(reason));
+        let samples = clusters.len();
+        return refuse(format!(
+            "{replicates} resamplings of {samples} samples at the level {level}"
+        ));
     }
-    let mut numbers: BTreeMap<&C, usize> = clusters.iter().map(|cluster| (cluster, 0)).collect();
-    for (number, entry) in numbers.values_mut().enumerate() {
-        *entry = number;
-    }
-    let members: Vec<usize> = clusters
-        .iter()
-        .filter_map(|cluster| numbers.get(cluster).copied())
+    let clusters = Clusters::new(clusters);
+    let draws: Vec<[f64; N]> = (0..replicates)
+        .into_par_iter()
+        .map(|replicate| statistics(&clusters.draw(seed, replicate as u64)))
         .collect();
-    let count = numbers.len();
-    let draw = |replicate: usize| {
-        let mut rng = CounterRng::for_purpose(seed, 0, replicate as u64, Purpose::Bootstrap);
-        let mut drawn = vec![0.0; count];
-        for _ in 0..count {
-            drawn[rng.index(count)] += 1.0;
+    let estimates = statistics(&vec![1.0; clusters.of_sample.len()]);
+    let mut intervals = Vec::with_capacity(N);
+    for (i, estimate) in estimates.into_iter().enumerate() {
+        let values = draws.iter().map(|draw| draw[i]).collect();
+        intervals.push(interval(estimate, values, level)?);
+    }
+    Ok(array::from_fn(|i| intervals[i]))
+}
+
+/// The clusters of a set, by number.
+struct Clusters {
+    of_sample: Vec<usize>,
+    count: usize,
+}
+
+impl Clusters {
+    fn new<C: Ord>(clusters: &[C]) -> Self {
+        let names: BTreeSet<&C> = clusters.iter().collect();
+        let numbers: BTreeMap<&C, usize> = names.into_iter().zip(0..).collect();
+        Self {
+            of_sample: clusters.iter().map(|cluster| numbers[cluster]).collect(),
+            count: numbers.len(),
         }
-        let weights: Vec<f64> = members.iter().map(|cluster| drawn[*cluster]).collect();
-        statistic(&weights)
-    };
-    let estimate = statistic(&vec![1.0; clusters.len()]);
-    let mut values: Vec<f64> = (0..replicates).into_par_iter().map(draw).collect();
-    values.retain(|value| value.is_finite());
-    values.sort_unstable_by(f64::total_cmp);
-    let tail = 0.5 * (1.0 - level);
-    match (quantile(&values, tail), quantile(&values, 1.0 - tail)) {
-        (Some(low), Some(high)) => Ok(Interval {
-            estimate,
-            low,
-            high,
-        }),
-        _ => Err(LearnError::Settings(
-            "no resampling of the clusters gives a finite value".into(),
-        )),
+    }
+
+    /// How often the cluster of each sample is drawn.
+    fn draw(&self, seed: u64, replicate: u64) -> Vec<f64> {
+        let mut random = CounterRng::for_purpose(seed, 0, replicate, Purpose::Bootstrap);
+        let mut drawn = vec![0.0; self.count];
+        for _ in 0..self.count {
+            drawn[random.index(self.count)] += 1.0;
+        }
+        self.of_sample
+            .iter()
+            .map(|cluster| drawn[*cluster])
+            .collect()
     }
 }
 
-/// The quantile of sorted values, linear between them.
-fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
-    let place = share * sorted.len().checked_sub(1)? as f64;
-    let low = sorted.get(place.floor() as usize)?;
-    let high = sorted.get(place.ceil() as usize)?;
-    Some(low + (high - low) * place.fract())
+/// The interval that holds `level` of the finite values.
+fn interval(estimate: f64, mut values: Vec<f64>, level: f64) -> Result<Interval> {
+    values.retain(|value| value.is_finite());
+    values.sort_unstable_by(f64::total_cmp);
+    if values.is_empty() {
+        return refuse("no resampling of the clusters gives a finite value");
+    }
+    let tail = 0.5 * (1.0 - level);
+    Ok(Interval {
+        estimate,
+        low: quantile(&values, tail),
+        high: quantile(&values, 1.0 - tail),
+    })
+}
+
+/// The quantile of sorted values, one or more, linear between them.
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let place = share * (sorted.len() - 1) as f64;
+    let (low, high) = (
+        sorted[place.floor() as usize],
+        sorted[place.ceil() as usize],
+    );
+    low + (high - low) * place.fract()
 }
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
 
-    fn mean<'a>(values: &'a [f64]) -> impl Fn(&[f64]) -> f64 + Sync + 'a {
+    fn mean(values: &[f64]) -> impl Fn(&[f64]) -> [f64; 1] + Sync + '_ {
         |weights| {
-            values.iter().zip(weights).map(|(v, w)| v * w).sum::<f64>()
-                / weights.iter().sum::<f64>()
+            let sum: f64 = values.iter().zip(weights).map(|(v, w)| v * w).sum();
+            [sum / weights.iter().sum::<f64>()]
         }
     }
 
@@ -112,7 +142,7 @@ mod tests {
         let mut rng = CounterRng::new(1, 0, 0);
         let values: Vec<f64> = (0..400).map(|_| rng.uniform()).collect();
         let clusters: Vec<usize> = (0..400).collect();
-        let interval = bootstrap(&clusters, 0.95, 4000, 2, mean(&values)).unwrap();
+        let [interval] = bootstrap(&clusters, 0.95, 4000, 2, mean(&values)).unwrap();
         // ± 1.96 sqrt(1/12/400)
         let expected = 2.0 * 1.96 * (1.0 / 12.0 / 400.0_f64).sqrt();
         assert!(
@@ -128,8 +158,8 @@ mod tests {
         let copies: Vec<f64> = values.iter().flat_map(|value| [*value; 9]).collect();
         let clusters: Vec<usize> = (0..450).map(|sample| sample / 9).collect();
         let singles: Vec<usize> = (0..50).collect();
-        let with = bootstrap(&clusters, 0.9, 500, 2, mean(&copies)).unwrap();
-        let without = bootstrap(&singles, 0.9, 500, 2, mean(&values)).unwrap();
+        let [with] = bootstrap(&clusters, 0.9, 500, 2, mean(&copies)).unwrap();
+        let [without] = bootstrap(&singles, 0.9, 500, 2, mean(&values)).unwrap();
         assert!((with.low - without.low).abs() < 1e-12 && (with.high - without.high).abs() < 1e-12);
     }
 
@@ -145,8 +175,20 @@ mod tests {
             pool.install(|| bootstrap(&clusters, 0.9, 100, 5, mean(&values)).unwrap())
         };
         assert_eq!(run(1), run(3));
-        assert!(bootstrap::<usize>(&[], 0.9, 10, 1, |_| 0.0).is_err());
-        assert!(bootstrap(&clusters, 1.0, 10, 1, |_| 0.0).is_err());
-        assert!(bootstrap(&clusters, 0.9, 10, 1, |_| f64::NAN).is_err());
+        assert!(bootstrap::<usize, 1>(&[], 0.9, 10, 1, |_| [0.0]).is_err());
+        assert!(bootstrap(&clusters, 1.0, 10, 1, |_| [0.0]).is_err());
+        assert!(bootstrap(&clusters, 0.9, 10, 1, |_| [0.0, f64::NAN]).is_err());
+    }
+
+    #[test]
+    fn several_statistics_have_the_intervals_they_have_alone() {
+        let values: Vec<f64> = (0..30).map(|i| f64::from(i % 7)).collect();
+        let clusters: Vec<usize> = (0..30).map(|sample| sample / 2).collect();
+        let alone = mean(&values);
+        let both = |weights: &[f64]| [alone(weights)[0], weights[0]];
+        let [first, second] = bootstrap(&clusters, 0.8, 200, 3, both).unwrap();
+        let [same_first] = bootstrap(&clusters, 0.8, 200, 3, &alone).unwrap();
+        let [same_second] = bootstrap(&clusters, 0.8, 200, 3, |weights| [weights[0]]).unwrap();
+        assert_eq!((first, second), (same_first, same_second));
     }
 }

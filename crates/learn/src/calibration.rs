@@ -6,19 +6,33 @@
 use crate::Result;
 use crate::scores::{SMALLEST_PROBABILITY, check};
 
+/// Temperatures tried.
 const SMALLEST: f64 = 1e-2;
 const LARGEST: f64 = 1e2;
+/// After so many halvings the bracket of ln T is as narrow as rounding allows.
 const HALVINGS: usize = 80;
 
 /// The temperature between 0.01 and 100 that gives these probabilities the smallest log-loss; 1 if
 /// there is none in between.
 ///
-/// Without a mistake among the samples the loss falls with any lower temperature, and a single
-/// mistake elsewhere would cost without bound; where the probabilities say nothing of the labels,
-/// it falls with any higher one, towards equal shares.
+/// There is none where the samples hold no mistake: the loss falls with any lower temperature, and
+/// a single mistake elsewhere would cost without bound. There is none either where the
+/// probabilities say nothing of the labels: the loss falls with any higher temperature, towards
+/// equal shares.
 ///
-/// In β = 1/T the loss is convex, with the slope Σ w (⟨z⟩_β - z_label) / Σ w, z = ln p; the slope's
+/// In β = 1/T the loss is convex, with the slope Σ w (⟨z⟩_β - z_label) / Σ w, z = ln p. The slope's
 /// zero is bracketed in ln β.
+///
+/// ```
+/// use protomer_learn::calibration::{at_temperature, temperature};
+///
+/// // Sure of itself, and wrong in one case of four.
+/// let p = [0.99, 0.01, 0.99, 0.01, 0.99, 0.01, 0.99, 0.01];
+/// let found = temperature(&p, &[0, 0, 0, 1], 2, None)?;
+/// assert!(found > 1.0, "overconfident");
+/// assert!((at_temperature(&p, 2, found)[0] - 0.75).abs() < 1e-9);
+/// # Ok::<(), protomer_learn::LearnError>(())
+/// ```
 ///
 /// # Errors
 /// [`LearnError::Settings`](crate::LearnError::Settings) as for
@@ -30,26 +44,14 @@ pub fn temperature(
     weights: Option<&[f64]>,
 ) -> Result<f64> {
     check(p, labels, classes, weights)?;
-    let slope = |beta: f64| {
-        let of = |(sample, (label, p)): (usize, (&usize, &[f64]))| {
-            let softened = softened(p, beta);
-            let mean: f64 = softened.iter().zip(p).map(|(q, p)| q * logarithm(*p)).sum();
-            weights.map_or(1.0, |weights| weights[sample]) * (mean - logarithm(p[*label]))
-        };
-        labels
-            .iter()
-            .zip(p.chunks_exact(classes))
-            .enumerate()
-            .map(of)
-            .sum::<f64>()
-    };
+    let slope = |log_beta: f64| slope(p, labels, classes, weights, log_beta.exp());
     let (mut low, mut high) = ((1.0 / LARGEST).ln(), (1.0 / SMALLEST).ln());
-    if slope(low.exp()) >= 0.0 || slope(high.exp()) <= 0.0 {
+    if slope(low) >= 0.0 || slope(high) <= 0.0 {
         return Ok(1.0);
     }
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
-        if slope(middle.exp()) < 0.0 {
+        if slope(middle) < 0.0 {
             low = middle;
         } else {
             high = middle;
@@ -58,12 +60,27 @@ pub fn temperature(
     Ok((-0.5 * (low + high)).exp())
 }
 
+/// Σ w (⟨z⟩_β - z_label): the slope of the loss in β, times Σ w.
+fn slope(p: &[f64], labels: &[usize], classes: usize, weights: Option<&[f64]>, beta: f64) -> f64 {
+    let mut slope = 0.0;
+    for (sample, (label, p)) in labels.iter().zip(p.chunks_exact(classes)).enumerate() {
+        let mut mean = 0.0;
+        for (q, p) in softened(p, beta).iter().zip(p) {
+            mean += q * logarithm(*p);
+        }
+        let weight = weights.map_or(1.0, |weights| weights[sample]);
+        slope += weight * (mean - logarithm(p[*label]));
+    }
+    slope
+}
+
 /// The probabilities at a temperature.
 pub fn at_temperature(probabilities: &[f64], classes: usize, temperature: f64) -> Vec<f64> {
-    probabilities
-        .chunks_exact(classes.max(1))
-        .flat_map(|p| softened(p, 1.0 / temperature))
-        .collect()
+    let mut all = Vec::with_capacity(probabilities.len());
+    for p in probabilities.chunks_exact(classes.max(1)) {
+        all.extend(softened(p, 1.0 / temperature));
+    }
+    all
 }
 
 fn logarithm(probability: f64) -> f64 {
@@ -80,16 +97,17 @@ fn softened(p: &[f64], beta: f64) -> Vec<f64> {
 /// exp(z_k) / Σ exp(z_j) in place, safe for any finite z.
 pub(crate) fn softmax(logits: &mut [f64]) {
     let largest = logits.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    logits
-        .iter_mut()
-        .for_each(|logit| *logit = (*logit - largest).exp());
+    for logit in logits.iter_mut() {
+        *logit = (*logit - largest).exp();
+    }
     let sum: f64 = logits.iter().sum();
-    logits.iter_mut().for_each(|p| *p /= sum);
+    for p in logits {
+        *p /= sum;
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::scores::Scores;
     use protomer_kernel::random::CounterRng;

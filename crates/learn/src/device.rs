@@ -1,5 +1,6 @@
 //! Where networks are computed: on the processor, or on an NVIDIA device.
 
+use crate::error::refuse;
 use crate::{LearnError, Result};
 use candle_core::Device;
 use std::fmt;
@@ -9,17 +10,18 @@ use std::str::FromStr;
 ///
 /// ```
 /// use protomer_learn::device::DeviceChoice;
+///
 /// assert_eq!("cuda:1".parse::<DeviceChoice>().unwrap(), DeviceChoice::Cuda(1));
 /// assert!("gpu".parse::<DeviceChoice>().is_err());
 /// assert!(DeviceChoice::default().open().unwrap().is_cpu());
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum DeviceChoice {
-    /// The processor, with the direct kernels of this crate: bit for bit the same from run to run.
+    /// The processor, with the kernels of this crate. Results are the same from run to run, bit for
+    /// bit.
     #[default]
     Cpu,
-    /// An NVIDIA device, counted from 0, with the tensor library's operations in the place of the
-    /// kernels.
+    /// An NVIDIA device, counted from 0, with the tensor library's operations.
     Cuda(usize),
 }
 
@@ -27,22 +29,20 @@ impl DeviceChoice {
     /// The device, ready for tensors.
     ///
     /// # Errors
-    /// [`LearnError::Settings`] if this build knows no CUDA, or there is no such device.
+    /// [`LearnError::Settings`] if this build has no CUDA support, or there is no such device.
     pub fn open(self) -> Result<Device> {
-        let refuse =
-            |reason: String| LearnError::Settings(format!("{self}: {reason}; or take cpu"));
         match self {
             Self::Cpu => Ok(Device::Cpu),
-            Self::Cuda(_) if !cfg!(feature = "cuda") => Err(refuse(
-                "this program was built without CUDA; build it with --features cuda".into(),
+            Self::Cuda(_) if !cfg!(feature = "cuda") => refuse(format!(
+                "{self}: this program was built without CUDA; build it with --features cuda; or \
+                 take cpu"
             )),
-            Self::Cuda(number) => Device::new_cuda(number).map_err(|error| {
-                // The library appends where in its source it was; the first line says what is
-                // wrong.
+            Self::Cuda(number) => Device::new_cuda(number).or_else(|error| {
+                // Further lines name places in the library's source.
                 let text = error.to_string();
+                let reason = text.lines().next().unwrap_or_default();
                 refuse(format!(
-                    "no such device can be used ({})",
-                    text.lines().next().unwrap_or_default()
+                    "{self}: no such device can be used ({reason}); or take cpu"
                 ))
             }),
         }
@@ -67,9 +67,9 @@ impl FromStr for DeviceChoice {
             ("cpu", _) => Ok(Self::Cpu),
             ("cuda", _) => Ok(Self::Cuda(0)),
             (_, Some(Ok(number))) => Ok(Self::Cuda(number)),
-            _ => Err(LearnError::Settings(format!(
-                "'{text}' is no device; give cpu, cuda or cuda:1"
-            ))),
+            _ => refuse(format!(
+                "'{text}' is not a device; give cpu, cuda or cuda:1"
+            )),
         }
     }
 }

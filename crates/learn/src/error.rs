@@ -11,7 +11,7 @@ pub enum LearnError {
         /// What is wrong, and what to do.
         reason: String,
     },
-    /// Settings that make no sense.
+    /// Settings or data that do not fit together.
     #[error("{0}")]
     Settings(String),
     /// Weights or gradients are no longer finite.
@@ -24,3 +24,16 @@ pub enum LearnError {
 
 /// Short for this crate's results.
 pub type Result<T> = std::result::Result<T, LearnError>;
+
+/// Refuses settings or data, for a reason that also says what to do.
+pub(crate) fn refuse<T>(reason: impl Into<String>) -> Result<T> {
+    Err(LearnError::Settings(reason.into()))
+}
+
+/// Voxels that cannot be used. [`crate::scaling::read_checked`] puts the sample's name in.
+pub(crate) fn damaged(reason: impl Into<String>) -> LearnError {
+    LearnError::Sample {
+        name: "voxels".into(),
+        reason: reason.into(),
+    }
+}

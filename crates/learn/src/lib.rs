@@ -2,13 +2,14 @@
 //! hydropathy predict?
 //!
 //! ```text
-//! samples --split by cluster--> training, validation, test --normalised, turned--> network --> scores beside baselines
+//! samples --split by cluster--> training, validation, test
+//!         --scaled, turned--> network --> scores beside baselines
 //! ```
 //!
 //! | module | one idea |
 //! |---|---|
 //! | [`sample`] | a sparse voxel grid, what is known of it, and where samples come from |
-//! | [`view`] | some samples and channels of a set |
+//! | [`view`] | some samples of a set, perhaps under other labels |
 //! | [`split`] | parts that keep clusters together; weights of families |
 //! | [`targets`] | space groups and what is coarser |
 //! | [`scaling`] | channels brought to comparable sizes; samples that cannot be used |
@@ -24,11 +25,16 @@
 //! | [`scores`], [`calibration`] | how good probabilities are, and how honest |
 //! | [`baselines`], [`logistic`] | what is predicted without a network |
 //! | [`bootstrap`], [`permutation`] | intervals over clusters; could it be chance? |
+//! | [`evaluation`] | all of this for the test part |
+//! | [`ablation`] | what each channel brings |
+//! | [`trial`], [`halving`] | a search for settings: what is drawn, and who goes on |
+//! | [`novelty`] | which samples of another set are new to a network |
 //! | [`controls`] | synthetic sets with known answers |
 //!
 //! This crate reads and writes no files: samples come through [`sample::SampleSource`], weights
 //! leave as tensors.
 
+pub mod ablation;
 pub mod augmentation;
 pub mod baselines;
 pub mod block;
@@ -38,9 +44,13 @@ pub mod controls;
 pub mod convolution;
 pub mod device;
 mod error;
+pub mod evaluation;
+pub mod halving;
 pub mod logistic;
 pub mod loss;
 pub mod network;
+pub mod novelty;
+mod numbers;
 pub mod operations;
 pub mod optimiser;
 pub mod permutation;
@@ -50,6 +60,7 @@ pub mod scores;
 pub mod split;
 pub mod targets;
 pub mod training;
+pub mod trial;
 pub mod view;
 
 pub use block::BlockSettings;

@@ -3,9 +3,10 @@
 //! Names and layouts of the parameters are those of PyTorch (`blocks.0.weight` is (O, C, k, k, k),
 //! `head.weight` (K, F)), so that a state dictionary written from them loads there.
 
+use crate::Result;
 use crate::block::{self, BlockParameters, BlockSettings};
+use crate::error::refuse;
 use crate::operations::{global_average_pool, global_maximum_pool};
-use crate::{LearnError, Result};
 use candle_core::{Device, Tensor, Var};
 use protomer_kernel::random::CounterRng;
 use serde::{Deserialize, Serialize};
@@ -25,13 +26,18 @@ pub enum GlobalPooling {
 /// The shape of a network.
 ///
 /// ```
-/// use protomer_learn::{BlockSettings, GlobalPooling, Network, NetworkSettings};
-/// use candle_core::{DType, Device, Tensor};
-/// let block = BlockSettings { width: 4, kernel: 3, groups: None, pool: true };
-/// let settings = NetworkSettings { channels: 3, classes: 2, blocks: vec![block; 2], pooling: GlobalPooling::Average };
-/// let network = Network::new(&settings, 7, &Device::Cpu).unwrap();
-/// let batch = Tensor::zeros((5, 3, 8, 8, 8), DType::F32, &Device::Cpu).unwrap();
-/// assert_eq!(network.forward(&batch).unwrap().dims(), [5, 2]);
+/// use protomer_learn::{BlockSettings, GlobalPooling, NetworkSettings};
+///
+/// let block = BlockSettings { width: 8, kernel: 3, groups: Some(4), pool: true };
+/// let settings = NetworkSettings {
+///     channels: 3,
+///     classes: 2,
+///     blocks: vec![block; 3],
+///     pooling: GlobalPooling::AverageAndMaximum,
+/// };
+/// assert!(settings.check().is_ok());
+/// assert_eq!(settings.features(), 16);
+/// assert_eq!(settings.smallest_edge(), 8, "three poolings halve the grid");
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -48,29 +54,26 @@ pub struct NetworkSettings {
 }
 
 impl NetworkSettings {
-    /// Whether the settings make sense.
+    /// Checks that the settings make sense.
     ///
     /// # Errors
-    /// [`LearnError::Settings`] says what does not.
+    /// [`LearnError::Settings`](crate::LearnError::Settings) says what does not.
     pub fn check(&self) -> Result<()> {
         if self.channels == 0 || self.classes < 2 || self.blocks.is_empty() {
-            let Self {
-                channels,
-                classes,
-                blocks,
-                ..
-            } = self;
-            let count = blocks.len();
-            return Err(LearnError::Settings(format!(
-                "a network of {channels} channels, {count} blocks and {classes} classes: \
-                 give it at least 1 channel, 1 block and 2 classes"
-            )));
+            return refuse(format!(
+                "a network of {} channels, {} blocks and {} classes: give it at least 1 channel, \
+                 1 block and 2 classes",
+                self.channels,
+                self.blocks.len(),
+                self.classes
+            ));
         }
-        self.blocks.iter().enumerate().try_for_each(|(i, block)| {
-            block
-                .check()
-                .map_err(|error| LearnError::Settings(format!("block {i}: {error}")))
-        })
+        for (number, block) in self.blocks.iter().enumerate() {
+            if let Err(error) = block.check() {
+                return refuse(format!("block {number}: {error}"));
+            }
+        }
+        Ok(())
     }
 
     /// Numbers per sample that the last layer sees.
@@ -89,6 +92,24 @@ impl NetworkSettings {
 }
 
 /// A network and its parameters.
+///
+/// ```
+/// use candle_core::{DType, Device, Tensor};
+/// use protomer_learn::{BlockSettings, GlobalPooling, Network, NetworkSettings};
+///
+/// let block = BlockSettings { width: 4, kernel: 3, groups: None, pool: true };
+/// let settings = NetworkSettings {
+///     channels: 3,
+///     classes: 2,
+///     blocks: vec![block; 2],
+///     pooling: GlobalPooling::Average,
+/// };
+/// let network = Network::new(&settings, 7, &Device::Cpu)?;
+/// let batch = Tensor::zeros((5, 3, 8, 8, 8), DType::F32, &Device::Cpu)?;
+/// assert_eq!(network.forward(&batch)?.dims(), [5, 2]);
+/// assert_eq!(network.parameters()[0].0, "blocks.0.weight");
+/// # Ok::<(), protomer_learn::LearnError>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Network {
     settings: NetworkSettings,
@@ -97,12 +118,14 @@ pub struct Network {
 }
 
 impl Network {
-    /// A network with fresh weights: normal with variance 2 / (C k³) in the blocks (He et al., ICCV
-    /// 2015), biases 0, normalisation 1 and 0, and a small head, normal with variance 0.001 / F, so
-    /// that training starts from the prior. The weights depend on the seed alone.
+    /// A network with fresh weights, which depend on the seed alone.
+    ///
+    /// Weights of the blocks are normal with variance 2 / (C k³) (He et al., ICCV 2015), biases 0,
+    /// normalisations 1 and 0. Weights of the head are normal with variance 0.001 / F: so small
+    /// that training starts from the prior.
     ///
     /// # Errors
-    /// [`LearnError::Settings`] for a shape that makes no sense.
+    /// [`LearnError::Settings`](crate::LearnError::Settings) for a shape that makes no sense.
     pub fn new(settings: &NetworkSettings, seed: u64, device: &Device) -> Result<Self> {
         settings.check()?;
         let mut network = Self {
@@ -111,37 +134,33 @@ impl Network {
             parameters: Vec::new(),
         };
         let mut channels = settings.channels;
-        for (i, block) in settings.blocks.iter().enumerate() {
-            let (width, kernel) = (block.width, block.kernel);
-            let variance = 2.0 / (channels * kernel.pow(3)) as f64;
-            network.add_normal(
-                &format!("blocks.{i}.weight"),
-                &[width, channels, kernel, kernel, kernel],
-                variance,
-                seed,
-            )?;
-            network.add_constant(&format!("blocks.{i}.bias"), width, 0.0)?;
-            if block.groups.is_some() {
-                network.add_constant(&format!("blocks.{i}.norm.weight"), width, 1.0)?;
-                network.add_constant(&format!("blocks.{i}.norm.bias"), width, 0.0)?;
-            }
-            channels = width;
+        for (number, block) in settings.blocks.iter().enumerate() {
+            network.add_block(&format!("blocks.{number}"), channels, block, seed)?;
+            channels = block.width;
         }
-        let features = settings.features();
-        network.add_normal(
-            "head.weight",
-            &[settings.classes, features],
-            0.001 / features as f64,
-            seed,
-        )?;
-        network.add_constant("head.bias", settings.classes, 0.0)?;
+        let (classes, features) = (settings.classes, settings.features());
+        let variance = 0.001 / features as f64;
+        network.add_normal("head.weight", &[classes, features], variance, seed)?;
+        network.add_constant("head.bias", classes, 0.0)?;
         Ok(network)
     }
 
-    fn add(&mut self, name: &str, shape: &[usize], values: Vec<f32>) -> Result<()> {
-        let tensor = Tensor::from_vec(values, shape, &self.device)?;
-        self.parameters
-            .push((name.into(), Var::from_tensor(&tensor)?));
+    fn add_block(
+        &mut self,
+        name: &str,
+        channels: usize,
+        block: &BlockSettings,
+        seed: u64,
+    ) -> Result<()> {
+        let (width, kernel) = (block.width, block.kernel);
+        let variance = 2.0 / (channels * kernel.pow(3)) as f64;
+        let shape = [width, channels, kernel, kernel, kernel];
+        self.add_normal(&format!("{name}.weight"), &shape, variance, seed)?;
+        self.add_constant(&format!("{name}.bias"), width, 0.0)?;
+        if block.groups.is_some() {
+            self.add_constant(&format!("{name}.norm.weight"), width, 1.0)?;
+            self.add_constant(&format!("{name}.norm.bias"), width, 0.0)?;
+        }
         Ok(())
     }
 
@@ -151,11 +170,18 @@ impl Network {
 
     fn add_normal(&mut self, name: &str, shape: &[usize], variance: f64, seed: u64) -> Result<()> {
         let mut random = CounterRng::new(seed, 0, self.parameters.len() as u64);
-        let count: usize = shape.iter().product();
-        let values = (0..count)
-            .map(|_| (variance.sqrt() * normal(&mut random)) as f32)
-            .collect();
+        let mut values = vec![0.0; shape.iter().product()];
+        for value in &mut values {
+            *value = (variance.sqrt() * normal(&mut random)) as f32;
+        }
         self.add(name, shape, values)
+    }
+
+    fn add(&mut self, name: &str, shape: &[usize], values: Vec<f32>) -> Result<()> {
+        let tensor = Tensor::from_vec(values, shape, &self.device)?;
+        let parameter = Var::from_tensor(&tensor)?;
+        self.parameters.push((name.into(), parameter));
+        Ok(())
     }
 
     /// The shape of the network.
@@ -163,18 +189,23 @@ impl Network {
         &self.settings
     }
 
+    /// Where it is computed.
+    pub(crate) fn device(&self) -> &Device {
+        &self.device
+    }
+
     /// The logits of a batch of grids, (B, C, D, H, W), as a tensor (B, classes) that gradients
     /// flow through.
     ///
     /// # Errors
-    /// [`LearnError::Settings`] for a batch of another number of channels or grids too small for
-    /// the poolings.
+    /// [`LearnError::Settings`](crate::LearnError::Settings) for a batch of another number of
+    /// channels or grids too small for the poolings.
     pub fn forward(&self, batch: &Tensor) -> Result<Tensor> {
         self.run(batch, |parameter| parameter.as_tensor().clone())
     }
 
-    /// The logits as [`Network::forward`] gives them, without what a gradient would need: faster,
-    /// and less memory.
+    /// The logits as [`Network::forward`] computes them, without what a gradient would need:
+    /// faster, and less memory.
     ///
     /// # Errors
     /// As for [`Network::forward`].
@@ -183,31 +214,18 @@ impl Network {
     }
 
     fn run(&self, batch: &Tensor, tensor: impl Fn(&Var) -> Tensor) -> Result<Tensor> {
-        let (_, channels, depth, height, width) = batch.dims5()?;
-        let smallest = self.settings.smallest_edge();
-        if channels != self.settings.channels || depth.min(height).min(width) < smallest {
-            return Err(LearnError::Settings(format!(
-                "grids of {channels} channels and {depth} x {height} x {width} voxels: the network takes {} channels \
-                 and at least {smallest} voxels along each edge",
-                self.settings.channels
-            )));
-        }
-        let mut parameters = self
-            .parameters
-            .iter()
-            .map(|(_, parameter)| tensor(parameter));
-        let mut next = || {
-            parameters
-                .next()
-                .ok_or_else(|| LearnError::Settings("the network lacks parameters".into()))
+        self.check(batch)?;
+        let mut parameters = self.parameters.iter();
+        let mut next = || match parameters.next() {
+            Some((_, parameter)) => Ok(tensor(parameter)),
+            None => refuse("the network lacks parameters"),
         };
         let mut grid = batch.clone();
         for settings in &self.settings.blocks {
             let (weight, bias) = (next()?, next()?);
-            let norm = if settings.groups.is_some() {
-                Some((next()?, next()?))
-            } else {
-                None
+            let norm = match settings.groups {
+                Some(_) => Some((next()?, next()?)),
+                None => None,
             };
             grid = block::forward(&grid, &BlockParameters { weight, bias, norm }, settings)?;
         }
@@ -219,27 +237,46 @@ impl Network {
         Ok(features.matmul(&weight.t()?)?.broadcast_add(&bias)?)
     }
 
+    fn check(&self, batch: &Tensor) -> Result<()> {
+        let (_, channels, depth, height, width) = batch.dims5()?;
+        let (expected, smallest) = (self.settings.channels, self.settings.smallest_edge());
+        if channels != expected || depth.min(height).min(width) < smallest {
+            return refuse(format!(
+                "grids of {channels} channels and {depth} x {height} x {width} voxels: the network \
+                 takes {expected} channels and at least {smallest} voxels along each edge"
+            ));
+        }
+        Ok(())
+    }
+
     /// The parameters, named as PyTorch would name them, in a fixed order.
     pub fn parameters(&self) -> &[(String, Var)] {
         &self.parameters
     }
 
+    /// Numbers that training fits.
+    pub fn parameter_count(&self) -> usize {
+        self.parameters
+            .iter()
+            .map(|(_, parameter)| parameter.elem_count())
+            .sum()
+    }
+
     /// Sets a parameter by name.
     ///
     /// # Errors
-    /// [`LearnError::Settings`] for a name the network lacks or another shape.
+    /// [`LearnError::Settings`](crate::LearnError::Settings) for a name the network lacks or
+    /// another shape.
     pub fn set_parameter(&self, name: &str, value: &Tensor) -> Result<()> {
-        let (_, parameter) = self
-            .parameters
-            .iter()
-            .find(|(own, _)| own == name)
-            .ok_or_else(|| LearnError::Settings(format!("the network has no parameter {name}")))?;
+        let Some((_, parameter)) = self.parameters.iter().find(|(own, _)| own == name) else {
+            return refuse(format!("the network has no parameter {name}"));
+        };
         if parameter.dims() != value.dims() {
-            return Err(LearnError::Settings(format!(
+            return refuse(format!(
                 "parameter {name} is {:?} in the network and {:?} here",
                 parameter.dims(),
                 value.dims()
-            )));
+            ));
         }
         Ok(parameter.set(&value.to_device(&self.device)?)?)
     }
@@ -248,16 +285,15 @@ impl Network {
     /// starts from the prior.
     ///
     /// # Errors
-    /// [`LearnError::Settings`] if there is not one finite number per class.
+    /// [`LearnError::Settings`](crate::LearnError::Settings) if there is not one finite number per
+    /// class.
     pub fn set_head_bias(&self, log_prior: &[f32]) -> Result<()> {
-        if log_prior.len() != self.settings.classes
-            || log_prior.iter().any(|value| !value.is_finite())
-        {
-            return Err(LearnError::Settings(format!(
-                "{} logarithms of shares for {} classes: give one finite number per class",
-                log_prior.len(),
-                self.settings.classes
-            )));
+        let (given, classes) = (log_prior.len(), self.settings.classes);
+        if given != classes || log_prior.iter().any(|value| !value.is_finite()) {
+            return refuse(format!(
+                "{given} logarithms of shares for {classes} classes: give one finite number per \
+                 class"
+            ));
         }
         self.set_parameter("head.bias", &Tensor::new(log_prior, &self.device)?)
     }

@@ -1,6 +1,8 @@
 //! Adam with decoupled weight decay and clipping of the gradient.
 
-use crate::{LearnError, Result};
+use crate::Result;
+use crate::error::refuse;
+use crate::numbers::{Numbers, sum_in_lanes};
 use candle_core::backprop::GradStore;
 use candle_core::{DType, Device, Tensor, Var};
 use serde::{Deserialize, Serialize};
@@ -11,14 +13,14 @@ use serde::{Deserialize, Serialize};
 pub struct AdamSettings {
     /// Length of a step.
     pub learning_rate: f64,
-    /// Memory of the mean of the gradient.
+    /// Memory of the mean of the gradient, β₁.
     pub beta1: f64,
-    /// Memory of the mean of its square.
+    /// Memory of the mean of its square, β₂.
     pub beta2: f64,
-    /// Added to the root of the second mean.
+    /// Added to the root of the second mean, ε.
     pub epsilon: f64,
-    /// Decoupled weight decay, of the parameters with two axes or more: biases and normalisations
-    /// do not decay.
+    /// Decoupled weight decay. Biases and normalisations do not decay: only parameters with two
+    /// axes or more do.
     pub weight_decay: f64,
 }
 
@@ -34,11 +36,42 @@ impl Default for AdamSettings {
     }
 }
 
+impl AdamSettings {
+    fn check(&self) -> Result<()> {
+        let memories = [self.beta1, self.beta2];
+        let is_sound = self.learning_rate > 0.0
+            && memories.iter().all(|beta| (0.0..1.0).contains(beta))
+            && self.epsilon > 0.0
+            && self.weight_decay >= 0.0;
+        if is_sound {
+            return Ok(());
+        }
+        refuse(format!(
+            "Adam with {self:?}: the rate and epsilon must be above 0, the betas in [0, 1), the \
+             decay not negative"
+        ))
+    }
+}
+
 /// Adam (Kingma and Ba, ICLR 2015) with decoupled weight decay (Loshchilov and Hutter, ICLR 2019):
 /// for the gradient g of step t,
 ///
 /// m = β₁ m + (1 - β₁) g, v = β₂ v + (1 - β₂) g²,
 /// p = p - r (m / (1 - β₁ᵗ) / (√(v / (1 - β₂ᵗ)) + ε) + decay p).
+///
+/// ```
+/// use candle_core::{Device, Tensor, Var};
+/// use protomer_learn::{Adam, AdamSettings};
+///
+/// let x = Var::from_tensor(&Tensor::new(3f32, &Device::Cpu)?)?;
+/// let mut adam = Adam::new(&[("x".into(), x.clone())], AdamSettings::default())?;
+/// for _ in 0..100 {
+///     let loss = x.sqr()?;
+///     adam.step(&loss.backward()?, 0.1, None)?;
+/// }
+/// assert!(x.to_scalar::<f32>()?.abs() < 0.2);
+/// # Ok::<(), protomer_learn::LearnError>(())
+/// ```
 #[derive(Debug)]
 pub struct Adam {
     settings: AdamSettings,
@@ -48,11 +81,14 @@ pub struct Adam {
     slots: Vec<Slot>,
 }
 
+/// A parameter and its memory.
 #[derive(Debug)]
 struct Slot {
     name: String,
     parameter: Var,
+    /// m.
     first: Tensor,
+    /// v.
     second: Tensor,
 }
 
@@ -60,40 +96,24 @@ impl Adam {
     /// An optimiser of these parameters, with no memory yet.
     ///
     /// # Errors
-    /// [`LearnError::Settings`] for settings that make no sense.
+    /// [`LearnError::Settings`](crate::LearnError::Settings) for settings that make no sense.
     pub fn new(parameters: &[(String, Var)], settings: AdamSettings) -> Result<Self> {
-        let AdamSettings {
-            learning_rate,
-            beta1,
-            beta2,
-            epsilon,
-            weight_decay,
-        } = settings;
-        let sound = learning_rate > 0.0
-            && (0.0..1.0).contains(&beta1)
-            && (0.0..1.0).contains(&beta2)
-            && epsilon > 0.0
-            && weight_decay >= 0.0;
-        if !sound {
-            return Err(LearnError::Settings(format!(
-                "Adam with {settings:?}: the rate and epsilon must be above 0, the betas in [0, 1), the decay not negative"
-            )));
-        }
-        let slots = parameters.iter().map(|(name, parameter)| {
+        settings.check()?;
+        let mut slots = Vec::with_capacity(parameters.len());
+        for (name, parameter) in parameters {
             let zeros = Tensor::zeros(parameter.shape(), DType::F32, parameter.device())?;
-            Ok(Slot {
+            slots.push(Slot {
                 name: name.clone(),
                 parameter: parameter.clone(),
                 first: zeros.clone(),
                 second: zeros,
-            })
-        });
-        let counter = Tensor::new(0u32, &Device::Cpu)?;
+            });
+        }
         Ok(Self {
             settings,
             steps: 0,
-            counter,
-            slots: slots.collect::<Result<_>>()?,
+            counter: Tensor::new(0u32, &Device::Cpu)?,
+            slots,
         })
     }
 
@@ -102,114 +122,160 @@ impl Adam {
         self.steps
     }
 
-    /// One step with this learning rate; returns the norm of the gradient over all parameters. A
-    /// longer gradient is shortened to `clip_norm` first. If the norm is not finite nothing
-    /// changes: whoever trains sees it and decides.
+    /// Takes one step with this learning rate. Returns the norm of the gradient over all
+    /// parameters.
+    ///
+    /// A gradient longer than `clip_norm` is shortened to it first. If the norm is not finite,
+    /// nothing changes: the caller sees it and decides.
     ///
     /// # Errors
-    /// [`LearnError::Settings`] if a parameter has no gradient.
+    /// [`LearnError::Settings`](crate::LearnError::Settings) if a parameter has no gradient.
     pub fn step(
         &mut self,
         gradients: &GradStore,
         learning_rate: f64,
         clip_norm: Option<f64>,
     ) -> Result<f64> {
-        let gradient = |slot: &Slot| match gradients.get(slot.parameter.as_tensor()) {
-            Some(gradient) => Ok(gradient.detach()),
-            None => Err(LearnError::Settings(format!(
-                "{} has no gradient: is it part of the loss?",
-                slot.name
-            ))),
-        };
-        let found = self
-            .slots
-            .iter()
-            .map(gradient)
-            .collect::<Result<Vec<_>>>()?;
-        let mut square = 0.0;
-        for gradient in &found {
-            square += f64::from(gradient.sqr()?.sum_all()?.to_scalar::<f32>()?);
-        }
-        let norm = square.sqrt();
+        let gradients = self.gradients(gradients)?;
+        let norm = norm(&gradients)?;
         if !norm.is_finite() {
             return Ok(norm);
         }
-        let scale = clip_norm
-            .filter(|limit| norm > *limit)
-            .map_or(1.0, |limit| limit / norm);
+        let scale = match clip_norm {
+            Some(limit) if norm > limit => limit / norm,
+            _ => 1.0,
+        };
         self.steps += 1;
         self.counter = Tensor::new(self.steps, &Device::Cpu)?;
+        for (slot, gradient) in self.slots.iter_mut().zip(gradients) {
+            slot.step(
+                &(gradient * scale)?,
+                learning_rate,
+                self.steps,
+                &self.settings,
+            )?;
+        }
+        Ok(norm)
+    }
+
+    /// The gradient of each parameter.
+    fn gradients(&self, store: &GradStore) -> Result<Vec<Tensor>> {
+        let mut gradients = Vec::with_capacity(self.slots.len());
+        for slot in &self.slots {
+            let Some(gradient) = store.get(slot.parameter.as_tensor()) else {
+                let name = &slot.name;
+                return refuse(format!("{name} has no gradient: is it part of the loss?"));
+            };
+            gradients.push(gradient.detach());
+        }
+        Ok(gradients)
+    }
+
+    /// The memory: `step` (u32 scalar), and `NAME.first_moment`, `NAME.second_moment` for every
+    /// parameter.
+    pub fn state(&self) -> Vec<(String, Tensor)> {
+        let mut state = vec![("step".to_owned(), self.counter.clone())];
+        for Slot {
+            name,
+            first,
+            second,
+            ..
+        } in &self.slots
+        {
+            state.push((format!("{name}.first_moment"), first.clone()));
+            state.push((format!("{name}.second_moment"), second.clone()));
+        }
+        state
+    }
+
+    /// Takes over a memory as [`Adam::state`] returned it.
+    ///
+    /// # Errors
+    /// [`LearnError::Settings`](crate::LearnError::Settings) if a tensor is missing or has another
+    /// shape. Nothing has changed then.
+    pub fn load_state(&mut self, state: &[(String, Tensor)]) -> Result<()> {
+        let counter = find(state, "step")?.detach().to_device(&Device::Cpu)?;
+        let steps = counter.to_scalar::<u32>()?;
+        let mut moments = Vec::with_capacity(self.slots.len());
+        for slot in &self.slots {
+            moments.push((
+                slot.moment(state, "first_moment")?,
+                slot.moment(state, "second_moment")?,
+            ));
+        }
+        (self.steps, self.counter) = (steps, counter);
+        for (slot, (first, second)) in self.slots.iter_mut().zip(moments) {
+            (slot.first, slot.second) = (first, second);
+        }
+        Ok(())
+    }
+}
+
+impl Slot {
+    /// Updates the memory and the parameter.
+    fn step(
+        &mut self,
+        gradient: &Tensor,
+        learning_rate: f64,
+        steps: u32,
+        settings: &AdamSettings,
+    ) -> Result<()> {
         let AdamSettings {
             beta1,
             beta2,
             epsilon,
             weight_decay,
             ..
-        } = self.settings;
-        let steps = f64::from(self.steps);
+        } = *settings;
+        let steps = f64::from(steps);
         let (first_share, second_share) = (1.0 - beta1.powf(steps), 1.0 - beta2.powf(steps));
-        for (slot, gradient) in self.slots.iter_mut().zip(found) {
-            let gradient = (gradient * scale)?;
-            slot.first = ((&slot.first * beta1)? + (&gradient * (1.0 - beta1))?)?;
-            slot.second = ((&slot.second * beta2)? + (gradient.sqr()? * (1.0 - beta2))?)?;
-            let root = ((&slot.second / second_share)?.sqrt()? + epsilon)?;
-            let mut change = ((&slot.first / first_share)? / root)?;
-            let old = slot.parameter.as_detached_tensor();
-            if weight_decay > 0.0 && old.rank() > 1 {
-                change = (change + (&old * weight_decay)?)?;
-            }
-            slot.parameter.set(&(old - (change * learning_rate)?)?)?;
+        self.first = ((&self.first * beta1)? + (gradient * (1.0 - beta1))?)?;
+        self.second = ((&self.second * beta2)? + (gradient.sqr()? * (1.0 - beta2))?)?;
+        let root = ((&self.second / second_share)?.sqrt()? + epsilon)?;
+        let mut change = ((&self.first / first_share)? / root)?;
+        let old = self.parameter.as_detached_tensor();
+        if weight_decay > 0.0 && old.rank() > 1 {
+            change = (change + (&old * weight_decay)?)?;
         }
-        Ok(norm)
+        Ok(self.parameter.set(&(old - (change * learning_rate)?)?)?)
     }
 
-    /// The memory: `step` (u32 scalar), and `NAME.first_moment`, `NAME.second_moment` for every
-    /// parameter.
-    pub fn state(&self) -> Vec<(String, Tensor)> {
-        let moments = self.slots.iter().flat_map(|slot| {
-            [("first", &slot.first), ("second", &slot.second)]
-                .map(|(which, moment)| (format!("{}.{which}_moment", slot.name), moment.clone()))
-        });
-        std::iter::once(("step".to_owned(), self.counter.clone()))
-            .chain(moments)
-            .collect()
-    }
-
-    /// Takes over a memory as [`Adam::state`] gave it.
-    ///
-    /// # Errors
-    /// [`LearnError::Settings`] if a tensor is missing or has another shape; nothing has changed
-    /// then.
-    pub fn load_state(&mut self, state: &[(String, Tensor)]) -> Result<()> {
-        let find = |name: &str| {
-            let found = state.iter().find(|(own, _)| own == name);
-            found
-                .map(|(_, tensor)| tensor)
-                .ok_or_else(|| LearnError::Settings(format!("the memory of Adam lacks {name}")))
-        };
-        let moment = |slot: &Slot, which: &str| {
-            let name = format!("{}.{which}_moment", slot.name);
-            let tensor = find(&name)?;
-            if tensor.dims() != slot.parameter.dims() {
-                return Err(LearnError::Settings(format!(
-                    "{name} is {:?}, the parameter {:?}",
-                    tensor.dims(),
-                    slot.parameter.dims()
-                )));
-            }
-            Ok(tensor.detach().to_device(slot.parameter.device())?)
-        };
-        let counter = find("step")?.detach().to_device(&Device::Cpu)?;
-        let steps = counter.to_scalar::<u32>()?;
-        let moments = self
-            .slots
-            .iter()
-            .map(|slot| Ok((moment(slot, "first")?, moment(slot, "second")?)))
-            .collect::<Result<Vec<_>>>()?;
-        (self.steps, self.counter) = (steps, counter);
-        for (slot, (first, second)) in self.slots.iter_mut().zip(moments) {
-            (slot.first, slot.second) = (first, second);
+    /// A part of the memory of this parameter.
+    fn moment(&self, state: &[(String, Tensor)], which: &str) -> Result<Tensor> {
+        let name = format!("{}.{which}", self.name);
+        let tensor = find(state, &name)?;
+        if tensor.dims() != self.parameter.dims() {
+            return refuse(format!(
+                "{name} is {:?}, the parameter {:?}",
+                tensor.dims(),
+                self.parameter.dims()
+            ));
         }
-        Ok(())
+        Ok(tensor.detach().to_device(self.parameter.device())?)
+    }
+}
+
+/// The norm over all gradients together.
+fn norm(gradients: &[Tensor]) -> Result<f64> {
+    let mut square = 0.0;
+    for gradient in gradients {
+        square += f64::from(sum_of_squares(gradient)?);
+    }
+    Ok(square.sqrt())
+}
+
+fn sum_of_squares(gradient: &Tensor) -> Result<f32> {
+    if !gradient.device().is_cpu() {
+        return Ok(gradient.sqr()?.sum_all()?.to_scalar()?);
+    }
+    let gradient = gradient.contiguous()?;
+    let numbers = Numbers::of(&gradient);
+    Ok(sum_in_lanes(numbers.slice()?, |value| value * value))
+}
+
+fn find<'a>(state: &'a [(String, Tensor)], name: &str) -> Result<&'a Tensor> {
+    match state.iter().find(|(own, _)| own == name) {
+        Some((_, tensor)) => Ok(tensor),
+        None => refuse(format!("the memory of Adam lacks {name}")),
     }
 }

@@ -1,190 +1,182 @@
-//! Could the score be chance? Labels are permuted between clusters and a cheap head is fitted again
-//! and again.
+//! Could the score be chance? Labels are exchanged between clusters of the test part, and the same
+//! predictions are scored again and again.
 
-use crate::baselines::regression;
-use crate::logistic::{Table, prior};
+use crate::evaluation::TestPredictions;
 use crate::scores::Scores;
 use crate::split::{Split, clusters, shuffle};
-use crate::{Description, LearnError, Result};
+use crate::{Description, Result};
 use protomer_kernel::random::{CounterRng, Purpose};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
+/// Log-losses closer than this are equal: a sum may differ in its last digit.
+const EQUAL: f64 = 1e-12;
+/// The number of the test part among the parts.
+const TEST: usize = 2;
+
 /// The outcome of a permutation test.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PermutationTest {
-    /// Nats gained over the prior on the test part, with the labels as they are.
-    pub observed_nats: f64,
-    /// The same for each permutation.
-    pub permuted_nats: Vec<f64>,
-    /// (1 + permutations that do as well) / (1 + permutations): the chance of such a score if
-    /// labels mean nothing.
+    /// (1 + exchanges under which the predictions do as well) / (1 + exchanges): the chance of such
+    /// a score if labels mean nothing.
     pub p_value: f64,
-    /// Share of samples in clusters that have another of their size, whose labels can move.
+    /// Exchanges that were tried.
+    pub exchanges: usize,
+    /// Share of the test part's samples whose clusters have another of their size there, so that
+    /// their labels can move. Near 0 the test cannot tell anything.
     pub movable: f64,
 }
 
-/// Labels with the lists of whole clusters exchanged, among clusters of one part and one size.
+/// Tests whether predictions go with the labels of the test part.
 ///
-/// These exchanges form a group under which data without signal look the same, so the test is
-/// exact; each part keeps its counts of labels. A cluster alone in its size keeps its labels, which
-/// can only make the test more cautious.
-pub fn permute_labels(
-    descriptions: &[Description],
-    labels: &[usize],
-    split: &Split,
-    seed: u64,
-    number: u64,
-) -> Result<Vec<usize>> {
-    let mut rng = CounterRng::for_purpose(seed, 0, number, Purpose::Permutation);
-    let mut permuted = labels.to_vec();
-    for group in exchangeable(descriptions, labels.len(), split)? {
-        let mut order: Vec<usize> = (0..group.len()).collect();
-        shuffle(&mut order, &mut rng);
-        for (to, from) in group.iter().zip(order) {
-            for (to, from) in to.iter().zip(&group[from]) {
-                permuted[*to] = labels[*from];
-            }
-        }
-    }
-    Ok(permuted)
-}
-
-/// Share of the test part's samples in clusters that have another of their size there, whose labels
-/// can move.
+/// In every exchange, clusters of one size in one part swap their labels as whole lists. These
+/// exchanges form a group under which data without signal look the same, so the test is exact for
+/// predictions that have seen no label of the test part. A cluster that is alone in its size keeps
+/// its labels, which can only make the test more cautious. Each sample counts once.
 ///
-/// # Errors
-/// [`LearnError::Settings`] if the split does not fit; [`LearnError::Sample`] for a sample without
-/// a cluster.
-pub fn movable_share(descriptions: &[Description], split: &Split) -> Result<f64> {
-    let test = Split {
-        training: Vec::new(),
-        validation: Vec::new(),
-        test: split.test.clone(),
-    };
-    Ok(movable(&exchangeable(
-        descriptions,
-        descriptions.len(),
-        &test,
-    )?))
-}
-
-fn movable(groups: &[Vec<Vec<usize>>]) -> f64 {
-    let count = |least: usize| {
-        groups
-            .iter()
-            .filter(|group| group.len() >= least)
-            .flatten()
-            .map(Vec::len)
-            .sum::<usize>() as f64
-    };
-    count(2) / count(1).max(1.0)
-}
-
-/// Clusters that may exchange labels: those with the same number of samples in the same part.
-fn exchangeable(
-    descriptions: &[Description],
-    labels: usize,
-    split: &Split,
-) -> Result<Vec<Vec<Vec<usize>>>> {
-    split.check(labels)?;
-    if descriptions.len() != labels {
-        return Err(LearnError::Settings(format!(
-            "{} descriptions for {labels} labels",
-            descriptions.len()
-        )));
-    }
-    let mut part_of = vec![3; labels];
-    for (part, samples) in [&split.training, &split.validation, &split.test]
-        .into_iter()
-        .enumerate()
-    {
-        samples.iter().for_each(|sample| part_of[*sample] = part);
-    }
-    let mut groups = BTreeMap::<(usize, usize), Vec<Vec<usize>>>::new();
-    for cluster in clusters(descriptions)? {
-        for part in 0..3 {
-            let members: Vec<usize> = cluster
-                .iter()
-                .copied()
-                .filter(|sample| part_of[*sample] == part)
-                .collect();
-            if !members.is_empty() {
-                groups
-                    .entry((part, members.len()))
-                    .or_default()
-                    .push(members);
-            }
-        }
-    }
-    Ok(groups.into_values().collect())
-}
-
-/// Tests whether the features of `table` (for instance a network's, before its last layer) tell
-/// classes apart: the head is multinomial logistic regression, fitted anew for every permutation.
+/// No network is fitted again: the test does not ask how often a training on exchanged labels would
+/// do as well.
+///
+/// ```
+/// use protomer_learn::Description;
+/// use protomer_learn::evaluation::TestPredictions;
+/// use protomer_learn::permutation::permutation_test;
+/// use protomer_learn::split::Split;
+///
+/// let mut descriptions = Vec::new();
+/// for number in 0..12 {
+///     descriptions.push(Description { cluster: format!("c{number}"), ..Description::default() });
+/// }
+/// let labels: Vec<usize> = (0..12).map(|sample| sample % 2).collect();
+/// let split = Split { test: (0..12).collect(), ..Split::default() };
+/// let predictions = TestPredictions {
+///     descriptions: &descriptions,
+///     labels: &labels,
+///     classes: 2,
+///     split: &split,
+///     probabilities: &[0.9, 0.1, 0.1, 0.9].repeat(6),
+/// };
+/// let test = permutation_test(&predictions, 199, 1)?;
+/// assert!(test.p_value < 0.05, "all twelve are right");
+/// assert_eq!(test.movable, 1.0);
+/// # Ok::<(), protomer_learn::LearnError>(())
+/// ```
 ///
 /// # Errors
-/// [`LearnError::Settings`] if shapes disagree or a part is empty; [`LearnError::Sample`] for a
-/// sample without a cluster.
+/// [`LearnError::Settings`](crate::LearnError::Settings) if shapes disagree or the test part is
+/// empty, [`LearnError::Sample`](crate::LearnError::Sample) for a sample without a cluster.
 pub fn permutation_test(
-    table: Table,
-    descriptions: &[Description],
-    labels: &[usize],
-    classes: usize,
-    split: &Split,
-    permutations: usize,
+    predictions: &TestPredictions,
+    exchanges: usize,
     seed: u64,
 ) -> Result<PermutationTest> {
-    let gained = |labels: &[usize]| {
-        let truth: Vec<usize> = split.test.iter().map(|sample| labels[*sample]).collect();
-        let p = regression(table, labels, classes, None, split)?;
-        let prior = prior(&split.training, labels, None, classes).repeat(truth.len());
-        Ok(Scores::of(&p, &truth, classes, None)?
-            .nats_gained_over(&Scores::of(&prior, &truth, classes, None)?))
+    let clusters = Exchangeable::new(predictions.descriptions, predictions.split)?;
+    let loss = |labels: &[usize]| {
+        let truth = predictions.of_test(labels)?;
+        let scores = Scores::of(predictions.probabilities, &truth, predictions.classes, None)?;
+        Ok(scores.log_loss_nats)
     };
-    let movable = movable(&exchangeable(descriptions, labels.len(), split)?);
-    let observed_nats = gained(labels)?;
-    let permuted =
-        |number: u64| gained(&permute_labels(descriptions, labels, split, seed, number)?);
-    let permuted_nats = (0..permutations as u64)
+    let observed = loss(predictions.labels)?;
+    let losses = (0..exchanges as u64)
         .into_par_iter()
-        .map(permuted)
+        .map(|number| loss(&clusters.exchange(predictions.labels, seed, number)))
         .collect::<Result<Vec<f64>>>()?;
-    let as_good = permuted_nats
+    let as_good = losses
         .iter()
-        .filter(|nats| **nats >= observed_nats)
+        .filter(|loss| **loss <= observed * (1.0 + EQUAL))
         .count();
-    let p_value = (1 + as_good) as f64 / (1 + permutations) as f64;
     Ok(PermutationTest {
-        observed_nats,
-        permuted_nats,
-        p_value,
-        movable,
+        p_value: (1 + as_good) as f64 / (1 + exchanges) as f64,
+        exchanges,
+        movable: clusters.movable(TEST),
     })
+}
+
+/// Clusters that may exchange labels.
+struct Exchangeable {
+    /// The samples of each cluster, by part of the split and number of samples there.
+    groups: BTreeMap<(usize, usize), Vec<Vec<usize>>>,
+}
+
+impl Exchangeable {
+    /// # Errors
+    /// [`LearnError::Settings`](crate::LearnError::Settings) if the split does not fit,
+    /// [`LearnError::Sample`](crate::LearnError::Sample) for a sample without a cluster.
+    fn new(descriptions: &[Description], split: &Split) -> Result<Self> {
+        split.check(descriptions.len())?;
+        let mut part_of = vec![None; descriptions.len()];
+        let parts = [&split.training, &split.validation, &split.test];
+        for (part, samples) in parts.into_iter().enumerate() {
+            for sample in samples {
+                part_of[*sample] = Some(part);
+            }
+        }
+        let mut groups = BTreeMap::<_, Vec<Vec<usize>>>::new();
+        for cluster in clusters(descriptions)? {
+            for part in 0..parts.len() {
+                let mut members = cluster.clone();
+                members.retain(|sample| part_of[*sample] == Some(part));
+                if !members.is_empty() {
+                    groups
+                        .entry((part, members.len()))
+                        .or_default()
+                        .push(members);
+                }
+            }
+        }
+        Ok(Self { groups })
+    }
+
+    /// Labels with the lists of whole clusters exchanged. Each part keeps its counts of labels.
+    fn exchange(&self, labels: &[usize], seed: u64, number: u64) -> Vec<usize> {
+        let mut random = CounterRng::for_purpose(seed, 0, number, Purpose::Permutation);
+        let mut exchanged = labels.to_vec();
+        for group in self.groups.values() {
+            let mut order: Vec<usize> = (0..group.len()).collect();
+            shuffle(&mut order, &mut random);
+            for (to, from) in group.iter().zip(order) {
+                for (to, from) in to.iter().zip(&group[from]) {
+                    exchanged[*to] = labels[*from];
+                }
+            }
+        }
+        exchanged
+    }
+
+    /// Share of a part's samples in clusters that have another of their size there.
+    fn movable(&self, part: usize) -> f64 {
+        let (mut movable, mut all) = (0, 0);
+        for ((of_part, size), group) in &self.groups {
+            if *of_part == part {
+                let samples = size * group.len();
+                all += samples;
+                movable += if group.len() > 1 { samples } else { 0 };
+            }
+        }
+        movable as f64 / f64::max(all as f64, 1.0)
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
+    use crate::logistic::{Logistic, Table};
     use crate::split::Fractions;
 
     /// Clusters of 1 to 3 samples with one label each; the feature follows the label with the given
     /// strength.
     fn set(strength: f64, seed: u64) -> (Vec<f64>, Vec<Description>, Vec<usize>) {
-        let mut rng = CounterRng::new(seed, 0, 0);
+        let mut random = CounterRng::new(seed, 0, 0);
         let (mut features, mut descriptions, mut labels) = (Vec::new(), Vec::new(), Vec::new());
         for cluster in 0..90 {
-            let label = rng.index(3);
-            let centre = strength * label as f64 + rng.uniform_in(-1.0, 1.0);
-            for _ in 0..=rng.index(3) {
-                features.extend([centre + rng.uniform_in(-0.1, 0.1), rng.uniform()]);
+            let label = random.index(3);
+            let centre = strength * label as f64 + random.uniform_in(-1.0, 1.0);
+            for _ in 0..=random.index(3) {
+                features.extend([centre + random.uniform_in(-0.1, 0.1), random.uniform()]);
                 labels.push(label);
-                let (label, cluster) = (label.to_string(), cluster.to_string());
                 descriptions.push(Description {
-                    label,
-                    cluster,
+                    label: label.to_string(),
+                    cluster: cluster.to_string(),
                     ..Description::default()
                 });
             }
@@ -192,55 +184,117 @@ mod tests {
         (features, descriptions, labels)
     }
 
-    fn test(strength: f64, seed: u64, permutations: usize) -> PermutationTest {
+    fn split(descriptions: &[Description]) -> Split {
+        Split::grouped(descriptions, 2, Fractions::default()).unwrap()
+    }
+
+    /// The test of a regression fitted to the training part.
+    fn test(strength: f64, seed: u64, exchanges: usize) -> PermutationTest {
         let (features, descriptions, labels) = set(strength, seed);
-        let split = Split::grouped(&descriptions, 2, Fractions::default()).unwrap();
+        let split = split(&descriptions);
         let table = Table {
             features: &features,
             columns: 2,
         };
-        permutation_test(table, &descriptions, &labels, 3, &split, permutations, 5).unwrap()
+        let fit = Logistic::fit(table, &split.training, &labels, None, 3, 0.01).unwrap();
+        let predictions = TestPredictions {
+            descriptions: &descriptions,
+            labels: &labels,
+            classes: 3,
+            split: &split,
+            probabilities: &fit.probabilities(table, &split.test).unwrap(),
+        };
+        permutation_test(&predictions, exchanges, 5).unwrap()
     }
 
     #[test]
     fn a_signal_is_found_and_its_absence_too() {
-        let found = test(1.0, 1, 39);
-        assert!(
-            found.observed_nats > 0.2 && found.p_value == 1.0 / 40.0,
-            "{found:?}"
-        );
-        // Without signal p is uniform: its mean over 12 sets is 0.5 ± 0.083.
-        let mean = (0..12)
-            .map(|seed| test(0.0, 100 + seed, 19).p_value)
-            .sum::<f64>()
-            / 12.0;
-        assert!((0.25..0.75).contains(&mean), "{mean}");
+        assert_eq!(test(1.0, 1, 39).p_value, 1.0 / 40.0);
+        // Without signal p is uniform: its mean over 40 sets is 0.5 ± 0.046.
+        let mut sum = 0.0;
+        for seed in 0..40 {
+            sum += test(0.0, 100 + seed, 19).p_value;
+        }
+        assert!((0.36..0.64).contains(&(sum / 40.0)), "{}", sum / 40.0);
+    }
+
+    /// The chance of a score as good follows from all exchanges of four clusters.
+    #[test]
+    fn few_clusters_have_the_p_value_of_all_their_exchanges() {
+        let mut descriptions = Vec::new();
+        for cluster in 0..4 {
+            descriptions.push(Description {
+                cluster: cluster.to_string(),
+                ..Description::default()
+            });
+        }
+        let split = Split {
+            test: vec![0, 1, 2, 3],
+            ..Split::default()
+        };
+        let predictions = TestPredictions {
+            descriptions: &descriptions,
+            labels: &[0, 0, 1, 1],
+            classes: 2,
+            split: &split,
+            probabilities: &[0.9, 0.1, 0.8, 0.2, 0.3, 0.7, 0.4, 0.6],
+        };
+        // The labels are already in the best of the 6 orders.
+        let found = permutation_test(&predictions, 6000, 1).unwrap();
+        assert!((found.p_value - 1.0 / 6.0).abs() < 0.02, "{found:?}");
+    }
+
+    #[test]
+    fn predictions_that_tell_nothing_apart_are_as_good_under_every_exchange() {
+        let (_, descriptions, labels) = set(0.0, 3);
+        let split = split(&descriptions);
+        let predictions = TestPredictions {
+            descriptions: &descriptions,
+            labels: &labels,
+            classes: 3,
+            split: &split,
+            probabilities: &[0.5, 0.3, 0.2].repeat(split.test.len()),
+        };
+        assert_eq!(permutation_test(&predictions, 50, 1).unwrap().p_value, 1.0);
     }
 
     #[test]
     fn whole_clusters_exchange_labels_within_a_part() {
         let (_, descriptions, labels) = set(0.0, 3);
-        let split = Split::grouped(&descriptions, 2, Fractions::default()).unwrap();
-        let permuted = permute_labels(&descriptions, &labels, &split, 1, 0).unwrap();
-        assert_ne!(permuted, labels);
-        assert_ne!(
-            permuted,
-            permute_labels(&descriptions, &labels, &split, 1, 1).unwrap()
-        );
-        for (first, second) in descriptions
-            .iter()
-            .zip(&permuted)
-            .zip(descriptions.iter().zip(&permuted).skip(1))
-        {
-            assert!(first.0.cluster != second.0.cluster || first.1 == second.1);
+        let split = split(&descriptions);
+        let clusters = Exchangeable::new(&descriptions, &split).unwrap();
+        let exchanged = clusters.exchange(&labels, 1, 0);
+        assert_ne!(exchanged, labels);
+        assert_ne!(exchanged, clusters.exchange(&labels, 1, 1));
+        for i in 1..labels.len() {
+            let same_cluster = descriptions[i].cluster == descriptions[i - 1].cluster;
+            assert!(!same_cluster || exchanged[i] == exchanged[i - 1]);
         }
         for part in [&split.training, &split.validation, &split.test] {
             let sorted = |labels: &[usize]| {
-                let mut of: Vec<usize> = part.iter().map(|sample| labels[*sample]).collect();
-                of.sort_unstable();
-                of
+                let mut of_part: Vec<usize> = part.iter().map(|sample| labels[*sample]).collect();
+                of_part.sort_unstable();
+                of_part
             };
-            assert_eq!(sorted(&permuted), sorted(&labels));
+            assert_eq!(sorted(&exchanged), sorted(&labels));
+        }
+    }
+
+    #[test]
+    fn a_cluster_alone_in_its_size_does_not_move() {
+        let cluster = |name: &str| Description {
+            cluster: name.into(),
+            ..Description::default()
+        };
+        let descriptions = ["a", "b", "c", "c"].map(cluster);
+        let split = Split {
+            test: vec![0, 1, 2, 3],
+            ..Split::default()
+        };
+        let clusters = Exchangeable::new(&descriptions, &split).unwrap();
+        assert_eq!(clusters.movable(TEST), 0.5);
+        for number in 0..20 {
+            assert_eq!(clusters.exchange(&[0, 1, 2, 3], 1, number)[2..], [2, 3]);
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Samples: a sparse voxel grid, and what is known of it.
 
+use crate::error::damaged;
 use crate::{LearnError, Result};
 use serde::{Deserialize, Serialize};
 
@@ -7,10 +8,17 @@ use serde::{Deserialize, Serialize};
 ///
 /// ```
 /// use protomer_learn::SparseGrid;
-/// let grid = SparseGrid { size: 4, channels: 2, index: vec![5, 9], values: vec![1.0, 1.0, -0.5, 0.25] };
+///
+/// let grid = SparseGrid {
+///     size: 4,
+///     channels: 2,
+///     index: vec![5, 9],
+///     values: vec![1.0, 1.0, -0.5, 0.25],
+/// };
 /// let mut dense = vec![0.0; 2 * 64];
-/// grid.write_dense(&mut dense).unwrap();
+/// grid.write_dense(&mut dense)?;
 /// assert_eq!((dense[5], dense[64 + 9]), (1.0, 0.25));
+/// # Ok::<(), protomer_learn::LearnError>(())
 /// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SparseGrid {
@@ -25,59 +33,59 @@ pub struct SparseGrid {
 }
 
 impl SparseGrid {
-    /// Writes the grid as (channel, z, y, x) over `dense`, channels x size³ numbers, which need not
-    /// be zero before.
+    /// Overwrites `dense`, (channel, z, y, x), with the grid.
     ///
     /// # Errors
-    /// [`LearnError::Sample`] if shapes disagree or an index lies outside.
+    /// [`LearnError::Sample`] if the grid is damaged or `dense` does not hold channels x size³
+    /// numbers.
     pub fn write_dense(&self, dense: &mut [f32]) -> Result<()> {
         self.check()?;
         let voxels = self.size.pow(3);
         if dense.len() != self.channels * voxels {
             return Err(damaged(format!(
-                "{} numbers of room for {} x {voxels}",
-                dense.len(),
-                self.channels
+                "{} channels of {voxels} voxels do not fit into {} numbers",
+                self.channels,
+                dense.len()
             )));
         }
         dense.fill(0.0);
-        let count = self.index.len().max(1);
-        for (dense, values) in dense
-            .chunks_exact_mut(voxels.max(1))
-            .zip(self.values.chunks_exact(count))
-        {
-            for (index, value) in self.index.iter().zip(values) {
+        for (channel, dense) in dense.chunks_exact_mut(voxels.max(1)).enumerate() {
+            for (index, value) in self.index.iter().zip(self.of_channel(channel)) {
                 dense[*index as usize] = *value;
             }
         }
         Ok(())
     }
 
-    /// Whether shapes agree, indices ascend inside the grid, and every value is finite.
+    /// The values of a channel; empty if there is no such channel.
+    pub(crate) fn of_channel(&self, channel: usize) -> &[f32] {
+        let count = self.index.len();
+        let values = self.values.get(channel * count..(channel + 1) * count);
+        values.unwrap_or_default()
+    }
+
+    /// Checks that shapes agree, indices ascend inside the grid, and every value is finite.
     ///
     /// # Errors
     /// [`LearnError::Sample`] says what is wrong.
     pub fn check(&self) -> Result<()> {
-        let voxels = self.size.pow(3);
-        if self.values.len() != self.channels * self.index.len() {
+        let (voxels, count) = (self.size.pow(3), self.index.len());
+        if self.values.len() != self.channels * count {
             return Err(damaged(format!(
-                "{} values for {} voxels",
-                self.values.len(),
-                self.index.len()
+                "{} values for {count} voxels",
+                self.values.len()
             )));
         }
-        if self.index.windows(2).any(|pair| pair[0] >= pair[1])
-            || self
-                .index
-                .last()
-                .is_some_and(|last| *last as usize >= voxels)
-        {
-            return Err(damaged(
-                "voxel indices do not ascend inside the grid".into(),
-            ));
+        let ascend = self.index.windows(2).all(|pair| pair[0] < pair[1]);
+        let inside = self
+            .index
+            .last()
+            .is_none_or(|last| (*last as usize) < voxels);
+        if !ascend || !inside {
+            return Err(damaged("voxel indices do not ascend inside the grid"));
         }
         if let Some(place) = self.values.iter().position(|value| !value.is_finite()) {
-            let channel = place / self.index.len().max(1);
+            let channel = place / count.max(1);
             return Err(damaged(format!(
                 "channel {channel} holds {}",
                 self.values[place]
@@ -87,14 +95,20 @@ impl SparseGrid {
     }
 }
 
-fn damaged(reason: String) -> LearnError {
-    LearnError::Sample {
-        name: "voxels".into(),
-        reason,
-    }
-}
-
 /// What is known of a sample besides its voxels.
+///
+/// ```
+/// use protomer_learn::Description;
+///
+/// let known = Description {
+///     name: "5pti".into(),
+///     label: "P 21 21 21".into(),
+///     cluster: "trypsin inhibitor".into(),
+///     residues: 58.0,
+///     ..Description::default()
+/// };
+/// assert_eq!(known.family, "", "no other crystal of this form");
+/// ```
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Description {
     /// A name, unique in the set.
@@ -103,7 +117,7 @@ pub struct Description {
     pub label: String,
     /// Samples of one cluster are related and never fall on both sides of a split.
     pub cluster: String,
-    /// Copies of one crystal form share a family and are weighted down together; empty: a family of
+    /// Copies of one crystal form share a family and are weighted down together. Empty: a family of
     /// its own.
     pub family: String,
     /// Residues.
@@ -118,7 +132,21 @@ pub struct Description {
     pub composition: [f64; 20],
 }
 
-/// Where samples come from; decoding happens one sample at a time, on any thread.
+/// A set of samples. It decodes one sample at a time, on any thread.
+///
+/// ```
+/// use protomer_learn::{InMemory, SampleSource};
+///
+/// fn voxels_of_all(set: &dyn SampleSource) -> protomer_learn::Result<usize> {
+///     let mut count = 0;
+///     for sample in 0..set.descriptions().len() {
+///         count += set.voxels(sample)?.index.len();
+///     }
+///     Ok(count)
+/// }
+/// assert_eq!(voxels_of_all(&InMemory::default())?, 0);
+/// # Ok::<(), protomer_learn::LearnError>(())
+/// ```
 pub trait SampleSource: Sync {
     /// Voxels along each edge of every grid.
     fn size(&self) -> usize;
@@ -131,19 +159,32 @@ pub trait SampleSource: Sync {
     /// # Errors
     /// [`LearnError::Sample`] names a sample that cannot be read; training may leave it out.
     fn voxels(&self, sample: usize) -> Result<SparseGrid>;
-    /// How the voxels were made, in the words of what made them: a network is for voxels made
-    /// alike.
+    /// The settings that the voxels were made with, as the program that made them wrote them down.
+    /// A network can only be applied to voxels made alike.
     fn made_with(&self) -> Option<&serde_json::Value> {
         None
     }
-    /// SHA-256 of the file that a sample was made of, in hexadecimal; empty where there is no file,
-    /// or nobody knows.
+    /// SHA-256 of the file that a sample was made from, in hexadecimal. Empty: no file, or unknown.
     fn file_sha256(&self, _sample: usize) -> &str {
         ""
     }
 }
 
 /// Samples in memory.
+///
+/// ```
+/// use protomer_learn::{Description, InMemory, SampleSource, SparseGrid};
+///
+/// let set = InMemory {
+///     size: 2,
+///     channels: vec!["shape".into()],
+///     descriptions: vec![Description { name: "one".into(), ..Description::default() }],
+///     grids: vec![SparseGrid { size: 2, channels: 1, index: vec![7], values: vec![1.0] }],
+/// };
+/// assert_eq!(set.voxels(0)?.index, [7]);
+/// assert!(set.voxels(1).is_err());
+/// # Ok::<(), protomer_learn::LearnError>(())
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct InMemory {
     /// Voxels along each edge.
@@ -170,10 +211,17 @@ impl SampleSource for InMemory {
     }
 
     fn voxels(&self, sample: usize) -> Result<SparseGrid> {
-        let missing = || LearnError::Sample {
-            name: format!("{sample}"),
-            reason: "there is no such sample".into(),
-        };
-        self.grids.get(sample).cloned().ok_or_else(missing)
+        match self.grids.get(sample) {
+            Some(grid) => Ok(grid.clone()),
+            None => Err(missing(sample)),
+        }
+    }
+}
+
+/// The error for a sample that a set does not have.
+pub(crate) fn missing(sample: usize) -> LearnError {
+    LearnError::Sample {
+        name: format!("{sample}"),
+        reason: "there is no such sample".into(),
     }
 }

@@ -2,16 +2,30 @@
 //!
 //! Every sample carries a weight w (1 if none are given); N below is the sum of weights.
 
-use crate::{LearnError, Result};
+use crate::Result;
+use crate::error::refuse;
 use serde::{Deserialize, Serialize};
 
-/// Probabilities below this count as this in logarithms, so that certainty in error costs much but
+/// Smaller probabilities count as this one in logarithms. Certainty in error then costs much, but
 /// not everything.
-pub const SMALLEST_PROBABILITY: f64 = 1e-15;
+pub(crate) const SMALLEST_PROBABILITY: f64 = 1e-15;
 const RELIABILITY_BINS: usize = 15;
 const TOP: usize = 3;
 
 /// Scores of predicted probabilities.
+///
+/// ```
+/// use protomer_learn::scores::Scores;
+///
+/// // Two samples of two classes; both are predicted to be of the first.
+/// let scores = Scores::of(&[0.9, 0.1, 0.6, 0.4], &[0, 1], 2, None)?;
+/// assert_eq!(scores.accuracy, 0.5);
+/// assert_eq!(scores.confusion, [[1.0, 0.0], [1.0, 0.0]]);
+///
+/// let guessed = Scores::of(&[0.5; 4], &[0, 1], 2, None)?;
+/// assert!(scores.nats_gained_over(&guessed) > 0.0);
+/// # Ok::<(), protomer_learn::LearnError>(())
+/// ```
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Scores {
     /// Samples.
@@ -32,7 +46,7 @@ pub struct Scores {
     /// confidence in it|.
     pub expected_calibration_error: f64,
     /// The multi-class correlation coefficient of Matthews (Gorodkin, Comput. Biol. Chem. 28, 367
-    /// (2004)), -1 to 1; zero if only one class is present or predicted.
+    /// (2004)), -1 to 1. Zero if only one class is present or predicted.
     pub matthews: f64,
     /// Weight of samples by true class (row) and predicted class (column).
     pub confusion: Vec<Vec<f64>>,
@@ -54,15 +68,9 @@ pub struct ReliabilityBin {
 impl Scores {
     /// Scores of `probabilities` (sample after sample, one number per class) against true classes.
     ///
-    /// ```
-    /// use protomer_learn::scores::Scores;
-    /// let scores = Scores::of(&[0.9, 0.1, 0.6, 0.4], &[0, 1], 2, None).unwrap();
-    /// assert_eq!((scores.accuracy, scores.confusion), (0.5, vec![vec![1.0, 0.0], vec![1.0, 0.0]]));
-    /// ```
-    ///
     /// # Errors
-    /// [`LearnError::Settings`] if lengths disagree, a class does not exist, a probability is not
-    /// one, or there is nothing to score.
+    /// [`LearnError::Settings`](crate::LearnError::Settings) if lengths disagree, a class does not
+    /// exist, a number is not a probability, or there is nothing to score.
     pub fn of(
         probabilities: &[f64],
         labels: &[usize],
@@ -73,54 +81,59 @@ impl Scores {
         let mut scores = Self {
             samples: labels.len(),
             confusion: vec![vec![0.0; classes]; classes],
+            reliability: vec![ReliabilityBin::default(); RELIABILITY_BINS],
             ..Self::default()
         };
-        let mut bins = [ReliabilityBin::default(); RELIABILITY_BINS];
         let mut total = 0.0;
-        for (sample, (label, p)) in labels
-            .iter()
-            .zip(probabilities.chunks_exact(classes))
-            .enumerate()
-        {
+        let rows = labels.iter().zip(probabilities.chunks_exact(classes));
+        for (sample, (label, p)) in rows.enumerate() {
             let weight = weights.map_or(1.0, |weights| weights[sample]);
-            // Ties go to the class that comes first.
-            let before =
-                |class: usize| p[class] > p[*label] || (p[class] == p[*label] && class < *label);
-            let rank = (0..classes).filter(|class| before(*class)).count();
-            let predicted = most_probable(p);
-            let hit = if rank == 0 { weight } else { 0.0 };
+            scores.add(p, *label, weight);
             total += weight;
-            scores.confusion[*label][predicted] += weight;
-            scores.accuracy += hit;
-            scores.top3_accuracy += if rank < TOP { weight } else { 0.0 };
-            scores.log_loss_nats -= weight * p[*label].max(SMALLEST_PROBABILITY).ln();
-            let squared =
-                |(class, p): (usize, &f64)| (p - if class == *label { 1.0 } else { 0.0 }).powi(2);
-            scores.brier += weight * p.iter().enumerate().map(squared).sum::<f64>();
-            let bin = &mut bins
-                [((p[predicted] * RELIABILITY_BINS as f64) as usize).min(RELIABILITY_BINS - 1)];
-            bin.weight += weight;
-            bin.confidence += weight * p[predicted];
-            bin.accuracy += hit;
         }
-        for sum in [
-            &mut scores.accuracy,
-            &mut scores.top3_accuracy,
-            &mut scores.log_loss_nats,
-            &mut scores.brier,
-        ] {
-            *sum /= total;
-        }
-        for bin in bins.iter_mut().filter(|bin| bin.weight > 0.0) {
-            bin.confidence /= bin.weight;
-            bin.accuracy /= bin.weight;
-            scores.expected_calibration_error +=
-                bin.weight / total * (bin.accuracy - bin.confidence).abs();
-        }
-        scores.reliability = bins.to_vec();
+        scores.divide_by(total);
         (scores.balanced_accuracy, scores.macro_f1) = recall_and_f1(&scores.confusion);
         scores.matthews = matthews(&scores.confusion);
         Ok(scores)
+    }
+
+    /// Adds a sample to the sums.
+    fn add(&mut self, p: &[f64], label: usize, weight: f64) {
+        let predicted = most_probable(p);
+        let rank = rank(p, label);
+        let hit = if rank == 0 { weight } else { 0.0 };
+        self.confusion[label][predicted] += weight;
+        self.accuracy += hit;
+        self.top3_accuracy += if rank < TOP { weight } else { 0.0 };
+        self.log_loss_nats -= weight * p[label].max(SMALLEST_PROBABILITY).ln();
+        let mut squares = 0.0;
+        for (class, p) in p.iter().enumerate() {
+            let truth = if class == label { 1.0 } else { 0.0 };
+            squares += (p - truth).powi(2);
+        }
+        self.brier += weight * squares;
+        let confidence = p[predicted];
+        let bin = (confidence * RELIABILITY_BINS as f64) as usize;
+        let bin = &mut self.reliability[bin.min(RELIABILITY_BINS - 1)];
+        bin.weight += weight;
+        bin.confidence += weight * confidence;
+        bin.accuracy += hit;
+    }
+
+    /// Turns sums into means.
+    fn divide_by(&mut self, total: f64) {
+        self.accuracy /= total;
+        self.top3_accuracy /= total;
+        self.log_loss_nats /= total;
+        self.brier /= total;
+        for bin in &mut self.reliability {
+            if bin.weight > 0.0 {
+                bin.confidence /= bin.weight;
+                bin.accuracy /= bin.weight;
+                self.expected_calibration_error +=
+                    bin.weight / total * (bin.accuracy - bin.confidence).abs();
+            }
+        }
     }
 
     /// How many nats per sample these probabilities know more than `baseline`, usually the prior.
@@ -140,24 +153,37 @@ pub fn most_probable(probabilities: &[f64]) -> usize {
     best
 }
 
+/// How many classes are more probable than this one. Of equals the first comes first.
+fn rank(p: &[f64], label: usize) -> usize {
+    let mut rank = 0;
+    for (class, other) in p.iter().enumerate() {
+        rank += usize::from(*other > p[label] || (*other == p[label] && class < label));
+    }
+    rank
+}
+
+/// Checks that probabilities, labels and weights fit together.
+///
+/// # Errors
+/// [`LearnError::Settings`](crate::LearnError::Settings) says what does not.
 pub(crate) fn check(
     p: &[f64],
     labels: &[usize],
     classes: usize,
     weights: Option<&[f64]>,
 ) -> Result<()> {
-    let refuse = |reason: String| Err(LearnError::Settings(reason));
-    if classes == 0 || labels.is_empty() || p.len() != labels.len() * classes {
+    let samples = labels.len();
+    if classes == 0 || samples == 0 || p.len() != samples * classes {
+        let given = p.len();
         return refuse(format!(
-            "{} probabilities for {} samples of {classes} classes",
-            p.len(),
-            labels.len()
+            "{given} probabilities for {samples} samples of {classes} classes"
         ));
     }
     if let Some(label) = labels.iter().find(|label| **label >= classes) {
         return refuse(format!("class {label} of {classes}"));
     }
-    if let Some(place) = p.iter().position(|p| !(-1e-9..=1.0 + 1e-9).contains(p)) {
+    let is_probability = |p: &f64| (-1e-9..=1.0 + 1e-9).contains(p);
+    if let Some(place) = p.iter().position(|p| !is_probability(p)) {
         return refuse(format!(
             "the probability of class {} in sample {} is {}",
             place % classes,
@@ -165,35 +191,35 @@ pub(crate) fn check(
             p[place]
         ));
     }
-    if let Some(weights) = weights {
-        let usable = weights
-            .iter()
-            .all(|weight| weight.is_finite() && *weight >= 0.0);
-        if weights.len() != labels.len() || !usable || weights.iter().sum::<f64>() <= 0.0 {
-            return refuse(format!(
-                "{} weights for {} samples: not negative, and not all zero",
-                weights.len(),
-                labels.len()
-            ));
-        }
+    let Some(weights) = weights else {
+        return Ok(());
+    };
+    let usable = weights
+        .iter()
+        .all(|weight| weight.is_finite() && *weight >= 0.0);
+    if weights.len() != samples || !usable || weights.iter().sum::<f64>() <= 0.0 {
+        let given = weights.len();
+        return refuse(format!(
+            "{given} weights for {samples} samples: give one each, none negative, not all zero"
+        ));
     }
     Ok(())
 }
 
 /// Mean recall and mean F1 from a confusion matrix.
 fn recall_and_f1(confusion: &[Vec<f64>]) -> (f64, f64) {
+    let predicted = column_sums(confusion);
     let (mut recalls, mut present, mut f1, mut named) = (0.0, 0.0, 0.0, 0.0);
     for (class, row) in confusion.iter().enumerate() {
         let hit = row[class];
         let truth: f64 = row.iter().sum();
-        let predicted: f64 = confusion.iter().map(|row| row[class]).sum();
         if truth > 0.0 {
             recalls += hit / truth;
             present += 1.0;
         }
         // 2 TP + FP + FN = (TP + FN) + (TP + FP)
-        if truth + predicted > 0.0 {
-            f1 += 2.0 * hit / (truth + predicted);
+        if truth + predicted[class] > 0.0 {
+            f1 += 2.0 * hit / (truth + predicted[class]);
             named += 1.0;
         }
     }
@@ -206,16 +232,12 @@ fn recall_and_f1(confusion: &[Vec<f64>]) -> (f64, f64) {
 /// MCC = (c N - Σ t_k p_k) / √[(N² - Σ p_k²) (N² - Σ t_k²)]
 fn matthews(confusion: &[Vec<f64>]) -> f64 {
     let truth: Vec<f64> = confusion.iter().map(|row| row.iter().sum()).collect();
-    let predicted: Vec<f64> = (0..confusion.len())
-        .map(|k| confusion.iter().map(|row| row[k]).sum())
-        .collect();
+    let predicted = column_sums(confusion);
     let all: f64 = truth.iter().sum();
-    let correct: f64 = confusion
-        .iter()
-        .enumerate()
-        .map(|(class, row)| row[class])
-        .sum();
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let mut correct = 0.0;
+    for (class, row) in confusion.iter().enumerate() {
+        correct += row[class];
+    }
     let square = (all * all - dot(&predicted, &predicted)) * (all * all - dot(&truth, &truth));
     if square > 0.0 {
         (correct * all - dot(&truth, &predicted)) / square.sqrt()
@@ -224,9 +246,22 @@ fn matthews(confusion: &[Vec<f64>]) -> f64 {
     }
 }
 
+fn column_sums(matrix: &[Vec<f64>]) -> Vec<f64> {
+    let mut sums = vec![0.0; matrix.len()];
+    for row in matrix {
+        for (sum, value) in sums.iter_mut().zip(row) {
+            *sum += value;
+        }
+    }
+    sums
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
 
     fn near(value: f64, expected: f64) {

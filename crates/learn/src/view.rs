@@ -1,117 +1,69 @@
-//! Some samples and some channels of a set, perhaps under other labels.
+//! Some samples of a set, perhaps under other labels.
 
-use crate::sample::{Description, SampleSource, SparseGrid};
-use crate::{LearnError, Result};
+use crate::Result;
+use crate::sample::{Description, SampleSource, SparseGrid, missing};
+use std::fmt;
 
-/// A part of a set that looks like a set.
+/// A part of a set that is a set itself.
 ///
 /// ```
-/// use protomer_learn::{SampleSource, View, controls::{Control, Variant}};
-/// let set = Control::Charge.samples(Variant::Usual, 6, 16, 1);
-/// let view = View::new(&set).with_channels(&["potential"])?;
-/// assert_eq!(view.voxels(0)?.channels, 1);
-/// assert!(view.with_channels(&["charge"]).is_err());
+/// use protomer_learn::{Description, SampleSource, View};
+/// use protomer_learn::controls::{Control, Variant};
+///
+/// let set = Control::Shapes.samples(Variant::Usual, 12, 16, 1);
+/// let round = |known: &Description| {
+///     (known.label == "sphere" || known.label == "torus").then(|| "round".to_owned())
+/// };
+/// let view = View::new(&set).relabelled(round);
+/// assert_eq!(view.descriptions().len(), 4);
+/// assert_eq!(view.descriptions()[0].label, "round");
+/// assert_eq!(view.voxels(0)?, set.voxels(3)?);
 /// # Ok::<(), protomer_learn::LearnError>(())
 /// ```
 #[derive(Clone)]
 pub struct View<'a> {
     source: &'a dyn SampleSource,
-    /// Places of the channels in the source.
-    channels: Vec<usize>,
-    names: Vec<String>,
     /// Places of the samples in the source.
     samples: Vec<usize>,
     descriptions: Vec<Description>,
 }
 
-impl std::fmt::Debug for View<'_> {
-    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            out,
-            "View of {} samples, channels {:?}",
-            self.samples.len(),
-            self.names
-        )
+impl fmt::Debug for View<'_> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (some, all) = (self.samples.len(), self.source.descriptions().len());
+        write!(out, "View of {some} among {all} samples")
     }
 }
 
 impl<'a> View<'a> {
     /// All of a set.
     pub fn new(source: &'a dyn SampleSource) -> Self {
-        let names = source.channels().to_vec();
         let descriptions = source.descriptions().to_vec();
         Self {
             source,
-            channels: (0..names.len()).collect(),
-            names,
             samples: (0..descriptions.len()).collect(),
             descriptions,
         }
     }
 
-    /// The same with these channels only, in this order. A voxel stays occupied although the
-    /// channels that are left may all be zero in it.
-    ///
-    /// # Errors
-    /// [`LearnError::Settings`] for a channel that the source lacks or that is named twice; it
-    /// lists what there is.
-    pub fn with_channels<S: AsRef<str>>(&self, names: &[S]) -> Result<Self> {
-        let all = self.source.channels();
-        let mut channels = Vec::with_capacity(names.len());
-        for name in names.iter().map(AsRef::as_ref) {
-            match all.iter().position(|channel| channel == name) {
-                Some(place) if !channels.contains(&place) => channels.push(place),
-                Some(_) => {
-                    return Err(LearnError::Settings(format!(
-                        "the channel '{name}' is named twice"
-                    )));
-                }
-                None => {
-                    let all = all.join(", ");
-                    return Err(LearnError::Settings(format!(
-                        "there is no channel '{name}'; choose among: {all}"
-                    )));
-                }
-            }
-        }
-        if channels.is_empty() {
-            return Err(LearnError::Settings(format!(
-                "no channel is named; choose among: {}",
-                all.join(", ")
-            )));
-        }
-        let names = names.iter().map(|name| name.as_ref().to_owned()).collect();
-        Ok(Self {
-            channels,
-            names,
-            ..self.clone()
-        })
-    }
-
-    /// The same with labels by a rule; samples to which it gives none are left out.
+    /// The same samples under other labels. Those for which `label` returns `None` are left out.
     #[must_use]
     pub fn relabelled(&self, label: impl Fn(&Description) -> Option<String>) -> Self {
-        let kept =
-            self.samples
-                .iter()
-                .zip(&self.descriptions)
-                .filter_map(|(sample, description)| {
-                    label(description).map(|label| {
-                        (
-                            *sample,
-                            Description {
-                                label,
-                                ..description.clone()
-                            },
-                        )
-                    })
+        let mut view = Self {
+            source: self.source,
+            samples: Vec::new(),
+            descriptions: Vec::new(),
+        };
+        for (sample, known) in self.samples.iter().zip(&self.descriptions) {
+            if let Some(label) = label(known) {
+                view.samples.push(*sample);
+                view.descriptions.push(Description {
+                    label,
+                    ..known.clone()
                 });
-        let (samples, descriptions) = kept.unzip();
-        Self {
-            samples,
-            descriptions,
-            ..self.clone()
+            }
         }
+        view
     }
 }
 
@@ -121,11 +73,18 @@ impl SampleSource for View<'_> {
     }
 
     fn channels(&self) -> &[String] {
-        &self.names
+        self.source.channels()
     }
 
     fn descriptions(&self) -> &[Description] {
         &self.descriptions
+    }
+
+    fn voxels(&self, sample: usize) -> Result<SparseGrid> {
+        match self.samples.get(sample) {
+            Some(place) => self.source.voxels(*place),
+            None => Err(missing(sample)),
+        }
     }
 
     fn made_with(&self) -> Option<&serde_json::Value> {
@@ -133,36 +92,8 @@ impl SampleSource for View<'_> {
     }
 
     fn file_sha256(&self, sample: usize) -> &str {
-        self.samples
-            .get(sample)
-            .map_or("", |sample| self.source.file_sha256(*sample))
-    }
-
-    fn voxels(&self, sample: usize) -> Result<SparseGrid> {
-        let missing = || LearnError::Sample {
-            name: format!("{sample}"),
-            reason: "there is no such sample".into(),
-        };
-        let grid = self
-            .source
-            .voxels(*self.samples.get(sample).ok_or_else(missing)?)?;
-        let count = grid.index.len();
-        let mut values = Vec::with_capacity(self.channels.len() * count);
-        for channel in &self.channels {
-            let reason = || format!("channel {channel} of {} is missing", grid.channels);
-            let of_channel = grid.values.get(channel * count..(channel + 1) * count);
-            let name = || self.descriptions[sample].name.clone();
-            values.extend_from_slice(of_channel.ok_or_else(|| LearnError::Sample {
-                name: name(),
-                reason: reason(),
-            })?);
-        }
-        Ok(SparseGrid {
-            size: grid.size,
-            channels: self.channels.len(),
-            index: grid.index,
-            values,
-        })
+        let place = self.samples.get(sample);
+        place.map_or("", |place| self.source.file_sha256(*place))
     }
 }
 
@@ -172,53 +103,44 @@ mod tests {
     use crate::sample::InMemory;
 
     fn set() -> InMemory {
-        let grid = |i: usize| SparseGrid {
+        let mut set = InMemory {
             size: 2,
-            channels: 3,
-            index: vec![1, 4],
-            values: (0..6).map(|k| (10 * i + k) as f32).collect(),
+            channels: vec!["a".into()],
+            ..InMemory::default()
         };
-        let describe = |i: usize| Description {
-            name: format!("s{i}"),
-            label: format!("{}", i % 2),
-            ..Description::default()
-        };
-        InMemory {
-            size: 2,
-            channels: ["a", "b", "c"].map(String::from).to_vec(),
-            descriptions: (0..4).map(describe).collect(),
-            grids: (0..4).map(grid).collect(),
+        for number in 0..4 {
+            set.descriptions.push(Description {
+                name: format!("s{number}"),
+                label: format!("{}", number % 2),
+                ..Description::default()
+            });
+            set.grids.push(SparseGrid {
+                size: 2,
+                channels: 1,
+                index: vec![number],
+                values: vec![1.0],
+            });
         }
+        set
     }
 
     #[test]
-    fn channels_and_samples_are_the_named_ones() {
+    fn samples_are_the_chosen_ones_under_their_new_labels() {
         let set = set();
-        let view = View::new(&set).with_channels(&["c", "a"]).unwrap();
-        let odd =
-            view.relabelled(|description| (description.label == "1").then(|| "odd".to_owned()));
-        assert_eq!(
-            odd.descriptions()
-                .iter()
-                .map(|d| d.name.as_str())
-                .collect::<Vec<_>>(),
-            ["s1", "s3"]
-        );
-        assert_eq!(odd.voxels(1).unwrap().values, [34.0, 35.0, 30.0, 31.0]);
-        assert_eq!(odd.channels(), ["c", "a"]);
+        let odd = View::new(&set).relabelled(|known| (known.label == "1").then(|| "odd".into()));
+        let known = odd.descriptions();
+        assert_eq!([&*known[0].name, &*known[1].name], ["s1", "s3"]);
+        assert_eq!([&*known[0].label, &*known[1].label], ["odd", "odd"]);
+        assert_eq!(odd.voxels(1).unwrap().index, [3]);
         assert!(odd.voxels(2).is_err());
     }
 
     #[test]
-    fn a_wrong_channel_is_told_the_right_ones() {
+    fn a_view_of_a_view_leads_back_to_the_set() {
         let set = set();
-        let error = |names: &[&str]| {
-            View::new(&set)
-                .with_channels(names)
-                .unwrap_err()
-                .to_string()
-        };
-        assert!(error(&["d"]).contains("'d'") && error(&["d"]).contains("a, b, c"));
-        assert!(error(&["a", "a"]).contains("twice") && error(&[]).contains("no channel"));
+        let odd = View::new(&set).relabelled(|known| (known.label == "1").then(|| "odd".into()));
+        let last = odd.relabelled(|known| (known.name == "s3").then(|| "last".into()));
+        assert_eq!(last.voxels(0).unwrap().index, [3]);
+        assert_eq!(last.descriptions()[0].label, "last");
     }
 }

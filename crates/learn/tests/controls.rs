@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stderr)]
 
 use protomer_learn::SampleSource;
-use protomer_learn::controls::{Control, Experiment, Form, Plan, Verdict};
+use protomer_learn::controls::{Control, Experiment, Form, Verdict};
 use protomer_learn::scores::Scores;
 use protomer_learn::targets::{Classes, Target};
 use protomer_learn::training::{PredictionSettings, train};
@@ -14,54 +14,30 @@ const SEED: u64 = 1;
 
 /// Trains one experiment in its short form and judges it on its test part.
 fn verdict(control: Control, experiment: &Experiment) -> Verdict {
-    let Plan {
-        samples,
-        size,
-        fractions,
-        ..
-    } = control.plan(Form::Short);
-    let set = control.samples(experiment.variant, samples, size, SEED);
-    let labels: Vec<&str> = set
-        .descriptions()
-        .iter()
-        .map(|description| description.label.as_str())
-        .collect();
+    let plan = control.plan(experiment, Form::Short);
+    let set = control.samples(experiment.variant, plan.samples, plan.size, SEED);
+    let known = set.descriptions();
+    let labels: Vec<&str> = known.iter().map(|known| &*known.label).collect();
     let classes = Classes::of(&labels, Target::Label, 1).unwrap();
-    let split = experiment
-        .split(set.descriptions(), SEED, fractions)
-        .unwrap();
+    let split = experiment.split(known, SEED, plan.fractions).unwrap();
     let network = control.network(experiment, Form::Short);
     let settings = control.training(experiment, Form::Short, SEED);
     let trained = train(&set, &classes, &split, &network, &settings, &mut ()).unwrap();
-    let predictions = trained
-        .model
-        .predict(&set, &split.test, PredictionSettings::default())
-        .unwrap();
-    let truth: Vec<usize> = split
-        .test
-        .iter()
-        .map(|sample| classes.labels[*sample])
-        .collect();
-    let scores = Scores::of(
-        &predictions.probabilities,
-        &truth,
-        classes.names.len(),
-        None,
-    )
-    .unwrap();
-    let independent = |sample: &usize| match experiment.split_by_cluster {
-        true => set.descriptions()[*sample].cluster.clone(),
-        false => set.descriptions()[*sample].name.clone(),
-    };
-    let clusters = split
-        .test
-        .iter()
-        .map(independent)
-        .collect::<BTreeSet<_>>()
-        .len();
-    experiment
-        .expected
-        .verdict(scores.balanced_accuracy, classes.names.len(), clusters)
+    let how = PredictionSettings::default();
+    let predictions = trained.model.predict(&set, &split.test, how).unwrap();
+    let (mut truth, mut independent) = (Vec::new(), BTreeSet::new());
+    for sample in &split.test {
+        truth.push(classes.labels[*sample]);
+        independent.insert(if experiment.split_by_cluster {
+            &known[*sample].cluster
+        } else {
+            &known[*sample].name
+        });
+    }
+    let count = classes.names.len();
+    let scores = Scores::of(&predictions.probabilities, &truth, count, None).unwrap();
+    let expected = experiment.expected;
+    expected.verdict(scores.balanced_accuracy, count, independent.len())
 }
 
 /// All experiments of a control come out as it says.

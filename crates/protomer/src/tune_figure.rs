@@ -9,14 +9,14 @@ use std::collections::BTreeSet;
 pub fn figure(trials: &[Trial], channels: &[String]) -> Figure {
     let finite: Vec<&Trial> = trials
         .iter()
-        .filter(|trial| trial.validation_loss_nats.is_some())
+        .filter(|trial| trial.reached.validation_loss_nats.is_some())
         .collect();
-    let epochs: BTreeSet<usize> = finite.iter().map(|trial| trial.epochs).collect();
+    let epochs: BTreeSet<usize> = finite.iter().map(|trial| trial.reached.epochs).collect();
     let series = |value: fn(&Trial) -> Option<f64>| -> Vec<Series> {
         let of_epochs = |epochs: &usize| {
             let point = |trial: &&Trial| {
                 let (x, y) = (trial.settings.training.learning_rate, value(trial)?);
-                (trial.epochs == *epochs).then_some(Point { x, y, error: None })
+                (trial.reached.epochs == *epochs).then_some(Point { x, y, error: None })
             };
             let name = if *epochs == 1 {
                 "1 epoch".to_owned()
@@ -48,11 +48,11 @@ pub fn figure(trials: &[Trial], channels: &[String]) -> Figure {
         panels: vec![
             Panel {
                 y: Axis::linear("validation cross entropy (nats)"),
-                series: series(|trial| trial.validation_loss_nats),
+                series: series(|trial| trial.reached.validation_loss_nats),
             },
             Panel {
                 y: Axis::linear("balanced accuracy").with_range(0.0, 1.05),
-                series: series(|trial| trial.validation_balanced_accuracy),
+                series: series(|trial| trial.reached.validation_balanced_accuracy),
             },
         ],
     }

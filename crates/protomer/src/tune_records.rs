@@ -1,7 +1,7 @@
-//! Where a search stands: which trials reached which rung, and who goes on from there.
+//! Where a search stands: a record of each trial at each rung that it reached.
 //!
-//! A trial that reached a rung has a record of it, and who goes on follows from the records alone.
-//! So processes that train different trials share nothing but the folder.
+//! Who goes on follows from the records alone. So processes that train different trials share
+//! nothing but the folder.
 //!
 //! ```text
 //! DIR/trials/0007.bin      checkpoint
@@ -10,10 +10,10 @@
 
 use crate::keys;
 use crate::run::{Hold, lock_file};
-use crate::tune::{Trial, TuneSettings, kept};
+use crate::tune::{Trial, TuneSettings};
 use anyhow::{Context, Result};
 use protomer_io::atomic::{remove_abandoned, write_atomically};
-use serde::{Deserialize, Serialize};
+use protomer_learn::halving::Reached;
 use std::fs::File;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -23,22 +23,13 @@ pub(crate) struct Records {
     folder: PathBuf,
 }
 
-/// What a trial had reached at a rung.
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Record {
-    epochs: usize,
-    validation_loss_nats: Option<f64>,
-    validation_balanced_accuracy: Option<f64>,
-}
-
 /// Where a search stands.
 pub(crate) struct Standing {
-    /// Trials that are not out, best first; in their order before the first rung.
+    /// Trials that are still in, best first; in their order before the first rung.
     pub running: Vec<Trial>,
-    /// Trials that are, best first.
+    /// Trials that are out, best first.
     pub ended: Vec<Trial>,
-    /// The epochs to the rung that some have not reached; none at the end.
+    /// The epochs to the rung that some have not reached; `None` at the end.
     pub rung: Option<Range<usize>>,
     /// Places in `running` of those who have not.
     pub behind: Vec<usize>,
@@ -47,7 +38,7 @@ pub(crate) struct Standing {
 }
 
 impl Records {
-    /// The records of a search in a directory, which is made.
+    /// The records of a search in a directory. Makes their folder.
     pub fn open(path: &Path) -> Result<Self> {
         let folder = path.join("trials");
         std::fs::create_dir_all(&folder)
@@ -55,7 +46,7 @@ impl Records {
         Ok(Self { folder })
     }
 
-    /// Removes what killed processes left half written; no other process may be at work.
+    /// Removes what killed processes left half written. No other process may be at work.
     pub fn tidy(&self) -> Result<()> {
         Ok(remove_abandoned(&self.folder)?)
     }
@@ -77,28 +68,16 @@ impl Records {
         self.folder.join(format!("{:04}-{rung}.toml", trial.number))
     }
 
-    /// Writes down where a trial stands at a rung.
-    pub fn keep(&self, trial: &Trial, rung: usize) -> Result<()> {
-        let Trial {
-            epochs,
-            validation_loss_nats,
-            validation_balanced_accuracy,
-            ..
-        } = *trial;
-        let record = Record {
-            epochs,
-            validation_loss_nats,
-            validation_balanced_accuracy,
-        };
-        let text =
-            toml::to_string(&record).context("the record of a trial cannot be written down")?;
+    /// Writes down what a trial has reached at a rung.
+    pub fn keep(&self, trial: &Trial, reached: &Reached, rung: usize) -> Result<()> {
+        let text = toml::to_string(reached).context("cannot write the record of a trial")?;
         Ok(write_atomically(&self.path(trial, rung), |out| {
             out.write_all(text.as_bytes())
         })?)
     }
 
-    /// A trial as it stood at a rung, if it reached it.
-    pub fn of(&self, trial: &Trial, rung: usize) -> Result<Option<Trial>> {
+    /// What a trial had reached at a rung, if it came so far.
+    pub fn of(&self, trial: &Trial, rung: usize) -> Result<Option<Reached>> {
         let path = self.path(trial, rung);
         let text = match std::fs::read_to_string(&path) {
             Ok(text) => text,
@@ -107,50 +86,29 @@ impl Records {
                 return Err(error).with_context(|| format!("cannot read {}", path.display()));
             }
         };
-        let Record {
-            epochs,
-            validation_loss_nats,
-            validation_balanced_accuracy,
-        } = keys::from_toml(&path, &text)?;
-        Ok(Some(Trial {
-            epochs,
-            validation_loss_nats,
-            validation_balanced_accuracy,
-            ..trial.clone()
-        }))
+        Ok(Some(keys::from_toml(&path, &text)?))
     }
 
     /// Where the search of these trials stands.
     pub fn standing(&self, settings: &TuneSettings, trials: &[Trial]) -> Result<Standing> {
-        let mut standing = Standing {
-            running: trials.to_vec(),
-            ended: Vec::new(),
-            rung: None,
-            behind: Vec::new(),
-            epochs: 0,
+        let plan = settings.halving()?;
+        let standing = plan.standing(|number, rung| self.of(&trials[number], rung))?;
+        let trials_of = |numbers: Vec<(usize, Reached)>| {
+            let mut found = Vec::with_capacity(numbers.len());
+            for (number, reached) in numbers {
+                found.push(Trial {
+                    reached,
+                    ..trials[number].clone()
+                });
+            }
+            found
         };
-        let mut before = 0;
-        for rung in settings.rungs() {
-            let reached = standing.running.iter().map(|trial| self.of(trial, rung));
-            let reached = reached.collect::<Result<Vec<Option<Trial>>>>()?;
-            standing.behind = (0..reached.len())
-                .filter(|place| reached[*place].is_none())
-                .collect();
-            standing.epochs += ((reached.len() - standing.behind.len()) * (rung - before)) as u64;
-            let Some(mut trials) = reached.into_iter().collect::<Option<Vec<Trial>>>() else {
-                standing.rung = Some(before..rung);
-                return Ok(standing);
-            };
-            trials.sort_by(|a, b| a.loss().total_cmp(&b.loss()).then(a.number.cmp(&b.number)));
-            let on = if rung == settings.epochs {
-                trials.len()
-            } else {
-                kept(trials.len())
-            };
-            // Losers of later rounds stand before those of earlier ones.
-            standing.ended.splice(0..0, trials.split_off(on));
-            (standing.running, before) = (trials, rung);
-        }
-        Ok(standing)
+        Ok(Standing {
+            running: trials_of(standing.running),
+            ended: trials_of(standing.ended),
+            rung: standing.rung,
+            behind: standing.behind,
+            epochs: standing.epochs,
+        })
     }
 }

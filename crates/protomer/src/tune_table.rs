@@ -34,9 +34,9 @@ pub(crate) fn write_table<'a>(trials: impl Iterator<Item = &'a Trial>, path: &Pa
         };
         table.push([
             trial.number.into(),
-            trial.epochs.into(),
-            trial.validation_loss_nats.into(),
-            trial.validation_balanced_accuracy.into(),
+            trial.reached.epochs.into(),
+            trial.reached.validation_loss_nats.into(),
+            trial.reached.validation_balanced_accuracy.into(),
             Cell::from(join(blocks.iter().map(|block| block.width).collect()).as_str()),
             join(blocks.iter().map(|block| block.kernel).collect())
                 .as_str()

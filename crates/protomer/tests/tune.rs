@@ -301,11 +301,11 @@ fn a_trial_that_diverges_has_lost() {
         panic!("it was not asked to stop")
     };
     let has_norm = |trial: &Trial| trial.settings.blocks[0].groups.is_some();
-    assert!(has_norm(&trials[0]) && trials[0].validation_loss_nats.is_some());
+    assert!(has_norm(&trials[0]) && trials[0].reached.validation_loss_nats.is_some());
     assert!(
         trials[1..]
             .iter()
-            .all(|trial| !has_norm(trial) && trial.validation_loss_nats.is_none())
+            .all(|trial| !has_norm(trial) && trial.reached.validation_loss_nats.is_none())
     );
     let csv = std::fs::read_to_string(path.join("trials.csv")).unwrap();
     assert_eq!(column(&csv, "validation_loss_nats")[1..], ["", ""]);

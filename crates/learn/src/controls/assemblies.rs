@@ -9,19 +9,20 @@ use std::f64::consts::{PI, TAU};
 /// Numbers of copies.
 pub(super) const COPIES: [usize; 5] = [1, 2, 3, 4, 6];
 
-/// `copies` of a blob of extent 1, each turned by 2π/copies about z from the one before, at a
-/// distance at which neighbours touch; of extent 1 again, so that size tells nothing.
+/// `copies` of a blob of extent 1 about z, at a distance at which neighbours touch. Each is turned
+/// by 2π/copies from the one before. The ring has the extent 1 again, so that size tells nothing.
 pub(super) fn ring(blob: &Blob, copies: usize) -> Blob {
     let radius = match copies {
         1 => 0.0,
         _ => 0.6 / (PI / copies as f64).sin(),
     };
     let first = blob.shifted(&(Vec3::x() * radius));
-    let turn =
-        |k: usize| Rotation::from_axis_angle(&Vec3::z_axis(), TAU * k as f64 / copies as f64);
-    let balls = (0..copies)
-        .flat_map(|k| first.turned(&turn(k)).balls)
-        .collect();
+    let mut balls = Vec::with_capacity(copies * first.balls.len());
+    for copy in 0..copies {
+        let angle = TAU * copy as f64 / copies as f64;
+        let turn = Rotation::from_axis_angle(&Vec3::z_axis(), angle);
+        balls.extend(first.turned(&turn).balls);
+    }
     Blob { balls }.with_extent(1.0)
 }
 
@@ -44,16 +45,12 @@ mod tests {
         for copies in COPIES {
             let ring = ring(&blob, copies);
             assert!((ring.extent() - 1.0).abs() < 1e-12);
-            let turned = ring.turned(&Rotation::from_axis_angle(
-                &Vec3::z_axis(),
-                TAU / copies as f64,
-            ));
+            let turn = Rotation::from_axis_angle(&Vec3::z_axis(), TAU / copies as f64);
+            let turned = ring.turned(&turn);
             for _ in 0..100 {
                 let p = random.vector_in_ball(1.2);
-                assert!(
-                    (ring.distance(&p) - turned.distance(&p)).abs() < 1e-9,
-                    "{copies}"
-                );
+                let difference = ring.distance(&p) - turned.distance(&p);
+                assert!(difference.abs() < 1e-9, "{copies}");
             }
         }
     }

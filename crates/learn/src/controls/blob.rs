@@ -11,8 +11,8 @@ pub(super) struct Blob {
 }
 
 impl Blob {
-    /// Balls grown one on another at random, of extent 1: the farthest point lies at the distance 1
-    /// from the origin.
+    /// Balls grown one on another at random. The extent is 1: the farthest point lies at the
+    /// distance 1 from the origin.
     pub(super) fn random(random: &mut CounterRng) -> Self {
         let mut balls = vec![(Vec3::zeros(), 1.0)];
         for _ in 0..7 + random.index(6) {
@@ -25,34 +25,42 @@ impl Blob {
 
     /// A rod along z with a rough surface, of extent 1.
     pub(super) fn rod(random: &mut CounterRng) -> Self {
-        let ball = |i: i32, random: &mut CounterRng| {
-            (
-                Vec3::z() * (0.6 * f64::from(i)) + random.vector_in_ball(0.3),
-                random.uniform_in(0.8, 1.0),
-            )
-        };
-        let balls = (-4..=4).map(|i| ball(i, random)).collect();
+        let mut balls = Vec::new();
+        for i in -4..=4 {
+            let middle = Vec3::z() * (0.6 * f64::from(i)) + random.vector_in_ball(0.3);
+            balls.push((middle, random.uniform_in(0.8, 1.0)));
+        }
         Self { balls }.centred().with_extent(1.0)
     }
 
-    fn centred(mut self) -> Self {
-        let volume: f64 = self.balls.iter().map(|(_, radius)| radius.powi(3)).sum();
-        let middle = self
+    fn centred(self) -> Self {
+        let (mut volume, mut moment) = (0.0, Vec3::zeros());
+        for (middle, radius) in &self.balls {
+            volume += radius.powi(3);
+            moment += middle * radius.powi(3);
+        }
+        let middle = moment / volume;
+        self.map(|at, radius| (at - middle, radius))
+    }
+
+    /// The blob of the balls that `change` makes of these.
+    fn map(&self, change: impl Fn(Vec3, f64) -> (Vec3, f64)) -> Self {
+        let balls = self
             .balls
             .iter()
-            .map(|(middle, radius)| middle * radius.powi(3))
-            .sum::<Vec3>()
-            / volume;
-        self.balls.iter_mut().for_each(|(at, _)| *at -= middle);
-        self
+            .map(|(middle, radius)| change(*middle, *radius));
+        Self {
+            balls: balls.collect(),
+        }
     }
 
     /// Distance of the farthest point from the origin.
     pub(super) fn extent(&self) -> f64 {
-        self.balls
-            .iter()
-            .map(|(middle, radius)| middle.norm() + radius)
-            .fold(0.0, f64::max)
+        let mut extent = 0.0;
+        for (middle, radius) in &self.balls {
+            extent = f64::max(extent, middle.norm() + radius);
+        }
+        extent
     }
 
     /// The same blob scaled to this extent.
@@ -62,44 +70,27 @@ impl Blob {
 
     /// The same blob scaled by a factor.
     pub(super) fn scaled(&self, factor: f64) -> Self {
-        Self {
-            balls: self
-                .balls
-                .iter()
-                .map(|(middle, radius)| (middle * factor, radius * factor))
-                .collect(),
-        }
+        self.map(|middle, radius| (middle * factor, radius * factor))
     }
 
     /// The same blob turned about the origin.
     pub(super) fn turned(&self, rotation: &Rotation) -> Self {
-        Self {
-            balls: self
-                .balls
-                .iter()
-                .map(|(middle, radius)| (rotation * middle, *radius))
-                .collect(),
-        }
+        self.map(|middle, radius| (rotation * middle, radius))
     }
 
     /// The same blob shifted.
     pub(super) fn shifted(&self, by: &Vec3) -> Self {
-        Self {
-            balls: self
-                .balls
-                .iter()
-                .map(|(middle, radius)| (middle + by, *radius))
-                .collect(),
-        }
+        self.map(|middle, radius| (middle + by, radius))
     }
 
-    /// A lower bound of the distance to the surface outside, minus the depth below the nearest
-    /// ball's surface inside.
+    /// Outside a lower bound of the distance to the surface. Inside the depth below the surface of
+    /// the nearest ball, negative.
     pub(super) fn distance(&self, p: &Vec3) -> f64 {
-        self.balls
-            .iter()
-            .map(|(middle, radius)| (p - middle).norm() - radius)
-            .fold(f64::INFINITY, f64::min)
+        let mut distance = f64::INFINITY;
+        for (middle, radius) in &self.balls {
+            distance = distance.min((p - middle).norm() - radius);
+        }
+        distance
     }
 
     /// A point inside, at least 0.4 of its ball's radius below that ball's surface.
@@ -108,41 +99,38 @@ impl Blob {
         middle + random.vector_in_ball(0.6 * radius)
     }
 
-    /// A point on the surface: where a ray from inside leaves the union for good.
+    /// The point on the surface where a ray from the origin leaves the union for good.
     pub(super) fn point_on_surface(&self, direction: &Vec3) -> Vec3 {
         // |t u - m| = r at t = u.m ± sqrt((u.m)² - m² + r²); the largest root over all balls.
-        let exits = self.balls.iter().filter_map(|(middle, radius)| {
+        let mut farthest = 0.0;
+        for (middle, radius) in &self.balls {
             let along = direction.dot(middle);
-            let inside = along * along - middle.norm_squared() + radius * radius;
-            (inside >= 0.0).then(|| along + inside.sqrt())
-        });
-        direction * exits.fold(0.0, f64::max)
+            let square = along * along - middle.norm_squared() + radius * radius;
+            if square >= 0.0 {
+                farthest = f64::max(farthest, along + square.sqrt());
+            }
+        }
+        direction * farthest
     }
 
     /// Radius of gyration of the balls, overlaps counted twice.
     pub(super) fn radius_of_gyration(&self) -> f64 {
-        let volume: f64 = self.balls.iter().map(|(_, radius)| radius.powi(3)).sum();
-        let moment: f64 = self
-            .balls
-            .iter()
-            .map(|(m, r)| (m.norm_squared() + 0.6 * r * r) * r.powi(3))
-            .sum();
+        let (mut volume, mut moment) = (0.0, 0.0);
+        for (middle, radius) in &self.balls {
+            volume += radius.powi(3);
+            moment += (middle.norm_squared() + 0.6 * radius * radius) * radius.powi(3);
+        }
         (moment / volume).sqrt()
     }
 
     /// Extents along the axes of its frame, largest first.
     pub(super) fn extents(&self) -> [f64; 3] {
         let mut extents = [0, 1, 2].map(|axis| {
-            let high = self
-                .balls
-                .iter()
-                .map(|(m, r)| m[axis] + r)
-                .fold(f64::NEG_INFINITY, f64::max);
-            let low = self
-                .balls
-                .iter()
-                .map(|(m, r)| m[axis] - r)
-                .fold(f64::INFINITY, f64::min);
+            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+            for (middle, radius) in &self.balls {
+                low = low.min(middle[axis] - radius);
+                high = high.max(middle[axis] + radius);
+            }
             high - low
         });
         extents.sort_by(|a, b| b.total_cmp(a));
@@ -165,10 +153,8 @@ mod tests {
             assert!(blob.distance(&blob.point_on_surface(&direction)).abs() < 1e-9);
             let rotation = random.rotation();
             let p = random.vector_in_ball(1.5);
-            assert!(
-                (blob.turned(&rotation).distance(&(rotation * p)) - blob.distance(&p)).abs()
-                    < 1e-12
-            );
+            let turned = blob.turned(&rotation).distance(&(rotation * p));
+            assert!((turned - blob.distance(&p)).abs() < 1e-12);
         }
     }
 

@@ -1,5 +1,4 @@
-//! Controls: synthetic sets of which it is known what a network must learn from them, and what it
-//! must not.
+//! Controls: synthetic sets for which it is known what a network must learn, and what it must not.
 //!
 //! A positive control shows that a channel carries its signal through the whole pipeline; a
 //! negative one, that nothing else does: no leak through the split, no scale or orientation that
@@ -9,7 +8,7 @@
 //! | module | one idea |
 //! |---|---|
 //! | `raster` | solids on a grid of voxels |
-//! | `solids`, `blob`, `assemblies` | what is drawn: named solids, unions of balls, rings of copies |
+//! | `solids`, `blob`, `assemblies` | named solids, unions of balls, rings of copies |
 //! | `protein` | a blob with charges and hydropathy |
 //! | `sample` | each control's samples, labels and clusters |
 //! | `experiment` | what is trained on what, and what must come out |
@@ -24,12 +23,24 @@ mod solids;
 
 pub use experiment::{Expected, Experiment, Plan, Verdict};
 
+use crate::Result;
+use crate::error::refuse;
 use crate::sample::InMemory;
-use crate::{LearnError, Result};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// A synthetic set with a known answer.
+///
+/// ```
+/// use protomer_learn::SampleSource;
+/// use protomer_learn::controls::{Control, Variant};
+///
+/// let control = Control::named("charge")?;
+/// let set = control.samples(Variant::Usual, 6, 16, 1);
+/// assert_eq!(set.channels(), ["shape", "potential", "hydropathy"]);
+/// assert_eq!(set.descriptions()[0].label, "positive");
+/// # Ok::<(), protomer_learn::LearnError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Control {
@@ -69,7 +80,7 @@ pub enum Form {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Variant {
-    /// As the control says.
+    /// As the control prescribes.
     #[default]
     Usual,
     /// Turned at random instead of as deposited.
@@ -112,59 +123,60 @@ impl Control {
     /// The control of this name.
     ///
     /// # Errors
-    /// [`LearnError::Settings`] names the controls there are.
+    /// [`LearnError::Settings`](crate::LearnError::Settings) lists the controls there are.
     pub fn named(name: &str) -> Result<Self> {
-        let names = || Self::ALL.map(Self::name).join(", ");
-        let unknown = || {
-            LearnError::Settings(format!(
+        match Self::ALL.into_iter().find(|control| control.name() == name) {
+            Some(control) => Ok(control),
+            None => refuse(format!(
                 "there is no control '{name}'; choose one of: {}",
-                names()
-            ))
-        };
-        Self::ALL
-            .into_iter()
-            .find(|control| control.name() == name)
-            .ok_or_else(unknown)
+                Self::ALL.map(Self::name).join(", ")
+            )),
+        }
     }
 
     /// What it shows.
     pub fn shows(self) -> &'static str {
         match self {
             Self::Shapes => {
-                "sphere, box, tetrahedron, cylinder, torus or cross, of random size and orientation: shape reaches the \
-                 network, and convolution, pooling and their gradients work"
+                "sphere, box, tetrahedron, cylinder, torus or cross, of random size and \
+                 orientation: shape reaches the network, and convolution, pooling and their \
+                 gradients work"
             }
             Self::Charge => {
                 "sign of the net charge: the potential carries it, and nothing else does"
             }
             Self::Patch => {
-                "much or little of the surface hydrophobic: the hydropathy carries it, and nothing else does"
+                "much or little of the surface hydrophobic: the hydropathy carries it, and nothing \
+                 else does"
             }
             Self::Xor => {
-                "whether charge and hydropathy of a patch have the same sign: no channel tells it alone, two together do"
+                "whether charge and hydropathy of a patch have the same sign: no channel tells it \
+                 alone, two together do"
             }
             Self::Assemblies => {
-                "number of copies (1, 2, 3, 4, 6) of a blob about an axis, for blobs not seen in training: symmetry can \
-                 be read from shape"
+                "number of copies (1, 2, 3, 4, 6) of a blob about an axis, for blobs not seen in \
+                 training: symmetry can be read from shape"
             }
             Self::Permuted => {
-                "labels dealt out to the clusters at random: nothing can be learnt, and nothing leaks through a split \
-                 by cluster"
+                "labels dealt out to the clusters at random: nothing can be learnt, and nothing \
+                 leaks through a split by cluster"
             }
             Self::Identity => {
-                "a label that follows only from which protein it is: a random split lets the network recognise \
-                 proteins, a split by cluster does not"
+                "a label that follows only from which protein it is: a random split lets the \
+                 network recognise proteins, a split by cluster does not"
             }
             Self::Orientation => {
-                "rods deposited along an axis or along a diagonal: the deposited frame gives the label away, a random \
-                 orientation does not"
+                "rods deposited along an axis or along a diagonal: the deposited frame gives the \
+                 label away, a random orientation does not"
             }
             Self::Size => {
-                "more residues than the median or fewer: a fixed scale gives it away, filling the box does not"
+                "more residues than the median or fewer: a fixed scale gives it away, filling the \
+                 box does not"
             }
             Self::HeavyTails => {
-                "the charge control with potentials up to 100 000 kT/e in one surface voxel in fifty: unscaled they \
-                 drown the signal, robust scaling over the occupied voxels brings it back"
+                "the charge control with potentials up to 100 000 kT/e in one surface voxel in \
+                 fifty: unscaled they drown the signal, robust scaling over the occupied voxels \
+                 brings it back"
             }
         }
     }
@@ -190,14 +202,7 @@ impl Control {
         }
     }
 
-    /// Makes a set: always the same for the same arguments, on any number of threads.
-    ///
-    /// ```
-    /// use protomer_learn::{SampleSource, controls::{Control, Variant}};
-    /// let set = Control::Charge.samples(Variant::Usual, 6, 16, 1);
-    /// assert_eq!(set.channels(), ["shape", "potential", "hydropathy"]);
-    /// assert_eq!(set.descriptions()[0].label, "positive");
-    /// ```
+    /// Makes a set. It is always the same for the same arguments, on any number of threads.
     ///
     /// `size`: voxels along each edge, 16 to 32 make sense.
     pub fn samples(self, variant: Variant, samples: usize, size: usize, seed: u64) -> InMemory {
@@ -212,14 +217,9 @@ impl Control {
             .into_par_iter()
             .map(|number| recipe.sample(number))
             .unzip();
-        let channels = self
-            .channels()
-            .iter()
-            .map(|name| (*name).to_owned())
-            .collect();
         InMemory {
             size,
-            channels,
+            channels: self.channels().iter().map(ToString::to_string).collect(),
             descriptions,
             grids,
         }

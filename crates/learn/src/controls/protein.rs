@@ -31,14 +31,11 @@ impl Protein {
     /// A protein without charges whose sites are hydrophobic or hydrophilic at random.
     pub(super) fn random(random: &mut CounterRng) -> Self {
         let blob = Blob::random(random).with_extent(EXTENT_ANGSTROM);
-        let sites = (0..SITES)
-            .map(|_| {
-                (
-                    blob.point_on_surface(&random.unit_vector()),
-                    random.uniform_in(-4.5, 4.5),
-                )
-            })
-            .collect();
+        let mut sites = Vec::with_capacity(SITES);
+        for _ in 0..SITES {
+            let place = blob.point_on_surface(&random.unit_vector());
+            sites.push((place, random.uniform_in(-4.5, 4.5)));
+        }
         Self {
             blob,
             charges: Vec::new(),
@@ -59,23 +56,26 @@ impl Protein {
         self.charges.iter().map(|(_, charge)| charge).sum()
     }
 
-    /// Screened Coulomb potential, kT/e: φ(p) = l_B Σ q exp(-r/λ) / r, with r not below 1 Å.
+    /// Screened Coulomb potential, kT/e: φ(p) = l_B Σ q exp(-r/λ) / r, with r at least 1 Å.
     fn potential(&self, p: &Vec3) -> f64 {
-        let of_charge = |(at, charge): &(Vec3, f64)| {
+        let mut sum = 0.0;
+        for (at, charge) in &self.charges {
             let r = (p - at).norm().max(1.0);
-            charge * (-r / DEBYE_ANGSTROM).exp() / r
-        };
-        BJERRUM_ANGSTROM * self.charges.iter().map(of_charge).sum::<f64>()
+            sum += charge * (-r / DEBYE_ANGSTROM).exp() / r;
+        }
+        BJERRUM_ANGSTROM * sum
     }
 
     /// Hydropathy of the nearest site.
     fn hydropathy(&self, p: &Vec3) -> f64 {
-        let nearest = self.sites.iter().min_by(|a, b| {
-            (p - a.0)
-                .norm_squared()
-                .total_cmp(&(p - b.0).norm_squared())
-        });
-        nearest.map_or(0.0, |(_, hydropathy)| *hydropathy)
+        let (mut nearest, mut hydropathy) = (f64::INFINITY, 0.0);
+        for (at, of_site) in &self.sites {
+            let distance = (p - at).norm_squared();
+            if distance < nearest {
+                (nearest, hydropathy) = (distance, *of_site);
+            }
+        }
+        hydropathy
     }
 
     /// The surface, turned, in a box that it fills up to a margin of one voxel: voxels, and the
@@ -87,13 +87,16 @@ impl Protein {
         let surface = shell(size, HALF_SHELL, |p| {
             self.blob.distance(&into_frame(p)) / voxel_angstrom
         });
-        let points: Vec<Vec3> = surface.iter().map(|(_, p)| into_frame(p)).collect();
-        let values = [
-            vec![1.0; points.len()],
-            points.iter().map(|p| self.potential(p) as f32).collect(),
-            points.iter().map(|p| self.hydropathy(p) as f32).collect(),
-        ];
-        (surface.iter().map(|(index, _)| *index).collect(), values)
+        let mut index = Vec::with_capacity(surface.len());
+        let mut values = [Vec::new(), Vec::new(), Vec::new()];
+        for (voxel, middle) in &surface {
+            let p = into_frame(middle);
+            index.push(*voxel);
+            values[0].push(1.0);
+            values[1].push(self.potential(&p) as f32);
+            values[2].push(self.hydropathy(&p) as f32);
+        }
+        (index, values)
     }
 }
 
@@ -110,10 +113,8 @@ mod tests {
         let quarter = Rotation::from_axis_angle(&Vec3::z_axis(), std::f64::consts::FRAC_PI_2);
         let sums = |rotation: &Rotation| {
             let (index, values) = protein.voxels(16, rotation);
-            (
-                index.len(),
-                values.map(|channel| channel.iter().map(|value| f64::from(*value)).sum::<f64>()),
-            )
+            let sum = |channel: Vec<f32>| channel.into_iter().map(f64::from).sum::<f64>();
+            (index.len(), values.map(sum))
         };
         let (count, straight) = sums(&Rotation::identity());
         let (turned_count, turned) = sums(&quarter);

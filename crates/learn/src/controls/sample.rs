@@ -3,18 +3,19 @@
 use super::assemblies::{COPIES, ring, voxels};
 use super::blob::Blob;
 use super::protein::{EXTENT_ANGSTROM, Protein, SITES};
-use super::raster::filled;
+use super::raster::{filled, volume};
 use super::solids::{SOLIDS, random_solid};
 use super::{Control, Variant};
 use crate::sample::{Description, SparseGrid};
 use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::{Rotation, Vec3};
+use std::f64::consts::{PI, TAU};
 
 /// Orientations of each protein of the control `identity`.
 const ORIENTATIONS: usize = 16;
 /// Orientations of each protein of the control `permuted`.
 const SIBLINGS: usize = 4;
-/// Å³ of a residue.
+/// Volume of a residue, Å³.
 const RESIDUE_ANGSTROM3: f64 = 135.0;
 
 /// What all samples of a set share.
@@ -51,39 +52,44 @@ impl Recipe {
     fn shape(&self, number: usize) -> (Description, SparseGrid) {
         let kind = number % SOLIDS.len();
         let voxels = random_solid(kind, self.size, &mut self.random(Purpose::Object, number));
-        let volume: f64 = voxels.iter().map(|(_, share)| f64::from(*share)).sum();
         let label = SOLIDS.get(kind).copied().unwrap_or_default();
-        (plain(number, label, volume), one_channel(self.size, voxels))
+        (
+            plain(number, label, volume(&voxels)),
+            one_channel(self.size, voxels),
+        )
     }
 
     /// Net charge of one sign or the other, spread over the whole protein among neutral pairs.
     fn charged(&self, number: usize, heavy_tails: bool) -> (Description, SparseGrid) {
-        let random = &mut self.random(Purpose::Object, number);
-        let mut protein = Protein::random(random);
-        let (pairs, net) = (6 + random.index(5), 4 + random.index(6));
         let is_positive = number.is_multiple_of(2);
-        let (positive, negative) = if is_positive {
-            (pairs + net, pairs)
-        } else {
-            (pairs, pairs + net)
-        };
-        protein.charge(positive, negative, random);
+        let protein = self.charged_protein(number, is_positive);
         let label = if is_positive { "positive" } else { "negative" };
-        let rotation = self.random(Purpose::Turn, number).rotation();
-        let (description, mut grid) =
-            self.render(number, label, &name(number), &protein, &rotation);
+        let (description, mut grid) = self.render(number, label, &name(number), &protein);
         if heavy_tails {
             self.damage(number, &mut grid);
         }
         (description, grid)
     }
 
+    /// A protein with a net charge of 4 to 9 e of this sign.
+    fn charged_protein(&self, number: usize, is_positive: bool) -> Protein {
+        let random = &mut self.random(Purpose::Object, number);
+        let mut protein = Protein::random(random);
+        let (pairs, net) = (6 + random.index(5), 4 + random.index(6));
+        if is_positive {
+            protein.charge(pairs + net, pairs, random);
+        } else {
+            protein.charge(pairs, pairs + net, random);
+        }
+        protein
+    }
+
     /// Puts potentials of random sign from 10 to 10⁵ kT/e into one surface voxel in fifty, as next
     /// to a charge that touches the surface or where a solver failed.
     fn damage(&self, number: usize, grid: &mut SparseGrid) {
         let random = &mut self.random(Purpose::Damage, number);
-        let potentials = grid.index.len()..2 * grid.index.len();
-        for value in grid.values.get_mut(potentials).into_iter().flatten() {
+        let count = grid.index.len();
+        for value in &mut grid.values[count..2 * count] {
             if random.uniform() < 0.02 {
                 let sign = if random.uniform() < 0.5 { -1.0 } else { 1.0 };
                 *value = (sign * 10f64.powf(random.uniform_in(1.0, 5.0))) as f32;
@@ -102,21 +108,15 @@ impl Recipe {
             random.uniform_in(0.05, 0.25)
         };
         let painted = patch_of_sites(&protein, share, random);
-        for (i, (_, hydropathy)) in protein.sites.iter_mut().enumerate() {
-            *hydropathy = if painted[i] {
+        for ((_, hydropathy), is_painted) in protein.sites.iter_mut().zip(painted) {
+            *hydropathy = if is_painted {
                 random.uniform_in(1.5, 4.5)
             } else {
                 random.uniform_in(-4.5, 0.5)
             };
         }
         let label = if is_large { "large" } else { "small" };
-        self.render(
-            number,
-            label,
-            &name(number),
-            &protein,
-            &self.random(Purpose::Turn, number).rotation(),
-        )
+        self.render(number, label, &name(number), &protein)
     }
 
     /// A patch that is positive or negative, and hydrophobic or hydrophilic: the label is whether
@@ -127,27 +127,22 @@ impl Recipe {
         let share = random.uniform_in(0.35, 0.55);
         let painted = patch_of_sites(&protein, share, random);
         let (is_positive, is_hydrophobic) = (number & 1 == 0, number & 2 == 0);
-        let sign = |is: bool| if is { 1.0 } else { -1.0 };
-        for (i, (_, hydropathy)) in protein.sites.iter_mut().enumerate() {
-            *hydropathy = match painted[i] {
-                true => sign(is_hydrophobic) * random.uniform_in(1.5, 4.5),
-                false => random.uniform_in(-2.0, 2.0),
+        for ((_, hydropathy), is_painted) in protein.sites.iter_mut().zip(&painted) {
+            *hydropathy = if *is_painted {
+                sign(is_hydrophobic) * random.uniform_in(1.5, 4.5)
+            } else {
+                random.uniform_in(-2.0, 2.0)
             };
         }
-        let places: Vec<Vec3> = protein
-            .sites
-            .iter()
-            .zip(&painted)
-            .filter(|(_, is)| **is)
-            .map(|(site, _)| site.0)
-            .collect();
+        let mut places = Vec::new();
+        for ((place, _), is_painted) in protein.sites.iter().zip(painted) {
+            if is_painted {
+                places.push(*place);
+            }
+        }
         for _ in 0..8 {
-            // Below the surface, under a random site of the patch.
-            let below = places
-                .get(random.index(places.len()))
-                .copied()
-                .unwrap_or_default()
-                * 0.8;
+            // Below the surface, under a random site of the patch, which has one or more.
+            let below = places[random.index(places.len())] * 0.8;
             protein.charges.push((below, sign(is_positive)));
         }
         let label = if is_positive == is_hydrophobic {
@@ -155,26 +150,16 @@ impl Recipe {
         } else {
             "disagree"
         };
-        self.render(
-            number,
-            label,
-            &name(number),
-            &protein,
-            &self.random(Purpose::Turn, number).rotation(),
-        )
+        self.render(number, label, &name(number), &protein)
     }
 
     /// All numbers of copies of each blob, which is their cluster.
     fn assembly(&self, number: usize) -> (Description, SparseGrid) {
         let (which, copies) = (number / COPIES.len(), COPIES[number % COPIES.len()]);
         let blob = Blob::random(&mut self.random(Purpose::Object, which));
-        let voxels = voxels(
-            &ring(&blob, copies),
-            self.size,
-            &mut self.random(Purpose::Turn, number),
-        );
-        let volume: f64 = voxels.iter().map(|(_, share)| f64::from(*share)).sum();
-        let mut description = plain(number, &format!("C{copies}"), volume);
+        let turn = &mut self.random(Purpose::Turn, number);
+        let voxels = voxels(&ring(&blob, copies), self.size, turn);
+        let mut description = plain(number, &format!("C{copies}"), volume(&voxels));
         description.cluster = name(which);
         (description, one_channel(self.size, voxels))
     }
@@ -182,31 +167,11 @@ impl Recipe {
     /// The charge control in several orientations, with labels dealt out to the proteins at random.
     fn permuted(&self, number: usize) -> (Description, SparseGrid) {
         let which = number / SIBLINGS;
-        let source = Self {
-            control: Control::Permuted,
-            ..*self
-        };
-        let (mut description, grid) = {
-            let random = &mut source.random(Purpose::Object, which);
-            let mut protein = Protein::random(random);
-            let (pairs, net) = (6 + random.index(5), 4 + random.index(6));
-            let (positive, negative) = if which.is_multiple_of(2) {
-                (pairs + net, pairs)
-            } else {
-                (pairs, pairs + net)
-            };
-            protein.charge(positive, negative, random);
-            let rotation = source.random(Purpose::Turn, number).rotation();
-            self.render(number, "", &name(which), &protein, &rotation)
-        };
+        let protein = self.charged_protein(which, which.is_multiple_of(2));
         let proteins = self.samples.div_ceil(SIBLINGS);
-        description.label = if self.dealt(which, proteins).is_multiple_of(2) {
-            "positive"
-        } else {
-            "negative"
-        }
-        .into();
-        (description, grid)
+        let is_positive = self.dealt(which, proteins).is_multiple_of(2);
+        let label = if is_positive { "positive" } else { "negative" };
+        self.render(number, label, &name(which), &protein)
     }
 
     /// One protein in several orientations, with a label that follows from nothing but which
@@ -218,18 +183,9 @@ impl Recipe {
         let (positive, negative) = (4 + random.index(8), 4 + random.index(8));
         protein.charge(positive, negative, random);
         let proteins = self.samples.div_ceil(ORIENTATIONS);
-        let label = if self.dealt(which, proteins).is_multiple_of(2) {
-            "even"
-        } else {
-            "odd"
-        };
-        self.render(
-            number,
-            label,
-            &name(which),
-            &protein,
-            &self.random(Purpose::Turn, number).rotation(),
-        )
+        let is_even = self.dealt(which, proteins).is_multiple_of(2);
+        let label = if is_even { "even" } else { "odd" };
+        self.render(number, label, &name(which), &protein)
     }
 
     /// Place of `which` among `count` in an order that depends on the seed alone: labels by it are
@@ -245,34 +201,31 @@ impl Recipe {
         let is_along_axis = number.is_multiple_of(2);
         let rod = Blob::rod(&mut self.random(Purpose::Object, number));
         let turn = &mut self.random(Purpose::Turn, number);
-        let direction = match is_along_axis {
-            true => [Vec3::x(), Vec3::y(), Vec3::z()][turn.index(3)],
-            false => {
-                let sign = |turn: &mut CounterRng| if turn.uniform() < 0.5 { -1.0 } else { 1.0 };
-                Vec3::new(sign(turn), sign(turn), 1.0).normalize()
-            }
+        let direction = if is_along_axis {
+            [Vec3::x(), Vec3::y(), Vec3::z()][turn.index(3)]
+        } else {
+            let (x, y) = (sign(turn.uniform() >= 0.5), sign(turn.uniform() >= 0.5));
+            Vec3::new(x, y, 1.0).normalize()
         };
-        let about_itself =
-            Rotation::from_axis_angle(&Vec3::z_axis(), turn.uniform_in(0.0, std::f64::consts::TAU));
-        let half_turn = Rotation::from_axis_angle(&Vec3::x_axis(), std::f64::consts::PI);
+        let about_itself = Rotation::from_axis_angle(&Vec3::z_axis(), turn.uniform_in(0.0, TAU));
+        let half_turn = Rotation::from_axis_angle(&Vec3::x_axis(), PI);
         let upright = Rotation::rotation_between(&Vec3::z(), &direction).unwrap_or(half_turn);
         let deposited = upright * about_itself;
         let rotation = match self.variant {
             Variant::Turned => turn.rotation() * deposited,
             _ => deposited,
         };
-        let placed = rod.turned(&rotation).scaled(self.size as f64 / 2.0 - 1.0);
+        let placed = rod.turned(&rotation).scaled(self.widest());
         let voxels = filled(self.size, |p| placed.distance(p));
-        let volume: f64 = voxels.iter().map(|(_, share)| f64::from(*share)).sum();
-        let label = if is_along_axis {
-            "along an axis"
-        } else {
-            "along a diagonal"
+        let label = match is_along_axis {
+            true => "along an axis",
+            false => "along a diagonal",
         };
-        (plain(number, label, volume), one_channel(self.size, voxels))
+        let description = plain(number, label, volume(&voxels));
+        (description, one_channel(self.size, voxels))
     }
 
-    /// Blobs of one kind whose volume says how many residues they have; scaled to one extent it
+    /// Blobs of one kind whose volume says how many residues they have. Scaled to one extent it
     /// says nothing.
     fn size(&self, number: usize) -> (Description, SparseGrid) {
         const MEDIAN: f64 = 200.0;
@@ -285,37 +238,35 @@ impl Recipe {
             MEDIAN / spread
         };
         let blob = Blob::random(random).turned(&self.random(Purpose::Turn, number).rotation());
-        let widest = self.size as f64 / 2.0 - 1.0;
-        let full = blob.scaled(widest);
+        let full = blob.scaled(self.widest());
         let draw = |blob: &Blob| filled(self.size, |p| blob.distance(p));
-        let voxels = match self.variant {
-            Variant::FillingTheBox => draw(&full),
-            _ => {
-                // A volume in proportion to the residues; the largest of the thinnest blobs still
-                // fit the box.
-                let volume = draw(&full)
-                    .iter()
-                    .map(|(_, share)| f64::from(*share))
-                    .sum::<f64>();
-                let wanted = 0.11 * (2.0 * widest).powi(3) * residues / (4.0 * MEDIAN);
-                draw(&full.scaled((wanted / volume).cbrt().min(1.0)))
-            }
-        };
+        let mut voxels = draw(&full);
+        if self.variant != Variant::FillingTheBox {
+            // A volume in proportion to the residues; the largest of the thinnest blobs still fit
+            // the box.
+            let wanted = 0.11 * (2.0 * self.widest()).powi(3) * residues / (4.0 * MEDIAN);
+            voxels = draw(&full.scaled((wanted / volume(&voxels)).cbrt().min(1.0)));
+        }
         let mut description = plain(number, if is_large { "large" } else { "small" }, 0.0);
         description.residues = residues.round();
         (description, one_channel(self.size, voxels))
     }
 
-    /// The three channels of a protein, and what is known of it.
+    /// The largest extent that leaves a margin of one voxel, in voxels.
+    fn widest(&self) -> f64 {
+        self.size as f64 / 2.0 - 1.0
+    }
+
+    /// The three channels of a protein, turned at random, and what is known of it.
     fn render(
         &self,
         number: usize,
         label: &str,
         cluster: &str,
         protein: &Protein,
-        rotation: &Rotation,
     ) -> (Description, SparseGrid) {
-        let (index, values) = protein.voxels(self.size, rotation);
+        let rotation = self.random(Purpose::Turn, number).rotation();
+        let (index, values) = protein.voxels(self.size, &rotation);
         let volume_angstrom3 = 0.25 * (2.0 * EXTENT_ANGSTROM).powi(3);
         let description = Description {
             name: name(number),
@@ -328,30 +279,34 @@ impl Recipe {
             composition: [0.05; 20],
             ..Description::default()
         };
-        (
-            description,
-            SparseGrid {
-                size: self.size,
-                channels: 3,
-                index,
-                values: values.concat(),
-            },
-        )
+        let grid = SparseGrid {
+            size: self.size,
+            channels: values.len(),
+            index,
+            values: values.concat(),
+        };
+        (description, grid)
     }
 }
 
-/// Which sites lie nearest to a random direction: a patch over this share of them.
+fn sign(is_positive: bool) -> f64 {
+    if is_positive { 1.0 } else { -1.0 }
+}
+
+/// Which sites belong to a patch over this share of them: those farthest along a random direction.
 fn patch_of_sites(protein: &Protein, share: f64, random: &mut CounterRng) -> Vec<bool> {
     let direction = random.unit_vector();
-    let height = |site: &(Vec3, f64)| direction.dot(&site.0);
-    let mut heights: Vec<f64> = protein.sites.iter().map(height).collect();
-    heights.sort_by(|a, b| b.total_cmp(a));
-    let last = ((share * SITES as f64).round() as usize).clamp(1, SITES) - 1;
-    let lowest = heights.get(last).copied().unwrap_or(f64::INFINITY);
-    protein
+    let heights: Vec<f64> = protein
         .sites
         .iter()
-        .map(|site| height(site) >= lowest)
+        .map(|site| direction.dot(&site.0))
+        .collect();
+    let mut descending = heights.clone();
+    descending.sort_by(|a, b| b.total_cmp(a));
+    let last = ((share * SITES as f64).round() as usize).clamp(1, SITES) - 1;
+    heights
+        .into_iter()
+        .map(|height| height >= descending[last])
         .collect()
 }
 

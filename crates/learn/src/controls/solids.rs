@@ -24,10 +24,13 @@ fn distance(kind: usize, slenderness: f64, p: &Vec3) -> f64 {
         "cross" => {
             let width = 0.16 + 0.1 * slenderness;
             let long = (1.0f64 - 2.0 * width * width).sqrt();
-            let arm = |half: Vec3| of_box(p, &half);
-            arm(Vec3::new(long, width, width))
-                .min(arm(Vec3::new(width, long, width)))
-                .min(arm(Vec3::new(width, width, long)))
+            let arms = [
+                Vec3::new(long, width, width),
+                Vec3::new(width, long, width),
+                Vec3::new(width, width, long),
+            ];
+            let distances = arms.map(|half| of_box(p, &half));
+            distances[0].min(distances[1]).min(distances[2])
         }
         "cylinder" => {
             // Half height over radius from 1/2 to 3/2.
@@ -45,10 +48,12 @@ fn distance(kind: usize, slenderness: f64, p: &Vec3) -> f64 {
                 [-1.0, 1.0, -1.0],
                 [-1.0, -1.0, 1.0],
             ];
-            let beyond = outward
-                .iter()
-                .map(|[x, y, z]| (p.x * x + p.y * y + p.z * z) / 3f64.sqrt() - 1.0 / 3.0);
-            beyond.fold(f64::NEG_INFINITY, f64::max)
+            let mut distance = f64::NEG_INFINITY;
+            for [x, y, z] in outward {
+                let beyond = (p.x * x + p.y * y + p.z * z) / 3f64.sqrt() - 1.0 / 3.0;
+                distance = distance.max(beyond);
+            }
+            distance
         }
         _ => {
             let tube = 0.2 + 0.12 * slenderness;

@@ -1,33 +1,22 @@
-//! Buffers that are used again: fresh pages from the system cost a quarter of the time of a small
+//! Buffers that are used again: fresh pages from the system take a quarter of the time of a small
 //! network.
 
 use std::ops::{Deref, DerefMut};
 use std::sync::{Mutex, PoisonError};
 
-/// Buffers that wait for use, at most this many.
+/// At most this many buffers wait for use.
 const KEPT: usize = 64;
 
 static WAITING: Mutex<Vec<Vec<f32>>> = Mutex::new(Vec::new());
 
-/// Numbers that go back to the waiting buffers in the end.
+/// Numbers whose memory goes back to the waiting buffers when they are dropped.
 #[derive(Debug, Default)]
-pub struct Buffer(Vec<f32>);
+pub(crate) struct Buffer(Vec<f32>);
 
 impl Buffer {
-    /// A buffer of this length with anything in it.
+    /// A buffer of this length, with stale numbers in it.
     pub fn stale(length: usize) -> Self {
-        let mut waiting = WAITING.lock().unwrap_or_else(PoisonError::into_inner);
-        // The smallest that is large enough, else the largest.
-        let fits = (0..waiting.len()).min_by_key(|i| {
-            let capacity = waiting[*i].capacity();
-            if capacity >= length {
-                (0, capacity)
-            } else {
-                (1, usize::MAX - capacity)
-            }
-        });
-        let mut numbers = fits.map(|i| waiting.swap_remove(i)).unwrap_or_default();
-        drop(waiting);
+        let mut numbers = take_waiting(length).unwrap_or_default();
         numbers.resize(length, 0.0);
         Self(numbers)
     }
@@ -38,6 +27,20 @@ impl Buffer {
         buffer.fill(0.0);
         buffer
     }
+}
+
+/// The smallest waiting buffer that is large enough, else the largest.
+fn take_waiting(length: usize) -> Option<Vec<f32>> {
+    let mut waiting = WAITING.lock().unwrap_or_else(PoisonError::into_inner);
+    let best = (0..waiting.len()).min_by_key(|i| {
+        let capacity = waiting[*i].capacity();
+        if capacity >= length {
+            (0, capacity)
+        } else {
+            (1, usize::MAX - capacity)
+        }
+    });
+    best.map(|i| waiting.swap_remove(i))
 }
 
 impl Drop for Buffer {

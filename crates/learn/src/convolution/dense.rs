@@ -10,7 +10,7 @@ use super::padded::Padded;
 
 /// Adds the gradient of the weights of one sample.
 #[derive(Debug)]
-pub struct DenseWeights<'a> {
+pub(crate) struct DenseWeights<'a> {
     /// The shape.
     pub geometry: &'a Geometry,
     /// The input.
@@ -24,7 +24,7 @@ pub struct DenseWeights<'a> {
 }
 
 /// Numbers of scratch that [`DenseWeights`] wants.
-pub fn scratch_length(geometry: &Geometry) -> usize {
+pub(crate) fn scratch_length(geometry: &Geometry) -> usize {
     geometry.edges[1] * geometry.edges[2] * geometry.padded_outputs()
 }
 
@@ -59,7 +59,7 @@ impl DenseWeights<'_> {
         let sound = geometry.kernel == K
             && input.numbers.len() == geometry.channels * geometry.padded_voxels()
             && gradient.len() == geometry.outputs * geometry.voxels()
-            && weights.len() == geometry.channels * geometry.taps() * stride
+            && weights.len() == geometry.packed_weights()
             && scratch.len() == scratch_length(geometry);
         assert!(sound, "buffers do not fit a convolution of {geometry:?}");
         let plane = height * width;
@@ -114,7 +114,9 @@ unsafe fn add_tap_row<S: Lanes, const K: usize>(
                         channel,
                         first,
                         gradient.as_ptr().add(vector * S::WIDTH),
-                        weights.as_mut_ptr().add((channel * K * K + row) * K * stride + vector * S::WIDTH),
+                        weights.as_mut_ptr().add(
+                            (channel * K * K + row) * K * stride + vector * S::WIDTH,
+                        ),
                     );
                 }
                 channel += $channels;
@@ -137,9 +139,11 @@ unsafe fn add_tap_row<S: Lanes, const K: usize>(
     }
 }
 
-/// If fewer than one in this many voxels of a row of the input hold anything, only these are gone
-/// through.
+/// If fewer than one in this many voxels of a row of the input hold anything, only these are taken.
 const SCATTER_BELOW: usize = 4;
+
+/// The sums of a register tile: J channels times K taps times V vectors.
+type Sums<S, const J: usize, const V: usize, const K: usize> = [[[<S as Lanes>::Vector; V]; K]; J];
 
 /// J channels times K taps times V vectors.
 ///
@@ -155,47 +159,97 @@ unsafe fn tile<S: Lanes, const J: usize, const V: usize, const K: usize>(
     gradient: *const f32,
     weights: *mut f32,
 ) {
-    let stride = geometry.padded_outputs();
-    let plane = geometry.padded_voxels();
     let [_, height, width] = geometry.edges;
-    let padded_width = geometry.padded_edges()[2];
+    let [_, _, padded_width] = geometry.padded_edges();
+    let (plane, stride) = (geometry.padded_voxels(), geometry.padded_outputs());
     // SAFETY: the caller's promise.
     unsafe {
-        let input_of_channel = input.numbers.as_ptr().add(channel * plane);
-        let mut sums = [[[S::zero(); V]; K]; J];
+        let mut sums: Sums<S, J, V, K> = [[[S::zero(); V]; K]; J];
         for y in 0..height {
-            let row = first / padded_width + y;
-            let occupied = input
-                .occupied
-                .as_ref()
-                .filter(|occupied| SCATTER_BELOW * occupied.count(row) < width);
-            let input = input_of_channel.add(row * padded_width);
-            let gradient = gradient.add(y * width * stride);
-            if let Some(occupied) = occupied {
-                for at in occupied.of_row(row, padded_width) {
-                    for k in 0..K.min(at + 1) {
-                        let x = at - k;
-                        if x >= width {
-                            continue;
-                        }
-                        for (j, sums) in sums.iter_mut().enumerate() {
-                            let value = S::splat(input.add(j * plane + at));
-                            for (v, sum) in sums[k].iter_mut().enumerate() {
-                                let vector = S::load(gradient.add(x * stride + v * S::WIDTH));
-                                *sum = S::multiply_add(value, vector, *sum);
-                            }
-                        }
+            let number = first / padded_width + y;
+            let row = Row {
+                input: input
+                    .numbers
+                    .as_ptr()
+                    .add(channel * plane + number * padded_width),
+                plane,
+                gradient: gradient.add(y * width * stride),
+                stride,
+                width,
+            };
+            let occupied = input.occupied.as_ref();
+            match occupied.filter(|occupied| SCATTER_BELOW * occupied.count(number) < width) {
+                Some(occupied) => {
+                    for at in occupied.of_row(number, padded_width) {
+                        row.add_voxel::<S, J, V, K>(at, &mut sums);
                     }
                 }
+                None => row.add_all::<S, J, V, K>(&mut sums),
+            }
+        }
+        add_to_weights::<S, J, V, K>(&sums, weights, stride);
+    }
+}
+
+/// A row of the input from the first channel of a tile on, and the row of gradients that it meets.
+#[derive(Clone, Copy)]
+struct Row {
+    input: *const f32,
+    /// Numbers from one channel of the input to the next.
+    plane: usize,
+    gradient: *const f32,
+    /// Numbers from one voxel of the gradient to the next.
+    stride: usize,
+    width: usize,
+}
+
+impl Row {
+    /// Adds what one voxel of the input gives, with every tap that sees it.
+    ///
+    /// # Safety
+    /// As for [`tile`].
+    #[inline(always)]
+    unsafe fn add_voxel<S: Lanes, const J: usize, const V: usize, const K: usize>(
+        self,
+        at: usize,
+        sums: &mut Sums<S, J, V, K>,
+    ) {
+        for k in 0..K.min(at + 1) {
+            let x = at - k;
+            if x >= self.width {
                 continue;
             }
-            for x in 0..width {
+            // SAFETY: the caller's promise.
+            unsafe {
+                for (j, sums) in sums.iter_mut().enumerate() {
+                    let value = S::splat(self.input.add(j * self.plane + at));
+                    for (v, sum) in sums[k].iter_mut().enumerate() {
+                        let vector = S::load(self.gradient.add(x * self.stride + v * S::WIDTH));
+                        *sum = S::multiply_add(value, vector, *sum);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds what all voxels of the row give.
+    ///
+    /// # Safety
+    /// As for [`tile`].
+    #[inline(always)]
+    unsafe fn add_all<S: Lanes, const J: usize, const V: usize, const K: usize>(
+        self,
+        sums: &mut Sums<S, J, V, K>,
+    ) {
+        for x in 0..self.width {
+            // SAFETY: the caller's promise.
+            unsafe {
                 let mut vectors = [S::zero(); V];
                 for (v, vector) in vectors.iter_mut().enumerate() {
-                    *vector = S::load(gradient.add(x * stride + v * S::WIDTH));
+                    *vector = S::load(self.gradient.add(x * self.stride + v * S::WIDTH));
                 }
                 for (j, sums) in sums.iter_mut().enumerate() {
-                    let input = input.add(j * plane + x);
+                    let input = self.input.add(j * self.plane + x);
                     for (k, sums) in sums.iter_mut().enumerate() {
                         let value = S::splat(input.add(k));
                         for (sum, vector) in sums.iter_mut().zip(vectors) {
@@ -205,13 +259,28 @@ unsafe fn tile<S: Lanes, const J: usize, const V: usize, const K: usize>(
                 }
             }
         }
-        for (j, sums) in sums.iter().enumerate() {
-            for (k, sums) in sums.iter().enumerate() {
-                for (v, sum) in sums.iter().enumerate() {
+    }
+}
+
+/// Adds the sums of a tile to the weights.
+///
+/// # Safety
+/// As for [`tile`].
+#[inline(always)]
+unsafe fn add_to_weights<S: Lanes, const J: usize, const V: usize, const K: usize>(
+    sums: &Sums<S, J, V, K>,
+    weights: *mut f32,
+    stride: usize,
+) {
+    let one = 1.0f32;
+    for (j, sums) in sums.iter().enumerate() {
+        for (k, sums) in sums.iter().enumerate() {
+            for (v, sum) in sums.iter().enumerate() {
+                // SAFETY: the caller's promise.
+                unsafe {
                     let to = weights.add((j * K * K * K + k) * stride + v * S::WIDTH);
-                    let one = [1.0f32];
                     let old = S::load(to);
-                    S::store(to, S::multiply_add(S::splat(one.as_ptr()), old, *sum));
+                    S::store(to, S::multiply_add(S::splat(&raw const one), old, *sum));
                 }
             }
         }

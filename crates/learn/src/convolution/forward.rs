@@ -8,40 +8,40 @@ use super::geometry::{Geometry, LANES};
 use super::lanes::{Lanes, Work};
 use super::padded::{Occupied, Padded};
 
-/// The corner of a window that pooling chose, or this: none, because the ReLU gave 0.
-pub const DEAD: u8 = 8;
+/// Stands for no corner of a window: the ReLU gave 0.
+pub(crate) const DEAD: u8 = 8;
 
 /// What follows the convolution and its bias.
 #[derive(Debug)]
-pub enum Finish<'a> {
+pub(crate) enum Finish<'a> {
     /// Nothing: (O, D, H, W).
     Plain(&'a mut [f32]),
     /// ReLU: (O, D, H, W).
     Relu(&'a mut [f32]),
     /// ReLU and the maximum of every 2 x 2 x 2 window, (O, D/2, H/2, W/2), and the corner that had
-    /// it, 4 z + 2 y + x, or [`DEAD`]. The first of equals wins.
+    /// it: 4 z + 2 y + x, or [`DEAD`]. The first of equals wins.
     Pool(&'a mut [f32], &'a mut [u8]),
 }
 
 /// The forward pass of one sample.
 #[derive(Debug)]
-pub struct Forward<'a> {
+pub(crate) struct Forward<'a> {
     /// The shape.
     pub geometry: &'a Geometry,
     /// The input.
     pub input: &'a Padded,
     /// The weights as [`Geometry::pack`] gives them.
     pub weights: &'a [f32],
-    /// One per output; none stands for zeros.
+    /// One per output; `None` stands for zeros.
     pub bias: Option<&'a [f32]>,
     /// What follows.
     pub finish: Finish<'a>,
-    /// Room for four rows of outputs, [`scratch_length`] numbers.
+    /// Room for four rows of outputs and the biases, [`scratch_length`] numbers.
     pub scratch: &'a mut [f32],
 }
 
 /// Numbers of scratch that [`Forward`] wants.
-pub fn scratch_length(geometry: &Geometry) -> usize {
+pub(crate) fn scratch_length(geometry: &Geometry) -> usize {
     5 * geometry.edges[2] * geometry.padded_outputs()
 }
 
@@ -64,125 +64,127 @@ impl Work for Forward<'_> {
 impl Forward<'_> {
     #[inline(always)]
     unsafe fn run_with<S: Lanes, const K: usize>(self) {
-        let Self {
-            geometry,
-            input,
-            weights,
-            bias,
-            finish,
-            scratch,
-        } = self;
-        let [depth, height, width] = geometry.edges;
-        let (outputs, stride) = (geometry.outputs, geometry.padded_outputs());
-        let length = width * stride;
-        // Everything the tiles below touch lies in these lengths; what comes in by the public
-        // fields is not trusted.
+        let (geometry, outputs) = (self.geometry, self.geometry.outputs);
+        let stride = geometry.padded_outputs();
+        // Everything the tiles below touch lies in these lengths; the fields of this struct are not
+        // trusted.
         let sound = geometry.kernel == K
-            && input.numbers.len() == geometry.channels * geometry.padded_voxels()
-            && weights.len() == geometry.channels * geometry.taps() * stride
-            && scratch.len() == scratch_length(geometry)
-            && bias.is_none_or(|bias| bias.len() == outputs);
+            && self.input.numbers.len() == geometry.channels * geometry.padded_voxels()
+            && self.weights.len() == geometry.packed_weights()
+            && self.scratch.len() == scratch_length(geometry)
+            && self.bias.is_none_or(|bias| bias.len() == outputs);
         assert!(sound, "buffers do not fit a convolution of {geometry:?}");
-        let (rows, tail) = scratch.split_at_mut(4 * length);
+        let (rows, tail) = self.scratch.split_at_mut(4 * geometry.edges[2] * stride);
         let shift = &mut tail[..stride];
         shift.fill(0.0);
-        if let Some(bias) = bias {
+        if let Some(bias) = self.bias {
             shift[..outputs].copy_from_slice(bias);
         }
-        match finish {
-            Finish::Plain(out) => {
-                for row in 0..depth * height {
-                    // SAFETY: lengths are checked above.
-                    unsafe {
-                        convolve_row::<S, K>(
-                            geometry,
-                            input,
-                            weights,
-                            row / height,
-                            row % height,
-                            &mut rows[..length],
-                        )
-                    };
-                    for (o, shift) in shift.iter().enumerate().take(outputs) {
-                        let to = &mut out[(o * depth * height + row) * width..][..width];
-                        for (to, from) in to.iter_mut().zip(rows[o..length].iter().step_by(stride))
-                        {
-                            *to = from + shift;
-                        }
-                    }
+        let convolution = Rows {
+            geometry,
+            input: self.input,
+            weights: self.weights,
+        };
+        // SAFETY: lengths are checked above.
+        unsafe {
+            match self.finish {
+                Finish::Plain(out) => convolution.all::<S, K, false>(rows, shift, out),
+                Finish::Relu(out) => convolution.all::<S, K, true>(rows, shift, out),
+                Finish::Pool(out, codes) => convolution.pooled::<S, K>(rows, shift, out, codes),
+            }
+        }
+    }
+}
+
+/// A convolution, row of outputs by row.
+#[derive(Clone, Copy)]
+struct Rows<'a> {
+    geometry: &'a Geometry,
+    input: &'a Padded,
+    weights: &'a [f32],
+}
+
+impl Rows<'_> {
+    /// All rows, with the bias added and the ReLU taken if asked for.
+    ///
+    /// # Safety
+    /// As for [`Rows::convolve`]; `scratch` holds a row or more.
+    #[inline(always)]
+    unsafe fn all<S: Lanes, const K: usize, const RELU: bool>(
+        self,
+        scratch: &mut [f32],
+        shift: &[f32],
+        out: &mut [f32],
+    ) {
+        let [depth, height, width] = self.geometry.edges;
+        let stride = self.geometry.padded_outputs();
+        let scratch = &mut scratch[..width * stride];
+        for row in 0..depth * height {
+            // SAFETY: the caller's promise.
+            unsafe { self.convolve::<S, K>(row / height, row % height, scratch) };
+            for (o, shift) in shift.iter().enumerate().take(self.geometry.outputs) {
+                let to = &mut out[(o * depth * height + row) * width..][..width];
+                for (to, from) in to.iter_mut().zip(scratch[o..].iter().step_by(stride)) {
+                    let value = from + shift;
+                    *to = if RELU { positive(value) } else { value };
                 }
             }
-            Finish::Relu(out) => {
-                for row in 0..depth * height {
-                    // SAFETY: lengths are checked above.
-                    unsafe {
-                        convolve_row::<S, K>(
-                            geometry,
-                            input,
-                            weights,
-                            row / height,
-                            row % height,
-                            &mut rows[..length],
-                        )
-                    };
-                    for (o, shift) in shift.iter().enumerate().take(outputs) {
-                        let to = &mut out[(o * depth * height + row) * width..][..width];
-                        for (to, from) in to.iter_mut().zip(rows[o..length].iter().step_by(stride))
-                        {
-                            *to = positive(from + shift);
-                        }
-                    }
-                }
+        }
+    }
+
+    /// All rows of windows: the bias added, the ReLU taken, the maximum of each window.
+    ///
+    /// # Safety
+    /// As for [`Rows::convolve`]; `scratch` holds four rows.
+    #[inline(always)]
+    unsafe fn pooled<S: Lanes, const K: usize>(
+        self,
+        scratch: &mut [f32],
+        shift: &[f32],
+        out: &mut [f32],
+        codes: &mut [u8],
+    ) {
+        let (outputs, stride) = (self.geometry.outputs, self.geometry.padded_outputs());
+        let length = self.geometry.edges[2] * stride;
+        let [depth, height, width] = self.geometry.edges.map(|edge| edge / 2);
+        let mut chosen = vec![0u8; width * stride];
+        for row in 0..depth * height {
+            let (z, y) = (2 * (row / height), 2 * (row % height));
+            let mut any = false;
+            for (corner, to) in scratch.chunks_exact_mut(length).enumerate() {
+                // SAFETY: the caller's promise.
+                any |= unsafe { self.convolve::<S, K>(z + corner / 2, y + corner % 2, to) };
             }
-            Finish::Pool(out, codes) => {
-                let [d, h, w] = [depth / 2, height / 2, width / 2];
-                let mut chosen = vec![0u8; w * stride];
-                let nothing = shift[..outputs].to_vec();
-                for row in 0..d * h {
-                    let (z, y) = (2 * (row / h), 2 * (row % h));
-                    let mut any = false;
-                    for (corner, to) in rows.chunks_exact_mut(length).enumerate() {
-                        // SAFETY: lengths are checked above.
-                        any |= unsafe {
-                            convolve_row::<S, K>(
-                                geometry,
-                                input,
-                                weights,
-                                z + corner / 2,
-                                y + corner % 2,
-                                to,
-                            )
-                        };
-                    }
-                    if !any {
-                        for (o, value) in nothing.iter().enumerate() {
-                            let first = (o * d * h + row) * w;
-                            out[first..first + w].fill(positive(*value));
-                            codes[first..first + w].fill(if *value <= 0.0 { DEAD } else { 0 });
-                        }
-                        continue;
-                    }
-                    pool_rows(rows, length, stride, shift, &mut chosen);
-                    for o in 0..outputs {
-                        let first = (o * d * h + row) * w;
-                        let to = &mut out[first..first + w];
-                        for (to, from) in to.iter_mut().zip(rows[o..].iter().step_by(stride)) {
-                            *to = *from;
-                        }
-                        let to = &mut codes[first..first + w];
-                        for (to, from) in to.iter_mut().zip(chosen[o..].iter().step_by(stride)) {
-                            *to = *from;
-                        }
-                    }
+            if any {
+                pool_rows(scratch, length, stride, shift, &mut chosen);
+            }
+            for (o, shift) in shift.iter().enumerate().take(outputs) {
+                let first = (o * depth * height + row) * width;
+                let (out, codes) = (&mut out[first..][..width], &mut codes[first..][..width]);
+                if any {
+                    gather(&scratch[o..], stride, out);
+                    gather(&chosen[o..], stride, codes);
+                } else {
+                    // Where the input holds nothing, only the bias is left.
+                    out.fill(positive(*shift));
+                    codes.fill(if *shift <= 0.0 { DEAD } else { 0 });
                 }
             }
         }
     }
 }
 
-/// ReLU that lets what is not a number through.
+/// Every `stride`-th element.
 #[inline(always)]
-pub fn positive(value: f32) -> f32 {
+fn gather<T: Copy>(from: &[T], stride: usize, to: &mut [T]) {
+    for (to, from) in to.iter_mut().zip(from.iter().step_by(stride)) {
+        *to = *from;
+    }
+}
+
+/// ReLU. NaN must propagate.
+#[inline(always)]
+pub(crate) fn positive(value: f32) -> f32 {
     if value <= 0.0 { 0.0 } else { value }
 }
 
@@ -200,7 +202,7 @@ fn pool_rows(rows: &mut [f32], length: usize, stride: usize, shift: &[f32], code
                 let place = corner / 2 * length + first + corner % 2 * stride;
                 let value = lanes_at(rows, place);
                 for i in 0..LANES {
-                    // What is not a number wins, and then loses to nothing.
+                    // NaN wins, and then loses to nothing.
                     let better = (value[i] > best[i]) | value[i].is_nan();
                     best[i] = if better { value[i] } else { best[i] };
                     code[i] = if better { corner as u32 } else { code[i] };
@@ -232,156 +234,206 @@ struct TapRow {
     weights: usize,
 }
 
-/// One row of outputs, voxel by voxel: `out` is (W, padded O). False if it holds nothing but zeros
-/// because the input does.
-///
-/// # Safety
-/// The processor has the instructions of `S`; the buffers have the lengths that `run_with` checks;
-/// `out` is W x padded O.
-#[inline(always)]
-#[allow(clippy::int_plus_one, reason = "the macro's smallest step is 1")]
-unsafe fn convolve_row<S: Lanes, const K: usize>(
-    geometry: &Geometry,
-    input: &Padded,
-    weights: &[f32],
-    z: usize,
-    y: usize,
-    out: &mut [f32],
-) -> bool {
-    let stride = geometry.padded_outputs();
-    let width = geometry.edges[2];
-    let [_, padded_height, padded_width] = geometry.padded_edges();
-    let first = (z * padded_height + y) * padded_width;
-    let mut all = [TapRow::default(); 25];
-    for (row, tap) in all.iter_mut().enumerate().take(K * K) {
-        *tap = TapRow {
-            input: first + geometry.tap_row_offset(row),
-            weights: row * K * stride,
+impl Rows<'_> {
+    /// One row of outputs, voxel by voxel: `out` is (W, padded O). False if it holds nothing but
+    /// zeros because the input does.
+    ///
+    /// # Safety
+    /// The processor has the instructions of `S`; the buffers have the lengths that `run_with`
+    /// checks; `out` is W x padded O.
+    #[inline(always)]
+    unsafe fn convolve<S: Lanes, const K: usize>(
+        self,
+        z: usize,
+        y: usize,
+        out: &mut [f32],
+    ) -> bool {
+        let all = self.tap_rows::<K>(z, y);
+        let taps = &all[..K * K];
+        let Some(occupied) = &self.input.occupied else {
+            // SAFETY: the caller's promise.
+            unsafe { self.sweep::<S, K>(taps, None, out) };
+            return true;
         };
-    }
-    if let Some(occupied) = &input.occupied {
-        let count: usize = all[..K * K]
-            .iter()
-            .map(|tap| occupied.count(tap.input / padded_width))
-            .sum();
+        let [_, _, width] = self.geometry.edges;
+        let [_, _, padded_width] = self.geometry.padded_edges();
+        let mut count = 0;
+        for tap in taps {
+            count += occupied.count(tap.input / padded_width);
+        }
         if count == 0 {
             out.fill(0.0);
             return false;
         }
-        if SCATTER_BELOW * count < K * K * width {
-            // SAFETY: as this function's.
-            unsafe { scatter_row::<S, K>(geometry, input, occupied, weights, &all[..K * K], out) };
-            return true;
+        // SAFETY: the caller's promise.
+        unsafe {
+            if SCATTER_BELOW * count < K * K * width {
+                self.scatter::<S, K>(taps, occupied, out);
+            } else {
+                self.sweep::<S, K>(taps, Some(occupied), out);
+            }
         }
+        true
     }
-    let mut active = all;
-    let vectors = stride / S::WIDTH;
-    let mut vector = 0;
-    macro_rules! sweep {
-        ($vectors:literal: $($voxels:literal)*) => {{
-            let mut x = 0;
-            $(while x + $voxels <= width {
-                let mut taps = &all[..K * K];
-                if let Some(occupied) = &input.occupied {
-                    let mut count = 0;
-                    for tap in taps {
-                        active[count] = *tap;
-                        let row = tap.input / padded_width;
-                        count += usize::from(occupied.any(row, x, $voxels + K - 1));
-                    }
-                    taps = &active[..count];
-                }
-                // SAFETY: the tile reads, of channel c < C, the numbers from tap.input + x on,
-                // $voxels + K - 1 of them: a tap row begins at a row of the padded grid and x +
-                // $voxels <= W, so they end inside that row. It reads weights of rows (c K² + row)
-                // K + k < C K³, vectors below `stride`. It writes voxels x to x + $voxels <= W of
-                // `out`, vectors below `stride`.
-                unsafe {
-                    tile::<S, $voxels, $vectors, K>(
-                        input.numbers.as_ptr().add(x),
-                        geometry.padded_voxels(),
-                        geometry.channels,
-                        taps,
-                        weights.as_ptr().add(vector * S::WIDTH),
-                        stride,
-                        out.as_mut_ptr().add(x * stride + vector * S::WIDTH),
-                    );
-                }
-                x += $voxels;
-            })*
-            vector += $vectors;
-        }};
-    }
-    while vector < vectors {
-        let left = vectors - vector;
-        if S::MANY && left >= 4 && width < 8 {
-            sweep!(4: 4 2 1);
-        } else if S::MANY && left >= 2 {
-            sweep!(2: 8 4 2 1);
-        } else if S::MANY {
-            sweep!(1: 16 8 4 2 1);
-        } else {
-            // Vectors of eight: their number is even.
-            sweep!(2: 4 2 1);
+
+    /// The rows of taps of a row of outputs, K² of them.
+    #[inline(always)]
+    fn tap_rows<const K: usize>(self, z: usize, y: usize) -> [TapRow; 25] {
+        let [_, height, width] = self.geometry.padded_edges();
+        let mut taps = [TapRow::default(); 25];
+        for (row, tap) in taps.iter_mut().enumerate().take(K * K) {
+            *tap = TapRow {
+                input: (z * height + y) * width + self.geometry.tap_row_offset(row),
+                weights: row * K * self.geometry.padded_outputs(),
+            };
         }
+        taps
     }
-    true
-}
 
-/// If fewer than one in this many voxels that a row of outputs sees hold anything, these are spread
-/// over the outputs.
-const SCATTER_BELOW: usize = 4;
-
-/// One row of outputs from the few voxels that hold anything.
-///
-/// # Safety
-/// As for [`convolve_row`].
-#[inline(always)]
-unsafe fn scatter_row<S: Lanes, const K: usize>(
-    geometry: &Geometry,
-    input: &Padded,
-    occupied: &Occupied,
-    weights: &[f32],
-    taps: &[TapRow],
-    out: &mut [f32],
-) {
-    let stride = geometry.padded_outputs();
-    let (width, padded_width) = (geometry.edges[2], geometry.padded_edges()[2]);
-    out.fill(0.0);
-    for tap in taps {
-        for at in occupied.of_row(tap.input / padded_width, padded_width) {
-            for k in 0..K.min(at + 1) {
-                let x = at - k;
-                if x >= width {
-                    continue;
-                }
-                for first in (0..stride).step_by(S::WIDTH) {
-                    // SAFETY: voxel `at` < padded width of row tap.input of every channel lies in
-                    // the padded grid; the weights are those of rows (c K² + row) K + k < C K³;
-                    // voxel x < W of `out` is written.
-                    unsafe {
-                        let to = out.as_mut_ptr().add(x * stride + first);
-                        let mut sum = S::load(to);
-                        for channel in 0..geometry.channels {
-                            let value = input
-                                .numbers
-                                .as_ptr()
-                                .add(channel * geometry.padded_voxels() + tap.input + at);
-                            let weight =
-                                channel * K * K * K * stride + tap.weights + k * stride + first;
-                            sum = S::multiply_add(
-                                S::splat(value),
-                                S::load(weights.as_ptr().add(weight)),
-                                sum,
-                            );
+    /// One row of outputs, register tile by register tile. With `occupied`, rows of taps that see
+    /// nothing are left out.
+    ///
+    /// # Safety
+    /// As for [`Rows::convolve`].
+    #[inline(always)]
+    #[allow(clippy::int_plus_one, reason = "the macro's smallest step is 1")]
+    unsafe fn sweep<S: Lanes, const K: usize>(
+        self,
+        all: &[TapRow],
+        occupied: Option<&Occupied>,
+        out: &mut [f32],
+    ) {
+        let (geometry, width) = (self.geometry, self.geometry.edges[2]);
+        let [_, _, padded_width] = geometry.padded_edges();
+        let stride = geometry.padded_outputs();
+        let vectors = stride / S::WIDTH;
+        let mut active = [TapRow::default(); 25];
+        let mut vector = 0;
+        macro_rules! sweep {
+            ($vectors:literal: $($voxels:literal)*) => {{
+                let mut x = 0;
+                $(while x + $voxels <= width {
+                    let mut taps = all;
+                    if let Some(occupied) = occupied {
+                        let mut count = 0;
+                        for tap in all {
+                            active[count] = *tap;
+                            let row = tap.input / padded_width;
+                            count += usize::from(occupied.any(row, x, $voxels + K - 1));
                         }
-                        S::store(to, sum);
+                        taps = &active[..count];
+                    }
+                    // SAFETY: the tile reads, of channel c < C, the numbers from tap.input + x on,
+                    // $voxels + K - 1 of them: a tap row begins at a row of the padded grid and x +
+                    // $voxels <= W, so they end inside that row. It reads weights of rows (c K² +
+                    // row) K + k < C K³, vectors below `stride`. It writes voxels x to x + $voxels
+                    // <= W of `out`, vectors below `stride`.
+                    unsafe {
+                        tile::<S, $voxels, $vectors, K>(
+                            self.input.numbers.as_ptr().add(x),
+                            geometry.padded_voxels(),
+                            geometry.channels,
+                            taps,
+                            self.weights.as_ptr().add(vector * S::WIDTH),
+                            stride,
+                            out.as_mut_ptr().add(x * stride + vector * S::WIDTH),
+                        );
+                    }
+                    x += $voxels;
+                })*
+                vector += $vectors;
+            }};
+        }
+        while vector < vectors {
+            let left = vectors - vector;
+            if S::MANY && left >= 4 && width < 8 {
+                sweep!(4: 4 2 1);
+            } else if S::MANY && left >= 2 {
+                sweep!(2: 8 4 2 1);
+            } else if S::MANY {
+                sweep!(1: 16 8 4 2 1);
+            } else {
+                // Vectors of eight: their number is even.
+                sweep!(2: 4 2 1);
+            }
+        }
+    }
+
+    /// One row of outputs from the few voxels that hold anything.
+    ///
+    /// # Safety
+    /// As for [`Rows::convolve`].
+    #[inline(always)]
+    unsafe fn scatter<S: Lanes, const K: usize>(
+        self,
+        taps: &[TapRow],
+        occupied: &Occupied,
+        out: &mut [f32],
+    ) {
+        let [_, _, width] = self.geometry.edges;
+        let [_, _, padded_width] = self.geometry.padded_edges();
+        let stride = self.geometry.padded_outputs();
+        out.fill(0.0);
+        for tap in taps {
+            for at in occupied.of_row(tap.input / padded_width, padded_width) {
+                for k in 0..K.min(at + 1) {
+                    let x = at - k;
+                    if x < width {
+                        // SAFETY: voxel `at` < padded width of row tap.input lies in the padded
+                        // grid, k < K, and x < W.
+                        unsafe { self.scatter_voxel::<S, K>(tap, at, k, &mut out[x * stride..]) };
                     }
                 }
             }
         }
     }
+
+    /// Adds what tap `k` of a row of taps gives to one voxel of outputs, the first of `out`, when
+    /// it sees voxel `at` of its row.
+    ///
+    /// # Safety
+    /// As for [`Rows::convolve`]; the voxel lies in the padded grid, k < K, and `out` holds padded
+    /// O numbers or more.
+    #[inline(always)]
+    unsafe fn scatter_voxel<S: Lanes, const K: usize>(
+        self,
+        tap: &TapRow,
+        at: usize,
+        k: usize,
+        out: &mut [f32],
+    ) {
+        let (plane, stride) = (
+            self.geometry.padded_voxels(),
+            self.geometry.padded_outputs(),
+        );
+        for first in (0..stride).step_by(S::WIDTH) {
+            // SAFETY: the caller's promise; the weights are those of rows (c K² + row) K + k < C
+            // K³, vectors below `stride`.
+            unsafe {
+                let to = out.as_mut_ptr().add(first);
+                let mut sum = S::load(to);
+                for channel in 0..self.geometry.channels {
+                    let value = self
+                        .input
+                        .numbers
+                        .as_ptr()
+                        .add(channel * plane + tap.input + at);
+                    let row = channel * K * K * K + k;
+                    let weight = self
+                        .weights
+                        .as_ptr()
+                        .add(row * stride + tap.weights + first);
+                    sum = S::multiply_add(S::splat(value), S::load(weight), sum);
+                }
+                S::store(to, sum);
+            }
+        }
+    }
 }
+
+/// If fewer than one in this many voxels that a row of outputs sees hold anything, these are spread
+/// over the outputs.
+const SCATTER_BELOW: usize = 4;
 
 /// P voxels times V vectors of outputs.
 ///

@@ -1,14 +1,15 @@
 //! The shape of a convolution and of the buffers around it.
 
-use crate::{LearnError, Result};
+use crate::Result;
+use crate::error::refuse;
 
 /// Channel counts of outputs are rounded up to this: the widest vector, and two of the narrower
 /// ones.
-pub const LANES: usize = 16;
+pub(crate) const LANES: usize = 16;
 
 /// A convolution of one sample, stride 1, zero padding that keeps the shape.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Geometry {
+pub(crate) struct Geometry {
     /// Channels in.
     pub channels: usize,
     /// Channels out.
@@ -20,28 +21,21 @@ pub struct Geometry {
 }
 
 impl Geometry {
-    /// Whether the kernel is one of those compiled, and nothing is empty.
+    /// Checks that the kernel is one of those compiled, and nothing is empty.
     ///
     /// # Errors
-    /// [`LearnError::Settings`] says what is wrong.
+    /// [`LearnError::Settings`](crate::LearnError::Settings) says what is wrong.
     pub fn check(&self) -> Result<()> {
         if !matches!(self.kernel, 1 | 3 | 5) {
-            return Err(LearnError::Settings(format!(
-                "a kernel of edge {}: take 1, 3 or 5",
-                self.kernel
-            )));
+            return refuse(format!("a kernel of edge {}: take 1, 3 or 5", self.kernel));
         }
         if self.channels == 0 || self.outputs == 0 || self.voxels() == 0 {
-            return Err(LearnError::Settings(format!(
-                "a convolution of nothing: {self:?}"
-            )));
+            return refuse(format!("a convolution of nothing: {self:?}"));
         }
         // Padded voxels are counted in u32.
         if u32::try_from(self.padded_voxels()).is_err() {
-            return Err(LearnError::Settings(format!(
-                "{:?} voxels are too many for one grid",
-                self.edges
-            )));
+            let edges = self.edges;
+            return refuse(format!("{edges:?} voxels are too many for one grid"));
         }
         Ok(())
     }
@@ -51,9 +45,14 @@ impl Geometry {
         self.kernel / 2
     }
 
-    /// Voxels.
+    /// Voxels of a channel.
     pub fn voxels(&self) -> usize {
         self.edges.iter().product()
+    }
+
+    /// Numbers of the input of a sample.
+    pub fn inputs(&self) -> usize {
+        self.channels * self.voxels()
     }
 
     /// Edges with the padding.
@@ -84,6 +83,11 @@ impl Geometry {
     /// Numbers of the weights: O C k³.
     pub fn weights(&self) -> usize {
         self.outputs * self.channels * self.taps()
+    }
+
+    /// Numbers of the weights as [`Geometry::pack`] gives them.
+    pub fn packed_weights(&self) -> usize {
+        self.channels * self.taps() * self.padded_outputs()
     }
 
     /// Where in the padded grid tap row `row` of output voxel (0, 0, 0) begins.

@@ -10,7 +10,7 @@ use std::sync::OnceLock;
 ///
 /// # Safety
 /// Every function may only run on a processor that has the instruction set of the type.
-pub trait Lanes: Copy {
+pub(crate) trait Lanes: Copy {
     /// The register.
     type Vector: Copy;
     /// Numbers in it; divides 16.
@@ -51,7 +51,7 @@ pub trait Lanes: Copy {
 
 /// Any processor.
 #[derive(Debug, Clone, Copy)]
-pub struct Portable;
+pub(crate) struct Portable;
 
 impl Lanes for Portable {
     type Vector = [f32; 8];
@@ -101,7 +101,7 @@ mod x86 {
 
     /// AVX2 and FMA.
     #[derive(Debug, Clone, Copy)]
-    pub struct Avx2;
+    pub(crate) struct Avx2;
 
     impl Lanes for Avx2 {
         type Vector = __m256;
@@ -141,7 +141,7 @@ mod x86 {
 
     /// AVX-512 F.
     #[derive(Debug, Clone, Copy)]
-    pub struct Avx512;
+    pub(crate) struct Avx512;
 
     impl Lanes for Avx512 {
         type Vector = __m512;
@@ -184,8 +184,8 @@ mod x86 {
 use x86::{Avx2, Avx512};
 
 /// A kernel.
-pub trait Work {
-    /// What it gives.
+pub(crate) trait Work {
+    /// What it computes.
     type Output;
 
     /// Does the work.
@@ -197,6 +197,13 @@ pub trait Work {
 }
 
 /// The instruction sets that kernels are compiled for, slowest first.
+///
+/// ```
+/// use protomer_learn::convolution::Level;
+///
+/// assert!(Level::Portable.is_available());
+/// assert_eq!(Level::available().last(), Some(Level::best()));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Level {
     /// Any processor.
@@ -208,7 +215,7 @@ pub enum Level {
 }
 
 impl Level {
-    /// Whether this processor has it.
+    /// Whether this processor has the instructions.
     pub fn is_available(self) -> bool {
         #[cfg(target_arch = "x86_64")]
         let available = match self {
@@ -227,21 +234,21 @@ impl Level {
         available
     }
 
-    /// Those of this processor, slowest first.
+    /// The levels that this processor has, slowest first.
     pub fn available() -> impl Iterator<Item = Self> {
         [Self::Portable, Self::Avx2, Self::Avx512]
             .into_iter()
             .filter(|level| level.is_available())
     }
 
-    /// The fastest of this processor.
+    /// The fastest level of this processor.
     pub fn best() -> Self {
         static BEST: OnceLock<Level> = OnceLock::new();
         *BEST.get_or_init(|| Self::available().last().unwrap_or(Self::Portable))
     }
 
     /// Does the work on this level, or on the portable one if the processor lacks it.
-    pub fn run<W: Work>(self, work: W) -> W::Output {
+    pub(crate) fn run<W: Work>(self, work: W) -> W::Output {
         #[cfg(target_arch = "x86_64")]
         if self.is_available() {
             match self {
@@ -252,7 +259,7 @@ impl Level {
                 Self::Portable => {}
             }
         }
-        // SAFETY: any processor will do.
+        // SAFETY: the portable kernels need no instructions of their own.
         unsafe { work.run::<Portable>() }
     }
 }

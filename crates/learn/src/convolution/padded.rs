@@ -5,16 +5,16 @@ use super::geometry::{Geometry, LANES};
 
 /// A sample with zeros around it, channel by channel: (C, D + 2r, H + 2r, W + 2r).
 #[derive(Debug)]
-pub struct Padded {
+pub(crate) struct Padded {
     /// The numbers.
     pub numbers: Buffer,
-    /// Which voxels hold anything; none if too many do for it to pay.
+    /// Which voxels hold anything; `None` if too many do for it to pay.
     pub occupied: Option<Occupied>,
 }
 
 /// Which voxels of a padded grid hold anything in any channel.
 #[derive(Debug, Clone)]
-pub struct Occupied {
+pub(crate) struct Occupied {
     /// For every row; bit i stands for the voxels from i `grain` on.
     rows: Vec<u128>,
     /// Voxels per bit.
@@ -29,17 +29,7 @@ impl Occupied {
         for (i, row) in numbers.chunks_exact(width).enumerate() {
             let mask = &mut rows[i % (depth * height)];
             for (block, part) in row.chunks(LANES * grain).enumerate() {
-                // Mostly there is nothing; the sign of a zero does not count.
-                if part.iter().fold(0, |any, value| any | value.to_bits() << 1) == 0 {
-                    continue;
-                }
-                let bits = part
-                    .chunks(grain)
-                    .enumerate()
-                    .fold(0u32, |bits, (i, voxels)| {
-                        bits | u32::from(voxels.iter().any(|value| *value != 0.0)) << i
-                    });
-                *mask |= u128::from(bits) << (block * LANES);
+                *mask |= u128::from(bits(part, grain)) << (block * LANES);
             }
         }
         Self { rows, grain }
@@ -78,29 +68,56 @@ impl Occupied {
         self.rows.get(row).copied().unwrap_or(u128::MAX)
     }
 
-    /// For every row of outputs, which of them see anything: bit x stands for voxel x. None for
+    /// For every row of outputs, which of them see anything: bit x stands for voxel x. `None` for
     /// rows longer than a mask.
     pub fn seen(&self, geometry: &Geometry) -> Option<Vec<u128>> {
+        if self.grain > 1 {
+            return None;
+        }
         let [depth, height, _] = geometry.edges;
-        let padded_height = geometry.padded_edges()[1];
-        let kernel = geometry.kernel;
-        let seen = (0..depth * height).map(|i| {
-            let first = i / height * padded_height + i % height;
-            let below = (0..kernel * kernel)
-                .map(|t| self.mask(first + t / kernel * padded_height + t % kernel));
-            let below = below.fold(0, |any, mask| any | mask);
-            (0..kernel).fold(0, |any, k| any | below >> k)
-        });
-        (self.grain == 1).then(|| seen.collect())
+        let (padded_height, kernel) = (geometry.padded_edges()[1], geometry.kernel);
+        let mut seen = Vec::with_capacity(depth * height);
+        for row in 0..depth * height {
+            let first = row / height * padded_height + row % height;
+            let mut below = 0;
+            for tap in 0..kernel * kernel {
+                below |= self.mask(first + tap / kernel * padded_height + tap % kernel);
+            }
+            let mut sees = 0;
+            for k in 0..kernel {
+                sees |= below >> k;
+            }
+            seen.push(sees);
+        }
+        Some(seen)
     }
 }
 
-/// Above this share of numbers that are not zero, no occupation is noted.
+/// Bit i stands for the voxels from i `grain` on: whether any of them is not zero.
+fn bits(part: &[f32], grain: usize) -> u32 {
+    // Mostly there is nothing; the sign of a zero does not count.
+    let mut any = 0;
+    for value in part {
+        any |= value.to_bits() << 1;
+    }
+    if any == 0 {
+        return 0;
+    }
+    let mut bits = 0;
+    for (i, voxels) in part.chunks(grain).enumerate() {
+        bits |= u32::from(voxels.iter().any(|value| *value != 0.0)) << i;
+    }
+    bits
+}
+
+/// Numbers counted at a time.
+const PART: usize = 4096;
+/// Above this share of numbers that are not zero, it does not pay to note them.
 const LARGEST_FILL: f64 = 0.25;
 
 impl Padded {
-    /// The sample (C, D, H, W) with zeros around it; `look_for_zeros`: note which voxels hold
-    /// anything.
+    /// The sample (C, D, H, W) with zeros around it. With `look_for_zeros`, it is noted which
+    /// voxels hold anything.
     pub fn new(geometry: &Geometry, sample: &[f32], look_for_zeros: bool) -> Self {
         let radius = geometry.radius();
         let [_, height, width] = geometry.edges;
@@ -131,52 +148,55 @@ impl Padded {
 fn is_sparse(sample: &[f32], share: f64) -> bool {
     let most = (share * sample.len() as f64) as usize;
     let mut filled = 0;
-    sample.chunks(4096).all(|part| {
-        filled += part
-            .iter()
-            .map(|value| u32::from(*value != 0.0))
-            .sum::<u32>() as usize;
+    sample.chunks(PART).all(|part| {
+        filled += count_nonzero(part);
         filled <= most
     })
 }
 
+/// How many numbers are not zero.
+pub(crate) fn count_nonzero(numbers: &[f32]) -> usize {
+    let mut count = 0;
+    // In u32 over short parts, which the compiler vectorises.
+    for part in numbers.chunks(PART) {
+        count += part
+            .iter()
+            .map(|value| u32::from(*value != 0.0))
+            .sum::<u32>() as usize;
+    }
+    count
+}
+
 /// Numbers behind the last voxel of a channel-last grid that whole vectors may run into.
-pub fn slack(geometry: &Geometry) -> usize {
+fn slack(geometry: &Geometry) -> usize {
     LANES * (1 + geometry.kernel)
 }
 
+/// Numbers of a channel-last grid with zeros around it, and the slack behind.
+pub(crate) fn channel_last_length(geometry: &Geometry) -> usize {
+    geometry.channels * geometry.padded_voxels() + slack(geometry)
+}
+
 /// The sample (C, D, H, W) with zeros around it, voxel by voxel: (D + 2r, H + 2r, W + 2r, C), and
-/// [`slack`] behind. `occupied`, if known, says which voxels hold anything.
-pub fn channel_last(geometry: &Geometry, sample: &[f32], occupied: Option<&Occupied>) -> Buffer {
-    let mut numbers = Buffer::zeros(geometry.channels * geometry.padded_voxels() + slack(geometry));
-    let (width, channels) = (geometry.edges[2], geometry.channels);
-    let voxels = geometry.voxels();
+/// slack behind, [`channel_last_length`] numbers. `occupied`, if known, says which voxels hold
+/// anything.
+pub(crate) fn channel_last(
+    geometry: &Geometry,
+    sample: &[f32],
+    occupied: Option<&Occupied>,
+) -> Buffer {
+    let mut numbers = Buffer::zeros(channel_last_length(geometry));
+    let (width, channels, voxels) = (geometry.edges[2], geometry.channels, geometry.voxels());
     for row in 0..voxels / width {
-        let to = first_of_row(geometry, row) * channels;
         if let Some(occupied) = occupied {
-            let padded_width = geometry.padded_edges()[2];
-            let first = to / channels - geometry.radius();
-            for x in occupied.of_row(first / padded_width, padded_width) {
-                let Some(inner) = x
-                    .checked_sub(geometry.radius())
-                    .filter(|inner| *inner < width)
-                else {
-                    continue;
-                };
-                for channel in 0..channels {
-                    numbers[(first + x) * channels + channel] =
-                        sample[channel * voxels + row * width + inner];
-                }
-            }
+            copy_occupied(geometry, sample, row, occupied, &mut numbers);
             continue;
         }
+        let to = first_of_row(geometry, row) * channels;
         for channel in 0..channels {
             let from = &sample[channel * voxels + row * width..][..width];
-            for (to, from) in numbers[to + channel..]
-                .iter_mut()
-                .step_by(channels)
-                .zip(from)
-            {
+            let to = numbers[to + channel..].iter_mut().step_by(channels);
+            for (to, from) in to.zip(from) {
                 *to = *from;
             }
         }
@@ -184,18 +204,38 @@ pub fn channel_last(geometry: &Geometry, sample: &[f32], occupied: Option<&Occup
     numbers
 }
 
+/// Copies the voxels of a row that may hold something into a channel-last grid.
+fn copy_occupied(
+    geometry: &Geometry,
+    sample: &[f32],
+    row: usize,
+    occupied: &Occupied,
+    numbers: &mut [f32],
+) {
+    let (radius, width, channels) = (geometry.radius(), geometry.edges[2], geometry.channels);
+    let padded_width = geometry.padded_edges()[2];
+    let first = first_of_row(geometry, row) - radius;
+    for x in occupied.of_row(first / padded_width, padded_width) {
+        if !(radius..radius + width).contains(&x) {
+            continue;
+        }
+        for channel in 0..channels {
+            let from = channel * geometry.voxels() + row * width + x - radius;
+            numbers[(first + x) * channels + channel] = sample[from];
+        }
+    }
+}
+
 /// Undoes [`channel_last`]: writes the inner voxels to `sample`.
-pub fn from_channel_last(geometry: &Geometry, numbers: &[f32], sample: &mut [f32]) {
+pub(crate) fn from_channel_last(geometry: &Geometry, numbers: &[f32], sample: &mut [f32]) {
     let (width, channels) = (geometry.edges[2], geometry.channels);
     let voxels = geometry.voxels();
     for row in 0..voxels / width {
         let from = first_of_row(geometry, row) * channels;
         for channel in 0..channels {
             let to = &mut sample[channel * voxels + row * width..][..width];
-            for (to, from) in to
-                .iter_mut()
-                .zip(numbers[from + channel..].iter().step_by(channels))
-            {
+            let from = numbers[from + channel..].iter().step_by(channels);
+            for (to, from) in to.iter_mut().zip(from) {
                 *to = *from;
             }
         }

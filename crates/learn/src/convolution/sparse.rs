@@ -1,7 +1,7 @@
-//! Gradients where most gradients of the outputs are zero, as they are behind a maximum over
-//! windows: at most one in eight is not, and those that the ReLU cut off are not there either.
+//! Gradients of weights and input where most gradients of the outputs are zero. Behind a maximum
+//! over windows at most one in eight is not, and the ReLU cuts off more.
 //!
-//! For each output the gradients that are not zero are listed; each gives k² runs of k C numbers,
+//! The gradients that are not zero are listed for each output. Each gives k² runs of k C numbers,
 //! which lie next to each other in a channel-last grid:
 //!
 //! ∂w\[o, run\] += g x\[p + run\] and ∂x\[p + run\] += g w\[o, run\].
@@ -9,10 +9,12 @@
 use super::forward::DEAD;
 use super::geometry::{Geometry, LANES};
 use super::lanes::{Lanes, Work};
+use super::padded::channel_last_length;
+use std::array;
 
 /// One gradient that is not zero.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Entry {
+pub(crate) struct Entry {
     /// Where in the padded grid its taps begin, voxels.
     pub voxel: u32,
     /// The gradient.
@@ -21,7 +23,7 @@ pub struct Entry {
 
 /// The gradients of a sample that are not zero.
 #[derive(Debug, Default)]
-pub struct Entries {
+pub(crate) struct Entries {
     list: Vec<Entry>,
     /// Where in the list the rows of each output begin, and the end of the last.
     starts: Vec<usize>,
@@ -30,8 +32,10 @@ pub struct Entries {
 
 impl Entries {
     /// From the gradient of the pooled outputs, (O, D/2, H/2, W/2), and the corners that pooling
-    /// chose. `seen`, if known, says row by row which outputs see anything of the input: the others
-    /// leave weights alone and are left out.
+    /// chose.
+    ///
+    /// `seen`, if known, says row by row which outputs see anything of the input. The others do not
+    /// change the weights and are left out.
     pub fn pooled(
         geometry: &Geometry,
         gradient: &[f32],
@@ -40,75 +44,46 @@ impl Entries {
     ) -> Self {
         let [depth, height, width] = geometry.edges.map(|edge| edge / 2);
         let [_, padded_height, padded_width] = geometry.padded_edges();
-        let corners: [u32; 8] = std::array::from_fn(|i| {
-            ((i / 4 * padded_height + i / 2 % 2) * padded_width + i % 2) as u32
-        });
-        let rows = depth * height;
-        let mut list = vec![Entry::default(); gradient.len() + 1];
-        let mut starts = Vec::with_capacity(geometry.outputs * rows + 1);
-        let mut count = 0;
-        for (i, (gradient, codes)) in gradient
-            .chunks_exact(width)
-            .zip(codes.chunks_exact(width))
-            .enumerate()
-        {
-            starts.push(count);
-            let (z, y) = (2 * (i % rows / height), 2 * (i % height));
-            let first = ((z * padded_height + y) * padded_width) as u32;
-            let below: Option<[u128; 4]> = seen.map(|seen| {
-                std::array::from_fn(|i| {
-                    let row = (z + i / 2) * geometry.edges[1] + y + i % 2;
-                    seen.get(row).copied().unwrap_or(u128::MAX)
-                })
-            });
-            if below.is_some_and(|below| below == [0; 4]) {
+        let corners: [u32; 8] =
+            array::from_fn(|i| ((i / 4 * padded_height + i / 2 % 2) * padded_width + i % 2) as u32);
+        let mut entries = Lister::new(geometry, depth * height, gradient.len());
+        let rows = gradient.chunks_exact(width).zip(codes.chunks_exact(width));
+        for (i, (gradient, codes)) in rows.enumerate() {
+            entries.begin_row();
+            let (z, y) = (2 * (i % (depth * height) / height), 2 * (i % height));
+            let below = seen.map(|seen| rows_below(geometry, seen, z, y));
+            if below == Some([0; 4]) {
                 continue;
             }
+            let first = ((z * padded_height + y) * padded_width) as u32;
             for (x, (value, code)) in gradient.iter().zip(codes).enumerate() {
-                if let Some(below) = below {
-                    let row = below[usize::from((code / 2) & 3)];
-                    if row & (1 << (2 * x + usize::from(code & 1))) == 0 {
-                        continue;
-                    }
+                if below.is_some_and(|below| !sees(below, x, *code)) {
+                    continue;
                 }
-                // Written always, kept if it counts: no branch to guess wrong.
-                list[count] = Entry {
-                    voxel: first + 2 * x as u32 + corners[usize::from(code & 7)],
-                    value: *value,
-                };
-                count += usize::from((*code != DEAD) & (*value != 0.0));
+                let voxel = first + 2 * x as u32 + corners[usize::from(code & 7)];
+                entries.push_if((*code != DEAD) & (*value != 0.0), voxel, *value);
             }
         }
-        starts.push(count);
-        list.truncate(count);
-        Self { list, starts, rows }
+        entries.finish()
     }
 
     /// From the gradient of all outputs, (O, D, H, W).
     pub fn unpooled(geometry: &Geometry, gradient: &[f32]) -> Self {
         let [depth, height, width] = geometry.edges;
         let [_, padded_height, padded_width] = geometry.padded_edges();
-        let rows = depth * height;
-        let mut list = vec![Entry::default(); gradient.len() + 1];
-        let mut starts = Vec::with_capacity(geometry.outputs * rows + 1);
-        let mut count = 0;
+        let mut entries = Lister::new(geometry, depth * height, gradient.len());
         for (i, gradient) in gradient.chunks_exact(width).enumerate() {
-            starts.push(count);
-            let first = ((i % rows / height * padded_height + i % height) * padded_width) as u32;
+            entries.begin_row();
+            let (z, y) = (i % (depth * height) / height, i % height);
+            let first = ((z * padded_height + y) * padded_width) as u32;
             for (x, value) in gradient.iter().enumerate() {
-                list[count] = Entry {
-                    voxel: first + x as u32,
-                    value: *value,
-                };
-                count += usize::from(*value != 0.0);
+                entries.push_if(*value != 0.0, first + x as u32, *value);
             }
         }
-        starts.push(count);
-        list.truncate(count);
-        Self { list, starts, rows }
+        entries.finish()
     }
 
-    /// Writes them into the gradient of all outputs, (O, D, H, W), which holds zeros.
+    /// Writes the entries into the gradient of all outputs, (O, D, H, W), which holds zeros.
     pub fn write_dense(&self, geometry: &Geometry, gradient: &mut [f32]) {
         let [_, height, width] = geometry.edges;
         let [_, padded_height, padded_width] = geometry.padded_edges();
@@ -144,8 +119,62 @@ impl Entries {
     }
 }
 
+/// What the four rows of outputs below a row of windows see.
+#[inline(always)]
+fn rows_below(geometry: &Geometry, seen: &[u128], z: usize, y: usize) -> [u128; 4] {
+    array::from_fn(|i| {
+        let row = (z + i / 2) * geometry.edges[1] + y + i % 2;
+        seen.get(row).copied().unwrap_or(u128::MAX)
+    })
+}
+
+/// Whether the chosen corner of window `x` sees anything.
+#[inline(always)]
+fn sees(below: [u128; 4], x: usize, code: u8) -> bool {
+    let row = below[usize::from((code / 2) & 3)];
+    row & (1 << (2 * x + usize::from(code & 1))) != 0
+}
+
+/// Makes a list of entries row by row.
+struct Lister {
+    entries: Entries,
+    count: usize,
+}
+
+impl Lister {
+    /// For at most `most` entries in `rows` rows of each output.
+    fn new(geometry: &Geometry, rows: usize, most: usize) -> Self {
+        Self {
+            entries: Entries {
+                list: vec![Entry::default(); most + 1],
+                starts: Vec::with_capacity(geometry.outputs * rows + 1),
+                rows,
+            },
+            count: 0,
+        }
+    }
+
+    #[inline(always)]
+    fn begin_row(&mut self) {
+        self.entries.starts.push(self.count);
+    }
+
+    /// Written always, kept if it counts: no branch to guess wrong.
+    #[inline(always)]
+    fn push_if(&mut self, counts: bool, voxel: u32, value: f32) {
+        self.entries.list[self.count] = Entry { voxel, value };
+        self.count += usize::from(counts);
+    }
+
+    fn finish(mut self) -> Entries {
+        self.entries.starts.push(self.count);
+        self.entries.list.truncate(self.count);
+        self.entries
+    }
+}
+
 /// Numbers of a run of k C, rounded up to whole vectors.
-pub fn run_length(geometry: &Geometry) -> usize {
+pub(crate) fn run_length(geometry: &Geometry) -> usize {
     (geometry.kernel * geometry.channels).next_multiple_of(LANES)
 }
 
@@ -155,19 +184,19 @@ fn weights_per_output(geometry: &Geometry) -> usize {
 }
 
 /// Numbers of all weights in runs.
-pub fn weights_length(geometry: &Geometry) -> usize {
+pub(crate) fn weights_length(geometry: &Geometry) -> usize {
     geometry.outputs * weights_per_output(geometry)
 }
 
 /// The weights (O, C, taps) in runs: (O, k², k C and zeros).
-pub fn pack(geometry: &Geometry, weights: &[f32]) -> Vec<f32> {
+pub(crate) fn pack(geometry: &Geometry, weights: &[f32]) -> Vec<f32> {
     let mut packed = vec![0.0; weights_length(geometry)];
     each_weight(geometry, |plain, run| packed[run] = weights[plain]);
     packed
 }
 
 /// Undoes [`pack`], adding to `weights`.
-pub fn add_unpacked(geometry: &Geometry, packed: &[f32], weights: &mut [f32]) {
+pub(crate) fn add_unpacked(geometry: &Geometry, packed: &[f32], weights: &mut [f32]) {
     each_weight(geometry, |plain, run| weights[plain] += packed[run]);
 }
 
@@ -188,7 +217,7 @@ fn each_weight(geometry: &Geometry, mut pair: impl FnMut(usize, usize)) {
 
 /// The gradient of the weights of one sample, which overwrites `weights`.
 #[derive(Debug)]
-pub struct SparseWeights<'a> {
+pub(crate) struct SparseWeights<'a> {
     /// The shape.
     pub geometry: &'a Geometry,
     /// The input, channel last.
@@ -201,7 +230,7 @@ pub struct SparseWeights<'a> {
 
 /// Adds the gradient of the input of one sample.
 #[derive(Debug)]
-pub struct SparseInput<'a> {
+pub(crate) struct SparseInput<'a> {
     /// The shape.
     pub geometry: &'a Geometry,
     /// The gradient of the input, channel last.
@@ -217,7 +246,7 @@ fn fits(geometry: &Geometry, input: usize, entries: &Entries, weights: usize) ->
     let [depth, height, width] = geometry.edges;
     let [_, padded_height, padded_width] = geometry.padded_edges();
     let last = ((depth - 1) * padded_height + height - 1) * padded_width + width - 1;
-    input == geometry.channels * geometry.padded_voxels() + super::padded::slack(geometry)
+    input == channel_last_length(geometry)
         && weights == weights_length(geometry)
         && entries
             .list
@@ -259,7 +288,11 @@ impl Work for SparseWeights<'_> {
                             // above, so its runs begin inside the padded grid, and the slack behind
                             // the grid covers what whole vectors run over; $rows divides k², and
                             // the weights hold k² runs of `vectors` vectors.
-                            unsafe { gather::<S, $rows, $vectors>(geometry, input, list, row, vector, weights) };
+                            unsafe {
+                                gather::<S, $rows, $vectors>(
+                                    geometry, input, list, row, vector, weights,
+                                );
+                            }
                             vector += $vectors;
                         })*
                     }
@@ -332,41 +365,52 @@ impl Work for SparseInput<'_> {
             fits(geometry, input.len(), entries, weights.len()),
             "buffers do not fit a convolution of {geometry:?}"
         );
-        let length = run_length(geometry);
         let mut offsets = [0; 25];
         for (row, offset) in offsets.iter_mut().enumerate().take(geometry.tap_rows()) {
             *offset = geometry.tap_row_offset(row) * geometry.channels;
         }
         let offsets = &offsets[..geometry.tap_rows()];
+        let (length, of_output) = (run_length(geometry), weights_per_output(geometry));
         // A row of windows at a time, so that the part of the input it reaches stays in the cache.
         for row in 0..entries.rows {
-            for (output, weights) in weights
-                .chunks_exact(weights_per_output(geometry))
-                .enumerate()
-            {
+            for (output, weights) in weights.chunks_exact(of_output).enumerate() {
                 let place = output * entries.rows + row;
                 for entry in entries.of_rows(place, place + 1) {
+                    let first = entry.voxel as usize * geometry.channels;
                     // SAFETY: as for the weights: runs begin inside the padded grid, and the slack
                     // covers the rest; past its k C weights a run adds the zeros it was packed
                     // with.
-                    unsafe {
-                        let value = S::splat(&raw const entry.value);
-                        let to = input
-                            .as_mut_ptr()
-                            .add(entry.voxel as usize * geometry.channels);
-                        for (i, offset) in offsets.iter().enumerate() {
-                            let (to, from) = (to.add(*offset), weights.as_ptr().add(i * length));
-                            for first in (0..length).step_by(S::WIDTH) {
-                                let sum = S::multiply_add(
-                                    value,
-                                    S::load(from.add(first)),
-                                    S::load(to.add(first)),
-                                );
-                                S::store(to.add(first), sum);
-                            }
-                        }
-                    }
+                    unsafe { spread::<S>(entry, weights, length, offsets, &mut input[first..]) };
                 }
+            }
+        }
+    }
+}
+
+/// Adds a gradient times the weights to all that it reaches: a run of `length` weights from each of
+/// the offsets on.
+///
+/// # Safety
+/// The processor has the instructions of `S`; `weights` holds as many runs as there are offsets,
+/// and `to` a run from the largest offset on.
+#[inline(always)]
+unsafe fn spread<S: Lanes>(
+    entry: &Entry,
+    weights: &[f32],
+    length: usize,
+    offsets: &[usize],
+    to: &mut [f32],
+) {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let value = S::splat(&raw const entry.value);
+        for (i, offset) in offsets.iter().enumerate() {
+            let to = to.as_mut_ptr().add(*offset);
+            let from = weights.as_ptr().add(i * length);
+            for first in (0..length).step_by(S::WIDTH) {
+                let old = S::load(to.add(first));
+                let sum = S::multiply_add(value, S::load(from.add(first)), old);
+                S::store(to.add(first), sum);
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Named tensors and a description in one block of bytes, in the format safetensors.
+//! Named tensors and a description as one block of bytes, in the format safetensors.
 
 use crate::{LearnError, Result};
 use candle_core::{Device, Tensor};
@@ -9,15 +9,20 @@ use std::collections::HashMap;
 /// The entry of the metadata that holds the description.
 const DESCRIPTION: &str = "protomer";
 
+/// Tensors and description as bytes.
+///
+/// # Errors
+/// [`LearnError::Settings`] if the description cannot be written as JSON.
 pub(super) fn pack(tensors: &[(String, Tensor)], description: &impl Serialize) -> Result<Vec<u8>> {
-    let text = serde_json::to_string(description)
-        .map_err(|error| LearnError::Settings(error.to_string()))?;
+    let unwritable = |reason: String| LearnError::Settings(reason);
+    let text = serde_json::to_string(description).map_err(|error| unwritable(error.to_string()))?;
     let metadata = HashMap::from([(DESCRIPTION.to_string(), text)]);
     let pairs = tensors.iter().map(|(name, tensor)| (name.as_str(), tensor));
-    safetensors::serialize(pairs, Some(metadata))
-        .map_err(|error| LearnError::Settings(error.to_string()))
+    safetensors::serialize(pairs, Some(metadata)).map_err(|error| unwritable(error.to_string()))
 }
 
+/// What [`pack`] packed: the tensors by name, and the description.
+///
 /// # Errors
 /// [`LearnError::Settings`] if the bytes are damaged or hold something else than `what`.
 pub(super) fn unpack<D: DeserializeOwned>(
@@ -26,14 +31,11 @@ pub(super) fn unpack<D: DeserializeOwned>(
     device: &Device,
 ) -> Result<(Vec<(String, Tensor)>, D)> {
     let damaged =
-        |reason: String| LearnError::Settings(format!("this is no usable {what}: {reason}"));
-    let (_, metadata) =
+        |reason: String| LearnError::Settings(format!("this is not a usable {what}: {reason}"));
+    let (_, header) =
         SafeTensors::read_metadata(bytes).map_err(|error| damaged(error.to_string()))?;
-    let Some(text) = metadata
-        .metadata()
-        .as_ref()
-        .and_then(|entries| entries.get(DESCRIPTION))
-    else {
+    let entries = header.metadata().as_ref();
+    let Some(text) = entries.and_then(|entries| entries.get(DESCRIPTION)) else {
         return Err(damaged(format!(
             "its metadata has no entry {DESCRIPTION:?}"
         )));

@@ -1,4 +1,4 @@
-//! Batches: samples are read, turned, scaled and spread into one buffer while the batch before is
+//! Batches: samples are read, turned, scaled and written into one buffer while the batch before is
 //! being worked on.
 
 use crate::augmentation::CubeRotation;
@@ -19,58 +19,56 @@ pub(super) struct Item {
 pub(super) struct Loader<'a> {
     pub source: &'a dyn SampleSource,
     pub scaling: &'a ChannelScaling,
+    /// Places of the channels in the source.
     pub channels: &'a [usize],
     pub device: &'a Device,
 }
 
 impl Loader<'_> {
-    /// The batch as (sample, channel, z, y, x). Memory is that of one batch: sparse samples are
-    /// spread where they belong.
-    pub fn read(&self, items: &[Item]) -> Result<Vec<f32>> {
-        let stride = self.channels.len() * self.source.size().pow(3);
-        let turns = CubeRotation::all();
-        let mut buffer = vec![0.0; items.len() * stride];
-        let read = |(dense, item): (&mut [f32], &Item)| {
-            let mut grid = read_checked(self.source, item.sample)?;
-            if let Some(turn) = turns.get(item.turn).filter(|_| item.turn > 0) {
-                grid = turn.sparse(&grid);
-            }
-            self.scaling.write_dense(grid, self.channels, dense)
-        };
-        buffer
-            .par_chunks_mut(stride.max(1))
-            .zip(items)
-            .try_for_each(read)?;
-        Ok(buffer)
-    }
-
-    /// Calls `work` with each batch in order; whether it went through without a break.
+    /// Calls `work` with the number of each batch and its tensor, (sample, channel, z, y, x), in
+    /// order. Returns whether it went through all of them: `work` may break off.
     pub fn each(
         &self,
         batches: &[&[Item]],
         mut work: impl FnMut(usize, Tensor) -> Result<ControlFlow<()>> + Send,
     ) -> Result<bool> {
-        let size = self.source.size();
-        let load = |number: usize| {
-            batches
-                .get(number)
-                .map(|items| self.read(items))
-                .transpose()
-        };
-        let mut next = load(0)?;
-        for (number, items) in batches.iter().enumerate() {
-            let Some(values) = next.take() else { break };
-            let batch = Tensor::from_vec(
-                values,
-                (items.len(), self.channels.len(), size, size, size),
-                self.device,
-            )?;
-            let (done, loaded) = rayon::join(|| work(number, batch), || load(number + 1));
-            if done?.is_break() {
+        let mut loaded = self.read(batches, 0)?;
+        for number in 0..batches.len() {
+            let batch = self.tensor(batches[number], loaded)?;
+            let (flow, next) =
+                rayon::join(|| work(number, batch), || self.read(batches, number + 1));
+            if flow?.is_break() {
                 return Ok(false);
             }
-            next = loaded?;
+            loaded = next?;
         }
         Ok(true)
+    }
+
+    /// The numbers of a batch; none behind the last.
+    fn read(&self, batches: &[&[Item]], number: usize) -> Result<Vec<f32>> {
+        let items = batches.get(number).copied().unwrap_or_default();
+        let of_sample = self.channels.len() * self.source.size().pow(3);
+        let turns = CubeRotation::all();
+        let mut numbers = vec![0.0; items.len() * of_sample];
+        numbers
+            .par_chunks_mut(of_sample.max(1))
+            .zip(items)
+            .try_for_each(|(dense, item)| self.write(*item, &turns, dense))?;
+        Ok(numbers)
+    }
+
+    fn write(&self, item: Item, turns: &[CubeRotation], dense: &mut [f32]) -> Result<()> {
+        let mut grid = read_checked(self.source, item.sample)?;
+        if item.turn > 0 {
+            grid = turns[item.turn].sparse(&grid);
+        }
+        self.scaling.write_dense(grid, self.channels, dense)
+    }
+
+    fn tensor(&self, items: &[Item], numbers: Vec<f32>) -> Result<Tensor> {
+        let (channels, size) = (self.channels.len(), self.source.size());
+        let shape = (items.len(), channels, size, size, size);
+        Ok(Tensor::from_vec(numbers, shape, self.device)?)
     }
 }

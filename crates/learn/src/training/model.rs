@@ -4,13 +4,40 @@ use super::container::{pack, unpack};
 use super::loader::{Item, Loader};
 use crate::augmentation::CubeRotation;
 use crate::calibration::{at_temperature, softmax, temperature};
+use crate::error::refuse;
 use crate::scaling::{ChannelScaling, Quarantined, screen};
 use crate::{LearnError, Network, NetworkSettings, Result, SampleSource};
-use candle_core::Device;
+use candle_core::{Device, Tensor};
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 
 /// A network, how its input is scaled, and what its output means.
+///
+/// ```
+/// use protomer_learn::controls::{Control, Form, Variant};
+/// use protomer_learn::split::{Fractions, Split};
+/// use protomer_learn::targets::{Classes, Target};
+/// use protomer_learn::training::{Model, PredictionSettings, TrainingSettings, train};
+///
+/// let control = Control::Charge;
+/// let set = control.samples(Variant::Usual, 40, 16, 1);
+/// let labels: Vec<&str> = set.descriptions.iter().map(|known| &*known.label).collect();
+/// let classes = Classes::of(&labels, Target::Label, 1)?;
+/// let split = Split::grouped(&set.descriptions, 1, Fractions::default())?;
+/// let network = control.network(&control.experiments()[1], Form::Short);
+/// let settings = TrainingSettings {
+///     channels: vec!["shape".into()],
+///     epochs: 1,
+///     ..TrainingSettings::default()
+/// };
+/// let trained = train(&set, &classes, &split, &network, &settings, &mut ())?;
+///
+/// let copy = Model::from_bytes(&trained.model.to_bytes()?)?;
+/// let predictions = copy.predict(&set, &split.test, PredictionSettings::default())?;
+/// assert_eq!(predictions.samples, split.test);
+/// assert_eq!(predictions.probabilities.len(), 2 * split.test.len());
+/// # Ok::<(), protomer_learn::LearnError>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Model {
     /// The network.
@@ -39,7 +66,7 @@ pub struct ModelCard {
     pub logit_adjustment: f64,
     /// Temperature of its probabilities, 1 if never calibrated.
     pub temperature: f64,
-    /// How the voxels it was trained on were made, where that is known.
+    /// The settings that the voxels it was trained on were made with, where they are known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub made_with: Option<serde_json::Value>,
 }
@@ -50,10 +77,11 @@ pub struct ModelCard {
 pub struct PredictionSettings {
     /// Grids at a time.
     pub batch: usize,
-    /// Average the probabilities over the 24 rotations of the cube: then they do not depend on
-    /// which of them a grid is in.
+    /// Averages the probabilities over the 24 rotations of the cube. They are then the same for all
+    /// 24 orientations of a grid.
     pub rotations: bool,
-    /// As if all classes were equally common, for a network trained with a logit adjustment of 1.
+    /// Predicts as if all classes were equally common, for a network trained with a logit
+    /// adjustment of 1.
     pub balanced: bool,
 }
 
@@ -63,6 +91,17 @@ impl Default for PredictionSettings {
             batch: 8,
             rotations: false,
             balanced: false,
+        }
+    }
+}
+
+impl PredictionSettings {
+    /// Orientations in which each grid is seen.
+    fn turns(self) -> usize {
+        if self.rotations {
+            CubeRotation::COUNT
+        } else {
+            1
         }
     }
 }
@@ -82,8 +121,8 @@ impl Model {
     /// Predicts the classes of samples.
     ///
     /// # Errors
-    /// [`LearnError::Settings`] if the source has other channels or another size than the model, or
-    /// a probability is not finite.
+    /// [`LearnError::Settings`] if the source has other channels or another size than the model,
+    /// [`LearnError::Diverged`] if a probability is not finite.
     pub fn predict(
         &self,
         source: &dyn SampleSource,
@@ -99,84 +138,78 @@ impl Model {
         })
     }
 
-    /// The same on samples known to be good.
+    /// The probabilities of samples known to be good.
     pub(super) fn probabilities(
         &self,
         source: &dyn SampleSource,
         samples: &[usize],
         how: PredictionSettings,
     ) -> Result<Vec<f64>> {
-        let channels = self.places(source)?;
-        let device = self
-            .network
-            .parameters()
-            .first()
-            .map_or(&Device::Cpu, |(_, weight)| weight.device());
-        let turns = if how.rotations {
-            CubeRotation::COUNT
-        } else {
-            1
-        };
-        let items: Vec<Item> = samples
-            .iter()
-            .flat_map(|sample| {
-                (0..turns).map(move |turn| Item {
-                    sample: *sample,
-                    turn,
-                })
-            })
-            .collect();
+        let mut items = Vec::with_capacity(samples.len() * how.turns());
+        for sample in samples {
+            items.extend((0..how.turns()).map(|turn| Item {
+                sample: *sample,
+                turn,
+            }));
+        }
         let batches: Vec<&[Item]> = items.chunks(how.batch.max(1)).collect();
         let loader = Loader {
             source,
             scaling: &self.card.scaling,
-            channels: &channels,
-            device,
+            channels: &self.places(source)?,
+            device: self.network.device(),
         };
+        let mut averages = Averages::new(samples.len(), self.card.classes.len(), how.turns());
+        loader.each(&batches, |_, batch| {
+            for grid in self.predict_batch(&batch, how)? {
+                averages.add(&grid);
+            }
+            Ok(ControlFlow::Continue(()))
+        })?;
+        let probabilities = averages.sums;
+        if probabilities.iter().any(|p| !p.is_finite()) {
+            return Err(LearnError::Diverged(
+                "the network gives probabilities that are not finite".into(),
+            ));
+        }
+        if self.card.temperature == 1.0 {
+            return Ok(probabilities);
+        }
         let classes = self.card.classes.len();
+        Ok(at_temperature(
+            &probabilities,
+            classes,
+            self.card.temperature,
+        ))
+    }
+
+    /// The probabilities of each grid of a batch.
+    fn predict_batch(&self, batch: &Tensor, how: PredictionSettings) -> Result<Vec<Vec<f64>>> {
         let strength = if how.balanced {
             0.0
         } else {
             self.card.logit_adjustment
         };
-        let mut sums = vec![0.0; samples.len() * classes];
-        loader.each(&batches, |number, batch| {
-            let logits: Vec<Vec<f32>> = self.network.predict(&batch)?.to_vec2()?;
-            for (place, row) in logits.iter().enumerate() {
-                let adjust =
-                    |(logit, log_prior): (&f32, &f64)| f64::from(*logit) + strength * log_prior;
-                let mut p: Vec<f64> = row.iter().zip(&self.card.log_prior).map(adjust).collect();
-                softmax(&mut p);
-                let sample = (number * how.batch.max(1) + place) / turns;
-                for (sum, p) in sums[sample * classes..(sample + 1) * classes]
-                    .iter_mut()
-                    .zip(p)
-                {
-                    *sum += p / turns as f64;
-                }
+        let logits: Vec<Vec<f32>> = self.network.predict(batch)?.to_vec2()?;
+        let mut probabilities = Vec::with_capacity(logits.len());
+        for row in logits {
+            let mut p = Vec::with_capacity(row.len());
+            for (logit, log_prior) in row.iter().zip(&self.card.log_prior) {
+                p.push(f64::from(*logit) + strength * log_prior);
             }
-            Ok(ControlFlow::Continue(()))
-        })?;
-        if sums.iter().any(|p| !p.is_finite()) {
-            return Err(LearnError::Diverged(
-                "the network gives probabilities that are not finite".into(),
-            ));
+            softmax(&mut p);
+            probabilities.push(p);
         }
-        let calibrated = self.card.temperature != 1.0;
-        Ok(if calibrated {
-            at_temperature(&sums, classes, self.card.temperature)
-        } else {
-            sums
-        })
+        Ok(probabilities)
     }
 
     /// Sets the temperature to the best one for samples with these labels, usually the validation
     /// part, and returns it.
     ///
-    /// `labels` holds a class for every sample of the source.
+    /// `labels` holds a class for every sample of the source, `weights` a weight.
     ///
     /// # Errors
-    /// As [`Model::predict`], and if no sample can be read.
+    /// As for [`Model::predict`], and if no sample can be read.
     pub fn calibrate(
         &mut self,
         source: &dyn SampleSource,
@@ -187,54 +220,36 @@ impl Model {
     ) -> Result<f64> {
         self.card.temperature = 1.0;
         let predictions = self.predict(source, samples, how)?;
-        let missing = |sample: &usize| {
-            LearnError::Settings(format!("sample {sample} has no label or no weight"))
+        let truth = pick(labels, &predictions.samples)?;
+        let weights = match weights {
+            Some(weights) => Some(pick(weights, &predictions.samples)?),
+            None => None,
         };
-        let pick = |sample: &usize| labels.get(*sample).copied().ok_or_else(|| missing(sample));
-        let truth = predictions
-            .samples
-            .iter()
-            .map(pick)
-            .collect::<Result<Vec<_>>>()?;
-        let pick = |weights: &[f64]| {
-            let of = |sample: &usize| weights.get(*sample).copied().ok_or_else(|| missing(sample));
-            predictions
-                .samples
-                .iter()
-                .map(of)
-                .collect::<Result<Vec<_>>>()
-        };
-        let weights = weights.map(pick).transpose()?;
         let classes = self.card.classes.len();
-        self.card.temperature = temperature(
-            &predictions.probabilities,
-            &truth,
-            classes,
-            weights.as_deref(),
-        )?;
+        let p = &predictions.probabilities;
+        self.card.temperature = temperature(p, &truth, classes, weights.as_deref())?;
         Ok(self.card.temperature)
     }
 
+    /// The places of the model's channels in a source.
     fn places(&self, source: &dyn SampleSource) -> Result<Vec<usize>> {
-        let ModelCard {
-            scaling,
-            size,
-            channels,
-            ..
-        } = &self.card;
-        if source.channels() != scaling.channels || source.size() != *size {
-            return Err(LearnError::Settings(format!(
+        let (all, size) = (&self.card.scaling.channels, self.card.size);
+        if source.channels() != all || source.size() != size {
+            return refuse(format!(
                 "the model is for {size}³ voxels with the channels {}, the set has {}³ with {}",
-                scaling.channels.join(", "),
+                all.join(", "),
                 source.size(),
                 source.channels().join(", ")
-            )));
+            ));
         }
-        let place = |name: &String| {
-            let found = source.channels().iter().position(|channel| channel == name);
-            found.ok_or_else(|| LearnError::Settings(format!("the set has no channel {name}")))
-        };
-        channels.iter().map(place).collect()
+        let mut places = Vec::with_capacity(self.card.channels.len());
+        for name in &self.card.channels {
+            match all.iter().position(|channel| channel == name) {
+                Some(place) => places.push(place),
+                None => return refuse(format!("the set has no channel {name}")),
+            }
+        }
+        Ok(places)
     }
 
     /// The model in the format safetensors: weights under their names in PyTorch's layout, the card
@@ -243,18 +258,38 @@ impl Model {
     /// # Errors
     /// [`LearnError::Settings`] if it cannot be written.
     pub fn to_bytes(&self) -> Result<Vec<u8>> {
-        let tensors = self
-            .network
-            .parameters()
-            .iter()
-            .map(|(name, var)| (name.clone(), var.as_detached_tensor()));
-        pack(&tensors.collect::<Vec<_>>(), &self.card)
+        let mut tensors = Vec::new();
+        for (name, weights) in self.network.parameters() {
+            tensors.push((name.clone(), weights.as_detached_tensor()));
+        }
+        pack(&tensors, &self.card)
+    }
+
+    /// A model from the bytes that [`Model::to_bytes`] returned.
+    ///
+    /// # Errors
+    /// [`LearnError::Settings`] if they are damaged.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
+        let (tensors, card): (_, ModelCard) = unpack(bytes, "model", &Device::Cpu)?;
+        let network = Network::new(&card.network, 0, &Device::Cpu)?;
+        let (classes, channels) = (card.network.classes, card.network.channels);
+        let agree = card.classes.len() == classes
+            && card.log_prior.len() == classes
+            && card.channels.len() == channels
+            && tensors.len() == network.parameters().len();
+        if !agree {
+            return refuse("this is not a usable model: its weights and its card disagree");
+        }
+        for (name, tensor) in &tensors {
+            network.set_parameter(name, tensor)?;
+        }
+        Ok(Self { network, card })
     }
 
     /// The same model on a device.
     ///
     /// # Errors
-    /// [`LearnError::Tensor`] if the device takes no more.
+    /// [`LearnError::Tensor`] if the device has no room for it.
     pub fn to_device(&self, device: &Device) -> Result<Self> {
         let network = Network::new(&self.card.network, 0, device)?;
         for (name, weights) in self.network.parameters() {
@@ -265,26 +300,46 @@ impl Model {
             card: self.card.clone(),
         })
     }
+}
 
-    /// A model from the bytes that [`Model::to_bytes`] gave.
-    ///
-    /// # Errors
-    /// [`LearnError::Settings`] if they are damaged.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
-        let (tensors, card): (_, ModelCard) = unpack(bytes, "model", &Device::Cpu)?;
-        let network = Network::new(&card.network, 0, &Device::Cpu)?;
-        let (classes, channels) = (card.network.classes, card.network.channels);
-        let agree = card.classes.len() == classes
-            && card.log_prior.len() == classes
-            && card.channels.len() == channels;
-        if tensors.len() != network.parameters().len() || !agree {
-            return Err(LearnError::Settings(
-                "this is no usable model: its weights and its card disagree".into(),
-            ));
+/// What is known of some samples, from what is known of all.
+fn pick<T: Copy>(all: &[T], samples: &[usize]) -> Result<Vec<T>> {
+    let mut picked = Vec::with_capacity(samples.len());
+    for sample in samples {
+        match all.get(*sample) {
+            Some(value) => picked.push(*value),
+            None => return refuse(format!("sample {sample} has no label or no weight")),
         }
-        for (name, tensor) in &tensors {
-            network.set_parameter(name, tensor)?;
+    }
+    Ok(picked)
+}
+
+/// Probabilities of samples, averaged over the orientations in which each is seen.
+struct Averages {
+    /// Sample after sample, one number per class.
+    sums: Vec<f64>,
+    classes: usize,
+    turns: usize,
+    /// Grids added.
+    grids: usize,
+}
+
+impl Averages {
+    fn new(samples: usize, classes: usize, turns: usize) -> Self {
+        Self {
+            sums: vec![0.0; samples * classes],
+            classes,
+            turns,
+            grids: 0,
         }
-        Ok(Self { network, card })
+    }
+
+    /// Adds the next grid, which belongs to the sample after `turns` grids of the one before.
+    fn add(&mut self, probabilities: &[f64]) {
+        let first = self.grids / self.turns * self.classes;
+        for (sum, p) in self.sums[first..].iter_mut().zip(probabilities) {
+            *sum += p / self.turns as f64;
+        }
+        self.grids += 1;
     }
 }

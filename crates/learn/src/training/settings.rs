@@ -1,10 +1,23 @@
 //! Settings of a training, and what is known of each epoch.
 
+use crate::error::refuse;
 use crate::scaling::ScalingMode;
-use crate::{LearnError, Result, SampleSource};
+use crate::{Result, SampleSource};
 use serde::{Deserialize, Serialize};
 
 /// How a network is trained.
+///
+/// ```
+/// use protomer_learn::training::TrainingSettings;
+///
+/// let settings = TrainingSettings {
+///     epochs: 20,
+///     channels: vec!["shape".into(), "potential".into()],
+///     ..TrainingSettings::default()
+/// };
+/// assert!(settings.check().is_ok());
+/// assert!(TrainingSettings { batch: 0, ..settings }.check().is_err());
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrainingSettings {
@@ -18,15 +31,15 @@ pub struct TrainingSettings {
     pub warm_up: f64,
     /// Decoupled weight decay.
     pub weight_decay: f64,
-    /// The norm that longer gradients are shortened to.
+    /// Gradients with a larger norm are shortened to this one.
     pub clip: Option<f64>,
-    /// Epochs without a smaller validation loss after which training ends.
+    /// Training ends after so many epochs without a smaller validation loss.
     pub patience: Option<usize>,
     /// Whether every sample is turned by a random rotation of the cube in every epoch.
     pub augment: bool,
-    /// τ: the loss sees logits + τ ln(share of the class), so that for τ = 1 the plain logits treat
-    /// all classes as equally common (Menon et al., ICLR 2021). Predictions restore the shares
-    /// unless asked not to.
+    /// τ of the logit adjustment (Menon et al., ICLR 2021). The loss sees logits + τ ln(share of
+    /// the class), so for τ = 1 the plain logits treat all classes as equally common. Predictions
+    /// add the shares again unless asked not to.
     pub logit_adjustment: f64,
     /// Names of the channels the network sees, in order; empty: all.
     pub channels: Vec<String>,
@@ -56,37 +69,31 @@ impl Default for TrainingSettings {
 }
 
 impl TrainingSettings {
-    /// Whether the settings make sense.
+    /// Checks that the settings make sense.
     ///
     /// # Errors
-    /// [`LearnError::Settings`] names the first that does not.
+    /// [`LearnError::Settings`](crate::LearnError::Settings) names the first that does not.
     pub fn check(&self) -> Result<()> {
-        let refuse =
-            |what: &str, value: String| Err(LearnError::Settings(format!("{what}, not {value}")));
-        let not_negative = |value: f64| value >= 0.0 && value.is_finite();
         if self.batch == 0 {
-            return refuse("batch must be 1 or more", self.batch.to_string());
+            return refuse("batch must be 1 or more, not 0");
         }
-        if !(self.learning_rate > 0.0 && self.learning_rate.is_finite()) {
-            return refuse(
-                "learning_rate must be positive",
-                self.learning_rate.to_string(),
-            );
+        let rate = self.learning_rate;
+        if !(rate > 0.0 && rate.is_finite()) {
+            return refuse(format!("learning_rate must be positive, not {rate}"));
         }
         let others = [
             ("warm_up", self.warm_up),
             ("weight_decay", self.weight_decay),
             ("logit_adjustment", self.logit_adjustment),
         ];
-        if let Some((name, value)) = others.into_iter().find(|(_, value)| !not_negative(*value)) {
-            return refuse(
-                &format!("{name} must be zero or positive"),
-                value.to_string(),
-            );
+        for (name, value) in others {
+            if !(value >= 0.0 && value.is_finite()) {
+                return refuse(format!("{name} must be zero or positive, not {value}"));
+            }
         }
         match self.clip {
             Some(clip) if clip.is_nan() || clip <= 0.0 => {
-                refuse("clip must be positive", clip.to_string())
+                refuse(format!("clip must be positive, not {clip}"))
             }
             _ => Ok(()),
         }
@@ -95,32 +102,30 @@ impl TrainingSettings {
     /// The places of the chosen channels in the source.
     ///
     /// # Errors
-    /// [`LearnError::Settings`] names a channel that the source lacks or that is chosen twice.
-    pub fn channel_places(&self, source: &dyn SampleSource) -> Result<Vec<usize>> {
+    /// [`LearnError::Settings`](crate::LearnError::Settings) names a channel that the source lacks
+    /// or that is chosen twice.
+    pub(super) fn channel_places(&self, source: &dyn SampleSource) -> Result<Vec<usize>> {
+        let all = source.channels();
         if self.channels.is_empty() {
-            return Ok((0..source.channels().len()).collect());
+            return Ok((0..all.len()).collect());
         }
-        let mut places = Vec::new();
+        let mut places = Vec::with_capacity(self.channels.len());
         for name in &self.channels {
-            match source.channels().iter().position(|channel| channel == name) {
-                Some(place) if !places.contains(&place) => places.push(place),
-                Some(_) => {
-                    return Err(LearnError::Settings(format!(
-                        "the channel {name} is chosen twice; name it once"
-                    )));
-                }
-                None => {
-                    let there = source.channels().join(", ");
-                    return Err(LearnError::Settings(format!(
-                        "there is no channel {name}; choose among those of the set: {there}"
-                    )));
-                }
+            let Some(place) = all.iter().position(|channel| channel == name) else {
+                return refuse(format!(
+                    "there is no channel {name}; choose among those of the set: {}",
+                    all.join(", ")
+                ));
+            };
+            if places.contains(&place) {
+                return refuse(format!("the channel {name} is chosen twice; name it once"));
             }
+            places.push(place);
         }
         Ok(places)
     }
 
-    /// Whether a training under `other` may go on under these: only its end may differ.
+    /// Whether a training under `other` may continue under these settings: only its end may differ.
     pub(super) fn continues(&self, other: &Self) -> bool {
         Self {
             epochs: other.epochs,
@@ -137,14 +142,14 @@ impl TrainingSettings {
     }
 }
 
-/// What an epoch did.
+/// What is known of an epoch.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EpochRecord {
     /// Counted from 1.
     pub epoch: usize,
     /// Mean cross entropy of the training part while weights changed, nats.
     pub training_loss_nats: f64,
-    /// Log-loss of the validation part, nats; none without one.
+    /// Log-loss of the validation part, nats; `None` without one.
     pub validation_loss_nats: Option<f64>,
     /// Balanced accuracy of the validation part.
     pub validation_balanced_accuracy: Option<f64>,
@@ -154,7 +159,7 @@ pub struct EpochRecord {
     pub largest_gradient_norm: f64,
     /// Learning rate of the last step.
     pub learning_rate: f64,
-    /// Steps left out because the gradient was not finite.
+    /// Steps left out because loss or gradient was not finite.
     pub skipped_steps: usize,
 }
 
@@ -166,6 +171,6 @@ pub enum Outcome {
     Completed,
     /// The validation loss no longer fell.
     Stopped,
-    /// The observer ended it; the last epoch that was completed counts.
+    /// The observer ended it. Complete epochs count.
     Interrupted,
 }

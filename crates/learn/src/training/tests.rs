@@ -1,10 +1,10 @@
-#![allow(clippy::unwrap_used)]
-
 use super::*;
+use crate::augmentation::CubeRotation;
 use crate::scaling::ScalingMode;
 use crate::split::Fractions;
 use crate::targets::Target;
 use crate::{BlockSettings, Description, GlobalPooling, InMemory, SparseGrid};
+use protomer_kernel::random::CounterRng;
 
 const SIZE: usize = 8;
 

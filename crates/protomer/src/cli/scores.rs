@@ -2,8 +2,10 @@
 //! one, on the same split.
 
 use super::output::table;
-use crate::train::{BaselineScores, Intervals, Metrics};
+use crate::train::{BaselineScores, Metrics};
 use protomer_learn::bootstrap::Interval;
+use protomer_learn::evaluation::Intervals;
+use protomer_learn::targets::{LabelCount, OTHER};
 
 /// Classes up to which the confusion matrix is shown.
 const MOST_CLASSES_SHOWN: usize = 12;
@@ -40,9 +42,16 @@ fn head(metrics: &Metrics) -> String {
     let absent: Vec<&str> = absent.map(|(class, _)| class.as_str()).collect();
     if !absent.is_empty() {
         head += &format!(
-            "; it has none of {}, of which nothing here says anything",
+            "; it has none of {}, about which these scores say nothing",
             absent.join(", ")
         );
+    }
+    if !metrics.other_labels.is_empty() {
+        let mut joined = Vec::new();
+        for LabelCount { label, samples } in &metrics.other_labels {
+            joined.push(format!("{label} ({samples})"));
+        }
+        head += &format!("\n{OTHER}, by samples: {}", joined.join(", "));
     }
     head
 }
@@ -109,19 +118,23 @@ fn intervals(metrics: &Metrics) -> String {
         nats_gained_over_prior,
     } = &metrics.bootstrap_95;
     let range = |interval: &Interval| format!("{:.3} to {:.3}", interval.low, interval.high);
+    let p = if metrics.permutation_p < 0.001 {
+        "< 0.001".into()
+    } else {
+        format!("{:.3}", metrics.permutation_p)
+    };
+    // Each score stands beside the majority's on the same scale.
+    let majority = metrics.baselines.get("majority");
+    let majority_balanced = majority.map_or(f64::NAN, |majority| majority.balanced_accuracy);
     format!(
-        "95 % over clusters: accuracy {} (always the majority {:.3}), balanced accuracy {} (by guessing {:.3}), gained {} \
-         nats\npermutation p {} of {} exchanges; labels of {:.0} % of the samples can move",
+        "95 % over clusters: accuracy {} (majority {:.3}), balanced accuracy {} (majority {:.3}), \
+         gained {} nats\npermutation p {p} of {} exchanges; labels of {:.0} % of the samples can \
+         move",
         range(accuracy),
         metrics.majority_accuracy,
         range(balanced_accuracy),
-        1.0 / metrics.classes.len().max(1) as f64,
+        majority_balanced,
         range(nats_gained_over_prior),
-        if metrics.permutation_p < 0.001 {
-            "< 0.001".into()
-        } else {
-            format!("{:.3}", metrics.permutation_p)
-        },
         metrics.permutations,
         100.0 * metrics.permutation_movable
     )

@@ -6,11 +6,12 @@ use super::execution::{ExecutionArgs, override_with};
 use super::{Global, Outcome, output, scores};
 use crate::run::Execution;
 use crate::train::{
-    ControlRun, Job, Metrics, SplitBy, TrainEnd, TrainSettings, blocks, channels_of, open_set,
-    run_control, run_job,
+    ControlRun, Job, Metrics, SplitBy, TrainEnd, TrainSettings, ablation_summary, channels_of,
+    open_set, run_control, run_job,
 };
 use anyhow::{Result, anyhow, bail};
 use clap::{Args, ValueEnum};
+use protomer_learn::BlockSettings;
 use protomer_learn::controls::{Control, Form};
 use protomer_learn::network::GlobalPooling;
 use protomer_learn::scaling::ScalingMode;
@@ -177,9 +178,8 @@ struct NetworkArgs {
 impl NetworkArgs {
     fn override_in(&self, settings: &mut TrainSettings) -> Result<()> {
         if self.widths.is_some() || self.kernels.is_some() || self.groups.is_some() {
-            let present = |value: fn(&protomer_learn::BlockSettings) -> usize| {
-                settings.blocks.iter().map(value).collect()
-            };
+            let present =
+                |value: fn(&BlockSettings) -> usize| settings.blocks.iter().map(value).collect();
             let widths = self
                 .widths
                 .clone()
@@ -192,7 +192,7 @@ impl NetworkArgs {
                 .blocks
                 .first()
                 .map(|block| block.groups.unwrap_or(0)));
-            settings.blocks = blocks(&widths, &kernels, groups.unwrap_or(0))?;
+            settings.blocks = BlockSettings::chain(&widths, &kernels, groups.unwrap_or(0))?;
         }
         if self.average_only {
             settings.pooling = GlobalPooling::Average;
@@ -325,12 +325,18 @@ impl TrainArgs {
 }
 
 fn report(global: &Global, metrics: &Metrics) -> Result<Outcome> {
+    for class in &metrics.single_cluster_classes {
+        global.say(&format!(
+            "warning: all samples of the class {class} belong to one cluster, so a split by \
+             cluster cannot both train and test it"
+        ));
+    }
     if global.json {
         output::json(metrics)?;
     } else if !global.quiet {
         output::text(&scores::summary(metrics))?;
         if let Some(ablation) = &metrics.ablation {
-            output::text(&ablation.summary())?;
+            output::text(&ablation_summary(ablation))?;
         }
         if let Some(control) = &metrics.control {
             output::text(&control.summary())?;

@@ -68,7 +68,7 @@ impl TuneArgs {
             vary_channels: self.vary_channels,
             base,
         };
-        let bar = global.progress(settings.total_epochs(), "epochs");
+        let bar = global.progress(settings.total_epochs()?, "epochs");
         if !self.shard.is_whole() {
             let end = tune_shard(
                 &settings,
@@ -148,14 +148,16 @@ fn report(global: &Global, trials: &[Trial], set: &Path, directory: &Path) -> Re
             .map(|block| block.width.to_string())
             .collect();
         let loss = trial
+            .reached
             .validation_loss_nats
             .map_or_else(|| "diverged".into(), |loss| format!("{loss:.4}"));
         let accuracy = trial
+            .reached
             .validation_balanced_accuracy
             .map_or_else(String::new, |value| format!("{value:.3}"));
         rows.push(vec![
             trial.number.to_string(),
-            trial.epochs.to_string(),
+            trial.reached.epochs.to_string(),
             loss,
             accuracy,
             widths.join("-"),

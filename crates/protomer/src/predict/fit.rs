@@ -1,4 +1,4 @@
-//! Whether a set has the voxels a network is for.
+//! Whether a set has the voxels that a network was trained on.
 
 use anyhow::{Result, bail};
 use protomer_learn::SampleSource;
@@ -7,11 +7,11 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 use std::path::Path;
 
-/// What changes nothing about the meaning of a voxel: the random rotations, and which structures
-/// are left out.
+/// Settings that do not change the meaning of a voxel: the seed of the random rotations, and which
+/// structures are left out.
 const INDIFFERENT: [&str; 2] = ["seed", "most_incomplete"];
 
-/// A condition under which the voxels of a set were made otherwise than those of the training.
+/// A setting in which the voxels of a set differ from those of the training.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Difference {
     /// The setting of `protomer voxelize`.
@@ -23,10 +23,10 @@ pub struct Difference {
 }
 
 /// How the voxels of a set differ from those of the training, where a network can still be applied.
-/// A model that does not say how its voxels were made is taken at its channels and size.
+/// For a model that does not say how its voxels were made, only channels and size are compared.
 ///
 /// # Errors
-/// If channels, size or spacing are other ones.
+/// If channels, size or spacing differ.
 pub fn differences(
     card: &ModelCard,
     set: &dyn SampleSource,
@@ -36,8 +36,8 @@ pub fn differences(
     let trained_channels = &card.scaling.channels;
     if set.channels() != trained_channels {
         bail!(
-            "the network was trained on voxels with the channels {}, {shown} has {}; make the set anew with voxelize \
-             --channels {}",
+            "the network was trained on voxels with the channels {}, {shown} has {}; make the set \
+             anew with voxelize --channels {}",
             trained_channels.join(", "),
             set.channels().join(", "),
             trained_channels.join(",")
@@ -46,8 +46,8 @@ pub fn differences(
     if set.size() != card.size {
         let (trained, size) = (card.size, set.size());
         bail!(
-            "the network was trained on grids of {trained}³ voxels, {shown} has {size}³; make the set anew with voxelize \
-             --size {trained}"
+            "the network was trained on grids of {trained}³ voxels, {shown} has {size}³; make the \
+             set anew with voxelize --size {trained}"
         );
     }
     let (Some(Value::Object(trained)), Some(Value::Object(present))) =
@@ -68,8 +68,8 @@ pub fn differences(
             )
         };
         bail!(
-            "the network was trained on voxels with the spacing {}, {shown} has {}; make the set anew with voxelize \
-             --spacing {}",
+            "the network was trained on voxels with the spacing {}, {shown} has {}; make the set \
+             anew with voxelize --spacing {}",
             with_unit(trained_on),
             with_unit(set),
             plain(trained_on)

@@ -1,7 +1,8 @@
 //! A trained network applied to a set of voxels.
 //!
 //! ```text
-//! RUN/model.safetensors --fits--> SET.zarr --forward pass and scaling of the training--> classes, probabilities, scores
+//! RUN/model.safetensors --fits--> SET.zarr
+//!     --forward pass and scaling of the training--> classes, probabilities, scores
 //! ```
 //!
 //! | module | one idea |
@@ -9,7 +10,7 @@
 //! | `trained` | the network of a directory |
 //! | `fit` | whether a set has the voxels a network is for |
 //! | `truth` | the true class of each sample, and whether training has seen it |
-//! | `report` | what comes out |
+//! | `report` | a row per sample, and scores |
 
 mod fit;
 mod report;
@@ -28,11 +29,11 @@ use protomer_learn::training::{Model, PredictionSettings, Predictions};
 use protomer_learn::{Device, SampleSource};
 use std::path::Path;
 
-/// Samples between two looks at whether to stop: a multiple of the grids at a time.
+/// Samples between two questions whether to stop: a multiple of the grids at a time.
 const CHUNK: usize = 64;
 
-/// Predicts the class of every sample of a set, on a device. `begin` hears how many samples there
-/// are, `advanced` how many more are done; `stop` is asked every so often.
+/// Predicts the class of every sample of a set, on a device. Calls `begin` with the number of
+/// samples and `advanced` with how many more are done, and asks `stop` between chunks.
 ///
 /// # Errors
 /// If the directory holds no finished training on a set, the set has other voxels than the network
@@ -75,7 +76,7 @@ pub fn predict(
     )
 }
 
-/// All samples, a chunk at a time: what comes out is the same as at once.
+/// All samples, a chunk at a time. The result is the same as at once.
 fn in_chunks(
     model: &Model,
     set: &dyn SampleSource,

@@ -1,4 +1,4 @@
-//! What a prediction says: a row per sample, and scores where the truth is known.
+//! The report of a prediction: a row per sample, and scores where the truth is known.
 
 use super::fit::Difference;
 use super::trained::Trained;
@@ -24,9 +24,9 @@ pub struct SamplePrediction {
     pub file: String,
     /// Its label in the set.
     pub label: String,
-    /// Its true class; none where the label is none of the network's classes.
+    /// Its true class; `None` if the label is not a class of the network.
     pub class: Option<String>,
-    /// The part of the training it belonged to; none in another set than that of the training.
+    /// The part of the training it belonged to; `None` in another set than that of the training.
     pub part: Option<Part>,
     /// Why it is not scored, in another set than that of the training.
     pub unscored: Option<Unscored>,
@@ -47,6 +47,8 @@ pub struct SetScores {
     pub majority_accuracy: f64,
     /// Mean recall over the classes present.
     pub balanced_accuracy: f64,
+    /// The balanced accuracy of always naming the most frequent class of the training part.
+    pub majority_balanced_accuracy: f64,
     /// Cross entropy, nats.
     pub log_loss_nats: f64,
     /// Cross entropy of the shares of the classes in the training part, nats.
@@ -64,7 +66,7 @@ pub struct NotScored {
     pub samples: usize,
 }
 
-/// What a prediction came to.
+/// The report of a prediction.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PredictReport {
     /// Version of the program.
@@ -95,7 +97,7 @@ impl PredictReport {
     /// Puts together what is known and what was predicted.
     ///
     /// # Errors
-    /// If the probabilities are none.
+    /// If the predictions do not fit the set, or hold a number that is not a probability.
     pub(super) fn of(
         run: &Path,
         path: &Path,
@@ -174,7 +176,7 @@ impl PredictReport {
         Ok(table)
     }
 
-    /// Lines for a reader: the accuracy never without the majority's.
+    /// Lines for a reader. No accuracy stands without the majority's.
     pub fn summary(&self) -> String {
         let mut lines = vec![format!(
             "{} samples predicted, {} left out",
@@ -196,8 +198,11 @@ impl PredictReport {
                     }
                 });
                 lines.push(format!(
-                    "balanced accuracy {:.3}, accuracy {:.3}, always the majority {:.3}",
-                    scores.balanced_accuracy, scores.accuracy, scores.majority_accuracy
+                    "balanced accuracy {:.3} (majority {:.3}), accuracy {:.3} (majority {:.3})",
+                    scores.balanced_accuracy,
+                    scores.majority_balanced_accuracy,
+                    scores.accuracy,
+                    scores.majority_accuracy
                 ));
                 lines.push(format!(
                     "log-loss {:.3} nats, prior {:.3}: gained {:+.3}",
@@ -230,8 +235,8 @@ fn count(samples: &[SamplePrediction]) -> Vec<NotScored> {
         .collect()
 }
 
-/// Scores with the weights of the training's own: a sample counts one over the number of its
-/// family's samples with a class; in another set, of those that are scored.
+/// Scores with weights as in training. A sample counts one over the size of its family: the samples
+/// with a class in the set of the training, the samples that are scored in another set.
 fn scores(
     log_prior: &[f64],
     set: &VoxelSet,
@@ -277,6 +282,7 @@ fn scores(
         accuracy: own.accuracy,
         majority_accuracy: prior.accuracy,
         balanced_accuracy: own.balanced_accuracy,
+        majority_balanced_accuracy: prior.balanced_accuracy,
         log_loss_nats: own.log_loss_nats,
         prior_log_loss_nats: prior.log_loss_nats,
         nats_gained_over_prior: own.nats_gained_over(&prior),

@@ -12,7 +12,7 @@ pub struct Trained {
     pub settings: TrainSettings,
     /// The network with its scaling and classes.
     pub model: Model,
-    /// The structures it has seen; none if an earlier version trained, which did not write them
+    /// The structures it has seen; `None` if an earlier version trained it and did not write them
     /// down.
     pub seen: Option<TrainedOn>,
 }
@@ -27,19 +27,21 @@ impl Trained {
         let is_there = |name: &str| directory.join(name).exists();
         if !directory.is_dir() {
             bail!(
-                "{shown} is no directory; give the one that protomer train wrote its results into"
+                "{shown} is not a directory; give the one that protomer train wrote its results \
+                 into"
             );
         }
         if is_there("trials.csv") || is_there("trials") {
             bail!(
-                "{shown} holds a search, which keeps no network; train what it found with protomer train SET.zarr --config \
-                 {shown}/best.toml -o RUN, and give RUN"
+                "{shown} holds a search, which keeps no network; train what it found with protomer \
+                 train SET.zarr --config {shown}/best.toml -o RUN, and give RUN"
             );
         }
         if !is_there(SETTINGS) {
             return Err(match training_below(directory, 2) {
                 Some(below) => anyhow::anyhow!(
-                    "{shown} is not the directory of a training, but holds some; give one of them, such as {}",
+                    "{shown} is not the directory of a training, but holds some; give one of them, \
+                     such as {}",
                     below.display()
                 ),
                 None => anyhow::anyhow!(
@@ -48,19 +50,20 @@ impl Trained {
             });
         }
         let settings = TrainSettings::read(&directory.join(SETTINGS)).with_context(|| {
-            format!("{shown} does not hold a training of this version; give the directory of another, or train anew")
+            format!(
+                "{shown} does not hold a training of this version; give the directory of another, \
+                 or train anew"
+            )
         })?;
         if let Source::Control { name, .. } = settings.source {
             bail!(
-                "{shown} holds the control {}, whose network has seen synthetic voxels only; give the directory of a \
-                 training on a set (protomer train SET.zarr -o RUN)",
+                "{shown} holds the control {}, whose network has seen synthetic voxels only; give \
+                 the directory of a training on a set (protomer train SET.zarr -o RUN)",
                 name.name()
             );
         }
         if !is_there(MODEL) || Metrics::read(directory)?.is_none() {
-            bail!(
-                "the training in {shown} is not finished; the same train command goes on with it"
-            );
+            bail!("the training in {shown} is not finished; the same train command continues it");
         }
         let path = directory.join(MODEL);
         let bytes =
@@ -75,7 +78,8 @@ impl Trained {
     }
 }
 
-/// The first training some levels below, such as those of an ablation (`ablation/CHANNELS/seed_N`).
+/// The first training at most so many levels below, such as those of an ablation
+/// (`ablation/CHANNELS/seed_N`).
 fn training_below(directory: &Path, levels: usize) -> Option<PathBuf> {
     let mut folders: Vec<PathBuf> = std::fs::read_dir(directory)
         .ok()?

@@ -4,9 +4,10 @@ use super::trained::Trained;
 use crate::train::{Prepared, Source, TrainedOn};
 use anyhow::Result;
 use protomer_learn::SampleSource;
+use protomer_learn::novelty::{Familiar, Seen};
 use protomer_learn::split::Split;
 use serde::Serialize;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// The part of a training that a sample belonged to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -24,7 +25,7 @@ pub enum Part {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Unscored {
-    /// Its label is none of the network's classes.
+    /// Its label is not a class of the network.
     NoClass,
     /// Its very file was in the training or the validation part.
     SameFile,
@@ -45,8 +46,8 @@ impl Unscored {
             Self::SameCluster => "whose cluster was in the training or validation part",
             Self::FileUnknown => "of which the set does not say from which file they were made",
             Self::TrainingUnknown => {
-                "that may have been trained on: an earlier version did not write down on what; repeat the train command, \
-                 which does it now"
+                "that may have been trained on: an earlier version did not write down on what; \
+                 repeat the train command, which does it now"
             }
         }
     }
@@ -57,17 +58,16 @@ impl Unscored {
 pub struct Truth {
     /// Whether the network was trained on this very set.
     pub is_training_set: bool,
-    /// The number of the class of each sample; none where its label is none of the network's
-    /// classes.
+    /// The number of the class of each sample; `None` if its label is not a class of the network.
     pub classes: Vec<Option<usize>>,
-    /// The part each sample belonged to; none in another set than that of the training.
+    /// The part each sample belonged to; `None` in another set than that of the training.
     pub parts: Vec<Option<Part>>,
     /// In another set: why a sample is not scored.
     pub unscored: Vec<Option<Unscored>>,
 }
 
 impl Part {
-    /// As tables have it.
+    /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Training => "training",
@@ -128,29 +128,29 @@ impl Truth {
         })
     }
 
-    /// Labels that are a class under the target of the training; what training has seen is not
-    /// scored.
+    /// Labels that are a class under the target of the training. Samples that the training has seen
+    /// are not scored.
     fn of_other(trained: &Trained, set: &dyn SampleSource) -> Self {
         let names = &trained.model.card.classes;
-        let class = |label: &str| {
-            let class = trained.settings.target.of(label).ok()?;
-            names.iter().position(|name| *name == class)
-        };
-        let classes: Vec<Option<usize>> = set
-            .descriptions()
-            .iter()
-            .map(|known| class(&known.label))
-            .collect();
-        let seen = Seen::of(trained);
-        let why = |(sample, class): (usize, &Option<usize>)| match class {
-            None => Some(Unscored::NoClass),
-            Some(_) => seen.why_not(set, sample),
-        };
+        let seen = trained.seen.as_ref().map(seen);
+        let (mut classes, mut unscored) = (Vec::new(), Vec::new());
+        for (sample, known) in set.descriptions().iter().enumerate() {
+            let class = trained.settings.target.of(&known.label).ok();
+            let class = class.and_then(|class| names.iter().position(|name| *name == class));
+            classes.push(class);
+            unscored.push(match (class, &seen) {
+                (None, _) => Some(Unscored::NoClass),
+                (_, None) => Some(Unscored::TrainingUnknown),
+                (_, Some(seen)) => seen
+                    .familiar(set.file_sha256(sample), &known.cluster)
+                    .map(Unscored::from),
+            });
+        }
         Self {
             is_training_set: false,
-            unscored: classes.iter().enumerate().map(why).collect(),
             parts: vec![None; classes.len()],
             classes,
+            unscored,
         }
     }
 
@@ -167,43 +167,23 @@ impl Truth {
     }
 }
 
-/// Files and clusters that a network has seen.
-struct Seen<'a> {
-    is_known: bool,
-    files: BTreeSet<&'a str>,
-    clusters: BTreeSet<&'a str>,
+impl From<Familiar> for Unscored {
+    fn from(familiar: Familiar) -> Self {
+        match familiar {
+            Familiar::SameFile => Self::SameFile,
+            Familiar::SameCluster => Self::SameCluster,
+            Familiar::FileUnknown => Self::FileUnknown,
+        }
+    }
 }
 
-impl<'a> Seen<'a> {
-    fn of(trained: &'a Trained) -> Self {
-        let samples = || trained.seen.iter().flat_map(TrainedOn::samples);
-        Self {
-            is_known: trained.seen.is_some(),
-            files: samples().map(|sample| sample.sha256.as_str()).collect(),
-            clusters: samples().map(|sample| sample.cluster.as_str()).collect(),
-        }
+/// The samples of a training.
+fn seen(trained_on: &TrainedOn) -> Seen {
+    let mut seen = Seen::default();
+    for sample in trained_on.samples() {
+        seen.add(&sample.sha256, &sample.cluster);
     }
-
-    /// Why a sample may not be scored. Clusters are compared by name: those of another manifest may
-    /// mean other structures, and then a sample too many is left out, which is the safe side.
-    fn why_not(&self, set: &dyn SampleSource, sample: usize) -> Option<Unscored> {
-        let file = set.file_sha256(sample);
-        let cluster = set
-            .descriptions()
-            .get(sample)
-            .map_or("", |known| known.cluster.as_str());
-        if !self.is_known {
-            Some(Unscored::TrainingUnknown)
-        } else if file.is_empty() {
-            Some(Unscored::FileUnknown)
-        } else if self.files.contains(file) {
-            Some(Unscored::SameFile)
-        } else {
-            self.clusters
-                .contains(cluster)
-                .then_some(Unscored::SameCluster)
-        }
-    }
+    seen
 }
 
 /// A set that was moved is still the same.

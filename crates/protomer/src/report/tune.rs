@@ -45,7 +45,7 @@ pub fn page(directory: &Path, settings: &TuneSettings) -> Result<Page> {
         ),
     };
     sections.push(Section::new("Trials", html));
-    sections.push(conditions(settings));
+    sections.push(conditions(settings)?);
     let mut provenance = provenance::section(
         directory,
         "settings.toml",
@@ -197,8 +197,9 @@ fn best_settings(best: Option<&TrainSettings>, trials: Option<&Trials>) -> Secti
     Section::new("Best settings", definitions(&rows) + &paragraph(note))
 }
 
-fn conditions(settings: &TuneSettings) -> Section {
-    let rounds: Vec<String> = settings.rungs().iter().map(usize::to_string).collect();
+fn conditions(settings: &TuneSettings) -> Result<Section> {
+    let rungs = settings.halving()?.rungs();
+    let rounds: Vec<String> = rungs.iter().map(usize::to_string).collect();
     let mut rows = vec![
         ("trials", settings.trials.to_string()),
         (
@@ -224,5 +225,5 @@ fn conditions(settings: &TuneSettings) -> Section {
             .into_iter()
             .filter(|(name, _)| !differs(name)),
     );
-    Section::new("Conditions", definitions(&rows))
+    Ok(Section::new("Conditions", definitions(&rows)))
 }

@@ -1,10 +1,10 @@
-//! What a control was expected to show and what it showed.
+//! What a control was expected to show, and what it showed.
 
 use super::metrics::Metrics;
 use protomer_learn::controls::{Control, Experiment, Form, Verdict};
 use serde::{Deserialize, Serialize};
 
-/// What one experiment of a control came to.
+/// The result of one experiment of a control.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ExperimentReport {
@@ -12,13 +12,13 @@ pub struct ExperimentReport {
     pub name: String,
     /// The channels the network saw.
     pub channels: Vec<String>,
-    /// Lowest balanced accuracy that would do.
+    /// Smallest balanced accuracy that is accepted.
     pub at_least: f64,
-    /// Highest balanced accuracy that would do.
+    /// Largest balanced accuracy that is accepted.
     pub at_most: f64,
     /// Balanced accuracy on the test part.
     pub balanced_accuracy: f64,
-    /// What always naming the most frequent class gives there.
+    /// Accuracy there if always the most frequent class is named.
     pub majority_accuracy: f64,
     /// Nats gained over the prior there.
     pub nats_gained_over_prior: f64,
@@ -26,7 +26,7 @@ pub struct ExperimentReport {
     pub reached: bool,
 }
 
-/// What a control came to.
+/// The result of a control.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ControlReport {

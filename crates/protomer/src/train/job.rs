@@ -1,12 +1,13 @@
 //! A training with the ablation of its channels, and a control with all its experiments.
 
-use super::ablation::{Ablation, AblationRun, MOST_CHANNELS, subsets};
+use super::ablation;
 use super::control::{ControlReport, ExperimentReport};
 use super::metrics::Metrics;
 use super::run::train_in;
 use super::settings::{Source, TrainSettings};
 use crate::run::Execution;
 use anyhow::{Result, bail};
+use protomer_learn::ablation::{Ablation, plan};
 use protomer_learn::controls::{Control, Experiment, Form};
 use protomer_learn::sample::SampleSource;
 use std::path::Path;
@@ -16,7 +17,7 @@ use std::path::Path;
 pub enum TrainEnd {
     /// Everything is done.
     Finished(Box<Metrics>),
-    /// It was asked to stop; the same command goes on.
+    /// It was asked to stop; the same command continues it.
     Stopped,
 }
 
@@ -30,34 +31,23 @@ pub struct Job {
 }
 
 impl Job {
-    /// The trainings of the ablation with their folders. The one that equals the main training is
-    /// left to it.
+    /// The trainings of the ablation with their folders, without the one that equals the main
+    /// training.
     fn ablation(&self) -> Result<Vec<(String, TrainSettings)>> {
         if self.ablation_seeds == 0 {
             return Ok(Vec::new());
         }
-        let channels = &self.settings.training.channels;
-        if channels.len() > MOST_CHANNELS {
-            bail!(
-                "{} channels have too many subsets; choose at most {MOST_CHANNELS} with --channels",
-                channels.len()
-            );
-        }
-        let first = self.settings.training.seed;
+        let (channels, first) = (
+            &self.settings.training.channels,
+            self.settings.training.seed,
+        );
         let mut trainings = Vec::new();
-        for seed in first..first.saturating_add(self.ablation_seeds) {
-            for subset in subsets(channels) {
-                let mut settings = self.settings.clone();
-                (settings.training.channels, settings.training.seed) = (subset, seed);
-                if settings != self.settings {
-                    trainings.push((
-                        format!(
-                            "ablation/{}/seed_{seed}",
-                            settings.training.channels.join("+")
-                        ),
-                        settings,
-                    ));
-                }
+        for (subset, seed) in plan(channels, first, self.ablation_seeds)? {
+            let folder = format!("ablation/{}/seed_{seed}", subset.join("+"));
+            let mut settings = self.settings.clone();
+            (settings.training.channels, settings.training.seed) = (subset, seed);
+            if settings != self.settings {
+                trainings.push((folder, settings));
             }
         }
         Ok(trainings)
@@ -70,11 +60,11 @@ impl Job {
     }
 }
 
-/// Runs or continues a training and its ablation in a directory. `advanced` hears of every epoch.
+/// Runs or continues a training and its ablation in a directory. `advanced` is called with the
+/// number of epochs done, skipped ones included.
 ///
 /// # Errors
-/// For settings that make no sense, a directory that holds something else, and a disk that takes no
-/// more.
+/// For settings that make no sense, a directory that holds something else, and a full disk.
 pub fn run_job(
     job: &Job,
     set: &dyn SampleSource,
@@ -90,17 +80,17 @@ pub fn run_job(
     if trainings.is_empty() {
         return Ok(TrainEnd::Finished(metrics));
     }
-    let mut runs = vec![AblationRun::of(&metrics, job.settings.training.seed)];
+    let mut runs = vec![metrics.ablation_run(job.settings.training.seed)];
     for (folder, settings) in &trainings {
         let TrainEnd::Finished(of_subset) =
             train_in(settings, set, &path.join(folder), execution, advanced)?
         else {
             return Ok(TrainEnd::Stopped);
         };
-        runs.push(AblationRun::of(&of_subset, settings.training.seed));
+        runs.push(of_subset.ablation_run(settings.training.seed));
     }
-    let ablation = Ablation::of(runs);
-    ablation.write_csv(path)?;
+    let ablation = Ablation::of(runs)?;
+    ablation::write_csv(&ablation, path)?;
     metrics.ablation = Some(ablation);
     metrics.write(path)?;
     Ok(TrainEnd::Finished(metrics))
@@ -131,11 +121,8 @@ impl ControlRun {
         for (number, experiment) in control.experiments().into_iter().enumerate() {
             let mut settings = TrainSettings::of_control(control, &experiment, form, seed);
             if number == 0 && ablation_seeds > 0 {
-                settings.training.channels = control
-                    .channels()
-                    .iter()
-                    .map(|name| (*name).to_owned())
-                    .collect();
+                let all = control.channels().iter();
+                settings.training.channels = all.map(ToString::to_string).collect();
             }
             adjust(&mut settings)?;
             let ablation_seeds = if number == 0 { ablation_seeds } else { 0 };
@@ -161,7 +148,7 @@ impl ControlRun {
 }
 
 /// Runs or continues a control in a directory: the main experiment in it, the others in folders.
-/// `advanced` hears of every epoch.
+/// `advanced` is called with the number of epochs done, skipped ones included.
 ///
 /// # Errors
 /// As [`run_job`].

@@ -4,20 +4,16 @@
 use anyhow::{Context, Result};
 use protomer_io::atomic::write_atomically;
 use protomer_io::csv::{Cell, Table};
-use protomer_learn::baselines::baselines;
-use protomer_learn::bootstrap::{Interval, bootstrap};
-use protomer_learn::permutation::{movable_share, permute_labels};
+use protomer_learn::ablation::{Ablation, AblationRun};
+use protomer_learn::evaluation::{Evaluation, Intervals, TestPredictions};
 use protomer_learn::sample::Description;
 use protomer_learn::scaling::Quarantined;
 use protomer_learn::scores::{ReliabilityBin, Scores, most_probable};
-use protomer_learn::split::{Split, family_weights};
-use rayon::prelude::*;
+use protomer_learn::split::Split;
+use protomer_learn::targets::LabelCount;
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::Path;
-
-/// Resamplings of the clusters behind each interval.
-const RESAMPLINGS: usize = 1000;
 
 /// Samples in each part of the split.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -47,18 +43,6 @@ pub struct BaselineScores {
     pub top3_accuracy: f64,
     /// Cross entropy, nats.
     pub log_loss_nats: f64,
-}
-
-/// Intervals that hold 95 % of the values in draws of clusters.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Intervals {
-    /// Of the accuracy.
-    pub accuracy: Interval,
-    /// Of the balanced accuracy.
-    pub balanced_accuracy: Interval,
-    /// Of the nats gained over the prior.
-    pub nats_gained_over_prior: Interval,
 }
 
 /// The scores of a trained network on the test part.
@@ -125,9 +109,16 @@ pub struct Metrics {
     pub parameters: usize,
     /// Samples left out, and why.
     pub quarantined: Vec<Quarantined>,
+    /// Labels that were too rare for a class of their own and became "other".
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub other_labels: Vec<LabelCount>,
+    /// Classes whose samples all belong to one cluster: a split by cluster cannot both train and
+    /// test them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub single_cluster_classes: Vec<String>,
     /// All subsets of the channels, where asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub ablation: Option<super::ablation::Ablation>,
+    pub ablation: Option<Ablation>,
     /// What was expected, for a control.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub control: Option<super::control::ControlReport>,
@@ -152,6 +143,10 @@ pub struct Predictions<'a> {
     pub temperature: f64,
     /// Samples left out.
     pub quarantined: &'a [Quarantined],
+    /// Labels that became "other".
+    pub other_labels: &'a [LabelCount],
+    /// Classes that live in one cluster, where clusters stay together.
+    pub single_cluster_classes: &'a [String],
     /// Epochs done.
     pub epochs: usize,
     /// The epoch whose weights were kept.
@@ -165,70 +160,34 @@ pub struct Predictions<'a> {
 }
 
 impl Predictions<'_> {
-    fn of_test<T: Copy>(&self, all: &[T]) -> Vec<T> {
-        self.split
-            .test
-            .iter()
-            .filter_map(|sample| all.get(*sample).copied())
-            .collect()
-    }
-
     /// Scores everything.
     ///
     /// # Errors
     /// If there is nothing to score, or a description is not finite.
     pub fn metrics(&self) -> Result<Metrics> {
-        let count = self.classes.len();
-        let truth = self.of_test(self.labels);
-        let all_weights = family_weights(self.descriptions);
-        let weights = self.of_test(&all_weights);
-        let score = |p: &[f64], weights: &[f64]| Scores::of(p, &truth, count, Some(weights));
-        let own = score(self.probabilities, &weights)?;
-        let others = baselines(
-            self.descriptions,
-            self.labels,
-            count,
-            Some(&all_weights),
-            self.split,
-        )?;
-        let mut scores = BTreeMap::new();
-        for baseline in &others {
-            scores.insert(
-                baseline.name.to_owned(),
-                short(&score(&baseline.probabilities, &weights)?),
-            );
-        }
-        let of = |name: &str| scores.get(name).copied().context("a baseline is missing");
-        let (majority, prior) = (of("majority")?, of("prior")?);
-        let prior_probabilities = others.iter().find(|baseline| baseline.name == "prior");
-        let prior_probabilities = prior_probabilities
-            .map(|prior| prior.probabilities.as_slice())
-            .unwrap_or_default();
-
-        let clusters: Vec<&str> = self
-            .split
-            .test
-            .iter()
-            .filter_map(|i| self.descriptions.get(*i))
-            .map(|d| d.cluster.as_str())
-            .collect();
-        let interval = |statistic: &(dyn Fn(&Scores, &Scores) -> f64 + Sync)| {
-            let of_draw = |drawn: &[f64]| {
-                let weights: Vec<f64> = drawn
-                    .iter()
-                    .zip(&weights)
-                    .map(|(drawn, weight)| drawn * weight)
-                    .collect();
-                match (
-                    score(self.probabilities, &weights),
-                    score(prior_probabilities, &weights),
-                ) {
-                    (Ok(own), Ok(prior)) => statistic(&own, &prior),
-                    _ => f64::NAN,
-                }
-            };
-            bootstrap(&clusters, 0.95, RESAMPLINGS, self.seed, of_draw)
+        let predictions = TestPredictions {
+            descriptions: self.descriptions,
+            labels: self.labels,
+            classes: self.classes.len(),
+            split: self.split,
+            probabilities: self.probabilities,
         };
+        let evaluation = predictions.evaluate(self.permutations, self.seed)?;
+        let (majority, prior) = (
+            evaluation.baseline("majority")?.accuracy,
+            evaluation.baseline("prior")?.log_loss_nats,
+        );
+        let Evaluation {
+            scores: own,
+            baselines,
+            intervals,
+            permutation,
+            test_clusters,
+        } = evaluation;
+        let mut scores_of_baselines = BTreeMap::new();
+        for (name, scores) in baselines {
+            scores_of_baselines.insert(name.to_owned(), BaselineScores::of(&scores));
+        }
         Ok(Metrics {
             version: env!("CARGO_PKG_VERSION").into(),
             classes: self.classes.to_vec(),
@@ -237,66 +196,36 @@ impl Predictions<'_> {
                 training: self.split.training.len(),
                 validation: self.split.validation.len(),
                 test: self.split.test.len(),
-                test_clusters: clusters.iter().collect::<BTreeSet<_>>().len(),
+                test_clusters,
             },
             accuracy: own.accuracy,
-            majority_accuracy: majority.accuracy,
+            majority_accuracy: majority,
             balanced_accuracy: own.balanced_accuracy,
             macro_f1: own.macro_f1,
             top3_accuracy: own.top3_accuracy,
             matthews_correlation: own.matthews,
             log_loss_nats: own.log_loss_nats,
-            prior_log_loss_nats: prior.log_loss_nats,
-            nats_gained_over_prior: prior.log_loss_nats - own.log_loss_nats,
+            prior_log_loss_nats: prior,
+            nats_gained_over_prior: prior - own.log_loss_nats,
             brier: own.brier,
             expected_calibration_error: own.expected_calibration_error,
             temperature: self.temperature,
-            confusion_matrix: own.confusion.clone(),
-            reliability: own.reliability.clone(),
-            bootstrap_95: Intervals {
-                accuracy: interval(&|own, _| own.accuracy)?,
-                balanced_accuracy: interval(&|own, _| own.balanced_accuracy)?,
-                nats_gained_over_prior: interval(&|own, prior| own.nats_gained_over(prior))?,
-            },
-            baselines: scores,
-            permutation_p: self.permutation_p()?,
-            permutations: self.permutations,
-            permutation_movable: movable_share(self.descriptions, self.split)?,
+            confusion_matrix: own.confusion,
+            reliability: own.reliability,
+            bootstrap_95: intervals,
+            baselines: scores_of_baselines,
+            permutation_p: permutation.p_value,
+            permutations: permutation.exchanges,
+            permutation_movable: permutation.movable,
             best_epoch: self.best_epoch,
             epochs: self.epochs,
             parameters: self.parameters,
             quarantined: self.quarantined.to_vec(),
+            other_labels: self.other_labels.to_vec(),
+            single_cluster_classes: self.single_cluster_classes.to_vec(),
             ablation: None,
             control: None,
         })
-    }
-
-    /// Exact under exchanges of labels between clusters of one size in the test part, for
-    /// predictions that have seen no label of it: p = (1 + exchanges with no larger loss) / (1 +
-    /// exchanges).
-    fn permutation_p(&self) -> Result<f64> {
-        let count = self.classes.len();
-        let loss = |labels: &[usize]| -> Result<f64> {
-            Ok(Scores::of(self.probabilities, &self.of_test(labels), count, None)?.log_loss_nats)
-        };
-        let observed = loss(self.labels)?;
-        let as_good = |number: usize| {
-            let permuted = permute_labels(
-                self.descriptions,
-                self.labels,
-                self.split,
-                self.seed,
-                number as u64,
-            )?;
-            // Equal labels give equal losses, summed in the same order; a sum may differ in its
-            // last digit otherwise.
-            Ok(usize::from(loss(&permuted)? <= observed * (1.0 + 1e-12)))
-        };
-        let counts = (0..self.permutations)
-            .into_par_iter()
-            .map(as_good)
-            .collect::<Result<Vec<usize>>>()?;
-        Ok((1 + counts.iter().sum::<usize>()) as f64 / (1 + self.permutations) as f64)
     }
 
     /// `predictions.csv`: one row per sample of the test part.
@@ -336,17 +265,31 @@ impl Predictions<'_> {
     }
 }
 
-fn short(scores: &Scores) -> BaselineScores {
-    BaselineScores {
-        accuracy: scores.accuracy,
-        balanced_accuracy: scores.balanced_accuracy,
-        macro_f1: scores.macro_f1,
-        top3_accuracy: scores.top3_accuracy,
-        log_loss_nats: scores.log_loss_nats,
+impl BaselineScores {
+    fn of(scores: &Scores) -> Self {
+        Self {
+            accuracy: scores.accuracy,
+            balanced_accuracy: scores.balanced_accuracy,
+            macro_f1: scores.macro_f1,
+            top3_accuracy: scores.top3_accuracy,
+            log_loss_nats: scores.log_loss_nats,
+        }
     }
 }
 
 impl Metrics {
+    /// What a training of this seed brings to an ablation.
+    pub(super) fn ablation_run(&self, seed: u64) -> AblationRun {
+        AblationRun {
+            channels: self.channels.clone(),
+            seed,
+            balanced_accuracy: self.balanced_accuracy,
+            accuracy: self.accuracy,
+            majority_accuracy: self.majority_accuracy,
+            nats_gained_over_prior: self.nats_gained_over_prior,
+        }
+    }
+
     /// Writes `metrics.json` into a directory.
     ///
     /// # Errors

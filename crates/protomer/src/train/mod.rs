@@ -1,9 +1,9 @@
-//! Training a network in a directory: start or continue, evaluate beside baselines, write
-//! everything down.
+//! Training a network in a directory: start or continue, evaluate beside baselines, write the
+//! results.
 //!
 //! ```text
-//! DIR/settings.toml  metrics.json  model.safetensors  history.csv  learning_curve.svg  predictions.csv  checkpoint.bin
-//! DIR/trained_on.json
+//! DIR/settings.toml  metrics.json  model.safetensors  history.csv  learning_curve.svg
+//! DIR/predictions.csv  trained_on.json  checkpoint.bin
 //! DIR/ablation/CHANNELS/seed_N/   a directory each    ablation.csv
 //! DIR/EXPERIMENT/                 the further experiments of a control
 //! ```
@@ -15,8 +15,9 @@
 //! | `run` | one training: the loop, checkpoints, results |
 //! | `trained_on` | which structures a network has seen |
 //! | `job` | a training with its ablation; a control with its experiments |
-//! | `metrics` | scores beside baselines |
-//! | `ablation`, `control`, `figure` | tables of channels, verdicts on controls, the learning curve |
+//! | `metrics` | scores beside baselines, as a file |
+//! | `ablation`, `control` | the table of an ablation, verdicts on controls |
+//! | `figure` | the learning curve |
 
 mod ablation;
 mod control;
@@ -28,12 +29,12 @@ mod settings;
 mod source;
 mod trained_on;
 
-pub use ablation::{Ablation, AblationRow, AblationRun, Mean, subsets};
+pub(crate) use ablation::summary as ablation_summary;
 pub use control::{ControlReport, ExperimentReport};
 pub use figure::learning_curve;
 pub use job::{ControlRun, Job, TrainEnd, run_control, run_job};
-pub use metrics::{BaselineScores, Intervals, Metrics, Parts, Predictions};
+pub use metrics::{BaselineScores, Metrics, Parts, Predictions};
 pub use run::{MODEL, Prepared, SETTINGS, advance, check, train_in};
-pub use settings::{Source, SplitBy, TrainSettings, blocks};
+pub use settings::{Source, SplitBy, TrainSettings};
 pub use source::{channels_of, open_set, samples_of};
 pub use trained_on::{Seen, TRAINED_ON, TrainedOn};

@@ -15,8 +15,8 @@ use protomer_learn::network::NetworkSettings;
 use protomer_learn::sample::{Description, SampleSource};
 use protomer_learn::scaling::{Quarantined, screen};
 use protomer_learn::scores::Scores;
-use protomer_learn::split::{Split, family_weights};
-use protomer_learn::targets::Classes;
+use protomer_learn::split::{Split, family_weights, labels_in_one_cluster};
+use protomer_learn::targets::{Classes, LabelCount};
 use protomer_learn::training::{
     EpochRecord, Observer, Outcome, PredictionSettings, StepReport, Trained, Training,
     TrainingSettings,
@@ -26,7 +26,7 @@ use std::ops::{ControlFlow, Range};
 use std::path::Path;
 use std::time::Instant;
 
-/// The state from which a training goes on bit for bit.
+/// The state from which a training continues, bit for bit.
 const CHECKPOINT: &str = "checkpoint.bin";
 /// The trained network, with its scaling and its classes.
 pub const MODEL: &str = "model.safetensors";
@@ -54,12 +54,12 @@ const LAYOUT: Layout = Layout {
     is_result: |_| false,
 };
 
-/// A set made ready: samples with a class, classes, split.
+/// A set ready for training: samples with a class, classes, split.
 #[derive(Debug)]
 pub struct Prepared<'a> {
     /// The samples that have a class.
     pub view: View<'a>,
-    /// What is known of them, with the class as label.
+    /// Their descriptions, with the class as label.
     pub descriptions: Vec<Description>,
     /// Their classes.
     pub classes: Classes,
@@ -67,6 +67,10 @@ pub struct Prepared<'a> {
     pub split: Split,
     /// Samples left out.
     pub quarantined: Vec<Quarantined>,
+    /// Labels that were too rare and became "other".
+    pub other_labels: Vec<LabelCount>,
+    /// Where clusters stay together: classes that live in one cluster.
+    pub single_cluster_classes: Vec<String>,
 }
 
 impl<'a> Prepared<'a> {
@@ -110,8 +114,8 @@ impl<'a> Prepared<'a> {
                 .first()
                 .map(|bad| format!(" ({} has none: {})", bad.name, bad.reason));
             bail!(
-                "{} of {} samples have a class{}, and there are {} classes of at least {} samples; two are needed: \
-                 take more samples, another --target, or a smaller --least-samples",
+                "{} of {} samples have a class{}, and there are {} classes of at least {} samples; \
+                 two are needed: take more samples, another --target, or a smaller --least-samples",
                 labels.len(),
                 set.descriptions().len(),
                 example.unwrap_or_default(),
@@ -119,13 +123,18 @@ impl<'a> Prepared<'a> {
                 settings.least_samples
             );
         }
-        let name = |class: &usize| classes.names.get(*class).cloned().unwrap_or_default();
-        let labelled = view.descriptions().iter().zip(&classes.labels);
-        let descriptions: Vec<Description> = labelled
-            .map(|(known, class)| Description {
-                label: name(class),
-                ..known.clone()
-            })
+        let other_labels = classes.joined(&labels);
+        let mut descriptions = view.descriptions().to_vec();
+        for (known, class) in descriptions.iter_mut().zip(&classes.labels) {
+            known.label.clone_from(&classes.names[*class]);
+        }
+        let single_cluster_classes = match settings.split_by {
+            SplitBy::Cluster => labels_in_one_cluster(&descriptions),
+            SplitBy::Sample => Vec::new(),
+        };
+        let single_cluster_classes = single_cluster_classes
+            .into_iter()
+            .map(String::from)
             .collect();
         let seed = settings.split_seed.unwrap_or(settings.training.seed);
         let split = match settings.split_by {
@@ -168,6 +177,8 @@ impl<'a> Prepared<'a> {
             classes,
             split,
             quarantined,
+            other_labels,
+            single_cluster_classes,
         })
     }
 }
@@ -206,12 +217,12 @@ fn training<'a>(
     }
 }
 
-/// Trains to the end of a range of epochs, going on from a checkpoint file where there is one;
-/// `advanced` hears of as many epochs as the range is long. `None`: it was asked to stop, and the
-/// file holds how far it came.
+/// Trains to the end of a range of epochs, from a checkpoint file where there is one. `advanced` is
+/// called with the number of epochs done, skipped ones included. `None`: it was asked to stop, and
+/// the file holds how far it came.
 ///
 /// # Errors
-/// If training fails, the checkpoint is that of another training, or the disk takes no more.
+/// If training fails, the checkpoint is that of another training, or the disk is full.
 pub fn advance(
     settings: &TrainSettings,
     prepared: &Prepared,
@@ -243,7 +254,7 @@ pub fn advance(
     };
     let trained = training(prepared, &network, &to_here, execution.device.clone())
         .run(present.as_deref(), &mut keeper);
-    // What was reached is kept, also where training failed.
+    // A training that failed keeps what it had reached.
     keeper.save()?;
     if let Some(error) = keeper.failed.take() {
         return Err(error);
@@ -255,7 +266,7 @@ pub fn advance(
     if trained.outcome == Outcome::Interrupted {
         return Ok(None);
     }
-    // Epochs of earlier runs, and those that ending early saves.
+    // Epochs of earlier runs, and those that early stopping skips.
     advanced((epochs.len() as u64).saturating_sub(keeper.epochs));
     Ok(Some(trained))
 }
@@ -309,12 +320,11 @@ impl Observer for Keeper<'_> {
     }
 }
 
-/// Trains or continues in a directory and scores the result. `advanced` hears how many epochs were
-/// done.
+/// Trains or continues in a directory and scores the result. `advanced` is called with the number
+/// of epochs done, skipped ones included.
 ///
 /// # Errors
-/// For settings that make no sense, a directory that holds something else, and a disk that takes no
-/// more.
+/// For settings that make no sense, a directory that holds something else, and a full disk.
 pub fn train_in(
     settings: &TrainSettings,
     set: &dyn SampleSource,
@@ -352,7 +362,7 @@ pub fn train_in(
     Ok(TrainEnd::Finished(Box::new(metrics)))
 }
 
-/// Writes down which structures the network has seen; a control has none.
+/// Writes down which structures the network has seen. A control has none.
 fn note_samples(settings: &TrainSettings, prepared: &Prepared, path: &Path) -> Result<()> {
     match settings.source {
         Source::Set { .. } => TrainedOn::of(prepared).write(path),
@@ -360,8 +370,8 @@ fn note_samples(settings: &TrainSettings, prepared: &Prepared, path: &Path) -> R
     }
 }
 
-/// Calibrates, predicts the test part, and writes everything down; the metrics last, as they say
-/// that all is done.
+/// Calibrates, predicts the test part, and writes the results. The metrics come last: they mark a
+/// finished training.
 fn write_results(
     settings: &TrainSettings,
     prepared: &Prepared,
@@ -403,14 +413,11 @@ fn write_results(
         probabilities: &predicted.probabilities,
         temperature,
         quarantined: &prepared.quarantined,
+        other_labels: &prepared.other_labels,
+        single_cluster_classes: &prepared.single_cluster_classes,
         epochs: history.len(),
         best_epoch,
-        parameters: model
-            .network
-            .parameters()
-            .iter()
-            .map(|(_, values)| values.elem_count())
-            .sum(),
+        parameters: model.network.parameter_count(),
         permutations: settings.permutations,
         seed: settings.training.seed,
     };
@@ -423,46 +430,45 @@ fn write_results(
         file.write_all(history_csv.as_bytes())
     })?;
     if !history.is_empty() {
-        let shares = prior(
-            &split.training,
-            &classes.labels,
-            Some(&weights),
-            classes.names.len(),
-        );
-        let truth: Vec<usize> = split
-            .validation
-            .iter()
-            .filter_map(|i| classes.labels.get(*i).copied())
-            .collect();
-        let of_validation: Vec<f64> = split
-            .validation
-            .iter()
-            .filter_map(|i| weights.get(*i).copied())
-            .collect();
-        let prior = Scores::of(
-            &shares.repeat(truth.len()),
-            &truth,
-            classes.names.len(),
-            Some(&of_validation),
-        )?
-        .log_loss_nats;
-        let title = format!(
-            "{} classes from {}",
-            classes.names.len(),
-            settings.training.channels.join(", ")
-        );
-        let caption = format!(
-            "{} training and {} validation samples, seed {}, best epoch {best_epoch}",
-            split.training.len(),
-            split.validation.len(),
-            settings.training.seed
-        );
-        learning_curve(&title, &caption, &history, prior, classes.names.len())
-            .write_svg(&path.join(CURVE))?;
+        write_curve(settings, prepared, &history, best_epoch, path)?;
     }
     note_samples(settings, prepared, path)?;
     metrics.write(path)?;
     Ok(metrics)
+}
+
+/// `learning_curve.svg`, with what the prior gives on the validation part.
+fn write_curve(
+    settings: &TrainSettings,
+    prepared: &Prepared,
+    history: &[EpochRecord],
+    best_epoch: usize,
+    path: &Path,
+) -> Result<()> {
+    let (split, classes) = (&prepared.split, &prepared.classes);
+    let count = classes.names.len();
+    let weights = family_weights(&prepared.descriptions);
+    let shares = prior(&split.training, &classes.labels, Some(&weights), count);
+    let (mut truth, mut of_validation) = (Vec::new(), Vec::new());
+    for sample in &split.validation {
+        truth.push(classes.labels[*sample]);
+        of_validation.push(weights[*sample]);
+    }
+    let prior = shares.repeat(truth.len());
+    let prior = Scores::of(&prior, &truth, count, Some(&of_validation))?;
+    let title = format!(
+        "{count} classes from {}",
+        settings.training.channels.join(", ")
+    );
+    let caption = format!(
+        "{} training and {} validation samples, seed {}, best epoch {best_epoch}",
+        split.training.len(),
+        split.validation.len(),
+        settings.training.seed
+    );
+    learning_curve(&title, &caption, history, prior.log_loss_nats, count)
+        .write_svg(&path.join(CURVE))?;
+    Ok(())
 }
 
 /// `history.csv`: one row per epoch.

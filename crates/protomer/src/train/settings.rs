@@ -1,7 +1,7 @@
 //! What is trained, on what, and how: `settings.toml`.
 
 use crate::keys;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use protomer_learn::block::BlockSettings;
 use protomer_learn::controls::{Control, Experiment, Form, Plan, Variant};
 use protomer_learn::network::{GlobalPooling, NetworkSettings};
@@ -37,8 +37,8 @@ pub enum Source {
     },
 }
 
-/// A set is what it holds, wherever it lies: a training goes on after its set has moved, or on a
-/// machine that mounts it elsewhere.
+/// Sets with the same content are equal, wherever they lie. So a training continues after its set
+/// has moved, or on a machine that mounts it elsewhere.
 impl PartialEq for Source {
     fn eq(&self, other: &Self) -> bool {
         let control = |source: &Self| match source {
@@ -80,8 +80,8 @@ pub struct TrainSettings {
     pub least_samples: usize,
     /// What stays together in the split.
     pub split_by: SplitBy,
-    /// Seed of the split; none: that of the training. What a search has found keeps the search's,
-    /// so that no other seed deals out its validation samples as test samples.
+    /// Seed of the split; without it, that of the training. Settings that a search has found keep
+    /// the split of the search: another split could test samples on which they were chosen.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub split_seed: Option<u64>,
     /// Exchanges of labels in the permutation test.
@@ -98,35 +98,6 @@ pub struct TrainSettings {
     pub training: TrainingSettings,
     /// The blocks of the network, first to last.
     pub blocks: Vec<BlockSettings>,
-}
-
-/// Blocks of these widths, each with a kernel of its own, group normalisation and pooling.
-///
-/// # Errors
-/// If there are not as many kernels as widths (or one for all), or a block makes no sense.
-pub fn blocks(widths: &[usize], kernels: &[usize], groups: usize) -> Result<Vec<BlockSettings>> {
-    if kernels.len() != 1 && kernels.len() != widths.len() {
-        bail!(
-            "{} kernels for {} blocks; give one for all, or one for each",
-            kernels.len(),
-            widths.len()
-        );
-    }
-    let block = |(i, width): (usize, &usize)| {
-        let kernel = kernels.get(i).or(kernels.first()).copied().unwrap_or(3);
-        let block = BlockSettings {
-            width: *width,
-            kernel,
-            groups: (groups > 0).then_some(groups),
-            pool: true,
-        };
-        block.check().map(|()| block)
-    };
-    Ok(widths
-        .iter()
-        .enumerate()
-        .map(block)
-        .collect::<Result<_, _>>()?)
 }
 
 impl TrainSettings {
@@ -171,7 +142,7 @@ impl TrainSettings {
                 seed: 1,
                 ..TrainingSettings::default()
             },
-            blocks: blocks(&[16, 32, 64], &[3], 8)?,
+            blocks: BlockSettings::chain(&[16, 32, 64], &[3], 8)?,
         })
     }
 
@@ -182,7 +153,7 @@ impl TrainSettings {
             size,
             fractions,
             ..
-        } = control.plan(form);
+        } = control.plan(experiment, form);
         let network = control.network(experiment, form);
         Self {
             target: Target::Label,

@@ -1,5 +1,5 @@
-//! `trained_on.json`: which structures a network has seen, so that none of them is ever scored as
-//! if it were new.
+//! `trained_on.json`: which structures a network has seen, so that none of them is scored as if it
+//! were new.
 
 use super::run::Prepared;
 use anyhow::{Context, Result};
@@ -34,18 +34,19 @@ pub struct Seen {
 }
 
 impl TrainedOn {
-    /// Those of a training.
+    /// The samples of a training.
     pub fn of(prepared: &Prepared) -> Self {
         let part = |samples: &[usize]| {
-            let known = samples
-                .iter()
-                .filter_map(|sample| Some((*sample, prepared.descriptions.get(*sample)?)));
-            let seen = known.map(|(sample, known)| Seen {
-                name: known.name.clone(),
-                cluster: known.cluster.clone(),
-                sha256: prepared.view.file_sha256(sample).to_owned(),
-            });
-            seen.collect()
+            let mut seen = Vec::with_capacity(samples.len());
+            for sample in samples {
+                let known = &prepared.descriptions[*sample];
+                seen.push(Seen {
+                    name: known.name.clone(),
+                    cluster: known.cluster.clone(),
+                    sha256: prepared.view.file_sha256(*sample).to_owned(),
+                });
+            }
+            seen
         };
         Self {
             training: part(&prepared.split.training),
@@ -53,7 +54,7 @@ impl TrainedOn {
         }
     }
 
-    /// Reads them from the directory of a training; none if an earlier version trained there.
+    /// Reads them from the directory of a training. `None` if an earlier version trained there.
     ///
     /// # Errors
     /// Names the file that is damaged.
@@ -80,7 +81,7 @@ impl TrainedOn {
     /// Writes them into the directory of a training.
     ///
     /// # Errors
-    /// If the disk takes no more.
+    /// If the disk is full.
     pub fn write(&self, directory: &Path) -> Result<()> {
         let bytes =
             serde_json::to_vec(self).context("what was trained on cannot be written down")?;

@@ -1,0 +1,284 @@
+//! The evaluation of predictions on a test part: scores beside baselines, intervals over clusters,
+//! and whether it could be chance.
+
+use crate::baselines::baselines;
+use crate::bootstrap::{Interval, bootstrap};
+use crate::error::refuse;
+use crate::permutation::{PermutationTest, permutation_test};
+use crate::scores::Scores;
+use crate::split::{Split, family_weights};
+use crate::{Description, Result};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+
+/// Resamplings of the clusters behind each interval.
+const RESAMPLINGS: usize = 1000;
+/// Share of the resamplings that an interval holds.
+const LEVEL: f64 = 0.95;
+
+/// Predictions for the test part of a split, and what is known of the set.
+#[derive(Debug, Clone, Copy)]
+pub struct TestPredictions<'a> {
+    /// All samples of the set.
+    pub descriptions: &'a [Description],
+    /// The class of each.
+    pub labels: &'a [usize],
+    /// Number of classes.
+    pub classes: usize,
+    /// The split.
+    pub split: &'a Split,
+    /// Probabilities of the test part, in its order: sample after sample, one number per class.
+    pub probabilities: &'a [f64],
+}
+
+/// Intervals that hold 95 % of the values in draws of clusters.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Intervals {
+    /// Of the accuracy.
+    pub accuracy: Interval,
+    /// Of the balanced accuracy.
+    pub balanced_accuracy: Interval,
+    /// Of the nats gained over the prior.
+    pub nats_gained_over_prior: Interval,
+}
+
+/// Predictions evaluated. Copies of one crystal form count once together, except in the permutation
+/// test.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Evaluation {
+    /// Scores of the predictions.
+    pub scores: Scores,
+    /// Scores of what is predicted without a network, by name.
+    pub baselines: Vec<(&'static str, Scores)>,
+    /// 95 % intervals.
+    pub intervals: Intervals,
+    /// Whether it could be chance.
+    pub permutation: PermutationTest,
+    /// Clusters of the test part.
+    pub test_clusters: usize,
+}
+
+impl TestPredictions<'_> {
+    /// Evaluates the predictions, with `exchanges` of labels in the permutation test.
+    ///
+    /// ```
+    /// use protomer_learn::controls::{Control, Variant};
+    /// use protomer_learn::evaluation::TestPredictions;
+    /// use protomer_learn::split::{Fractions, Split};
+    ///
+    /// let set = Control::Charge.samples(Variant::Usual, 60, 16, 1);
+    /// let labels: Vec<usize> = (0..60).map(|sample| sample % 2).collect();
+    /// let split = Split::grouped(&set.descriptions, 1, Fractions::default())?;
+    /// let guess = TestPredictions {
+    ///     descriptions: &set.descriptions,
+    ///     labels: &labels,
+    ///     classes: 2,
+    ///     split: &split,
+    ///     probabilities: &[0.5, 0.5].repeat(split.test.len()),
+    /// };
+    /// let evaluation = guess.evaluate(100, 1)?;
+    /// assert_eq!(evaluation.scores.log_loss_nats, 2f64.ln());
+    /// let majority = evaluation.baseline("majority")?;
+    /// assert_eq!(evaluation.scores.balanced_accuracy, majority.balanced_accuracy);
+    /// assert_eq!(evaluation.permutation.p_value, 1.0);
+    /// # Ok::<(), protomer_learn::LearnError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`LearnError::Settings`](crate::LearnError::Settings) if there is nothing to score or
+    /// lengths disagree, [`LearnError::Sample`](crate::LearnError::Sample) names a description that
+    /// is not finite or has no cluster.
+    pub fn evaluate(&self, exchanges: usize, seed: u64) -> Result<Evaluation> {
+        let all_weights = family_weights(self.descriptions);
+        let of_test = Truth {
+            labels: self.of_test(self.labels)?,
+            classes: self.classes,
+            weights: self.of_test(&all_weights)?,
+        };
+        let found = baselines(
+            self.descriptions,
+            self.labels,
+            self.classes,
+            Some(&all_weights),
+            self.split,
+        )?;
+        let mut scores_of_baselines = Vec::with_capacity(found.len());
+        let mut prior: &[f64] = &[];
+        for baseline in &found {
+            let scores = of_test.score(&baseline.probabilities, &of_test.weights)?;
+            scores_of_baselines.push((baseline.name, scores));
+            if baseline.name == "prior" {
+                prior = &baseline.probabilities;
+            }
+        }
+        let clusters = self.clusters();
+        Ok(Evaluation {
+            scores: of_test.score(self.probabilities, &of_test.weights)?,
+            baselines: scores_of_baselines,
+            intervals: of_test.intervals(self.probabilities, prior, &clusters, seed)?,
+            permutation: permutation_test(self, exchanges, seed)?,
+            test_clusters: clusters.iter().collect::<BTreeSet<_>>().len(),
+        })
+    }
+
+    /// What is known of the samples of the test part, from what is known of all.
+    pub(crate) fn of_test<T: Copy>(&self, all: &[T]) -> Result<Vec<T>> {
+        let mut of_test = Vec::with_capacity(self.split.test.len());
+        for sample in &self.split.test {
+            match all.get(*sample) {
+                Some(value) => of_test.push(*value),
+                None => {
+                    return refuse(format!("the split names sample {sample} of {}", all.len()));
+                }
+            }
+        }
+        Ok(of_test)
+    }
+
+    /// The cluster of each sample of the test part.
+    fn clusters(&self) -> Vec<&str> {
+        let of_test = self.split.test.iter();
+        of_test
+            .map(|sample| &*self.descriptions[*sample].cluster)
+            .collect()
+    }
+}
+
+/// What is true of the test part.
+struct Truth {
+    labels: Vec<usize>,
+    classes: usize,
+    weights: Vec<f64>,
+}
+
+impl Truth {
+    fn score(&self, probabilities: &[f64], weights: &[f64]) -> Result<Scores> {
+        Scores::of(probabilities, &self.labels, self.classes, Some(weights))
+    }
+
+    fn intervals(
+        &self,
+        probabilities: &[f64],
+        prior: &[f64],
+        clusters: &[&str],
+        seed: u64,
+    ) -> Result<Intervals> {
+        let statistics = |drawn: &[f64]| {
+            let mut weights = self.weights.clone();
+            for (weight, times) in weights.iter_mut().zip(drawn) {
+                *weight *= times;
+            }
+            match (
+                self.score(probabilities, &weights),
+                self.score(prior, &weights),
+            ) {
+                (Ok(own), Ok(prior)) => [
+                    own.accuracy,
+                    own.balanced_accuracy,
+                    own.nats_gained_over(&prior),
+                ],
+                // No sample of this draw has a weight.
+                _ => [f64::NAN; 3],
+            }
+        };
+        let [accuracy, balanced_accuracy, nats_gained_over_prior] =
+            bootstrap(clusters, LEVEL, RESAMPLINGS, seed, statistics)?;
+        Ok(Intervals {
+            accuracy,
+            balanced_accuracy,
+            nats_gained_over_prior,
+        })
+    }
+}
+
+impl Evaluation {
+    /// The scores of a baseline.
+    ///
+    /// # Errors
+    /// [`LearnError::Settings`](crate::LearnError::Settings) if there is none of this name.
+    pub fn baseline(&self, name: &str) -> Result<&Scores> {
+        match self.baselines.iter().find(|(own, _)| *own == name) {
+            Some((_, scores)) => Ok(scores),
+            None => refuse(format!("there is no baseline {name}")),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::split::Fractions;
+
+    /// A set in which every third sample is a copy of one crystal form; predictions are right with
+    /// 0.8.
+    fn set() -> (Vec<Description>, Vec<usize>, Split, Vec<f64>) {
+        let (mut descriptions, mut labels) = (Vec::new(), Vec::new());
+        for number in 0..90 {
+            labels.push(number / 2 % 3);
+            descriptions.push(Description {
+                label: format!("{}", labels[number]),
+                cluster: format!("c{}", number / 2),
+                family: if number % 3 == 0 {
+                    "f".into()
+                } else {
+                    String::new()
+                },
+                residues: 100.0,
+                ..Description::default()
+            });
+        }
+        let split = Split::grouped(&descriptions, 1, Fractions::default()).unwrap();
+        let mut probabilities = Vec::new();
+        for sample in &split.test {
+            let mut p = [0.1; 3];
+            p[labels[*sample]] = 0.8;
+            probabilities.extend(p);
+        }
+        (descriptions, labels, split, probabilities)
+    }
+
+    /// The twin: each number by its own call.
+    #[test]
+    fn every_number_is_that_of_its_own_call() {
+        let (descriptions, labels, split, probabilities) = set();
+        let predictions = TestPredictions {
+            descriptions: &descriptions,
+            labels: &labels,
+            classes: 3,
+            split: &split,
+            probabilities: &probabilities,
+        };
+        let evaluation = predictions.evaluate(50, 4).unwrap();
+        let all_weights = family_weights(&descriptions);
+        let truth = predictions.of_test(&labels).unwrap();
+        let weights = predictions.of_test(&all_weights).unwrap();
+        let own = Scores::of(&probabilities, &truth, 3, Some(&weights)).unwrap();
+        assert_eq!(evaluation.scores, own);
+        assert_eq!(
+            evaluation.permutation,
+            permutation_test(&predictions, 50, 4).unwrap()
+        );
+        let names: Vec<_> = evaluation.baselines.iter().map(|(name, _)| *name).collect();
+        assert_eq!(
+            names,
+            [
+                "majority",
+                "prior",
+                "size",
+                "size_and_charge",
+                "composition"
+            ]
+        );
+        assert!(evaluation.baseline("voxels").is_err());
+        let clusters = predictions.clusters();
+        let accuracy = |drawn: &[f64]| {
+            let weights: Vec<f64> = drawn.iter().zip(&weights).map(|(n, w)| n * w).collect();
+            let scores = Scores::of(&probabilities, &truth, 3, Some(&weights));
+            [scores.map_or(f64::NAN, |scores| scores.accuracy)]
+        };
+        let [interval] = bootstrap(&clusters, 0.95, RESAMPLINGS, 4, accuracy).unwrap();
+        assert_eq!(evaluation.intervals.accuracy, interval);
+        assert_eq!(evaluation.test_clusters, split.test.len() / 2);
+    }
+}

@@ -1,0 +1,100 @@
+//! What is typical for the values of a channel.
+
+use super::screening::read_checked;
+use crate::error::refuse;
+use crate::{Result, SampleSource};
+use rayon::prelude::*;
+
+/// Medians are over at most this many values, evenly spread over the samples, to bound memory.
+pub const MOST_VALUES: usize = 1 << 22;
+
+/// Values of a channel where it is defined in the training samples, thinned evenly if they are
+/// many.
+pub(super) fn occupied(
+    source: &dyn SampleSource,
+    training: &[usize],
+    channel: usize,
+) -> Result<Vec<f32>> {
+    let most = (MOST_VALUES / training.len().max(1)).max(1);
+    let samples: Vec<Vec<f32>> = training
+        .par_iter()
+        .filter_map(|sample| of_sample(source, *sample, channel, most))
+        .collect();
+    if samples.is_empty() {
+        return refuse(format!(
+            "none of the {} training samples can be read, so nothing can be scaled",
+            training.len()
+        ));
+    }
+    Ok(samples.concat())
+}
+
+/// At most `most` values of a sample; `None` if it cannot be read.
+fn of_sample(
+    source: &dyn SampleSource,
+    sample: usize,
+    channel: usize,
+    most: usize,
+) -> Option<Vec<f32>> {
+    let grid = read_checked(source, sample).ok()?;
+    let values: Vec<&[f32]> = grid.values.chunks(grid.index.len().max(1)).collect();
+    let values = where_defined(source.channels(), &values, channel);
+    let step = values.len().div_ceil(most).max(1);
+    Some(values.into_iter().step_by(step).collect())
+}
+
+/// The values of a channel in the occupied voxels where it is defined.
+///
+/// With the channel `solid`, voxels inside are occupied as well, and channels of the surface are 0
+/// there. The voxels that `shape` marks are then left or, without `shape`, those that are not 0.
+pub fn where_defined(channels: &[String], values: &[&[f32]], channel: usize) -> Vec<f32> {
+    let place = |name: &str| channels.iter().position(|channel| channel == name);
+    let (solid, shape) = (place("solid"), place("shape"));
+    let own = values.get(channel).copied().unwrap_or_default();
+    let everywhere = solid.is_none() || solid == Some(channel) || shape == Some(channel);
+    if everywhere {
+        return own.to_vec();
+    }
+    let marks = shape.and_then(|shape| values.get(shape)).unwrap_or(&own);
+    let mut defined = Vec::new();
+    for (value, mark) in own.iter().zip(*marks) {
+        if *mark != 0.0 {
+            defined.push(*value);
+        }
+    }
+    defined
+}
+
+/// The median absolute deviation; if that is zero, the mean size; if that is zero too, 1.
+pub(super) fn robust_scale(mut values: Vec<f32>) -> f64 {
+    let sizes: f64 = values.iter().map(|value| f64::from(value.abs())).sum();
+    let mean_size = sizes / values.len().max(1) as f64;
+    let middle = median(&mut values);
+    for value in &mut values {
+        *value = (*value - middle).abs();
+    }
+    let deviation = f64::from(median(&mut values));
+    if deviation > 0.0 {
+        deviation
+    } else if mean_size > 0.0 {
+        mean_size
+    } else {
+        1.0
+    }
+}
+
+/// The median, the upper of the two in the middle for an even count; zero for none. The values are
+/// left in another order.
+///
+/// ```
+/// use protomer_learn::scaling::median;
+///
+/// assert_eq!(median(&mut [5.0, 1.0, 9.0]), 5.0);
+/// ```
+pub fn median(values: &mut [f32]) -> f32 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f32::total_cmp).1
+}
