@@ -2,7 +2,7 @@
 
 use crate::errors::{StoppedError, exception};
 use protomer::cli::{Answer, Command, Host, Outcome};
-use protomer::interrupt::Interrupt;
+use protomer_results::Interrupt;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use std::ffi::OsString;

@@ -2,7 +2,6 @@
 
 use crate::assembly_file::{AssemblyFile, BodyEntry, Placement};
 use crate::body_file;
-use crate::run::refuse_set;
 use anyhow::{Context, Result, bail};
 use protomer_body::assembly::{self, Expansion, Recipe, expand_until_free};
 use protomer_body::{Body, BodySettings, Source, build_body_of_selection};
@@ -10,6 +9,7 @@ use protomer_io::atomic::write_atomically;
 use protomer_kernel::overlap::{CollisionShape, overlaps};
 use protomer_kernel::pose::RelativePose;
 use protomer_kernel::{Boundary, Rotation};
+use protomer_results::ResultKind;
 use serde::Serialize;
 use std::path::{Component, Path, PathBuf};
 
@@ -287,7 +287,7 @@ pub fn assemble_structure(
     folder: &Path,
     settings: &StructureSettings,
 ) -> Result<StructureAssembly> {
-    refuse_set(folder)?;
+    ResultKind::VoxelSet.refuse_in(folder)?;
     let file = crate::input::InputFile::read(input)?;
     let structure = protomer_body::structure::Structure::read(&file.name, &file.bytes)?;
     let selection = structure

@@ -9,11 +9,12 @@
 //! File names are relative to the assembly file. A `null` box is open space; `wall_radius_angstrom`
 //! puts a spherical wall about the origin instead.
 
-use crate::{body_file, keys};
+use crate::body_file;
 use anyhow::{Context, Result, bail};
 use protomer_body::Body;
 use protomer_kernel::mesh::LARGEST_COORDINATE_ANGSTROM;
 use protomer_kernel::{Boundary, Pose, Vec3};
+use protomer_results::keys;
 use serde::{Deserialize, Serialize};
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;

@@ -1,8 +1,8 @@
 //! Downloading an entry from the Protein Data Bank, only when asked to.
 
-use crate::run::refuse_set;
 use anyhow::{Context, Result, bail};
 use protomer_io::atomic::write_atomically;
+use protomer_results::ResultKind;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -21,7 +21,7 @@ const LARGEST_DOWNLOAD_BYTES: u64 = 1 << 30;
 /// disk.
 pub fn fetch(entry: &str, base: &str, folder: &Path, force: bool) -> Result<PathBuf> {
     let entry = checked_entry(entry)?;
-    refuse_set(folder)?;
+    ResultKind::VoxelSet.refuse_in(folder)?;
     let path = folder.join(format!("{entry}.cif.gz"));
     if path.exists() && !force {
         return Ok(path);

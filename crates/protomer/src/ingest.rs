@@ -3,7 +3,6 @@
 
 use crate::body_file;
 use crate::input::{InputFile, stem};
-use crate::run::refuse_set;
 use anyhow::{Context, Result, bail};
 use protomer_body::structure::{Format, SelectionReport};
 use protomer_body::{
@@ -13,6 +12,7 @@ use protomer_io::atomic::write_atomically;
 use protomer_io::mesh::{MeshFormat, write_mesh};
 use protomer_io::points::{PointRecord, read_points};
 use protomer_io::pqr::write_pqr;
+use protomer_results::{Progress, ResultKind};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -95,7 +95,7 @@ pub fn describe_body(body: &Body, path: &Path) -> serde_json::Value {
     serde_json::json!({"body": path, "name": body.name, "measures": BodyMeasures::of(body)})
 }
 
-/// Ingests every file into `folder`. `advanced` is called after each.
+/// Ingests every file into `folder`.
 ///
 /// # Errors
 /// Only if the folder cannot be made or two files would make the same body; what goes wrong with a
@@ -104,18 +104,19 @@ pub fn ingest_files(
     files: &[PathBuf],
     folder: &Path,
     settings: &IngestSettings,
-    advanced: &(dyn Fn() + Sync),
+    progress: &dyn Progress,
 ) -> Result<Vec<FileOutcome>> {
-    refuse_set(folder)?;
+    ResultKind::VoxelSet.refuse_in(folder)?;
     std::fs::create_dir_all(folder)
         .with_context(|| format!("cannot make the folder {}", folder.display()))?;
     let names = body_names(files, settings)?;
     let jobs: Vec<(&PathBuf, String)> = files.iter().zip(names).collect();
+    progress.begin(jobs.len() as u64, "files");
     Ok(jobs
         .into_par_iter()
         .map(|(file, name)| {
             let outcome = ingest_file(file, &name, folder, settings);
-            advanced();
+            progress.advance(1);
             outcome.unwrap_or_else(|error| FileOutcome::failed(file, &error))
         })
         .collect())

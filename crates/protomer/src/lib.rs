@@ -15,8 +15,7 @@
 //! | [`interaction`] | salt, temperature, permittivity to a Yukawa potential |
 //! | [`inspect`] | one state looked at |
 //! | [`run`] | one simulation in its directory |
-//! | [`shard`] | a part of what many machines share |
-//! | [`sweep`], [`sweep_table`], [`sweep_figure`] | many simulations, one table, one figure |
+//! //! | [`sweep`], [`sweep_table`], [`sweep_figure`] | many simulations, one table, one figure |
 //! | [`framework`] | networks of rods and hinges: elastic constants, loads, figures |
 //! | [`compare`] | several sweeps in one figure |
 //! | [`lattice`] | lattices of rigid squares: runs, sweeps, pictures |
@@ -27,12 +26,11 @@
 //! | [`tune`], `tune_records`, `tune_table`, [`tune_figure`] | networks searched for: the search, what is kept of each trial, tables, figure |
 //! | [`mod@predict`] | a trained network applied to a set |
 //! | [`mod@report`] | a directory of results as one page |
-//! | [`quantity`], [`keys`], [`interrupt`], [`plot`], `base64` | what several of them need |
+//! | [`quantity`], [`plot`] | what several of them need |
 //! | `cli` | the command line, one file per verb (feature `cli`) |
 
 pub mod assemble;
 pub mod assembly_file;
-mod base64;
 pub mod bench;
 pub mod body_file;
 #[cfg(feature = "cli")]
@@ -48,8 +46,6 @@ pub mod ingest;
 pub mod input;
 pub mod inspect;
 pub mod interaction;
-pub mod interrupt;
-pub mod keys;
 pub mod lattice;
 pub mod own_body;
 pub mod plot;
@@ -58,7 +54,6 @@ pub mod predict;
 pub mod quantity;
 pub mod report;
 pub mod run;
-pub mod shard;
 pub mod surface_of_file;
 pub mod sweep;
 pub mod sweep_figure;

@@ -7,32 +7,23 @@
 //! ```
 
 use crate::interaction::Interaction;
-use crate::run::{
-    Engine, Execution, Hold, Layout, ReplicaCounts, ReplicaEnd, ReplicaTask, ResultsDirectory,
-    RunRecord, RunSettings, SWEEP, lock, read_log, read_record, refuse, run_replica, salt_label,
-};
-use crate::shard::Shard;
+use crate::run::{AcceptedFractions, Engine, LogRow, Replica, RunSettings, salt_label};
 use crate::sweep_figure;
 use crate::sweep_table::{ReplicaResult, SaltRow, to_csv};
-use anyhow::{Context, Result, bail};
-use protomer_io::atomic::{sha256_hex, write_atomically};
-use rayon::prelude::*;
+use anyhow::{Context, Error, Result};
+use protomer_io::atomic::write_atomically;
+use protomer_results::{
+    Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Shard, Work, conduct,
+    conduct_shard, drive, log, settings,
+};
 use serde::Serialize;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-
-/// How a part of a sweep ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ShardEnd {
-    /// So many simulations are done.
-    Finished(usize),
-    /// It was asked to stop; the same command goes on.
-    Stopped,
-}
 
 /// The directory of a sweep.
 const LAYOUT: Layout = Layout {
+    kind: ResultKind::Sweep,
     settings: "run.toml",
-    holds: SWEEP,
     results: &[
         "run.json",
         "sweep.csv",
@@ -66,70 +57,34 @@ pub struct SweepResult {
     pub replicas: Vec<Vec<ReplicaResult>>,
 }
 
-/// How a sweep ended.
-#[derive(Debug, Clone, PartialEq)]
-pub enum SweepEnd {
-    /// Everything is done.
-    Finished(Box<SweepResult>),
-    /// It was asked to stop; the same command goes on.
-    Stopped,
-}
-
 /// Whether this is the folder of the simulations at one salt concentration.
 fn is_simulation(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     name.starts_with("salt_") && name.ends_with('M') && path.join("replica_0").is_dir()
 }
 
-/// Runs or continues a sweep in a directory. `advanced` hears how many sweeps of all simulations
-/// were done.
+/// Runs or continues a sweep in a directory.
 ///
 /// # Errors
-/// For settings or a start that make no sense, a directory that holds another sweep or that another
-/// process works in, and a disk that takes no more. The first simulation that fails stops the
-/// others at their next sweep; what they did is kept, and `run.json` says what happened.
+/// For settings or a start that make no sense, a directory that holds other work or that another
+/// process works in, and a disk that refuses. The first simulation that fails stops the others at
+/// their next sweep; what they did is kept, and `run.json` says what happened.
 pub fn run_sweep(
     engine: &Engine,
     settings: &RunSettings,
     directory: &Path,
     execution: &Execution,
-    advanced: &(dyn Fn(u64) + Sync),
-) -> Result<SweepEnd> {
-    let interactions = interactions(engine, settings)?;
-    let identity = identity(engine, settings)?;
-    let record = |exit_reason: &str| record(engine, directory, &identity, exit_reason);
-    let continues = |present: &RunSettings| continues(directory, present, settings, &identity);
+) -> Result<End<SweepResult>> {
+    let sweep = Sweep::new(engine, settings, directory)?;
     let entered =
-        ResultsDirectory::enter(directory, LAYOUT, settings, execution.start_anew, continues)?;
-    // A finished sweep stays one, whatever becomes of a second look at it; one that is to be longer
-    // is finished no more.
-    let was_done = !entered.settings_are_new()
-        && read_record(directory)?.is_some_and(|present| present.is_done());
-    if !was_done {
-        record("running").write(directory)?;
-    }
-    let work = Work {
-        engine,
-        settings,
-        interactions: &interactions,
-        identity: &identity,
-        directory,
-    };
-    let end = work.to_the_end(execution, advanced);
-    match &end {
-        Ok(SweepEnd::Finished(_)) => record("done").write(directory)?,
-        Ok(SweepEnd::Stopped) => record("stopped")
-            .stopped_by(&execution.interrupt)
-            .write(directory)?,
-        Err(_) if was_done => {}
-        // The error is what counts; on a full disk there may be no room for the record either.
-        Err(error) => drop(record(&format!("{error:#}")).write(directory)),
-    }
-    end
+        ResultsDirectory::enter(directory, &LAYOUT, settings, &sweep.identity, execution)?;
+    sweep.tell_length(execution, sweep.tasks.len());
+    conduct(&sweep, &entered, execution)
 }
 
 /// Runs or continues the simulations of one part of a sweep, while other processes do other parts
-/// in the same directory. [`run_sweep`] finds them done and writes the table and the figure.
+/// in the same directory, and returns their number. [`run_sweep`] finds them done and writes the
+/// table and the figure.
 ///
 /// # Errors
 /// As [`run_sweep`].
@@ -139,166 +94,149 @@ pub fn run_shard(
     directory: &Path,
     shard: Shard,
     execution: &Execution,
-    advanced: &(dyn Fn(u64) + Sync),
-) -> Result<ShardEnd> {
-    let interactions = interactions(engine, settings)?;
-    let identity = identity(engine, settings)?;
-    let continues = |present: &RunSettings| continues(directory, present, settings, &identity);
+) -> Result<End<usize>> {
+    let sweep = Sweep::new(engine, settings, directory)?;
     let entered =
-        ResultsDirectory::share(directory, LAYOUT, settings, execution.start_anew, continues)?;
-    if entered.settings_are_new() {
-        record(engine, directory, &identity, "running").write(directory)?;
-    }
-    let work = Work {
-        engine,
-        settings,
-        interactions: &interactions,
-        identity: &identity,
-        directory,
-    };
-    let mine: Vec<(usize, u32)> = tasks(settings)
-        .into_iter()
-        .enumerate()
-        .filter(|(number, _)| shard.has(*number))
-        .map(|(_, task)| task)
-        .collect();
-    let counts = work.simulate(&mine, Hold::Shared, execution, advanced)?;
-    Ok(counts.map_or(ShardEnd::Stopped, |counts| ShardEnd::Finished(counts.len())))
+        ResultsDirectory::share(directory, &LAYOUT, settings, &sweep.identity, execution)?;
+    let ours = (0..sweep.tasks.len()).filter(|number| shard.has(*number));
+    sweep.tell_length(execution, ours.count());
+    conduct_shard(&sweep, &entered, shard, execution)
 }
 
-/// What the simulations of a sweep have in common.
-struct Work<'a> {
+/// One simulation of a sweep.
+struct Task {
+    salt_index: usize,
+    replica: u32,
+}
+
+/// A sweep that is known to make sense.
+struct Sweep<'a> {
     engine: &'a Engine,
     settings: &'a RunSettings,
-    interactions: &'a [Interaction],
-    identity: &'a str,
     directory: &'a Path,
+    interactions: Vec<Interaction>,
+    identity: String,
+    tasks: Vec<Task>,
 }
 
-impl Work<'_> {
-    /// Simulates everything, and writes the table and the figure.
-    fn to_the_end(
-        &self,
-        execution: &Execution,
-        advanced: &(dyn Fn(u64) + Sync),
-    ) -> Result<SweepEnd> {
-        let Some(counts) =
-            self.simulate(&tasks(self.settings), Hold::Alone, execution, advanced)?
-        else {
-            return Ok(SweepEnd::Stopped);
-        };
-        let result = collect(
-            self.engine,
-            self.settings,
-            self.interactions,
-            self.directory,
-            &counts,
-        )?;
-        write_results(&result, self.directory)?;
-        Ok(SweepEnd::Finished(Box::new(result)))
+impl<'a> Sweep<'a> {
+    fn new(engine: &'a Engine, settings: &'a RunSettings, directory: &'a Path) -> Result<Self> {
+        settings.check()?;
+        let of_salt = |salt: &f64| settings.medium.interaction(Some(*salt));
+        let interactions: Vec<Interaction> = settings
+            .salt_molar
+            .iter()
+            .map(of_salt)
+            .collect::<Result<_>>()?;
+        engine.check(settings, &interactions)?;
+        Ok(Self {
+            engine,
+            settings,
+            directory,
+            interactions,
+            identity: settings::identity(settings, &engine.assembly().sha256)?,
+            tasks: tasks(settings),
+        })
     }
 
-    /// Runs these simulations; none if they were stopped. The first that fails stops the others.
-    fn simulate(
-        &self,
-        tasks: &[(usize, u32)],
-        hold: Hold,
-        execution: &Execution,
-        advanced: &(dyn Fn(u64) + Sync),
-    ) -> Result<Option<Vec<ReplicaCounts>>> {
-        let one = |&(salt_index, replica): &(usize, u32)| {
-            let salt = self.settings.salt_molar[salt_index];
-            let end = self.simulate_one(salt_index, replica, hold, execution, advanced);
-            if end.is_err() {
-                execution.interrupt.request_after_failure();
-            }
-            end.with_context(|| format!("salt {salt} M, replica {replica}"))
-        };
-        let ends: Vec<Result<ReplicaEnd>> = tasks.par_iter().map(one).collect();
-        let ends = ends.into_iter().collect::<Result<Vec<ReplicaEnd>>>()?;
-        Ok(ends.into_iter().map(ReplicaEnd::finished).collect())
+    fn tell_length(&self, execution: &Execution, simulations: usize) {
+        let sweeps = (simulations as u64).saturating_mul(self.settings.total_sweeps());
+        execution.progress.begin(sweeps, "sweeps");
+    }
+}
+
+impl Campaign for Sweep<'_> {
+    type Task = Task;
+    type Part = AcceptedFractions;
+    type Answer = SweepResult;
+    type Error = Error;
+
+    fn work(&self) -> Work {
+        Work {
+            kind: ResultKind::Sweep,
+            verb: "sweep",
+            identity: self.identity.clone(),
+            input_sha256: self.engine.assembly().sha256.clone(),
+        }
     }
 
-    fn simulate_one(
+    /// Where a report finds the shapes of the bodies.
+    fn details(&self) -> Value {
+        json!({ "assembly": self.engine.assembly().path_from(self.directory) })
+    }
+
+    fn tasks(&self) -> &[Task] {
+        &self.tasks
+    }
+
+    fn directory(&self, task: &Task) -> PathBuf {
+        let salt_molar = self.settings.salt_molar[task.salt_index];
+        replica_directory(self.directory, salt_molar, task.replica)
+    }
+
+    fn run(
         &self,
-        salt_index: usize,
-        replica: u32,
-        hold: Hold,
+        task: &Task,
+        directory: &Path,
         execution: &Execution,
-        advanced: &(dyn Fn(u64) + Sync),
-    ) -> Result<ReplicaEnd> {
-        let directory = replica_directory(
-            self.directory,
-            self.settings.salt_molar[salt_index],
+    ) -> Result<End<AcceptedFractions>> {
+        let Task {
+            salt_index,
             replica,
-        );
-        // Where the sweep is shared, a process that was given up for lost may still be at work
-        // here.
-        let _mine = match hold {
-            Hold::Shared => {
-                std::fs::create_dir_all(&directory).with_context(|| {
-                    format!("cannot make the directory {}", directory.display())
-                })?;
-                Some(lock(&directory, Hold::Alone)?)
-            }
-            Hold::Alone => None,
-        };
-        let task = ReplicaTask {
+        } = *task;
+        let simulation = Replica {
             engine: self.engine,
             settings: self.settings,
             interaction: self.interactions[salt_index],
             salt_index: salt_index as u32,
             replica,
-            directory,
-            identity: self.identity,
+            identity: &self.identity,
         };
-        run_replica(&task, execution, advanced)
+        drive(&simulation, directory, execution).with_context(|| {
+            let salt = self.settings.salt_molar[salt_index];
+            format!("salt {salt} M, replica {replica}")
+        })
     }
-}
 
-fn interactions(engine: &Engine, settings: &RunSettings) -> Result<Vec<Interaction>> {
-    settings.check()?;
-    let of_salt = |salt: &f64| settings.medium.interaction(Some(*salt));
-    let interactions = settings
-        .salt_molar
-        .iter()
-        .map(of_salt)
-        .collect::<Result<Vec<Interaction>>>()?;
-    engine.check(settings, &interactions)?;
-    Ok(interactions)
-}
-
-/// Whether the sweep of a directory is this one, whose length may have grown.
-fn continues(
-    path: &Path,
-    present: &RunSettings,
-    settings: &RunSettings,
-    identity: &str,
-) -> Result<bool> {
-    if present.without_length() != settings.without_length() {
-        return Ok(false);
+    /// Averages every log, and writes the table and the figure.
+    fn collect(&self, accepted: Vec<AcceptedFractions>) -> Result<SweepResult> {
+        let mut replicas = vec![Vec::new(); self.settings.salt_molar.len()];
+        for (task, accepted) in self.tasks.iter().zip(accepted) {
+            let rows: Vec<LogRow> = log::read(&self.directory(task).join("log.csv"))?;
+            let result = ReplicaResult::new(task.replica, &rows, accepted);
+            replicas[task.salt_index].push(result);
+        }
+        let salts = self.settings.salt_molar.iter();
+        let of_salts = salts.zip(&self.interactions).zip(&replicas);
+        let assembly = self.engine.assembly();
+        let result = SweepResult {
+            version: env!("CARGO_PKG_VERSION").into(),
+            input_sha256: assembly.sha256.clone(),
+            bodies: assembly.len(),
+            concentration_molar: assembly.concentration_molar(),
+            box_angstrom: assembly.box_angstrom(),
+            settings: self.settings.clone(),
+            salts: of_salts
+                .map(|((salt, interaction), replicas)| SaltRow::new(*salt, interaction, replicas))
+                .collect(),
+            replicas,
+        };
+        write_results(&result, self.directory)?;
+        Ok(result)
     }
-    if read_record(path)?.is_some_and(|record| record.identity != identity) {
-        return refuse(path, LAYOUT, "input");
-    }
-    if present.sweeps > settings.sweeps {
-        bail!(
-            "{} is meant to run to {} sweeps, which is more than {}; ask for at least as many, or choose another directory",
-            path.display(),
-            present.sweeps,
-            settings.sweeps
-        );
-    }
-    Ok(true)
 }
 
 /// Every simulation of the sweep, the first replica of every salt first: an interrupted sweep has a
 /// whole curve early.
-fn tasks(settings: &RunSettings) -> Vec<(usize, u32)> {
+fn tasks(settings: &RunSettings) -> Vec<Task> {
     let salts = 0..settings.salt_molar.len();
-    (0..settings.replicas)
-        .flat_map(|replica| salts.clone().map(move |salt| (salt, replica)))
-        .collect()
+    let of_replica = |replica| {
+        salts.clone().map(move |salt_index| Task {
+            salt_index,
+            replica,
+        })
+    };
+    (0..settings.replicas).flat_map(of_replica).collect()
 }
 
 /// The directory of one simulation.
@@ -306,57 +244,6 @@ pub fn replica_directory(directory: &Path, salt_molar: f64, replica: u32) -> Pat
     directory
         .join(salt_label(salt_molar))
         .join(format!("replica_{replica}"))
-}
-
-/// SHA-256 of everything that shapes the result but its length.
-fn identity(engine: &Engine, settings: &RunSettings) -> Result<String> {
-    let text = toml::to_string_pretty(&settings.without_length())
-        .context("the settings cannot be written down")?;
-    Ok(sha256_hex(
-        format!("{text}{}", engine.assembly().sha256).as_bytes(),
-    ))
-}
-
-fn record(engine: &Engine, directory: &Path, identity: &str, exit_reason: &str) -> RunRecord {
-    RunRecord {
-        version: env!("CARGO_PKG_VERSION").into(),
-        verb: "sweep".into(),
-        identity: identity.into(),
-        input_sha256: engine.assembly().sha256.clone(),
-        exit_reason: exit_reason.into(),
-        // Where a report finds the shapes of the bodies.
-        details: serde_json::json!({ "assembly": engine.assembly().path_from(directory) }),
-    }
-}
-
-/// Averages every log.
-fn collect(
-    engine: &Engine,
-    settings: &RunSettings,
-    interactions: &[Interaction],
-    directory: &Path,
-    counts: &[ReplicaCounts],
-) -> Result<SweepResult> {
-    let mut replicas = vec![Vec::new(); settings.salt_molar.len()];
-    for ((salt, replica), counts) in tasks(settings).into_iter().zip(counts) {
-        let folder = replica_directory(directory, settings.salt_molar[salt], replica);
-        let rows = read_log(&folder.join("log.csv"))?;
-        replicas[salt].push(ReplicaResult::new(replica, &rows, *counts));
-    }
-    let salts = settings.salt_molar.iter().zip(interactions).zip(&replicas);
-    let assembly = engine.assembly();
-    Ok(SweepResult {
-        version: env!("CARGO_PKG_VERSION").into(),
-        input_sha256: assembly.sha256.clone(),
-        bodies: assembly.len(),
-        concentration_molar: assembly.concentration_molar(),
-        box_angstrom: assembly.box_angstrom(),
-        settings: settings.clone(),
-        salts: salts
-            .map(|((salt, interaction), replicas)| SaltRow::new(*salt, interaction, replicas))
-            .collect(),
-        replicas,
-    })
 }
 
 fn write_results(result: &SweepResult, directory: &Path) -> Result<()> {

@@ -1,7 +1,7 @@
 //! From the logs of a sweep's replicas to one row per salt concentration.
 
 use crate::interaction::Interaction;
-use crate::run::{LogRow, ReplicaCounts};
+use crate::run::{AcceptedFractions, LogRow};
 use anyhow::Result;
 use protomer_io::csv::{Cell, Table};
 use protomer_kernel::statistics::{Summary, summarize};
@@ -23,14 +23,14 @@ pub struct ReplicaResult {
     pub energy_kt: Summary,
     /// Accepted fractions in production.
     #[serde(flatten)]
-    pub counts: ReplicaCounts,
+    pub accepted: AcceptedFractions,
     /// Mean number of bodies that a cluster move moved.
     pub cluster_moved_mean: f64,
 }
 
 impl ReplicaResult {
     /// Averages of a log, with errors corrected for autocorrelation.
-    pub fn new(replica: u32, rows: &[LogRow], counts: ReplicaCounts) -> Self {
+    pub fn new(replica: u32, rows: &[LogRow], accepted: AcceptedFractions) -> Self {
         let series = |column: fn(&LogRow) -> f64| rows.iter().map(column).collect::<Vec<f64>>();
         let native = series(|row| row.native_contacts);
         let cluster_moved = series(|row| row.cluster_moved);
@@ -43,7 +43,7 @@ impl ReplicaResult {
                 .then(|| summarize(&native)),
             largest_cluster: summarize(&series(|row| row.largest_cluster as f64)),
             energy_kt: summarize(&series(|row| row.energy_kt)),
-            counts,
+            accepted,
             cluster_moved_mean: mean(&cluster_moved),
         }
     }
@@ -118,8 +118,8 @@ impl SaltRow {
             largest_cluster_sd: standard_deviation(&largest),
             energy_mean_kt: mean(&energy),
             energy_sd_kt: standard_deviation(&energy),
-            translation_acceptance: mean(&of(|r| r.counts.translation_acceptance)),
-            rotation_acceptance: mean(&of(|r| r.counts.rotation_acceptance)),
+            translation_acceptance: mean(&of(|r| r.accepted.translation_acceptance)),
+            rotation_acceptance: mean(&of(|r| r.accepted.rotation_acceptance)),
             cluster_moved_mean: mean(&of(|r| r.cluster_moved_mean)),
             replicas: replicas.len(),
         }

@@ -10,19 +10,20 @@
 //! DIR/trials/0007.bin  trials/0007-3.toml   a checkpoint each, and what it had reached at each rung
 //! ```
 
-use crate::run::{Execution, Hold, Layout, ResultsDirectory};
-use crate::shard::Shard;
-use crate::train::{Prepared, TrainSettings, advance, blocks, check};
+use crate::train::{Epochs, Prepared, TrainSettings, TrainingRun, blocks, check};
 use crate::tune_figure;
 use crate::tune_records::{Records, Standing};
 use crate::tune_table::write_table;
 use anyhow::{Context, Result, bail};
 use protomer_io::atomic::write_atomically;
 use protomer_kernel::random::CounterRng;
-use protomer_learn::LearnError;
 use protomer_learn::sample::SampleSource;
 use protomer_learn::training::EpochRecord;
-use rayon::prelude::*;
+use protomer_learn::{Device, LearnError};
+use protomer_results::{
+    End, Execution, Hold, Layout, ResultKind, ResultsDirectory, Run, Settings, Shard, Work,
+    checkpoint, each, proceed, recorded, settings,
+};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::path::Path;
@@ -42,9 +43,16 @@ pub(crate) fn kept(trials: usize) -> usize {
 
 /// Files and folders of a search.
 const LAYOUT: Layout = Layout {
+    kind: ResultKind::Search,
     settings: "settings.toml",
-    holds: "a search",
-    results: &["trials.csv", FIGURE, "best.toml", "trials", "report.html"],
+    results: &[
+        "run.json",
+        "trials.csv",
+        FIGURE,
+        "best.toml",
+        "trials",
+        "report.html",
+    ],
     is_result: |_| false,
 };
 
@@ -79,24 +87,22 @@ pub struct Trial {
     pub settings: TrainSettings,
 }
 
-/// How a search ended.
-#[derive(Debug, Clone, PartialEq)]
-pub enum TuneEnd {
-    /// All trials, best first.
-    Finished(Vec<Trial>),
-    /// It was asked to stop; the same command goes on.
-    Stopped,
-}
-
-/// How a part of a search ended.
+/// How far the trials of a part of a search came.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ShardEnd {
+pub enum ShardState {
     /// No trial of the search is left to be trained.
-    Finished,
+    Complete,
     /// Other parts have to train theirs before it is known who goes on.
     Waiting,
-    /// It was asked to stop; the same command goes on.
-    Stopped,
+}
+
+impl Settings for TuneSettings {
+    fn essential(&self) -> Self {
+        Self {
+            base: self.base.essential(),
+            ..self.clone()
+        }
+    }
 }
 
 impl TuneSettings {
@@ -192,56 +198,38 @@ impl TuneSettings {
     }
 }
 
-/// Searches or continues in a directory. `advanced` hears of epochs done.
+/// Searches or continues in a directory, and returns all trials, best first.
 ///
 /// # Errors
-/// For settings that make no sense, a directory that holds something else, and a disk that takes no
-/// more.
+/// For settings that make no sense, a directory that holds other work, and a disk that refuses.
 pub fn tune_in(
     settings: &TuneSettings,
     set: &dyn SampleSource,
     path: &Path,
+    device: &Device,
     execution: &Execution,
-    advanced: &(dyn Fn(u64) + Sync),
-) -> Result<TuneEnd> {
+) -> Result<End<Vec<Trial>>> {
     let trials = settings.draw(set.size())?;
     let prepared = prepare(settings, &trials, set)?;
-    let same = |present: &TuneSettings| Ok(present == settings);
-    let _mine = ResultsDirectory::enter(path, LAYOUT, settings, execution.start_anew, same)?;
+    let work = work(settings)?;
+    let entered = ResultsDirectory::enter(path, &LAYOUT, settings, &work.identity, execution)?;
     let search = Search {
         settings,
         trials,
         records: Records::open(path)?,
+        device,
         execution,
-        advanced,
     };
     search.records.tidy()?;
-    let tell =
-        |standing: &Standing| write_table(standing.running.iter().chain(&standing.ended), path);
-    if search.train(&prepared, Shard::WHOLE, Hold::Alone, &tell)? == ShardEnd::Stopped {
-        return Ok(TuneEnd::Stopped);
-    }
-    let mut standing = search.standing()?;
-    tell(&standing)?;
-    let mut trials = standing.running;
-    trials.append(&mut standing.ended);
-    let Some(best) = trials
-        .first()
-        .filter(|best| best.validation_loss_nats.is_some())
-    else {
-        bail!("every trial diverged; choose other --channels or another --scaling");
-    };
-    tune_figure::figure(&trials, &settings.base.training.channels).write_svg(&path.join(FIGURE))?;
-    let text = toml::to_string_pretty(&best.settings).context("best.toml")?;
-    write_atomically(&path.join("best.toml"), |out| {
-        out.write_all(text.as_bytes())
-    })?;
-    Ok(TuneEnd::Finished(trials))
+    execution.progress.begin(settings.total_epochs(), "epochs");
+    recorded(&work, &entered, &execution.interrupt, || {
+        search.to_the_end(&prepared, path)
+    })
 }
 
 /// Trains the trials of one part, while other processes train those of other parts in the same
 /// directory, for as long as it is known who goes on. Called again and again for all parts until
-/// all are finished, it leaves [`tune_in`] nothing to train.
+/// all are complete, it leaves [`tune_in`] nothing to train.
 ///
 /// # Errors
 /// As [`tune_in`].
@@ -250,33 +238,39 @@ pub fn tune_shard(
     set: &dyn SampleSource,
     path: &Path,
     shard: Shard,
+    device: &Device,
     execution: &Execution,
-    advanced: &(dyn Fn(u64) + Sync),
-) -> Result<ShardEnd> {
+) -> Result<End<ShardState>> {
     let trials = settings.draw(set.size())?;
-    let same = |present: &TuneSettings| Ok(present == settings);
-    let _ours = ResultsDirectory::share(path, LAYOUT, settings, execution.start_anew, same)?;
+    let identity = work(settings)?.identity;
+    let _ours = ResultsDirectory::share(path, &LAYOUT, settings, &identity, execution)?;
     let search = Search {
         settings,
         trials,
         records: Records::open(path)?,
+        device,
         execution,
-        advanced,
     };
     let standing = search.standing()?;
     if standing.rung.is_none() {
-        return Ok(ShardEnd::Finished);
+        return Ok(End::Finished(ShardState::Complete));
     }
     // To prepare a set is to read all of it.
     if !standing.behind.iter().any(|place| shard.has(*place)) {
-        return Ok(ShardEnd::Waiting);
+        return Ok(End::Finished(ShardState::Waiting));
     }
-    search.train(
-        &prepare(settings, &search.trials, set)?,
-        shard,
-        Hold::Shared,
-        &|_| Ok(()),
-    )
+    let prepared = prepare(settings, &search.trials, set)?;
+    execution.progress.begin(settings.total_epochs(), "epochs");
+    search.train(&prepared, shard, Hold::Shared, &|_| Ok(()))
+}
+
+fn work(settings: &TuneSettings) -> Result<Work> {
+    Ok(Work {
+        kind: ResultKind::Search,
+        verb: "tune",
+        identity: settings::identity(settings, "")?,
+        input_sha256: settings.base.source.digest().to_owned(),
+    })
 }
 
 /// The set as all trials see it, once it is known that each can begin.
@@ -297,8 +291,8 @@ struct Search<'a> {
     settings: &'a TuneSettings,
     trials: Vec<Trial>,
     records: Records,
+    device: &'a Device,
     execution: &'a Execution,
-    advanced: &'a (dyn Fn(u64) + Sync),
 }
 
 impl Search<'_> {
@@ -306,74 +300,86 @@ impl Search<'_> {
         self.records.standing(self.settings, &self.trials)
     }
 
-    /// Trains the trials of a part rung after rung, until others have to reach one; `tell` hears
-    /// after each.
+    /// Trains all trials, and writes the table, the figure and the best settings.
+    fn to_the_end(&self, prepared: &Prepared, path: &Path) -> Result<End<Vec<Trial>>> {
+        let write_standing =
+            |standing: &Standing| write_table(standing.running.iter().chain(&standing.ended), path);
+        let end = self.train(prepared, Shard::WHOLE, Hold::Alone, &write_standing)?;
+        if end == End::Stopped {
+            return Ok(End::Stopped);
+        }
+        let standing = self.standing()?;
+        write_standing(&standing)?;
+        let trials = [standing.running, standing.ended].concat();
+        let best = trials
+            .first()
+            .filter(|best| best.validation_loss_nats.is_some());
+        let Some(best) = best else {
+            bail!("every trial diverged; choose other --channels or another --scaling");
+        };
+        tune_figure::figure(&trials, &self.settings.base.training.channels)
+            .write_svg(&path.join(FIGURE))?;
+        let text = toml::to_string_pretty(&best.settings).context("best.toml")?;
+        write_atomically(&path.join("best.toml"), |out| {
+            out.write_all(text.as_bytes())
+        })?;
+        Ok(End::Finished(trials))
+    }
+
+    /// Trains the trials of a part rung after rung, until others have to reach one. Calls
+    /// `after_rung` after each.
     fn train(
         &self,
         prepared: &Prepared,
         shard: Shard,
         hold: Hold,
-        tell: &dyn Fn(&Standing) -> Result<()>,
-    ) -> Result<ShardEnd> {
+        after_rung: &dyn Fn(&Standing) -> Result<()>,
+    ) -> Result<End<ShardState>> {
         let mut standing = self.standing()?;
-        (self.advanced)(standing.epochs);
+        self.execution.progress.advance(standing.epochs);
         while let Some(epochs) = standing.rung {
-            let mine: Vec<&Trial> = standing
+            let ours: Vec<&Trial> = standing
                 .behind
                 .iter()
                 .filter(|place| shard.has(**place))
                 .filter_map(|place| standing.running.get(*place))
                 .collect();
-            if mine.is_empty() {
-                return Ok(ShardEnd::Waiting);
+            if ours.is_empty() {
+                return Ok(End::Finished(ShardState::Waiting));
             }
             let one = |trial: &&Trial| {
                 self.train_one(trial, prepared, epochs.clone(), hold)
                     .with_context(|| format!("trial {}", trial.number))
             };
-            if mine
-                .par_iter()
-                .map(one)
-                .collect::<Result<Vec<bool>>>()?
-                .contains(&false)
-            {
-                return Ok(ShardEnd::Stopped);
+            if each(&ours, &self.execution.interrupt, one)? == End::Stopped {
+                return Ok(End::Stopped);
             }
             standing = self.standing()?;
-            tell(&standing)?;
+            after_rung(&standing)?;
         }
-        Ok(ShardEnd::Finished)
+        Ok(End::Finished(ShardState::Complete))
     }
 
-    /// Trains a trial to the end of the epochs and records it; false if it was asked to stop.
+    /// Trains a trial to the end of the epochs and records it.
     fn train_one(
         &self,
         trial: &Trial,
         prepared: &Prepared,
         epochs: Range<usize>,
         hold: Hold,
-    ) -> Result<bool> {
+    ) -> Result<End<()>> {
         // Where the search is shared, a process that was given up for lost may still be at work.
-        let _mine = if hold == Hold::Shared {
-            Some(self.records.hold(trial)?)
-        } else {
-            None
+        let _alone = match hold {
+            Hold::Shared => Some(self.records.hold(trial)?),
+            Hold::Alone => None,
         };
         let rung = epochs.end;
         if self.records.of(trial, rung)?.is_some() {
-            return Ok(true);
+            return Ok(End::Finished(()));
         }
-        let file = self.records.checkpoint(trial);
-        let reached = match advance(
-            &trial.settings,
-            prepared,
-            &file,
-            epochs,
-            self.execution,
-            self.advanced,
-        ) {
-            Ok(Some(trained)) => trial.after(&trained.history, rung),
-            Ok(None) => return Ok(false),
+        let reached = match self.train_to(trial, prepared, epochs) {
+            Ok(End::Finished(history)) => trial.after(&history, rung),
+            Ok(End::Stopped) => return Ok(End::Stopped),
             // Settings under which training diverges have lost; the search goes on.
             Err(error) if matches!(error.downcast_ref(), Some(LearnError::Diverged(_))) => Trial {
                 validation_loss_nats: None,
@@ -383,7 +389,29 @@ impl Search<'_> {
             Err(error) => return Err(error),
         };
         self.records.keep(&reached, rung)?;
-        Ok(true)
+        Ok(End::Finished(()))
+    }
+
+    /// Trains a trial from its checkpoint to the end of the epochs, and returns its history.
+    fn train_to(
+        &self,
+        trial: &Trial,
+        prepared: &Prepared,
+        epochs: Range<usize>,
+    ) -> Result<End<Vec<EpochRecord>>> {
+        let run = TrainingRun::new(&trial.settings, prepared, self.device.clone())?
+            .until_epoch(epochs.end);
+        let file = self.records.checkpoint(trial);
+        let saved = checkpoint::read(&file, TrainingRun::CHECKPOINT_KIND, "")?;
+        let mut state: Epochs = run.open(self.records.folder(), saved)?;
+        let done = (run.done(&state) as usize).clamp(epochs.start, epochs.end);
+        self.execution
+            .progress
+            .advance((done - epochs.start) as u64);
+        match proceed(&run, &mut state, &file, self.execution)? {
+            End::Finished(()) => Ok(End::Finished(run.trained(&state)?.history)),
+            End::Stopped => Ok(End::Stopped),
+        }
     }
 }
 

@@ -8,11 +8,11 @@
 //! DIR/trials/0007-3.toml   what trial 7 had reached after 3 epochs
 //! ```
 
-use crate::keys;
-use crate::run::{Hold, lock_file};
 use crate::tune::{Trial, TuneSettings, kept};
 use anyhow::{Context, Result};
 use protomer_io::atomic::{remove_abandoned, write_atomically};
+use protomer_results::keys;
+use protomer_results::lock::{Hold, lock_file};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::ops::Range;
@@ -60,6 +60,11 @@ impl Records {
         Ok(remove_abandoned(&self.folder)?)
     }
 
+    /// Where they are.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
     /// The checkpoint of a trial.
     pub fn checkpoint(&self, trial: &Trial) -> PathBuf {
         self.folder.join(format!("{:04}.bin", trial.number))
@@ -67,10 +72,8 @@ impl Records {
 
     /// Holds a trial, for as long as the file lives.
     pub fn hold(&self, trial: &Trial) -> Result<File> {
-        lock_file(
-            &self.folder.join(format!(".{:04}.lock", trial.number)),
-            Hold::Alone,
-        )
+        let file = self.folder.join(format!(".{:04}.lock", trial.number));
+        Ok(lock_file(&file, Hold::Alone)?)
     }
 
     fn path(&self, trial: &Trial, rung: usize) -> PathBuf {

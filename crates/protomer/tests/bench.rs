@@ -4,13 +4,14 @@
 
 mod common;
 
-use common::{TemporaryFolder, is_ok};
-use protomer::bench::suite::{Part, SuiteResult, SuiteSettings, rows, run_suite};
+use common::{TemporaryFolder, Watcher, is_ok};
+use protomer::bench::suite::{Part, SuiteResult, SuiteSettings, run_suite};
 use protomer::energy_tables::EnergyTables;
 use protomer::interaction::{Interaction, Medium};
-use protomer::interrupt::Interrupt;
 use protomer::run::EnergyMode;
-use std::sync::OnceLock;
+use protomer_results::Execution;
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, OnceLock};
 
 /// Every table on small bodies.
 fn small() -> SuiteSettings {
@@ -42,14 +43,7 @@ fn tables() -> &'static EnergyTables {
 }
 
 fn run(settings: &SuiteSettings) -> SuiteResult {
-    run_suite(
-        settings,
-        interaction(),
-        tables(),
-        &Interrupt::default(),
-        &|_| {},
-    )
-    .unwrap()
+    run_suite(settings, interaction(), tables(), &Execution::default()).unwrap()
 }
 
 /// What does not depend on the machine.
@@ -116,17 +110,11 @@ fn a_seed_makes_the_same_decisions_and_certified_energies_decide_as_the_direct_s
 #[test]
 fn the_tables_are_complete_and_hang_together() {
     let settings = small();
-    let begun = std::cell::RefCell::new(Vec::new());
-    let begin = |what: &str| begun.borrow_mut().push(what.to_owned());
-    let result = run_suite(
-        &settings,
-        interaction(),
-        tables(),
-        &Interrupt::default(),
-        &begin,
-    )
-    .unwrap();
-    assert_eq!(begun.borrow().len(), rows(&settings));
+    let watcher = Arc::new(Watcher::default());
+    let result = run_suite(&settings, interaction(), tables(), &watcher.execution()).unwrap();
+    let rows = watcher.total.load(Ordering::Relaxed);
+    assert_eq!(watcher.described.lock().unwrap().len() as u64, rows);
+    assert_eq!(watcher.done.load(Ordering::Relaxed), rows);
     assert_eq!(result.parts.len(), settings.charges.len());
     for row in &result.parts {
         let parts = row.overlap_microseconds
@@ -164,15 +152,9 @@ fn the_tables_are_complete_and_hang_together() {
 
 #[test]
 fn an_interrupt_leaves_what_was_measured() {
-    let interrupt = Interrupt::default();
-    let after_two = std::cell::Cell::new(0);
-    let begin = |_: &str| {
-        after_two.set(after_two.get() + 1);
-        if after_two.get() == 2 {
-            interrupt.request();
-        }
-    };
-    let result = run_suite(&small(), interaction(), tables(), &interrupt, &begin).unwrap();
+    // At the beginning of the second row, which is still measured.
+    let execution = Watcher::stopping_after(2).execution();
+    let result = run_suite(&small(), interaction(), tables(), &execution).unwrap();
     assert!(!result.complete);
     assert_eq!(
         (
@@ -250,5 +232,5 @@ fn one_part_is_one_table() {
     };
     let result = run(&settings);
     assert!(result.charges.is_empty() && result.parts.is_empty() && result.threads.is_empty());
-    assert_eq!(result.bodies.len(), rows(&settings));
+    assert_eq!(result.bodies.len(), settings.bodies.len() * 3);
 }

@@ -29,7 +29,7 @@ const VERBS: [(&str, &str); 7] = [
     ),
     ("the tables of a paper", "framework tables -q -o"),
     (
-        "a training",
+        "a training run",
         "train --control orientation --short --epochs 1 -q -o",
     ),
 ];
@@ -38,7 +38,7 @@ const VERBS: [(&str, &str); 7] = [
 const OTHERS: [(&str, &[(&str, &str)]); 3] = [
     ("a voxel set", &[("zarr.json", "{}")]),
     (
-        "a search",
+        "a search for settings",
         &[("settings.toml", "trials = 4\n[base]\nleast_samples = 5\n")],
     ),
     (

@@ -249,6 +249,7 @@ fn results_are_written_once() {
         "polar.png",
         "polar.svg",
         "result.json",
+        "run.json",
         "stiffness.csv",
     ];
     assert_eq!(names, expected);

@@ -307,15 +307,16 @@ fn a_stopped_sweep_says_what_is_not_done() {
     for text in [
         "It was stopped by the time limit before its end",
         "There is no result yet",
-        "50 mM, replica 1: stopped by the time limit after 1 of 80 sweeps",
+        "50 mM, replica 1: no record; it was not begun",
     ] {
         assert!(html.contains(text), "{text} is not on the page");
     }
     assert!(!html.contains("nothing failed"));
     // A killed run may leave half a line.
-    let log = place.path("sweep/salt_0.050000M/replica_0/log.csv");
+    let replica = place.path("sweep/salt_0.050000M/replica_0");
+    std::fs::create_dir_all(&replica).unwrap();
     std::fs::write(
-        &log,
+        replica.join("log.csv"),
         "sweep,r_g_angstrom,native_contacts,largest_cluster,energy_kT,cluster_moved\n10,8.5,1,4,-3,2\n20,8.",
     )
     .unwrap();
@@ -636,11 +637,11 @@ fn what_is_no_result_is_refused_and_nothing_is_overwritten_unasked() {
     std::fs::create_dir(place.path("empty")).unwrap();
     assert!(refused("report empty").contains("holds no results that can be shown"));
     assert!(!place.path("empty/report.html").exists());
-    assert!(refused("report ring.json").contains("is no directory"));
-    assert!(refused("report missing").contains("is no directory"));
+    assert!(refused("report ring.json").contains("is not a directory"));
+    assert!(refused("report missing").contains("is not a directory"));
     assert!(
         refused("report sweep/salt_0.050000M/replica_0")
-            .contains("give the one that holds run.toml")
+            .contains("give the directory of the sweep")
     );
     std::fs::write(place.path("page.html"), "mine").unwrap();
     assert!(refused("report sweep -o page.html").contains("overwrite it with --force"));

@@ -515,7 +515,8 @@ fn exit_reasons(directory: &Path, name: &str) -> Vec<String> {
     };
     let reason = |bytes: &Vec<u8>| {
         let record: serde_json::Value = serde_json::from_slice(bytes).unwrap();
-        record["exit_reason"].as_str().unwrap().to_owned()
+        let (word, error) = (&record["exit_reason"], &record["error"]);
+        error.as_str().or(word.as_str()).unwrap().to_owned()
     };
     files
         .iter()
@@ -550,24 +551,27 @@ fn a_start_that_fails_leaves_its_reason_and_can_be_tried_again() {
     assert_same(&results(&place.path("whole")), &results(&small));
 }
 
+#[cfg(unix)]
 #[test]
 fn a_stopped_sweep_knows_what_stopped_it() {
     let place = TemporaryFolder::new();
-    assert_eq!(
-        place
-            .run(&format!("{SWEEP} -o run --time-limit 0"))
-            .status
-            .code(),
-        Some(3)
-    );
-    for file in ["run/run.json", "run/salt_0.050000M/replica_0/run.json"] {
-        let record: serde_json::Value =
-            serde_json::from_slice(&std::fs::read(place.path(file)).unwrap()).unwrap();
-        assert_eq!(
-            (&record["exit_reason"], &record["details"]["stopped_by"]),
-            (&"stopped".into(), &"the time limit".into())
-        );
-    }
+    let command = format!("{SWEEP} --threads 1 --checkpoint-every 0.005 -o run");
+    stop(&place, &command, "run");
+    let end_of = |file: &str| {
+        let bytes = std::fs::read(place.path(file)).unwrap();
+        let record: serde_json::Value = serde_json::from_slice(&bytes).unwrap();
+        let by = record["details"]["stopped_by"].clone();
+        (record["exit_reason"].clone(), by)
+    };
+    let stopped_by = |what: &str| ("stopped".into(), what.into());
+    assert_eq!(end_of("run/run.json"), stopped_by("a signal"));
+    let replica = "run/salt_0.050000M/replica_0/run.json";
+    assert_eq!(end_of(replica), stopped_by("a signal"));
+    // What is not begun again keeps its record.
+    let limited = place.run(&format!("{command} --time-limit 0"));
+    assert_eq!(limited.status.code(), Some(3));
+    assert_eq!(end_of("run/run.json"), stopped_by("the time limit"));
+    assert_eq!(end_of(replica), stopped_by("a signal"));
     // A sweep at work does not say that it was stopped.
     let mut child = spawn_until_saved(
         &place,

@@ -7,11 +7,11 @@
 mod common;
 
 use common::{TemporaryFolder, contents, is_ok, message};
-use protomer::run::Execution;
 use protomer::train::{Source, TrainSettings};
-use protomer::tune::{Trial, TuneEnd, TuneSettings, tune_in};
+use protomer::tune::{Trial, TuneSettings, tune_in};
 use protomer_learn::controls::{Control, Variant};
 use protomer_learn::scaling::ScalingMode;
+use protomer_results::{End, Execution};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -252,7 +252,7 @@ fn other_settings_are_refused() {
         ));
         assert_eq!(refused.status.code(), Some(1));
         assert!(
-            message(&refused).contains("holds a search with other settings"),
+            message(&refused).contains("holds a search for settings with other settings"),
             "{}",
             message(&refused)
         );
@@ -293,11 +293,17 @@ fn a_trial_that_diverges_has_lost() {
             base: base.clone(),
         };
         let path = place.path(&format!("search{trials}"));
-        let end = tune_in(&settings, &set, &path, &Execution::default(), &|_| {});
+        let end = tune_in(
+            &settings,
+            &set,
+            &path,
+            &protomer_learn::Device::Cpu,
+            &Execution::default(),
+        );
         (end, path)
     };
     let (end, path) = search(3);
-    let TuneEnd::Finished(trials) = end.unwrap() else {
+    let End::Finished(trials) = end.unwrap() else {
         panic!("it was not asked to stop")
     };
     let has_norm = |trial: &Trial| trial.settings.blocks[0].groups.is_some();

@@ -3,8 +3,9 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use protomer::interrupt::Interrupt;
-use protomer::shard::Shard;
+mod common;
+
+use common::Watcher;
 use protomer::voxel_set::VoxelSet;
 use protomer::voxelize::manifest::Manifest;
 use protomer::voxelize::merge::merge;
@@ -14,11 +15,12 @@ use protomer::voxelize::{
 };
 use protomer_field::voxels::{Channel, Orientation, PotentialModel};
 use protomer_learn::SampleSource;
+use protomer_results::{Execution, Shard};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::Ordering;
 
 /// Helices of five residues each, as PDB text: small, and enough to have a surface, charges and
 /// hydropathy.
@@ -97,18 +99,8 @@ impl Place {
 
     fn make(&self, name: &str, shard: Shard, settings: &VoxelizeSettings) -> VoxelizeReport {
         let manifest = Manifest::read(&self.path("set.csv")).unwrap();
-        let interrupt = Interrupt::default();
-        voxelize(
-            &manifest,
-            shard,
-            settings,
-            &self.path(name),
-            false,
-            &interrupt,
-            &|_| {},
-            &|| {},
-        )
-        .unwrap()
+        let execution = Execution::default();
+        voxelize(&manifest, shard, settings, &self.path(name), &execution).unwrap()
     }
 
     /// A manifest of these files in place of the six peptides, each of a cluster of its own.
@@ -321,19 +313,20 @@ fn the_same_command_again_has_nothing_to_do_until_something_changes() {
     );
     assert_eq!(content(&place.path("a.zarr")), before);
     let manifest = Manifest::read(&place.path("set.csv")).unwrap();
-    let voxelize = |settings: &VoxelizeSettings, force| {
-        let (output, interrupt) = (place.path("a.zarr"), Interrupt::default());
+    let voxelize_into = |name: &str, settings: &VoxelizeSettings, start_anew| {
+        let execution = Execution {
+            start_anew,
+            ..Execution::default()
+        };
         voxelize(
             &manifest,
             Shard::WHOLE,
             settings,
-            &output,
-            force,
-            &interrupt,
-            &|_| {},
-            &|| {},
+            &place.path(name),
+            &execution,
         )
     };
+    let voxelize = |settings: &VoxelizeSettings, force| voxelize_into("a.zarr", settings, force);
     let other = VoxelizeSettings {
         seed: 1,
         ..settings()
@@ -352,17 +345,7 @@ fn the_same_command_again_has_nothing_to_do_until_something_changes() {
     std::fs::write(place.path("one.pdb"), peptide(["GLY"; 5], 1.7)).unwrap();
     assert!(voxelize(&other, false).is_err(), "an input changed");
     std::fs::create_dir(place.path("folder")).unwrap();
-    let interrupt = Interrupt::default();
-    let refused = protomer::voxelize::voxelize(
-        &manifest,
-        Shard::WHOLE,
-        &other,
-        &place.path("folder"),
-        true,
-        &interrupt,
-        &|_| {},
-        &|| {},
-    );
+    let refused = voxelize_into("folder", &other, true);
     assert!(
         refused.unwrap_err().to_string().contains("no voxel set"),
         "a folder of the user's is not removed"
@@ -377,23 +360,14 @@ fn an_interrupted_run_goes_on_and_ends_as_if_it_had_not_been() {
     let output = place.path("parts.zarr");
     let mut runs = 0;
     loop {
-        let interrupt = Interrupt::default();
-        let pending = AtomicUsize::new(0);
-        let begin = |count| pending.store(count, Ordering::Relaxed);
         // Stops after the first structure that gets done.
-        let advanced = || interrupt.request();
-        let report = voxelize(
-            &manifest,
-            Shard::WHOLE,
-            &settings(),
-            &output,
-            false,
-            &interrupt,
-            &begin,
-            &advanced,
-        )
-        .unwrap();
-        assert_eq!(report.taken_over + pending.into_inner(), 8);
+        let watcher = Watcher::stopping_after(1);
+        let execution = watcher.execution();
+        let report = voxelize(&manifest, Shard::WHOLE, &settings(), &output, &execution).unwrap();
+        assert_eq!(
+            report.taken_over as u64 + watcher.total.load(Ordering::Relaxed),
+            8
+        );
         runs += 1;
         match report.state {
             State::Stopped => assert!(report.samples >= runs && !output.exists()),

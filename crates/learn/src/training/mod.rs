@@ -132,6 +132,15 @@ pub fn train(
     .run(None, observer)
 }
 
+/// How many epochs the training of a checkpoint has done.
+///
+/// # Errors
+/// [`LearnError::Settings`] if the bytes are not a checkpoint.
+pub fn epochs_done(checkpoint: &[u8]) -> Result<usize> {
+    let (_, progress): (_, Progress) = unpack(checkpoint, "checkpoint", &Device::Cpu)?;
+    Ok(progress.history.len())
+}
+
 /// The part of a checkpoint that is no tensor.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -2,7 +2,6 @@
 
 use crate::cpu_time::{Stopwatch, process_seconds};
 use crate::energy_tables::EnergyTables;
-use crate::interrupt::Interrupt;
 use crate::run::EnergyMode;
 use anyhow::Result;
 use protomer_io::atomic::sha256_hex;
@@ -10,6 +9,7 @@ use protomer_kernel::potential::Yukawa;
 use protomer_mc::energy::certified::{CertifiedSum, ChargeTable};
 use protomer_mc::energy::{DirectSum, EnergyModel, NoCharges};
 use protomer_mc::{Interaction, Settings, Simulation, System};
+use protomer_results::Interrupt;
 use std::sync::Arc;
 
 /// Rates are measured over at least this many moves where moves are cheap (what overlap tests

@@ -8,7 +8,6 @@ use super::states::{cluster, spread};
 use crate::cpu_time::Stopwatch;
 use crate::energy_tables::EnergyTables;
 use crate::interaction::Interaction;
-use crate::interrupt::Interrupt;
 use crate::run::{DEFAULT_TOLERANCE_KT, EnergyMode, yukawa};
 use anyhow::{Context, Result};
 use protomer_io::atomic::sha256_hex;
@@ -16,6 +15,7 @@ use protomer_kernel::cells::require_minimum_image;
 use protomer_kernel::potential::Yukawa;
 use protomer_mc::energy::{DirectSum, EnergyModel};
 use protomer_mc::{BodyType, Simulation, System};
+use protomer_results::Execution;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -237,9 +237,8 @@ const CHEAP_MODES: [EnergyMode; 3] = [
 /// Volume of the bodies in that of the cube at most, in the part on bodies.
 const VOLUME_FRACTION: f64 = 0.15;
 
-/// Rows to come: how often `begin` of [`run_suite`] is called, and with it the length of the
-/// progress bar.
-pub fn rows(settings: &SuiteSettings) -> usize {
+/// Rows of all tables together.
+fn rows(settings: &SuiteSettings) -> usize {
     let of = |part: &Part| match part {
         Part::Charges => settings.charges.len() * MODES.len(),
         Part::Parts => settings.charges.len(),
@@ -249,8 +248,8 @@ pub fn rows(settings: &SuiteSettings) -> usize {
     settings.parts.iter().map(of).sum()
 }
 
-/// Runs the parts. `begin` hears what is measured next. An interrupt ends the work within about a
-/// run of moves; the result holds what was measured until then.
+/// Runs the parts. An interrupt ends the work within about a run of moves; the result then holds
+/// what was measured until then.
 ///
 /// # Errors
 /// For an interaction that makes no sense or reaches too far for the states, tables over their
@@ -259,18 +258,17 @@ pub fn run_suite(
     settings: &SuiteSettings,
     interaction: Interaction,
     tables: &EnergyTables,
-    interrupt: &Interrupt,
-    begin: &dyn Fn(&str),
+    execution: &Execution,
 ) -> Result<SuiteResult> {
     let yukawa = yukawa(&interaction)?;
     let suite = Suite {
         settings,
         yukawa,
-        interrupt,
-        begin,
+        execution,
         tables,
     };
     suite.check_room()?;
+    execution.progress.begin(rows(settings) as u64, "bench");
     let mut result = SuiteResult {
         version: env!("CARGO_PKG_VERSION").into(),
         processor: processor(),
@@ -294,7 +292,7 @@ pub fn run_suite(
             Part::Threads => result.threads = suite.threads()?,
         }
     }
-    result.complete = !interrupt.is_requested();
+    result.complete = !execution.interrupt.is_requested();
     Ok(result)
 }
 
@@ -302,17 +300,16 @@ pub fn run_suite(
 struct Suite<'a> {
     settings: &'a SuiteSettings,
     yukawa: Yukawa,
-    interrupt: &'a Interrupt,
-    begin: &'a dyn Fn(&str),
+    execution: &'a Execution,
     tables: &'a EnergyTables,
 }
 
 impl Suite<'_> {
     /// Says what is measured next, unless it is time to stop.
     fn goes_on(&self, what: &str) -> bool {
-        let goes_on = !self.interrupt.is_requested();
+        let goes_on = !self.execution.interrupt.is_requested();
         if goes_on {
-            (self.begin)(what);
+            self.execution.progress.describe(what);
         }
         goes_on
     }
@@ -364,7 +361,12 @@ impl Suite<'_> {
                 } else {
                     self.settings.seconds_per_rate
                 };
-                let timing = prepared.time(moves, seconds, self.settings.seed, self.interrupt)?;
+                let timing = prepared.time(
+                    moves,
+                    seconds,
+                    self.settings.seed,
+                    &self.execution.interrupt,
+                )?;
                 if energy == EnergyMode::Direct {
                     direct = Some(timing.clone());
                 }
@@ -385,6 +387,7 @@ impl Suite<'_> {
                     decisions_sha256: timing.decisions_sha256(),
                     decides_as_direct: charged.map(|direct| timing.decisions == direct.decisions),
                 });
+                self.execution.progress.advance(1);
             }
         }
         Ok(rows)
@@ -408,10 +411,11 @@ impl Suite<'_> {
                 moves,
                 seconds,
                 self.settings.seed,
-                self.interrupt,
+                &self.execution.interrupt,
             )?;
             let readings = *readings.lock().unwrap_or_else(PoisonError::into_inner);
             rows.push(parts_row(charges, &timing, &readings));
+            self.execution.progress.advance(1);
         }
         Ok(rows)
     }
@@ -439,7 +443,7 @@ impl Suite<'_> {
                     moves,
                     self.settings.seconds_per_rate,
                     self.settings.seed,
-                    self.interrupt,
+                    &self.execution.interrupt,
                 )?;
                 let move_microseconds = 1e6 / timing.moves_per_cpu_second();
                 rows.push(BodiesRow {
@@ -452,6 +456,7 @@ impl Suite<'_> {
                     microseconds_per_neighbour: move_microseconds
                         / neighbours.max(f64::MIN_POSITIVE),
                 });
+                self.execution.progress.advance(1);
             }
         }
         Ok(rows)
@@ -499,6 +504,7 @@ impl Suite<'_> {
                     speed_up: first_seconds / done.wall_seconds,
                     decisions_sha256: sha256_hex(&done.decisions),
                 });
+                self.execution.progress.advance(1);
             }
         }
         Ok(rows)

@@ -5,12 +5,13 @@ use super::tables::TablesArgs;
 use super::tolerance::ToleranceArgs;
 use super::{Global, Outcome, interrupt_saying, output};
 use crate::assembly_file::Assembly;
-use crate::bench::suite::{Part, SuiteResult, SuiteSettings, rows, run_suite};
+use crate::bench::suite::{Part, SuiteResult, SuiteSettings, run_suite};
 use crate::bench::{BenchSettings, bench};
 use crate::interaction::{Interaction, Medium};
 use crate::run::EnergyMode;
 use anyhow::{Result, bail};
 use clap::Args;
+use protomer_results::Execution;
 use std::path::{Path, PathBuf};
 
 /// More charges than a direct sum over sixteen bodies can be waited for.
@@ -127,21 +128,14 @@ impl BenchArgs {
         };
         let interaction = self.interaction_of_own_states()?;
         let interrupt = interrupt_saying(global, "stopping after the present run of moves", None)?;
-        let bar = global.progress(rows(&settings) as u64, "bench");
-        // A row counts when the next one begins.
-        let begun = std::cell::Cell::new(0);
-        let result = run_suite(
-            &settings,
-            interaction,
-            &self.tables.tables(global),
-            &interrupt,
-            &|what| {
-                bar.set_position(begun.replace(begun.get() + 1));
-                bar.set_message(what.to_owned());
-                global.explain(what);
-            },
-        )?;
-        bar.finish_and_clear();
+        let execution = Execution {
+            interrupt,
+            progress: global.progress(),
+            ..Execution::default()
+        };
+        let tables = self.tables.tables(global);
+        let result = run_suite(&settings, interaction, &tables, &execution)?;
+        drop(execution);
         if global.json {
             output::json(&result)?;
         } else {

@@ -1,9 +1,9 @@
 //! Flags of how a run is carried out, shared by every verb that runs in a directory.
 
 use super::{Global, interrupt_on_signals};
-use crate::run::Execution;
 use anyhow::{Result, bail};
 use clap::Args;
+use protomer_results::Execution;
 use std::time::Duration;
 
 /// When to stop and what to keep.
@@ -36,7 +36,7 @@ impl ExecutionArgs {
             interrupt,
             checkpoint_interval,
             start_anew: global.force,
-            ..Execution::default()
+            progress: global.progress(),
         })
     }
 }

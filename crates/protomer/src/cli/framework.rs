@@ -5,13 +5,13 @@ use super::{Global, Outcome, output};
 use crate::framework::curve::{self, Curve};
 use crate::framework::report::{Analytic, Relax, Report, Settings, analyse};
 use crate::framework::{directory, network_file, tables};
-use crate::keys::nearest;
 use crate::quantity::length_angstrom;
-use crate::run::{ELASTIC_CONSTANTS, TABLES};
 use anyhow::{Context, Result, bail};
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, ValueEnum};
 use protomer_crystal::framework::{AVOGADRO_PER_MOL, Framework, StressKind};
+use protomer_results::ResultKind;
+use protomer_results::keys::nearest;
 use std::path::PathBuf;
 
 /// What `framework` builds, besides files.
@@ -188,7 +188,7 @@ impl FrameworkArgs {
         }
         if let Some(folder) = &args.output {
             let files = directory::files(&report, &placed, loaded.as_ref())?;
-            directory::write(folder, ELASTIC_CONSTANTS, &files, global.force)?;
+            directory::write(folder, ResultKind::ElasticConstants, &files, global.force)?;
         }
         if global.json {
             output::json(&report)?;
@@ -233,7 +233,7 @@ impl FrameworkArgs {
                 ),
                 ("tables.txt".to_owned(), (text.clone() + "\n").into_bytes()),
             ];
-            directory::write(folder, TABLES, &files, global.force)?;
+            directory::write(folder, ResultKind::FrameworkTables, &files, global.force)?;
         }
         if global.json {
             output::json(&rows)?;

@@ -1,9 +1,9 @@
 //! `protomer completions` and `protomer man`: made from the same table as the flags.
 
 use super::{Cli, Outcome};
-use crate::run::refuse_set;
 use anyhow::Result;
 use clap::{Args, CommandFactory};
+use protomer_results::ResultKind;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -33,7 +33,7 @@ impl CompletionsArgs {
 
 impl ManArgs {
     pub(super) fn run(&self) -> Result<Outcome> {
-        refuse_set(&self.output)?;
+        ResultKind::VoxelSet.refuse_in(&self.output)?;
         std::fs::create_dir_all(&self.output)?;
         clap_mangen::generate_to(Cli::command(), &self.output)?;
         Ok(Outcome::Done)

@@ -1,13 +1,13 @@
 //! Who a verb works for: a person at a terminal, or a program that called it.
 
 use super::{Cli, Outcome, output};
-use crate::interrupt::Interrupt;
 use anyhow::{Result, anyhow};
 use clap::Parser;
 use indicatif::ProgressBar;
+use protomer_results::{Interrupt, Progress};
 use std::fmt;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
 
 /// Hears what a long piece of work has done: units done, units in all (0: unknown), what a unit is.
 pub type ProgressListener = Arc<dyn Fn(u64, u64, &str) + Send + Sync>;
@@ -81,63 +81,51 @@ pub fn call<S: AsRef<str>>(words: &[S], host: Host) -> Result<Answer> {
 }
 
 /// How far a piece of work has come: a bar on a terminal, calls to a listener, or nothing.
-pub struct Progress {
+pub struct Bar {
     bar: ProgressBar,
     listener: Option<ProgressListener>,
     done: AtomicU64,
-    length: AtomicU64,
-    what: &'static str,
+    total: AtomicU64,
+    unit: OnceLock<&'static str>,
 }
 
-impl Progress {
-    pub(super) fn new(
-        bar: ProgressBar,
-        listener: Option<ProgressListener>,
-        length: u64,
-        what: &'static str,
-    ) -> Self {
+impl Bar {
+    pub(super) fn new(bar: ProgressBar, listener: Option<ProgressListener>) -> Self {
         Self {
             bar,
             listener,
             done: AtomicU64::new(0),
-            length: AtomicU64::new(length),
-            what,
+            total: AtomicU64::new(0),
+            unit: OnceLock::new(),
         }
     }
+}
 
-    /// So many units more are done.
-    pub fn inc(&self, units: u64) {
+impl Progress for Bar {
+    fn begin(&self, total: u64, unit: &'static str) {
+        self.bar.set_length(total);
+        self.bar.set_message(unit);
+        self.total.store(total, Ordering::Relaxed);
+        self.unit.get_or_init(|| unit);
+    }
+
+    fn advance(&self, units: u64) {
         self.bar.inc(units);
         let done = self.done.fetch_add(units, Ordering::Relaxed) + units;
-        self.tell(done);
-    }
-
-    /// So many units are done in all.
-    pub fn set_position(&self, done: u64) {
-        self.bar.set_position(done);
-        self.done.store(done, Ordering::Relaxed);
-        self.tell(done);
-    }
-
-    /// There are so many units.
-    pub fn set_length(&self, length: u64) {
-        self.bar.set_length(length);
-        self.length.store(length, Ordering::Relaxed);
-    }
-
-    /// What is being done now, for the bar.
-    pub fn set_message(&self, message: String) {
-        self.bar.set_message(message);
-    }
-
-    /// The work is over; nothing of the bar is left.
-    pub fn finish_and_clear(&self) {
-        self.bar.finish_and_clear();
-    }
-
-    fn tell(&self, done: u64) {
         if let Some(listener) = &self.listener {
-            listener(done, self.length.load(Ordering::Relaxed), self.what);
+            let unit = self.unit.get().copied().unwrap_or_default();
+            listener(done, self.total.load(Ordering::Relaxed), unit);
         }
+    }
+
+    fn describe(&self, what: &str) {
+        self.bar.set_message(what.to_owned());
+    }
+}
+
+/// The work is over; nothing of the bar is left.
+impl Drop for Bar {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
     }
 }

@@ -189,9 +189,9 @@ impl IngestArgs {
             exports: self.export.iter().map(|export| export.ending()).collect(),
             force: global.force,
         };
-        let bar = global.progress(files.len() as u64, "files");
-        let outcomes = ingest_files(&files, &self.output, &settings, &|| bar.inc(1))?;
-        bar.finish_and_clear();
+        let progress = global.progress();
+        let outcomes = ingest_files(&files, &self.output, &settings, progress.as_ref())?;
+        drop(progress);
         for outcome in &outcomes {
             self.say(outcome, global);
         }

@@ -35,15 +35,16 @@ mod train;
 mod tune;
 mod voxelize;
 
-use crate::interrupt::Interrupt;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::{Args, Parser, Subcommand};
+use protomer_results::{Interrupt, Progress};
 use std::ffi::OsString;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 pub use command::Command;
-pub use host::{Answer, Host, Progress, ProgressListener, UsageError, call};
+pub use host::{Answer, Host, ProgressListener, UsageError, call};
 pub use python_source::python_functions;
 
 /// Coarse-grained protein assembly modelling: structures to rigid bodies, bodies to assemblies,
@@ -223,23 +224,18 @@ impl Global {
     }
 
     /// A bar on a terminal, calls to a program that listens; nothing elsewhere.
-    fn progress(&self, length: u64, what: &'static str) -> Progress {
-        Progress::new(
-            self.bar(length, what),
-            self.host.progress.clone(),
-            length,
-            what,
-        )
+    fn progress(&self) -> Arc<dyn Progress> {
+        Arc::new(host::Bar::new(self.bar(), self.host.progress.clone()))
     }
 
-    fn bar(&self, length: u64, what: &'static str) -> indicatif::ProgressBar {
+    fn bar(&self) -> indicatif::ProgressBar {
         use std::io::IsTerminal;
         if self.quiet || self.no_progress || !std::io::stderr().is_terminal() {
             return indicatif::ProgressBar::hidden();
         }
         let style =
             indicatif::ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} ({eta} left)");
-        let bar = indicatif::ProgressBar::new(length).with_message(what);
+        let bar = indicatif::ProgressBar::new(0);
         match style {
             Ok(style) => bar.with_style(style),
             Err(_) => bar,

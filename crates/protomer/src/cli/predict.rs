@@ -6,6 +6,7 @@ use crate::framework::directory::{refuse_to_overwrite, write_one};
 use crate::predict::{PredictReport, predict};
 use anyhow::{Result, bail};
 use clap::Args;
+use protomer_results::{End, Execution};
 use std::path::{Path, PathBuf};
 
 /// Apply a network that 'protomer train' has made to every sample of a set of voxels: class and
@@ -28,24 +29,16 @@ impl PredictArgs {
         if let Some(path) = &self.output {
             check_output(path, global.force)?;
         }
-        let bar = global.progress(0, "samples");
-        let (begin, advanced) = (|count| bar.set_length(count), |count| bar.inc(count));
-        let stop = || {
-            global
-                .host
-                .interrupt
-                .as_ref()
-                .is_some_and(|interrupt| interrupt.is_requested())
+        let execution = Execution {
+            interrupt: global.host.interrupt.clone().unwrap_or_default(),
+            progress: global.progress(),
+            ..Execution::default()
         };
-        let report = predict(
-            &self.run,
-            &self.set,
-            &self.device.open()?,
-            &begin,
-            &advanced,
-            &stop,
-        )?;
-        bar.finish_and_clear();
+        let end = predict(&self.run, &self.set, &self.device.open()?, &execution)?;
+        drop(execution);
+        let End::Finished(report) = end else {
+            return Ok(Outcome::Stopped);
+        };
         if let Some(path) = &self.output {
             write_one(path, &report.table()?.to_csv(), global.force)?;
         }

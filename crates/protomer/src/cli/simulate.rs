@@ -6,11 +6,11 @@ use super::tables::TablesArgs;
 use super::tolerance::ToleranceArgs;
 use super::{Global, Outcome, output};
 use crate::assembly_file::Assembly;
-use crate::keys;
 use crate::run::{EnergyMode, Engine, RunSettings};
-use crate::sweep::{SweepEnd, run_sweep};
-use anyhow::{Context, Result, bail};
+use crate::sweep::run_sweep;
+use anyhow::{Result, bail};
 use clap::Args;
+use protomer_results::{End, keys};
 use std::path::PathBuf;
 
 /// Flags of every run. What is left out comes from the configuration file, or else from the
@@ -62,11 +62,7 @@ impl RunArgs {
     pub(super) fn settings(&self, medium: &MediumArgs) -> Result<RunSettings> {
         let mut settings = match &self.config {
             None => RunSettings::default(),
-            Some(path) => {
-                let text = std::fs::read_to_string(path)
-                    .with_context(|| format!("cannot read {}", path.display()))?;
-                keys::from_toml(path, &text)?
-            }
+            Some(path) => keys::read_toml(path)?,
         };
         override_with(&mut settings.sweeps, self.sweeps);
         override_with(&mut settings.equilibration_sweeps, self.equilibration);
@@ -121,18 +117,11 @@ impl SimulateArgs {
             );
         }
         let assembly = Assembly::read(&self.assembly)?;
-        let bar = global.progress(settings.total_sweeps(), "sweeps");
         let execution = self.run.execution.execution(global)?;
         let engine = Engine::new(assembly)?.with_tables(self.run.tables.tables(global));
-        let end = run_sweep(
-            &engine,
-            &settings,
-            &self.run.output,
-            &execution,
-            &|sweeps| bar.inc(sweeps),
-        )?;
-        bar.finish_and_clear();
-        let SweepEnd::Finished(result) = end else {
+        let end = run_sweep(&engine, &settings, &self.run.output, &execution)?;
+        drop(execution);
+        let End::Finished(result) = end else {
             global.say(&format!(
                 "stopped; the same command continues {}",
                 self.run.output.display()

@@ -7,10 +7,10 @@ use super::{Global, Outcome, output};
 use crate::assembly_file::Assembly;
 use crate::quantity;
 use crate::run::{Engine, RunSettings};
-use crate::shard::Shard;
-use crate::sweep::{ShardEnd, SweepEnd, SweepResult, run_shard, run_sweep};
+use crate::sweep::{SweepResult, run_shard, run_sweep};
 use anyhow::{Result, bail};
 use clap::Args;
+use protomer_results::{End, Shard};
 use std::path::PathBuf;
 
 /// Simulate an assembly at several salt concentrations, several replicas each: radius of gyration
@@ -52,53 +52,33 @@ impl SweepArgs {
         for salt in &settings.salt_molar {
             global.explain(&settings.medium.interaction(Some(*salt))?.describe());
         }
-        let bar = global.progress(
-            settings
-                .simulations()
-                .saturating_mul(settings.total_sweeps()),
-            "sweeps",
-        );
         let execution = self.run.execution.execution(global)?;
         let engine = Engine::new(assembly)?.with_tables(self.run.tables.tables(global));
         if !self.shard.is_whole() {
-            let sweeps = |sweeps| bar.inc(sweeps);
-            let end = run_shard(
-                &engine,
-                &settings,
-                &self.run.output,
-                self.shard,
-                &execution,
-                &sweeps,
-            )?;
-            bar.finish_and_clear();
+            let end = run_shard(&engine, &settings, &self.run.output, self.shard, &execution)?;
+            drop(execution);
             return self.report_shard(end, global);
         }
-        let end = run_sweep(
-            &engine,
-            &settings,
-            &self.run.output,
-            &execution,
-            &|sweeps| bar.inc(sweeps),
-        )?;
-        bar.finish_and_clear();
+        let end = run_sweep(&engine, &settings, &self.run.output, &execution)?;
+        drop(execution);
         match end {
-            SweepEnd::Stopped => {
+            End::Stopped => {
                 global.say(&format!(
                     "stopped; the same command continues {}",
                     self.run.output.display()
                 ));
                 Ok(Outcome::Stopped)
             }
-            SweepEnd::Finished(result) => {
+            End::Finished(result) => {
                 self.report(&result, global)?;
                 Ok(Outcome::Done)
             }
         }
     }
 
-    fn report_shard(&self, end: ShardEnd, global: &Global) -> Result<Outcome> {
+    fn report_shard(&self, end: End<usize>, global: &Global) -> Result<Outcome> {
         let Shard { index, of } = self.shard;
-        let ShardEnd::Finished(simulations) = end else {
+        let End::Finished(simulations) = end else {
             global.say(&format!(
                 "stopped; the same command continues part {index} of {of}"
             ));

@@ -4,10 +4,9 @@
 use super::device::DeviceArgs;
 use super::execution::{ExecutionArgs, override_with};
 use super::{Global, Outcome, output, scores};
-use crate::run::Execution;
 use crate::train::{
-    ControlRun, Job, Metrics, SplitBy, TrainEnd, TrainSettings, blocks, channels_of, open_set,
-    run_control, run_job,
+    ControlRun, Job, Metrics, SplitBy, TrainSettings, blocks, channels_of, open_set, run_control,
+    run_job,
 };
 use anyhow::{Result, anyhow, bail};
 use clap::{Args, ValueEnum};
@@ -16,6 +15,7 @@ use protomer_learn::network::GlobalPooling;
 use protomer_learn::scaling::ScalingMode;
 use protomer_learn::split::Fractions;
 use protomer_learn::targets;
+use protomer_results::End;
 use std::path::PathBuf;
 
 /// What is to be predicted.
@@ -251,10 +251,8 @@ pub struct TrainArgs {
 
 impl TrainArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
-        let execution = Execution {
-            device: self.device.open()?,
-            ..self.execution.execution(global)?
-        };
+        let device = self.device.open()?;
+        let execution = self.execution.execution(global)?;
         // With a set in the place of a control, clap does not look at what --short requires.
         if self.short && self.control.is_none() {
             bail!(
@@ -284,10 +282,7 @@ impl TrainArgs {
                     self.network.override_in(settings)
                 };
                 let run = ControlRun::new(control, form, seed, seeds, adjust)?;
-                let bar = global.progress(run.epochs(), "epochs");
-                let end = run_control(&run, &self.output, &execution, &|epochs| bar.inc(epochs))?;
-                bar.finish_and_clear();
-                end
+                run_control(&run, &self.output, &device, &execution)?
             }
             (None, Some(path)) => {
                 let (source, set) = open_set(path)?;
@@ -304,16 +299,12 @@ impl TrainArgs {
                     settings,
                     ablation_seeds: seeds,
                 };
-                let bar = global.progress(job.epochs(), "epochs");
-                let end = run_job(&job, &set, &self.output, &execution, &|epochs| {
-                    bar.inc(epochs)
-                })?;
-                bar.finish_and_clear();
-                end
+                run_job(&job, &set, &self.output, &device, &execution)?
             }
             (None, None) => return Err(anyhow!("give a set of voxels, or --control NAME")),
         };
-        let TrainEnd::Finished(metrics) = end else {
+        drop(execution);
+        let End::Finished(metrics) = end else {
             global.say(&format!(
                 "stopped; the same command continues {}",
                 self.output.display()

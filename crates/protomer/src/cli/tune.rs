@@ -6,12 +6,11 @@ use super::execution::ExecutionArgs;
 use super::scheduler::SchedulerArgs;
 use super::train::TaskArgs;
 use super::{Global, Outcome, output};
-use crate::run::Execution;
-use crate::shard::Shard;
 use crate::train::{TrainSettings, channels_of, open_set};
-use crate::tune::{ShardEnd, Trial, TuneEnd, TuneSettings, tune_in, tune_shard};
+use crate::tune::{ShardState, Trial, TuneSettings, tune_in, tune_shard};
 use anyhow::Result;
 use clap::Args;
+use protomer_results::{End, Shard};
 use std::path::{Path, PathBuf};
 
 /// Search for the network that predicts best: blocks, kernels, channels, learning rate. The same
@@ -52,10 +51,8 @@ pub struct TuneArgs {
 impl TuneArgs {
     pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
         self.scheduler.check()?;
-        let execution = Execution {
-            device: self.device.open()?,
-            ..self.execution.execution(global)?
-        };
+        let device = self.device.open()?;
+        let execution = self.execution.execution(global)?;
         let (source, set) = open_set(&self.set)?;
         let mut base = TrainSettings::of_set(source, channels_of(&set))?;
         self.task.override_in(&mut base)?;
@@ -68,24 +65,21 @@ impl TuneArgs {
             vary_channels: self.vary_channels,
             base,
         };
-        let bar = global.progress(settings.total_epochs(), "epochs");
         if !self.shard.is_whole() {
             let end = tune_shard(
                 &settings,
                 &set,
                 &self.output,
                 self.shard,
+                &device,
                 &execution,
-                &|epochs| bar.inc(epochs),
             )?;
-            bar.finish_and_clear();
+            drop(execution);
             return self.report_shard(end, global);
         }
-        let end = tune_in(&settings, &set, &self.output, &execution, &|epochs| {
-            bar.inc(epochs)
-        })?;
-        bar.finish_and_clear();
-        let TuneEnd::Finished(trials) = end else {
+        let end = tune_in(&settings, &set, &self.output, &device, &execution)?;
+        drop(execution);
+        let End::Finished(trials) = end else {
             global.say(&format!(
                 "stopped; the same command continues {}",
                 self.output.display()
@@ -96,20 +90,24 @@ impl TuneArgs {
         Ok(Outcome::Done)
     }
 
-    fn report_shard(&self, end: ShardEnd, global: &Global) -> Result<Outcome> {
+    fn report_shard(&self, end: End<ShardState>, global: &Global) -> Result<Outcome> {
         let Shard { index, of } = self.shard;
         let state = match end {
-            ShardEnd::Stopped => {
+            End::Stopped => {
                 global.say(&format!(
                     "stopped; the same command continues part {index} of {of}"
                 ));
                 return Ok(Outcome::Stopped);
             }
-            ShardEnd::Waiting => "waits for the others; then the same command goes on",
-            ShardEnd::Finished => "all trials are done; without --shard: the table",
+            End::Finished(ShardState::Waiting) => {
+                "waits for the others; then the same command goes on"
+            }
+            End::Finished(ShardState::Complete) => {
+                "all trials are done; without --shard: the table"
+            }
         };
         if global.json {
-            let finished = end == ShardEnd::Finished;
+            let finished = end == End::Finished(ShardState::Complete);
             output::json(&serde_json::json!({ "shard": index, "of": of, "finished": finished }))?;
         } else {
             global.say(&format!("part {index} of {of}: {state}"));

@@ -4,12 +4,12 @@ use super::potential_name::PotentialName;
 use super::scheduler::SchedulerArgs;
 use super::{Global, Outcome, interrupt_saying, output};
 use crate::quantity;
-use crate::shard::Shard;
 use crate::voxelize::manifest::Manifest;
 use crate::voxelize::{Spacing, State, VoxelizeReport, VoxelizeSettings, voxelize};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use protomer_field::voxels::{Channel, Orientation};
+use protomer_results::{Execution, Shard};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -108,20 +108,14 @@ impl VoxelizeArgs {
             "finishing the structures at hand; the same command goes on",
             self.time_limit,
         )?;
-        let bar = global.progress(0, "structures");
-        let (begin, advanced) = (|count| bar.set_length(count as u64), || bar.inc(1));
-        let (shard, force) = (self.shard, global.force);
-        let report = voxelize(
-            &manifest,
-            shard,
-            &settings,
-            &self.output,
-            force,
-            &interrupt,
-            &begin,
-            &advanced,
-        )?;
-        bar.finish_and_clear();
+        let execution = Execution {
+            interrupt,
+            start_anew: global.force,
+            progress: global.progress(),
+            ..Execution::default()
+        };
+        let report = voxelize(&manifest, self.shard, &settings, &self.output, &execution)?;
+        drop(execution);
         for excluded in report
             .excluded
             .iter()

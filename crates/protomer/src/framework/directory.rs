@@ -5,11 +5,11 @@ use super::drawing::{self, LoadedNetwork};
 use super::figure::polar_figure;
 use super::network_file;
 use super::report::Report;
-use crate::run::refuse_other;
 use anyhow::{Context, Result, bail};
 use protomer_crystal::framework::Framework;
-use protomer_io::atomic::write_atomically;
+use protomer_io::atomic::{sha256_hex, write_atomically};
 use protomer_io::csv::{Cell, Table};
+use protomer_results::{Exit, Record, ResultKind, Work};
 use std::path::Path;
 
 /// A file by its name in the directory, and what is in it.
@@ -108,14 +108,14 @@ fn stiffness_table(report: &Report) -> Result<Table> {
     Ok(table)
 }
 
-/// Writes files into a folder, which is made if need be; each appears under its name only when
-/// complete. `holds` is the kind of result they are.
+/// Writes files into a folder, which is made if need be, and beside them the record that says what
+/// they are; each appears under its name only when complete.
 ///
 /// # Errors
 /// If one of them is there already and `force` is not given, the folder holds another kind of
-/// result, or the disk does not take it.
-pub fn write(folder: &Path, holds: &str, files: &[NamedFile], force: bool) -> Result<()> {
-    refuse_other(folder, holds)?;
+/// result, or the disk refuses.
+pub fn write(folder: &Path, kind: ResultKind, files: &[NamedFile], force: bool) -> Result<()> {
+    kind.refuse_other(folder)?;
     for (name, _) in files {
         refuse_to_overwrite(&folder.join(name), force)?;
     }
@@ -124,7 +124,15 @@ pub fn write(folder: &Path, holds: &str, files: &[NamedFile], force: bool) -> Re
     for (name, bytes) in files {
         write_atomically(&folder.join(name), |file| file.write_all(bytes))?;
     }
-    Ok(())
+    // There is nothing to continue: the results identify themselves.
+    let everything: Vec<u8> = files.iter().flat_map(|(_, bytes)| bytes.clone()).collect();
+    let work = Work {
+        kind,
+        verb: "framework",
+        identity: sha256_hex(&everything),
+        input_sha256: String::new(),
+    };
+    Ok(Record::new(&work, Exit::Done).write(folder)?)
 }
 
 /// Writes one file.

@@ -1,8 +1,8 @@
 //! Networks as TOML: the keys are those of [`Framework`] and what it holds.
 
-use crate::keys;
 use anyhow::{Context, Result};
 use protomer_crystal::framework::{Framework, Neighbour};
+use protomer_results::keys;
 use std::fmt::Write;
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 //! Square matrices of numbers from 0 to 1 as pictures in an SVG file.
 
-use crate::base64::base64;
 use anyhow::{Context, Result};
+use base64::prelude::*;
 use protomer_io::atomic::write_atomically;
 use std::path::Path;
 
@@ -74,7 +74,7 @@ fn picture([x, y]: [usize; 2], [width, height]: [usize; 2], png: &[u8]) -> Strin
     format!(
         "<image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" preserveAspectRatio=\"none\" \
          style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{}\"/>\n",
-        base64(png)
+        BASE64_STANDARD.encode(png)
     )
 }
 

@@ -4,12 +4,12 @@
 //! rates, square after square), `times`; `kappa`, `l` and `I` are optional, and what else it holds
 //! is left alone.
 
-use crate::keys;
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use protomer_crystal::lattice::collision::detection::Detector;
 use protomer_crystal::lattice::collision::replay::{self, FirstContact};
 use protomer_crystal::lattice::contact::TOUCHING;
 use protomer_crystal::lattice::{Coherence, Dynamics, Edges, Network, Square, State};
+use protomer_results::keys;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_4;
 use std::path::Path;
@@ -116,9 +116,7 @@ impl LatticeFile {
     /// # Errors
     /// Names the file, the line and the key.
     pub fn read(path: &Path) -> Result<Self> {
-        let bytes =
-            std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-        keys::from_json(path, &bytes)
+        Ok(keys::read_json(path)?)
     }
 
     fn network(&self) -> Result<Arc<Network>> {

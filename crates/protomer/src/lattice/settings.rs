@@ -3,6 +3,7 @@
 use anyhow::{Result, bail};
 use protomer_crystal::lattice::pair::SquareCharge;
 use protomer_crystal::lattice::{Edges, Square};
+use protomer_results::Settings;
 use serde::{Deserialize, Serialize};
 
 /// Settings of a run. Everything that can change a result is here and nothing else. Reduced units:
@@ -282,17 +283,18 @@ impl Default for LatticeSettings {
 /// More squares than anyone waits for.
 const MOST_SQUARES: usize = 1_000_000;
 
-impl LatticeSettings {
-    /// The same settings with no length: what runs have in common that differ only in how far they
-    /// went.
-    pub fn without_length(&self) -> Self {
+impl Settings for LatticeSettings {
+    /// Without the length: a run can be continued to a later time.
+    fn essential(&self) -> Self {
         Self {
             time: 0.0,
             steps: None,
             ..self.clone()
         }
     }
+}
 
+impl LatticeSettings {
     /// Checks what neither the types nor the engine do.
     ///
     /// # Errors

@@ -11,13 +11,13 @@
 //! * The inertia about the axis is that of a solid of uniform density, in units of m l²; it is 1/3
 //!   for a square.
 
-use super::directory::to_toml;
 use super::settings::LatticeSettings;
 use anyhow::{Result, bail};
 use protomer_body::Body;
 use protomer_crystal::lattice::Square;
 use protomer_crystal::lattice::pair::SquareCharge;
 use protomer_kernel::Vec3;
+use protomer_results::keys::to_toml;
 use serde::Serialize;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, SQRT_2, TAU};
 
@@ -287,7 +287,7 @@ impl BodySquare {
             charges: self.charges.clone(),
             ..LatticeSettings::default()
         };
-        let whole: toml::Table = toml::from_str(&to_toml(&settings)?)?;
+        let whole: toml::Table = toml::from_str(&to_toml("the settings", &settings)?)?;
         let wanted = ["half_diagonal_angstrom", "square", "charges"];
         let part: toml::Table = whole
             .into_iter()

@@ -26,36 +26,37 @@ use anyhow::{Result, bail};
 use protomer_learn::scaling::Quarantined;
 use protomer_learn::training::{Model, PredictionSettings, Predictions};
 use protomer_learn::{Device, SampleSource};
+use protomer_results::{End, Execution};
 use std::path::Path;
 
 /// Samples between two looks at whether to stop: a multiple of the grids at a time.
 const CHUNK: usize = 64;
 
-/// Predicts the class of every sample of a set, on a device. `begin` hears how many samples there
-/// are, `advanced` how many more are done; `stop` is asked every so often.
+/// Predicts the class of every sample of a set, on a device.
 ///
 /// # Errors
 /// If the directory holds no finished training on a set, the set has other voxels than the network
-/// is for, no sample can be read, or it was asked to stop.
+/// is for, or no sample can be read.
 pub fn predict(
     run: &Path,
     set_path: &Path,
     device: &Device,
-    begin: &dyn Fn(u64),
-    advanced: &dyn Fn(u64),
-    stop: &dyn Fn() -> bool,
-) -> Result<PredictReport> {
+    execution: &Execution,
+) -> Result<End<PredictReport>> {
     let mut trained = Trained::read(run)?;
     trained.model = trained.model.to_device(device)?;
     let (source, set) = open_set(set_path)?;
     let differences = fit::differences(&trained.model.card, &set, set_path)?;
     let truth = Truth::of(&trained, &source, &set)?;
-    begin(set.descriptions().len() as u64);
+    let samples = set.descriptions().len() as u64;
+    execution.progress.begin(samples, "samples");
     let how = PredictionSettings {
         rotations: trained.settings.rotations,
         ..PredictionSettings::default()
     };
-    let predictions = in_chunks(&trained.model, &set, how, advanced, stop)?;
+    let End::Finished(predictions) = in_chunks(&trained.model, &set, how, execution)? else {
+        return Ok(End::Stopped);
+    };
     if let ([], Some(Quarantined { name, reason, .. })) =
         (&predictions.samples[..], predictions.quarantined.first())
     {
@@ -64,7 +65,7 @@ pub fn predict(
             set_path.display()
         );
     }
-    PredictReport::of(
+    let report = PredictReport::of(
         run,
         set_path,
         &trained,
@@ -72,22 +73,22 @@ pub fn predict(
         &truth,
         predictions,
         differences,
-    )
+    )?;
+    Ok(End::Finished(report))
 }
 
-/// All samples, a chunk at a time: what comes out is the same as at once.
+/// All samples, a chunk at a time; the predictions are those of all at once.
 fn in_chunks(
     model: &Model,
     set: &dyn SampleSource,
     how: PredictionSettings,
-    advanced: &dyn Fn(u64),
-    stop: &dyn Fn() -> bool,
-) -> Result<Predictions> {
+    execution: &Execution,
+) -> Result<End<Predictions>> {
     let samples: Vec<usize> = (0..set.descriptions().len()).collect();
     let mut all = Predictions::default();
     for chunk in samples.chunks(CHUNK) {
-        if stop() {
-            bail!("stopped; nothing was written");
+        if execution.interrupt.is_requested() {
+            return Ok(End::Stopped);
         }
         let Predictions {
             samples,
@@ -97,7 +98,7 @@ fn in_chunks(
         all.samples.extend(samples);
         all.probabilities.extend(probabilities);
         all.quarantined.extend(quarantined);
-        advanced(chunk.len() as u64);
+        execution.progress.advance(chunk.len() as u64);
     }
-    Ok(all)
+    Ok(End::Finished(all))
 }

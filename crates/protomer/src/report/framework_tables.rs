@@ -4,9 +4,9 @@ use super::html::{definitions, escape, paragraph, table};
 use super::page::{Page, Section};
 use super::{data, provenance};
 use crate::framework::tables::{Agreement, Row, describe, legend};
-use crate::keys;
 use anyhow::{Context, Result};
 use protomer_io::csv::{Cell, Table};
+use protomer_results::keys;
 use std::path::Path;
 
 /// The page of a directory.

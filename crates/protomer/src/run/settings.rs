@@ -2,6 +2,7 @@
 
 use crate::interaction::Medium;
 use anyhow::{Result, bail};
+use protomer_results::Settings;
 use serde::{Deserialize, Serialize};
 
 /// Settings of a simulation or of each simulation of a sweep. Everything that can change a result
@@ -129,16 +130,26 @@ const LARGEST_NUMBER_OF_SIMULATIONS: u64 = 100_000;
 /// Runs stop between sweeps, so that a sweep must not last for ever.
 const MOST_CLUSTER_MOVES: u32 = 100_000;
 
-impl RunSettings {
-    /// The same settings with no length: what runs have in common that differ only in how far they
-    /// went. A run to 1000 sweeps can be run on to 2000.
-    pub fn without_length(&self) -> Self {
+impl Settings for RunSettings {
+    /// Without the number of sweeps: a run of 1000 sweeps can be continued to 2000.
+    fn essential(&self) -> Self {
         Self {
             sweeps: 0,
             ..self.clone()
         }
     }
 
+    fn objection(&self, present: &Self) -> Option<String> {
+        (present.sweeps > self.sweeps).then(|| {
+            format!(
+                "is meant to run to {} sweeps, which is more than {}; ask for at least as many",
+                present.sweeps, self.sweeps
+            )
+        })
+    }
+}
+
+impl RunSettings {
     /// Number of simulations of a sweep: salt concentrations times replicas.
     pub fn simulations(&self) -> u64 {
         (self.salt_molar.len() as u64).saturating_mul(u64::from(self.replicas))

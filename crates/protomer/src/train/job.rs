@@ -5,20 +5,12 @@ use super::control::{ControlReport, ExperimentReport};
 use super::metrics::Metrics;
 use super::run::train_in;
 use super::settings::{Source, TrainSettings};
-use crate::run::Execution;
 use anyhow::{Result, bail};
+use protomer_learn::Device;
 use protomer_learn::controls::{Control, Experiment, Form};
 use protomer_learn::sample::SampleSource;
+use protomer_results::{End, Execution};
 use std::path::Path;
-
-/// How a training ended.
-#[derive(Debug, Clone, PartialEq)]
-pub enum TrainEnd {
-    /// Everything is done.
-    Finished(Box<Metrics>),
-    /// It was asked to stop; the same command goes on.
-    Stopped,
-}
 
 /// A training, perhaps with an ablation.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,7 +62,7 @@ impl Job {
     }
 }
 
-/// Runs or continues a training and its ablation in a directory. `advanced` hears of every epoch.
+/// Runs or continues a training and its ablation in a directory.
 ///
 /// # Errors
 /// For settings that make no sense, a directory that holds something else, and a disk that takes no
@@ -79,23 +71,32 @@ pub fn run_job(
     job: &Job,
     set: &dyn SampleSource,
     path: &Path,
+    device: &Device,
     execution: &Execution,
-    advanced: &(dyn Fn(u64) + Sync),
-) -> Result<TrainEnd> {
+) -> Result<End<Metrics>> {
+    execution.progress.begin(job.epochs(), "epochs");
+    train_and_ablate(job, set, path, device, execution)
+}
+
+fn train_and_ablate(
+    job: &Job,
+    set: &dyn SampleSource,
+    path: &Path,
+    device: &Device,
+    execution: &Execution,
+) -> Result<End<Metrics>> {
     let trainings = job.ablation()?;
-    let TrainEnd::Finished(mut metrics) = train_in(&job.settings, set, path, execution, advanced)?
-    else {
-        return Ok(TrainEnd::Stopped);
+    let End::Finished(mut metrics) = train_in(&job.settings, set, path, device, execution)? else {
+        return Ok(End::Stopped);
     };
     if trainings.is_empty() {
-        return Ok(TrainEnd::Finished(metrics));
+        return Ok(End::Finished(metrics));
     }
     let mut runs = vec![AblationRun::of(&metrics, job.settings.training.seed)];
     for (folder, settings) in &trainings {
-        let TrainEnd::Finished(of_subset) =
-            train_in(settings, set, &path.join(folder), execution, advanced)?
-        else {
-            return Ok(TrainEnd::Stopped);
+        let folder = path.join(folder);
+        let End::Finished(of_subset) = train_in(settings, set, &folder, device, execution)? else {
+            return Ok(End::Stopped);
         };
         runs.push(AblationRun::of(&of_subset, settings.training.seed));
     }
@@ -103,7 +104,7 @@ pub fn run_job(
     ablation.write_csv(path)?;
     metrics.ablation = Some(ablation);
     metrics.write(path)?;
-    Ok(TrainEnd::Finished(metrics))
+    Ok(End::Finished(metrics))
 }
 
 /// A control with the settings of its experiments.
@@ -161,16 +162,16 @@ impl ControlRun {
 }
 
 /// Runs or continues a control in a directory: the main experiment in it, the others in folders.
-/// `advanced` hears of every epoch.
 ///
 /// # Errors
 /// As [`run_job`].
 pub fn run_control(
     run: &ControlRun,
     path: &Path,
+    device: &Device,
     execution: &Execution,
-    advanced: &(dyn Fn(u64) + Sync),
-) -> Result<TrainEnd> {
+) -> Result<End<Metrics>> {
+    execution.progress.begin(run.epochs(), "epochs");
     let mut main = None;
     let mut reports = Vec::new();
     for (number, (experiment, job)) in run.experiments.iter().enumerate() {
@@ -190,8 +191,9 @@ pub fn run_control(
         } else {
             path.join(experiment.name)
         };
-        let TrainEnd::Finished(metrics) = run_job(job, &set, &folder, execution, advanced)? else {
-            return Ok(TrainEnd::Stopped);
+        let end = train_and_ablate(job, &set, &folder, device, execution)?;
+        let End::Finished(metrics) = end else {
+            return Ok(End::Stopped);
         };
         reports.push(ExperimentReport::of(experiment, &metrics));
         main.get_or_insert(metrics);
@@ -201,5 +203,5 @@ pub fn run_control(
     };
     metrics.control = Some(ControlReport::of(run.control, run.form, reports));
     metrics.write(path)?;
-    Ok(TrainEnd::Finished(metrics))
+    Ok(End::Finished(metrics))
 }

@@ -11,6 +11,7 @@ use protomer_learn::sample::Description;
 use protomer_learn::scaling::Quarantined;
 use protomer_learn::scores::{ReliabilityBin, Scores, most_probable};
 use protomer_learn::split::{Split, family_weights};
+use protomer_results::keys::read_json_if_present;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -362,12 +363,7 @@ impl Metrics {
     /// # Errors
     /// If there are some and they cannot be read.
     pub fn read(directory: &Path) -> Result<Option<Self>> {
-        let path = directory.join(FILE_NAME);
-        match std::fs::read(&path) {
-            Ok(bytes) => Ok(Some(crate::keys::from_json(&path, &bytes)?)),
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
-            Err(error) => Err(error).with_context(|| format!("cannot read {}", path.display())),
-        }
+        Ok(read_json_if_present(&directory.join(FILE_NAME))?)
     }
 }
 

@@ -1,12 +1,10 @@
 //! One training in its directory: start or continue, save every so often, write the results.
 
 use super::figure::learning_curve;
-use super::job::TrainEnd;
 use super::metrics::{Metrics, Predictions};
 use super::settings::{Source, SplitBy, TrainSettings};
 use super::trained_on::{TRAINED_ON, TrainedOn};
-use crate::run::{Execution, Layout, ResultsDirectory};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Error, Result, bail};
 use protomer_io::atomic::write_atomically;
 use protomer_io::csv::{Cell, Table};
 use protomer_learn::Device;
@@ -19,15 +17,17 @@ use protomer_learn::split::{Split, family_weights};
 use protomer_learn::targets::Classes;
 use protomer_learn::training::{
     EpochRecord, Observer, Outcome, PredictionSettings, StepReport, Trained, Training,
-    TrainingSettings,
+    TrainingSettings, epochs_done,
 };
 use protomer_learn::view::View;
-use std::ops::{ControlFlow, Range};
-use std::path::Path;
-use std::time::Instant;
+use protomer_results::{
+    CHECKPOINT, Checkpoint, End, Execution, Layout, Record, ResultKind, ResultsDirectory, Run,
+    Turn, Work, drive, settings,
+};
+use serde_json::Value;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
 
-/// The state from which a training goes on bit for bit.
-const CHECKPOINT: &str = "checkpoint.bin";
 /// The trained network, with its scaling and its classes.
 pub const MODEL: &str = "model.safetensors";
 /// What was trained on what.
@@ -37,9 +37,10 @@ const PREDICTIONS: &str = "predictions.csv";
 const CURVE: &str = "learning_curve.svg";
 /// The directory of a training and its ablation.
 const LAYOUT: Layout = Layout {
+    kind: ResultKind::Training,
     settings: SETTINGS,
-    holds: "a training",
     results: &[
+        "run.json",
         super::metrics::FILE_NAME,
         MODEL,
         HISTORY,
@@ -206,92 +207,206 @@ fn training<'a>(
     }
 }
 
-/// Trains to the end of a range of epochs, going on from a checkpoint file where there is one;
-/// `advanced` hears of as many epochs as the range is long. `None`: it was asked to stop, and the
-/// file holds how far it came.
-///
-/// # Errors
-/// If training fails, the checkpoint is that of another training, or the disk takes no more.
-pub fn advance(
-    settings: &TrainSettings,
-    prepared: &Prepared,
-    checkpoint: &Path,
-    epochs: Range<usize>,
-    execution: &Execution,
-    advanced: &(dyn Fn(u64) + Sync),
-) -> Result<Option<Trained>> {
-    let present = match std::fs::read(checkpoint) {
-        Ok(bytes) => Some(bytes),
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => None,
-        Err(error) => {
-            return Err(error).with_context(|| format!("cannot read {}", checkpoint.display()));
-        }
-    };
-    let network = settings.network(prepared.classes.names.len());
-    let to_here = TrainingSettings {
-        epochs: epochs.end,
-        ..settings.training.clone()
-    };
-    let mut keeper = Keeper {
-        path: checkpoint,
-        execution,
-        advanced,
-        latest: None,
-        saved: Instant::now(),
-        failed: None,
-        epochs: 0,
-    };
-    let trained = training(prepared, &network, &to_here, execution.device.clone())
-        .run(present.as_deref(), &mut keeper);
-    // What was reached is kept, also where training failed.
-    keeper.save()?;
-    if let Some(error) = keeper.failed.take() {
-        return Err(error);
-    }
-    let trained = match present {
-        Some(_) => trained.with_context(|| format!("continuing from {}", checkpoint.display()))?,
-        None => trained?,
-    };
-    if trained.outcome == Outcome::Interrupted {
-        return Ok(None);
-    }
-    // Epochs of earlier runs, and those that ending early saves.
-    advanced((epochs.len() as u64).saturating_sub(keeper.epochs));
-    Ok(Some(trained))
+/// A training of a set to its last epoch.
+pub struct TrainingRun<'a> {
+    settings: &'a TrainSettings,
+    prepared: &'a Prepared<'a>,
+    network: NetworkSettings,
+    training: TrainingSettings,
+    device: Device,
+    identity: String,
 }
 
-/// Keeps the checkpoint of a training on the disk and ends it when asked.
-struct Keeper<'a> {
-    path: &'a Path,
-    execution: &'a Execution,
-    advanced: &'a (dyn Fn(u64) + Sync),
-    /// The checkpoint of the last epoch, until it is saved.
-    latest: Option<Vec<u8>>,
-    saved: Instant,
-    failed: Option<anyhow::Error>,
-    epochs: u64,
+/// How far a training has come.
+#[derive(Debug, Default)]
+pub struct Epochs {
+    /// The state after the last epoch.
+    checkpoint: Option<EngineCheckpoint>,
+    done: u64,
+    /// Whether the validation loss has stopped falling before the last epoch.
+    has_ended_early: bool,
 }
 
-impl Keeper<'_> {
-    fn save(&mut self) -> Result<()> {
-        if let Some(bytes) = self.latest.take() {
-            write_atomically(self.path, |file| file.write_all(&bytes))?;
+/// A checkpoint of the engine: a format of its own, which knows what it belongs to.
+#[derive(Debug, Clone)]
+pub struct EngineCheckpoint {
+    bytes: Vec<u8>,
+    /// The file it was read from, for messages.
+    origin: Option<PathBuf>,
+}
+
+impl Checkpoint for EngineCheckpoint {
+    fn to_bytes(&self, _kind: &str, _identity: &str) -> protomer_results::Result<Vec<u8>> {
+        Ok(self.bytes.clone())
+    }
+
+    fn from_bytes(
+        path: &Path,
+        _kind: &str,
+        _identity: &str,
+        bytes: &[u8],
+    ) -> protomer_results::Result<Self> {
+        Ok(Self {
+            bytes: bytes.to_vec(),
+            origin: Some(path.to_owned()),
+        })
+    }
+}
+
+impl<'a> TrainingRun<'a> {
+    /// A training to the epoch of the settings.
+    ///
+    /// # Errors
+    /// If the settings cannot be written down.
+    pub fn new(
+        settings: &'a TrainSettings,
+        prepared: &'a Prepared<'a>,
+        device: Device,
+    ) -> Result<Self> {
+        Ok(Self {
+            settings,
+            prepared,
+            network: settings.network(prepared.classes.names.len()),
+            training: settings.training.clone(),
+            device,
+            identity: settings::identity(settings, "")?,
+        })
+    }
+
+    /// The same training, to another epoch.
+    pub fn until_epoch(mut self, epoch: usize) -> Self {
+        self.training.epochs = epoch;
+        self
+    }
+
+    fn engine(&self) -> Training<'_> {
+        let device = self.device.clone();
+        training(self.prepared, &self.network, &self.training, device)
+    }
+
+    /// The network after the best epoch so far, and how it came about.
+    ///
+    /// # Errors
+    /// If the checkpoint is that of another training.
+    pub fn trained(&self, epochs: &Epochs) -> Result<Trained> {
+        self.train(epochs, &mut ())
+    }
+
+    fn train(&self, epochs: &Epochs, observer: &mut dyn Observer) -> Result<Trained> {
+        let engine = self.engine();
+        let Some(checkpoint) = &epochs.checkpoint else {
+            return Ok(engine.run(None, observer)?);
+        };
+        let trained = engine.run(Some(&checkpoint.bytes), observer);
+        match &checkpoint.origin {
+            Some(origin) => {
+                trained.with_context(|| format!("continuing from {}", origin.display()))
+            }
+            None => Ok(trained?),
         }
-        self.saved = Instant::now();
+    }
+}
+
+impl Run for TrainingRun<'_> {
+    type State = Epochs;
+    type Checkpoint = EngineCheckpoint;
+    type Answer = Metrics;
+    type Error = Error;
+
+    fn work(&self) -> Work {
+        Work {
+            kind: ResultKind::Training,
+            verb: "train",
+            identity: self.identity.clone(),
+            input_sha256: self.settings.source.digest().to_owned(),
+        }
+    }
+
+    fn length(&self) -> u64 {
+        self.training.epochs as u64
+    }
+
+    fn open(&self, _directory: &Path, saved: Option<EngineCheckpoint>) -> Result<Epochs> {
+        let done = match &saved {
+            Some(saved) => epochs_done(&saved.bytes).with_context(|| {
+                let origin = saved.origin.as_deref().unwrap_or(Path::new(CHECKPOINT));
+                format!("continuing from {}", origin.display())
+            })?,
+            None => 0,
+        };
+        Ok(Epochs {
+            checkpoint: saved,
+            done: done as u64,
+            has_ended_early: false,
+        })
+    }
+
+    fn done(&self, epochs: &Epochs) -> u64 {
+        if epochs.has_ended_early {
+            self.length()
+        } else {
+            epochs.done
+        }
+    }
+
+    /// One epoch. The engine picks up its own checkpoint again each time, which costs next to
+    /// nothing beside an epoch.
+    fn advance(&self, epochs: &mut Epochs, turn: &Turn<'_>) -> Result<()> {
+        let mut one = OneEpoch {
+            turn,
+            checkpoint: None,
+        };
+        let trained = self.train(epochs, &mut one)?;
+        epochs.done = trained.history.len() as u64;
+        epochs.has_ended_early = trained.outcome == Outcome::Stopped;
+        if let Some(bytes) = one.checkpoint {
+            epochs.checkpoint = Some(EngineCheckpoint {
+                bytes,
+                origin: None,
+            });
+        }
         Ok(())
     }
 
-    fn flow(&self) -> ControlFlow<()> {
-        if self.failed.is_some() || self.execution.interrupt.is_requested() {
-            return ControlFlow::Break(());
-        }
-        ControlFlow::Continue(())
+    fn save(&self, epochs: &mut Epochs) -> Result<EngineCheckpoint> {
+        epochs
+            .checkpoint
+            .clone()
+            .context("no epoch has been trained")
+    }
+
+    fn answer(&self, epochs: &mut Epochs, directory: &Path) -> Result<Metrics> {
+        let trained = self.trained(epochs)?;
+        write_results(self.settings, self.prepared, trained, directory)
+    }
+
+    fn details(&self, _epochs: &mut Epochs, _directory: &Path) -> Result<Value> {
+        Ok(Value::Null)
+    }
+
+    /// The metrics are written last: they say that everything is done, whatever the record says.
+    fn finished(&self, directory: &Path, _record: Option<&Record>) -> Result<Option<Metrics>> {
+        Metrics::read(directory)
+    }
+
+    /// What was reached is kept, also where training failed.
+    fn rescue(&self, epochs: &mut Epochs) -> Option<EngineCheckpoint> {
+        epochs.checkpoint.clone()
     }
 }
 
-impl Observer for Keeper<'_> {
+/// Ends a training after one epoch, or when asked in the middle of it.
+struct OneEpoch<'a> {
+    turn: &'a Turn<'a>,
+    checkpoint: Option<Vec<u8>>,
+}
+
+impl Observer for OneEpoch<'_> {
     fn step(&mut self, _report: StepReport) -> ControlFlow<()> {
-        self.flow()
+        if self.turn.must_stop() {
+            return ControlFlow::Break(());
+        }
+        ControlFlow::Continue(())
     }
 
     fn epoch(
@@ -299,57 +414,32 @@ impl Observer for Keeper<'_> {
         _record: &EpochRecord,
         checkpoint: &dyn Fn() -> protomer_learn::Result<Vec<u8>>,
     ) -> protomer_learn::Result<ControlFlow<()>> {
-        self.latest = Some(checkpoint()?);
-        self.epochs += 1;
-        (self.advanced)(1);
-        if self.saved.elapsed() >= self.execution.checkpoint_interval {
-            self.failed = self.save().err();
-        }
-        Ok(self.flow())
+        self.checkpoint = Some(checkpoint()?);
+        Ok(ControlFlow::Break(()))
     }
 }
 
-/// Trains or continues in a directory and scores the result. `advanced` hears how many epochs were
-/// done.
+/// Trains or continues in a directory and scores the result.
 ///
 /// # Errors
-/// For settings that make no sense, a directory that holds something else, and a disk that takes no
-/// more.
+/// For settings that make no sense, a directory that holds other work, and a disk that refuses.
 pub fn train_in(
     settings: &TrainSettings,
     set: &dyn SampleSource,
     path: &Path,
+    device: &Device,
     execution: &Execution,
-    advanced: &(dyn Fn(u64) + Sync),
-) -> Result<TrainEnd> {
+) -> Result<End<Metrics>> {
     let prepared = Prepared::new(settings, set)?;
     check(settings, &prepared)?;
-    let _mine = ResultsDirectory::enter(path, LAYOUT, settings, execution.start_anew, |present| {
-        Ok(present == settings)
-    })?;
-    let epochs = settings.training.epochs;
-    if let Some(metrics) = Metrics::read(path)? {
-        advanced(epochs as u64);
-        // Earlier versions did not write it.
-        if TrainedOn::read(path)?.is_none() {
-            note_samples(settings, &prepared, path)?;
-        }
-        return Ok(TrainEnd::Finished(Box::new(metrics)));
+    let run = TrainingRun::new(settings, &prepared, device.clone())?;
+    let _ours = ResultsDirectory::enter(path, &LAYOUT, settings, &run.identity, execution)?;
+    let end = drive(&run, path, execution)?;
+    // Earlier versions did not write it.
+    if matches!(end, End::Finished(_)) && TrainedOn::read(path)?.is_none() {
+        note_samples(settings, &prepared, path)?;
     }
-    let checkpoint = path.join(CHECKPOINT);
-    let Some(trained) = advance(
-        settings,
-        &prepared,
-        &checkpoint,
-        0..epochs,
-        execution,
-        advanced,
-    )?
-    else {
-        return Ok(TrainEnd::Stopped);
-    };
-    let metrics = write_results(settings, &prepared, trained, path)?;
-    Ok(TrainEnd::Finished(Box::new(metrics)))
+    Ok(end)
 }
 
 /// Writes down which structures the network has seen; a control has none.

@@ -1,13 +1,13 @@
 //! What is trained, on what, and how: `settings.toml`.
 
-use crate::keys;
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use protomer_learn::block::BlockSettings;
 use protomer_learn::controls::{Control, Experiment, Form, Plan, Variant};
 use protomer_learn::network::{GlobalPooling, NetworkSettings};
 use protomer_learn::split::Fractions;
 use protomer_learn::targets::Target;
 use protomer_learn::training::TrainingSettings;
+use protomer_results::{Settings, keys};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -54,6 +54,26 @@ impl PartialEq for Source {
         match (self, other) {
             (Self::Set { digest: own, .. }, Self::Set { digest: other, .. }) => own == other,
             _ => control(self).is_some() && control(self) == control(other),
+        }
+    }
+}
+
+impl Source {
+    /// The digest of a set on the disk; empty for a synthetic one.
+    pub fn digest(&self) -> &str {
+        match self {
+            Self::Set { digest, .. } => digest,
+            Self::Control { .. } => "",
+        }
+    }
+
+    fn without_path(&self) -> Self {
+        match self {
+            Self::Set { digest, .. } => Self::Set {
+                path: PathBuf::new(),
+                digest: digest.clone(),
+            },
+            control => control.clone(),
         }
     }
 }
@@ -129,15 +149,23 @@ pub fn blocks(widths: &[usize], kernels: &[usize], groups: usize) -> Result<Vec<
         .collect::<Result<_, _>>()?)
 }
 
+impl Settings for TrainSettings {
+    /// Without the path of the set: a set is what it holds, wherever it lies.
+    fn essential(&self) -> Self {
+        Self {
+            source: self.source.without_path(),
+            ..self.clone()
+        }
+    }
+}
+
 impl TrainSettings {
     /// Settings from a file.
     ///
     /// # Errors
     /// Names the file, the line and the key.
     pub fn read(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path)
-            .with_context(|| format!("cannot read {}", path.display()))?;
-        keys::from_toml(path, &text)
+        Ok(keys::read_toml(path)?)
     }
 
     /// The network for so many classes.

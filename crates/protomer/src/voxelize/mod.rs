@@ -31,12 +31,11 @@ pub mod structure;
 pub mod work;
 
 use crate::input::InputFile;
-use crate::interrupt::Interrupt;
-use crate::shard::Shard;
 use anyhow::{Context, Result, bail};
 use manifest::{Entry, Manifest};
 use origin::Origin;
 use protomer_io::zarr::SetReader;
+use protomer_results::{End, Execution, Shard, each};
 use rayon::prelude::*;
 use row::Row;
 use serde::Serialize;
@@ -90,130 +89,166 @@ pub struct VoxelizeReport {
     pub seconds: f64,
 }
 
-/// Voxelises the structures of a manifest into a set. `begin` hears how many structures are still
-/// to be done, `advanced` of each that is.
+/// Voxelises the structures of a manifest, or a part of them, into a set.
 ///
 /// # Errors
 /// For settings or a manifest that make no sense, an output that holds something else, another
-/// process working on it, and a disk that takes no more. What is wrong with a structure excludes it
-/// and is in the report.
-#[allow(
-    clippy::too_many_arguments,
-    reason = "two of them only tell of progress"
-)]
+/// process working on it, and a disk that refuses. What is wrong with a structure excludes it and
+/// is in the report.
 pub fn voxelize(
     manifest: &Manifest,
     shard: Shard,
     settings: &VoxelizeSettings,
     output: &Path,
-    force: bool,
-    interrupt: &Interrupt,
-    begin: &(dyn Fn(usize) + Sync),
-    advanced: &(dyn Fn() + Sync),
+    execution: &Execution,
 ) -> Result<VoxelizeReport> {
     let start = Instant::now();
     settings.check()?;
-    let entries: Vec<&Entry> = manifest
-        .entries
-        .iter()
-        .filter(|entry| shard.has(entry.number))
-        .collect();
-    let hashes: Vec<Option<String>> = entries
-        .par_iter()
-        .map(|entry| InputFile::read(&entry.path).ok().map(|file| file.sha256))
-        .collect();
-    let rows: Vec<Row> = entries
-        .iter()
-        .zip(&hashes)
-        .map(|(entry, hash)| Row::of_entry(entry, hash.as_deref()))
-        .collect();
-    let relatives = relatives::in_several_clusters(&rows);
-    let identity = identity::identity(settings, &rows)?;
-    let report = |state, excluded: Vec<Exclusion>, samples, voxels, taken_over| VoxelizeReport {
-        set: output.to_owned(),
-        state,
-        structures: entries.len(),
-        taken_over,
-        samples,
-        voxels,
-        bytes: set::bytes_on_disk(output),
-        read_ms_per_sample: None,
-        excluded,
-        warnings: BTreeMap::new(),
-        manifest_warnings: relatives.clone(),
-        seconds: start.elapsed().as_secs_f64(),
-    };
-    match set::state_of(output, &identity)? {
-        set::OnDisk::Same(reader) => {
-            let excluded = set::exclusions(&reader)?;
-            let voxels = (0..reader.len())
-                .map(|sample| reader.voxels(sample) as u64)
-                .sum();
-            let warnings = set::warnings_of(&set::samples_of(&reader)?);
-            let report = report(
-                State::NothingToDo,
-                excluded,
-                reader.len(),
-                voxels,
-                entries.len(),
-            );
-            return Ok(VoxelizeReport { warnings, ..report });
-        }
-        set::OnDisk::Other if !force => {
+    let part = Part::new(manifest, shard, settings)?;
+    let mut report = part.report(output);
+    match set::state_of(output, &part.identity)? {
+        set::OnDisk::Same(reader) => report.describe_present(&reader)?,
+        set::OnDisk::Other if !execution.start_anew => {
             bail!(
                 "{} holds another set; overwrite it with --force or name another output",
                 output.display()
             )
         }
-        set::OnDisk::Other | set::OnDisk::Nothing => {}
+        set::OnDisk::Other | set::OnDisk::Nothing => part.make(output, execution, &mut report)?,
     }
-    if let Some(folder) = output.parent() {
-        std::fs::create_dir_all(folder)
-            .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    report.bytes = set::bytes_on_disk(output);
+    report.seconds = start.elapsed().as_secs_f64();
+    Ok(report)
+}
+
+/// The structures of a manifest that one process voxelises.
+struct Part<'a> {
+    manifest: &'a Manifest,
+    shard: Shard,
+    settings: &'a VoxelizeSettings,
+    entries: Vec<&'a Entry>,
+    /// SHA-256 of each file that can be read.
+    hashes: Vec<Option<String>>,
+    identity: String,
+}
+
+impl<'a> Part<'a> {
+    fn new(manifest: &'a Manifest, shard: Shard, settings: &'a VoxelizeSettings) -> Result<Self> {
+        let entries: Vec<&Entry> = manifest
+            .entries
+            .iter()
+            .filter(|entry| shard.has(entry.number))
+            .collect();
+        let hashes: Vec<Option<String>> = entries
+            .par_iter()
+            .map(|entry| InputFile::read(&entry.path).ok().map(|file| file.sha256))
+            .collect();
+        let mut part = Self {
+            manifest,
+            shard,
+            settings,
+            entries,
+            hashes,
+            identity: String::new(),
+        };
+        part.identity = identity::identity(settings, &part.rows())?;
+        Ok(part)
     }
-    let work = WorkFile::open(&work_path(output))?;
-    let keys = entries
-        .iter()
-        .zip(&hashes)
-        .map(|(entry, hash)| identity::key(settings, entry, hash.as_deref()));
-    let keys = keys.collect::<Result<Vec<String>>>()?;
-    let pending: Vec<(&Entry, &String)> = entries
-        .iter()
-        .copied()
-        .zip(&keys)
-        .filter(|(_, key)| !work.has(key))
-        .collect();
-    let taken_over = entries.len() - pending.len();
-    begin(pending.len());
-    pending
-        .par_iter()
-        .try_for_each(|(entry, key)| -> Result<()> {
-            if interrupt.is_requested() {
-                return Ok(());
+
+    fn rows(&self) -> Vec<Row<'_>> {
+        let structures = self.entries.iter().zip(&self.hashes);
+        structures
+            .map(|(entry, hash)| Row::of_entry(entry, hash.as_deref()))
+            .collect()
+    }
+
+    /// The report of a set that is yet to be made.
+    fn report(&self, output: &Path) -> VoxelizeReport {
+        VoxelizeReport {
+            set: output.to_owned(),
+            state: State::Stopped,
+            structures: self.entries.len(),
+            taken_over: 0,
+            samples: 0,
+            voxels: 0,
+            bytes: 0,
+            read_ms_per_sample: None,
+            excluded: Vec::new(),
+            warnings: BTreeMap::new(),
+            manifest_warnings: relatives::in_several_clusters(&self.rows()),
+            seconds: 0.0,
+        }
+    }
+
+    /// Voxelises what no earlier run has, and writes the set once everything is there.
+    fn make(
+        &self,
+        output: &Path,
+        execution: &Execution,
+        report: &mut VoxelizeReport,
+    ) -> Result<()> {
+        if let Some(folder) = output.parent() {
+            std::fs::create_dir_all(folder)
+                .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        }
+        let work = WorkFile::open(&work_path(output))?;
+        let keys = self.keys()?;
+        report.taken_over = keys.iter().filter(|key| work.has(key)).count();
+        if self.voxelize_missing(&keys, &work, execution)? == End::Stopped {
+            report.samples = keys.iter().filter(|key| work.has(key)).count();
+            return Ok(());
+        }
+        let content = collect(&self.entries, &self.hashes, &keys, &work)?;
+        report.read_ms_per_sample = Some(self.write(output, &content, &work)?);
+        work.remove()?;
+        report.state = State::Written;
+        report.samples = content.samples.len();
+        report.voxels = content.voxels();
+        report.warnings = set::warnings_of(&content.samples);
+        report.excluded = content.excluded;
+        Ok(())
+    }
+
+    /// What each sample depends on, hashed.
+    fn keys(&self) -> Result<Vec<String>> {
+        let structures = self.entries.iter().zip(&self.hashes);
+        structures
+            .map(|(entry, hash)| identity::key(self.settings, entry, hash.as_deref()))
+            .collect()
+    }
+
+    fn voxelize_missing(
+        &self,
+        keys: &[String],
+        work: &WorkFile,
+        execution: &Execution,
+    ) -> Result<End<()>> {
+        let structures = self.entries.iter().copied().zip(keys);
+        let missing: Vec<(&Entry, &String)> =
+            structures.filter(|(_, key)| !work.has(key)).collect();
+        let progress = &execution.progress;
+        progress.begin(missing.len() as u64, "structures");
+        let one = |(entry, key): &(&Entry, &String)| -> Result<End<()>> {
+            if execution.interrupt.is_requested() {
+                return Ok(End::Stopped);
             }
-            let outcome = structure::voxelize_structure(entry, settings);
-            work.keep(key, &outcome)
-                .inspect_err(|_| interrupt.request())?;
-            advanced();
-            Ok(())
-        })?;
-    if keys.iter().any(|key| !work.has(key)) {
-        let samples = keys.iter().filter(|key| work.has(key)).count();
-        return Ok(report(State::Stopped, Vec::new(), samples, 0, taken_over));
+            work.keep(key, &structure::voxelize_structure(entry, self.settings))?;
+            progress.advance(1);
+            Ok(End::Finished(()))
+        };
+        Ok(each(&missing, &execution.interrupt, one)?.map(drop))
     }
-    let content = collect(&entries, &hashes, &keys, &work)?;
-    let voxels = content.voxels();
-    let (samples, excluded) = (content.samples.len(), content.excluded.clone());
-    let origin = Origin::new(
-        &manifest.sha256,
-        manifest.entries.len(),
-        shard,
-        entries.len(),
-    );
-    let attributes = set::attributes(settings, &[origin], &identity, &content)?;
-    let mut read_ms_per_sample = None;
-    set::replace(output, |folder| {
-        set::write(folder, settings, &content, attributes, &mut |sample| {
+
+    /// Writes the set, and returns how long it takes to read a sample back, ms.
+    fn write(&self, output: &Path, content: &SetContent, work: &WorkFile) -> Result<f64> {
+        let origin = Origin::new(
+            &self.manifest.sha256,
+            self.manifest.entries.len(),
+            self.shard,
+            self.entries.len(),
+        );
+        let attributes = set::attributes(self.settings, &[origin], &self.identity, content)?;
+        let mut voxels = |sample: usize| {
             let Some(entry) = content.samples.get(sample) else {
                 bail!("there is no sample {sample}")
             };
@@ -221,17 +256,29 @@ pub fn voxelize(
                 Outcome::Sample(sample) => Ok(sample.voxels),
                 Outcome::Excluded { .. } => bail!("{} was excluded", entry.name),
             }
+        };
+        let mut read_ms_per_sample = f64::NAN;
+        set::replace(output, |folder| {
+            set::write(folder, self.settings, content, attributes, &mut voxels)?;
+            read_ms_per_sample = set::read_back(folder)?;
+            Ok(())
         })?;
-        read_ms_per_sample = Some(set::read_back(folder)?);
+        Ok(read_ms_per_sample)
+    }
+}
+
+impl VoxelizeReport {
+    /// Tells of the set that is there already.
+    fn describe_present(&mut self, reader: &SetReader) -> Result<()> {
+        let voxels = (0..reader.len()).map(|sample| reader.voxels(sample) as u64);
+        self.state = State::NothingToDo;
+        self.taken_over = self.structures;
+        self.samples = reader.len();
+        self.voxels = voxels.sum();
+        self.warnings = set::warnings_of(&set::samples_of(reader)?);
+        self.excluded = set::exclusions(reader)?;
         Ok(())
-    })?;
-    work.remove()?;
-    let report = report(State::Written, excluded, samples, voxels, taken_over);
-    Ok(VoxelizeReport {
-        read_ms_per_sample,
-        warnings: set::warnings_of(&content.samples),
-        ..report
-    })
+    }
 }
 
 /// The work file of a set.

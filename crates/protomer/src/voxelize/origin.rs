@@ -1,9 +1,9 @@
 //! What a set has of its manifests, and what it lacks.
 
 use super::set::exclusions;
-use crate::shard::Shard;
 use anyhow::{Context, Result};
 use protomer_io::zarr::SetReader;
+use protomer_results::Shard;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 

@@ -9,6 +9,7 @@ use super::structure::{Properties, Reason, Sample, letters};
 use anyhow::{Context, Result, anyhow, bail};
 use protomer_field::voxels::{Channel, Voxels};
 use protomer_io::zarr::{SetReader, SetWriter};
+use protomer_results::ResultKind;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
@@ -235,6 +236,7 @@ pub fn attributes(
         _ => "",
     };
     let value = json!({
+        "kind": ResultKind::VoxelSet,
         "made_by": format!("protomer {}", env!("CARGO_PKG_VERSION")),
         "identity": identity,
         "manifest_sha256": manifest_sha256,

@@ -3,9 +3,12 @@
 
 #![allow(dead_code)] // each test program uses its part
 
+use protomer_results::{Execution, Interrupt, Progress};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex};
 
 const CUBE: &str = "OFF\n8 12 0\n-5 -5 -5\n5 -5 -5\n5 5 -5\n-5 5 -5\n-5 -5 5\n5 -5 5\n5 5 5\n-5 5 5\n\
                     3 0 2 1\n3 0 3 2\n3 4 5 6\n3 4 6 7\n3 0 1 5\n3 0 5 4\n3 1 2 6\n3 1 6 5\n3 2 3 7\n3 2 7 6\n\
@@ -123,6 +126,62 @@ pub fn is_ok(output: &Output) {
         output.status,
         message(output)
     );
+}
+
+/// Keeps what it is told of some work, and asks for a stop when enough is done.
+#[derive(Default)]
+pub struct Watcher {
+    /// Units in all.
+    pub total: AtomicU64,
+    /// Units done.
+    pub done: AtomicU64,
+    /// What was done, in order.
+    pub described: Mutex<Vec<String>>,
+    interrupt: Interrupt,
+    /// Units, or descriptions, after which it asks for a stop.
+    most: Option<u64>,
+}
+
+impl Watcher {
+    /// Asks for a stop after so many units or descriptions.
+    pub fn stopping_after(most: u64) -> Arc<Self> {
+        Arc::new(Self {
+            most: Some(most),
+            ..Self::default()
+        })
+    }
+
+    /// An execution that this watches.
+    pub fn execution(self: &Arc<Self>) -> Execution {
+        Execution {
+            interrupt: self.interrupt.clone(),
+            progress: Arc::clone(self) as Arc<dyn Progress>,
+            ..Execution::default()
+        }
+    }
+
+    fn stop_if_enough(&self, count: u64) {
+        if self.most.is_some_and(|most| count >= most) {
+            self.interrupt.request();
+        }
+    }
+}
+
+impl Progress for Watcher {
+    fn begin(&self, total: u64, _unit: &'static str) {
+        self.total.store(total, Ordering::Relaxed);
+    }
+
+    fn advance(&self, units: u64) {
+        let done = self.done.fetch_add(units, Ordering::Relaxed) + units;
+        self.stop_if_enough(done);
+    }
+
+    fn describe(&self, what: &str) {
+        let mut described = self.described.lock().unwrap();
+        described.push(what.to_owned());
+        self.stop_if_enough(described.len() as u64);
+    }
 }
 
 /// Every file below a folder: its path relative to the folder, and its bytes. None if there is no

@@ -2,10 +2,10 @@
 
 use super::super::{Global, Outcome, output};
 use crate::lattice::animation::Animation;
-use crate::run::refuse_set;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use protomer_io::atomic::write_atomically;
+use protomer_results::ResultKind;
 use std::path::{Path, PathBuf};
 
 /// Make a page that plays a run in any browser: one HTML file that needs nothing else.
@@ -35,7 +35,7 @@ impl AnimateArgs {
         let html = animation.to_html();
         write_atomically(&page, |file| file.write_all(html.as_bytes()))?;
         if let Some(folder) = &self.frames {
-            refuse_set(folder)?;
+            ResultKind::VoxelSet.refuse_in(folder)?;
             std::fs::create_dir_all(folder)
                 .with_context(|| format!("cannot make {}", folder.display()))?;
             for frame in 0..animation.len() {

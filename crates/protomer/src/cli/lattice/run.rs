@@ -3,13 +3,13 @@
 use super::super::execution::{ExecutionArgs, override_with};
 use super::super::{Global, Outcome, output};
 use crate::lattice::directory::read_settings;
-use crate::lattice::run::{LatticeEnd, run_lattice};
+use crate::lattice::run::run_lattice;
 use crate::lattice::settings::{LatticeSettings, Start, TimeStep, Velocities};
 use crate::lattice::start::{begin, time_step};
-use crate::run::Execution;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use protomer_crystal::lattice;
+use protomer_results::{End, Execution};
 use std::path::PathBuf;
 
 /// What is at the edges of the lattice.
@@ -169,13 +169,10 @@ impl RunArgs {
             begun.network.squares.len(),
             begun.network.rods.len()
         ));
-        let bar = global.progress(total, "steps");
         let execution = self.directory.execution(global)?;
-        let end = run_lattice(&settings, &self.directory.output, &execution, &|steps| {
-            bar.inc(steps)
-        })?;
-        bar.finish_and_clear();
-        let LatticeEnd::Finished(result) = end else {
+        let end = run_lattice(&settings, &self.directory.output, &execution)?;
+        drop(execution);
+        let End::Finished(result) = end else {
             global.say(&format!(
                 "stopped; the same command continues {}",
                 self.directory.output.display()

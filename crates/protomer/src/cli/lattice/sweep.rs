@@ -2,10 +2,11 @@
 
 use super::super::{Global, Outcome, output};
 use super::run::{DirectoryArgs, SettingsArgs};
-use crate::lattice::sweep::{LatticeSweep, LatticeSweepEnd, axes, run_sweep, tasks};
+use crate::lattice::sweep::{LatticeSweep, axes, run_sweep, tasks};
 use crate::lattice::sweep_table::Estimate;
 use anyhow::{Result, bail};
 use clap::Args;
+use protomer_results::End;
 
 /// Run lattices of several rod lengths and κ, once per seed, on all threads: tables with error bars
 /// and figures. The same command continues a sweep that was stopped.
@@ -58,21 +59,18 @@ impl SweepArgs {
             conditions.kappa.len(),
             conditions.seeds.len()
         ));
-        let bar = global.progress(runs as u64, "runs");
         let execution = self.directory.execution(global)?;
-        let end = run_sweep(&settings, &self.directory.output, &execution, &|| {
-            bar.inc(1)
-        })?;
-        bar.finish_and_clear();
+        let end = run_sweep(&settings, &self.directory.output, &execution)?;
+        drop(execution);
         match end {
-            LatticeSweepEnd::Stopped => {
+            End::Stopped => {
                 global.say(&format!(
                     "stopped; the same command continues {}",
                     self.directory.output.display()
                 ));
                 Ok(Outcome::Stopped)
             }
-            LatticeSweepEnd::Finished(sweep) => {
+            End::Finished(sweep) => {
                 self.report(&sweep, global)?;
                 Ok(Outcome::Done)
             }

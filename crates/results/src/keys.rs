@@ -1,10 +1,11 @@
-//! Reading JSON and TOML with errors that name the key, the file, the line and the nearest valid
-//! key.
+//! JSON and TOML with errors that name the file, the line, the key, and the nearest valid key.
 
-use anyhow::{Result, anyhow};
+use crate::{Error, Result};
+use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::error::Category;
 use std::path::Path;
+use strsim::levenshtein;
 
 /// Deserialises JSON.
 ///
@@ -19,12 +20,16 @@ pub fn from_json<T: DeserializeOwned>(path: &Path, bytes: &[u8]) -> Result<T> {
                 format!("the file ends too early ({cause}); it is empty or cut: complete it")
             }
             Category::Syntax => format!(
-                "this is no JSON ({cause} at column {}); mend the line",
+                "this is not JSON ({cause} at column {}); mend the line",
                 error.column()
             ),
             Category::Data | Category::Io => with_hint(cause),
         };
-        anyhow!("{}:{}: {explained}", path.display(), error.line())
+        Error::Parse {
+            path: path.to_owned(),
+            line: error.line(),
+            problem: explained,
+        }
     })
 }
 
@@ -39,9 +44,54 @@ pub fn from_toml<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T> {
         });
         let explained = match text.parse::<toml::Table>() {
             Ok(_) => with_hint(error.message()),
-            Err(_) => format!("this is no TOML ({}); mend the line", error.message()),
+            Err(_) => format!("this is not TOML ({}); mend the line", error.message()),
         };
-        anyhow!("{}:{line}: {explained}", path.display())
+        Error::Parse {
+            path: path.to_owned(),
+            line,
+            problem: explained,
+        }
+    })
+}
+
+/// Reads a JSON file.
+///
+/// # Errors
+/// As [`from_json`]; also if the file cannot be read.
+pub fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T> {
+    let bytes = std::fs::read(path).map_err(Error::file("read", path))?;
+    from_json(path, &bytes)
+}
+
+/// Reads a JSON file that may be missing.
+///
+/// # Errors
+/// As [`from_json`]; also if there is a file and it cannot be read.
+pub fn read_json_if_present<T: DeserializeOwned>(path: &Path) -> Result<Option<T>> {
+    match std::fs::read(path) {
+        Ok(bytes) => from_json(path, &bytes).map(Some),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(Error::file("read", path)(error)),
+    }
+}
+
+/// Reads a TOML file.
+///
+/// # Errors
+/// As [`from_toml`]; also if the file cannot be read.
+pub fn read_toml<T: DeserializeOwned>(path: &Path) -> Result<T> {
+    let text = std::fs::read_to_string(path).map_err(Error::file("read", path))?;
+    from_toml(path, &text)
+}
+
+/// The TOML text of a value, such as settings.
+///
+/// # Errors
+/// [`Error::Unwritable`] if TOML cannot hold it.
+pub fn to_toml<T: Serialize>(what: &'static str, value: &T) -> Result<String> {
+    toml::to_string_pretty(value).map_err(|error| Error::Unwritable {
+        what,
+        cause: error.to_string(),
     })
 }
 
@@ -63,23 +113,8 @@ fn with_hint(message: &str) -> String {
 pub fn nearest<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let nearest = known
         .into_iter()
-        .min_by_key(|word| edit_distance(wrong, word))?;
-    (edit_distance(wrong, nearest) <= 1 + wrong.chars().count() / 3).then_some(nearest)
-}
-
-/// Levenshtein distance.
-fn edit_distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.chars().enumerate() {
-        let mut diagonal = std::mem::replace(&mut row[0], i + 1);
-        for (j, y) in b.iter().enumerate() {
-            let substituted = diagonal + usize::from(x != *y);
-            diagonal = row[j + 1];
-            row[j + 1] = substituted.min(diagonal + 1).min(row[j] + 1);
-        }
-    }
-    row[b.len()]
+        .min_by_key(|word| levenshtein(wrong, word))?;
+    (levenshtein(wrong, nearest) <= 1 + wrong.chars().count() / 3).then_some(nearest)
 }
 
 #[cfg(test)]
@@ -111,11 +146,5 @@ mod tests {
             error.starts_with("a.json:2:") && error.ends_with("did you mean 'sweeps'?"),
             "{error}"
         );
-    }
-
-    #[test]
-    fn edit_distance_counts_edits() {
-        assert_eq!(edit_distance("kitten", "sitting"), 3);
-        assert_eq!(edit_distance("", "abc"), 3);
     }
 }

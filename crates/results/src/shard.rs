@@ -1,8 +1,8 @@
-//! A part of some work that many machines share.
+//! A part of work that many machines share.
 
-use anyhow::{Result, bail};
+use crate::{Error, Result};
 
-/// The things number `index` - 1, `index` - 1 + `of`, ... counted from zero.
+/// Every `of`-th item, beginning with item `index` - 1, counted from zero.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
     /// Which part, from one.
@@ -18,7 +18,7 @@ impl Shard {
     /// A part written as `2/8`.
     ///
     /// ```
-    /// use protomer::shard::Shard;
+    /// use protomer_results::Shard;
     /// assert_eq!(Shard::parse("2/8").unwrap(), Shard { index: 2, of: 8 });
     /// assert!(Shard::parse("9/8").is_err());
     /// ```
@@ -31,11 +31,11 @@ impl Shard {
             .and_then(|(index, of)| Some((index.parse().ok()?, of.parse().ok()?)));
         match parts {
             Some((index, of)) if (1..=of).contains(&index) => Ok(Self { index, of }),
-            _ => bail!("'{text}' is no part; give one such as 2/8, from 1/8 to 8/8"),
+            _ => Err(Error::NotAShard(text.to_owned())),
         }
     }
 
-    /// Whether a thing belongs to the part.
+    /// Whether an item belongs to the part.
     pub fn has(self, number: usize) -> bool {
         number % self.of == self.index - 1
     }

@@ -4,7 +4,16 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Shared by all threads of a long piece of work; cheap to ask.
+/// A request to stop, shared by all threads of a piece of work; cheap to ask.
+///
+/// ```
+/// use protomer_results::Interrupt;
+/// let interrupt = Interrupt::default();
+/// let on_another_thread = interrupt.clone();
+/// on_another_thread.request();
+/// assert!(interrupt.is_requested());
+/// assert_eq!(interrupt.reason(), "a signal");
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct Interrupt {
     requested: Arc<AtomicBool>,
@@ -13,7 +22,7 @@ pub struct Interrupt {
 }
 
 impl Interrupt {
-    /// An interrupt that comes by itself after `limit`, if there is one.
+    /// An interrupt that requests itself after `limit`, if there is one.
     pub fn after(limit: Option<Duration>) -> Self {
         Self {
             deadline: limit.map(|limit| Instant::now() + limit),
@@ -21,7 +30,7 @@ impl Interrupt {
         }
     }
 
-    /// The same request, and a limit of its own besides.
+    /// The same request, with a time limit of its own.
     pub fn with_limit(mut self, limit: Option<Duration>) -> Self {
         self.deadline = limit.map(|limit| Instant::now() + limit);
         self
