@@ -1,8 +1,8 @@
 //! The electrostatic potential around a structure, by the linearised Poisson-Boltzmann equation or
 //! as screened charges.
 
+use crate::bodies::surface_of_file::read_sites;
 use crate::input::InputFile;
-use crate::surface_of_file::read_sites;
 use anyhow::{Context, Result, bail};
 use protomer_field::debye_huckel::Superposition;
 use protomer_field::poisson_boltzmann::grid_around;

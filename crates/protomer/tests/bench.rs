@@ -5,10 +5,10 @@
 mod common;
 
 use common::{TemporaryFolder, Watcher, is_ok};
-use protomer::bench::suite::{Part, SuiteResult, SuiteSettings, run_suite};
-use protomer::energy_tables::EnergyTables;
-use protomer::interaction::{Interaction, Medium};
-use protomer::run::EnergyMode;
+use protomer::stability::bench::suite::{Part, SuiteResult, SuiteSettings, run_suite};
+use protomer::stability::energy_tables::EnergyTables;
+use protomer::stability::interaction::{Interaction, Medium};
+use protomer::stability::run::EnergyMode;
 use protomer_results::Execution;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, OnceLock};
@@ -133,8 +133,9 @@ fn the_tables_are_complete_and_hang_together() {
         );
     }
     for rows in result.bodies.chunks(settings.bodies.len()) {
-        let density =
-            |row: &protomer::bench::suite::BodiesRow| row.bodies as f64 / row.box_angstrom.powi(3);
+        let density = |row: &protomer::stability::bench::suite::BodiesRow| {
+            row.bodies as f64 / row.box_angstrom.powi(3)
+        };
         assert!((density(&rows[0]) / density(&rows[1]) - 1.0).abs() < 1e-9);
         let ratio = rows[1].neighbours / rows[0].neighbours;
         assert!(

@@ -6,7 +6,7 @@
 mod common;
 
 use common::TemporaryFolder;
-use protomer::body_file;
+use protomer::bodies::body_file;
 use protomer_kernel::random::CounterRng;
 use sha2::{Digest, Sha256};
 use std::alloc::{GlobalAlloc, Layout, System};

@@ -6,8 +6,8 @@
 mod common;
 
 use common::TemporaryFolder;
-use protomer::assemble::BodyFiles;
-use protomer::fluid::fluid;
+use protomer::assemblies::assemble::BodyFiles;
+use protomer::assemblies::fluid::fluid;
 use protomer_body::assembly::Placement;
 use protomer_kernel::{Pose, Vec3};
 

@@ -5,9 +5,9 @@
 
 mod common;
 
-use protomer::framework::report::{Analytic, Relax, Report, Settings, analyse};
-use protomer::framework::tables::{Agreement, rows};
-use protomer::framework::{curve, network_file};
+use protomer::frameworks::report::{Analytic, Relax, Report, Settings, analyse};
+use protomer::frameworks::tables::{Agreement, rows};
+use protomer::frameworks::{curve, network_file};
 use protomer_crystal::framework::analytic::Honeycomb;
 use protomer_crystal::framework::{AVOGADRO_PER_MOL, Framework, StressKind, build};
 use protomer_kernel::random::CounterRng;

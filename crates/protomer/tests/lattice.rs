@@ -11,6 +11,7 @@
 mod common;
 
 use common::Watcher;
+use protomer::bodies::own_body::{OwnBody, build};
 use protomer::lattice::animation::Animation;
 use protomer::lattice::log::LogRow;
 use protomer::lattice::replay::{LatticeFile, replay, respond};
@@ -22,7 +23,6 @@ use protomer::lattice::square_of_body::{Axis, Size, square_of_body};
 use protomer::lattice::start::{begin, network};
 use protomer::lattice::sweep::run_sweep;
 use protomer::lattice::trajectory::read_states;
-use protomer::own_body::{OwnBody, build};
 use protomer_crystal::lattice::Edges;
 use protomer_io::gsd::{ChunkData, GsdFile};
 use protomer_results::{End, Execution, log};

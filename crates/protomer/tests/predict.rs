@@ -4,10 +4,10 @@
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
 
-use protomer::train::TrainSettings;
-use protomer::voxelize::VoxelizeSettings;
-use protomer::voxelize::set::{SampleRecord, SetContent, attributes, write};
-use protomer::voxelize::structure::Properties;
+use protomer::learning::train::TrainSettings;
+use protomer::voxels::VoxelizeSettings;
+use protomer::voxels::set::{SampleRecord, SetContent, attributes, write};
+use protomer::voxels::structure::Properties;
 use protomer_field::voxels::Voxels;
 use protomer_learn::controls::{Control, Form, Variant};
 use protomer_learn::{InMemory, SparseGrid};
@@ -399,7 +399,7 @@ fn what_training_has_seen_is_not_scored_in_another_set_either() {
 fn voxels_of_another_kind_are_refused() {
     let place = Place::new();
     place.train("-o run");
-    let spacing = protomer::voxelize::Spacing::Angstrom(2.0);
+    let spacing = protomer::voxels::Spacing::Angstrom(2.0);
     place.write_set(
         "coarse.zarr",
         3,

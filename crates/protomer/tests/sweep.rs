@@ -6,7 +6,7 @@
 mod common;
 
 use common::{TemporaryFolder, contents, is_ok, message};
-use protomer::run::RunSettings;
+use protomer::stability::run::RunSettings;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::{Child, Command};

@@ -7,8 +7,8 @@
 mod common;
 
 use common::{TemporaryFolder, contents, is_ok, message};
-use protomer::train::{Source, TrainSettings};
-use protomer::tune::{Trial, TuneSettings, tune_in};
+use protomer::learning::train::{Source, TrainSettings};
+use protomer::learning::tune::{Trial, TuneSettings, tune_in};
 use protomer_learn::controls::{Control, Variant};
 use protomer_learn::scaling::ScalingMode;
 use protomer_results::{End, Execution};

@@ -6,11 +6,11 @@
 mod common;
 
 use common::Watcher;
-use protomer::voxel_set::VoxelSet;
-use protomer::voxelize::manifest::Manifest;
-use protomer::voxelize::merge::merge;
-use protomer::voxelize::structure::Reason;
-use protomer::voxelize::{
+use protomer::voxels::manifest::Manifest;
+use protomer::voxels::merge::merge;
+use protomer::voxels::samples::VoxelSet;
+use protomer::voxels::structure::Reason;
+use protomer::voxels::{
     Fit, Spacing, State, VoxelizeReport, VoxelizeSettings, voxelize, work_path,
 };
 use protomer_field::voxels::{Channel, Orientation, PotentialModel};

@@ -3,10 +3,10 @@
 
 use super::ingest::{ChargeArgs, SelectionArgs, SurfaceFlags, body_settings};
 use super::{Global, Outcome, output};
-use crate::assemble::{
+use crate::assemblies::assemble::{
     BodyFiles, StructureAssembly, StructureSettings, assemble_structure, write_assembly,
 };
-use crate::fluid::fluid;
+use crate::assemblies::fluid::fluid;
 use anyhow::{Result, bail};
 use clap::{Args, Subcommand};
 use protomer_body::assembly::{Recipe, RecipeSite};

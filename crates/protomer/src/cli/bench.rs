@@ -4,11 +4,11 @@ use super::medium::ConditionArgs;
 use super::tables::TablesArgs;
 use super::tolerance::ToleranceArgs;
 use super::{Global, Outcome, interrupt_saying, output};
-use crate::assembly_file::Assembly;
-use crate::bench::suite::{Part, SuiteResult, SuiteSettings, run_suite};
-use crate::bench::{BenchSettings, bench};
-use crate::interaction::{Interaction, Medium};
-use crate::run::EnergyMode;
+use crate::assemblies::assembly_file::Assembly;
+use crate::stability::bench::suite::{Part, SuiteResult, SuiteSettings, run_suite};
+use crate::stability::bench::{BenchSettings, bench};
+use crate::stability::interaction::{Interaction, Medium};
+use crate::stability::run::EnergyMode;
 use anyhow::{Result, bail};
 use clap::Args;
 use protomer_results::Execution;
@@ -241,7 +241,7 @@ fn describe(result: &SuiteResult) -> String {
     text.join("\n")
 }
 
-fn rate_cells(row: &crate::bench::suite::RateRow) -> Vec<String> {
+fn rate_cells(row: &crate::stability::bench::suite::RateRow) -> Vec<String> {
     let verdict = match row.decides_as_direct {
         None => "-".to_owned(),
         Some(_) if row.energy == EnergyMode::Direct => format!("({} decisions)", row.decisions),
@@ -265,7 +265,7 @@ fn rate_cells(row: &crate::bench::suite::RateRow) -> Vec<String> {
     ]
 }
 
-fn parts_cells(row: &crate::bench::suite::PartsRow) -> Vec<String> {
+fn parts_cells(row: &crate::stability::bench::suite::PartsRow) -> Vec<String> {
     let part = |microseconds: f64| {
         format!(
             "{} ({:.0} %)",
@@ -285,7 +285,7 @@ fn parts_cells(row: &crate::bench::suite::PartsRow) -> Vec<String> {
     ]
 }
 
-fn bodies_cells(row: &crate::bench::suite::BodiesRow) -> Vec<String> {
+fn bodies_cells(row: &crate::stability::bench::suite::BodiesRow) -> Vec<String> {
     vec![
         row.bodies.to_string(),
         format!("{:.0}", row.box_angstrom),
@@ -296,7 +296,7 @@ fn bodies_cells(row: &crate::bench::suite::BodiesRow) -> Vec<String> {
     ]
 }
 
-fn threads_cells(row: &crate::bench::suite::ThreadsRow) -> Vec<String> {
+fn threads_cells(row: &crate::stability::bench::suite::ThreadsRow) -> Vec<String> {
     vec![
         row.energy.name().to_owned(),
         row.threads.to_string(),

@@ -1,8 +1,8 @@
 //! `protomer body`: a body from a user's own mesh and charges.
 
 use super::{Global, Outcome, output};
-use crate::own_body::{OwnBody, build};
-use crate::{body_file, ingest};
+use crate::bodies::own_body::{OwnBody, build};
+use crate::bodies::{body_file, ingest};
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;

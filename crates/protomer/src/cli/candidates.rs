@@ -3,7 +3,7 @@
 
 use super::assemble::SpaceArgs;
 use super::{Global, Outcome, output};
-use crate::assemble::{BodyFiles, write_assembly};
+use crate::assemblies::assemble::{BodyFiles, write_assembly};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use protomer_body::assembly::{Stack, Symmetry};

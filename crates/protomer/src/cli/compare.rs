@@ -1,7 +1,7 @@
 //! `protomer compare`: several sweeps in one figure.
 
 use super::{Global, Outcome, output};
-use crate::compare::{CompareReport, figure, read_curves};
+use crate::stability::compare::{CompareReport, figure, read_curves};
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;

@@ -1,7 +1,7 @@
 //! `protomer fetch`: download an entry from the Protein Data Bank.
 
 use super::{Global, Outcome, output};
-use crate::fetch::{RCSB_DOWNLOAD, fetch};
+use crate::bodies::fetch::{RCSB_DOWNLOAD, fetch};
 use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;

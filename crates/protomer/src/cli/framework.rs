@@ -2,9 +2,9 @@
 
 use super::framework_builders::Builder;
 use super::{Global, Outcome, output};
-use crate::framework::curve::{self, Curve};
-use crate::framework::report::{Analytic, Relax, Report, Settings, analyse};
-use crate::framework::{directory, network_file, tables};
+use crate::frameworks::curve::{self, Curve};
+use crate::frameworks::report::{Analytic, Relax, Report, Settings, analyse};
+use crate::frameworks::{directory, network_file, tables};
 use crate::quantity::length_angstrom;
 use anyhow::{Context, Result, bail};
 use clap::error::ErrorKind;

@@ -1,7 +1,7 @@
 //! `protomer ingest`: structure files to bodies.
 
 use super::{Global, Outcome, output};
-use crate::ingest::{FileOutcome, IngestSettings, ingest_files};
+use crate::bodies::ingest::{FileOutcome, IngestSettings, ingest_files};
 use crate::input;
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};

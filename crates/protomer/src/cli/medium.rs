@@ -1,7 +1,7 @@
 //! The medium's flags, shared by every verb that computes an energy.
 
-use crate::interaction::{Interaction, Medium};
 use crate::quantity;
+use crate::stability::interaction::{Interaction, Medium};
 use anyhow::Result;
 use clap::Args;
 

@@ -1,8 +1,8 @@
 //! `protomer merge`: several sets of voxel grids to one.
 
 use super::{Global, Outcome, output};
-use crate::voxelize::merge::merge;
-use crate::voxelize::origin::Missing;
+use crate::voxels::merge::merge;
+use crate::voxels::origin::Missing;
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;

@@ -2,8 +2,8 @@
 
 use super::device::DeviceArgs;
 use super::{Global, Outcome, output};
-use crate::framework::directory::{refuse_to_overwrite, write_one};
-use crate::predict::{PredictReport, predict};
+use crate::frameworks::directory::{refuse_to_overwrite, write_one};
+use crate::learning::predict::{PredictReport, predict};
 use anyhow::{Result, bail};
 use clap::Args;
 use protomer_results::{End, Execution};

@@ -2,7 +2,7 @@
 //! one, on the same split.
 
 use super::output::table;
-use crate::train::{BaselineScores, Intervals, Metrics};
+use crate::learning::train::{BaselineScores, Intervals, Metrics};
 use protomer_learn::bootstrap::Interval;
 
 /// Classes up to which the confusion matrix is shown.

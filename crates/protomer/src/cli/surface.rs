@@ -2,7 +2,7 @@
 
 use super::ingest::{Cavities, SurfaceFlags};
 use super::{Global, Outcome, output};
-use crate::surface_of_file::{SurfaceReport, surface_of_file};
+use crate::bodies::surface_of_file::{SurfaceReport, surface_of_file};
 use anyhow::Result;
 use clap::Args;
 use protomer_io::atomic::write_atomically;

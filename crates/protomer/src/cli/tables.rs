@@ -1,9 +1,9 @@
 //! The flags of the energy tables, shared by the verbs that make them.
 
 use super::{Global, output};
-use crate::disk_cache::DiskCache;
-use crate::energy_tables::EnergyTables;
 use crate::quantity;
+use crate::stability::disk_cache::DiskCache;
+use crate::stability::energy_tables::EnergyTables;
 use clap::Args;
 use std::sync::Arc;
 

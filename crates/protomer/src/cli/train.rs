@@ -4,7 +4,7 @@
 use super::device::DeviceArgs;
 use super::execution::{ExecutionArgs, override_with};
 use super::{Global, Outcome, output, scores};
-use crate::train::{
+use crate::learning::train::{
     ControlRun, Job, Metrics, SplitBy, TrainSettings, blocks, channels_of, open_set, run_control,
     run_job,
 };

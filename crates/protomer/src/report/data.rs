@@ -1,7 +1,7 @@
 //! The numbers behind a figure: a folded table, and a link that saves them as CSV.
 
 use super::html::{escape, significant, table};
-use crate::voxelize::manifest::cells;
+use crate::voxels::manifest::cells;
 use anyhow::{Context, Result};
 use std::fmt::Write;
 use std::path::Path;

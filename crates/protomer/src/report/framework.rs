@@ -3,7 +3,7 @@
 use super::html::{definitions, paragraph, significant, table};
 use super::page::{Page, Section};
 use super::{data, figures, provenance};
-use crate::framework::network_file;
+use crate::frameworks::network_file;
 use crate::plot::{Axis, Figure, Panel, Point, Series};
 use anyhow::{Context, Result};
 use protomer_results::keys;

@@ -3,7 +3,7 @@
 use super::html::{definitions, escape, paragraph, table};
 use super::page::{Page, Section};
 use super::{data, provenance};
-use crate::framework::tables::{Agreement, Row, describe, legend};
+use crate::frameworks::tables::{Agreement, Row, describe, legend};
 use anyhow::{Context, Result};
 use protomer_io::csv::{Cell, Table};
 use protomer_results::keys;

@@ -1,10 +1,10 @@
 //! What a directory holds, with its settings.
 
 use crate::lattice::settings::LatticeSettings;
-use crate::run::RunSettings;
-use crate::train::TrainSettings;
-use crate::tune::TuneSettings;
-use crate::voxelize::work_path;
+use crate::learning::train::TrainSettings;
+use crate::learning::tune::TuneSettings;
+use crate::stability::run::RunSettings;
+use crate::voxels::work_path;
 use anyhow::{Result, bail};
 use protomer_results::ResultKind;
 use protomer_results::keys::read_toml;

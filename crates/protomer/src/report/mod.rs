@@ -38,7 +38,7 @@ mod tune;
 mod voxel_channels;
 mod voxel_set;
 
-use crate::framework::directory::write_one;
+use crate::frameworks::directory::write_one;
 use anyhow::{Result, bail};
 use kind::Kind;
 use page::Page;

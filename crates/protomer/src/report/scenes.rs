@@ -5,9 +5,9 @@
 
 use super::html::millimolar;
 use super::mesh_view::{Colouring, Scene, Shown, ShownMesh};
-use crate::assembly_file::Assembly;
-use crate::run::{RunSettings, yukawa};
-use crate::sweep::replica_directory;
+use crate::assemblies::assembly_file::Assembly;
+use crate::stability::run::{RunSettings, yukawa};
+use crate::stability::sweep::replica_directory;
 use anyhow::{Context, Result, bail};
 use protomer_body::Body;
 use protomer_field::voxels::hydropathy::HydropathyMap;

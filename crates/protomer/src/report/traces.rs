@@ -2,8 +2,8 @@
 
 use super::html::millimolar;
 use crate::plot::{Axis, Figure, Panel, Series};
-use crate::run::{LogRow, RunSettings};
-use crate::sweep::replica_directory;
+use crate::stability::run::{LogRow, RunSettings};
+use crate::stability::sweep::replica_directory;
 use anyhow::Result;
 use protomer_io::csv::{Cell, Table};
 use protomer_results::log;

@@ -3,9 +3,9 @@
 use super::html::{definitions, escape, folded_text, paragraph, significant, table};
 use super::page::{Page, Section};
 use super::{data, figures, provenance, training};
-use crate::train::TrainSettings;
-use crate::tune::TuneSettings;
-use crate::voxelize::manifest::cells;
+use crate::learning::train::TrainSettings;
+use crate::learning::tune::TuneSettings;
+use crate::voxels::manifest::cells;
 use anyhow::{Context, Result};
 use std::path::Path;
 

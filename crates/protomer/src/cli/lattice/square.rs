@@ -1,7 +1,7 @@
 //! `protomer lattice square`: the square that stands for a body.
 
 use super::super::{Global, Outcome, output};
-use crate::body_file;
+use crate::bodies::body_file;
 use crate::lattice::square_of_body::{Axis, Size, square_of_body};
 use anyhow::{Result, bail};
 use clap::Args;

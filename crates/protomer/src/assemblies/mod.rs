@@ -1,0 +1,5 @@
+//! Assemblies: bodies put together, and the files they are kept in.
+
+pub mod assemble;
+pub mod assembly_file;
+pub mod fluid;
