@@ -1,7 +1,7 @@
 //! Calling a verb: on a thread of its own, while this one listens to Ctrl-C and tells of progress.
 
 use crate::errors::{StoppedError, exception};
-use protomer::cli::{Answer, Command, Host, Outcome};
+use protomer_cli::{Answer, Command, Host, Outcome};
 use protomer_results::Interrupt;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -35,7 +35,7 @@ pub fn call(
     let host = Host {
         progress: progress
             .is_some()
-            .then(|| -> protomer::cli::ProgressListener {
+            .then(|| -> protomer_cli::ProgressListener {
                 Arc::new(move |done, total, unit| {
                     if let Ok(mut latest) = teller.lock() {
                         *latest = Some((done, total, unit.to_owned()));
@@ -46,7 +46,7 @@ pub fn call(
     };
     let (ended, end) = channel();
     let thread = std::thread::spawn(move || {
-        let answer = protomer::cli::call(&words, host);
+        let answer = protomer_cli::call(&words, host);
         // Nobody listens any more only if the interpreter goes down.
         let _ = ended.send(());
         answer
@@ -102,7 +102,7 @@ fn join(py: Python<'_>, thread: Call) -> PyResult<anyhow::Result<Answer>> {
 /// The command line: the words after the program's name; returns the exit code.
 #[pyfunction]
 pub fn main(py: Python<'_>, words: Vec<OsString>) -> u8 {
-    py.detach(|| protomer::cli::run(std::iter::once("protomer".into()).chain(words)))
+    py.detach(|| protomer_cli::run(std::iter::once("protomer".into()).chain(words)))
 }
 
 /// A command taken apart: verb, flags and their values (switches have none), places. Paths are made

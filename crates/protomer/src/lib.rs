@@ -16,12 +16,9 @@
 //! | [`frameworks`] | networks of rods and hinges: elastic constants, loads, figures |
 //! | [`mod@report`] | a directory of results as one page |
 //! | [`input`], [`quantity`], [`cpu_time`], [`plot`] | what several of them need |
-//! | `cli` | the command line, one file per verb (feature `cli`) |
 
 pub mod assemblies;
 pub mod bodies;
-#[cfg(feature = "cli")]
-pub mod cli;
 pub mod cpu_time;
 pub mod frameworks;
 pub mod input;

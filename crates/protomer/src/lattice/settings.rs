@@ -137,7 +137,6 @@ impl std::str::FromStr for Start {
 
 /// How the squares move at the start. Whatever the rods forbid is taken out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "lowercase")]
 pub enum Velocities {
     /// Every square turns against its neighbours, ω = ±(-1)^(i+j) speed: from the open state it

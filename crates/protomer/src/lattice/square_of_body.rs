@@ -28,7 +28,6 @@ const HIGHEST_ORDER: usize = 8;
 
 /// What the half-diagonal is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "lowercase")]
 pub enum Size {
     /// The reach of the outline at the corners.
@@ -41,7 +40,6 @@ pub enum Size {
 
 /// The axis to look along.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "lowercase")]
 pub enum Axis {
     /// Found from the moments of inertia.

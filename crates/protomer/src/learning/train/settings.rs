@@ -81,7 +81,6 @@ impl Source {
 /// How samples are dealt out to training, validation and test.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum SplitBy {
     /// Whole clusters: relatives never stand on both sides.
     #[default]

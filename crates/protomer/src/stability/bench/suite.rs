@@ -23,7 +23,6 @@ use std::time::Instant;
 
 /// One table of the benchmark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "lowercase")]
 pub enum Part {
     /// Moves per CPU-second of each energy mode against the number of charges.

@@ -47,7 +47,6 @@ pub const DEFAULT_TOLERANCE_KT: f64 = 1e-3;
 
 /// How pair energies are computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "lowercase")]
 pub enum EnergyMode {
     /// The plain sum over all pairs of charges.

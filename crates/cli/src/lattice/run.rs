@@ -1,0 +1,197 @@
+//! `protomer lattice run`: one run in its directory, and the flags that `sweep` shares with it.
+
+use super::super::choices::StartVelocities;
+use super::super::execution::{ExecutionArgs, override_with};
+use super::super::{Global, Outcome, output};
+use anyhow::Result;
+use clap::{Args, ValueEnum};
+use protomer::lattice::directory::read_settings;
+use protomer::lattice::run::run_lattice;
+use protomer::lattice::settings::{LatticeSettings, Start, TimeStep};
+use protomer::lattice::start::{begin, time_step};
+use protomer_crystal::lattice;
+use protomer_results::{End, Execution};
+use std::path::PathBuf;
+
+/// What is at the edges of the lattice.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Edges {
+    /// Nothing.
+    Open,
+    /// The opposite edge.
+    Periodic,
+}
+
+/// Settings. What is left out comes from the configuration file, or else from the defaults.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Lattice")]
+pub struct SettingsArgs {
+    /// Squares along an edge: rows and columns at once.
+    #[arg(long, conflicts_with_all = ["rows", "columns"])]
+    ns: Option<usize>,
+    /// Rows of squares [default: 10].
+    #[arg(long)]
+    rows: Option<usize>,
+    /// Columns of squares [default: 10].
+    #[arg(long)]
+    columns: Option<usize>,
+    /// Length of the rods; the half-diagonal of a square is 1 [default: 3/22].
+    #[arg(long, allow_negative_numbers = true)]
+    r0: Option<f64>,
+    /// κ of the potential that draws the squares to one coherent motion [default: 0].
+    #[arg(long, allow_negative_numbers = true)]
+    kappa: Option<f64>,
+    /// What is at the edges [default: open].
+    #[arg(long, value_enum)]
+    edges: Option<Edges>,
+    /// Orientation at the start: open, closed, or an angle in radians [default: open].
+    #[arg(long, allow_hyphen_values = true)]
+    start: Option<Start>,
+    /// Standard deviation of random angles added to the start, radians [default: 0].
+    #[arg(long, allow_negative_numbers = true)]
+    angle_spread: Option<f64>,
+    /// Velocities at the start [default: checkerboard].
+    #[arg(long, value_enum)]
+    velocities: Option<StartVelocities>,
+    /// Angular velocity of every square (checkerboard), or the largest drawn (random) [default: 1].
+    #[arg(long, allow_negative_numbers = true)]
+    speed: Option<f64>,
+    /// Run to this time [default: 10].
+    #[arg(long, allow_negative_numbers = true)]
+    time: Option<f64>,
+    /// Run to this many steps instead.
+    #[arg(long, conflicts_with = "time")]
+    steps: Option<u64>,
+    /// Time step: auto, or a number [default: auto].
+    #[arg(long = "dt", allow_hyphen_values = true)]
+    time_step: Option<TimeStep>,
+    /// Let squares pass through each other.
+    #[arg(long)]
+    no_collisions: bool,
+    /// Coefficient of restitution: 1 is elastic [default: 1].
+    #[arg(long, allow_negative_numbers = true)]
+    restitution: Option<f64>,
+    /// Collide as the paper does, with one mean collision time per step.
+    #[arg(long)]
+    paper: bool,
+    /// kT of a heat bath; needs --friction.
+    #[arg(long, allow_negative_numbers = true)]
+    temperature: Option<f64>,
+    /// Friction, an inverse time [default: 0].
+    #[arg(long, allow_negative_numbers = true)]
+    friction: Option<f64>,
+    /// Seed of the random numbers [default: 1].
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Steps between rows of the log [default: 10].
+    #[arg(long)]
+    log_every: Option<u64>,
+    /// Steps between frames of the trajectory; 0 for none [default: 50].
+    #[arg(long)]
+    trajectory_every: Option<u64>,
+}
+
+/// Where results go, and when to stop.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Run")]
+pub struct DirectoryArgs {
+    /// Configuration (TOML), such as the run.toml of another run; flags override it.
+    config: Option<PathBuf>,
+    /// Directory of the results.
+    #[arg(short, long)]
+    pub output: PathBuf,
+    #[command(flatten)]
+    execution: ExecutionArgs,
+}
+
+impl SettingsArgs {
+    /// The configuration file with the flags on top.
+    pub(super) fn settings(&self, directory: &DirectoryArgs) -> Result<LatticeSettings> {
+        let mut settings = match &directory.config {
+            None => LatticeSettings::default(),
+            Some(path) => read_settings(path)?,
+        };
+        let edges = |edges| match edges {
+            Edges::Open => lattice::Edges::Open,
+            Edges::Periodic => lattice::Edges::Periodic,
+        };
+        override_with(&mut settings.rows, self.rows.or(self.ns));
+        override_with(&mut settings.columns, self.columns.or(self.ns));
+        override_with(&mut settings.r0, self.r0);
+        override_with(&mut settings.kappa, self.kappa);
+        override_with(&mut settings.edges, self.edges.map(edges));
+        override_with(&mut settings.start, self.start);
+        override_with(&mut settings.angle_spread, self.angle_spread);
+        override_with(&mut settings.velocities, self.velocities.map(Into::into));
+        override_with(&mut settings.speed, self.speed);
+        if self.time.is_some() {
+            settings.steps = None;
+        }
+        override_with(&mut settings.time, self.time);
+        override_with(&mut settings.time_step, self.time_step);
+        override_with(&mut settings.restitution, self.restitution);
+        override_with(&mut settings.friction, self.friction);
+        override_with(&mut settings.seed, self.seed);
+        override_with(&mut settings.log_every, self.log_every);
+        override_with(&mut settings.trajectory_every, self.trajectory_every);
+        settings.steps = self.steps.or(settings.steps);
+        settings.temperature = self.temperature.or(settings.temperature);
+        settings.collisions &= !self.no_collisions;
+        settings.paper |= self.paper;
+        settings.check()?;
+        Ok(settings)
+    }
+}
+
+impl DirectoryArgs {
+    /// How the run is to be carried out.
+    pub(super) fn execution(&self, global: &Global) -> Result<Execution> {
+        self.execution.execution(global)
+    }
+}
+
+/// Run one lattice. The same command continues it.
+#[derive(Debug, Args)]
+pub struct RunArgs {
+    #[command(flatten)]
+    directory: DirectoryArgs,
+    #[command(flatten)]
+    settings: SettingsArgs,
+}
+
+impl RunArgs {
+    pub(super) fn run(&self, global: &Global) -> Result<Outcome> {
+        let settings = self.settings.settings(&self.directory)?;
+        let begun = begin(&settings)?;
+        let step = time_step(&settings, &begun)?;
+        let total = settings.total_steps(step);
+        global.say(&format!(
+            "{} squares, {} rods, {total} steps of {step}",
+            begun.network.squares.len(),
+            begun.network.rods.len()
+        ));
+        let execution = self.directory.execution(global)?;
+        let end = run_lattice(&settings, &self.directory.output, &execution)?;
+        drop(execution);
+        let End::Finished(result) = end else {
+            global.say(&format!(
+                "stopped; the same command continues {}",
+                self.directory.output.display()
+            ));
+            return Ok(Outcome::Stopped);
+        };
+        if global.json {
+            output::json(&result)?;
+        } else if !global.quiet {
+            output::text(&format!(
+                "t = {}: energy {:.6} (at most {:.1e} off), rods off by at most {:.1e}, {} collisions",
+                result.time,
+                result.energy,
+                result.energy_error,
+                result.max_rod_violation,
+                result.events
+            ))?;
+        }
+        Ok(Outcome::Done)
+    }
+}
