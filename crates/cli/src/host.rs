@@ -1,21 +1,22 @@
-//! Who a verb works for: a person at a terminal, or a program that called it.
+//! A program that calls a verb, and how far the verb has come.
 
-use super::{Cli, Outcome, output};
-use anyhow::{Result, anyhow};
-use clap::Parser;
-use indicatif::ProgressBar;
+use crate::front::Global;
+use crate::reply::note;
+use indicatif::{ProgressBar, ProgressStyle};
 use protomer_results::{Interrupt, Progress};
 use std::fmt;
+use std::io::IsTerminal;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 
-/// Hears what a long piece of work has done: units done, units in all (0: unknown), what a unit is.
+/// Is told what a long piece of work has done: units done, units in all (0: unknown), what a unit
+/// is.
 pub type ProgressListener = Arc<dyn Fn(u64, u64, &str) + Send + Sync>;
 
-/// A program that calls a verb; the default is a terminal.
+/// A program that calls a verb.
 #[derive(Clone, Default)]
 pub struct Host {
-    /// Hears of progress instead of a bar.
+    /// Is told of progress.
     pub progress: Option<ProgressListener>,
     /// Asked by long work instead of signals.
     pub interrupt: Option<Interrupt>,
@@ -30,74 +31,44 @@ impl fmt::Debug for Host {
     }
 }
 
-/// What a verb answered.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Answer {
-    /// How it ended.
-    pub outcome: Outcome,
-    /// What it wrote to its standard output: one JSON object, or nothing where it has none.
-    pub json: String,
-}
-
-/// Words that are no command, as the command line says it.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct UsageError(pub String);
-
-impl fmt::Display for UsageError {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for UsageError {}
-
-/// Runs a verb for a program, as `protomer WORDS --json` would, on threads of its own.
-///
-/// ```
-/// use protomer_cli::{Host, call};
-/// let words = ["framework", "honeycomb", "--theta", "60", "--kh", "50", "--ks", "10000"];
-/// let answer = call(&words, Host::default()).unwrap();
-/// assert!(answer.json.trim_start().starts_with('{'));
-/// ```
-///
-/// # Errors
-/// [`UsageError`] for words that are no command, else what the verb met.
-pub fn call<S: AsRef<str>>(words: &[S], host: Host) -> Result<Answer> {
-    let words = ["protomer", "--json", "--quiet"]
-        .into_iter()
-        .chain(words.iter().map(AsRef::as_ref));
-    let mut cli = Cli::try_parse_from(words)
-        .map_err(|error| UsageError(error.to_string().trim().to_owned()))?;
-    cli.global.host = host;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(cli.global.checked_threads()?)
-        .build()
-        .map_err(|error| anyhow!("cannot start the threads: {error}; try fewer"))?;
-    let (outcome, json) = pool.install(|| output::captured(|| cli.verb.run(&cli.global)));
-    Ok(Answer {
-        outcome: outcome?,
-        json,
-    })
-}
-
 /// How far a piece of work has come: a bar on a terminal, calls to a listener, or nothing.
 pub struct Bar {
     bar: ProgressBar,
     listener: Option<ProgressListener>,
+    explains: bool,
     done: AtomicU64,
     total: AtomicU64,
     unit: OnceLock<&'static str>,
 }
 
 impl Bar {
-    pub(super) fn new(bar: ProgressBar, listener: Option<ProgressListener>) -> Self {
+    /// A bar for a person.
+    pub fn on_terminal(flags: &Global) -> Self {
+        Self {
+            explains: flags.verbose,
+            ..Self::new(terminal_bar(flags), None)
+        }
+    }
+
+    /// Calls to a program, if it listens.
+    pub fn for_listener(listener: Option<ProgressListener>) -> Self {
+        Self::new(ProgressBar::hidden(), listener)
+    }
+
+    fn new(bar: ProgressBar, listener: Option<ProgressListener>) -> Self {
         Self {
             bar,
             listener,
+            explains: false,
             done: AtomicU64::new(0),
             total: AtomicU64::new(0),
             unit: OnceLock::new(),
         }
+    }
+
+    /// Leaves nothing of the bar.
+    pub fn clear(&self) {
+        self.bar.finish_and_clear();
     }
 }
 
@@ -120,12 +91,19 @@ impl Progress for Bar {
 
     fn describe(&self, what: &str) {
         self.bar.set_message(what.to_owned());
+        if self.explains {
+            note(what);
+        }
     }
 }
 
-/// The work is over; nothing of the bar is left.
-impl Drop for Bar {
-    fn drop(&mut self) {
-        self.bar.finish_and_clear();
+fn terminal_bar(flags: &Global) -> ProgressBar {
+    if flags.quiet || flags.no_progress || !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(0);
+    match ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} ({eta} left)") {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
     }
 }

@@ -5,7 +5,8 @@
 mod common;
 
 use common::{TemporaryFolder, Watcher, is_ok};
-use protomer::stability::bench::suite::{Part, SuiteResult, SuiteSettings, run_suite};
+use protomer::stability::bench::suite::{Part, SuiteSettings, run_suite};
+use protomer::stability::bench::tables::{BodiesRow, SuiteResult};
 use protomer::stability::energy_tables::EnergyTables;
 use protomer::stability::interaction::{Interaction, Medium};
 use protomer::stability::run::EnergyMode;
@@ -133,9 +134,7 @@ fn the_tables_are_complete_and_hang_together() {
         );
     }
     for rows in result.bodies.chunks(settings.bodies.len()) {
-        let density = |row: &protomer::stability::bench::suite::BodiesRow| {
-            row.bodies as f64 / row.box_angstrom.powi(3)
-        };
+        let density = |row: &BodiesRow| row.bodies as f64 / row.box_angstrom.powi(3);
         assert!((density(&rows[0]) / density(&rows[1]) - 1.0).abs() < 1e-9);
         let ratio = rows[1].neighbours / rows[0].neighbours;
         assert!(

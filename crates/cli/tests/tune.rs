@@ -303,9 +303,10 @@ fn a_trial_that_diverges_has_lost() {
         (end, path)
     };
     let (end, path) = search(3);
-    let End::Finished(trials) = end.unwrap() else {
+    let End::Finished(report) = end.unwrap() else {
         panic!("it was not asked to stop")
     };
+    let trials = report.trials;
     let has_norm = |trial: &Trial| trial.settings.blocks[0].groups.is_some();
     assert!(has_norm(&trials[0]) && trials[0].validation_loss_nats.is_some());
     assert!(

@@ -15,8 +15,10 @@
 //! | [`lattice`] | lattices of rigid squares: runs, sweeps, pictures |
 //! | [`frameworks`] | networks of rods and hinges: elastic constants, loads, figures |
 //! | [`mod@report`] | a directory of results as one page |
-//! | [`input`], [`quantity`], [`cpu_time`], [`plot`] | what several of them need |
+//! | [`answer`] | what a verb answers: a value, its text, its figure |
+//! | [`input`], [`output_file`], [`quantity`], [`cpu_time`], [`plot`] | what several of them need |
 
+pub mod answer;
 pub mod assemblies;
 pub mod bodies;
 pub mod cpu_time;
@@ -24,6 +26,7 @@ pub mod frameworks;
 pub mod input;
 pub mod lattice;
 pub mod learning;
+pub mod output_file;
 pub mod plot;
 pub mod potential;
 pub mod quantity;

@@ -1,5 +1,6 @@
 //! Assemblies from recipes and from structures, written as assembly files.
 
+use crate::answer::{Answer, columns, heading};
 use crate::assemblies::assembly_file::{AssemblyFile, BodyEntry, Placement};
 use crate::bodies::body_file;
 use anyhow::{Context, Result, bail};
@@ -251,6 +252,28 @@ pub struct StructureAssembly {
     pub expansion_factor: f64,
     /// The largest displacement of a body by the expansion, Å.
     pub largest_displacement_angstrom: f64,
+}
+
+impl Answer for StructureAssembly {
+    fn text(&self) -> String {
+        let mut rows = vec![heading(["body", "copies", "largest RMSD (Å)"])];
+        for body in &self.bodies {
+            let largest = body.rmsd_angstrom.iter().copied().fold(0.0, f64::max);
+            rows.push(vec![
+                body.file.display().to_string(),
+                body.chains.join(" "),
+                format!("{largest:.3}"),
+            ]);
+        }
+        format!(
+            "{}\n{} pairs of chains overlapped; expanded by a factor {:.6} (at most {:.3} Å)\n{}",
+            columns(&rows),
+            self.overlaps.len(),
+            self.expansion_factor,
+            self.largest_displacement_angstrom,
+            self.assembly.display()
+        )
+    }
 }
 
 /// One kind of body of a structure.

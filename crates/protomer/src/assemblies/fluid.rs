@@ -1,17 +1,70 @@
 //! A fluid: bodies at random places and in random orientations in a periodic box, none overlapping
 //! another.
 
-use crate::assemblies::assemble::BodyFiles;
+use crate::answer::Answer;
+use crate::assemblies::assemble::{BodyFiles, write_assembly};
 use anyhow::{Result, bail};
 use protomer_body::assembly::Placement;
 use protomer_kernel::random::CounterRng;
+use protomer_kernel::units::NUMBER_DENSITY_PER_MOLAR;
 use protomer_kernel::{Boundary, Pose, Vec3};
+use serde::Serialize;
+use serde_json::json;
+use std::path::{Path, PathBuf};
 
 /// Places tried for one body before the box counts as full.
 pub const ATTEMPTS_PER_BODY: u64 = 10_000;
 
 /// Sets these random numbers apart from those of a simulation with the same seed.
 const PURPOSE: u8 = 1;
+
+/// A fluid that was written.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FluidAssembly {
+    /// The assembly file.
+    pub assembly: PathBuf,
+    /// Bodies.
+    pub bodies: usize,
+    /// Their concentration, mmol/L.
+    pub concentration_millimolar: f64,
+}
+
+impl Answer for FluidAssembly {
+    fn text(&self) -> String {
+        format!(
+            "{}: {} bodies at random places, {:.3} mM",
+            self.assembly.display(),
+            self.bodies,
+            self.concentration_millimolar
+        )
+    }
+}
+
+/// Fills a box with bodies and writes it to an assembly file.
+///
+/// # Errors
+/// As [`fluid`]; also if a file cannot be read or written.
+pub fn assemble_fluid(
+    bodies: &[PathBuf],
+    counts: &[usize],
+    box_angstrom: [f64; 3],
+    seed: u64,
+    output: &Path,
+) -> Result<FluidAssembly> {
+    let files = BodyFiles::read(bodies)?;
+    let placements = fluid(&files, counts, box_angstrom, seed)?;
+    let provenance = json!({ "fluid": { "counts": counts, "seed": seed } });
+    let file = files.assembly_file(output, &placements, Some(box_angstrom), provenance)?;
+    write_assembly(output, &file)?;
+    let volume_angstrom3: f64 = box_angstrom.iter().product();
+    Ok(FluidAssembly {
+        assembly: output.to_owned(),
+        bodies: placements.len(),
+        concentration_millimolar: 1e3 * placements.len() as f64
+            / volume_angstrom3
+            / NUMBER_DENSITY_PER_MOLAR,
+    })
+}
 
 /// Bodies inserted one after the other: body n of the fluid is placed uniformly at random, position
 /// and orientation, until it overlaps none of the bodies before it nor one of their images (random

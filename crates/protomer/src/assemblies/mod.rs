@@ -2,4 +2,6 @@
 
 pub mod assemble;
 pub mod assembly_file;
+pub mod candidates;
 pub mod fluid;
+pub mod ring;

@@ -1,8 +1,10 @@
 //! Downloading an entry from the Protein Data Bank, only when asked to.
 
+use crate::answer::Answer;
 use anyhow::{Context, Result, bail};
 use protomer_io::atomic::write_atomically;
-use protomer_results::ResultKind;
+use protomer_results::{Progress, ResultKind};
+use serde::Serialize;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -12,6 +14,52 @@ pub const RCSB_DOWNLOAD: &str = "https://files.rcsb.org/download";
 
 /// No entry file is larger than this, compressed.
 const LARGEST_DOWNLOAD_BYTES: u64 = 1 << 30;
+
+/// Entries that were downloaded, or were there already.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Fetched {
+    /// One per entry, in the order given.
+    pub files: Vec<FetchedEntry>,
+}
+
+/// An entry and its file.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct FetchedEntry {
+    /// The entry as it was asked for.
+    pub entry: String,
+    /// Its file.
+    pub file: PathBuf,
+}
+
+impl Answer for Fetched {
+    fn text(&self) -> String {
+        let line = |found: &FetchedEntry| format!("{}: {}", found.entry, found.file.display());
+        self.files.iter().map(line).collect::<Vec<_>>().join("\n")
+    }
+}
+
+/// Downloads entries one after the other.
+///
+/// # Errors
+/// As [`fetch`], for the first entry that fails; earlier ones are kept.
+pub fn fetch_all(
+    entries: &[String],
+    base: &str,
+    folder: &Path,
+    force: bool,
+    progress: &dyn Progress,
+) -> Result<Fetched> {
+    progress.begin(entries.len() as u64, "entries");
+    let mut files = Vec::new();
+    for entry in entries {
+        files.push(FetchedEntry {
+            entry: entry.clone(),
+            file: fetch(entry, base, folder, force)?,
+        });
+        progress.advance(1);
+    }
+    Ok(Fetched { files })
+}
 
 /// Downloads `ENTRY.cif.gz` from `base` into `folder` and returns the file's path. A file that is
 /// already there is kept unless `force` is set.

@@ -1,6 +1,7 @@
 //! Structure files to body files, in parallel, each file on its own: a bad one is reported and the
 //! rest go on.
 
+use crate::answer::{Answer, columns, heading};
 use crate::bodies::body_file;
 use crate::input::{InputFile, stem};
 use anyhow::{Context, Result, bail};
@@ -90,9 +91,57 @@ impl BodyMeasures {
     }
 }
 
-/// A body's figures with the file it is in, for scripts.
-pub fn describe_body(body: &Body, path: &Path) -> serde_json::Value {
-    serde_json::json!({"body": path, "name": body.name, "measures": BodyMeasures::of(body)})
+/// What became of several files.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Ingested {
+    /// One entry per file, in the order given.
+    pub files: Vec<FileOutcome>,
+}
+
+impl Ingested {
+    /// Whether a file failed.
+    pub fn has_failures(&self) -> bool {
+        self.files.iter().any(|outcome| outcome.error.is_some())
+    }
+}
+
+impl Answer for Ingested {
+    fn text(&self) -> String {
+        let mut rows = vec![heading([
+            "file",
+            "status",
+            "atoms",
+            "residues",
+            "net charge (e)",
+            "area (Å²)",
+            "volume (Å³)",
+            "skipped",
+        ])];
+        rows.extend(self.files.iter().map(FileOutcome::cells));
+        columns(&rows)
+    }
+}
+
+impl FileOutcome {
+    fn cells(&self) -> Vec<String> {
+        let mut cells = vec![self.file.clone(), self.status.into()];
+        let Some(body) = &self.measures else {
+            return cells;
+        };
+        let skipped = self.skipped.iter();
+        let skipped: Vec<String> = skipped
+            .map(|(why, count)| format!("{count} {why}"))
+            .collect();
+        cells.extend([
+            body.atoms.to_string(),
+            body.residues.to_string(),
+            format!("{:+.2}", body.net_charge_e),
+            format!("{:.0}", body.mesh_area_angstrom2),
+            format!("{:.0}", body.mesh_volume_angstrom3),
+            skipped.join(", "),
+        ]);
+        cells
+    }
 }
 
 /// Ingests every file into `folder`.
@@ -105,21 +154,21 @@ pub fn ingest_files(
     folder: &Path,
     settings: &IngestSettings,
     progress: &dyn Progress,
-) -> Result<Vec<FileOutcome>> {
+) -> Result<Ingested> {
     ResultKind::VoxelSet.refuse_in(folder)?;
     std::fs::create_dir_all(folder)
         .with_context(|| format!("cannot make the folder {}", folder.display()))?;
     let names = body_names(files, settings)?;
     let jobs: Vec<(&PathBuf, String)> = files.iter().zip(names).collect();
     progress.begin(jobs.len() as u64, "files");
-    Ok(jobs
-        .into_par_iter()
-        .map(|(file, name)| {
-            let outcome = ingest_file(file, &name, folder, settings);
-            progress.advance(1);
-            outcome.unwrap_or_else(|error| FileOutcome::failed(file, &error))
-        })
-        .collect())
+    let one = |(file, name): (&PathBuf, String)| {
+        let outcome = ingest_file(file, &name, folder, settings);
+        progress.advance(1);
+        outcome.unwrap_or_else(|error| FileOutcome::failed(file, &error))
+    };
+    Ok(Ingested {
+        files: jobs.into_par_iter().map(one).collect(),
+    })
 }
 
 /// One name per file. Files of the same stem (1crn.pdb and 1crn.cif) keep their endings to stay

@@ -1,13 +1,17 @@
 //! A body from a user's own mesh and charges.
 
+use crate::answer::Answer;
+use crate::bodies::body_file;
+use crate::bodies::ingest::BodyMeasures;
 use crate::input::InputFile;
 use anyhow::{Context, Result};
 use protomer_body::{Body, Provenance, Site};
 use protomer_io::mesh::read_mesh;
 use protomer_io::points::read_points;
 use protomer_kernel::Vec3;
+use serde::Serialize;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// What to make a body of.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,6 +22,45 @@ pub struct OwnBody {
     pub mesh: PathBuf,
     /// Charge file.
     pub charges: Option<PathBuf>,
+}
+
+/// A body that was written.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct WrittenBody {
+    /// The body file.
+    pub body: PathBuf,
+    /// Name of the body.
+    pub name: String,
+    /// What the body measures.
+    pub measures: BodyMeasures,
+}
+
+impl Answer for WrittenBody {
+    fn text(&self) -> String {
+        let measures = &self.measures;
+        format!(
+            "{}: {} triangles, {:.1} Å³, {} charges, net {:+.3} e",
+            self.body.display(),
+            measures.triangles,
+            measures.mesh_volume_angstrom3,
+            measures.atoms,
+            measures.net_charge_e
+        )
+    }
+}
+
+/// Makes a body and writes it to a file.
+///
+/// # Errors
+/// As [`build`]; also if the disk refuses.
+pub fn make(own: &OwnBody, output: &Path) -> Result<WrittenBody> {
+    let body = build(own)?;
+    body_file::write(output, &body)?;
+    Ok(WrittenBody {
+        body: output.to_owned(),
+        name: body.name.clone(),
+        measures: BodyMeasures::of(&body),
+    })
 }
 
 /// Reads the files and checks that the mesh bounds a solid.

@@ -1,11 +1,14 @@
 //! The solvent-excluded surface of a file, without charges.
 
+use crate::answer::Answer;
 use crate::bodies::body_file;
 use crate::input::InputFile;
 use anyhow::{Context, Result};
 use protomer_body::chemistry::{SiteSettings, build_sites, sites_of_points};
 use protomer_body::structure::{Format, SelectionSettings, Structure};
 use protomer_body::{Site, SurfaceSettings, surface_of_sites};
+use protomer_io::atomic::write_atomically;
+use protomer_io::mesh::{MeshFormat, write_mesh};
 use protomer_io::points::{read_points, read_xyzr};
 use protomer_kernel::{TriangleMesh, Vec3};
 use serde::Serialize;
@@ -42,6 +45,49 @@ pub struct SurfaceReport {
     pub genus: i64,
     /// Pieces that are walls of cavities.
     pub cavities: usize,
+}
+
+impl Answer for SurfaceReport {
+    fn text(&self) -> String {
+        format!(
+            "{} atoms\n\
+             exact:  area {:.3} Å², volume {:.3} Å³ (relative error about {:.0e})\n\
+             mesh:   area {:.3} Å² ({:+.2} %), volume {:.3} Å³ ({:+.3} %)\n\
+             {} vertices, {} triangles, {} components, {} of them cavities, genus {}",
+            self.atoms,
+            self.ses_area_angstrom2,
+            self.ses_volume_angstrom3,
+            self.relative_error_estimate,
+            self.mesh_area_angstrom2,
+            100.0 * (self.mesh_area_angstrom2 / self.ses_area_angstrom2 - 1.0),
+            self.mesh_volume_angstrom3,
+            100.0 * (self.mesh_volume_angstrom3 / self.ses_volume_angstrom3 - 1.0),
+            self.vertices,
+            self.triangles,
+            self.components,
+            self.cavities,
+            self.genus
+        )
+    }
+}
+
+/// Computes a surface, and writes its mesh if a file is named, in the format of its ending.
+///
+/// # Errors
+/// As [`surface_of_file`]; also for an unknown ending, which is refused before the work.
+pub fn measure_surface(
+    path: &Path,
+    settings: &SurfaceSettings,
+    output: Option<&Path>,
+) -> Result<SurfaceReport> {
+    let format = output.map(|path| MeshFormat::from_name(&path.display().to_string()));
+    let format = format.transpose()?;
+    let (mesh, report) = surface_of_file(path, settings)?;
+    if let (Some(path), Some(format)) = (output, format) {
+        let bytes = write_mesh(format, &mesh);
+        write_atomically(path, |file| file.write_all(&bytes))?;
+    }
+    Ok(report)
 }
 
 /// The surface of a structure, PQR, `.xyzr` or body file, in the coordinates of the file.

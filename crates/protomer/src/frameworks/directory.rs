@@ -5,7 +5,8 @@ use super::drawing::{self, LoadedNetwork};
 use super::figure::polar_figure;
 use super::network_file;
 use super::report::Report;
-use anyhow::{Context, Result, bail};
+use crate::output_file::refuse_to_overwrite;
+use anyhow::{Context, Result};
 use protomer_crystal::framework::Framework;
 use protomer_io::atomic::{sha256_hex, write_atomically};
 use protomer_io::csv::{Cell, Table};
@@ -133,29 +134,4 @@ pub fn write(folder: &Path, kind: ResultKind, files: &[NamedFile], force: bool) 
         input_sha256: String::new(),
     };
     Ok(Record::new(&work, Exit::Done).write(folder)?)
-}
-
-/// Writes one file.
-///
-/// # Errors
-/// As [`write()`].
-pub fn write_one(path: &Path, text: &str, force: bool) -> Result<()> {
-    refuse_to_overwrite(path, force)?;
-    Ok(write_atomically(path, |file| {
-        file.write_all(text.as_bytes())
-    })?)
-}
-
-/// Refuses a file that is there already, unless `force` is given.
-///
-/// # Errors
-/// If it is.
-pub fn refuse_to_overwrite(path: &Path, force: bool) -> Result<()> {
-    if path.exists() && !force {
-        bail!(
-            "{} is already there; choose another name, or overwrite it with --force",
-            path.display()
-        );
-    }
-    Ok(())
 }

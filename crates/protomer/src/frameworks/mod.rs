@@ -6,10 +6,12 @@
 //! | [`network_file`] | networks as TOML |
 //! | [`report`] | elastic constants with their units, closed formulas beside them |
 //! | [`curve`] | a network under growing loads |
+//! | [`answer`] | the verb, and its answer as text and figure |
 //! | [`figure`], [`drawing`] | moduli against direction; the cells, unloaded and loaded |
 //! | [`directory`] | the files of a result |
 //! | [`tables`] | tables 2 to 4 of Grima et al., Mol. Simul. 31, 925 (2005), printed and recomputed |
 
+pub mod answer;
 pub mod curve;
 pub mod directory;
 pub mod drawing;

@@ -4,6 +4,7 @@
 //! rates, square after square), `times`; `kappa`, `l` and `I` are optional, and what else it holds
 //! is left alone.
 
+use crate::answer::Answer;
 use anyhow::{Result, bail};
 use protomer_crystal::lattice::collision::detection::Detector;
 use protomer_crystal::lattice::collision::replay::{self, FirstContact};
@@ -108,6 +109,45 @@ pub struct Response {
     pub impulses: Vec<f64>,
     /// Change of the kinetic energy.
     pub energy_change: f64,
+}
+
+impl Answer for Replay {
+    fn text(&self) -> String {
+        let energies = self.times.iter().zip(&self.energy);
+        let mut lines: Vec<String> = energies
+            .map(|(time, energy)| format!("t = {time}: energy {energy:.12}"))
+            .collect();
+        lines.push(match &self.first_collision {
+            Some(first) => first.describe(),
+            None => "no contact".into(),
+        });
+        lines.join("\n")
+    }
+}
+
+impl FirstCollision {
+    fn describe(&self) -> String {
+        let contact = |[striker, vertex, target]: &[usize; 3]| {
+            format!("corner {vertex} of square {striker} on square {target}")
+        };
+        let contacts: Vec<String> = self.contacts.iter().map(contact).collect();
+        format!(
+            "first contact at t = {:.12}: {}",
+            self.t,
+            contacts.join(", ")
+        )
+    }
+}
+
+impl Answer for Response {
+    fn text(&self) -> String {
+        format!(
+            "{} contacts, impulses {:?}, kinetic energy changes by {:.1e}",
+            self.contacts.len(),
+            self.impulses,
+            self.energy_change
+        )
+    }
 }
 
 impl LatticeFile {

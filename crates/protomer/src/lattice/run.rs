@@ -9,6 +9,7 @@ use super::mover::Mover;
 use super::settings::LatticeSettings;
 use super::start::{Begun, begin, time_step};
 use super::trajectory::Trajectory;
+use crate::answer::Answer;
 use anyhow::{Error, Result, bail};
 use protomer_crystal::lattice::State;
 use protomer_results::{
@@ -64,6 +65,15 @@ pub struct LatticeResult {
     pub energy_error: f64,
     /// Largest deviation of a rod from its length in the log.
     pub max_rod_violation: f64,
+}
+
+impl Answer for LatticeResult {
+    fn text(&self) -> String {
+        format!(
+            "t = {}: energy {:.6} (at most {:.1e} off), rods off by at most {:.1e}, {} collisions",
+            self.time, self.energy, self.energy_error, self.max_rod_violation, self.events
+        )
+    }
 }
 
 /// Runs or continues a lattice in a directory.

@@ -12,6 +12,7 @@
 //!   for a square.
 
 use super::settings::LatticeSettings;
+use crate::answer::Answer;
 use anyhow::{Result, bail};
 use protomer_body::Body;
 use protomer_crystal::lattice::Square;
@@ -294,13 +295,14 @@ impl BodySquare {
         Ok(format!(
             "# {}, {}\n{}",
             self.body,
-            self.describe(),
+            self.text(),
             toml::to_string_pretty(&part)?
         ))
     }
+}
 
-    /// In a line.
-    pub fn describe(&self) -> String {
+impl Answer for BodySquare {
+    fn text(&self) -> String {
         let [x, y, z] = self.axis;
         format!(
             "axis ({x:.3}, {y:.3}, {z:.3}), outline most {}-fold, {:.1} % off four-fold, half-diagonal {:.2} Å, inertia \

@@ -11,8 +11,9 @@ use super::run::{LatticeResult, run_lattice};
 use super::settings::{LatticeSettings, SweepAxes};
 use super::start::network;
 use super::sweep_figures;
-use super::sweep_table::{ConditionRow, RunRow, conditions_to_csv, runs_to_csv};
+use super::sweep_table::{ConditionRow, Estimate, RunRow, conditions_to_csv, runs_to_csv};
 use super::trajectory::read_states;
+use crate::answer::{Answer, columns, heading};
 use anyhow::{Context, Error, Result, bail};
 use protomer_crystal::analysis::synchronisation::{Synchronisation, staggered};
 use protomer_io::atomic::write_atomically;
@@ -49,6 +50,42 @@ pub struct LatticeSweep {
     pub conditions: Vec<ConditionRow>,
     /// One row per run.
     pub runs: Vec<RunRow>,
+}
+
+impl Answer for LatticeSweep {
+    fn text(&self) -> String {
+        let mut rows = vec![heading([
+            "r0",
+            "κ",
+            "runs",
+            "Poisson's ratio",
+            "r²",
+            "σ_max",
+            "σ of checkerboard",
+            "synchronisation",
+        ])];
+        for row in &self.conditions {
+            rows.push(vec![
+                format!("{:.4}", row.r0),
+                row.kappa.to_string(),
+                row.runs.to_string(),
+                shown(row.poisson_ratio),
+                shown(row.r_squared),
+                shown(row.largest_spread),
+                shown(row.checkerboard_deviation),
+                shown(row.synchronisation),
+            ]);
+        }
+        columns(&rows)
+    }
+}
+
+fn shown(Estimate { mean, error }: Estimate) -> String {
+    match (mean.is_finite(), error.is_finite()) {
+        (false, _) => "-".to_owned(),
+        (true, false) => format!("{mean:.3}"),
+        (true, true) => format!("{mean:.3} ± {error:.3}"),
+    }
 }
 
 /// One run of a sweep.

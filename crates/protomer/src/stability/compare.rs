@@ -1,52 +1,12 @@
 //! Several sweeps in one figure: which arrangement stays together over the larger range of salt?
 
+use crate::answer::Answer;
 use crate::plot::{Axis, Figure, Panel, Point, Series};
 use anyhow::{Context, Result, bail};
+use protomer_results::{ResultKind, keys};
 use serde::Serialize;
+use serde_json::Value;
 use std::path::{Path, PathBuf};
-
-/// The part of a sweep that is compared.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SweepCurve {
-    /// Name in the legend: that of the directory.
-    pub name: String,
-    /// Salt (mol/L), mean and standard deviation of the radius of gyration (Å), of the surviving
-    /// contacts.
-    pub rows: Vec<[f64; 5]>,
-}
-
-/// Reads the curve of a finished sweep.
-///
-/// # Errors
-/// If the directory holds no finished sweep.
-pub fn read_curve(directory: &Path) -> Result<SweepCurve> {
-    let path = directory.join("sweep.json");
-    let text = std::fs::read_to_string(&path)
-        .with_context(|| format!("cannot read {}; finish the sweep first", path.display()))?;
-    let json: serde_json::Value =
-        serde_json::from_str(&text).with_context(|| path.display().to_string())?;
-    const KEYS: [&str; 5] = [
-        "salt_M",
-        "r_g_mean_angstrom",
-        "r_g_sd_angstrom",
-        "native_contacts_mean",
-        "native_contacts_sd",
-    ];
-    let salts = json["salts"]
-        .as_array()
-        .with_context(|| format!("{} lists no salts", path.display()))?;
-    let rows = salts
-        .iter()
-        .map(|row| KEYS.map(|key| row[key].as_f64().unwrap_or(f64::NAN)))
-        .collect();
-    let absolute = std::path::absolute(directory)?;
-    let name = absolute
-        .file_name()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .replace('_', " ");
-    Ok(SweepCurve { name, rows })
-}
 
 /// What a comparison came to.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -55,7 +15,52 @@ pub struct CompareReport {
     pub figure: PathBuf,
     /// One curve per sweep.
     pub sweeps: Vec<ComparedSweep>,
+    #[serde(skip)]
+    title: String,
 }
+
+impl Answer for CompareReport {
+    fn text(&self) -> String {
+        format!("figure: {}", self.figure.display())
+    }
+
+    fn figure(&self) -> Option<Figure> {
+        let panel = |y: Axis, value: Column, deviation: Column| Panel {
+            y,
+            series: self
+                .sweeps
+                .iter()
+                .map(|sweep| sweep.series(value, deviation))
+                .collect(),
+        };
+        let mut salts = self.sweeps.iter().flat_map(|sweep| &sweep.salt_molar);
+        // Zero salt has no place on a logarithmic axis.
+        let x = match salts.all(|salt| *salt > 0.0) {
+            true => Axis::log("salt (mM)"),
+            false => Axis::linear("salt (mM)"),
+        };
+        Some(Figure {
+            title: self.title.clone(),
+            caption: "mean and standard deviation over replicas".into(),
+            x,
+            panels: vec![
+                panel(
+                    Axis::linear("radius of gyration (Å)"),
+                    |sweep| &sweep.r_g_mean_angstrom,
+                    |sweep| &sweep.r_g_sd_angstrom,
+                ),
+                panel(
+                    Axis::linear("native contacts left").with_range(0.0, 1.05),
+                    |sweep| &sweep.native_contacts_mean,
+                    |sweep| &sweep.native_contacts_sd,
+                ),
+            ],
+        })
+    }
+}
+
+/// A column of a sweep.
+type Column = fn(&ComparedSweep) -> &Vec<f64>;
 
 /// A sweep of a comparison, a list entry per salt concentration.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -75,79 +80,70 @@ pub struct ComparedSweep {
     pub native_contacts_sd: Vec<f64>,
 }
 
-impl CompareReport {
-    /// The report of a figure of these curves.
-    pub fn of(figure: &Path, curves: &[SweepCurve]) -> Self {
-        let sweep = |curve: &SweepCurve| {
-            let column = |place: usize| curve.rows.iter().map(|row| row[place]).collect();
-            ComparedSweep {
-                name: curve.name.clone(),
-                salt_molar: column(0),
-                r_g_mean_angstrom: column(1),
-                r_g_sd_angstrom: column(2),
-                native_contacts_mean: column(3),
-                native_contacts_sd: column(4),
-            }
-        };
-        Self {
-            figure: figure.to_owned(),
-            sweeps: curves.iter().map(sweep).collect(),
+impl ComparedSweep {
+    fn series(&self, value: Column, deviation: Column) -> Series {
+        let points = self.salt_molar.iter().zip(value(self)).zip(deviation(self));
+        Series {
+            name: self.name.clone(),
+            points: points
+                .map(|((salt, mean), deviation)| Point {
+                    x: 1e3 * salt,
+                    y: *mean,
+                    error: Some(*deviation),
+                })
+                .collect(),
+            replicas: Vec::new(),
+            line: true,
         }
     }
 }
 
-/// The curves of finished sweeps.
+/// Draws several finished sweeps in one figure, a PNG or SVG file.
 ///
 /// # Errors
-/// Without sweeps, or if one is not finished.
-pub fn read_curves(directories: &[PathBuf]) -> Result<Vec<SweepCurve>> {
+/// Without sweeps, if one is not finished, or for another ending of the figure.
+pub fn compare(directories: &[PathBuf], title: &str, output: &Path) -> Result<CompareReport> {
     if directories.is_empty() {
         bail!("name at least one sweep directory");
     }
-    directories
-        .iter()
-        .map(|directory| read_curve(directory))
-        .collect()
-}
-
-/// The figure of several sweeps.
-pub fn figure(curves: &[SweepCurve], title: &str) -> Figure {
-    let log = curves
-        .iter()
-        .flat_map(|curve| &curve.rows)
-        .all(|row| row[0] > 0.0);
-    let panel = |y: Axis, mean: usize| Panel {
-        y,
-        series: curves.iter().map(|curve| series(curve, mean)).collect(),
-    };
-    Figure {
+    let sweeps = directories.iter().map(|directory| read_sweep(directory));
+    let report = CompareReport {
+        figure: output.to_owned(),
+        sweeps: sweeps.collect::<Result<_>>()?,
         title: title.into(),
-        caption: "mean and standard deviation over replicas".into(),
-        x: if log {
-            Axis::log("salt (mM)")
-        } else {
-            Axis::linear("salt (mM)")
-        },
-        panels: vec![
-            panel(Axis::linear("radius of gyration (Å)"), 1),
-            panel(
-                Axis::linear("native contacts left").with_range(0.0, 1.05),
-                3,
-            ),
-        ],
+    };
+    let figure = report.figure().unwrap_or_default();
+    match output.extension().and_then(|ending| ending.to_str()) {
+        Some("png") => figure.write_png(output)?,
+        Some("svg") => figure.write_svg(output)?,
+        _ => bail!("{} ends in neither .png nor .svg", output.display()),
     }
+    Ok(report)
 }
 
-fn series(curve: &SweepCurve, mean: usize) -> Series {
-    let point = |row: &[f64; 5]| Point {
-        x: 1e3 * row[0],
-        y: row[mean],
-        error: Some(row[mean + 1]),
+/// Reads the curves of a finished sweep.
+fn read_sweep(directory: &Path) -> Result<ComparedSweep> {
+    ResultKind::Sweep.expect_in(directory)?;
+    let path = directory.join("sweep.json");
+    let text = std::fs::read_to_string(&path)
+        .with_context(|| format!("cannot read {}; finish the sweep first", path.display()))?;
+    let sweep: Value = keys::from_json(&path, text.as_bytes())?;
+    let salts = sweep["salts"].as_array();
+    let salts = salts.with_context(|| format!("{} lists no salts", path.display()))?;
+    let column = |key: &str| -> Vec<f64> {
+        salts
+            .iter()
+            .map(|row| row[key].as_f64().unwrap_or(f64::NAN))
+            .collect()
     };
-    Series {
-        name: curve.name.clone(),
-        points: curve.rows.iter().map(point).collect(),
-        replicas: Vec::new(),
-        line: true,
-    }
+    let absolute = std::path::absolute(directory)?;
+    let name = absolute.file_name().unwrap_or_default().to_string_lossy();
+    Ok(ComparedSweep {
+        name: name.replace('_', " "),
+        salt_molar: column("salt_M"),
+        r_g_mean_angstrom: column("r_g_mean_angstrom"),
+        r_g_sd_angstrom: column("r_g_sd_angstrom"),
+        native_contacts_mean: column("native_contacts_mean"),
+        native_contacts_sd: column("native_contacts_sd"),
+    })
 }

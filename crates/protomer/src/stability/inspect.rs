@@ -1,5 +1,6 @@
 //! One state of an assembly, looked at: overlaps, pair energies, radius of gyration.
 
+use crate::answer::Answer;
 use crate::stability::interaction::Interaction;
 use crate::stability::run::{EnergyMode, Engine, RunSettings, require_room};
 use anyhow::Result;
@@ -72,9 +73,8 @@ pub fn inspect(
     })
 }
 
-impl Inspection {
-    /// A summary for people.
-    pub fn describe(&self) -> String {
+impl Answer for Inspection {
+    fn text(&self) -> String {
         let overlaps = match self.overlaps.as_slice() {
             [] => "none".to_owned(),
             pairs => pairs

@@ -6,6 +6,7 @@ use super::row::Row;
 use super::set::{self, SampleRecord, SetContent};
 use super::settings::VoxelizeSettings;
 use super::{open_set, relatives};
+use crate::answer::Answer;
 use anyhow::{Context, Result, bail};
 use protomer_field::voxels::Voxels;
 use protomer_io::zarr::SetReader;
@@ -34,6 +35,23 @@ pub struct MergeReport {
     pub manifest_warnings: Vec<String>,
     /// Whether the set was there already.
     pub nothing_to_do: bool,
+}
+
+impl Answer for MergeReport {
+    fn text(&self) -> String {
+        let end = if self.nothing_to_do {
+            ", nothing to do"
+        } else {
+            ""
+        };
+        format!(
+            "{}: {} samples of {} sets, {} left out{end}",
+            self.set.display(),
+            self.samples,
+            self.sets,
+            self.excluded
+        )
+    }
 }
 
 /// Joins sets of the same settings. Parts of one manifest are sorted as the manifest is, so that

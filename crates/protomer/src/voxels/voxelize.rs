@@ -8,6 +8,7 @@ use super::settings::VoxelizeSettings;
 use super::structure::Outcome;
 use super::work::WorkFile;
 use super::{identity, relatives, set, structure};
+use crate::answer::Answer;
 use crate::input::InputFile;
 use anyhow::{Context, Result, bail};
 use protomer_io::zarr::SetReader;
@@ -26,7 +27,7 @@ pub enum State {
     Written,
     /// The set was there already, from the same inputs and settings.
     NothingToDo,
-    /// It was asked to stop; the same command goes on.
+    /// It was asked to stop; the same command continues it.
     Stopped,
 }
 
@@ -51,13 +52,38 @@ pub struct VoxelizeReport {
     pub read_ms_per_sample: Option<f64>,
     /// Structures left out.
     pub excluded: Vec<Exclusion>,
-    /// What of the files of samples a careful user should know, by the sample's name; ten lines of
-    /// each at most.
+    /// Warnings about input files, by sample; ten lines of each at most.
     pub warnings: BTreeMap<String, Vec<String>>,
     /// Relatives that the manifest puts into different clusters; ten lines at most.
     pub manifest_warnings: Vec<String>,
     /// Wall time, s.
     pub seconds: f64,
+}
+
+impl Answer for VoxelizeReport {
+    fn text(&self) -> String {
+        let set = self.set.display();
+        match self.state {
+            State::NothingToDo => {
+                format!("{set} is complete: {} samples, nothing to do", self.samples)
+            }
+            State::Stopped => format!(
+                "stopped: {} of {} structures done",
+                self.samples, self.structures
+            ),
+            State::Written => {
+                let per_sample = |total: u64| total as f64 / self.samples.max(1) as f64;
+                format!(
+                    "{set}: {} samples, {} left out\n{:.0} voxels and {:.1} kB per sample, {:.1} s",
+                    self.samples,
+                    self.excluded.len(),
+                    per_sample(self.voxels),
+                    per_sample(self.bytes) / 1000.0,
+                    self.seconds
+                )
+            }
+        }
+    }
 }
 
 /// Voxelises the structures of a manifest, or a part of them, into a set.

@@ -3,6 +3,7 @@
 use super::fit::Difference;
 use super::trained::Trained;
 use super::truth::{Part, Truth, Unscored};
+use crate::answer::Answer;
 use crate::voxels::samples::VoxelSet;
 use anyhow::{Result, anyhow};
 use protomer_io::csv::{Cell, Table};
@@ -173,9 +174,11 @@ impl PredictReport {
         }
         Ok(table)
     }
+}
 
-    /// Lines for a reader: the accuracy never without the majority's.
-    pub fn summary(&self) -> String {
+impl Answer for PredictReport {
+    /// The accuracy never stands without the majority's.
+    fn text(&self) -> String {
         let mut lines = vec![format!(
             "{} samples predicted, {} left out",
             self.samples.len(),

@@ -16,6 +16,7 @@
 //! | `trained_on` | which structures a network has seen |
 //! | `job` | a training with its ablation; a control with its experiments |
 //! | `metrics` | scores beside baselines |
+//! | `summary` | the scores as lines for a reader |
 //! | `ablation`, `control`, `figure` | tables of channels, verdicts on controls, the learning curve |
 
 mod ablation;
@@ -26,6 +27,7 @@ mod metrics;
 mod run;
 mod settings;
 mod source;
+mod summary;
 mod trained_on;
 
 pub use ablation::{Ablation, AblationRow, AblationRun, Mean, subsets};

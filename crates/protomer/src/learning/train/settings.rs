@@ -67,6 +67,14 @@ impl Source {
         }
     }
 
+    /// Where a set lies; empty for a synthetic one.
+    pub fn path(&self) -> &Path {
+        match self {
+            Self::Set { path, .. } => path,
+            Self::Control { .. } => Path::new(""),
+        }
+    }
+
     fn without_path(&self) -> Self {
         match self {
             Self::Set { digest, .. } => Self::Set {

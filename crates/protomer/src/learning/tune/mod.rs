@@ -14,7 +14,9 @@ pub mod figure;
 mod records;
 mod table;
 
+use crate::answer::{Answer, columns, heading};
 use crate::learning::train::{Epochs, Prepared, TrainSettings, TrainingRun, blocks, check};
+use crate::plot::Figure;
 use anyhow::{Context, Result, bail};
 use protomer_io::atomic::write_atomically;
 use protomer_kernel::random::CounterRng;
@@ -23,12 +25,12 @@ use protomer_learn::training::EpochRecord;
 use protomer_learn::{Device, LearnError};
 use protomer_results::{
     End, Execution, Hold, Layout, ResultKind, ResultsDirectory, Run, Settings, Shard, Work,
-    checkpoint, each, proceed, recorded, settings,
+    checkpoint, each, keys::to_toml, proceed, recorded, settings,
 };
 use records::{Records, Standing};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use table::write_table;
 
 /// Of so many trials one goes on.
@@ -37,6 +39,8 @@ const KEPT_ONE_OF: usize = 3;
 const MOST_TRIALS: usize = 100_000;
 /// Purpose of the random numbers that draw settings.
 const DRAW: u8 = 90;
+/// The settings of the best trial.
+const BEST: &str = "best.toml";
 /// The figure of a search.
 const FIGURE: &str = "trials.svg";
 /// How many of so many trials go on.
@@ -52,7 +56,7 @@ const LAYOUT: Layout = Layout {
         "run.json",
         "trials.csv",
         FIGURE,
-        "best.toml",
+        BEST,
         "trials",
         "report.html",
     ],
@@ -90,9 +94,80 @@ pub struct Trial {
     pub settings: TrainSettings,
 }
 
+/// A finished search.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TuneReport {
+    /// The settings of the best trial.
+    pub best: PathBuf,
+    /// All trials, best first.
+    pub trials: Vec<Trial>,
+    /// The set as the user named it, for the command that follows.
+    #[serde(skip)]
+    pub set: PathBuf,
+    #[serde(skip)]
+    channels: Vec<String>,
+}
+
+/// Trials shown to a reader.
+const SHOWN: usize = 10;
+
+impl Answer for TuneReport {
+    fn text(&self) -> String {
+        let mut rows = vec![heading([
+            "trial",
+            "epochs",
+            "validation loss (nats)",
+            "balanced accuracy",
+            "widths",
+        ])];
+        rows.extend(self.trials.iter().take(SHOWN).map(Trial::cells));
+        let mut lines = vec![columns(&rows)];
+        if self.trials.len() > SHOWN {
+            lines.push(format!(
+                "the best {SHOWN} of {}; all in {}",
+                self.trials.len(),
+                self.best.with_file_name("trials.csv").display()
+            ));
+        }
+        lines.push(format!(
+            "the validation part chose the best, so its scores there are too good; for scores on the \
+             test part:\nprotomer train {} --config {} -o DIRECTORY",
+            self.set.display(),
+            self.best.display()
+        ));
+        lines.join("\n")
+    }
+
+    fn figure(&self) -> Option<Figure> {
+        Some(figure::figure(&self.trials, &self.channels))
+    }
+}
+
 /// How far the trials of a part of a search came.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct TunePart {
+    /// Which part, from one.
+    pub shard: usize,
+    /// Of how many.
+    pub of: usize,
+    /// Whether no trial of the search is left to be trained. Otherwise other parts have to train
+    /// theirs before it is known who goes on.
+    pub finished: bool,
+}
+
+impl Answer for TunePart {
+    fn text(&self) -> String {
+        let state = match self.finished {
+            true => "all trials are done; without --shard: the table",
+            false => "waits for the others; then the same command continues it",
+        };
+        format!("part {} of {}: {state}", self.shard, self.of)
+    }
+}
+
+/// How far the trials of a part came.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ShardState {
+enum ShardState {
     /// No trial of the search is left to be trained.
     Complete,
     /// Other parts have to train theirs before it is known who goes on.
@@ -201,7 +276,7 @@ impl TuneSettings {
     }
 }
 
-/// Searches or continues in a directory, and returns all trials, best first.
+/// Searches or continues in a directory.
 ///
 /// # Errors
 /// For settings that make no sense, a directory that holds other work, and a disk that refuses.
@@ -211,7 +286,7 @@ pub fn tune_in(
     path: &Path,
     device: &Device,
     execution: &Execution,
-) -> Result<End<Vec<Trial>>> {
+) -> Result<End<TuneReport>> {
     let trials = settings.draw(set.size())?;
     let prepared = prepare(settings, &trials, set)?;
     let work = work(settings)?;
@@ -243,7 +318,7 @@ pub fn tune_shard(
     shard: Shard,
     device: &Device,
     execution: &Execution,
-) -> Result<End<ShardState>> {
+) -> Result<End<TunePart>> {
     let trials = settings.draw(set.size())?;
     let identity = work(settings)?.identity;
     let _ours = ResultsDirectory::share(path, &LAYOUT, settings, &identity, execution)?;
@@ -255,16 +330,22 @@ pub fn tune_shard(
         execution,
     };
     let standing = search.standing()?;
+    let part = |state| TunePart {
+        shard: shard.index,
+        of: shard.of,
+        finished: state == ShardState::Complete,
+    };
     if standing.rung.is_none() {
-        return Ok(End::Finished(ShardState::Complete));
+        return Ok(End::Finished(part(ShardState::Complete)));
     }
     // To prepare a set is to read all of it.
     if !standing.behind.iter().any(|place| shard.has(*place)) {
-        return Ok(End::Finished(ShardState::Waiting));
+        return Ok(End::Finished(part(ShardState::Waiting)));
     }
     let prepared = prepare(settings, &search.trials, set)?;
     execution.progress.begin(settings.total_epochs(), "epochs");
-    search.train(&prepared, shard, Hold::Shared, &|_| Ok(()))
+    let end = search.train(&prepared, shard, Hold::Shared, &|_| Ok(()))?;
+    Ok(end.map(part))
 }
 
 fn work(settings: &TuneSettings) -> Result<Work> {
@@ -304,7 +385,7 @@ impl Search<'_> {
     }
 
     /// Trains all trials, and writes the table, the figure and the best settings.
-    fn to_the_end(&self, prepared: &Prepared, path: &Path) -> Result<End<Vec<Trial>>> {
+    fn to_the_end(&self, prepared: &Prepared, path: &Path) -> Result<End<TuneReport>> {
         let write_standing =
             |standing: &Standing| write_table(standing.running.iter().chain(&standing.ended), path);
         let end = self.train(prepared, Shard::WHOLE, Hold::Alone, &write_standing)?;
@@ -313,20 +394,22 @@ impl Search<'_> {
         }
         let standing = self.standing()?;
         write_standing(&standing)?;
-        let trials = [standing.running, standing.ended].concat();
-        let best = trials
-            .first()
-            .filter(|best| best.validation_loss_nats.is_some());
-        let Some(best) = best else {
+        let report = TuneReport {
+            best: path.join(BEST),
+            trials: [standing.running, standing.ended].concat(),
+            set: self.settings.base.source.path().to_owned(),
+            channels: self.settings.base.training.channels.clone(),
+        };
+        let best = report.trials.first();
+        let Some(best) = best.filter(|best| best.validation_loss_nats.is_some()) else {
             bail!("every trial diverged; choose other --channels or another --scaling");
         };
-        figure::figure(&trials, &self.settings.base.training.channels)
-            .write_svg(&path.join(FIGURE))?;
-        let text = toml::to_string_pretty(&best.settings).context("best.toml")?;
-        write_atomically(&path.join("best.toml"), |out| {
-            out.write_all(text.as_bytes())
-        })?;
-        Ok(End::Finished(trials))
+        let text = to_toml("the settings of the best trial", &best.settings)?;
+        if let Some(figure) = report.figure() {
+            figure.write_svg(&path.join(FIGURE))?;
+        }
+        write_atomically(&report.best, |out| out.write_all(text.as_bytes()))?;
+        Ok(End::Finished(report))
     }
 
     /// Trains the trials of a part rung after rung, until others have to reach one. Calls
@@ -419,6 +502,20 @@ impl Search<'_> {
 }
 
 impl Trial {
+    fn cells(&self) -> Vec<String> {
+        let blocks = self.settings.blocks.iter();
+        let widths: Vec<String> = blocks.map(|block| block.width.to_string()).collect();
+        let loss = self.validation_loss_nats;
+        let accuracy = self.validation_balanced_accuracy;
+        vec![
+            self.number.to_string(),
+            self.epochs.to_string(),
+            loss.map_or_else(|| "diverged".into(), |loss| format!("{loss:.4}")),
+            accuracy.map_or_else(String::new, |value| format!("{value:.3}")),
+            widths.join("-"),
+        ]
+    }
+
     /// What trials are compared by.
     pub(crate) fn loss(&self) -> f64 {
         self.validation_loss_nats.unwrap_or(f64::INFINITY)

@@ -10,14 +10,17 @@
 //! | `states` | sixteen bodies close to contact; many bodies spread through a box |
 //! | `measure` | moves from a state, timed, again and again |
 //! | `meter` | an energy model that watches another one: the parts of a move |
-//! | [`suite`] | the tables |
+//! | [`suite`] | what is measured for the tables |
+//! | [`tables`] | the tables |
 
 pub(crate) mod bodies;
 mod measure;
 mod meter;
 mod states;
 pub mod suite;
+pub mod tables;
 
+use crate::answer::Answer;
 use crate::assemblies::assembly_file::Assembly;
 use crate::cpu_time::{Stopwatch, process_seconds};
 use crate::stability::energy_tables::EnergyTables;
@@ -86,6 +89,24 @@ pub struct BenchResult {
     /// The medium.
     #[serde(flatten)]
     pub interaction: Interaction,
+}
+
+impl Answer for BenchResult {
+    fn text(&self) -> String {
+        let bound = match self.error_bound_kt_per_pair {
+            0.0 => String::new(),
+            bound => format!(", pair energies to within {bound:.2e} kT"),
+        };
+        format!(
+            "{:.0} trial moves per CPU-second, acceptance {:.3}, set-up {:.2} s, memory {:.1} MB{bound}\n\
+             decisions {}",
+            self.moves_per_cpu_second,
+            self.acceptance,
+            self.setup_seconds,
+            self.memory_bytes as f64 / 1e6,
+            self.decisions_sha256
+        )
+    }
 }
 
 /// Makes the moves and measures them.

@@ -5,6 +5,7 @@ use super::bodies::two_kinds;
 use super::measure::{Prepared, Timing};
 use super::meter::{Metered, Readings};
 use super::states::{cluster, spread};
+use super::tables::{BodiesRow, PartsRow, RateRow, SuiteResult, ThreadsRow};
 use crate::cpu_time::Stopwatch;
 use crate::stability::energy_tables::EnergyTables;
 use crate::stability::interaction::Interaction;
@@ -93,129 +94,6 @@ fn affordable_moves(charges: usize) -> u64 {
     const MOST: f64 = 200.0;
     let per_pair = charges.max(1) as f64 / 3000.0;
     (50.0 / (per_pair * per_pair)).clamp(FEWEST, MOST) as u64
-}
-
-/// Moves per CPU-second of one energy mode.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct RateRow {
-    /// Charges per body.
-    pub charges: usize,
-    /// How energies were computed.
-    pub energy: EnergyMode,
-    /// Moves timed.
-    pub moves: u64,
-    /// Moves per second of processor time.
-    pub moves_per_cpu_second: f64,
-    /// The same in units of the direct sum's.
-    pub speed_up: Option<f64>,
-    /// Accepted fraction.
-    pub acceptance: f64,
-    /// Processor time of the tables, s.
-    pub setup_seconds: f64,
-    /// Memory of the energy model, bytes.
-    pub memory_bytes: usize,
-    /// The largest bound of a pair energy's error that was used, kT; zero for sums.
-    pub error_bound_kt_per_pair: f64,
-    /// How many decisions the hash is over.
-    pub decisions: u64,
-    /// SHA-256 of the first decisions, a byte 1 or 0 each.
-    pub decisions_sha256: String,
-    /// Whether these are the decisions of the direct sum.
-    pub decides_as_direct: Option<bool>,
-}
-
-/// What a trial move with certified energies is made of.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct PartsRow {
-    /// Charges per body.
-    pub charges: usize,
-    /// Moves timed.
-    pub moves: u64,
-    /// Processor time of a move, µs.
-    pub move_microseconds: f64,
-    /// Of it: proposing, finding neighbours and the overlap test.
-    pub overlap_microseconds: f64,
-    /// Of it: energies as intervals, and decisions by them.
-    pub bounds_microseconds: f64,
-    /// Of it: direct sums for decisions that the intervals left open.
-    pub refinement_microseconds: f64,
-    /// Of it: keeping the energies of accepted moves, dropping those of rejected ones.
-    pub keeping_microseconds: f64,
-    /// Fraction of the moves that reached the energies, the others being stopped by an overlap.
-    pub decided_by_energy: f64,
-    /// Intervals per move.
-    pub intervals_per_move: f64,
-    /// Fraction of the energy decisions that needed direct sums.
-    pub refined: f64,
-    /// Direct sums per move.
-    pub direct_sums_per_move: f64,
-}
-
-/// Cost of a move in a system of many bodies.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct BodiesRow {
-    /// Number of bodies.
-    pub bodies: usize,
-    /// Edge of the periodic cube, Å.
-    pub box_angstrom: f64,
-    /// How energies were computed.
-    pub energy: EnergyMode,
-    /// Other bodies within the range of the interaction (of the surfaces, for hard bodies), on
-    /// average.
-    pub neighbours: f64,
-    /// Moves timed.
-    pub moves: u64,
-    /// Processor time of a move, µs.
-    pub move_microseconds: f64,
-    /// The same per neighbour, µs.
-    pub microseconds_per_neighbour: f64,
-}
-
-/// Independent replicas on some threads.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ThreadsRow {
-    /// How energies were computed.
-    pub energy: EnergyMode,
-    /// Threads.
-    pub threads: usize,
-    /// Replicas.
-    pub replicas: u32,
-    /// Moves of all replicas.
-    pub moves: u64,
-    /// Wall-clock time, s.
-    pub wall_seconds: f64,
-    /// Processor time of all threads, s.
-    pub cpu_seconds: f64,
-    /// Wall-clock time of the first row of this mode over this one's.
-    pub speed_up: f64,
-    /// SHA-256 of the decisions of all replicas: the same on any number of threads.
-    pub decisions_sha256: String,
-}
-
-/// The tables.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct SuiteResult {
-    /// Version of the program.
-    pub version: String,
-    /// Name of the processor, where the system tells.
-    pub processor: Option<String>,
-    /// Threads the machine runs at once.
-    pub machine_threads: usize,
-    /// Seed of bodies, states and moves.
-    pub seed: u64,
-    /// Whether it ran to its end; otherwise rows are missing.
-    pub complete: bool,
-    /// The medium.
-    #[serde(flatten)]
-    pub interaction: Interaction,
-    /// Moves per CPU-second of each energy mode.
-    pub charges: Vec<RateRow>,
-    /// What a move is made of.
-    pub parts: Vec<PartsRow>,
-    /// Cost of a move against the number of bodies.
-    pub bodies: Vec<BodiesRow>,
-    /// Replicas against threads.
-    pub threads: Vec<ThreadsRow>,
 }
 
 /// Energy modes of the part on charges: the direct sum before those that are compared with it.

@@ -1,9 +1,8 @@
 //! The figure of a sweep: radius of gyration and surviving contacts against salt, with every
 //! replica.
 
+use super::table::{ReplicaResult, SaltRow, SweepResult};
 use crate::plot::{Axis, Figure, Panel, Point, Series};
-use crate::stability::sweep::SweepResult;
-use crate::stability::sweep::table::{ReplicaResult, SaltRow};
 use anyhow::Result;
 use std::path::Path;
 
@@ -18,7 +17,8 @@ pub fn write(result: &SweepResult, directory: &Path) -> Result<()> {
     Ok(())
 }
 
-fn figure(result: &SweepResult) -> Figure {
+/// The figure of a sweep.
+pub fn figure(result: &SweepResult) -> Figure {
     let r_g = Panel {
         y: Axis::linear("radius of gyration (Å)"),
         series: vec![series(

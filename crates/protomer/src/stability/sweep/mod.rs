@@ -9,9 +9,11 @@
 pub mod figure;
 pub mod table;
 
+use crate::answer::{Answer, columns, heading};
+use crate::plot::Figure;
 use crate::stability::interaction::Interaction;
 use crate::stability::run::{AcceptedFractions, Engine, LogRow, Replica, RunSettings, salt_label};
-use anyhow::{Context, Error, Result};
+use anyhow::{Context, Error, Result, bail};
 use protomer_io::atomic::write_atomically;
 use protomer_results::{
     Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Shard, Work, conduct,
@@ -20,7 +22,7 @@ use protomer_results::{
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use table::{ReplicaResult, SaltRow, to_csv};
+use table::{ReplicaResult, SaltRow, SweepResult, to_csv};
 
 /// The directory of a sweep.
 const LAYOUT: Layout = Layout {
@@ -37,26 +39,52 @@ const LAYOUT: Layout = Layout {
     is_result: is_simulation,
 };
 
-/// What a sweep leaves behind.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct SweepResult {
-    /// Version of the program.
-    pub version: String,
-    /// SHA-256 of the assembly and its bodies.
-    pub input_sha256: String,
-    /// Number of bodies.
-    pub bodies: usize,
-    /// Concentration of the bodies, mol/L; zero in open space.
-    #[serde(rename = "concentration_M")]
-    pub concentration_molar: f64,
-    /// Edge lengths of the box, Å; `None` without a box.
-    pub box_angstrom: Option<[f64; 3]>,
-    /// The resolved settings.
-    pub settings: RunSettings,
-    /// One row per salt concentration.
-    pub salts: Vec<SaltRow>,
-    /// The replicas behind each row.
-    pub replicas: Vec<Vec<ReplicaResult>>,
+impl Answer for SweepResult {
+    fn text(&self) -> String {
+        let mut rows = vec![heading([
+            "salt (M)",
+            "R_g (Å)",
+            "± sd",
+            "native contacts",
+            "largest cluster",
+            "energy (kT)",
+        ])];
+        for row in &self.salts {
+            rows.push(vec![
+                format!("{:.4}", row.salt_molar),
+                format!("{:.2}", row.r_g_mean_angstrom),
+                format!("{:.2}", row.r_g_sd_angstrom),
+                format!("{:.3}", row.native_contacts_mean),
+                format!("{:.2}", row.largest_cluster_mean),
+                format!("{:.2}", row.energy_mean_kt),
+            ]);
+        }
+        columns(&rows)
+    }
+
+    fn figure(&self) -> Option<Figure> {
+        Some(figure::figure(self))
+    }
+}
+
+/// A part of a sweep that is done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct SweepPart {
+    /// Which part, from one.
+    pub shard: usize,
+    /// Of how many.
+    pub of: usize,
+    /// Its simulations.
+    pub simulations: usize,
+}
+
+impl Answer for SweepPart {
+    fn text(&self) -> String {
+        format!(
+            "part {} of {}: {} simulations done; without --shard: the table",
+            self.shard, self.of, self.simulations
+        )
+    }
 }
 
 /// Whether this is the folder of the simulations at one salt concentration.
@@ -84,9 +112,31 @@ pub fn run_sweep(
     conduct(&sweep, &entered, execution)
 }
 
+/// Runs or continues one simulation in a directory: a sweep of one salt concentration and one
+/// replica.
+///
+/// # Errors
+/// As [`run_sweep`]; also for settings of several simulations.
+pub fn simulate(
+    engine: &Engine,
+    settings: &RunSettings,
+    directory: &Path,
+    execution: &Execution,
+) -> Result<End<ReplicaResult>> {
+    if settings.simulations() != 1 {
+        bail!("these are the settings of several simulations; sweep over them");
+    }
+    let End::Finished(result) = run_sweep(engine, settings, directory, execution)? else {
+        return Ok(End::Stopped);
+    };
+    let only = result.replicas.into_iter().flatten().next();
+    Ok(End::Finished(
+        only.context("the simulation has left no result")?,
+    ))
+}
+
 /// Runs or continues the simulations of one part of a sweep, while other processes do other parts
-/// in the same directory, and returns their number. [`run_sweep`] finds them done and writes the
-/// table and the figure.
+/// in the same directory. [`run_sweep`] finds them done and writes the table and the figure.
 ///
 /// # Errors
 /// As [`run_sweep`].
@@ -96,13 +146,18 @@ pub fn run_shard(
     directory: &Path,
     shard: Shard,
     execution: &Execution,
-) -> Result<End<usize>> {
+) -> Result<End<SweepPart>> {
     let sweep = Sweep::new(engine, settings, directory)?;
     let entered =
         ResultsDirectory::share(directory, &LAYOUT, settings, &sweep.identity, execution)?;
     let ours = (0..sweep.tasks.len()).filter(|number| shard.has(*number));
     sweep.tell_length(execution, ours.count());
-    conduct_shard(&sweep, &entered, shard, execution)
+    let end = conduct_shard(&sweep, &entered, shard, execution)?;
+    Ok(end.map(|simulations| SweepPart {
+        shard: shard.index,
+        of: shard.of,
+        simulations,
+    }))
 }
 
 /// One simulation of a sweep.

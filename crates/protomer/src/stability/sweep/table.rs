@@ -1,11 +1,34 @@
-//! From the logs of a sweep's replicas to one row per salt concentration.
+//! What a sweep leaves: from the logs of its replicas to one row per salt concentration.
 
+use crate::answer::Answer;
 use crate::stability::interaction::Interaction;
-use crate::stability::run::{AcceptedFractions, LogRow};
+use crate::stability::run::{AcceptedFractions, LogRow, RunSettings};
 use anyhow::Result;
 use protomer_io::csv::{Cell, Table};
 use protomer_kernel::statistics::{Summary, summarize};
 use serde::Serialize;
+
+/// What a sweep leaves behind.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SweepResult {
+    /// Version of the program.
+    pub version: String,
+    /// SHA-256 of the assembly and its bodies.
+    pub input_sha256: String,
+    /// Number of bodies.
+    pub bodies: usize,
+    /// Concentration of the bodies, mol/L; zero in open space.
+    #[serde(rename = "concentration_M")]
+    pub concentration_molar: f64,
+    /// Edge lengths of the box, Å; `None` without a box.
+    pub box_angstrom: Option<[f64; 3]>,
+    /// The resolved settings.
+    pub settings: RunSettings,
+    /// One row per salt concentration.
+    pub salts: Vec<SaltRow>,
+    /// The replicas behind each row.
+    pub replicas: Vec<Vec<ReplicaResult>>,
+}
 
 /// What one replica gave.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -26,6 +49,19 @@ pub struct ReplicaResult {
     pub accepted: AcceptedFractions,
     /// Mean number of bodies that a cluster move moved.
     pub cluster_moved_mean: f64,
+}
+
+impl Answer for ReplicaResult {
+    fn text(&self) -> String {
+        format!(
+            "R_g {:.2} ± {:.2} Å, energy {:.2} ± {:.2} kT, largest cluster {:.2}",
+            self.r_g_angstrom.mean,
+            self.r_g_angstrom.standard_error,
+            self.energy_kt.mean,
+            self.energy_kt.standard_error,
+            self.largest_cluster.mean
+        )
+    }
 }
 
 impl ReplicaResult {

@@ -1,0 +1,44 @@
+//! `protomer surface`: the solvent-excluded surface of a structure.
+
+use crate::flags::body::{Cavities, SurfaceFlags};
+use crate::reply::Reply;
+use anyhow::Result;
+use clap::Args;
+use protomer::bodies::surface_of_file::measure_surface;
+use std::path::PathBuf;
+
+/// Compute the solvent-excluded surface of a structure, a PQR, a body, or an .xyzr file (x y z
+/// radius per line): mesh, exact area and volume. Cavities are kept unless told otherwise.
+#[derive(Debug, Args)]
+pub struct SurfaceArgs {
+    /// Structure, PQR, body or .xyzr file, perhaps gzipped.
+    input: PathBuf,
+    /// Mesh vertices per Å².
+    #[arg(long, default_value_t = 1.0)]
+    density: f64,
+    /// Probe radius, Å.
+    #[arg(long, default_value_t = 1.4)]
+    probe: f64,
+    /// What to do with cavities inside.
+    #[arg(long, value_enum, default_value_t = Cavities::Keep)]
+    cavities: Cavities,
+    /// Move the surface inward by this much, Å.
+    #[arg(long, default_value_t = 0.0)]
+    offset: f64,
+    /// Mesh file to write: .ply, .obj, .off or .stl.
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+}
+
+impl SurfaceArgs {
+    pub fn run(&self) -> Result<Reply> {
+        let flags = SurfaceFlags {
+            density: self.density,
+            probe: self.probe,
+            cavities: self.cavities,
+            offset: self.offset,
+        };
+        let report = measure_surface(&self.input, &flags.settings(), self.output.as_deref())?;
+        Ok(Reply::data(report))
+    }
+}
