@@ -1,8 +1,7 @@
-"""From keywords to the words of a command, and back from its JSON."""
+"""From keywords to the words of a command, and back from its answer."""
 
 from __future__ import annotations
 
-import json
 import os
 import warnings
 from collections.abc import Callable, Mapping, Sequence
@@ -49,11 +48,11 @@ def call(
 
         _cluster.share_out(words, client, parts, progress)
         progress = None
-    done, text = _protomer.call(words, progress)
+    done, answer = _protomer.call(words, progress)
     if not done:
         warnings.warn("some of the inputs failed; the result names them", stacklevel=3)
     output: Any = flags.get("--output")
-    return result(json.loads(text) if text.strip() else {}, output)
+    return result({} if answer is None else answer, output)
 
 
 def _flag(flag: str, value: object) -> list[str]:

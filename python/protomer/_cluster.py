@@ -151,7 +151,7 @@ def _run(words: list[str], version: str) -> Any:
     if version != __version__:
         return ProtomerError(f"a worker has protomer {__version__}, and it was called by {version}; install the same there")
     try:
-        return json.loads(_protomer.call(words)[1])
+        return _protomer.call(words)[1]
     except ProtomerError as error:
         return error
 

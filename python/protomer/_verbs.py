@@ -1,5 +1,5 @@
 """The verbs of protomer as functions. Written by the program from its table of flags; do not edit:
-UPDATE_REFERENCE=1 cargo test -p protomer --test documentation
+UPDATE_REFERENCE=1 cargo test -p protomer-cli --test documentation
 """
 
 # ruff: noqa: E501

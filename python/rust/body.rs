@@ -4,7 +4,7 @@ use crate::errors::exception;
 use anyhow::{Result, bail, ensure};
 use numpy::ndarray::{Array1, Array2};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
-use protomer::body_file;
+use protomer::bodies::body_file;
 use protomer_body::{Provenance, Site};
 use protomer_kernel::{TriangleMesh, Vec3};
 use pyo3::prelude::*;

@@ -64,7 +64,7 @@ pub fn exception(error: &anyhow::Error) -> PyErr {
         if let Some(BodyError::Parse { file, line, .. }) = cause.downcast_ref() {
             return parse_error(message, file, *line);
         }
-        if cause.is::<protomer::cli::UsageError>() {
+        if cause.is::<protomer_cli::UsageError>() {
             return ConfigError::new_err(message);
         }
         match cause.downcast_ref() {

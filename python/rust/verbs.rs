@@ -1,10 +1,13 @@
 //! Calling a verb: on a thread of its own, while this one listens to Ctrl-C and tells of progress.
 
 use crate::errors::{StoppedError, exception};
-use protomer::cli::{Answer, Command, Host, Outcome};
-use protomer::interrupt::Interrupt;
+use protomer_cli::{Command, Host, Outcome, ProgressListener, Reply};
+use protomer_results::Interrupt;
+use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use serde_json::Value;
 use std::ffi::OsString;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex};
@@ -18,35 +21,27 @@ type Call = JoinHandle<anyhow::Result<Answer>>;
 /// Units done, units in all, what a unit is.
 type Latest = Arc<Mutex<Option<(u64, u64, String)>>>;
 
-/// Runs `protomer WORDS --json`; returns whether everything was done, and the JSON text.
+/// Runs `protomer WORDS`; returns whether everything was done, and the answer as Python values
+/// (`None` if there is none).
 ///
 /// `progress(done, total, unit)` is called in the calling thread. Ctrl-C stops the work at its next
-/// step and raises KeyboardInterrupt; the same call goes on from there.
+/// step and raises KeyboardInterrupt; the same call continues it.
 #[pyfunction]
 #[pyo3(signature = (words, progress=None))]
 pub fn call(
     py: Python<'_>,
     words: Vec<String>,
     progress: Option<Py<PyAny>>,
-) -> PyResult<(bool, String)> {
+) -> PyResult<(bool, Py<PyAny>)> {
     let interrupt = Interrupt::default();
     let latest = Latest::default();
-    let teller = Arc::clone(&latest);
     let host = Host {
-        progress: progress
-            .is_some()
-            .then(|| -> protomer::cli::ProgressListener {
-                Arc::new(move |done, total, unit| {
-                    if let Ok(mut latest) = teller.lock() {
-                        *latest = Some((done, total, unit.to_owned()));
-                    }
-                })
-            }),
+        progress: progress.is_some().then(|| listener(&latest)),
         interrupt: Some(interrupt.clone()),
     };
     let (ended, end) = channel();
     let thread = std::thread::spawn(move || {
-        let answer = protomer::cli::call(&words, host);
+        let answer = protomer_cli::call(&words, host).and_then(Answer::of);
         // Nobody listens any more only if the interpreter goes down.
         let _ = ended.send(());
         answer
@@ -60,11 +55,61 @@ pub fn call(
             outcome: Outcome::Stopped,
             ..
         }) => Err(StoppedError::new_err(
-            "stopped before the end; the same call goes on from there",
+            "stopped before the end; the same call continues it",
         )),
-        Ok(Answer { outcome, json }) => Ok((outcome == Outcome::Done, json)),
+        Ok(Answer { outcome, value }) => Ok((outcome == Outcome::Done, python_value(py, &value)?)),
         Err(error) => Err(exception(&error)),
     }
+}
+
+/// What a verb answered, freed from its thread.
+struct Answer {
+    outcome: Outcome,
+    value: Value,
+}
+
+impl Answer {
+    fn of(reply: Reply) -> anyhow::Result<Self> {
+        Ok(Self {
+            outcome: reply.outcome(),
+            value: reply.value()?.unwrap_or_default(),
+        })
+    }
+}
+
+/// Keeps the latest progress for the calling thread.
+fn listener(latest: &Latest) -> ProgressListener {
+    let latest = Arc::clone(latest);
+    Arc::new(move |done, total, unit| {
+        if let Ok(mut latest) = latest.lock() {
+            *latest = Some((done, total, unit.to_owned()));
+        }
+    })
+}
+
+/// A JSON value as Python has it: dictionaries keep the order of the keys, null is None.
+fn python_value(py: Python<'_>, value: &Value) -> PyResult<Py<PyAny>> {
+    Ok(match value {
+        Value::Null => py.None(),
+        Value::Bool(truth) => truth.into_py_any(py)?,
+        Value::Number(number) => match (number.as_u64(), number.as_i64()) {
+            (Some(natural), _) => natural.into_py_any(py)?,
+            (None, Some(integer)) => integer.into_py_any(py)?,
+            (None, None) => number.as_f64().into_py_any(py)?,
+        },
+        Value::String(text) => text.into_py_any(py)?,
+        Value::Array(items) => {
+            let items = items.iter().map(|item| python_value(py, item));
+            PyList::new(py, items.collect::<PyResult<Vec<_>>>()?)?.into_py_any(py)?
+        }
+        Value::Object(fields) => {
+            let dictionary = PyDict::new(py);
+            for (key, field) in fields {
+                dictionary.set_item(key, python_value(py, field)?)?;
+            }
+            dictionary.into_py_any(py)?
+        }
+    })
 }
 
 /// Until the work ends, or Ctrl-C or the progress function raises.
@@ -102,7 +147,7 @@ fn join(py: Python<'_>, thread: Call) -> PyResult<anyhow::Result<Answer>> {
 /// The command line: the words after the program's name; returns the exit code.
 #[pyfunction]
 pub fn main(py: Python<'_>, words: Vec<OsString>) -> u8 {
-    py.detach(|| protomer::cli::run(std::iter::once("protomer".into()).chain(words)))
+    py.detach(|| protomer_cli::run(std::iter::once("protomer".into()).chain(words)))
 }
 
 /// A command taken apart: verb, flags and their values (switches have none), places. Paths are made

@@ -15,7 +15,7 @@ fi
 options=()
 [ -z "${SHORT:-}" ] || options+=(--short)
 
-cargo build --release --quiet -p protomer
+cargo build --release --quiet -p protomer-cli
 missed=0
 for control in "${controls[@]}"; do
     report=$(target/release/protomer train --control "$control" ${options[@]+"${options[@]}"} -o "$output/$control") ||

@@ -6,66 +6,29 @@
 //!
 //! | module | one idea |
 //! |---|---|
-//! | [`input`], [`fetch`] | input files: found, read, hashed; downloaded when asked for |
-//! | [`ingest`], [`own_body`], [`body_file`] | bodies from structures, bodies of one's own, bodies on the disk |
-//! | [`surface_of_file`] | the solvent-excluded surface alone |
-//! | [`assemble`], [`assembly_file`] | assemblies made and read |
-//! | [`fluid`] | bodies at random places in a box |
+//! | [`bodies`] | bodies from structures, bodies of one's own, body files |
+//! | [`assemblies`] | assemblies made and read |
+//! | [`stability`] | simulations, sweeps over salt, comparisons, benchmarks |
 //! | [`potential`] | the electrostatic potential around a structure |
-//! | [`interaction`] | salt, temperature, permittivity to a Yukawa potential |
-//! | [`inspect`] | one state looked at |
-//! | [`run`] | one simulation in its directory |
-//! | [`shard`] | a part of what many machines share |
-//! | [`sweep`], [`sweep_table`], [`sweep_figure`] | many simulations, one table, one figure |
-//! | [`framework`] | networks of rods and hinges: elastic constants, loads, figures |
-//! | [`compare`] | several sweeps in one figure |
+//! | [`voxels`] | structures to sparse voxel grids, and these as samples |
+//! | [`learning`] | networks trained, searched for, applied |
 //! | [`lattice`] | lattices of rigid squares: runs, sweeps, pictures |
-//! | [`mod@voxelize`], [`voxel_set`] | structures to sparse voxel grids, and these as samples |
-//! | [`mod@bench`], [`cpu_time`] | trial moves per CPU-second |
-//! | [`energy_tables`], [`disk_cache`] | tables of certified energies, shared, bounded in memory, kept on the disk |
-//! | [`train`] | networks trained in their directories |
-//! | [`tune`], `tune_records`, `tune_table`, [`tune_figure`] | networks searched for: the search, what is kept of each trial, tables, figure |
-//! | [`mod@predict`] | a trained network applied to a set |
+//! | [`frameworks`] | networks of rods and hinges: elastic constants, loads, figures |
 //! | [`mod@report`] | a directory of results as one page |
-//! | [`quantity`], [`keys`], [`interrupt`], `base64` | what several of them need |
-//! | `cli` | the command line, one file per verb (feature `cli`) |
+//! | [`answer`] | what a verb answers: a value, its text, its figure |
+//! | [`input`], [`output_file`], [`quantity`], [`cpu_time`] | what several of them need |
 
-pub mod assemble;
-pub mod assembly_file;
-mod base64;
-pub mod bench;
-pub mod body_file;
-#[cfg(feature = "cli")]
-pub mod cli;
-pub mod compare;
+pub mod answer;
+pub mod assemblies;
+pub mod bodies;
 pub mod cpu_time;
-pub mod disk_cache;
-pub mod energy_tables;
-pub mod fetch;
-pub mod fluid;
-pub mod framework;
-pub mod ingest;
+pub mod frameworks;
 pub mod input;
-pub mod inspect;
-pub mod interaction;
-pub mod interrupt;
-pub mod keys;
 pub mod lattice;
-pub mod own_body;
+pub mod learning;
+pub mod output_file;
 pub mod potential;
-pub mod predict;
 pub mod quantity;
 pub mod report;
-pub mod run;
-pub mod shard;
-pub mod surface_of_file;
-pub mod sweep;
-pub mod sweep_figure;
-pub mod sweep_table;
-pub mod train;
-pub mod tune;
-pub mod tune_figure;
-mod tune_records;
-mod tune_table;
-pub mod voxel_set;
-pub mod voxelize;
+pub mod stability;
+pub mod voxels;

@@ -1,15 +1,17 @@
 //! The electrostatic potential around a structure, by the linearised Poisson-Boltzmann equation or
 //! as screened charges.
 
+use crate::answer::Answer;
+use crate::bodies::surface_of_file::read_sites;
 use crate::input::InputFile;
-use crate::surface_of_file::read_sites;
 use anyhow::{Context, Result, bail};
 use protomer_field::debye_huckel::Superposition;
 use protomer_field::poisson_boltzmann::{error_estimate_kt, grid_around};
 use protomer_field::{
     ChargedSphere, DielectricModel, Grid, PotentialModel, ScalarField, SolveSettings, solve,
 };
-use protomer_io::volume::Volume;
+use protomer_io::atomic::write_atomically;
+use protomer_io::volume::{Volume, dx::write_dx, mrc::write_mrc, write_volume_npz};
 use protomer_io::without_byte_order_mark;
 use protomer_kernel::Vec3;
 use protomer_kernel::units::kilojoule_per_mol_per_kt;
@@ -49,6 +51,127 @@ pub struct PotentialReport {
     pub seconds: f64,
     /// The most memory the process has held, bytes, where the system tells.
     pub peak_bytes: Option<u64>,
+}
+
+impl Answer for PotentialReport {
+    fn text(&self) -> String {
+        let debye = match self.debye_length_angstrom {
+            Some(length) => format!("Debye length {length:.2} Å"),
+            None => "no salt".into(),
+        };
+        let mut lines = vec![format!(
+            "{} atoms, net charge {:+.2} e, {debye}",
+            self.atoms, self.net_charge_e
+        )];
+        if let Some(energy) = self.solvation_energy_kj_mol {
+            // Only the size of the estimate is worth telling.
+            let error = self.error_estimate_kj_mol;
+            let error = error.map_or(String::new(), |error| format!(", error about {error:.1e}"));
+            lines.push(format!("solvation energy {energy:.2} kJ/mol{error}"));
+        }
+        let [nx, ny, nz] = self.grid.shape;
+        let spacing = self.grid.spacing_angstrom;
+        let iterations = self.iterations;
+        let iterations = iterations.map_or(String::new(), |count| format!(", {count} iterations"));
+        lines.push(format!(
+            "grid {nx} x {ny} x {nz} at {spacing} Å{iterations}, {:.2} s",
+            self.seconds
+        ));
+        let potentials = self.potentials_kt_per_e.iter().flatten();
+        let shown = |value: &Option<f64>| value.map_or("nan".into(), |value| format!("{value:.6}"));
+        lines.extend(potentials.map(shown));
+        lines.join("\n")
+    }
+}
+
+/// How a potential is found, and what is wanted of it.
+#[derive(Debug, Clone)]
+pub struct PotentialSettings {
+    /// The equation, or the sum that stands for it.
+    pub model: PotentialModel,
+    /// Solute and solvent.
+    pub dielectric: DielectricModel,
+    /// The grid and the solver.
+    pub solve: SolveSettings,
+    /// Solve a second time, for the error of the energy.
+    pub estimate_error: bool,
+    /// Points at which the potential is wanted, Å.
+    pub places: Option<Vec<Vec3>>,
+}
+
+/// Finds the potential around a structure, and writes it to a volume file if one is named, in the
+/// format of its ending.
+///
+/// # Errors
+/// As [`potential_of_file`]; also for an unknown ending or a missing folder, which are refused
+/// before the work.
+pub fn potential(
+    path: &Path,
+    settings: &PotentialSettings,
+    output: Option<&Path>,
+) -> Result<PotentialReport> {
+    let format = output.map(VolumeFormat::of_file).transpose()?;
+    let (field, report) = potential_of_file(
+        path,
+        &settings.dielectric,
+        &settings.solve,
+        settings.model,
+        settings.estimate_error,
+        settings.places.as_deref(),
+    )?;
+    if let (Some(path), Some(format)) = (output, format) {
+        let bytes = format.encode(&volume(field))?;
+        write_atomically(path, |file| file.write_all(&bytes))?;
+    }
+    Ok(report)
+}
+
+/// The formats of volume files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum VolumeFormat {
+    Mrc,
+    Dx,
+    Npz,
+}
+
+impl VolumeFormat {
+    const ENDINGS: [(&str, Self); 5] = [
+        (".mrc", Self::Mrc),
+        (".map", Self::Mrc),
+        (".ccp4", Self::Mrc),
+        (".dx", Self::Dx),
+        (".npz", Self::Npz),
+    ];
+
+    /// The format of a file that is to be written, in a folder that is there.
+    fn of_file(path: &Path) -> Result<Self> {
+        let name = path.display().to_string();
+        let found = Self::ENDINGS
+            .iter()
+            .find(|(ending, _)| name.ends_with(ending));
+        let Some((_, format)) = found else {
+            let endings = Self::ENDINGS.map(|(ending, _)| ending).join(", ");
+            bail!("{name} has none of the endings {endings}; name one of them");
+        };
+        let folder = path
+            .parent()
+            .filter(|folder| !folder.as_os_str().is_empty());
+        if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+            bail!(
+                "there is no folder {} to write into; make it first",
+                folder.display()
+            );
+        }
+        Ok(*format)
+    }
+
+    fn encode(self, volume: &Volume) -> Result<Vec<u8>> {
+        Ok(match self {
+            Self::Mrc => write_mrc("potential, kT/e", volume),
+            Self::Dx => write_dx("potential, kT/e", volume).into_bytes(),
+            Self::Npz => write_volume_npz("potential_kt_per_e", volume)?,
+        })
+    }
 }
 
 /// The atoms of a structure, PQR or body file.

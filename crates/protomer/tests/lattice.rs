@@ -8,25 +8,26 @@
     clippy::print_stderr
 )]
 
-use protomer::interrupt::Interrupt;
+mod common;
+
+use common::Watcher;
+use protomer::bodies::own_body::{OwnBody, build};
 use protomer::lattice::animation::Animation;
-use protomer::lattice::log::read_log;
+use protomer::lattice::log::LogRow;
 use protomer::lattice::replay::{LatticeFile, replay, respond};
-use protomer::lattice::run::{LatticeEnd, LatticeResult, run_lattice};
+use protomer::lattice::run::{LatticeResult, run_lattice};
 use protomer::lattice::settings::{
     LatticeSettings, NamedTimeStep, OtherSquare, Start, SweepAxes, TimeStep, Velocities,
 };
 use protomer::lattice::square_of_body::{Axis, Size, square_of_body};
 use protomer::lattice::start::{begin, network};
-use protomer::lattice::sweep::{LatticeSweep, LatticeSweepEnd, run_sweep};
+use protomer::lattice::sweep::{LatticeSweep, run_sweep};
 use protomer::lattice::trajectory::read_states;
-use protomer::own_body::{OwnBody, build};
-use protomer::run::Execution;
 use protomer_crystal::analysis::grima::CoherentOrbit;
 use protomer_crystal::analysis::lyapunov::{LyapunovSettings, SteppedFlow, maximal_exponent};
 use protomer_crystal::lattice::{Edges, Mover, Square, State};
 use protomer_io::gsd::{ChunkData, GsdFile};
-use std::cell::Cell;
+use protomer_results::{End, Execution, log};
 use std::f64::consts::FRAC_PI_4;
 use std::path::Path;
 use std::sync::Arc;
@@ -58,27 +59,17 @@ fn periodic() -> LatticeSettings {
 }
 
 fn finish(settings: &LatticeSettings, directory: &Path) -> LatticeResult {
-    match run_lattice(settings, directory, &Execution::default(), &|_| {}).unwrap() {
-        LatticeEnd::Finished(result) => result,
-        LatticeEnd::Stopped => panic!("nobody asked it to stop"),
+    match run_lattice(settings, directory, &Execution::default()).unwrap() {
+        End::Finished(result) => result,
+        End::Stopped => panic!("nobody asked it to stop"),
     }
 }
 
 /// Runs on until so many steps were done, then asks to stop.
 fn stop_after(settings: &LatticeSettings, directory: &Path, steps: u64) {
-    let interrupt = Interrupt::default();
-    let execution = Execution {
-        interrupt: interrupt.clone(),
-        ..Execution::default()
-    };
-    let done = Cell::new(0);
-    let end = run_lattice(settings, directory, &execution, &|steps_now| {
-        done.set(done.get() + steps_now);
-        if done.get() >= steps {
-            interrupt.request();
-        }
-    });
-    assert_eq!(end.unwrap(), LatticeEnd::Stopped);
+    let execution = Watcher::stopping_after(steps).execution();
+    let end = run_lattice(settings, directory, &execution);
+    assert_eq!(end.unwrap(), End::Stopped);
 }
 
 #[test]
@@ -177,7 +168,7 @@ fn logs_tell_of_energy_and_modes() {
         ..small()
     };
     let result = finish(&settings, folder.path());
-    let rows = read_log(&folder.path().join("log.csv")).unwrap();
+    let rows: Vec<LogRow> = log::read(&folder.path().join("log.csv")).unwrap();
     assert_eq!(rows.len(), 300 / 7 + 1);
     let (first, second) = (rows[0], rows[10]);
     assert_eq!((first.time, first.step), (0.0, 0));
@@ -285,13 +276,8 @@ fn a_page_needs_nothing_else_and_frames_show_every_square_and_rod() {
 fn what_makes_no_sense_is_refused_by_name() {
     let refused = |settings: LatticeSettings| {
         let folder = tempfile::tempdir().unwrap();
-        let error = run_lattice(
-            &settings,
-            &folder.path().join("run"),
-            &Execution::default(),
-            &|_| {},
-        )
-        .unwrap_err();
+        let error =
+            run_lattice(&settings, &folder.path().join("run"), &Execution::default()).unwrap_err();
         assert!(
             !folder.path().join("run").exists(),
             "a start that is refused leaves nothing behind"
@@ -365,7 +351,7 @@ fn a_failed_step_leaves_the_last_good_state() {
         time_step: TimeStep::Fixed(0.4),
         ..small()
     };
-    let error = run_lattice(&settings, folder.path(), &Execution::default(), &|_| {}).unwrap_err();
+    let error = run_lattice(&settings, folder.path(), &Execution::default()).unwrap_err();
     let error = format!("{error:#}");
     assert!(
         error.contains("last good state") && error.contains("time step"),
@@ -377,15 +363,15 @@ fn a_failed_step_leaves_the_last_good_state() {
     let record = std::fs::read_to_string(folder.path().join("run.json")).unwrap();
     assert!(record.contains("time step"), "{record}");
     // Another time step is another run.
-    let error = run_lattice(&small(), folder.path(), &Execution::default(), &|_| {}).unwrap_err();
+    let error = run_lattice(&small(), folder.path(), &Execution::default()).unwrap_err();
     assert!(error.to_string().contains("other settings"), "{error}");
     let anew = Execution {
         start_anew: true,
         ..Execution::default()
     };
     assert!(matches!(
-        run_lattice(&small(), folder.path(), &anew, &|_| {}),
-        Ok(LatticeEnd::Finished(_))
+        run_lattice(&small(), folder.path(), &anew),
+        Ok(End::Finished(_))
     ));
 }
 
@@ -464,16 +450,16 @@ fn sweeps_do_not_depend_on_threads_and_are_taken_up_again() {
             .num_threads(threads)
             .build()
             .unwrap();
-        pool.install(|| run_sweep(&settings, &folder.path().join(name), execution, &|| {}))
+        pool.install(|| run_sweep(&settings, &folder.path().join(name), execution))
             .unwrap()
     };
-    let LatticeSweepEnd::Finished(sweep) = run(1, "one", &Execution::default()) else {
+    let End::Finished(sweep) = run(1, "one", &Execution::default()) else {
         panic!("it was not asked to stop")
     };
     assert_eq!((sweep.conditions.len(), sweep.runs.len()), (6, 12));
     let stopped = Execution::default();
     stopped.interrupt.request();
-    assert_eq!(run(2, "two", &stopped), LatticeSweepEnd::Stopped);
+    assert_eq!(run(2, "two", &stopped), End::Stopped);
     run(2, "two", &Execution::default());
     for file in [
         "lattice.csv",
@@ -506,9 +492,9 @@ fn sweeps_do_not_depend_on_threads_and_are_taken_up_again() {
 
 /// A sweep in the given folder, on one thread.
 fn finish_sweep(settings: &LatticeSettings, directory: &Path) -> LatticeSweep {
-    match run_sweep(settings, directory, &Execution::default(), &|| {}).unwrap() {
-        LatticeSweepEnd::Finished(sweep) => *sweep,
-        LatticeSweepEnd::Stopped => panic!("nobody asked it to stop"),
+    match run_sweep(settings, directory, &Execution::default()).unwrap() {
+        End::Finished(sweep) => sweep,
+        End::Stopped => panic!("nobody asked it to stop"),
     }
 }
 

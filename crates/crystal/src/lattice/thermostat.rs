@@ -93,7 +93,13 @@ impl Langevin {
 
     /// Draws velocities of the canonical ensemble at the positions at which `dynamics` is prepared.
     pub fn draw_velocities(&self, dynamics: &mut Dynamics, state: &mut State) {
-        self.mix(dynamics, &mut state.velocities, 0.0, 0, Purpose::MaxwellVelocities);
+        self.mix(
+            dynamics,
+            &mut state.velocities,
+            0.0,
+            0,
+            Purpose::MaxwellVelocities,
+        );
     }
 
     /// Friction and noise for half a step of this length, before the other parts of the step with

@@ -58,7 +58,10 @@ fn check(shares: &[f64; PARTS]) -> Result<()> {
 
 fn largest_first(groups: &[Vec<usize>], seed: u64) -> Vec<&Vec<usize>> {
     let mut order: Vec<&Vec<usize>> = groups.iter().collect();
-    shuffle(&mut order, &mut CounterRng::for_purpose(seed, 0, 0, Purpose::Split));
+    shuffle(
+        &mut order,
+        &mut CounterRng::for_purpose(seed, 0, 0, Purpose::Split),
+    );
     // A stable sort: groups of one size stay shuffled.
     order.sort_by_key(|group| Reverse(group.len()));
     order

@@ -64,7 +64,8 @@ fn items(training: &Training, samples: &[usize], epoch: usize) -> Vec<Item> {
     let (seed, step) = (training.settings.seed, epoch as u64);
     let mut items = Vec::with_capacity(samples.len());
     for sample in samples {
-        let mut random = CounterRng::for_purpose(seed, *sample as u32, step, Purpose::TrainingRotation);
+        let mut random =
+            CounterRng::for_purpose(seed, *sample as u32, step, Purpose::TrainingRotation);
         let turn = if training.settings.augment {
             random.index(CubeRotation::COUNT)
         } else {

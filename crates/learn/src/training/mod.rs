@@ -26,6 +26,7 @@ mod state;
 
 pub use model::{Model, ModelCard, PredictionSettings, Predictions};
 pub use settings::{EpochRecord, Outcome, TrainingSettings};
+pub use state::epochs_done;
 
 use crate::error::refuse;
 use crate::scaling::Quarantined;

@@ -7,8 +7,17 @@ use crate::error::refuse;
 use crate::logistic::prior;
 use crate::scaling::{ChannelScaling, Quarantined, screen};
 use crate::{Adam, AdamSettings, Network, Result};
-use candle_core::Tensor;
+use candle_core::{Device, Tensor};
 use serde::{Deserialize, Serialize};
+
+/// How many epochs the training of a checkpoint has done.
+///
+/// # Errors
+/// [`LearnError::Settings`] if the bytes are not a checkpoint.
+pub fn epochs_done(checkpoint: &[u8]) -> Result<usize> {
+    let (_, progress): (_, Progress) = unpack(checkpoint, "checkpoint", &Device::Cpu)?;
+    Ok(progress.history.len())
+}
 
 /// The part of a checkpoint that is not a tensor.
 #[derive(Debug, Clone, Serialize, Deserialize)]

@@ -6,11 +6,15 @@
 use super::directory::read_settings;
 use super::start::network;
 use super::trajectory::{corner_position, read_states};
+use crate::answer::Answer;
+use crate::output_file::write_once;
 use anyhow::{Context, Result, bail};
 use protomer_crystal::lattice::{Network, Rod};
+use protomer_results::ResultKind;
+use serde::Serialize;
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 const PAGE: &str = include_str!("animation.html");
 /// Style of [`PLAYER`].
@@ -29,6 +33,58 @@ pub struct Animation {
     title: String,
     /// Time, and x, y, θ of square after square.
     frames: Vec<(f64, Vec<f64>)>,
+}
+
+/// A page that was written.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct WrittenAnimation {
+    /// The page.
+    pub page: PathBuf,
+    /// Frames on it.
+    pub frames: usize,
+}
+
+impl Answer for WrittenAnimation {
+    fn text(&self) -> String {
+        format!("{} frames in {}", self.frames, self.page.display())
+    }
+}
+
+/// What is made of a run.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct AnimationSettings {
+    /// The page; `lattice.html` in the directory of the run where `None`.
+    pub page: Option<PathBuf>,
+    /// A folder for the frames as SVG files.
+    pub frames: Option<PathBuf>,
+    /// Frames to show at most, evenly spread.
+    pub most_frames: usize,
+    /// Replace files that are there.
+    pub force: bool,
+}
+
+/// Writes the page that plays a run, and its frames if a folder is named.
+///
+/// # Errors
+/// If the directory holds no run with frames, a file is there already, or the disk refuses.
+pub fn animate(directory: &Path, settings: &AnimationSettings) -> Result<WrittenAnimation> {
+    let animation = Animation::read(directory, settings.most_frames)?;
+    let page = settings.page.clone();
+    let page = page.unwrap_or_else(|| directory.join("lattice.html"));
+    write_once(&page, &animation.to_html(), settings.force)?;
+    if let Some(folder) = &settings.frames {
+        ResultKind::VoxelSet.refuse_in(folder)?;
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("cannot make {}", folder.display()))?;
+        for frame in 0..animation.len() {
+            let path = folder.join(format!("frame_{frame:05}.svg"));
+            write_once(&path, &animation.to_svg(frame), settings.force)?;
+        }
+    }
+    Ok(WrittenAnimation {
+        page,
+        frames: animation.len(),
+    })
 }
 
 impl Animation {

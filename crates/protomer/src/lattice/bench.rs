@@ -7,6 +7,7 @@
 
 use super::settings::{LatticeSettings, Start, TimeStep, Velocities};
 use super::start::{begin, time_step};
+use crate::answer::Answer;
 use crate::cpu_time::thread_seconds;
 use anyhow::{Result, bail};
 use protomer_crystal::lattice::Mover;
@@ -43,6 +44,22 @@ pub struct LatticeBench {
     pub energy_error: f64,
     /// Collisions.
     pub events: u64,
+}
+
+impl Answer for LatticeBench {
+    fn text(&self) -> String {
+        format!(
+            "{:.0} steps of {} per CPU-second, {} squares, {} rods, rods off by at most {:.1e}, energy \
+             by {:.1e}, {} collisions",
+            self.steps_per_cpu_second,
+            self.time_step,
+            self.squares,
+            self.rods,
+            self.max_rod_violation,
+            self.energy_error,
+            self.events
+        )
+    }
 }
 
 /// Between closed (0) and open (π/4).

@@ -4,14 +4,13 @@
 
 use super::settings::LatticeSettings;
 use super::start::{begin, time_step};
-use crate::interrupt::Interrupt;
-use crate::keys;
 use anyhow::{Context, Result};
 use protomer_crystal::analysis::lyapunov::{
     LyapunovExponent, LyapunovSettings, Neighbours, SteppedFlow,
 };
 use protomer_crystal::lattice::Mover;
 use protomer_io::atomic::write_atomically;
+use protomer_results::{End, Interrupt, keys};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::sync::Arc;
@@ -32,8 +31,7 @@ pub struct Exponent {
     pub failure: Option<String>,
 }
 
-/// Measures the exponent of a run and writes it into its directory, or reads it from there. `None`
-/// if it was interrupted.
+/// Measures the exponent of a run and writes it into its directory, or reads it from there.
 ///
 /// # Errors
 /// For settings that make no sense, a damaged file, or a disk that takes no more. A trajectory that
@@ -43,7 +41,7 @@ pub fn measure(
     lyapunov: &LyapunovSettings,
     directory: &Path,
     interrupt: &Interrupt,
-) -> Result<Option<Exponent>> {
+) -> Result<End<Exponent>> {
     let lyapunov = LyapunovSettings {
         seed: lyapunov.seed.wrapping_add(settings.seed),
         ..*lyapunov
@@ -52,11 +50,11 @@ pub fn measure(
     if let Some(present) = read(&path)?
         && present.settings == lyapunov
     {
-        return Ok(Some(present));
+        return Ok(End::Finished(present));
     }
     let exponent = match follow(settings, &lyapunov, interrupt) {
-        Ok(None) => return Ok(None),
-        Ok(Some(found)) => Exponent {
+        Ok(End::Stopped) => return Ok(End::Stopped),
+        Ok(End::Finished(found)) => Exponent {
             settings: lyapunov,
             exponent: Some(found.exponent),
             standard_error: Some(found.standard_error),
@@ -71,7 +69,7 @@ pub fn measure(
     };
     let text = serde_json::to_string_pretty(&exponent).context(FILE)?;
     write_atomically(&path, |file| writeln!(file, "{text}"))?;
-    Ok(Some(exponent))
+    Ok(End::Finished(exponent))
 }
 
 fn read(path: &Path) -> Result<Option<Exponent>> {
@@ -79,14 +77,14 @@ fn read(path: &Path) -> Result<Option<Exponent>> {
         return Ok(None);
     }
     let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-    keys::from_json(path, &bytes).map(Some)
+    Ok(Some(keys::from_json(path, &bytes)?))
 }
 
 fn follow(
     settings: &LatticeSettings,
     lyapunov: &LyapunovSettings,
     interrupt: &Interrupt,
-) -> Result<Option<LyapunovExponent>> {
+) -> Result<End<LyapunovExponent>> {
     let begun = begin(settings)?;
     let time_step = time_step(settings, &begun)?;
     let (network, motion) = (Arc::new(begun.network), settings.motion()?);
@@ -103,9 +101,9 @@ fn follow(
     )?;
     while !neighbours.is_done() {
         if interrupt.is_requested() {
-            return Ok(None);
+            return Ok(End::Stopped);
         }
         neighbours.advance()?;
     }
-    Ok(Some(neighbours.exponent()))
+    Ok(End::Finished(neighbours.exponent()))
 }

@@ -1,11 +1,9 @@
 //! `log.csv`: what a run looks like from step to step.
 
-use crate::run::{complete_lines, read_text};
-use anyhow::{Result, bail};
 use protomer_crystal::analysis::modes::{ModeEnergies, Modes, OutOf, orientational_spread};
 use protomer_crystal::analysis::strain::{biot_strain, corners, deformation_gradient};
 use protomer_crystal::lattice::{Mover, Network, State};
-use std::path::Path;
+use protomer_results::Row;
 
 /// One row of the log. Reduced units.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -83,15 +81,6 @@ const NUMBERS: [Column; 17] = columns![
     rod_violation
 ];
 
-/// The names of the columns, in order.
-pub fn columns() -> Vec<&'static str> {
-    let numbers = NUMBERS.iter().map(|(name, ..)| *name);
-    std::iter::once("step")
-        .chain(numbers)
-        .chain(std::iter::once("events"))
-        .collect()
-}
-
 impl LogRow {
     /// What there is to say of a state; strains are against the positions of the start and of the
     /// last row.
@@ -130,10 +119,19 @@ impl LogRow {
             events: mover.events(),
         }
     }
+}
 
-    /// The row as a line of the log. Rust prints the shortest decimal that reads back as the same
-    /// number.
-    pub fn to_line(&self) -> String {
+impl Row for LogRow {
+    fn columns() -> Vec<&'static str> {
+        let numbers = NUMBERS.iter().map(|(name, ..)| *name);
+        std::iter::once("step")
+            .chain(numbers)
+            .chain(["events"])
+            .collect()
+    }
+
+    // Rust prints the shortest decimal that reads back as the same number.
+    fn to_line(&self) -> String {
         let numbers = NUMBERS
             .iter()
             .map(|(_, number, _)| number(self).to_string());
@@ -155,39 +153,6 @@ impl LogRow {
         row.events = cells.next()?.parse().ok()?;
         cells.next().is_none().then_some(row)
     }
-}
-
-/// Reads a log.
-///
-/// # Errors
-/// Names the file and line that is not a row.
-pub fn read_log(path: &Path) -> Result<Vec<LogRow>> {
-    rows_of(path, &read_text(path)?)
-}
-
-/// Reads the log of a run that may still go on, or was killed: without a last line that is not
-/// complete.
-///
-/// # Errors
-/// As [`read_log`].
-pub fn read_log_so_far(path: &Path) -> Result<Vec<LogRow>> {
-    let text = read_text(path)?;
-    rows_of(path, complete_lines(&text))
-}
-
-fn rows_of(path: &Path, text: &str) -> Result<Vec<LogRow>> {
-    let mut rows = Vec::new();
-    for (index, line) in text.lines().enumerate().skip(1) {
-        match LogRow::from_line(line) {
-            Some(row) => rows.push(row),
-            None => bail!(
-                "{}:{}: '{line}' is not a row of a log; run again with --force",
-                path.display(),
-                index + 1
-            ),
-        }
-    }
-    Ok(rows)
 }
 
 /// xx, yy and xy of the strain from one array of positions to another; NaN for squares that show
@@ -216,7 +181,7 @@ mod tests {
             ..LogRow::default()
         };
         assert_eq!(LogRow::from_line(&row.to_line()), Some(row));
-        assert_eq!(row.to_line().split(',').count(), columns().len());
+        assert_eq!(row.to_line().split(',').count(), LogRow::columns().len());
         assert_eq!(LogRow::from_line("1,2,3"), None);
     }
 }

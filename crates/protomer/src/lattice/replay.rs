@@ -4,11 +4,12 @@
 //! rates, square after square), `times`; `kappa`, `l` and `I` are optional, and what else it holds
 //! is left alone.
 
-use crate::keys;
-use anyhow::{Context, Result, bail};
+use crate::answer::Answer;
+use anyhow::{Result, bail};
 use protomer_crystal::lattice::collision::replay;
 use protomer_crystal::lattice::contact::TOUCHING;
 use protomer_crystal::lattice::{Coherence, Dynamics, Edges, Network, Square, State};
+use protomer_results::keys;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_4;
 use std::path::Path;
@@ -109,15 +110,52 @@ pub struct Response {
     pub energy_change: f64,
 }
 
+impl Answer for Replay {
+    fn text(&self) -> String {
+        let energies = self.times.iter().zip(&self.energy);
+        let mut lines: Vec<String> = energies
+            .map(|(time, energy)| format!("t = {time}: energy {energy:.12}"))
+            .collect();
+        lines.push(match &self.first_collision {
+            Some(first) => first.describe(),
+            None => "no contact".into(),
+        });
+        lines.join("\n")
+    }
+}
+
+impl FirstCollision {
+    fn describe(&self) -> String {
+        let contact = |[striker, vertex, target]: &[usize; 3]| {
+            format!("corner {vertex} of square {striker} on square {target}")
+        };
+        let contacts: Vec<String> = self.contacts.iter().map(contact).collect();
+        format!(
+            "first contact at t = {:.12}: {}",
+            self.t,
+            contacts.join(", ")
+        )
+    }
+}
+
+impl Answer for Response {
+    fn text(&self) -> String {
+        format!(
+            "{} contacts, impulses {:?}, kinetic energy changes by {:.1e}",
+            self.contacts.len(),
+            self.impulses,
+            self.energy_change
+        )
+    }
+}
+
 impl LatticeFile {
     /// Reads a file.
     ///
     /// # Errors
     /// Names the file, the line and the key.
     pub fn read(path: &Path) -> Result<Self> {
-        let bytes =
-            std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-        keys::from_json(path, &bytes)
+        Ok(keys::read_json(path)?)
     }
 
     fn network(&self) -> Result<Arc<Network>> {

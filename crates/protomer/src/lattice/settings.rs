@@ -9,6 +9,7 @@ use protomer_crystal::lattice::{
     StartVelocities,
 };
 pub use protomer_crystal::lattice::{ListedRod, OtherSquare, Screening};
+use protomer_results::Settings;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::f64::consts::FRAC_PI_4;
@@ -152,7 +153,6 @@ impl std::str::FromStr for Start {
 
 /// How the squares move at the start. Whatever the rods forbid is taken out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "lowercase")]
 pub enum Velocities {
     /// Every square turns against its neighbours, ω = ±(-1)^(i+j) speed: from the open state it
@@ -258,17 +258,18 @@ impl Default for LatticeSettings {
 /// More squares than anyone waits for.
 const MOST_SQUARES: usize = 1_000_000;
 
-impl LatticeSettings {
-    /// The same settings with no length: what runs have in common that differ only in how far they
-    /// went.
-    pub fn without_length(&self) -> Self {
+impl Settings for LatticeSettings {
+    /// Without the length: a run can be continued to a later time.
+    fn essential(&self) -> Self {
         Self {
             time: 0.0,
             steps: None,
             ..self.clone()
         }
     }
+}
 
+impl LatticeSettings {
     /// Checks what neither the types nor the engine do.
     ///
     /// # Errors

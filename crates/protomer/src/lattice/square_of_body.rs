@@ -1,12 +1,13 @@
 //! The square that stands for a body, as part of a configuration.
 
-use super::directory::to_toml;
 use super::settings::LatticeSettings;
+use crate::answer::Answer;
 use anyhow::{Context, Result};
 use protomer_body::Body;
 use protomer_crystal::lattice::Square;
 pub use protomer_crystal::lattice::square_of_body::{Axis, Size};
 use protomer_crystal::lattice::square_of_body::{BodySquare, Solid};
+use protomer_results::keys::to_toml;
 use serde::Serialize;
 
 /// The keys of a configuration that stand for a body.
@@ -57,18 +58,20 @@ impl NamedSquare {
             charges: self.square.charges.clone(),
             ..LatticeSettings::default()
         };
-        let mut part: toml::Table = toml::from_str(&to_toml(&settings)?)?;
+        let mut part: toml::Table = toml::from_str(&to_toml("the settings", &settings)?)?;
         part.retain(|key, _| KEYS.contains(&key));
         Ok(format!(
             "# {}, {}\n{}",
             self.body,
-            self.describe(),
+            self.text(),
             toml::to_string_pretty(&part)?
         ))
     }
+}
 
+impl Answer for NamedSquare {
     /// The square in one line.
-    pub fn describe(&self) -> String {
+    fn text(&self) -> String {
         let square = &self.square;
         let [x, y, z] = square.axis;
         format!(

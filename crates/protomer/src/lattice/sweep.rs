@@ -6,39 +6,47 @@
 //! DIR/r0_0.2_kappa_0/seed_1/   a run directory each, with lyapunov.json if that is measured
 //! ```
 
-use super::directory::{enter, identity, record};
 use super::exponent::{self, Exponent};
-use super::log::{LogRow, read_log};
-use super::run::{LatticeEnd, LatticeResult, run_lattice};
+use super::log::LogRow;
+use super::run::{LatticeResult, run_lattice};
 use super::settings::{LatticeSettings, SweepAxes};
 use super::start::network;
 use super::sweep_figures;
-use super::sweep_table::{ConditionRow, RunRow, conditions_to_csv, crossings_to_csv, runs_to_csv};
+use super::sweep_table::{
+    ConditionRow, Estimate, RunRow, conditions_to_csv, crossings_to_csv, runs_to_csv,
+};
 use super::trajectory::read_states;
-use crate::run::{Execution, LATTICE_SWEEP, read_record};
-use anyhow::{Context, Result, bail};
+use crate::answer::{Answer, columns};
+use anyhow::{Context, Error, Result, bail};
 use protomer_crystal::analysis::crossings::{Crossing, crossings};
 use protomer_crystal::analysis::lyapunov::LyapunovSettings;
 use protomer_crystal::analysis::synchronisation::{
     Synchronisation, root_mean_square_difference, staggered,
 };
 use protomer_io::atomic::write_atomically;
-use rayon::prelude::*;
+use protomer_results::{
+    Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Work, conduct, log, settings,
+};
 use serde::Serialize;
 use std::f64::consts::FRAC_PI_4;
 use std::path::{Path, PathBuf};
 
 /// A run directory with more folders than this serves nobody.
 const MOST_RUNS: usize = 100_000;
-/// Files of a sweep beside its settings; the folders of its runs come on top.
-const RESULTS: [&str; 6] = [
-    "run.json",
-    "lattice.csv",
-    "runs.csv",
-    "crossings.csv",
-    "lattice.json",
-    "report.html",
-];
+/// The directory of a sweep.
+const LAYOUT: Layout = Layout {
+    kind: ResultKind::LatticeSweep,
+    settings: super::directory::SETTINGS,
+    results: &[
+        "run.json",
+        "lattice.csv",
+        "runs.csv",
+        "crossings.csv",
+        "lattice.json",
+        "report.html",
+    ],
+    is_result: is_condition,
+};
 
 /// What a sweep leaves behind.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -53,13 +61,49 @@ pub struct LatticeSweep {
     pub runs: Vec<RunRow>,
 }
 
-/// How a sweep ended.
-#[derive(Debug, Clone, PartialEq)]
-pub enum LatticeSweepEnd {
-    /// Everything is done.
-    Finished(Box<LatticeSweep>),
-    /// It was asked to stop; the same command goes on.
-    Stopped,
+impl Answer for LatticeSweep {
+    fn text(&self) -> String {
+        let mut heading = vec![
+            "r0",
+            "κ",
+            "runs",
+            "Poisson's ratio",
+            "r²",
+            "σ_max",
+            "σ of checkerboard",
+            "synchronisation",
+        ];
+        let has_exponents = axes(&self.settings).lyapunov.is_some();
+        if has_exponents {
+            heading.push("λ_max");
+        }
+        let mut rows: Vec<Vec<String>> = vec![heading.into_iter().map(str::to_owned).collect()];
+        for row in &self.conditions {
+            let mut cells = vec![
+                format!("{:.4}", row.r0),
+                row.kappa.to_string(),
+                row.runs.to_string(),
+                shown(row.poisson_ratio),
+                shown(row.r_squared),
+                shown(row.largest_spread),
+                shown(row.checkerboard_deviation),
+                shown(row.synchronisation),
+            ];
+            if has_exponents {
+                cells.push(shown(row.lyapunov_exponent));
+            }
+            rows.push(cells);
+        }
+        columns(&rows)
+    }
+}
+
+fn shown(Estimate { mean, error }: Estimate) -> String {
+    match (mean.is_finite(), error.is_finite()) {
+        (false, _) => "-".to_owned(),
+        (true, false) => format!("{mean:.3}"),
+        (true, true) => format!("{mean:.3} ± {error:.3}"),
+    }
 }
 
 /// One run of a sweep.
@@ -163,127 +207,105 @@ pub fn tasks(settings: &LatticeSettings, directory: &Path) -> Result<Vec<Task>> 
     Ok(tasks)
 }
 
-/// Runs or continues a sweep in a directory. `advanced` hears of every run that ended.
+/// Whether this is the folder of the runs of one condition: `r0_0.2_kappa_0`.
+fn is_condition(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let axes = name
+        .strip_prefix("r0_")
+        .and_then(|rest| rest.split_once("_kappa_"));
+    let is_number = |text: &str| text.parse::<f64>().is_ok();
+    path.is_dir() && axes.is_some_and(|(r0, kappa)| is_number(r0) && is_number(kappa))
+}
+
+/// Runs or continues a sweep in a directory.
 ///
 /// # Errors
-/// For settings that make no sense, a directory that holds another sweep, and the first run that
+/// For settings that make no sense, a directory that holds other work, and the first run that
 /// fails; the others stop at their next step then, what they did is kept, and `run.json` says what
 /// happened.
 pub fn run_sweep(
     settings: &LatticeSettings,
     path: &Path,
     execution: &Execution,
-    advanced: &(dyn Fn() + Sync),
-) -> Result<LatticeSweepEnd> {
-    let tasks = tasks(settings, path)?;
-    let identity = identity(settings)?;
-    let folders: Vec<String> = folders(settings);
-    let results: Vec<&str> = RESULTS
-        .iter()
-        .copied()
-        .chain(folders.iter().map(String::as_str))
-        .collect();
-    let entered = enter(
-        path,
+) -> Result<End<LatticeSweep>> {
+    let sweep = Sweep {
         settings,
-        LATTICE_SWEEP,
-        &results,
-        execution.start_anew,
-    )?;
-    // A finished sweep stays one, whatever becomes of a second look at it.
-    let was_done =
-        !entered.settings_are_new() && read_record(path)?.is_some_and(|present| present.is_done());
-    let end = to_the_end(settings, &tasks, path, execution, advanced);
-    let record = |exit_reason: &str| {
-        record(
-            "lattice sweep",
-            &identity,
-            exit_reason,
-            serde_json::Value::Null,
-        )
+        lyapunov: axes(settings).lyapunov,
+        tasks: tasks(settings, path)?,
+        identity: settings::identity(settings, "")?,
+        path,
     };
-    match &end {
-        Ok(LatticeSweepEnd::Finished(_)) => record("done").write(path)?,
-        Ok(LatticeSweepEnd::Stopped) => record("stopped")
-            .stopped_by(&execution.interrupt)
-            .write(path)?,
-        Err(_) if was_done => {}
-        // The error is what counts; on a full disk there may be no room for the record either.
-        Err(error) => drop(record(&format!("{error:#}")).write(path)),
+    let entered = ResultsDirectory::enter(path, &LAYOUT, settings, &sweep.identity, execution)?;
+    execution.progress.begin(sweep.tasks.len() as u64, "runs");
+    conduct(&sweep, &entered, execution)
+}
+
+struct Sweep<'a> {
+    settings: &'a LatticeSettings,
+    tasks: Vec<Task>,
+    identity: String,
+    path: &'a Path,
+    lyapunov: Option<LyapunovSettings>,
+}
+
+impl Sweep<'_> {
+    /// One run of the sweep, and its exponent if that is measured.
+    fn run_task(
+        &self,
+        task: &Task,
+        directory: &Path,
+        execution: &Execution,
+    ) -> Result<End<RunOutcome>> {
+        let End::Finished(result) = run_lattice(&task.settings, directory, execution)? else {
+            return Ok(End::Stopped);
+        };
+        let Some(lyapunov) = &self.lyapunov else {
+            let exponent = None;
+            return Ok(End::Finished(RunOutcome { result, exponent }));
+        };
+        let end = exponent::measure(&task.settings, lyapunov, directory, &execution.interrupt)?;
+        Ok(end.map(|exponent| RunOutcome {
+            result,
+            exponent: Some(exponent),
+        }))
     }
-    end
 }
 
-/// Runs everything, and writes the tables and the figures.
-fn to_the_end(
-    settings: &LatticeSettings,
-    tasks: &[Task],
-    path: &Path,
-    execution: &Execution,
-    advanced: &(dyn Fn() + Sync),
-) -> Result<LatticeSweepEnd> {
-    // The folders are gone already where a new start was asked for.
-    let execution = Execution {
-        start_anew: false,
-        ..execution.clone()
-    };
-    let lyapunov = axes(settings).lyapunov;
-    let one = |task: &Task| -> Result<Option<RunOutcome>> {
-        if execution.interrupt.is_requested() {
-            return Ok(None);
+impl Campaign for Sweep<'_> {
+    type Task = Task;
+    type Part = RunOutcome;
+    type Answer = LatticeSweep;
+    type Error = Error;
+
+    fn work(&self) -> Work {
+        Work {
+            kind: ResultKind::LatticeSweep,
+            verb: "lattice sweep",
+            identity: self.identity.clone(),
+            input_sha256: String::new(),
         }
-        let outcome = run_task(task, lyapunov.as_ref(), &execution);
-        if outcome.is_err() {
-            execution.interrupt.request_after_failure();
-        }
-        advanced();
-        outcome.with_context(|| task.directory.display().to_string())
-    };
-    let outcomes: Vec<Result<Option<RunOutcome>>> = tasks.par_iter().map(one).collect();
-    let outcomes = outcomes.into_iter().collect::<Result<Vec<_>>>()?;
-    let Some(outcomes) = outcomes.into_iter().collect::<Option<Vec<RunOutcome>>>() else {
-        return Ok(LatticeSweepEnd::Stopped);
-    };
-    let (sweep, series) = collect(settings, tasks, &outcomes)?;
-    write_results(&sweep, &series, path)?;
-    Ok(LatticeSweepEnd::Finished(Box::new(sweep)))
-}
+    }
 
-/// One run of the sweep, and its exponent; `None` if it was interrupted.
-fn run_task(
-    task: &Task,
-    lyapunov: Option<&LyapunovSettings>,
-    execution: &Execution,
-) -> Result<Option<RunOutcome>> {
-    std::fs::create_dir_all(&task.directory)
-        .with_context(|| format!("cannot make the directory {}", task.directory.display()))?;
-    let end = run_lattice(&task.settings, &task.directory, execution, &|_| {})?;
-    let LatticeEnd::Finished(result) = end else {
-        return Ok(None);
-    };
-    let Some(lyapunov) = lyapunov else {
-        let exponent = None;
-        return Ok(Some(RunOutcome { result, exponent }));
-    };
-    let interrupt = &execution.interrupt;
-    let exponent = exponent::measure(&task.settings, lyapunov, &task.directory, interrupt)?;
-    Ok(exponent.map(|exponent| RunOutcome {
-        result,
-        exponent: Some(exponent),
-    }))
-}
+    fn tasks(&self) -> &[Task] {
+        &self.tasks
+    }
 
-fn folders(settings: &LatticeSettings) -> Vec<String> {
-    let axes = axes(settings);
-    let of = |r0: f64| {
-        axes.kappa
-            .iter()
-            .map(move |kappa| format!("r0_{r0}_kappa_{kappa}"))
-    };
-    axes.r0
-        .iter()
-        .flat_map(|r0| of(*r0).collect::<Vec<_>>())
-        .collect()
+    fn directory(&self, task: &Task) -> PathBuf {
+        task.directory.clone()
+    }
+
+    fn run(&self, task: &Task, directory: &Path, execution: &Execution) -> Result<End<RunOutcome>> {
+        let end = self.run_task(task, directory, &execution.of_part());
+        execution.progress.advance(1);
+        end.with_context(|| directory.display().to_string())
+    }
+
+    /// Makes the tables and the figures.
+    fn collect(&self, outcomes: Vec<RunOutcome>) -> Result<LatticeSweep> {
+        let (sweep, series) = collect(self.settings, &self.tasks, &outcomes)?;
+        write_results(&sweep, &series, self.path)?;
+        Ok(sweep)
+    }
 }
 
 /// Reads what the runs wrote.
@@ -295,7 +317,7 @@ fn collect(
     let mut runs = Vec::with_capacity(tasks.len());
     let mut by_condition: Vec<Condition> = Vec::new();
     for (task, outcome) in tasks.iter().zip(outcomes) {
-        let rows = read_log(&task.directory.join("log.csv"))?;
+        let rows: Vec<LogRow> = log::read(&task.directory.join("log.csv"))?;
         let series = Series::of_run(task, &rows)?;
         let row = RunRow::new(task, outcome, &rows, &series)?;
         // The first seed of every condition comes first, in the order of the conditions.

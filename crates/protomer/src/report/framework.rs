@@ -3,10 +3,10 @@
 use super::html::{definitions, paragraph, significant, table};
 use super::page::{Page, Section};
 use super::{data, figures, provenance};
-use crate::framework::network_file;
-use crate::keys;
+use crate::frameworks::network_file;
 use anyhow::{Context, Result};
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
+use protomer_results::keys;
 use serde_json::{Map, Value};
 use std::path::Path;
 

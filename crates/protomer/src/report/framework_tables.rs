@@ -3,10 +3,10 @@
 use super::html::{definitions, escape, paragraph, table};
 use super::page::{Page, Section};
 use super::{data, provenance};
-use crate::framework::tables::{Agreement, Row, describe, legend};
-use crate::keys;
+use crate::frameworks::tables::{Agreement, Row, describe, legend};
 use anyhow::{Context, Result};
 use protomer_io::csv::{Cell, Table};
+use protomer_results::keys;
 use std::path::Path;
 
 /// The page of a directory.

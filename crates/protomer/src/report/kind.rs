@@ -1,12 +1,13 @@
-//! What a directory holds, from the files in it.
+//! What a directory holds, with its settings.
 
-use crate::keys;
 use crate::lattice::settings::LatticeSettings;
-use crate::run::RunSettings;
-use crate::train::TrainSettings;
-use crate::tune::TuneSettings;
-use crate::voxelize::work_path;
-use anyhow::{Context, Result, bail};
+use crate::learning::train::TrainSettings;
+use crate::learning::tune::TuneSettings;
+use crate::stability::run::RunSettings;
+use crate::voxels::work_path;
+use anyhow::{Result, bail};
+use protomer_results::ResultKind;
+use protomer_results::keys::read_toml;
 use std::path::Path;
 
 /// What a directory holds.
@@ -35,70 +36,40 @@ pub enum Kind {
 /// # Errors
 /// If it is none of these, or its settings cannot be read.
 pub fn of(directory: &Path) -> Result<Kind> {
-    let is_there = |name: &str| directory.join(name).is_file();
     if !directory.is_dir() {
         if work_path(directory).is_file() {
             let name = directory.display();
             bail!(
-                "the set {name} is not complete yet; the same 'protomer voxelize' command goes on"
+                "the set {name} is not complete yet; the same 'protomer voxelize' command continues it"
             );
         }
         bail!(
-            "{} is no directory; give one that protomer wrote its results into",
+            "{} is not a directory; give one that protomer wrote its results into",
             directory.display()
         );
     }
-    if is_there("run.toml") {
-        return of_run(&directory.join("run.toml"));
-    }
-    if is_there("settings.toml") {
-        return of_settings(directory);
-    }
-    if is_there("result.json") && is_there("network.toml") {
-        return Ok(Kind::Framework);
-    }
-    if is_there("tables.json") {
-        return Ok(Kind::FrameworkTables);
-    }
-    if is_there("zarr.json") {
-        return Ok(Kind::VoxelSet);
-    }
-    if is_there("log.csv") && is_there("checkpoint.bin") {
-        bail!(
-            "{} is one simulation of a directory further up; give the one that holds run.toml",
+    let settings = |name: &str| directory.join(name);
+    Ok(match ResultKind::of(directory) {
+        Some(ResultKind::Sweep) => Kind::MonteCarlo(Box::new(read_toml(&settings("run.toml"))?)),
+        Some(ResultKind::LatticeRun) => Kind::Lattice(Box::new(read_toml(&settings("run.toml"))?)),
+        Some(ResultKind::LatticeSweep) => {
+            Kind::LatticeSweep(Box::new(read_toml(&settings("run.toml"))?))
+        }
+        Some(ResultKind::ElasticConstants) => Kind::Framework,
+        Some(ResultKind::FrameworkTables) => Kind::FrameworkTables,
+        Some(ResultKind::Training) => {
+            Kind::Training(Box::new(read_toml(&settings("settings.toml"))?))
+        }
+        Some(ResultKind::Search) => Kind::Tune(Box::new(read_toml(&settings("settings.toml"))?)),
+        Some(ResultKind::VoxelSet) => Kind::VoxelSet,
+        Some(ResultKind::Simulation) => bail!(
+            "{} is one simulation of a sweep; give the directory of the sweep, which holds run.toml",
             directory.display()
-        );
-    }
-    bail!(
-        "{} holds no results that can be shown; give the directory of a simulate, sweep, lattice run, lattice sweep, \
-         framework, train, tune or voxelize command",
-        directory.display()
-    )
-}
-
-/// Lattices count squares, everything else has a salt.
-fn of_run(path: &Path) -> Result<Kind> {
-    let text =
-        std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
-    let table: toml::Table = keys::from_toml(path, &text)?;
-    if !table.contains_key("rows") {
-        return Ok(Kind::MonteCarlo(Box::new(keys::from_toml(path, &text)?)));
-    }
-    let settings: Box<LatticeSettings> = Box::new(keys::from_toml(path, &text)?);
-    Ok(if settings.sweep.is_some() {
-        Kind::LatticeSweep(settings)
-    } else {
-        Kind::Lattice(settings)
+        ),
+        Some(ResultKind::Other(_)) | None => bail!(
+            "{} holds no results that can be shown; give the directory of a simulate, sweep, \
+             lattice run, lattice sweep, framework, train, tune or voxelize command",
+            directory.display()
+        ),
     })
-}
-
-/// A search has settings of a training in its own.
-fn of_settings(directory: &Path) -> Result<Kind> {
-    let path = directory.join("settings.toml");
-    if !directory.join("trials").is_dir() && !directory.join("trials.csv").is_file() {
-        return Ok(Kind::Training(Box::new(TrainSettings::read(&path)?)));
-    }
-    let text = std::fs::read_to_string(&path)
-        .with_context(|| format!("cannot read {}", path.display()))?;
-    Ok(Kind::Tune(Box::new(keys::from_toml(&path, &text)?)))
 }

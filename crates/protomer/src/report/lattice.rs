@@ -4,13 +4,13 @@ use super::html::{definitions, paragraph, significant, table};
 use super::page::{Page, Section};
 use super::{data, figures, provenance};
 use crate::lattice::animation::{Animation, PLAYER, PLAYER_SCRIPT};
-use crate::lattice::log::{LogRow, columns, read_log_so_far};
+use crate::lattice::log::LogRow;
 use crate::lattice::run::LatticeResult;
 use crate::lattice::settings::LatticeSettings;
 use crate::lattice::sweep::{axes, tasks};
-use crate::run::{RunRecord, read_record};
 use anyhow::Result;
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
+use protomer_results::{Record, Row, log};
 use std::path::Path;
 
 /// Numbers in the frames of an animation: some megabytes of text.
@@ -50,7 +50,7 @@ const SWEEP_FIGURES: [(&str, &str); 9] = [
 /// # Errors
 /// If a file is damaged.
 pub fn page_of_run(directory: &Path, settings: &LatticeSettings) -> Result<Page> {
-    let record = read_record(directory)?;
+    let record = Record::read(directory)?;
     let mut problems: Vec<String> = provenance::unfinished(record.as_ref())
         .into_iter()
         .collect();
@@ -80,7 +80,7 @@ pub fn page_of_run(directory: &Path, settings: &LatticeSettings) -> Result<Page>
 /// # Errors
 /// If a file is damaged.
 pub fn page_of_sweep(directory: &Path, settings: &LatticeSettings) -> Result<Page> {
-    let record = read_record(directory)?;
+    let record = Record::read(directory)?;
     let mut problems: Vec<String> = provenance::unfinished(record.as_ref())
         .into_iter()
         .collect();
@@ -98,11 +98,9 @@ pub fn page_of_sweep(directory: &Path, settings: &LatticeSettings) -> Result<Pag
     let tasks = tasks(settings, directory)?;
     let mut rows = Vec::new();
     for task in &tasks {
-        let record = read_record(&task.directory)?;
+        let record = Record::read(&task.directory)?;
         let [r0, kappa] = [task.settings.r0, task.settings.kappa].map(|x| significant(x, 6));
-        let steps = record
-            .as_ref()
-            .and_then(|record| record.details.get("steps")?.as_u64());
+        let steps = record.as_ref().and_then(|record| record.done);
         let progress = steps.map_or_else(String::new, |steps| format!(" after {steps} steps"));
         if let Some(problem) = provenance::problem_of_part(record.as_ref(), &progress) {
             problems.push(format!(
@@ -180,13 +178,13 @@ fn animation(directory: &Path, settings: &LatticeSettings) -> Result<Section> {
 }
 
 /// What a run came to, and its log.
-fn history(directory: &Path, record: Option<&RunRecord>) -> Result<Section> {
+fn history(directory: &Path, record: Option<&Record>) -> Result<Section> {
     let result: Option<LatticeResult> =
         record.and_then(|record| serde_json::from_value(record.details.clone()).ok());
     let mut html = result.as_ref().map_or_else(String::new, describe);
     let path = directory.join("log.csv");
     let rows = if path.is_file() {
-        read_log_so_far(&path)?
+        log::read_so_far(&path)?
     } else {
         Vec::new()
     };
@@ -202,7 +200,7 @@ fn history(directory: &Path, record: Option<&RunRecord>) -> Result<Section> {
     } else {
         "log.csv".into()
     };
-    let table = data::data(&name, &format!("{}\n{lines}", columns().join(",")))?;
+    let table = data::data(&name, &format!("{}\n{lines}", LogRow::columns().join(",")))?;
     html += &figures::drawn(&figure(&thinned), &table)?;
     Ok(Section::new("History", html))
 }

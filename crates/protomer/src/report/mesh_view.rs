@@ -1,7 +1,7 @@
 //! Meshes as data for the viewer: positions in 16 bits, a byte per vertex and colouring, base64.
 
 use super::page::Section;
-use crate::base64::base64;
+use base64::prelude::*;
 use protomer_kernel::{Pose, TriangleMesh, Vec3};
 use serde_json::{Value, json};
 
@@ -108,8 +108,8 @@ fn mesh_to_json(shown: &ShownMesh, colourings: &[Colouring]) -> Value {
     let values = colourings.iter().zip(&shown.values);
     let values: Vec<String> = values
         .map(|(scale, values)| {
-            base64(
-                &values
+            BASE64_STANDARD.encode(
+                values
                     .iter()
                     .map(|value| level(*value, scale.limit))
                     .collect::<Vec<_>>(),
@@ -118,7 +118,7 @@ fn mesh_to_json(shown: &ShownMesh, colourings: &[Colouring]) -> Value {
         .collect();
     json!({
         "name": shown.name, "low": rounded(&low), "span": thousandths(span), "wide": wide,
-        "places": base64(&places), "corners": base64(&corners), "values": values,
+        "places": BASE64_STANDARD.encode(&places), "corners": BASE64_STANDARD.encode(&corners), "values": values,
     })
 }
 
@@ -237,7 +237,7 @@ mod tests {
         let expected = [
             0, 0, 0, 0, 0, 0, 0xff, 0xff, 0x00, 0x20, 0, 0, 0x33, 0x53, 0x66, 0x06, 0x00, 0x40,
         ];
-        assert_eq!(json["places"], base64(&expected));
-        assert_eq!(json["corners"], base64(&[0, 0, 1, 0, 2, 0]));
+        assert_eq!(json["places"], BASE64_STANDARD.encode(expected));
+        assert_eq!(json["corners"], BASE64_STANDARD.encode([0, 0, 1, 0, 2, 0]));
     }
 }

@@ -38,7 +38,8 @@ mod tune;
 mod voxel_channels;
 mod voxel_set;
 
-use crate::framework::directory::write_one;
+use crate::answer::Answer;
+use crate::output_file::write_once;
 use anyhow::{Result, bail};
 use kind::Kind;
 use page::Page;
@@ -67,6 +68,12 @@ pub struct Written {
     pub sections: Vec<String>,
 }
 
+impl Answer for Written {
+    fn text(&self) -> String {
+        format!("{}: {}", self.page.display(), self.sections.join(", "))
+    }
+}
+
 /// Writes the page of a directory.
 ///
 /// # Errors
@@ -80,7 +87,7 @@ pub fn report(directory: &Path, request: &Request) -> Result<Written> {
         .unwrap_or_else(|| default_page(directory, &kind));
     let contents = page_of(directory, &kind, request.assembly.as_deref())?;
     let html = contents.to_html();
-    write_one(&page, &html, request.force)?;
+    write_once(&page, &html, request.force)?;
     Ok(Written {
         page,
         bytes: html.len(),

@@ -4,9 +4,11 @@ use super::html::{definitions, millimolar, paragraph, significant, table};
 use super::page::{Page, Section};
 use super::scenes::{Collected, collect};
 use super::{data, figures, mesh_view, provenance, traces};
-use crate::run::{RunRecord, RunSettings, read_record};
-use crate::sweep::replica_directory;
-use anyhow::{Context, Result};
+use crate::stability::run::RunSettings;
+use crate::stability::sweep::replica_directory;
+use anyhow::Result;
+use protomer_results::Record;
+use protomer_results::keys::read_json_if_present;
 use serde_json::Value;
 use std::path::Path;
 
@@ -15,8 +17,8 @@ use std::path::Path;
 /// # Errors
 /// If a file is damaged, or `assembly` is not what the results were made from.
 pub fn page(directory: &Path, settings: &RunSettings, assembly: Option<&Path>) -> Result<Page> {
-    let record = read_record(directory)?;
-    let result = read_json(&directory.join("sweep.json"))?;
+    let record = Record::read(directory)?;
+    let result: Option<Value> = read_json_if_present(&directory.join("sweep.json"))?;
     let periodic_box = result
         .as_ref()
         .and_then(|result| serde_json::from_value(result["box_angstrom"].clone()).ok());
@@ -74,14 +76,6 @@ fn subtitle(settings: &RunSettings) -> String {
         settings.equilibration_sweeps,
         settings.energy.name()
     )
-}
-
-fn read_json(path: &Path) -> Result<Option<Value>> {
-    match std::fs::read(path) {
-        Ok(bytes) => Ok(Some(crate::keys::from_json(path, &bytes)?)),
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
-        Err(error) => Err(error).with_context(|| format!("cannot read {}", path.display())),
-    }
 }
 
 fn results(directory: &Path, settings: &RunSettings, result: Option<&Value>) -> Result<Section> {
@@ -232,14 +226,14 @@ fn conditions(
 struct Simulation {
     salt_molar: f64,
     replica: u32,
-    record: Option<RunRecord>,
+    record: Option<Record>,
 }
 
 fn simulations(directory: &Path, settings: &RunSettings) -> Result<Vec<Simulation>> {
     let mut simulations = Vec::new();
     for salt_molar in settings.salt_molar.iter().copied() {
         for replica in 0..settings.replicas {
-            let record = read_record(&replica_directory(directory, salt_molar, replica))?;
+            let record = Record::read(&replica_directory(directory, salt_molar, replica))?;
             simulations.push(Simulation {
                 salt_molar,
                 replica,
@@ -254,7 +248,7 @@ impl Simulation {
     fn sweeps_done(&self) -> u64 {
         self.record
             .as_ref()
-            .and_then(|record| record.details.get("sweeps_done")?.as_u64())
+            .and_then(|record| record.done)
             .unwrap_or(0)
     }
 

@@ -2,8 +2,8 @@
 
 use super::html::{definitions, folded_text, paragraph};
 use super::page::Section;
-use crate::run::RunRecord;
 use anyhow::{Context, Result};
+use protomer_results::{Exit, Record};
 use std::path::Path;
 
 const NOTE: &str = "Equal settings on equal input give equal results.";
@@ -15,7 +15,7 @@ const NOTE: &str = "Equal settings on equal input give equal results.";
 pub fn section(
     directory: &Path,
     settings: &str,
-    record: Option<&RunRecord>,
+    record: Option<&Record>,
     more: Vec<(&str, String)>,
 ) -> Result<Section> {
     let path = directory.join(settings);
@@ -42,12 +42,12 @@ pub fn without_file(
     )
 }
 
-fn rows(directory: &Path, record: Option<&RunRecord>, more: Vec<(&str, String)>) -> String {
+fn rows(directory: &Path, record: Option<&Record>, more: Vec<(&str, String)>) -> String {
     let mut rows = vec![("directory", name(directory))];
     if let Some(record) = record {
         rows.push(("program", format!("protomer {}", record.version)));
         rows.push(("command", format!("protomer {}", record.verb)));
-        rows.push(("ended", record.exit_reason.clone()));
+        rows.push(("ended", ended_in_words(&record.exit)));
         if !record.input_sha256.is_empty() {
             rows.push(("SHA-256 of the input", record.input_sha256.clone()));
         }
@@ -74,49 +74,95 @@ pub fn name(directory: &Path) -> String {
         .into_owned()
 }
 
-/// What a record says of an end that was none.
-pub fn unfinished(record: Option<&RunRecord>) -> Option<String> {
+/// How a run ended, with the error that ended it.
+fn ended_in_words(exit: &Exit) -> String {
+    match exit {
+        Exit::Failed { error } => format!("failed: {error}"),
+        exit => exit.word().to_owned(),
+    }
+}
+
+/// Why a run has not come to its end, as a sentence; `None` if it has.
+pub fn unfinished(record: Option<&Record>) -> Option<String> {
     let Some(record) = record else {
         return Some("There is no run.json: the run did not come far enough to write one.".into());
     };
-    if let Some(error) = record.error() {
-        return Some(format!("It failed: {error}"));
-    }
-    match record.exit_reason.as_str() {
-        "done" => None,
-        "stopped" => {
-            let by = record.stopper().map_or_else(String::new, |stopper| format!(" by {stopper}"));
-            Some(format!("It was stopped{by} before its end; the same command goes on from there."))
+    match &record.exit {
+        Exit::Done => None,
+        Exit::Failed { error } => Some(format!("It failed: {error}")),
+        Exit::Stopped { by } => {
+            let by = by
+                .as_ref()
+                .map_or_else(String::new, |by| format!(" by {by}"));
+            Some(format!(
+                "It was stopped{by} before its end; the same command continues it."
+            ))
         }
-        _ => Some(
-            "By its record it is still running. If no process works in the directory, it was killed; the same command goes on."
+        Exit::Running => Some(
+            "By its record it is still running. If no process works in the directory, it was \
+             killed; the same command continues it."
                 .into(),
         ),
     }
 }
 
 /// How a part ended, in a word for a table.
-pub fn ended(record: Option<&RunRecord>) -> &str {
-    match record {
-        None => "–",
-        Some(record) if record.error().is_some() => "failed",
-        Some(record) => &record.exit_reason,
-    }
+pub fn ended(record: Option<&Record>) -> &str {
+    record.map_or("–", |record| record.exit.word())
 }
 
 /// What kept a part from its end, as in "50 mM, replica 1: *stopped by a signal after 3 of 9
-/// sweeps*"; nothing if it came to it. `progress` says how far it is by its record.
-pub fn problem_of_part(record: Option<&RunRecord>, progress: &str) -> Option<String> {
+/// sweeps*"; `None` if it came to its end. `progress` says how far it is by its record.
+pub fn problem_of_part(record: Option<&Record>, progress: &str) -> Option<String> {
     let Some(record) = record else {
         return Some("no record; it was not begun, or was killed before its end".into());
     };
-    if let Some(error) = record.error() {
-        return Some(format!("failed{progress}: {error}"));
+    match &record.exit {
+        Exit::Done => None,
+        Exit::Failed { error } => Some(format!("failed{progress}: {error}")),
+        Exit::Stopped { by: Some(by) } => Some(format!("stopped by {by}{progress}")),
+        Exit::Stopped { by: None } => Some(format!("stopped{progress}")),
+        Exit::Running => Some("at work, or killed".into()),
     }
-    match (record.exit_reason.as_str(), record.stopper()) {
-        ("done", _) => None,
-        ("stopped", Some(stopper)) => Some(format!("stopped by {stopper}{progress}")),
-        ("stopped", None) => Some(format!("stopped{progress}")),
-        _ => Some("at work, or killed".into()),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use protomer_results::{ResultKind, Work};
+
+    fn record(exit: Exit) -> Record {
+        let work = Work {
+            kind: ResultKind::Simulation,
+            verb: "simulate",
+            identity: String::new(),
+            input_sha256: String::new(),
+        };
+        Record::new(&work, exit)
+    }
+
+    #[test]
+    fn what_kept_a_part_from_its_end_is_said_with_how_far_it_came() {
+        let stopped = |by: Option<&str>| Exit::Stopped {
+            by: by.map(str::to_owned),
+        };
+        let cases = [
+            (Exit::Done, None),
+            (
+                stopped(Some("a signal")),
+                Some("stopped by a signal after 3 of 9 sweeps"),
+            ),
+            (stopped(None), Some("stopped after 3 of 9 sweeps")),
+            (
+                Exit::failed(&"the disk is full"),
+                Some("failed after 3 of 9 sweeps: the disk is full"),
+            ),
+            (Exit::Running, Some("at work, or killed")),
+        ];
+        for (exit, expected) in cases {
+            let problem = problem_of_part(Some(&record(exit)), " after 3 of 9 sweeps");
+            assert_eq!(problem.as_deref(), expected);
+        }
+        assert!(problem_of_part(None, "").is_some_and(|problem| problem.contains("not begun")));
     }
 }

@@ -5,15 +5,16 @@
 
 use super::html::millimolar;
 use super::mesh_view::{Colouring, Scene, Shown, ShownMesh};
-use crate::assembly_file::Assembly;
-use crate::run::{RunRecord, RunSettings};
-use crate::sweep::replica_directory;
+use crate::assemblies::assembly_file::Assembly;
+use crate::stability::run::RunSettings;
+use crate::stability::sweep::replica_directory;
 use anyhow::{Context, Result, bail};
 use protomer_body::Body;
 use protomer_field::voxels::hydropathy::HydropathyMap;
 use protomer_io::gsd::{Chunk, ChunkData, GsdFile};
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::{Pose, TriangleMesh, Vec3};
+use protomer_results::Record;
 use rayon::prelude::*;
 use serde::Deserialize;
 use std::f64::consts::TAU;
@@ -50,7 +51,7 @@ pub struct Collected {
 pub fn collect(
     directory: &Path,
     settings: &RunSettings,
-    record: Option<&RunRecord>,
+    record: Option<&Record>,
     periodic_box: Option<[f64; 3]>,
     assembly: Option<&Path>,
 ) -> Result<Collected> {
@@ -128,7 +129,7 @@ fn without(collected: Collected, note: String) -> Collected {
 
 fn find_assembly(
     directory: &Path,
-    record: Option<&RunRecord>,
+    record: Option<&Record>,
     given: Option<&Path>,
 ) -> Result<Assembly> {
     let named = record.and_then(|record| {

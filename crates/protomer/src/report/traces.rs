@@ -1,11 +1,12 @@
 //! The logs of simulations: radius of gyration and energy against sweeps.
 
 use super::html::millimolar;
-use crate::run::{LogRow, RunSettings, read_log_so_far};
-use crate::sweep::replica_directory;
+use crate::stability::run::{LogRow, RunSettings};
+use crate::stability::sweep::replica_directory;
 use anyhow::Result;
 use protomer_io::csv::{Cell, Table};
 use protomer_plot::{Axis, Figure, Panel, Series};
+use protomer_results::log;
 use std::path::Path;
 
 /// Colours that are told apart.
@@ -36,7 +37,7 @@ pub fn traces(directory: &Path, settings: &RunSettings) -> Result<Option<(Figure
         for replica in 0..settings.replicas {
             let path = replica_directory(directory, salt_molar, replica).join("log.csv");
             if path.is_file() {
-                let rows = read_log_so_far(&path)?;
+                let rows: Vec<LogRow> = log::read_so_far(&path)?;
                 let every = rows.len().div_ceil(most_rows).max(1);
                 traces.push(Trace {
                     salt_molar,

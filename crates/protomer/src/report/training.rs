@@ -3,7 +3,7 @@
 use super::html::{definitions, escape, list, paragraph, significant, table};
 use super::page::{Page, Section};
 use super::{data, figures, provenance};
-use crate::train::{Metrics, Source, TrainSettings};
+use crate::learning::train::{Metrics, Source, TrainSettings};
 use anyhow::Result;
 use std::path::Path;
 

@@ -3,8 +3,8 @@
 use super::html::{definitions, escape, folded_text, paragraph, significant, table};
 use super::page::{Page, Section};
 use super::{data, figures, provenance, training};
-use crate::train::TrainSettings;
-use crate::tune::TuneSettings;
+use crate::learning::train::TrainSettings;
+use crate::learning::tune::TuneSettings;
 use anyhow::{Context, Result};
 use protomer_io::csv::cells;
 use std::path::Path;

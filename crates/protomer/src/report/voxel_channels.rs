@@ -2,7 +2,7 @@
 
 use super::html::{paragraph, significant, table};
 use super::page::Section;
-use crate::voxel_set::VoxelSet;
+use crate::voxels::samples::VoxelSet;
 use anyhow::{Context, Result};
 use protomer_learn::SampleSource;
 use protomer_learn::scaling::{ChannelScaling, ScalingMode, Transform};

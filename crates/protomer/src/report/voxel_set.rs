@@ -3,11 +3,11 @@
 use super::html::{definitions, escape, paragraph, significant, table};
 use super::page::{Page, Section};
 use super::{data, figures, provenance, voxel_channels};
-use crate::voxel_set::VoxelSet;
-use crate::voxelize::origin::{Missing, origins};
-use crate::voxelize::set::{self, Exclusion, SampleRecord};
-use crate::voxelize::structure::Reason;
-use crate::voxelize::{Fit, Spacing, VoxelizeSettings};
+use crate::voxels::origin::{Missing, origins};
+use crate::voxels::samples::VoxelSet;
+use crate::voxels::set::{self, Exclusion, SampleRecord};
+use crate::voxels::structure::Reason;
+use crate::voxels::{Fit, Spacing, VoxelizeSettings};
 use anyhow::{Context, Result};
 use protomer_io::csv::Table;
 use protomer_plot::{Axis, Figure, Panel, Point, Series};

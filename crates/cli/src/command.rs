@@ -1,0 +1,88 @@
+//! A command line taken apart, for a program that has parts of it done on other machines.
+
+use super::{Cli, UsageError};
+use clap::parser::ValueSource;
+use clap::{Arg, ArgAction, ArgMatches, CommandFactory};
+use std::any::TypeId;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+/// A command as another machine understands it: flags by their long names, paths from the root.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Command {
+    /// The verb, such as `lattice` `run`.
+    pub verb: Vec<String>,
+    /// Flags that were given, without `--`, and their values; switches have none.
+    pub flags: Vec<(String, Option<String>)>,
+    /// What has a place only, such as the assembly of a sweep.
+    pub places: Vec<String>,
+}
+
+impl Command {
+    /// Takes the words of a command line apart, which begin after the program's name.
+    ///
+    /// ```
+    /// use protomer_cli::Command;
+    /// let command = Command::of(&["merge", "-qj2", "/parts/1.zarr", "-o", "/set.zarr"]).unwrap();
+    /// let flag = |name: &str, value: Option<&str>| (name.to_owned(), value.map(str::to_owned));
+    /// assert_eq!(command.flags, [flag("output", Some("/set.zarr")), flag("threads", Some("2")), flag("quiet", None)]);
+    /// assert_eq!((command.verb, command.places), (vec!["merge".into()], vec!["/parts/1.zarr".into()]));
+    /// ```
+    ///
+    /// # Errors
+    /// For words that are no command.
+    pub fn of<S: AsRef<str>>(words: &[S]) -> Result<Self, UsageError> {
+        let mut syntax = Cli::command();
+        syntax.build();
+        let words = ["protomer"]
+            .into_iter()
+            .chain(words.iter().map(AsRef::as_ref));
+        let parsed = syntax.try_get_matches_from_mut(words);
+        let parsed = parsed.map_err(|error| UsageError(error.to_string().trim().to_owned()))?;
+        let (mut syntax, mut given) = (&syntax, &parsed);
+        let mut command = Self::default();
+        while let Some((name, inner)) = given.subcommand() {
+            let Some(verb) = syntax.find_subcommand(name) else {
+                break;
+            };
+            (syntax, given) = (verb, inner);
+            command.verb.push(name.to_owned());
+        }
+        for arg in syntax.get_arguments() {
+            command.add(arg, given);
+        }
+        Ok(command)
+    }
+
+    fn add(&mut self, arg: &Arg, given: &ArgMatches) {
+        if given.value_source(arg.get_id().as_str()) != Some(ValueSource::CommandLine) {
+            return;
+        }
+        let is_path = arg.get_value_parser().type_id() == TypeId::of::<PathBuf>();
+        let values = given.get_raw(arg.get_id().as_str()).unwrap_or_default();
+        let values = values.map(|value| {
+            if is_path {
+                from_the_root(value)
+            } else {
+                value.display().to_string()
+            }
+        });
+        match arg.get_long() {
+            None => self.places.extend(values),
+            Some(long) if matches!(arg.get_action(), ArgAction::SetTrue) => {
+                self.flags.push((long.to_owned(), None))
+            }
+            Some(long) => self
+                .flags
+                .extend(values.map(|value| (long.to_owned(), Some(value)))),
+        }
+    }
+}
+
+fn from_the_root(path: &OsStr) -> String {
+    // Fails for an empty path only, which whoever opens it complains of.
+    std::path::absolute(path)
+        .unwrap_or_else(|_| Path::new(path).to_owned())
+        .display()
+        .to_string()
+}

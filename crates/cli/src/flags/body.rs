@@ -1,0 +1,134 @@
+//! How a body is made of a structure: which atoms, which charges, which surface.
+
+use super::choices::{Charges, Missing};
+use anyhow::Result;
+use clap::{Args, ValueEnum};
+use protomer_body::chemistry::{SiteSettings, parse_mutations};
+use protomer_body::structure::SelectionSettings;
+use protomer_body::{BodySettings, SurfaceSettings};
+
+/// Which atoms.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Selection")]
+pub struct SelectionArgs {
+    /// Chains by the authors' names; all if left out.
+    #[arg(long, value_delimiter = ',')]
+    chain: Vec<String>,
+    /// Model number; the first if left out.
+    #[arg(long)]
+    model: Option<i32>,
+    /// Biological assembly by its number; the deposited coordinates if left out.
+    #[arg(long)]
+    assembly: Option<String>,
+    /// Alternate location to prefer; the highest occupancy if left out.
+    #[arg(long)]
+    altloc: Option<char>,
+    /// Keep ligands, ions and sugars.
+    #[arg(long)]
+    keep_ligands: bool,
+    /// Keep waters.
+    #[arg(long)]
+    keep_waters: bool,
+    /// Keep hydrogens.
+    #[arg(long)]
+    keep_hydrogens: bool,
+    /// Keep nucleic acids.
+    #[arg(long)]
+    keep_nucleic_acids: bool,
+    /// What to do with residues that lack heavy atoms.
+    #[arg(long, value_enum, default_value_t = Missing::Keep)]
+    missing: Missing,
+}
+
+/// Which charges.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Charges")]
+pub struct ChargeArgs {
+    /// pH of the protonation equilibria.
+    #[arg(long, default_value_t = 7.4)]
+    ph: f64,
+    /// Where the charges sit.
+    #[arg(long, value_enum, default_value_t = Charges::ForceField)]
+    charges: Charges,
+    /// Residues exchanged in place: chain:from-number-to, such as A:K45E,B:N12D.
+    #[arg(long)]
+    mutate: Option<String>,
+}
+
+/// Which surface.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Surface")]
+pub struct SurfaceFlags {
+    /// Mesh vertices per Å².
+    #[arg(long, default_value_t = 1.0)]
+    pub density: f64,
+    /// Probe radius, Å.
+    #[arg(long, default_value_t = 1.4, allow_negative_numbers = true)]
+    pub probe: f64,
+    /// What to do with cavities inside the body.
+    #[arg(long, value_enum, default_value_t = Cavities::Drop)]
+    pub cavities: Cavities,
+    /// An enclosed interior is a cavity into which a ball of this radius fits, Å; it is never
+    /// filled, as other bodies may be in there.
+    #[arg(long, default_value_t = SurfaceSettings::INTERIOR_RADIUS_ANGSTROM)]
+    pub interior_radius: f64,
+    /// Move the surface inward by this much, Å.
+    #[arg(long, default_value_t = 0.0)]
+    pub offset: f64,
+}
+
+/// What to do with cavities.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Cavities {
+    /// Fill them, except for enclosed interiors.
+    Drop,
+    /// Keep their walls as part of the mesh.
+    Keep,
+}
+
+impl SelectionArgs {
+    fn settings(&self) -> SelectionSettings {
+        SelectionSettings {
+            model: self.model,
+            chains: self.chain.clone(),
+            assembly: self.assembly.clone(),
+            alternate: self.altloc,
+            keep_ligands: self.keep_ligands,
+            keep_waters: self.keep_waters,
+            keep_hydrogens: self.keep_hydrogens,
+            keep_nucleic_acids: self.keep_nucleic_acids,
+            missing: self.missing.into(),
+        }
+    }
+}
+
+impl SurfaceFlags {
+    /// The settings these flags describe.
+    pub fn settings(&self) -> SurfaceSettings {
+        SurfaceSettings {
+            density_per_angstrom2: self.density,
+            probe_radius_angstrom: self.probe,
+            keep_cavities: self.cavities == Cavities::Keep,
+            interior_radius_angstrom: self.interior_radius,
+            inward_offset_angstrom: self.offset,
+        }
+    }
+}
+
+/// The settings these flags describe.
+pub fn body_settings(
+    selection: &SelectionArgs,
+    charges: &ChargeArgs,
+    surface: &SurfaceFlags,
+) -> Result<BodySettings> {
+    let mutations = charges.mutate.as_deref().map(parse_mutations).transpose()?;
+    Ok(BodySettings {
+        selection: selection.settings(),
+        sites: SiteSettings {
+            ph: charges.ph,
+            charges: charges.charges.into(),
+        },
+        mutations: mutations.unwrap_or_default(),
+        surface: surface.settings(),
+    })
+}

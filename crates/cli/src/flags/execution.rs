@@ -1,0 +1,40 @@
+//! How a run is carried out, shared by every verb that runs in a directory.
+
+use crate::front::Front;
+use anyhow::{Result, bail};
+use clap::Args;
+use protomer_results::Execution;
+use std::time::Duration;
+
+/// When to stop and what to keep.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Run")]
+pub struct ExecutionArgs {
+    /// Stop (resumably, exit code 3) after this many minutes.
+    #[arg(
+        long,
+        env = "ACTION_WALLTIME_IN_MINUTES",
+        allow_negative_numbers = true
+    )]
+    time_limit: Option<f64>,
+    /// Seconds between checkpoints: what a killed run loses at most.
+    #[arg(long, default_value_t = 20.0, allow_negative_numbers = true)]
+    checkpoint_every: f64,
+}
+
+impl ExecutionArgs {
+    /// How the run is to be carried out. From here on, Ctrl-C stops it resumably.
+    pub fn execution(&self, front: &Front) -> Result<Execution> {
+        let Ok(checkpoint_interval) = Duration::try_from_secs_f64(self.checkpoint_every) else {
+            bail!(
+                "--checkpoint-every is {} seconds; give zero or more",
+                self.checkpoint_every
+            );
+        };
+        let what = "stopping at the next step; the same command continues from there";
+        Ok(Execution {
+            checkpoint_interval,
+            ..front.execution(what, self.time_limit)?
+        })
+    }
+}

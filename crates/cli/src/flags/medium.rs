@@ -1,0 +1,62 @@
+//! The medium's flags, shared by every verb that computes an energy.
+
+use anyhow::Result;
+use clap::Args;
+use protomer::quantity;
+use protomer::stability::interaction::{InteractionSettings, ScreenedCoulomb};
+
+/// What lies between the bodies.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "InteractionSettings")]
+pub struct MediumArgs {
+    /// Temperature, K [default: 298.15].
+    #[arg(long, allow_negative_numbers = true)]
+    pub temperature: Option<f64>,
+    /// Relative permittivity; that of water at the temperature if left out.
+    #[arg(long, allow_negative_numbers = true)]
+    pub permittivity: Option<f64>,
+    /// Bjerrum length (such as 7.0A), instead of temperature and permittivity.
+    #[arg(long, value_parser = quantity::length_angstrom, allow_hyphen_values = true, conflicts_with = "permittivity")]
+    pub bjerrum: Option<f64>,
+    /// Debye length (such as 9.6A), instead of a salt concentration.
+    #[arg(long, value_parser = quantity::length_angstrom, allow_hyphen_values = true)]
+    pub debye: Option<f64>,
+    /// Distance at which the interaction is cut off; five Debye lengths if left out.
+    #[arg(long, value_parser = quantity::length_angstrom, allow_hyphen_values = true)]
+    pub cutoff: Option<f64>,
+}
+
+impl MediumArgs {
+    /// The medium these flags describe.
+    pub fn medium(&self) -> InteractionSettings {
+        let mut medium = InteractionSettings::default();
+        self.override_in(&mut medium);
+        medium
+    }
+
+    /// Puts what these flags state in the place of what `medium` has.
+    pub fn override_in(&self, medium: &mut InteractionSettings) {
+        medium.temperature_kelvin = self.temperature.unwrap_or(medium.temperature_kelvin);
+        medium.relative_permittivity = self.permittivity.or(medium.relative_permittivity);
+        medium.bjerrum_length_angstrom = self.bjerrum.or(medium.bjerrum_length_angstrom);
+        medium.debye_length_angstrom = self.debye.or(medium.debye_length_angstrom);
+        medium.cutoff_angstrom = self.cutoff.or(medium.cutoff_angstrom);
+    }
+}
+
+/// The medium at one salt concentration.
+#[derive(Debug, Clone, Args)]
+pub struct ConditionArgs {
+    /// Concentration of a 1:1 salt, such as 100mM or 0.1M.
+    #[arg(long, value_parser = quantity::salt_molar, allow_hyphen_values = true)]
+    pub salt: Option<f64>,
+    #[command(flatten)]
+    pub medium: MediumArgs,
+}
+
+impl ConditionArgs {
+    /// The interaction these flags describe.
+    pub fn interaction(&self) -> Result<ScreenedCoulomb> {
+        self.medium.medium().interaction(self.salt)
+    }
+}

@@ -1,0 +1,34 @@
+//! The box of an assembly.
+
+use anyhow::{Result, bail};
+use clap::Args;
+
+/// The space around the assembly.
+#[derive(Debug, Clone, Args)]
+pub struct SpaceArgs {
+    /// Edge of a cubic periodic box, or three edges, Å; open space if left out.
+    #[arg(long = "box", value_delimiter = ',')]
+    box_angstrom: Vec<f64>,
+}
+
+impl SpaceArgs {
+    /// The box these flags describe.
+    pub fn box_angstrom(&self) -> Result<Option<[f64; 3]>> {
+        let lengths = match self.box_angstrom.as_slice() {
+            [] => return Ok(None),
+            [edge] => [*edge; 3],
+            [x, y, z] => [*x, *y, *z],
+            other => bail!(
+                "--box takes one or three lengths, and {} are given",
+                other.len()
+            ),
+        };
+        match lengths
+            .iter()
+            .find(|length| !(length.is_finite() && **length > 0.0))
+        {
+            Some(length) => bail!("--box has a length of {length} Å; lengths are positive"),
+            None => Ok(Some(lengths)),
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! A program that calls a verb, and how far the verb has come.
+
+use crate::front::Global;
+use crate::reply::note;
+use indicatif::{ProgressBar, ProgressStyle};
+use protomer_results::{Interrupt, Progress};
+use std::fmt;
+use std::io::IsTerminal;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
+
+/// Is told what a long piece of work has done: units done, units in all (0: unknown), what a unit
+/// is.
+pub type ProgressListener = Arc<dyn Fn(u64, u64, &str) + Send + Sync>;
+
+/// A program that calls a verb.
+#[derive(Clone, Default)]
+pub struct Host {
+    /// Is told of progress.
+    pub progress: Option<ProgressListener>,
+    /// Asked by long work instead of signals.
+    pub interrupt: Option<Interrupt>,
+}
+
+impl fmt::Debug for Host {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter
+            .debug_struct("Host")
+            .field("interrupt", &self.interrupt)
+            .finish_non_exhaustive()
+    }
+}
+
+/// How far a piece of work has come: a bar on a terminal, calls to a listener, or nothing.
+pub struct Bar {
+    bar: ProgressBar,
+    listener: Option<ProgressListener>,
+    explains: bool,
+    done: AtomicU64,
+    total: AtomicU64,
+    unit: OnceLock<&'static str>,
+}
+
+impl Bar {
+    /// A bar for a person.
+    pub fn on_terminal(flags: &Global) -> Self {
+        Self {
+            explains: flags.verbose,
+            ..Self::new(terminal_bar(flags), None)
+        }
+    }
+
+    /// Calls to a program, if it listens.
+    pub fn for_listener(listener: Option<ProgressListener>) -> Self {
+        Self::new(ProgressBar::hidden(), listener)
+    }
+
+    fn new(bar: ProgressBar, listener: Option<ProgressListener>) -> Self {
+        Self {
+            bar,
+            listener,
+            explains: false,
+            done: AtomicU64::new(0),
+            total: AtomicU64::new(0),
+            unit: OnceLock::new(),
+        }
+    }
+
+    /// Leaves nothing of the bar.
+    pub fn clear(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl Progress for Bar {
+    fn begin(&self, total: u64, unit: &'static str) {
+        self.bar.set_length(total);
+        self.bar.set_message(unit);
+        self.total.store(total, Ordering::Relaxed);
+        self.unit.get_or_init(|| unit);
+    }
+
+    fn advance(&self, units: u64) {
+        self.bar.inc(units);
+        let done = self.done.fetch_add(units, Ordering::Relaxed) + units;
+        if let Some(listener) = &self.listener {
+            let unit = self.unit.get().copied().unwrap_or_default();
+            listener(done, self.total.load(Ordering::Relaxed), unit);
+        }
+    }
+
+    fn describe(&self, what: &str) {
+        self.bar.set_message(what.to_owned());
+        if self.explains {
+            note(what);
+        }
+    }
+}
+
+fn terminal_bar(flags: &Global) -> ProgressBar {
+    if flags.quiet || flags.no_progress || !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(0);
+    match ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} ({eta} left)") {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}

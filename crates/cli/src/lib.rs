@@ -1,0 +1,125 @@
+//! The command line: flags to settings, answers to the terminal.
+//!
+//! ```text
+//! words --clap--> flags of a verb --verbs--> settings --protomer--> answer --Reply--> stdout, or a program's value
+//! ```
+//!
+//! | module | one idea |
+//! |---|---|
+//! | `verbs` | one file per verb: its flags, the settings they make, the call, the reply |
+//! | `flags` | flags that several verbs share |
+//! | `front` | what a verb knows of its caller |
+//! | `host` | a program as the caller; progress |
+//! | `reply` | what a verb hands back, and the one place that prints |
+//! | `command` | a command line taken apart |
+//! | `python_source` | the verbs as Python functions |
+
+mod command;
+mod flags;
+mod front;
+mod host;
+mod python_source;
+mod reply;
+mod verbs;
+
+use anyhow::{Context, Result, anyhow};
+use clap::Parser;
+use front::{Front, Global};
+use std::ffi::OsString;
+use std::fmt;
+use std::time::Instant;
+
+pub use command::Command;
+pub use host::{Host, ProgressListener};
+pub use python_source::python_functions;
+pub use reply::{Outcome, Reply};
+
+/// Coarse-grained protein assembly modelling: structures to rigid bodies, bodies to assemblies,
+/// assemblies to stability.
+#[derive(Debug, Parser)]
+#[command(
+    name = "protomer",
+    version,
+    propagate_version = true,
+    max_term_width = 100
+)]
+struct Cli {
+    #[command(flatten)]
+    global: Global,
+    #[command(subcommand)]
+    verb: verbs::Verb,
+}
+
+/// Words that are not a command, as the command line says it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct UsageError(pub String);
+
+impl fmt::Display for UsageError {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for UsageError {}
+
+/// Parses the words of a command line, the program's name first, runs the verb and prints its
+/// reply. Returns the exit code: 0 done, 1 error, 2 usage, 3 stopped early and resumable.
+pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
+    let cli = match Cli::try_parse_from(words) {
+        Ok(cli) => cli,
+        Err(error) => {
+            let error = verbs::explain_usage(error);
+            // That nobody reads it is no reason to fail otherwise.
+            let _ = error.print();
+            return u8::try_from(error.exit_code()).unwrap_or(2);
+        }
+    };
+    let start = Instant::now();
+    let front = Front::terminal(cli.global);
+    let code = run_on_terminal(&cli.verb, &front);
+    front.explain(&format!("{:.2} s", start.elapsed().as_secs_f64()));
+    match code {
+        Ok(code) => code,
+        Err(error) if reply::is_broken_pipe(&error) => 0,
+        Err(error) => {
+            reply::note(&format!("error: {error:#}"));
+            1
+        }
+    }
+}
+
+fn run_on_terminal(verb: &verbs::Verb, front: &Front) -> Result<u8> {
+    let pool = front.flags().thread_pool()?;
+    pool.build_global()
+        .context("cannot start the threads; try a smaller --threads")?;
+    let reply = verb.run(front);
+    front.clear_progress();
+    reply?.print(front.flags())
+}
+
+/// Runs a verb for a program, as `protomer WORDS` would, on threads of its own. The words begin
+/// after the program's name.
+///
+/// ```
+/// use protomer_cli::{Host, call};
+/// let words = ["framework", "honeycomb", "--theta", "60", "--kh", "50", "--ks", "10000"];
+/// let reply = call(&words, Host::default()).unwrap();
+/// assert!(reply.value().unwrap().unwrap()["c_gpa"].is_array());
+/// ```
+///
+/// # Errors
+/// [`UsageError`] for words that are not a command, else what the verb met.
+pub fn call<S: AsRef<str>>(words: &[S], host: Host) -> Result<Reply> {
+    let words = ["protomer", "--json", "--quiet"]
+        .into_iter()
+        .chain(words.iter().map(AsRef::as_ref));
+    let Cli { global, verb } = Cli::try_parse_from(words).map_err(usage)?;
+    let pool = global.thread_pool()?.build();
+    let pool = pool.map_err(|error| anyhow!("cannot start the threads: {error}; try fewer"))?;
+    let front = Front::program(global, host);
+    pool.install(|| verb.run(&front))?.unless_failed()
+}
+
+fn usage(error: clap::Error) -> UsageError {
+    UsageError(error.to_string().trim().to_owned())
+}

@@ -1,0 +1,392 @@
+//! The Python functions of the verbs, written from the table of flags: the two cannot disagree.
+
+use super::Cli;
+use clap::{Arg, ArgAction, Command, CommandFactory};
+use std::any::TypeId;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Verbs for shells only.
+const LEFT_OUT: [&str; 3] = ["completions", "man", "help"];
+/// Flags that a function has no use for: it returns what `--json` prints.
+const NOT_FOR_FUNCTIONS: [&str; 7] = [
+    "json",
+    "quiet",
+    "verbose",
+    "no_progress",
+    "scheduler",
+    "help",
+    "version",
+];
+/// A verb with this flag can be shared by many machines: its function has the keywords of
+/// [`SHARED`] as well.
+const SHARED_BY: &str = "shard";
+/// Keywords, what they are, what they mean.
+const SHARED: [(&str, &str, &str); 2] = [
+    (
+        "client",
+        "Client",
+        "A `distributed.Client`, the address of a Dask scheduler such as \"tcp://host:8786\", or \"local\" for workers on this \
+         machine: they do the work, and must see files and folders under the same paths",
+    ),
+    (
+        "parts",
+        "int",
+        "Parts to make of it with a client [default: four for each thread of the workers]",
+    ),
+];
+/// Verbs whose results have a class of their own; a star stands for the verb and all verbs within
+/// it.
+const RESULTS: [(&str, &str); 12] = [
+    ("bench", "BenchResult"),
+    ("compare", "CompareResult"),
+    ("framework *", "FrameworkResult"),
+    ("lattice run", "LatticeResult"),
+    ("lattice sweep", "LatticeSweepResult"),
+    ("potential", "PotentialResult"),
+    ("predict", "PredictResult"),
+    ("simulate", "SimulationResult"),
+    ("sweep", "SweepResult"),
+    ("train", "TrainResult"),
+    ("tune", "TuneResult"),
+    ("voxelize", "VoxelizeResult"),
+];
+/// The class of all other results.
+const PLAIN: &str = "Result";
+/// Verbs within a starred one that answer otherwise.
+const PLAIN_VERBS: [&str; 1] = ["framework tables"];
+/// Words that Python keeps for itself.
+const KEYWORDS: [&str; 6] = ["from", "lambda", "in", "is", "class", "global"];
+const WIDTH: usize = 110;
+
+const HEAD: &str = r#""""The verbs of protomer as functions. Written by the program from its table of flags; do not edit:
+UPDATE_REFERENCE=1 cargo test -p protomer-cli --test documentation
+"""
+
+# ruff: noqa: E501
+from __future__ import annotations
+
+from typing import Literal
+
+from ._call import Client, Integer, Integers, Number, Numbers, Path, Paths, Progress, Text, call
+"#;
+
+/// The text of `python/protomer/_verbs.py`.
+pub fn python_functions() -> String {
+    let mut cli = Cli::command();
+    cli.build();
+    let verbs: Vec<&Command> = cli
+        .get_subcommands()
+        .filter(|verb| !LEFT_OUT.contains(&verb.get_name()) && !verb.is_hide_set())
+        .collect();
+    let mut text = HEAD.to_owned();
+    let mut classes: Vec<&str> = RESULTS
+        .iter()
+        .map(|(_, class)| *class)
+        .chain([PLAIN])
+        .collect();
+    classes.sort_unstable();
+    let classes: Vec<String> = classes
+        .iter()
+        .map(|class| format!("    {class},\n"))
+        .collect();
+    let _ = writeln!(text, "from .results import (\n{})", classes.concat());
+    let names: Vec<String> = verbs
+        .iter()
+        .map(|verb| format!("    \"{}\",\n", verb.get_name()))
+        .collect();
+    let _ = write!(text, "\n__all__ = [\n{}]\n", names.concat());
+    for verb in verbs {
+        write_verb(&mut text, verb);
+    }
+    text
+}
+
+fn write_verb(text: &mut String, verb: &Command) {
+    let subverbs: Vec<&Command> = verb
+        .get_subcommands()
+        .filter(|sub| sub.get_name() != "help")
+        .collect();
+    let name = verb.get_name();
+    if subverbs.is_empty() {
+        text.push_str("\n\n");
+        write_function(text, verb, &[name], name, "");
+        return;
+    }
+    // Verbs with verbs of their own are objects with methods.
+    let _ = write!(text, "\n\nclass _{}:\n", capitalised(name));
+    write_docstring(text, &about(verb), &[], "    ");
+    if !verb.is_subcommand_required_set() {
+        text.push('\n');
+        write_function(text, verb, &[name], "__call__", "    ");
+    }
+    for sub in subverbs {
+        text.push('\n');
+        write_function(
+            text,
+            sub,
+            &[name, sub.get_name()],
+            &identifier(sub.get_name()),
+            "    ",
+        );
+    }
+    let _ = write!(text, "\n\n{name} = _{}()\n", capitalised(name));
+}
+
+/// One argument as Python sees it.
+struct Parameter {
+    name: String,
+    /// The flag, or nothing for what has a place only.
+    flag: Option<String>,
+    annotation: String,
+    required: bool,
+    is_switch: bool,
+    help: String,
+}
+
+impl Parameter {
+    fn of(arg: &Arg) -> Self {
+        let flag = arg
+            .get_long()
+            .map(|long| format!("--{long}"))
+            .or(arg.get_short().map(|short| format!("-{short}")));
+        let default: Vec<String> = arg
+            .get_default_values()
+            .iter()
+            .map(|value| value.display().to_string())
+            .collect();
+        let is_switch = matches!(arg.get_action(), ArgAction::SetTrue);
+        let mut help = arg.get_help().map(ToString::to_string).unwrap_or_default();
+        if !default.is_empty() && !is_switch {
+            let _ = write!(help, " [default: {}]", default.join(" "));
+        }
+        Self {
+            name: identifier(arg.get_long().unwrap_or(arg.get_id().as_str())),
+            flag,
+            annotation: annotation(arg),
+            required: arg.is_required_set(),
+            is_switch,
+            help,
+        }
+    }
+
+    fn for_functions((name, annotation, help): (&str, &str, &str)) -> Self {
+        Self {
+            name: name.into(),
+            flag: None,
+            annotation: annotation.into(),
+            required: false,
+            is_switch: false,
+            help: help.into(),
+        }
+    }
+
+    fn declaration(&self) -> String {
+        let Self {
+            name, annotation, ..
+        } = self;
+        match (self.is_switch, self.required) {
+            (true, _) => format!("{name}: bool = False"),
+            (_, true) => format!("{name}: {annotation}"),
+            _ => format!("{name}: {annotation} | None = None"),
+        }
+    }
+}
+
+fn annotation(arg: &Arg) -> String {
+    let parser = arg.get_value_parser();
+    let choices: Vec<String> = parser
+        .possible_values()
+        .map(|values| {
+            values
+                .filter(|value| !value.is_hide_set())
+                .map(|value| format!("\"{}\"", value.get_name()))
+                .collect()
+        })
+        .unwrap_or_default();
+    let many = matches!(arg.get_action(), ArgAction::Append)
+        || arg
+            .get_num_args()
+            .is_some_and(|count| count.max_values() > 1);
+    let is = |types: &[TypeId]| types.iter().any(|id| parser.type_id() == *id);
+    let integers = [
+        TypeId::of::<u8>(),
+        TypeId::of::<u32>(),
+        TypeId::of::<u64>(),
+        TypeId::of::<usize>(),
+        TypeId::of::<i64>(),
+    ];
+    match () {
+        () if !choices.is_empty() && !many => format!("Literal[{}]", choices.join(", ")),
+        () if is(&[TypeId::of::<PathBuf>()]) => if many { "Paths" } else { "Path" }.to_owned(),
+        () if is(&integers) => if many { "Integers" } else { "Integer" }.to_owned(),
+        () if is(&[TypeId::of::<f64>()]) => if many { "Numbers" } else { "Number" }.to_owned(),
+        () => "Text".to_owned(),
+    }
+}
+
+fn write_function(text: &mut String, command: &Command, path: &[&str], name: &str, indent: &str) {
+    let (mut placed, mut flags): (Vec<&Arg>, Vec<&Arg>) = command
+        .get_arguments()
+        .filter(|arg| !NOT_FOR_FUNCTIONS.contains(&arg.get_id().as_str()) && !arg.is_hide_set())
+        .partition(|arg| arg.is_positional());
+    placed.sort_by_key(|arg| arg.get_index());
+    // Required ones first: those without a default cannot follow those with one for a reader
+    // either.
+    flags.sort_by_key(|arg| !arg.is_required_set());
+    let placed: Vec<Parameter> = placed.into_iter().map(Parameter::of).collect();
+    let flags: Vec<Parameter> = flags.into_iter().map(Parameter::of).collect();
+    let result = class_of(path);
+    let _ = writeln!(text, "{indent}def {name}(");
+    if !indent.is_empty() {
+        let _ = writeln!(text, "{indent}    self,");
+    }
+    for parameter in &placed {
+        let _ = writeln!(text, "{indent}    {},", parameter.declaration());
+    }
+    let _ = writeln!(text, "{indent}    *,");
+    for parameter in &flags {
+        let _ = writeln!(text, "{indent}    {},", parameter.declaration());
+    }
+    let shared: Vec<Parameter> = if flags.iter().any(|flag| flag.name == SHARED_BY) {
+        SHARED.into_iter().map(Parameter::for_functions).collect()
+    } else {
+        Vec::new()
+    };
+    for parameter in &shared {
+        let _ = writeln!(text, "{indent}    {},", parameter.declaration());
+    }
+    let _ = writeln!(
+        text,
+        "{indent}    progress: Progress | None = None,\n{indent}) -> {result}:"
+    );
+    let inner = format!("{indent}    ");
+    let known: Vec<&Parameter> = placed.iter().chain(&flags).chain(&shared).collect();
+    write_docstring(text, &about(command), &known, &inner);
+    let words: Vec<String> = path.iter().map(|word| format!("\"{word}\"")).collect();
+    let places: Vec<&str> = placed
+        .iter()
+        .map(|parameter| parameter.name.as_str())
+        .collect();
+    let _ = writeln!(
+        text,
+        "{inner}return call(\n{inner}    {result},\n{inner}    [{}],",
+        words.join(", ")
+    );
+    let _ = writeln!(text, "{inner}    [{}],\n{inner}    {{", places.join(", "));
+    for Parameter { name, flag, .. } in &flags {
+        let _ = writeln!(
+            text,
+            "{inner}        \"{}\": {name},",
+            flag.as_deref().unwrap_or_default()
+        );
+    }
+    let _ = writeln!(text, "{inner}    }},\n{inner}    progress,");
+    for Parameter { name, .. } in &shared {
+        let _ = writeln!(text, "{inner}    {name}={name},");
+    }
+    let _ = writeln!(text, "{inner})");
+}
+
+/// The class of what a verb answers.
+fn class_of(path: &[&str]) -> &'static str {
+    let verb = path.join(" ");
+    let first = path.first().copied().unwrap_or_default();
+    let is_meant = |name: &str| {
+        name == verb
+            || name
+                .strip_suffix(" *")
+                .is_some_and(|starred| starred == first)
+    };
+    let class = RESULTS
+        .iter()
+        .find(|(name, _)| is_meant(name))
+        .map_or(PLAIN, |(_, class)| class);
+    if PLAIN_VERBS.contains(&verb.as_str()) {
+        PLAIN
+    } else {
+        class
+    }
+}
+
+fn about(command: &Command) -> String {
+    command
+        .get_long_about()
+        .or(command.get_about())
+        .map(ToString::to_string)
+        .unwrap_or_default()
+}
+
+fn write_docstring(text: &mut String, about: &str, parameters: &[&Parameter], indent: &str) {
+    let clean = |text: &str| text.replace('\\', "\\\\").replace("\"\"\"", "'''");
+    let mut about = clean(about);
+    if !about.ends_with('.') {
+        about.push('.');
+    }
+    let mut lines = wrapped(&about, WIDTH - indent.len(), "");
+    if !parameters.is_empty() {
+        lines.push(String::new());
+        lines.push("Parameters".into());
+        lines.push("----------".into());
+        for parameter in parameters {
+            lines.push(parameter.name.clone());
+            lines.extend(wrapped(
+                &clean(&parameter.help),
+                WIDTH - indent.len() - 4,
+                "    ",
+            ));
+        }
+        lines.push("progress".into());
+        lines.push("    Called as progress(done, total, unit) while the work goes on.".into());
+    }
+    let single = lines.len() == 1;
+    let _ = write!(text, "{indent}\"\"\"");
+    for (n, line) in lines.iter().enumerate() {
+        let _ = match (n, line.is_empty()) {
+            (0, _) => write!(text, "{line}"),
+            (_, true) => writeln!(text),
+            _ => write!(text, "\n{indent}{line}"),
+        };
+    }
+    let _ = if single {
+        writeln!(text, "\"\"\"")
+    } else {
+        writeln!(text, "\n{indent}\"\"\"")
+    };
+}
+
+/// Words on lines of at most so many characters, each line after `indent`.
+fn wrapped(text: &str, width: usize, indent: &str) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split_whitespace() {
+        let last = lines.last().map_or(0, |line| line.chars().count());
+        match lines.last_mut() {
+            Some(line) if last == 0 => line.push_str(word),
+            Some(line) if last + 1 + word.chars().count() <= width => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+        .into_iter()
+        .map(|line| format!("{indent}{line}"))
+        .collect()
+}
+
+fn identifier(name: &str) -> String {
+    let name = name.replace('-', "_");
+    if KEYWORDS.contains(&name.as_str()) {
+        format!("{name}_")
+    } else {
+        name
+    }
+}
+
+fn capitalised(name: &str) -> String {
+    let mut letters = name.chars();
+    letters.next().map_or(String::new(), |first| {
+        first.to_uppercase().chain(letters).collect()
+    })
+}

@@ -1,0 +1,226 @@
+//! What a verb hands back, and the one place that prints it: data on stdout, notes on stderr.
+
+use crate::front::Global;
+use anyhow::{Error, Result};
+use protomer::answer::{Answer, AnyAnswer};
+use protomer_results::End;
+use serde_json::Value;
+use std::io::Write;
+
+/// How a verb ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// Everything asked for is there.
+    Done,
+    /// Some of the inputs failed; the rest is there.
+    Partial,
+    /// Stopped early on request; the same command continues from here.
+    Stopped,
+}
+
+/// What a verb hands back.
+///
+/// ```
+/// let words = ["framework", "honeycomb", "--theta", "60", "--kh", "50", "--ks", "10000"];
+/// let reply = protomer_cli::call(&words, protomer_cli::Host::default()).unwrap();
+/// assert_eq!(reply.outcome(), protomer_cli::Outcome::Done);
+/// assert_eq!(reply.value().unwrap().unwrap()["dimension"], 2);
+/// ```
+pub struct Reply {
+    answer: Option<Box<dyn AnyAnswer + Send>>,
+    /// Shown in the place of the answer's own text.
+    text: Option<String>,
+    /// Whether the text is data that was asked for, and not a summary: then `--quiet` prints it too.
+    is_data: bool,
+    notes: Vec<Note>,
+    outcome: Outcome,
+    failure: Option<Error>,
+}
+
+/// A line beside the answer.
+enum Note {
+    /// Unless quiet.
+    Remark(String),
+    /// Unless quiet or in JSON, where the answer has it.
+    Summary(String),
+    /// Always.
+    Error(String),
+}
+
+impl Reply {
+    fn new(answer: Option<Box<dyn AnyAnswer + Send>>, outcome: Outcome) -> Self {
+        Self {
+            answer,
+            text: None,
+            is_data: false,
+            notes: Vec::new(),
+            outcome,
+            failure: None,
+        }
+    }
+
+    /// An answer whose text is a summary.
+    pub fn of(answer: impl Answer + Send + 'static) -> Self {
+        Self::new(Some(Box::new(answer)), Outcome::Done)
+    }
+
+    /// An answer whose text is what was asked for.
+    pub fn data(answer: impl Answer + Send + 'static) -> Self {
+        Self {
+            is_data: true,
+            ..Self::of(answer)
+        }
+    }
+
+    /// Text for which there is no other form.
+    pub fn text(text: String) -> Self {
+        Self {
+            text: Some(text),
+            is_data: true,
+            ..Self::new(None, Outcome::Done)
+        }
+    }
+
+    /// Nothing to say.
+    pub fn nothing() -> Self {
+        Self::new(None, Outcome::Done)
+    }
+
+    /// Work that was asked to stop; `line` says how to continue.
+    pub fn stopped(line: String) -> Self {
+        Self::new(None, Outcome::Stopped).with_note(line)
+    }
+
+    /// The answer of work that is finished, or that it was stopped.
+    pub fn of_end(
+        end: End<impl Answer + Send + 'static>,
+        if_stopped: impl FnOnce() -> String,
+    ) -> Self {
+        match end {
+            End::Finished(answer) => Self::of(answer),
+            End::Stopped => Self::stopped(if_stopped()),
+        }
+    }
+
+    /// The same with data in the place of the text of the answer.
+    pub fn showing(self, text: String) -> Self {
+        Self {
+            text: Some(text),
+            is_data: true,
+            ..self
+        }
+    }
+
+    /// The same with a summary besides.
+    pub fn with_summary(mut self, line: String) -> Self {
+        self.notes.push(Note::Summary(line));
+        self
+    }
+
+    /// The same with a line besides.
+    pub fn with_note(mut self, line: String) -> Self {
+        self.notes.push(Note::Remark(line));
+        self
+    }
+
+    /// The same with lines besides.
+    pub fn with_notes(mut self, lines: impl IntoIterator<Item = String>) -> Self {
+        self.notes.extend(lines.into_iter().map(Note::Remark));
+        self
+    }
+
+    /// The same with errors besides, which are in the answer as well.
+    pub fn with_errors(mut self, lines: impl IntoIterator<Item = String>) -> Self {
+        self.notes.extend(lines.into_iter().map(Note::Error));
+        self
+    }
+
+    /// The same with another outcome.
+    pub fn ending(self, outcome: Outcome) -> Self {
+        Self { outcome, ..self }
+    }
+
+    /// The same, partial if some of the inputs failed.
+    pub fn partial_if(self, some_failed: bool) -> Self {
+        match some_failed {
+            true => self.ending(Outcome::Partial),
+            false => self,
+        }
+    }
+
+    /// The same, failing although there is an answer, if there is an error.
+    pub fn failing(self, failure: Option<Error>) -> Self {
+        Self { failure, ..self }
+    }
+
+    /// How the verb ended.
+    pub fn outcome(&self) -> Outcome {
+        self.outcome
+    }
+
+    /// The answer as a JSON value; `None` if there is none.
+    ///
+    /// # Errors
+    /// If JSON cannot hold it.
+    pub fn value(&self) -> Result<Option<Value>> {
+        let value = self.answer.as_ref().map(|answer| answer.value());
+        Ok(value.transpose()?)
+    }
+
+    /// The reply, or the error that makes it one.
+    pub(crate) fn unless_failed(mut self) -> Result<Self> {
+        match self.failure.take() {
+            Some(error) => Err(error),
+            None => Ok(self),
+        }
+    }
+
+    /// Prints the reply and returns the exit code.
+    pub(crate) fn print(self, flags: &Global) -> Result<u8> {
+        for line in &self.notes {
+            match line {
+                Note::Error(line) => note(line),
+                Note::Remark(line) if !flags.quiet => note(line),
+                Note::Summary(line) if !flags.quiet && !flags.json => note(line),
+                Note::Remark(_) | Note::Summary(_) => {}
+            }
+        }
+        if let Some(text) = self.printed(flags)? {
+            let mut stdout = std::io::stdout().lock();
+            writeln!(stdout, "{text}")?;
+            stdout.flush()?;
+        }
+        match self.failure {
+            Some(error) => Err(error),
+            None => Ok(match self.outcome {
+                Outcome::Done => 0,
+                Outcome::Partial => 1,
+                Outcome::Stopped => 3,
+            }),
+        }
+    }
+
+    fn printed(&self, flags: &Global) -> Result<Option<String>> {
+        if let (Some(answer), true) = (&self.answer, flags.json) {
+            return Ok(Some(answer.json()?));
+        }
+        if flags.quiet && !self.is_data {
+            return Ok(None);
+        }
+        let own_text = || self.answer.as_ref().map(|answer| answer.text());
+        Ok(self.text.clone().or_else(own_text))
+    }
+}
+
+/// A line on stderr. That stderr is gone is no reason to stop.
+pub fn note(line: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{line}");
+}
+
+/// Whether the reader of our output went away, as in `protomer ... | head`.
+pub fn is_broken_pipe(error: &Error) -> bool {
+    error
+        .chain()
+        .filter_map(|cause| cause.downcast_ref::<std::io::Error>())
+        .any(|cause| cause.kind() == std::io::ErrorKind::BrokenPipe)
+}

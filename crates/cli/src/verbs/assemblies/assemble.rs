@@ -1,0 +1,196 @@
+//! `protomer assemble`: assemblies from a structure's own copies, from a ring or stack recipe, or
+//! as a fluid.
+
+use crate::flags::body::{ChargeArgs, SelectionArgs, SurfaceFlags, body_settings};
+use crate::flags::space::SpaceArgs;
+use crate::reply::Reply;
+use anyhow::{Result, bail};
+use clap::{Args, Subcommand};
+use protomer::assemblies::assemble::{StructureSettings, assemble_structure};
+use protomer::assemblies::fluid::assemble_fluid;
+use protomer::assemblies::ring::{RingSettings, assemble_ring};
+use protomer_body::assembly::RecipeSite;
+use std::path::PathBuf;
+
+/// Put bodies together: from a structure's own copies, as a ring or a stack of two rings, or at
+/// random.
+#[derive(Debug, Args)]
+pub struct AssembleArgs {
+    #[command(subcommand)]
+    from: From,
+}
+
+#[derive(Debug, Subcommand)]
+enum From {
+    Structure(Box<StructureArgs>),
+    Ring(RingArgs),
+    Fluid(FluidArgs),
+}
+
+/// Take a structure apart: identical chains become one body, each copy a pose.
+#[derive(Debug, Args)]
+pub struct StructureArgs {
+    /// Structure file.
+    input: PathBuf,
+    /// Folder for the bodies and assembly.json.
+    #[arg(short, long)]
+    output: PathBuf,
+    #[command(flatten)]
+    selection: SelectionArgs,
+    #[command(flatten)]
+    charges: ChargeArgs,
+    #[command(flatten)]
+    surface: SurfaceFlags,
+    /// Remove overlaps of the hard surfaces by the smallest uniform expansion.
+    #[arg(long)]
+    relax: bool,
+    #[command(flatten)]
+    space: SpaceArgs,
+}
+
+/// A ring of bodies, or a stack of two rings, closed to contact. Bodies alternate around the ring.
+#[derive(Debug, Args)]
+pub struct RingArgs {
+    /// Body files, in the order in which they alternate.
+    #[arg(required = true)]
+    bodies: Vec<PathBuf>,
+    /// Bodies per ring.
+    #[arg(long)]
+    members: usize,
+    /// Rings: one, or two stacked with dihedral symmetry.
+    #[arg(long, default_value_t = 1)]
+    stack: usize,
+    /// Direction of each body of the pattern: u for up, d for down, such as ud; all up if left out.
+    #[arg(long)]
+    directions: Option<String>,
+    /// Lean of each body's axis about the outward direction, degrees, such as 0,40; upright if left
+    /// out.
+    #[arg(long, value_delimiter = ',', allow_hyphen_values = true)]
+    tilt: Vec<f64>,
+    /// Turn of each body about its own axis, degrees.
+    #[arg(long, value_delimiter = ',', allow_hyphen_values = true)]
+    spin: Vec<f64>,
+    /// How much further apart than at contact neighbours around the ring, and the rings, are
+    /// placed, Å.
+    #[arg(long, default_value_t = 0.5, allow_negative_numbers = true)]
+    gap: f64,
+    #[command(flatten)]
+    space: SpaceArgs,
+    /// Assembly file to write.
+    #[arg(short, long)]
+    output: PathBuf,
+}
+
+/// Bodies at random places and in random orientations in a periodic box, none overlapping another.
+#[derive(Debug, Args)]
+pub struct FluidArgs {
+    /// Body files.
+    #[arg(required = true)]
+    bodies: Vec<PathBuf>,
+    /// How many of each body, in the order of the files, such as 8,8.
+    #[arg(long, required = true, value_delimiter = ',')]
+    counts: Vec<usize>,
+    /// Seed of the random numbers.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    #[command(flatten)]
+    space: SpaceArgs,
+    /// Assembly file to write.
+    #[arg(short, long)]
+    output: PathBuf,
+}
+
+impl AssembleArgs {
+    pub fn run(&self) -> Result<Reply> {
+        match &self.from {
+            From::Structure(args) => args.run(),
+            From::Ring(args) => args.run(),
+            From::Fluid(args) => args.run(),
+        }
+    }
+}
+
+impl StructureArgs {
+    fn run(&self) -> Result<Reply> {
+        let settings = StructureSettings {
+            body: body_settings(&self.selection, &self.charges, &self.surface)?,
+            relax: self.relax,
+            box_angstrom: self.space.box_angstrom()?,
+        };
+        let made = assemble_structure(&self.input, &self.output, &settings)?;
+        Ok(Reply::data(made))
+    }
+}
+
+impl RingArgs {
+    fn run(&self) -> Result<Reply> {
+        let settings = RingSettings {
+            members: self.members,
+            stack: self.stack,
+            pattern: self.pattern()?,
+            gap_angstrom: self.gap,
+            box_angstrom: self.space.box_angstrom()?,
+        };
+        Ok(Reply::of(assemble_ring(
+            &self.bodies,
+            &settings,
+            &self.output,
+        )?))
+    }
+
+    /// One site per body of the pattern.
+    fn pattern(&self) -> Result<Vec<RecipeSite>> {
+        let count = self.bodies.len();
+        let up = match &self.directions {
+            None => vec![true; count],
+            Some(text) => text.chars().map(direction).collect::<Result<_>>()?,
+        };
+        let angles = |degrees: &[f64]| match degrees {
+            [] => vec![0.0; count],
+            given => given.iter().map(|angle| angle.to_radians()).collect(),
+        };
+        let (tilt, spin) = (angles(&self.tilt), angles(&self.spin));
+        for (flag, given) in [
+            ("--directions", up.len()),
+            ("--tilt", tilt.len()),
+            ("--spin", spin.len()),
+        ] {
+            if given != count {
+                bail!("{flag} has {given} values for {count} bodies; give one per body");
+            }
+        }
+        for (flag, given) in [("--tilt", &tilt), ("--spin", &spin)] {
+            if given.iter().any(|angle| !angle.is_finite()) {
+                bail!("{flag} has an angle that is not a finite number; give degrees");
+            }
+        }
+        let site = |body: usize| RecipeSite {
+            body,
+            up: up[body],
+            tilt_radian: tilt[body],
+            spin_radian: spin[body],
+        };
+        Ok((0..count).map(site).collect())
+    }
+}
+
+impl FluidArgs {
+    fn run(&self) -> Result<Reply> {
+        let Some(box_angstrom) = self.space.box_angstrom()? else {
+            bail!("a fluid needs a periodic box; state its edge with --box, such as --box 500");
+        };
+        let (counts, seed) = (&self.counts, self.seed);
+        let fluid = assemble_fluid(&self.bodies, counts, box_angstrom, seed, &self.output)?;
+        Ok(Reply::of(fluid))
+    }
+}
+
+fn direction(letter: char) -> Result<bool> {
+    match letter {
+        'u' => Ok(true),
+        'd' => Ok(false),
+        other => {
+            bail!("--directions has '{other}'; write u for up and d for down, one letter per body")
+        }
+    }
+}

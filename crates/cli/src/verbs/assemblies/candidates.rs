@@ -1,0 +1,52 @@
+//! `protomer candidates`: the up/down arrangements of a ring or stack that are different under its
+//! symmetry.
+
+use crate::flags::choices::AskedSymmetry;
+use crate::flags::space::SpaceArgs;
+use crate::reply::Reply;
+use anyhow::Result;
+use clap::Args;
+use protomer::assemblies::candidates::{CandidatesSettings, candidates};
+use std::path::PathBuf;
+
+/// Enumerate the up/down arrangements of bodies in a ring or a stack of two rings that are
+/// different under the stack's own symmetry, and write each as an assembly closed to contact.
+#[derive(Debug, Args)]
+pub struct CandidatesArgs {
+    /// Body files, in the order in which they alternate.
+    #[arg(required = true)]
+    bodies: Vec<PathBuf>,
+    /// Bodies per ring.
+    #[arg(long)]
+    ring: usize,
+    /// Rings: one or two.
+    #[arg(long, default_value_t = 1)]
+    stack: usize,
+    /// Symmetry asked of an arrangement.
+    #[arg(long, value_enum, default_value_t = AskedSymmetry::Dihedral)]
+    symmetry: AskedSymmetry,
+    /// How much further apart than at contact neighbours around the ring, and the rings, are
+    /// placed, Å.
+    #[arg(long, default_value_t = 0.5)]
+    gap: f64,
+    #[command(flatten)]
+    space: SpaceArgs,
+    /// Folder for the assemblies; only counted if left out.
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+}
+
+impl CandidatesArgs {
+    pub fn run(&self) -> Result<Reply> {
+        let settings = CandidatesSettings {
+            bodies: self.bodies.clone(),
+            ring: self.ring,
+            stack: self.stack,
+            symmetry: self.symmetry.into(),
+            gap_angstrom: self.gap,
+            box_angstrom: self.space.box_angstrom()?,
+            output: self.output.clone(),
+        };
+        Ok(Reply::data(candidates(&settings)?))
+    }
+}

@@ -1,0 +1,4 @@
+//! The verbs of assemblies.
+
+pub mod assemble;
+pub mod candidates;

@@ -1,0 +1,103 @@
+//! `protomer ingest`: structure files to bodies.
+
+use crate::flags::body::{ChargeArgs, SelectionArgs, SurfaceFlags, body_settings};
+use crate::front::Front;
+use crate::reply::Reply;
+use anyhow::{Result, bail};
+use clap::{Args, ValueEnum};
+use protomer::bodies::ingest::{IngestSettings, Ingested, ingest_files};
+use protomer::input;
+use std::path::PathBuf;
+
+/// Turn structure files (PDB, mmCIF, PQR, each also gzipped) into bodies: surface mesh, charges,
+/// hydropathy.
+#[derive(Debug, Args)]
+pub struct IngestArgs {
+    /// Structure files, or folders of them.
+    #[arg(required = true)]
+    inputs: Vec<PathBuf>,
+    /// Folder for the bodies.
+    #[arg(short, long)]
+    output: PathBuf,
+    /// Name of the body, for a single file; that of the file if left out.
+    #[arg(long)]
+    name: Option<String>,
+    #[command(flatten)]
+    selection: SelectionArgs,
+    #[command(flatten)]
+    charges: ChargeArgs,
+    #[command(flatten)]
+    surface: SurfaceFlags,
+    /// Also write the mesh and the charges in these formats.
+    #[arg(long, value_enum, value_delimiter = ',')]
+    export: Vec<Export>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Export {
+    Ply,
+    Obj,
+    Off,
+    Stl,
+    Pqr,
+}
+
+impl IngestArgs {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
+        let files = input::expand(&self.inputs)?;
+        self.check_name(files.len())?;
+        let settings = IngestSettings {
+            body: body_settings(&self.selection, &self.charges, &self.surface)?,
+            name: self.name.clone(),
+            exports: self.export.iter().map(|export| export.ending()).collect(),
+            force: front.force(),
+        };
+        let ingested = ingest_files(&files, &self.output, &settings, front.progress().as_ref())?;
+        let (errors, warnings) = (errors(&ingested), warnings(&ingested));
+        let some_failed = ingested.has_failures();
+        Ok(Reply::of(ingested)
+            .with_errors(errors)
+            .with_notes(warnings)
+            .partial_if(some_failed))
+    }
+
+    fn check_name(&self, files: usize) -> Result<()> {
+        let Some(name) = &self.name else {
+            return Ok(());
+        };
+        if name.contains(['/', '\\']) {
+            bail!("--name is the name of the body, not a path; use --output for the folder");
+        }
+        if files > 1 {
+            bail!("--name names one body, and {files} files are given");
+        }
+        Ok(())
+    }
+}
+
+fn errors(ingested: &Ingested) -> Vec<String> {
+    let errors = ingested.files.iter().filter_map(|file| file.error.as_ref());
+    errors.map(|error| format!("error: {error}")).collect()
+}
+
+fn warnings(ingested: &Ingested) -> Vec<String> {
+    let mut lines = Vec::new();
+    for outcome in &ingested.files {
+        let file = &outcome.file;
+        let warnings = outcome.warnings.iter();
+        lines.extend(warnings.map(|warning| format!("warning: {file}: {warning}")));
+    }
+    lines
+}
+
+impl Export {
+    fn ending(self) -> &'static str {
+        match self {
+            Export::Ply => "ply",
+            Export::Obj => "obj",
+            Export::Off => "off",
+            Export::Stl => "stl",
+            Export::Pqr => "pqr",
+        }
+    }
+}

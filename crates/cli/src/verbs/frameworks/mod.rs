@@ -1,0 +1,284 @@
+//! `protomer framework`: elastic constants of networks of rods and hinges.
+
+mod builders;
+
+use crate::Cli;
+use crate::flags::choices::Stress;
+use crate::front::Front;
+use crate::reply::Reply;
+use anyhow::{Result, bail};
+use builders::Builder;
+use clap::error::ErrorKind;
+use clap::{Args, CommandFactory};
+use protomer::frameworks::answer::{Analysis, LoadSettings, PaperTables, cell_counts};
+use protomer::frameworks::report::{Relax, Report, Settings};
+use protomer::frameworks::{curve, network_file};
+use protomer::quantity::length_angstrom;
+use protomer_crystal::framework::analytic::Honeycomb;
+use protomer_crystal::framework::{AVOGADRO_PER_MOL, Framework, StressKind};
+use protomer_results::keys::nearest;
+use std::path::{Path, PathBuf};
+
+/// What `framework` builds, besides files.
+const BUILDERS: [&str; 8] = [
+    "honeycomb",
+    "rotating-squares",
+    "rotating-triangles",
+    "arrowhead",
+    "rod-lattice",
+    "fcc",
+    "diamond",
+    "tables",
+];
+
+/// More nodes than can be analysed in reasonable time and memory.
+const MOST_NODES: usize = 1_000_000;
+
+/// Elastic constants, mechanisms and deformation of a periodic network of rods and hinges: one that
+/// is built from a few numbers, or one of your own in a TOML file (--write shows what that looks
+/// like).
+#[derive(Debug, Args)]
+#[command(
+    args_conflicts_with_subcommands = false,
+    subcommand_value_name = "BUILDER",
+    subcommand_help_heading = "Commands"
+)]
+pub struct FrameworkArgs {
+    #[command(subcommand)]
+    builder: Option<Builder>,
+    /// Network file, in place of a builder.
+    #[arg(value_name = "NET.toml")]
+    file: Option<PathBuf>,
+    #[command(flatten)]
+    analysis: AnalysisArgs,
+}
+
+/// What is done with the network.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Analysis")]
+pub struct AnalysisArgs {
+    /// Avogadro's number that converts kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23].
+    #[arg(long, global = true, allow_negative_numbers = true)]
+    na: Option<f64>,
+    /// Cells along each cell vector, such as 2x2.
+    #[arg(long, global = true)]
+    cells: Option<String>,
+    /// Extent of a two-dimensional network along x [default: 1A, or what the file says].
+    #[arg(long, global = true, allow_hyphen_values = true)]
+    thickness: Option<String>,
+    /// Find the minimum of the energy first, nodes and cell.
+    #[arg(long, global = true)]
+    relax: bool,
+    /// With --relax: keep the cell.
+    #[arg(long, global = true, requires = "relax")]
+    fixed_cell: bool,
+    /// Axis along which to load the network: x, y or z.
+    #[arg(long, global = true, requires = "stress")]
+    load: Option<String>,
+    /// Stresses to apply one after the other, such as 1GPa,2GPa; negative ones push.
+    #[arg(long, global = true, requires = "load", allow_hyphen_values = true)]
+    stress: Option<String>,
+    /// What the stress is referred to [default: nominal].
+    #[arg(long, global = true, value_enum)]
+    stress_kind: Option<Stress>,
+    /// Print energy, forces and Hessian (with --json or -o).
+    #[arg(long, global = true)]
+    derivatives: bool,
+    /// Write the network as TOML.
+    #[arg(long, global = true, value_name = "NET.toml")]
+    write: Option<PathBuf>,
+    /// Folder for result.json, tables (CSV), the drawing and the figure.
+    #[arg(short, long, global = true)]
+    output: Option<PathBuf>,
+}
+
+impl FrameworkArgs {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
+        let thickness = self.analysis.thickness.as_deref();
+        let thickness = thickness.map(length_angstrom).transpose()?;
+        let (network, name) = match (&self.builder, &self.file) {
+            (Some(_), Some(file)) => {
+                bail!(
+                    "{} and a builder are both named; give one of them",
+                    file.display()
+                )
+            }
+            (None, None) => bail!(
+                "name a network: a TOML file or one of {}",
+                BUILDERS.join(", ")
+            ),
+            (None, Some(file)) => {
+                refuse_unknown(file)?;
+                (network_file::read(file)?, file.display().to_string())
+            }
+            (Some(builder), None) => {
+                match (builder.build(thickness.unwrap_or(1.0))?, builder.describe()) {
+                    (Some(network), Some(name)) => (network, name),
+                    _ => return self.tables(front),
+                }
+            }
+        };
+        let network = self.analysis.shape(network, thickness)?;
+        self.analyse(network, name, front)
+    }
+
+    fn analyse(&self, network: Framework, name: String, front: &Front) -> Result<Reply> {
+        let args = &self.analysis;
+        if args.derivatives && !front.flags().json && args.output.is_none() {
+            bail!("--derivatives go into the JSON; add --json or -o DIR");
+        }
+        let analysis = Analysis {
+            honeycomb: self.honeycomb(network.thickness_angstrom),
+            network,
+            name,
+            settings: args.settings()?,
+            load: args.load()?,
+            network_file: args.write.clone(),
+            output: args.output.clone(),
+        };
+        let report = analysis.run(front.force())?;
+        let notes = args.notes(&report);
+        Ok(Reply::of(report).with_notes(notes))
+    }
+
+    /// The honeycomb that is built, if one is.
+    fn honeycomb(&self, thickness_angstrom: f64) -> Option<Honeycomb> {
+        match &self.builder {
+            Some(Builder::Honeycomb(honeycomb)) => Some(honeycomb.made_of(thickness_angstrom)),
+            _ => None,
+        }
+    }
+
+    fn tables(&self, front: &Front) -> Result<Reply> {
+        let args = &self.analysis;
+        let unused = [
+            ("--na", args.na.is_some()),
+            ("--cells", args.cells.is_some()),
+            ("--thickness", args.thickness.is_some()),
+            ("--relax", args.relax),
+            ("--load", args.load.is_some()),
+            ("--stress-kind", args.stress_kind.is_some()),
+            ("--derivatives", args.derivatives),
+            ("--write", args.write.is_some()),
+        ];
+        if let Some((flag, _)) = unused.iter().find(|(_, is_given)| *is_given) {
+            bail!("tables are those of the paper and take no {flag}");
+        }
+        let tables = PaperTables::compute(args.output.as_deref(), front.force())?;
+        Ok(Reply::of(tables))
+    }
+}
+
+/// A word that is neither a file nor ends like one is a misspelt builder.
+fn refuse_unknown(file: &Path) -> Result<()> {
+    if !file.exists() && file.extension().is_none() {
+        bail!("{}", unknown(&file.to_string_lossy()));
+    }
+    Ok(())
+}
+
+fn unknown(word: &str) -> String {
+    let hint = nearest(word, BUILDERS)
+        .map_or_else(String::new, |name| format!("; did you mean '{name}'?"));
+    format!(
+        "'{word}' is neither a network file nor a builder ({}){hint}",
+        BUILDERS.join(", ")
+    )
+}
+
+/// Where an unknown flag follows a misspelt builder, the builder is what is wrong.
+pub fn explain_usage(error: clap::Error) -> clap::Error {
+    if error.kind() != ErrorKind::UnknownArgument {
+        return error;
+    }
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let verb = words.iter().position(|word| word == "framework");
+    let builder = verb.and_then(|verb| words.get(verb + 1));
+    match builder {
+        Some(word)
+            if !word.starts_with('-')
+                && !BUILDERS.contains(&word.as_str())
+                && !word.ends_with(".toml")
+                && !std::path::Path::new(word).exists() =>
+        {
+            Cli::command().error(ErrorKind::InvalidSubcommand, unknown(word))
+        }
+        _ => error,
+    }
+}
+
+impl AnalysisArgs {
+    fn settings(&self) -> Result<Settings> {
+        let avogadro_per_mol = self.na.unwrap_or(AVOGADRO_PER_MOL);
+        if !(avogadro_per_mol.is_finite() && avogadro_per_mol > 0.0) {
+            bail!("--na is {avogadro_per_mol}; Avogadro's number is about 6.022e23 /mol");
+        }
+        let relax = match (self.relax, self.fixed_cell) {
+            (false, _) => None,
+            (true, false) => Some(Relax::FreeCell),
+            (true, true) => Some(Relax::FixedCell),
+        };
+        Ok(Settings {
+            avogadro_per_mol,
+            relax,
+            derivatives: self.derivatives,
+        })
+    }
+
+    /// The network with the thickness and the cells that were asked for.
+    fn shape(&self, mut network: Framework, thickness: Option<f64>) -> Result<Framework> {
+        if let Some(thickness) = thickness {
+            if network.dimension() == 3 {
+                bail!("--thickness is for two-dimensional networks; this one has three dimensions");
+            }
+            network.thickness_angstrom = thickness;
+        }
+        let Some(cells) = &self.cells else {
+            return Ok(network);
+        };
+        let counts = cell_counts(cells, network.dimension())?;
+        let in_one_cell = network.nodes_angstrom.len();
+        let nodes = counts
+            .iter()
+            .try_fold(in_one_cell, |nodes, count| nodes.checked_mul(*count));
+        if nodes.is_none_or(|nodes| nodes > MOST_NODES) {
+            bail!("--cells {cells} makes more than {MOST_NODES} nodes; ask for fewer cells");
+        }
+        Ok(network.supercell(&counts)?)
+    }
+
+    fn load(&self) -> Result<Option<LoadSettings>> {
+        let (Some(axis), Some(stress)) = (&self.load, &self.stress) else {
+            if self.stress_kind.is_some() {
+                bail!(
+                    "--stress-kind says what --stress is referred to; add --load y --stress 1GPa"
+                );
+            }
+            return Ok(None);
+        };
+        Ok(Some(LoadSettings {
+            axis: axis.clone(),
+            stresses_gpa: curve::stresses_gpa(stress)?,
+            kind: self.stress_kind.map_or(StressKind::Nominal, Into::into),
+        }))
+    }
+
+    /// Where files are, and what to beware of.
+    fn notes(&self, report: &Report) -> Vec<String> {
+        let mut lines = Vec::new();
+        if let Some(path) = &self.write {
+            lines.push(format!("network: {}", path.display()));
+        }
+        if !report.at_rest() {
+            lines.push(format!(
+                "warning: the network is not at rest: a force of {:.3e} kcal/mol/Å is left; --relax \
+                 finds the minimum",
+                report.largest_force_kcal_mol_angstrom
+            ));
+        }
+        if let Some(folder) = &self.output {
+            lines.push(format!("drawing: {}", folder.join("drawing.svg").display()));
+        }
+        lines
+    }
+}

@@ -1,0 +1,59 @@
+//! `protomer lattice`: rigid squares joined by rods.
+
+mod animate;
+mod bench;
+mod replay;
+mod run;
+mod square;
+mod sweep;
+
+use crate::flags::choices::{SquareSize, ViewAxis};
+use crate::front::Front;
+use crate::reply::Reply;
+use anyhow::{Result, bail};
+use clap::{Args, Subcommand};
+use std::path::PathBuf;
+
+/// Two-dimensional crystals of rigid squares whose corners are joined by rigid rods: run, sweep,
+/// animate.
+#[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true, arg_required_else_help = true)]
+pub struct LatticeArgs {
+    /// The square that stands for this body, as `square` prints it.
+    #[arg(long, value_name = "BODY")]
+    from: Option<PathBuf>,
+    #[command(subcommand)]
+    verb: Option<LatticeVerb>,
+}
+
+#[derive(Debug, Subcommand)]
+enum LatticeVerb {
+    Run(run::RunArgs),
+    Sweep(sweep::SweepArgs),
+    Animate(animate::AnimateArgs),
+    Square(square::SquareArgs),
+    Replay(replay::ReplayArgs),
+    Respond(replay::RespondArgs),
+    Bench(bench::BenchArgs),
+}
+
+impl LatticeArgs {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
+        match (&self.verb, &self.from) {
+            (Some(LatticeVerb::Run(args)), _) => args.run(front),
+            (Some(LatticeVerb::Sweep(args)), _) => args.run(front),
+            (Some(LatticeVerb::Animate(args)), _) => args.run(front),
+            (Some(LatticeVerb::Square(args)), _) => args.run(front),
+            (Some(LatticeVerb::Replay(args)), _) => args.run(),
+            (Some(LatticeVerb::Respond(args)), _) => args.run(),
+            (Some(LatticeVerb::Bench(args)), _) => args.run(),
+            (None, Some(body)) => {
+                let (axis, size) = (ViewAxis::Auto.into(), SquareSize::Corners.into());
+                square::square(body, axis, size, None, front)
+            }
+            (None, None) => bail!(
+                "say what to do: lattice run, sweep, animate, square, replay, respond or bench"
+            ),
+        }
+    }
+}

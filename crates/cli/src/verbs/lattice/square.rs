@@ -1,0 +1,55 @@
+//! `protomer lattice square`: the square that stands for a body.
+
+use crate::flags::choices::{SquareSize, ViewAxis};
+use crate::front::Front;
+use crate::reply::Reply;
+use anyhow::Result;
+use clap::Args;
+use protomer::bodies::body_file;
+use protomer::lattice::square_of_body::{Axis, Size, square_of_body};
+use protomer::output_file::write_once;
+use std::path::{Path, PathBuf};
+
+/// The square that stands for a body with a symmetry axis, as part of a configuration.
+#[derive(Debug, Args)]
+pub struct SquareArgs {
+    /// Body file.
+    body: PathBuf,
+    /// The axis to look along.
+    #[arg(long, value_enum, default_value_t = ViewAxis::Auto)]
+    axis: ViewAxis,
+    /// What the half-diagonal is.
+    #[arg(long, value_enum, default_value_t = SquareSize::Corners)]
+    size: SquareSize,
+    /// Write the configuration to this file instead of stdout.
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+}
+
+impl SquareArgs {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
+        let (axis, size) = (self.axis.into(), self.size.into());
+        square(&self.body, axis, size, self.output.as_deref(), front)
+    }
+}
+
+/// Shows or writes the square of a body.
+pub fn square(
+    body: &Path,
+    axis: Axis,
+    size: Size,
+    output: Option<&Path>,
+    front: &Front,
+) -> Result<Reply> {
+    let (body, _) = body_file::read(body)?;
+    let square = square_of_body(&body, axis, size)?;
+    let text = square.to_toml()?;
+    let reply = Reply::of(square);
+    match output {
+        Some(path) => {
+            write_once(path, &text, front.force())?;
+            Ok(reply)
+        }
+        None => Ok(reply.showing(text.trim_end().to_owned())),
+    }
+}

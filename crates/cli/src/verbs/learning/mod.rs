@@ -1,0 +1,5 @@
+//! The verbs of learning.
+
+pub mod predict;
+pub mod train;
+pub mod tune;

@@ -1,0 +1,94 @@
+//! `protomer tune`: a random search for the shape of the network, with early stopping of the
+//! losers.
+
+use super::train::TaskArgs;
+use crate::flags::device::DeviceArgs;
+use crate::flags::execution::ExecutionArgs;
+use crate::flags::scheduler::SchedulerArgs;
+use crate::front::Front;
+use crate::reply::Reply;
+use anyhow::Result;
+use clap::Args;
+use protomer::learning::train::{Source, TrainSettings, channels_of, open_set};
+use protomer::learning::tune::{TuneReport, TuneSettings, tune_in, tune_shard};
+use protomer::voxels::samples::VoxelSet;
+use protomer_results::Shard;
+use std::path::PathBuf;
+
+/// Search for the network that predicts best: blocks, kernels, channels, learning rate. The same
+/// command continues it.
+#[derive(Debug, Args)]
+pub struct TuneArgs {
+    /// Set of voxels (zarr), as 'protomer voxelize' makes it.
+    set: PathBuf,
+    /// Networks to try.
+    #[arg(long, default_value_t = 27)]
+    trials: usize,
+    /// Passes over the training part for those that are never stopped.
+    #[arg(long, default_value_t = 27)]
+    epochs: usize,
+    /// Seed of draws, split, weights, order and rotations.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Try subsets of the channels as well.
+    #[arg(long)]
+    vary_channels: bool,
+    /// Directory of the results.
+    #[arg(short, long)]
+    output: PathBuf,
+    /// Only a part of the trials, such as 2/8, beside other processes in the same directory, until
+    /// other parts have to come as far; the command without it collects them.
+    #[arg(long, value_parser = Shard::parse, default_value = "1/1")]
+    shard: Shard,
+    #[command(flatten)]
+    scheduler: SchedulerArgs,
+    #[command(flatten)]
+    task: TaskArgs,
+    #[command(flatten)]
+    device: DeviceArgs,
+    #[command(flatten)]
+    execution: ExecutionArgs,
+}
+
+impl TuneArgs {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
+        self.scheduler.check()?;
+        let device = self.device.open()?;
+        let execution = self.execution.execution(front)?;
+        let (source, set) = open_set(&self.set)?;
+        let settings = self.settings(source, &set)?;
+        let directory = &self.output;
+        if !self.shard.is_whole() {
+            let end = tune_shard(&settings, &set, directory, self.shard, &device, &execution)?;
+            let Shard { index, of } = self.shard;
+            return Ok(Reply::of_end(end, || {
+                format!("stopped; the same command continues part {index} of {of}")
+            }));
+        }
+        let end = tune_in(&settings, &set, directory, &device, &execution)?;
+        let naming_set = |mut report: TuneReport| {
+            report.set.clone_from(&self.set);
+            report
+        };
+        Ok(Reply::of_end(end.map(naming_set), || {
+            format!(
+                "stopped; the same command continues {}",
+                directory.display()
+            )
+        }))
+    }
+
+    fn settings(&self, source: Source, set: &VoxelSet) -> Result<TuneSettings> {
+        let mut base = TrainSettings::of_set(source, channels_of(set))?;
+        self.task.override_in(&mut base)?;
+        base.training.seed = self.seed;
+        base.split_seed = base.split_seed.or(Some(self.seed));
+        Ok(TuneSettings {
+            trials: self.trials,
+            epochs: self.epochs,
+            seed: self.seed,
+            vary_channels: self.vary_channels,
+            base,
+        })
+    }
+}

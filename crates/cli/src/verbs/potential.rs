@@ -1,0 +1,94 @@
+//! `protomer potential`: the electrostatic potential around a structure.
+
+use crate::flags::choices::{BoundaryValues, DielectricSurface, Potential};
+use crate::reply::Reply;
+use anyhow::Result;
+use clap::Args;
+use protomer::potential::{PotentialSettings, potential, read_places};
+use protomer::quantity;
+use protomer_field::{DielectricModel, SolveSettings};
+use protomer_kernel::Electrolyte;
+use std::path::PathBuf;
+
+/// Solve the linearised Poisson-Boltzmann equation around a structure, PQR or body: potential in
+/// kT/e and solvation energy.
+#[derive(Debug, Args)]
+pub struct PotentialArgs {
+    /// Structure, PQR or body file, perhaps gzipped.
+    input: PathBuf,
+    /// Concentration of a 1:1 salt, such as 100mM or 0.1M.
+    #[arg(long, value_parser = quantity::salt_molar, allow_hyphen_values = true)]
+    salt: f64,
+    /// How the potential is found.
+    #[arg(long, value_enum, default_value_t = Potential::PoissonBoltzmann)]
+    model: Potential,
+    /// Grid spacing, Å.
+    #[arg(long, default_value_t = 0.5, allow_negative_numbers = true)]
+    spacing: f64,
+    /// From the atoms to the faces of the grid at least, Å.
+    #[arg(long, default_value_t = 10.0, allow_negative_numbers = true)]
+    margin: f64,
+    /// Potential on the faces of the grid.
+    #[arg(long, value_enum, default_value_t = BoundaryValues::ScreenedAtoms)]
+    boundary: BoundaryValues,
+    /// Temperature, K.
+    #[arg(long, default_value_t = 298.15, allow_negative_numbers = true)]
+    temperature: f64,
+    /// Relative permittivity inside the surface.
+    #[arg(long, default_value_t = 2.0, allow_negative_numbers = true)]
+    inner_permittivity: f64,
+    /// Relative permittivity of the solvent; that of water at the temperature if left out.
+    #[arg(long, allow_negative_numbers = true)]
+    outer_permittivity: Option<f64>,
+    /// Ions keep their centres this far from the atoms, Å; 0: up to the surface.
+    #[arg(long, default_value_t = 2.0, allow_negative_numbers = true)]
+    ion_radius: f64,
+    /// The dielectric boundary.
+    #[arg(long, value_enum, default_value_t = DielectricSurface::SolventExcluded)]
+    surface: DielectricSurface,
+    /// Probe radius of the surface, Å.
+    #[arg(long, default_value_t = 1.4, allow_negative_numbers = true)]
+    probe: f64,
+    /// File of points (x y z per line, Å) at which to print the potential.
+    #[arg(long)]
+    points: Option<PathBuf>,
+    /// Leave out the second solve that tells the error of the energy.
+    #[arg(long)]
+    no_error_estimate: bool,
+    /// Volume file to write: .mrc, .map, .ccp4, .dx or .npz.
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+}
+
+impl PotentialArgs {
+    pub fn run(&self) -> Result<Reply> {
+        let settings = PotentialSettings {
+            model: self.model.into(),
+            dielectric: self.dielectric()?,
+            solve: SolveSettings {
+                spacing_angstrom: self.spacing,
+                margin_angstrom: self.margin,
+                boundary: self.boundary.into(),
+                ..SolveSettings::default()
+            },
+            estimate_error: !self.no_error_estimate,
+            places: self.points.as_deref().map(read_places).transpose()?,
+        };
+        let report = potential(&self.input, &settings, self.output.as_deref())?;
+        Ok(Reply::of(report))
+    }
+
+    fn dielectric(&self) -> Result<DielectricModel> {
+        let electrolyte = match self.outer_permittivity {
+            Some(permittivity) => Electrolyte::new(self.temperature, self.salt, permittivity)?,
+            None => Electrolyte::in_water(self.temperature, self.salt)?,
+        };
+        Ok(DielectricModel {
+            electrolyte,
+            inner_permittivity: self.inner_permittivity,
+            surface: self.surface.into(),
+            probe_angstrom: self.probe,
+            ion_radius_angstrom: self.ion_radius,
+        })
+    }
+}

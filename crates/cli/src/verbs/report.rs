@@ -1,0 +1,35 @@
+//! `protomer report`: a directory of results as one page.
+
+use crate::front::Front;
+use crate::reply::Reply;
+use anyhow::Result;
+use clap::Args;
+use protomer::report::{Request, report};
+use std::path::PathBuf;
+
+/// Make one HTML page of a directory of results: figures with their numbers, bodies to turn,
+/// lattices that move. The page needs nothing else and loads nothing.
+#[derive(Debug, Args)]
+pub struct ReportArgs {
+    /// Directory of a simulation, a sweep, a lattice run or sweep, a framework, a training or a
+    /// search; or a set of voxels.
+    directory: PathBuf,
+    /// The page [default: report.html in the directory; SET.zarr.report.html beside a set of
+    /// voxels].
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+    /// Assembly file of a sweep or simulation, if it is no longer where it was.
+    #[arg(long)]
+    assembly: Option<PathBuf>,
+}
+
+impl ReportArgs {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
+        let request = Request {
+            output: self.output.clone(),
+            assembly: self.assembly.clone(),
+            force: front.force(),
+        };
+        Ok(Reply::of(report(&self.directory, &request)?))
+    }
+}

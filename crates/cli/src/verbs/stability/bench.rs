@@ -1,0 +1,144 @@
+//! `protomer bench`: trial moves per CPU-second.
+
+use crate::flags::choices::{BenchPart, Energy};
+use crate::flags::medium::ConditionArgs;
+use crate::flags::tables::TablesArgs;
+use crate::flags::tolerance::ToleranceArgs;
+use crate::front::Front;
+use crate::reply::{Outcome, Reply};
+use anyhow::{Result, bail};
+use clap::Args;
+use protomer::assemblies::assembly_file::Assembly;
+use protomer::stability::bench::suite::{SuiteSettings, run_suite};
+use protomer::stability::bench::{BenchSettings, bench};
+use protomer::stability::interaction::{InteractionSettings, ScreenedCoulomb};
+use protomer::stability::run::EnergyMode;
+use std::path::{Path, PathBuf};
+
+/// More charges than a direct sum over sixteen bodies can be waited for.
+const MOST_CHARGES: usize = 50_000;
+
+/// Measure trial moves per CPU-second on an assembly, from the state it is in, and hash the
+/// decisions made.
+///
+/// Without an assembly: measure on states that the program makes itself, and print a table of each
+/// energy mode's rate against the number of charges, of the parts of a move, of the cost against
+/// the number of bodies, and of replicas on several threads. That takes a few minutes.
+#[derive(Debug, Args)]
+pub struct BenchArgs {
+    /// Assembly file; left out, the program makes its own states.
+    assembly: Option<PathBuf>,
+    /// Trial moves [default: 10000; without an assembly, as many as the direct sum makes in a few
+    /// seconds].
+    #[arg(long)]
+    moves: Option<u64>,
+    /// How energies are computed [default: direct; without an assembly, each way].
+    #[arg(long, value_enum, requires = "assembly")]
+    energy: Option<Energy>,
+    #[command(flatten)]
+    tolerance: ToleranceArgs,
+    /// Only this table (repeat for several).
+    #[arg(long, value_enum, conflicts_with = "assembly")]
+    part: Vec<BenchPart>,
+    /// Numbers of charges per body in the tables [default: 500,3000].
+    #[arg(long, value_delimiter = ',', conflicts_with = "assembly")]
+    charges: Vec<usize>,
+    /// Seed of the random numbers, and of the program's own states.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    #[command(flatten)]
+    conditions: ConditionArgs,
+    #[command(flatten)]
+    tables: TablesArgs,
+}
+
+impl BenchArgs {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
+        if self.moves == Some(0) {
+            bail!("--moves is 0; give at least 1");
+        }
+        match &self.assembly {
+            Some(path) => self.on_assembly(path, front),
+            None => self.on_own_states(front),
+        }
+    }
+
+    fn on_assembly(&self, path: &Path, front: &Front) -> Result<Reply> {
+        let interaction = self.conditions.interaction()?;
+        let assembly = Assembly::read(path)?;
+        let usual = BenchSettings::default();
+        let settings = BenchSettings {
+            moves: self.moves.unwrap_or(usual.moves),
+            energy: self.energy.map_or(usual.energy, Into::into),
+            tolerance_kt: self.tolerance.tolerance,
+            seed: self.seed,
+            ..usual
+        };
+        let tables = self.tables.tables(front);
+        Ok(Reply::data(bench(
+            assembly,
+            &settings,
+            interaction,
+            tables,
+        )?))
+    }
+
+    fn on_own_states(&self, front: &Front) -> Result<Reply> {
+        let settings = self.suite_settings()?;
+        let interaction = self.interaction_of_own_states()?;
+        let execution = front.execution("stopping after the present run of moves", None)?;
+        let tables = self.tables.tables(front);
+        let result = run_suite(&settings, interaction, &tables, &execution)?;
+        if result.complete {
+            return Ok(Reply::data(result));
+        }
+        let note = "stopped; rows that were not measured are left out";
+        let reply = Reply::data(result).with_note(note.into());
+        Ok(reply.ending(Outcome::Stopped))
+    }
+
+    fn suite_settings(&self) -> Result<SuiteSettings> {
+        let usual = SuiteSettings::default();
+        let is_fit = |charges: &&usize| (1..=MOST_CHARGES).contains(*charges);
+        if let Some(charges) = self.charges.iter().find(|charges| !is_fit(charges)) {
+            bail!(
+                "--charges has {charges}; give numbers from 1 to {MOST_CHARGES}, such as 500,3000"
+            );
+        }
+        let parts = self.part.iter().map(|part| (*part).into()).collect();
+        let tolerance_kt = EnergyMode::Approximate.tolerance_kt(self.tolerance.tolerance)?;
+        Ok(SuiteSettings {
+            parts: if self.part.is_empty() {
+                usual.parts
+            } else {
+                parts
+            },
+            charges: if self.charges.is_empty() {
+                usual.charges
+            } else {
+                self.charges.clone()
+            },
+            moves: self.moves,
+            seed: self.seed,
+            tolerance_kt: tolerance_kt.unwrap_or(usual.tolerance_kt),
+            ..usual
+        })
+    }
+
+    /// The medium of the flags; without salt and Debye length, a plain one of fixed lengths.
+    fn interaction_of_own_states(&self) -> Result<ScreenedCoulomb> {
+        let stated = self.conditions.medium.medium();
+        if self.conditions.salt.is_some() || stated.debye_length_angstrom.is_some() {
+            return self.conditions.interaction();
+        }
+        let usual = InteractionSettings {
+            bjerrum_length_angstrom: Some(7.0),
+            debye_length_angstrom: Some(9.6),
+            cutoff_angstrom: Some(48.0),
+            ..InteractionSettings::default()
+        };
+        let mut medium = usual;
+        self.conditions.medium.override_in(&mut medium);
+        medium.interaction(None)
+    }
+}

@@ -1,0 +1,27 @@
+//! `protomer compare`: several sweeps in one figure.
+
+use crate::reply::Reply;
+use anyhow::Result;
+use clap::Args;
+use protomer::stability::compare::compare;
+use std::path::PathBuf;
+
+/// Draw several finished sweeps in one figure; the legend names the directories.
+#[derive(Debug, Args)]
+pub struct CompareArgs {
+    /// Sweep directories.
+    #[arg(required = true)]
+    sweeps: Vec<PathBuf>,
+    /// Figure to write: .png or .svg.
+    #[arg(short, long)]
+    output: PathBuf,
+    /// Title of the figure.
+    #[arg(long, default_value = "Stability against salt")]
+    title: String,
+}
+
+impl CompareArgs {
+    pub fn run(&self) -> Result<Reply> {
+        Ok(Reply::of(compare(&self.sweeps, &self.title, &self.output)?))
+    }
+}

@@ -1,0 +1,44 @@
+//! `protomer inspect`: overlaps, energies and size of an assembly as it stands.
+
+use crate::flags::choices::Energy;
+use crate::flags::medium::ConditionArgs;
+use crate::flags::tables::TablesArgs;
+use crate::flags::tolerance::ToleranceArgs;
+use crate::front::Front;
+use crate::reply::Reply;
+use anyhow::Result;
+use clap::Args;
+use protomer::assemblies::assembly_file::Assembly;
+use protomer::stability::inspect::{inspect, inspection_settings};
+use protomer::stability::run::Engine;
+use std::path::PathBuf;
+
+/// Look at an assembly as it stands: overlaps, pair energies, radius of gyration.
+#[derive(Debug, Args)]
+pub struct InspectArgs {
+    /// Assembly file.
+    assembly: PathBuf,
+    /// How energies are computed.
+    #[arg(long, value_enum, default_value_t = Energy::Direct)]
+    energy: Energy,
+    #[command(flatten)]
+    tolerance: ToleranceArgs,
+    /// Surfaces closer than this are in contact, Å.
+    #[arg(long, default_value_t = 5.0)]
+    contact_gap: f64,
+    #[command(flatten)]
+    conditions: ConditionArgs,
+    #[command(flatten)]
+    tables: TablesArgs,
+}
+
+impl InspectArgs {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
+        let interaction = self.conditions.interaction()?;
+        let assembly = Assembly::read(&self.assembly)?;
+        let engine = Engine::new(assembly)?.with_tables(self.tables.tables(front));
+        let energy = self.energy.into();
+        let settings = inspection_settings(energy, self.tolerance.tolerance, self.contact_gap);
+        Ok(Reply::data(inspect(&engine, &settings, interaction)?))
+    }
+}

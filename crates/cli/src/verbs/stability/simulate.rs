@@ -1,0 +1,140 @@
+//! `protomer simulate`: one simulation in its directory, and the flags that `sweep` shares with it.
+
+use crate::flags::choices::Energy;
+use crate::flags::execution::ExecutionArgs;
+use crate::flags::medium::{ConditionArgs, MediumArgs};
+use crate::flags::override_with;
+use crate::flags::tables::TablesArgs;
+use crate::flags::tolerance::ToleranceArgs;
+use crate::front::Front;
+use crate::reply::Reply;
+use anyhow::{Result, bail};
+use clap::Args;
+use protomer::assemblies::assembly_file::Assembly;
+use protomer::stability::run::{Engine, RunSettings};
+use protomer::stability::sweep::simulate;
+use protomer_results::keys;
+use std::path::PathBuf;
+
+/// Flags of every run. What is left out comes from the configuration file, or else from the
+/// defaults.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Run")]
+pub struct RunArgs {
+    /// Directory of the results.
+    #[arg(short, long)]
+    pub output: PathBuf,
+    /// Configuration (TOML), such as the run.toml of another run; flags override it.
+    #[arg(long)]
+    pub config: Option<PathBuf>,
+    /// Production sweeps to run to (one trial move per body, and the cluster moves) [default:
+    /// 2000].
+    #[arg(long)]
+    pub sweeps: Option<u64>,
+    /// Sweeps before production, in which step sizes are tuned and then frozen [default: 500].
+    #[arg(long)]
+    pub equilibration: Option<u64>,
+    /// Geometric cluster moves per sweep [default: 1].
+    #[arg(long)]
+    pub cluster_moves: Option<u32>,
+    /// Seed of the random numbers [default: 1].
+    #[arg(long)]
+    pub seed: Option<u64>,
+    /// Surfaces closer than this are in contact, Å [default: 5].
+    #[arg(long)]
+    pub contact_gap: Option<f64>,
+    /// Sweeps between rows of the log [default: 10].
+    #[arg(long)]
+    pub log_every: Option<u64>,
+    /// Sweeps between frames of the trajectory; 0 for none [default: 100].
+    #[arg(long)]
+    pub trajectory_every: Option<u64>,
+    /// How energies are computed [default: direct].
+    #[arg(long, value_enum)]
+    pub energy: Option<Energy>,
+    #[command(flatten)]
+    pub tolerance: ToleranceArgs,
+    #[command(flatten)]
+    pub execution: ExecutionArgs,
+    #[command(flatten)]
+    pub tables: TablesArgs,
+}
+
+impl RunArgs {
+    /// The configuration file with the flags on top.
+    pub fn settings(&self, medium: &MediumArgs) -> Result<RunSettings> {
+        let mut settings = match &self.config {
+            None => RunSettings::default(),
+            Some(path) => keys::read_toml(path)?,
+        };
+        override_with(&mut settings.sweeps, self.sweeps);
+        override_with(&mut settings.equilibration_sweeps, self.equilibration);
+        override_with(&mut settings.cluster_moves_per_sweep, self.cluster_moves);
+        override_with(&mut settings.seed, self.seed);
+        override_with(&mut settings.contact_gap_angstrom, self.contact_gap);
+        override_with(&mut settings.log_every, self.log_every);
+        override_with(&mut settings.trajectory_every, self.trajectory_every);
+        let energy = self.energy.map(Into::into);
+        if let Some(energy) = energy.filter(|energy| *energy != settings.energy) {
+            // The tolerance of a configuration belongs to its own way of computing energies.
+            settings.energy = energy;
+            settings.tolerance_kt = None;
+        }
+        // Written down also where it is the usual one, so that a run keeps it whatever will be
+        // usual later.
+        settings.tolerance_kt = settings
+            .energy
+            .tolerance_kt(self.tolerance.tolerance.or(settings.tolerance_kt))?;
+        medium.override_in(&mut settings.medium);
+        Ok(settings)
+    }
+}
+
+/// Run one simulation of an assembly at one salt concentration. The same command continues it.
+#[derive(Debug, Args)]
+pub struct SimulateArgs {
+    /// Assembly file.
+    assembly: PathBuf,
+    #[command(flatten)]
+    conditions: ConditionArgs,
+    #[command(flatten)]
+    run: RunArgs,
+}
+
+impl SimulateArgs {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
+        let settings = self.settings()?;
+        let assembly = Assembly::read(&self.assembly)?;
+        let execution = self.run.execution.execution(front)?;
+        let engine = Engine::new(assembly)?.with_tables(self.run.tables.tables(front));
+        let directory = &self.run.output;
+        let end = simulate(&engine, &settings, directory, &execution)?;
+        Ok(Reply::of_end(end, || {
+            format!(
+                "stopped; the same command continues {}",
+                directory.display()
+            )
+        }))
+    }
+
+    fn settings(&self) -> Result<RunSettings> {
+        let mut settings = self.run.settings(&self.conditions.medium)?;
+        settings.replicas = 1;
+        match self.conditions.salt {
+            Some(salt) => settings.salt_molar = vec![salt],
+            None if self.run.config.is_none()
+                && settings.medium.debye_length_angstrom.is_none() =>
+            {
+                bail!("no salt concentration is given; add --salt 100mM")
+            }
+            None => {}
+        }
+        if settings.salt_molar.len() != 1 {
+            bail!(
+                "simulate takes one salt concentration, and {} are given; use sweep",
+                settings.salt_molar.len()
+            );
+        }
+        Ok(settings)
+    }
+}

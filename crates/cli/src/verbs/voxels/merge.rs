@@ -1,0 +1,42 @@
+//! `protomer merge`: several sets of voxel grids to one.
+
+use crate::front::Front;
+use crate::reply::Reply;
+use anyhow::{Result, anyhow};
+use clap::Args;
+use protomer::voxels::merge::merge;
+use protomer::voxels::origin::Missing;
+use std::path::PathBuf;
+
+/// Join sets of voxel grids of the same settings; the parts of one manifest become the set that one
+/// run would have made.
+#[derive(Debug, Args)]
+pub struct MergeArgs {
+    /// Sets to join.
+    #[arg(required = true)]
+    inputs: Vec<PathBuf>,
+    /// The set to write.
+    #[arg(short, long)]
+    output: PathBuf,
+}
+
+impl MergeArgs {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
+        let report = merge(&self.inputs, &self.output, front.force())?;
+        let missing = report.missing.iter().map(Missing::line);
+        let lines = missing.chain(report.manifest_warnings.iter().cloned());
+        let warnings: Vec<String> = lines.map(|line| format!("warning: {line}")).collect();
+        let failure = (report.samples == 0).then(|| {
+            anyhow!(
+                "{} has no samples: {} structures were left out; its attribute 'excluded' says why",
+                report.set.display(),
+                report.excluded
+            )
+        });
+        let is_incomplete = !report.missing.is_empty();
+        Ok(Reply::of(report)
+            .with_notes(warnings)
+            .partial_if(is_incomplete)
+            .failing(failure))
+    }
+}

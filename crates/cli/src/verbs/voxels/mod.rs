@@ -1,0 +1,4 @@
+//! The verbs of voxels.
+
+pub mod merge;
+pub mod voxelize;

@@ -1,0 +1,165 @@
+//! `protomer voxelize`: structures to a set of voxel grids.
+
+use crate::flags::choices::{Potential, VoxelChannel, VoxelOrientation};
+use crate::flags::scheduler::SchedulerArgs;
+use crate::front::Front;
+use crate::reply::{Outcome, Reply};
+use anyhow::{Error, Result, anyhow};
+use clap::Args;
+use protomer::quantity;
+use protomer::voxels::manifest::Manifest;
+use protomer::voxels::{Spacing, State, VoxelizeReport, VoxelizeSettings, voxelize};
+use protomer_results::Shard;
+use std::path::PathBuf;
+
+/// Turn the structures of a manifest into a set of sparse voxel grids, a zarr v3 group: surface,
+/// potential, hydropathy.
+#[derive(Debug, Args)]
+pub struct VoxelizeArgs {
+    /// CSV with the columns file, label, cluster and perhaps family, name; paths start from its
+    /// folder.
+    #[arg(long)]
+    manifest: PathBuf,
+    /// The set to write, such as SET.zarr.
+    #[arg(short, long)]
+    output: PathBuf,
+    /// Voxels along each edge of a grid.
+    #[arg(long, default_value_t = 64)]
+    size: usize,
+    /// Edge of a voxel, Å; `fit`: each structure scaled to fill the grid.
+    #[arg(long, default_value = "1.0", value_parser = Spacing::parse, allow_hyphen_values = true)]
+    spacing: Spacing,
+    /// What the voxels carry.
+    #[arg(
+        long,
+        value_enum,
+        value_delimiter = ',',
+        default_value = "shape,potential,hydropathy"
+    )]
+    channels: Vec<VoxelChannel>,
+    /// How structures are turned.
+    #[arg(long, value_enum, default_value_t = VoxelOrientation::Random)]
+    orientation: VoxelOrientation,
+    /// Seed of the random orientations.
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// How the potential is found; the equation is solved at 1 Å.
+    #[arg(long, value_enum, default_value_t = Potential::PoissonBoltzmann)]
+    potential: Potential,
+    /// Concentration of a 1:1 salt, such as 100mM or 0.1M.
+    #[arg(long, value_parser = quantity::salt_molar, default_value = "150mM", allow_hyphen_values = true)]
+    salt: f64,
+    /// Temperature, K.
+    #[arg(long, default_value_t = 298.15, allow_negative_numbers = true)]
+    temperature: f64,
+    /// pH of the protonation.
+    #[arg(long, default_value_t = 7.4, allow_negative_numbers = true)]
+    ph: f64,
+    /// Probe radius of the surface, Å.
+    #[arg(long, default_value_t = 1.4, allow_negative_numbers = true)]
+    probe: f64,
+    /// Residues with an atom this near to a voxel's centre count for its hydropathy, Å.
+    #[arg(long, default_value_t = 5.0, allow_negative_numbers = true)]
+    hydropathy_reach: f64,
+    /// Structures of which a larger part of the residues lacks heavy atoms are left out.
+    #[arg(long, default_value_t = 0.25, allow_negative_numbers = true)]
+    most_incomplete: f64,
+    /// Only a part of the manifest, such as 2/8; `protomer merge` joins the parts.
+    #[arg(long, value_parser = Shard::parse, default_value = "1/1")]
+    shard: Shard,
+    #[command(flatten)]
+    scheduler: SchedulerArgs,
+    /// Stop after this many minutes; the same command goes on from there.
+    #[arg(long, allow_negative_numbers = true)]
+    time_limit: Option<f64>,
+}
+
+/// Lines of warnings on the terminal; all are in the set.
+const SHOWN_WARNINGS: usize = 10;
+
+impl VoxelizeArgs {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
+        self.scheduler.check()?;
+        let settings = self.settings();
+        settings.check()?;
+        let manifest = Manifest::read(&self.manifest)?;
+        let what = "finishing the structures at hand; the same command continues";
+        let execution = front.execution(what, self.time_limit)?;
+        let report = voxelize(&manifest, self.shard, &settings, &self.output, &execution)?;
+        let notes = notes(&report);
+        if report.state == State::Stopped {
+            return Ok(Reply::of(report).with_notes(notes).ending(Outcome::Stopped));
+        }
+        let complaint = complaint(&report);
+        let reply = Reply::of(report).with_notes(notes);
+        // A set without samples is of no use to anyone; a part without samples may be, and
+        // `protomer merge` looks again.
+        Ok(match complaint {
+            Some(error) if self.shard.is_whole() => {
+                reply.failing(Some(anyhow!("{error}; correct the manifest or the files")))
+            }
+            Some(error) => reply.with_note(format!("warning: {error}")),
+            None => reply,
+        })
+    }
+
+    fn settings(&self) -> VoxelizeSettings {
+        VoxelizeSettings {
+            size: self.size,
+            spacing: self.spacing,
+            channels: self.channels.iter().map(|name| (*name).into()).collect(),
+            orientation: self.orientation.into(),
+            seed: self.seed,
+            potential: self.potential.into(),
+            salt_molar: self.salt,
+            temperature_kelvin: self.temperature,
+            ph: self.ph,
+            probe_angstrom: self.probe,
+            hydropathy_reach_angstrom: self.hydropathy_reach,
+            most_incomplete: self.most_incomplete,
+        }
+    }
+}
+
+/// What is wrong with a set without samples.
+fn complaint(report: &VoxelizeReport) -> Option<Error> {
+    let is_empty = report.samples == 0 && report.structures > 0;
+    is_empty.then(|| {
+        anyhow!(
+            "none of the {} structures could be used; the attribute 'excluded' of {} says why of each",
+            report.structures,
+            report.set.display()
+        )
+    })
+}
+
+/// What a careful user should know.
+fn notes(report: &VoxelizeReport) -> Vec<String> {
+    let mut lines = Vec::new();
+    if report.state == State::Written {
+        let excluded = report.excluded.iter();
+        lines.extend(excluded.map(|one| format!("left out: {}: {}", one.name, one.detail)));
+        lines.extend(warnings(report));
+    }
+    let relatives = report.manifest_warnings.iter();
+    lines.extend(relatives.map(|line| format!("warning: {line}")));
+    lines
+}
+
+/// The first warnings, and how many there are.
+fn warnings(report: &VoxelizeReport) -> Vec<String> {
+    let mut lines = Vec::new();
+    for (name, warnings) in &report.warnings {
+        let warnings = warnings.iter();
+        lines.extend(warnings.map(|warning| format!("warning: {name}: {warning}")));
+    }
+    let count = lines.len();
+    if count > SHOWN_WARNINGS {
+        lines.truncate(SHOWN_WARNINGS);
+        lines.push(format!(
+            "{count} warnings of {} structures in all; the set's attribute 'warnings' has them",
+            report.warnings.len()
+        ));
+    }
+    lines
+}

@@ -1,0 +1,692 @@
+//! Pages of directories of results: what is on them, that they need nothing else, and what is
+//! refused.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::print_stderr
+)] // a test fails by panicking
+
+mod common;
+
+use common::{CHARGES, TemporaryFolder, is_ok, message};
+use std::path::Path;
+use std::process::Command;
+
+const SWEEP: &str = "sweep ring.json --salt 50mM,300mM --cutoff 30A --replicas 2 --sweeps 60 --equilibration 20 --seed 7 \
+                     --trajectory-every 20 --quiet -o sweep";
+
+/// What a browser could load from elsewhere, or would have to.
+const OUTSIDE: [&str; 6] = [
+    "https://",
+    "src=",
+    "@import",
+    "url(",
+    "fetch(",
+    "XMLHttpRequest",
+];
+
+fn read(path: &Path) -> String {
+    std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// Makes the page of a directory and checks what holds for every page; returns the page and its
+/// sections.
+fn page(place: &TemporaryFolder, directory: &str) -> (String, Vec<String>) {
+    let output = place.run(&format!("report {directory} --json --force"));
+    is_ok(&output);
+    let written: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let html = read(&place.path(&format!("{directory}/report.html")));
+    assert_eq!(written["bytes"].as_u64().unwrap(), html.len() as u64);
+    let plain = html.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
+    assert!(!plain.contains("http://"), "{directory} names an address");
+    for outside in OUTSIDE {
+        assert!(!plain.contains(outside), "{directory} has {outside}");
+    }
+    assert!(
+        html.starts_with("<!DOCTYPE html>")
+            && html.contains("default-src 'none'")
+            && html.contains("width=device-width")
+    );
+    assert_eq!(
+        html.matches("<section").count(),
+        html.matches("</section>").count()
+    );
+    is_ok(&place.run(&format!("report {directory} -o again.html --force --quiet")));
+    assert_eq!(
+        read(&place.path("again.html")),
+        html,
+        "{directory} gave two different pages"
+    );
+    let sections = written["sections"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|title| title.as_str().unwrap().to_owned());
+    (html, sections.collect())
+}
+
+/// Every row of a table of the directory is in the link that saves it, digit for digit.
+fn carries(html: &str, table: &Path) {
+    for line in read(table).lines() {
+        let coded = line
+            .replace('"', "%22")
+            .replace(' ', "%20")
+            .replace('+', "%2B");
+        assert!(
+            html.contains(&format!("{coded}%0A")),
+            "{line} of {} is not on the page",
+            table.display()
+        );
+    }
+}
+
+#[test]
+fn a_sweep_has_its_curve_bodies_conditions_and_simulations() {
+    let place = TemporaryFolder::new();
+    is_ok(&place.run(SWEEP));
+    let (html, sections) = page(&place, "sweep");
+    assert_eq!(
+        sections,
+        [
+            "Status",
+            "Results",
+            "Bodies",
+            "Conditions",
+            "Simulations",
+            "Provenance"
+        ]
+    );
+    carries(&html, &place.path("sweep/sweep.csv"));
+    assert_eq!(
+        html.matches("<svg").count(),
+        4,
+        "curve and traces, each for wide and for narrow screens"
+    );
+    assert!(
+        !html.contains("metadata"),
+        "what a figure is drawn from is not carried along"
+    );
+    assert!(html.contains("nothing failed and nothing is missing"));
+    let record: serde_json::Value =
+        serde_json::from_str(&read(&place.path("sweep/run.json"))).unwrap();
+    assert_eq!(record["details"]["assembly"], "../ring.json");
+    for key in ["version", "identity", "input_sha256", "exit_reason"] {
+        assert!(
+            html.contains(record[key].as_str().unwrap()),
+            "{key} is not on the page"
+        );
+    }
+    for text in [
+        "50 mM",
+        "300 mM",
+        "<dt>seed</dt><dd>7</dd>",
+        "80 × 80 × 80",
+        "the end at 50 mM",
+        "the start",
+    ] {
+        assert!(html.contains(text), "{text} is not on the page");
+    }
+    is_ok(&place.run(
+        "simulate ring.json --salt 80mM --cutoff 30A --sweeps 20 --equilibration 5 --quiet -o one",
+    ));
+    let (html, sections) = page(&place, "one");
+    assert_eq!(sections[1..3], ["Results", "Bodies"]);
+    assert_eq!(
+        html.matches("<svg").count(),
+        2,
+        "a curve through one point is left out"
+    );
+    assert!(html.contains("Simulation: one") && html.contains("radius of gyration"));
+}
+
+/// What the viewer is called with.
+fn viewed(html: &str) -> serde_json::Value {
+    let call = html
+        .split("viewMeshes(document.querySelector(\".mesh-view\"), ")
+        .nth(1)
+        .unwrap();
+    serde_json::from_str(call.split(");\n").next().unwrap()).unwrap()
+}
+
+fn from_base64(text: &str) -> Vec<u8> {
+    let digit = |letter: u8| match letter {
+        b'A'..=b'Z' => letter - b'A',
+        b'a'..=b'z' => letter - b'a' + 26,
+        b'0'..=b'9' => letter - b'0' + 52,
+        b'+' => 62,
+        _ => 63,
+    };
+    let bits = text
+        .trim_end_matches('=')
+        .bytes()
+        .flat_map(|letter| (0..6).rev().map(move |bit| digit(letter) >> bit & 1));
+    let bits: Vec<u8> = bits.collect();
+    bits.chunks_exact(8)
+        .map(|byte| byte.iter().fold(0, |sum, bit| sum << 1 | bit))
+        .collect()
+}
+
+#[test]
+fn the_viewer_has_the_shapes_and_the_potential_of_every_charge() {
+    let place = TemporaryFolder::new();
+    is_ok(&place.run(SWEEP));
+    let viewed = viewed(&page(&place, "sweep").0);
+    let names = |key: &str| -> Vec<String> {
+        viewed[key]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|one| one["name"].as_str().unwrap().to_owned())
+            .collect()
+    };
+    assert_eq!(names("meshes"), ["a", "b"]);
+    assert_eq!(
+        names("colourings"),
+        ["potential at 50 mM", "potential at 300 mM"],
+        "bare charges have no hydropathy"
+    );
+    assert_eq!(
+        names("scenes"),
+        [
+            "body a",
+            "body b",
+            "the start",
+            "the end at 50 mM",
+            "the end at 300 mM"
+        ]
+    );
+    assert_eq!(viewed["scenes"][2]["bodies"].as_array().unwrap().len(), 4);
+    let limit: f64 = viewed["colourings"][0]["labels"][2]
+        .as_str()
+        .unwrap()
+        .trim_start_matches('+')
+        .parse()
+        .unwrap();
+    for (mesh, charges) in viewed["meshes"].as_array().unwrap().iter().zip(CHARGES) {
+        let places = from_base64(mesh["places"].as_str().unwrap());
+        let numbers: Vec<f64> = places
+            .chunks_exact(2)
+            .map(|two| f64::from(u16::from_le_bytes([two[0], two[1]])))
+            .collect();
+        let span = mesh["span"].as_f64().unwrap();
+        for (salt, values) in [0.05, 0.3]
+            .into_iter()
+            .zip(mesh["values"].as_array().unwrap())
+        {
+            let electrolyte = protomer_kernel::Electrolyte::in_water(298.15, salt).unwrap();
+            let levels = from_base64(values.as_str().unwrap());
+            assert_eq!((levels.len(), numbers.len()), (8, 24), "a cube");
+            for (corner, level) in numbers.chunks_exact(3).zip(levels) {
+                // The plain sum over the charges, from the cube's corner as the page has it.
+                let at: Vec<f64> = (0..3)
+                    .map(|k| mesh["low"][k].as_f64().unwrap() + span * corner[k] / 65535.0)
+                    .collect();
+                assert!(at.iter().all(|x| (x.abs() - 5.0).abs() < 1e-3), "{at:?}");
+                let potential: f64 = charges
+                    .iter()
+                    .map(|[x, y, z, charge]| {
+                        let away =
+                            ((at[0] - x).powi(2) + (at[1] - y).powi(2) + (at[2] - z).powi(2))
+                                .sqrt();
+                        let screening = (-away / electrolyte.debye_length_angstrom()).exp();
+                        charge * electrolyte.bjerrum_length_angstrom() * screening / away
+                    })
+                    .sum();
+                let expected = 128.0 + 127.0 * (potential / limit).clamp(-1.0, 1.0);
+                assert!(
+                    (f64::from(level) - expected).abs() < 0.6,
+                    "{level}, and the sum gives {expected}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn bodies_that_are_gone_are_taken_from_the_trajectory_and_the_page_says_so() {
+    let place = TemporaryFolder::new();
+    is_ok(&place.run(SWEEP));
+    std::fs::rename(place.path("a.body"), place.path("moved.body")).unwrap();
+    let (html, sections) = page(&place, "sweep");
+    assert!(
+        html.contains("The body files are not at hand") && sections.contains(&"Bodies".to_owned())
+    );
+    let viewed = viewed(&html);
+    assert_eq!(viewed["colourings"].as_array().unwrap().len(), 0);
+    assert_eq!(
+        from_base64(viewed["meshes"][0]["corners"].as_str().unwrap()).len(),
+        2 * 36,
+        "twelve triangles"
+    );
+    assert_eq!(
+        viewed["scenes"].as_array().unwrap().len(),
+        4,
+        "two bodies, two ends"
+    );
+    // Other bodies under the same name are not shown as if they were these.
+    std::fs::copy(place.path("b.body"), place.path("a.body")).unwrap();
+    assert!(
+        page(&place, "sweep")
+            .0
+            .contains("is not what these results were made from")
+    );
+    let refused = place.run("report sweep --assembly ring.json --force");
+    assert!(
+        message(&refused).contains("is not what these results were made from"),
+        "{}",
+        message(&refused)
+    );
+    // Without a trajectory there is nothing to show, and the rest is there.
+    for salt in ["salt_0.050000M", "salt_0.300000M"] {
+        std::fs::remove_file(place.path(&format!("sweep/{salt}/replica_0/trajectory.gsd")))
+            .unwrap();
+    }
+    let (html, sections) = page(&place, "sweep");
+    assert!(html.contains("No shapes are known") && !sections.contains(&"Bodies".to_owned()));
+    // Back in its place by the flag.
+    std::fs::rename(place.path("moved.body"), place.path("a.body")).unwrap();
+    std::fs::create_dir(place.path("elsewhere")).unwrap();
+    for file in ["a.body", "b.body", "ring.json"] {
+        std::fs::rename(place.path(file), place.path("elsewhere").join(file)).unwrap();
+    }
+    assert!(page(&place, "sweep").0.contains("No shapes are known"));
+    is_ok(&place.run("report sweep --assembly elsewhere/ring.json --force"));
+    assert!(read(&place.path("sweep/report.html")).contains("potential at 50 mM"));
+}
+
+#[test]
+fn a_stopped_sweep_says_what_is_not_done() {
+    let place = TemporaryFolder::new();
+    assert_eq!(
+        place.run(&format!("{SWEEP} --time-limit 0")).status.code(),
+        Some(3)
+    );
+    let (html, _) = page(&place, "sweep");
+    for text in [
+        "It was stopped by the time limit before its end",
+        "There is no result yet",
+        "50 mM, replica 1: no record; it was not begun",
+    ] {
+        assert!(html.contains(text), "{text} is not on the page");
+    }
+    assert!(!html.contains("nothing failed"));
+    // A killed run may leave half a line.
+    let replica = place.path("sweep/salt_0.050000M/replica_0");
+    std::fs::create_dir_all(&replica).unwrap();
+    std::fs::write(
+        replica.join("log.csv"),
+        "sweep,r_g_angstrom,native_contacts,largest_cluster,energy_kT,cluster_moved\n10,8.5,1,4,-3,2\n20,8.",
+    )
+    .unwrap();
+    let (html, _) = page(&place, "sweep");
+    assert!(html.contains("0.05,0,10,8.5,1,4,-3%0A") && html.contains("traces.csv: 1 row<"));
+    // What was shown of the unfinished one goes when the work starts anew.
+    is_ok(&place.run(&format!("{SWEEP} --force")));
+    assert!(!place.path("sweep/report.html").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_failed_sweep_says_why() {
+    let place = TemporaryFolder::new();
+    let sweep = SWEEP.replace("--sweeps 60", "--sweeps 4000 --checkpoint-every 0.005");
+    assert_eq!(place.run_limited(16, &sweep).status.code(), Some(1));
+    let (html, _) = page(&place, "sweep");
+    let said: Vec<&str> = html
+        .lines()
+        .filter(|line| line.starts_with("<li>"))
+        .collect();
+    assert!(
+        said.iter()
+            .any(|line| line.contains("It failed: salt 0.") && line.contains("cannot write")),
+        "{said:?}"
+    );
+    let of_replica =
+        |line: &&str| line.contains("mM, replica") && line.contains("of 4020 sweeps: cannot write");
+    assert!(said.iter().any(of_replica), "{said:?}");
+    assert!(html.contains("<td>failed</td>"));
+    // A damaged checkpoint is left alone, and the sweep's own record says what is wrong with it.
+    let damaged = place.path("sweep/salt_0.050000M/replica_0/checkpoint.bin");
+    std::fs::write(&damaged, "damaged").unwrap();
+    assert_eq!(place.run(&sweep).status.code(), Some(1));
+    assert!(
+        page(&place, "sweep")
+            .0
+            .contains("It failed: salt 0.05 M, replica 0: ")
+    );
+    std::fs::remove_file(&damaged).unwrap();
+    is_ok(&place.run(&sweep));
+    assert!(
+        page(&place, "sweep")
+            .0
+            .contains("nothing failed and nothing is missing")
+    );
+
+    let settings =
+        "rows = 4\ncolumns = 4\nsteps = 300\ntrajectory_every = 1\n[sweep]\nr0 = [0.1, 0.2]\n";
+    std::fs::write(place.path("sweep.toml"), settings).unwrap();
+    let lattices = "lattice sweep sweep.toml --threads 1 -q -o lattices";
+    assert_eq!(place.run_limited(40, lattices).status.code(), Some(1));
+    let (html, _) = page(&place, "lattices");
+    let said: Vec<&str> = html
+        .lines()
+        .filter(|line| line.starts_with("<li>"))
+        .collect();
+    assert!(
+        said.iter()
+            .any(|line| line.contains("It failed: lattices/r0_0.1_kappa_0")),
+        "{said:?}"
+    );
+    let of_run = |line: &&str| {
+        line.contains("r0 = 0.1, κ = 0, seed 1: failed after") && line.contains("cannot write")
+    };
+    assert!(said.iter().any(of_run), "{said:?}");
+    is_ok(&place.run(lattices));
+    assert!(
+        page(&place, "lattices")
+            .0
+            .contains("nothing failed and nothing is missing")
+    );
+}
+
+#[test]
+fn lattices_frameworks_and_trainings_have_pages_too() {
+    let place = TemporaryFolder::new();
+    let lattice = "lattice run --rows 4 --columns 4 --velocities random --steps 60 --log-every 5";
+    is_ok(&place.run(&format!("{lattice} --trajectory-every 10 -q -o run")));
+    let (html, sections) = page(&place, "run");
+    assert_eq!(
+        sections,
+        ["Status", "Animation", "History", "Conditions", "Provenance"]
+    );
+    carries(&html, &place.path("run/log.csv"));
+    assert!(html.contains("7 frames") && html.contains("playLattice("));
+    is_ok(&place.run(&format!("{lattice} --trajectory-every 0 -q -o still")));
+    let (html, sections) = page(&place, "still");
+    assert!(
+        html.contains("The run cannot be played") && !sections.contains(&"Animation".to_owned())
+    );
+    assert!(
+        !html.contains("playLattice("),
+        "what is not needed is not carried"
+    );
+
+    std::fs::write(
+        place.path("sweep.toml"),
+        "rows = 3\ncolumns = 3\nsteps = 40\n[sweep]\nr0 = [0.1, 0.2]\nseeds = [1, 2]\n",
+    )
+    .unwrap();
+    is_ok(&place.run("lattice sweep sweep.toml -q -o lattices"));
+    let (html, sections) = page(&place, "lattices");
+    assert_eq!(
+        sections,
+        [
+            "Status",
+            "Results",
+            "Animation",
+            "Conditions",
+            "Runs",
+            "Provenance"
+        ]
+    );
+    carries(&html, &place.path("lattices/lattice.csv"));
+    carries(&html, &place.path("lattices/runs.csv"));
+    std::fs::remove_dir_all(place.path("lattices/r0_0.2_kappa_0/seed_2")).unwrap();
+    assert!(
+        page(&place, "lattices")
+            .0
+            .contains("r0 = 0.2, κ = 0, seed 2: no record; it was not begun")
+    );
+
+    is_ok(&place.run("framework honeycomb --theta 60 --kh 50 --ks 10000 --load y --stress 20GPa,40GPa -q -o pulled"));
+    let (html, sections) = page(&place, "pulled");
+    assert_eq!(
+        sections,
+        ["Status", "Results", "Network", "Conditions", "Provenance"]
+    );
+    for table in ["polar.csv", "stiffness.csv", "curve.csv"] {
+        carries(&html, &place.path(&format!("pulled/{table}")));
+    }
+    assert_eq!(
+        html.matches("<svg").count(),
+        5,
+        "polar plot and curve in two shapes, drawing"
+    );
+    assert!(
+        html.contains("<div class=\"narrow\">\n<p>honeycomb"),
+        "the drawing's texts stand below it"
+    );
+
+    is_ok(&place.run("train --control orientation --short --epochs 3 -q -o training"));
+    let (html, sections) = page(&place, "training");
+    assert_eq!(
+        sections,
+        [
+            "Status",
+            "Scores",
+            "Confusion",
+            "Control",
+            "Conditions",
+            "Provenance"
+        ]
+    );
+    carries(&html, &place.path("training/history.csv"));
+    std::fs::remove_file(place.path("training/metrics.json")).unwrap();
+    assert!(
+        page(&place, "training")
+            .0
+            .contains("The training is not at its end")
+    );
+}
+
+#[test]
+fn tables_of_networks_have_a_page() {
+    let place = TemporaryFolder::new();
+    is_ok(&place.run("framework tables -q -o tables"));
+    let (html, sections) = page(&place, "tables");
+    assert_eq!(
+        sections,
+        ["Status", "Results", "How to read the tables", "Provenance"]
+    );
+    // Every number that is printed, as the terminal shows it, and every one computed, digit for
+    // digit.
+    let rows: serde_json::Value =
+        serde_json::from_str(&read(&place.path("tables/tables.json"))).unwrap();
+    let values: Vec<&serde_json::Value> = rows
+        .as_array()
+        .unwrap()
+        .iter()
+        .flat_map(|row| row["values"].as_array().unwrap())
+        .collect();
+    assert_eq!(values.len(), 168);
+    for value in values {
+        let printed = value["printed"].as_str().unwrap();
+        assert!(html.contains(&format!(" | {printed} ")), "{printed}");
+        assert!(
+            html.contains(&format!(",{},{printed},", value["computed"])),
+            "{value}"
+        );
+    }
+    std::fs::write(place.path("tables/tables.json"), "[{\"table\": 2}]").unwrap();
+    assert!(message(&place.run("report tables --force")).contains("tables.json"));
+}
+
+/// Sixteen times one protein in two classes, and a file that is not there.
+fn voxels(place: &TemporaryFolder) {
+    let structure = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/structures/5pti.cif.gz");
+    let mut manifest = "file,label,cluster,name\n".to_owned();
+    for number in 0..16 {
+        let label = if number % 2 == 0 { "even" } else { "odd" };
+        manifest += &format!(
+            "{},{label},c{},s{number}\n",
+            structure.display(),
+            number / 2
+        );
+    }
+    manifest += "missing.pdb,odd,c,<gone>\n";
+    std::fs::write(place.path("set.csv"), manifest).unwrap();
+}
+
+const VOXELIZE: &str = "voxelize --manifest set.csv -o set.zarr --size 24 --spacing 2 --channels shape,potential --potential debye-hueckel -q";
+
+#[test]
+fn a_set_of_voxels_and_a_search_have_pages_too() {
+    let place = TemporaryFolder::new();
+    voxels(&place);
+    assert_eq!(
+        place
+            .run(&format!("{VOXELIZE} --time-limit 0"))
+            .status
+            .code(),
+        Some(3)
+    );
+    assert!(message(&place.run("report set.zarr")).contains("not complete yet"));
+    is_ok(&place.run(VOXELIZE));
+    let before = common::contents(&place.path("set.zarr"));
+    let output = place.run("report set.zarr");
+    is_ok(&output);
+    assert!(
+        String::from_utf8_lossy(&output.stdout)
+            .starts_with("set.zarr.report.html: Status, Samples, ")
+    );
+    assert_eq!(
+        common::contents(&place.path("set.zarr")),
+        before,
+        "nothing is added to the group"
+    );
+    let html = read(&place.path("set.zarr.report.html"));
+    assert!(html.contains("1 of 17 structures were left out (unreadable: 1)."));
+    assert!(html.contains("<td>&lt;gone&gt;</td><td>odd</td><td>unreadable</td>"));
+    // label, samples, clusters, left out; the first cluster; the channel that is 1 everywhere.
+    assert!(
+        html.contains("<td>odd</td><td>8</td><td>8</td><td>1</td>"),
+        "labels"
+    );
+    assert!(
+        html.contains("<td>c0</td><td>2</td><td>even, odd</td>"),
+        "clusters"
+    );
+    assert!(
+        html.contains("<td>1</td><td>1</td><td>0</td><td>1</td><td>as it is</td>"),
+        "channels"
+    );
+    assert!(
+        html.contains("arcsinh(x / ") && html.contains("2 Å") && html.contains("debye-hueckel")
+    );
+    // The occupied voxels that the page has are those of the set.
+    let group: serde_json::Value =
+        serde_json::from_str(&read(&place.path("set.zarr/zarr.json"))).unwrap();
+    let attributes = &group["attributes"];
+    for key in ["identity", "manifest_sha256", "made_by"] {
+        assert!(html.contains(attributes[key].as_str().unwrap()), "{key}");
+    }
+    let set = protomer::voxels::samples::VoxelSet::open(&place.path("set.zarr")).unwrap();
+    let voxels: usize = (0..16).map(|sample| set.reader().voxels(sample)).sum();
+    assert!(html.contains(&format!("<dd>{voxels}, {} per sample</dd>", voxels / 16)));
+    assert_eq!(
+        html.matches("s15,odd,c7,").count(),
+        1,
+        "the table of samples"
+    );
+
+    is_ok(&place.run("tune set.zarr --least-samples 5 --trials 3 --epochs 3 -q -o search"));
+    let (html, sections) = page(&place, "search");
+    assert_eq!(
+        sections,
+        [
+            "Status",
+            "Best settings",
+            "Trials",
+            "Conditions",
+            "Provenance"
+        ]
+    );
+    carries(&html, &place.path("search/trials.csv"));
+    assert_eq!(html.matches("<svg").count(), 2);
+    let best = read(&place.path("search/trials.csv"))
+        .lines()
+        .nth(1)
+        .unwrap()
+        .split(',')
+        .next()
+        .unwrap()
+        .to_owned();
+    assert!(html.contains(&format!("<dt>trial</dt><dd>{best}</dd>")) && html.contains("best.toml"));
+    assert!(html.contains("nothing failed and nothing is missing"));
+    std::fs::remove_file(place.path("search/best.toml")).unwrap();
+    assert!(
+        page(&place, "search")
+            .0
+            .contains("The search is not at its end")
+    );
+    std::fs::remove_file(place.path("search/trials.csv")).unwrap();
+    assert!(page(&place, "search").0.contains("There is no table yet"));
+}
+
+#[test]
+fn what_is_no_result_is_refused_and_nothing_is_overwritten_unasked() {
+    let place = TemporaryFolder::new();
+    is_ok(&place.run(SWEEP));
+    let refused = |arguments: &str| {
+        let output = place.run(arguments);
+        assert_eq!(output.status.code(), Some(1), "{arguments}");
+        message(&output)
+    };
+    std::fs::create_dir(place.path("empty")).unwrap();
+    assert!(refused("report empty").contains("holds no results that can be shown"));
+    assert!(!place.path("empty/report.html").exists());
+    assert!(refused("report ring.json").contains("is not a directory"));
+    assert!(refused("report missing").contains("is not a directory"));
+    assert!(
+        refused("report sweep/salt_0.050000M/replica_0")
+            .contains("give the directory of the sweep")
+    );
+    std::fs::write(place.path("page.html"), "mine").unwrap();
+    assert!(refused("report sweep -o page.html").contains("overwrite it with --force"));
+    assert_eq!(read(&place.path("page.html")), "mine");
+    is_ok(&place.run("report sweep -o page.html --force"));
+    // A picture that would run something is not put on the page.
+    let svg =
+        read(&place.path("sweep/sweep.svg")).replace("</svg>", "<script>alert(1)</script></svg>");
+    std::fs::write(place.path("sweep/sweep.svg"), svg).unwrap();
+    assert!(refused("report sweep").contains("sweep.svg is no figure"));
+}
+
+#[test]
+fn the_scripts_are_small_and_parse() {
+    let place = TemporaryFolder::new();
+    is_ok(&place.run(SWEEP));
+    is_ok(
+        &place.run("lattice run --rows 3 --columns 3 --steps 20 --trajectory-every 10 -q -o run"),
+    );
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    for script in ["report/mesh_view.js", "lattice/player.js"] {
+        assert!(
+            read(&source.join(script)).len() < 10_000,
+            "{script} is longer than 10 kB"
+        );
+    }
+    if Command::new("node").arg("--version").output().is_err() {
+        eprintln!("SKIPPED: there is no node here to parse the scripts with");
+        return;
+    }
+    for directory in ["sweep", "run"] {
+        let html = page(&place, directory).0;
+        let script = html
+            .split("<script>")
+            .nth(1)
+            .unwrap()
+            .split("</script>")
+            .next()
+            .unwrap();
+        std::fs::write(place.path("page.js"), script).unwrap();
+        let output = Command::new("node")
+            .arg("--check")
+            .arg(place.path("page.js"))
+            .output()
+            .unwrap();
+        is_ok(&output);
+    }
+}

@@ -1,0 +1,348 @@
+//! The shape of the workspace: which crate may depend on which, one door per heavy dependency,
+//! permissive licences.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
+
+use serde_json::Value;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// What this machine compiles for: packages for others need not be on it.
+fn host() -> String {
+    let rustc = std::env::var("RUSTC").unwrap_or_else(|_| "rustc".into());
+    let output = Command::new(rustc).arg("-vV").output().unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    text.lines()
+        .find_map(|line| line.strip_prefix("host: "))
+        .unwrap()
+        .to_owned()
+}
+
+fn metadata() -> Value {
+    let manifest = concat!(env!("CARGO_MANIFEST_DIR"), "/../../Cargo.toml");
+    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".into());
+    let output = Command::new(cargo)
+        .args([
+            "metadata",
+            "--format-version",
+            "1",
+            "--locked",
+            "--offline",
+            "--manifest-path",
+            manifest,
+        ])
+        .args(["--filter-platform", &host()])
+        .output()
+        .unwrap();
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// The crates of this workspace with what they depend on outside their tests.
+fn dependencies(metadata: &Value) -> BTreeMap<String, BTreeSet<String>> {
+    let members: BTreeSet<&str> = metadata["workspace_members"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|id| id.as_str().unwrap())
+        .collect();
+    let packages = metadata["packages"].as_array().unwrap().iter();
+    packages
+        .filter(|package| members.contains(package["id"].as_str().unwrap()))
+        .map(|package| {
+            let needed = package["dependencies"].as_array().unwrap().iter();
+            let normal = needed.filter(|dependency| dependency["kind"].is_null());
+            let names = normal
+                .map(|dependency| dependency["name"].as_str().unwrap().to_owned())
+                .collect();
+            (package["name"].as_str().unwrap().to_owned(), names)
+        })
+        .collect()
+}
+
+#[test]
+fn arrows_point_the_way_the_architecture_says() {
+    let allowed: BTreeMap<&str, &[&str]> = BTreeMap::from([
+        ("protomer-kernel", &[][..]),
+        ("protomer-io", &["protomer-kernel"]),
+        ("protomer-body", &["protomer-io", "protomer-kernel"]),
+        ("protomer-mc", &["protomer-body", "protomer-kernel"]),
+        ("protomer-crystal", &["protomer-kernel"]),
+        ("protomer-field", &["protomer-body", "protomer-kernel"]),
+        ("protomer-learn", &["protomer-kernel"]),
+        ("protomer-plot", &["protomer-io"]),
+        ("protomer-results", &["protomer-io"]),
+        (
+            "protomer",
+            &[
+                "protomer-body",
+                "protomer-crystal",
+                "protomer-field",
+                "protomer-io",
+                "protomer-kernel",
+                "protomer-learn",
+                "protomer-mc",
+                "protomer-plot",
+                "protomer-results",
+            ],
+        ),
+        (
+            "protomer-cli",
+            &[
+                "protomer",
+                "protomer-body",
+                "protomer-crystal",
+                "protomer-field",
+                "protomer-io",
+                "protomer-kernel",
+                "protomer-learn",
+                "protomer-results",
+            ],
+        ),
+        // The crates below `protomer` only for their error types.
+        (
+            "protomer-python",
+            &[
+                "protomer",
+                "protomer-body",
+                "protomer-cli",
+                "protomer-crystal",
+                "protomer-field",
+                "protomer-io",
+                "protomer-kernel",
+                "protomer-learn",
+                "protomer-mc",
+                "protomer-results",
+            ],
+        ),
+    ]);
+    for (name, needs) in dependencies(&metadata()) {
+        let allowed = allowed
+            .get(name.as_str())
+            .unwrap_or_else(|| panic!("{name} has no place in the architecture"));
+        for need in needs.iter().filter(|need| need.starts_with("protomer")) {
+            assert!(
+                allowed.contains(&need.as_str()),
+                "{name} must not depend on {need}"
+            );
+        }
+    }
+}
+
+#[test]
+fn heavy_dependencies_have_one_door() {
+    let doors = [
+        ("candle-core", "protomer-learn"),
+        ("zarrs", "protomer-io"),
+        ("clap", "protomer-cli"),
+        ("indicatif", "protomer-cli"),
+        ("tiny-skia", "protomer-plot"),
+        ("ureq", "protomer"),
+        ("pyo3", "protomer-python"),
+    ];
+    let dependencies = dependencies(&metadata());
+    for (heavy, door) in doors {
+        for (name, needs) in &dependencies {
+            assert!(
+                name == door || !needs.contains(heavy),
+                "{heavy} belongs in {door}, not in {name}"
+            );
+        }
+    }
+}
+
+#[test]
+fn licences_are_permissive() {
+    let deny = include_str!("../../../deny.toml")
+        .parse::<toml::Table>()
+        .unwrap();
+    let allowed: BTreeSet<&str> = deny["licenses"]["allow"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|licence| licence.as_str().unwrap())
+        .collect();
+    // An SPDX expression holds if every AND term holds; an OR (or the older `/`) term holds if one
+    // of its parts does.
+    let permits = |expression: &str| {
+        expression.split(" AND ").all(|term| {
+            let term = term.trim_matches(|c| c == '(' || c == ')');
+            term.replace('/', " OR ")
+                .split(" OR ")
+                .any(|licence| allowed.contains(licence.trim()))
+        })
+    };
+    assert!(
+        !permits("GPL-3.0-only")
+            && !permits("MIT AND GPL-3.0-only")
+            && permits("GPL-3.0-only OR MIT")
+    );
+    for package in metadata()["packages"].as_array().unwrap() {
+        let licence = package["license"].as_str().unwrap_or("none stated");
+        assert!(
+            permits(licence),
+            "{} is under '{licence}', which deny.toml does not list",
+            package["name"]
+        );
+    }
+}
+
+/// A row of the architecture's table of crates.
+struct Row {
+    folder: PathBuf,
+    /// The names before, and within, each pair of parentheses.
+    modules: BTreeMap<String, BTreeSet<String>>,
+    needs: String,
+}
+
+/// Names between backticks, each with those in the parentheses after it.
+fn modules_of(cell: &str) -> BTreeMap<String, BTreeSet<String>> {
+    let (mut modules, mut last, mut is_inner) = (
+        BTreeMap::<String, BTreeSet<String>>::new(),
+        String::new(),
+        false,
+    );
+    for (place, part) in cell.split('`').enumerate() {
+        if place % 2 == 0 {
+            let bracket = part.rfind(['(', ')']);
+            is_inner = bracket.map_or(is_inner, |at| part[at..].starts_with('('));
+        } else if is_inner {
+            modules.get_mut(&last).unwrap().insert(part.to_owned());
+        } else {
+            last = part.to_owned();
+            modules.insert(last.clone(), BTreeSet::new());
+        }
+    }
+    modules
+}
+
+fn rows() -> Vec<Row> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let text = include_str!("../../../ARCHITECTURE.md");
+    let table = text
+        .lines()
+        .skip_while(|line| !line.starts_with("| crate |"))
+        .skip(2);
+    table
+        .take_while(|line| line.starts_with('|'))
+        .map(|line| {
+            let [_, folder, _, modules, needs, _] =
+                line.split('|').map(str::trim).collect::<Vec<_>>()[..]
+            else {
+                panic!("a row of ARCHITECTURE.md has other columns: {line}")
+            };
+            let (folder, needs) = (root.join(folder.trim_matches('`')), needs.to_owned());
+            Row {
+                folder,
+                modules: modules_of(modules),
+                needs,
+            }
+        })
+        .collect()
+}
+
+/// Names of the `mod` lines of a library, less its errors.
+fn modules_in(library: &Path) -> BTreeSet<String> {
+    let text = std::fs::read_to_string(library).unwrap();
+    let names = text.lines().filter_map(|line| {
+        line.trim_start_matches("pub ")
+            .strip_prefix("mod ")?
+            .strip_suffix(';')
+    });
+    names
+        .filter(|name| *name != "error")
+        .map(str::to_owned)
+        .collect()
+}
+
+/// Names of the files with this ending in a folder, less those that Rust or Python ask for.
+fn files_in(folder: &Path, ending: &str) -> BTreeSet<String> {
+    let names = folder
+        .read_dir()
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let stems = names.filter_map(|name| name.strip_suffix(ending).map(str::to_owned));
+    stems
+        .filter(|stem| stem != "lib" && !stem.starts_with("__"))
+        .collect()
+}
+
+#[test]
+fn the_architecture_lists_the_modules_that_there_are() {
+    assert_eq!(
+        modules_of("`a` (of `b` `c`), `d` (E)"),
+        BTreeMap::from([
+            (
+                "a".to_owned(),
+                BTreeSet::from(["b".to_owned(), "c".to_owned()])
+            ),
+            ("d".to_owned(), BTreeSet::new()),
+        ])
+    );
+    let rows = rows();
+    let crates = dependencies(&metadata()).len();
+    assert_eq!(rows.len(), crates, "a crate has no row, or a row no crate");
+    for Row {
+        folder, modules, ..
+    } in rows
+    {
+        let name = folder.display();
+        if folder.ends_with("python") {
+            assert_eq!(
+                modules["rust"],
+                files_in(&folder.join("rust"), ".rs"),
+                "{name}"
+            );
+            assert_eq!(
+                modules["protomer"],
+                files_in(&folder.join("protomer"), ".py"),
+                "{name}"
+            );
+            continue;
+        }
+        let listed: BTreeSet<String> = modules.keys().cloned().collect();
+        assert_eq!(listed, modules_in(&folder.join("src/lib.rs")), "{name}");
+        for (module, inner) in modules.iter().filter(|(_, inner)| !inner.is_empty()) {
+            assert_eq!(
+                *inner,
+                modules_in(&folder.join("src").join(module).join("mod.rs")),
+                "{name}: {module}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_architecture_lists_the_arrows_that_there_are() {
+    let rows = rows();
+    let dependencies = dependencies(&metadata());
+    let short = |package: &str| package.trim_start_matches("protomer-").to_owned();
+    let crates: BTreeSet<String> = dependencies.keys().map(|name| short(name)).collect();
+    for Row { folder, needs, .. } in rows {
+        let name = folder.file_name().unwrap().to_str().unwrap();
+        let (_, needed) = dependencies
+            .iter()
+            .find(|(package, _)| short(package) == name)
+            .unwrap();
+        let ours: BTreeSet<String> = needed
+            .iter()
+            .map(|need| short(need))
+            .filter(|need| crates.contains(need))
+            .collect();
+        let listed = match needs.as_str() {
+            "-" => BTreeSet::new(),
+            "all" => crates
+                .iter()
+                .filter(|other| *other != name && *other != "python")
+                .cloned()
+                .collect(),
+            some => some.split(", ").map(str::to_owned).collect(),
+        };
+        assert_eq!(ours, listed, "{name}");
+    }
+}

@@ -1,0 +1,301 @@
+//! Assemblies from recipes and from structures, written as assembly files.
+
+use crate::answer::{Answer, columns, heading};
+use crate::assemblies::assembly_file::{AssemblyFile, BodyEntry, Placement};
+use crate::bodies::body_file;
+use anyhow::{Context, Result, bail};
+use protomer_body::assembly::{self, Expansion, HardBodies, HardBody, expand_until_free};
+use protomer_body::{Body, BodySettings, Source, build_body_of_selection};
+use protomer_io::atomic::write_atomically;
+use protomer_results::ResultKind;
+use serde::Serialize;
+use std::path::{Component, Path, PathBuf};
+
+/// Bodies with the file each was read from.
+#[derive(Debug)]
+pub struct BodyFiles {
+    /// The files.
+    pub paths: Vec<PathBuf>,
+    /// The bodies.
+    pub bodies: Vec<Body>,
+    /// The bodies, prepared for overlap tests.
+    pub hard: HardBodies,
+}
+
+impl BodyFiles {
+    /// Reads body files.
+    ///
+    /// # Errors
+    /// Names the file that cannot be used.
+    pub fn read(paths: &[PathBuf]) -> Result<Self> {
+        let bodies = paths
+            .iter()
+            .map(|path| Ok(body_file::read(path)?.0))
+            .collect::<Result<Vec<Body>>>()?;
+        Self::new(paths.to_vec(), bodies)
+    }
+
+    fn new(paths: Vec<PathBuf>, bodies: Vec<Body>) -> Result<Self> {
+        let mut hard = Vec::with_capacity(bodies.len());
+        for (body, path) in bodies.iter().zip(&paths) {
+            hard.push(HardBody::of(body).with_context(|| path.display().to_string())?);
+        }
+        Ok(Self {
+            paths,
+            bodies,
+            hard: HardBodies::new(hard),
+        })
+    }
+
+    /// The assembly file of placements, with body files named relative to `path`.
+    ///
+    /// # Errors
+    /// If a folder does not exist.
+    pub fn assembly_file(
+        &self,
+        path: &Path,
+        placements: &[assembly::Placement],
+        box_angstrom: Option<[f64; 3]>,
+        provenance: serde_json::Value,
+    ) -> Result<AssemblyFile> {
+        let names = self.names();
+        let mut bodies = Vec::new();
+        for (name, file) in names.iter().zip(&self.paths) {
+            bodies.push(BodyEntry {
+                name: name.clone(),
+                file: relative_to(file, path)?,
+            });
+        }
+        let placements = placements
+            .iter()
+            .map(|(kind, pose)| Placement::new(&names[*kind], pose))
+            .collect();
+        let file = AssemblyFile {
+            box_angstrom,
+            wall_radius_angstrom: None,
+            bodies,
+            placements,
+            provenance: Some(provenance),
+        };
+        Ok(file)
+    }
+
+    /// Names by which placements call the bodies: their own, numbered where two share one.
+    fn names(&self) -> Vec<String> {
+        let own: Vec<&str> = self.bodies.iter().map(|body| body.name.as_str()).collect();
+        let numbered =
+            |(index, name): (usize, &&str)| match own.iter().filter(|other| *other == name).count()
+            {
+                1 => (*name).to_owned(),
+                _ => format!("{name}-{}", index + 1),
+            };
+        own.iter().enumerate().map(numbered).collect()
+    }
+}
+
+/// Writes an assembly file.
+///
+/// # Errors
+/// If the disk does not take it.
+pub fn write_assembly(path: &Path, file: &AssemblyFile) -> Result<()> {
+    let text = serde_json::to_string_pretty(file).context("the assembly cannot be written down")?;
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    }
+    write_atomically(path, |out| writeln!(out, "{text}"))?;
+    Ok(())
+}
+
+/// The way from the folder of `from` to `file`.
+fn relative_to(file: &Path, from: &Path) -> Result<PathBuf> {
+    let folder = from
+        .parent()
+        .filter(|parent| !parent.as_os_str().is_empty())
+        .unwrap_or(Path::new("."));
+    let absolute =
+        |path: &Path| std::path::absolute(path).with_context(|| path.display().to_string());
+    let (file, folder) = (absolute(file)?, absolute(folder)?);
+    let shared = file
+        .components()
+        .zip(folder.components())
+        .take_while(|(a, b)| a == b)
+        .count();
+    let up = folder
+        .components()
+        .skip(shared)
+        .map(|_| Component::ParentDir);
+    Ok(up.chain(file.components().skip(shared)).collect())
+}
+
+/// What [`assemble_structure`] found and did.
+#[derive(Debug, Clone, Serialize)]
+pub struct StructureAssembly {
+    /// The assembly file.
+    pub assembly: PathBuf,
+    /// The body files with the copies of each.
+    pub bodies: Vec<StructureBody>,
+    /// Pairs of copies that overlap as hard bodies.
+    pub overlaps: Vec<(usize, usize)>,
+    /// Factor of the uniform expansion that removed them; one for none.
+    pub expansion_factor: f64,
+    /// The largest displacement of a body by the expansion, Å.
+    pub largest_displacement_angstrom: f64,
+}
+
+impl Answer for StructureAssembly {
+    fn text(&self) -> String {
+        let mut rows = vec![heading(["body", "copies", "largest RMSD (Å)"])];
+        for body in &self.bodies {
+            let largest = body.rmsd_angstrom.iter().copied().fold(0.0, f64::max);
+            rows.push(vec![
+                body.file.display().to_string(),
+                body.chains.join(" "),
+                format!("{largest:.3}"),
+            ]);
+        }
+        format!(
+            "{}\n{} pairs of chains overlapped; expanded by a factor {:.6} (at most {:.3} Å)\n{}",
+            columns(&rows),
+            self.overlaps.len(),
+            self.expansion_factor,
+            self.largest_displacement_angstrom,
+            self.assembly.display()
+        )
+    }
+}
+
+/// One kind of body of a structure.
+#[derive(Debug, Clone, Serialize)]
+pub struct StructureBody {
+    /// The body file.
+    pub file: PathBuf,
+    /// The chain it was made from.
+    pub reference: String,
+    /// The chains that are copies of it, the reference among them.
+    pub chains: Vec<String>,
+    /// Root mean square distance of each copy from the reference, Å.
+    pub rmsd_angstrom: Vec<f64>,
+}
+
+/// How a structure is taken apart.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StructureSettings {
+    /// How bodies are made.
+    pub body: BodySettings,
+    /// Remove overlaps by the smallest uniform expansion.
+    pub relax: bool,
+    /// Periodic box, Å.
+    pub box_angstrom: Option<[f64; 3]>,
+}
+
+/// Takes a structure apart into bodies, one per kind of chain, and writes them with the assembly
+/// into a folder.
+///
+/// # Errors
+/// Without `relax`, chains that overlap as hard bodies are an error that lists the pairs.
+pub fn assemble_structure(
+    input: &Path,
+    folder: &Path,
+    settings: &StructureSettings,
+) -> Result<StructureAssembly> {
+    ResultKind::VoxelSet.refuse_in(folder)?;
+    let file = crate::input::InputFile::read(input)?;
+    let structure = protomer_body::structure::Structure::read(&file.name, &file.bytes)?;
+    let selection = structure
+        .select(&settings.body.selection)
+        .with_context(|| file.name.clone())?;
+    let types = assembly::body_types(&selection).with_context(|| file.name.clone())?;
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    let (mut paths, mut bodies, mut placements, mut chains) =
+        (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let mut described = Vec::new();
+    for (kind, body_type) in types.into_iter().enumerate() {
+        let name = format!("{}_{}", crate::input::stem(input), body_type.reference);
+        let source = Source {
+            file: &file.name,
+            sha256: &file.sha256,
+        };
+        let built = build_body_of_selection(&name, source, body_type.selection, &settings.body)
+            .with_context(|| format!("{}: chain {}", file.name, body_type.reference))?;
+        let path = folder.join(format!("{name}.body"));
+        described.push(StructureBody {
+            file: path.clone(),
+            reference: body_type.reference,
+            chains: body_type
+                .copies
+                .iter()
+                .map(|copy| copy.chain.clone())
+                .collect(),
+            rmsd_angstrom: body_type
+                .copies
+                .iter()
+                .map(|copy| copy.rmsd_angstrom)
+                .collect(),
+        });
+        placements.extend(body_type.copies.iter().map(|copy| (kind, copy.pose)));
+        chains.extend(body_type.copies.into_iter().map(|copy| copy.chain));
+        paths.push(path);
+        bodies.push(built.body);
+    }
+    let files = BodyFiles::new(paths, bodies)?;
+    let overlaps = files.hard.overlapping_pairs(&placements);
+    let expansion = relax(&files, placements, &overlaps, &chains, settings)?;
+    for (path, body) in files.paths.iter().zip(&files.bodies) {
+        body_file::write(path, body)?;
+    }
+    let path = folder.join("assembly.json");
+    let provenance = serde_json::json!({
+        "source": file.name, "source_sha256": file.sha256, "chains": chains,
+        "expansion_factor": expansion.factor,
+    });
+    write_assembly(
+        &path,
+        &files.assembly_file(
+            &path,
+            &expansion.placements,
+            settings.box_angstrom,
+            provenance,
+        )?,
+    )?;
+    Ok(StructureAssembly {
+        assembly: path,
+        bodies: described,
+        overlaps,
+        expansion_factor: expansion.factor,
+        largest_displacement_angstrom: expansion.largest_displacement_angstrom,
+    })
+}
+
+/// Free placements: as they are, or expanded if that is wanted and needed.
+fn relax(
+    files: &BodyFiles,
+    placements: Vec<assembly::Placement>,
+    overlaps: &[(usize, usize)],
+    chains: &[String],
+    settings: &StructureSettings,
+) -> Result<Expansion> {
+    if settings.relax {
+        return Ok(expand_until_free(&placements, 1e-6, |placements| {
+            files.hard.any_overlap(placements)
+        })?);
+    }
+    if !overlaps.is_empty() {
+        let pairs: Vec<String> = overlaps
+            .iter()
+            .map(|(i, j)| format!("{}-{}", chains[*i], chains[*j]))
+            .collect();
+        bail!(
+            "{} pairs of chains overlap as hard bodies: {}; expand the assembly with --relax, or shrink the \
+             surfaces with --offset 0.5",
+            pairs.len(),
+            pairs.join(", ")
+        );
+    }
+    Ok(Expansion {
+        factor: 1.0,
+        largest_displacement_angstrom: 0.0,
+        placements,
+    })
+}

@@ -1,0 +1,109 @@
+//! The up/down arrangements of a ring or stack that are different under its symmetry.
+
+use crate::answer::{Answer, columns, heading};
+use crate::assemblies::assemble::{BodyFiles, write_assembly};
+use anyhow::{Result, bail};
+use protomer_body::assembly::{Candidates, Stack, Symmetry};
+use serde::Serialize;
+use serde_json::json;
+use std::path::PathBuf;
+
+/// What arrangements to look for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CandidatesSettings {
+    /// Body files, in the order in which they alternate.
+    pub bodies: Vec<PathBuf>,
+    /// Bodies per ring.
+    pub ring: usize,
+    /// Rings: one or two.
+    pub stack: usize,
+    /// Symmetry asked of an arrangement.
+    pub symmetry: Symmetry,
+    /// How much further apart than at contact neighbours and rings are placed, Å.
+    pub gap_angstrom: f64,
+    /// Periodic box, Å.
+    pub box_angstrom: Option<[f64; 3]>,
+    /// Folder for an assembly file of each; only counted where `None`.
+    pub output: Option<PathBuf>,
+}
+
+/// The arrangements that were found.
+#[derive(Debug, Clone, Serialize)]
+pub struct CandidatesReport {
+    /// The arrangements.
+    pub candidates: Candidates,
+    /// Their assembly files, if they were written.
+    pub assemblies: Vec<PathBuf>,
+    #[serde(skip)]
+    ring: usize,
+}
+
+impl Answer for CandidatesReport {
+    fn text(&self) -> String {
+        let found = &self.candidates;
+        let mut rows = vec![heading(["candidate", "directions", "equivalent"])];
+        for (index, arrangement) in found.arrangements.iter().enumerate() {
+            let rings: Vec<String> = arrangement.up.chunks(self.ring).map(letters).collect();
+            rows.push(vec![
+                (index + 1).to_string(),
+                rings.join(" / "),
+                arrangement.equivalent.to_string(),
+            ]);
+        }
+        format!(
+            "{} arrangements, {} of the symmetry asked for, {} different under a group of order {}, \
+             {} in their contacts\n{}",
+            found.total,
+            found.symmetric,
+            found.distinct,
+            found.group_order,
+            found.arrangements.len(),
+            columns(&rows)
+        )
+    }
+}
+
+fn letters(up: &[bool]) -> String {
+    up.iter().map(|up| if *up { 'u' } else { 'd' }).collect()
+}
+
+/// Enumerates the arrangements and, if a folder is named, closes each to contact and writes it
+/// there.
+///
+/// # Errors
+/// If the numbers describe no ring or stack, a recipe does not fit the bodies, or a file cannot be
+/// read or written.
+pub fn candidates(settings: &CandidatesSettings) -> Result<CandidatesReport> {
+    let gap = settings.gap_angstrom;
+    if !(gap.is_finite() && gap >= 0.0) {
+        bail!("--gap is {gap} Å; give zero or more");
+    }
+    let kinds = (0..settings.bodies.len()).collect();
+    let stack = Stack::new(settings.ring, settings.stack, kinds)?;
+    let found = stack.candidates(settings.symmetry);
+    let assemblies = write(settings, &stack, &found)?;
+    Ok(CandidatesReport {
+        candidates: found,
+        assemblies,
+        ring: settings.ring,
+    })
+}
+
+fn write(settings: &CandidatesSettings, stack: &Stack, found: &Candidates) -> Result<Vec<PathBuf>> {
+    let Some(folder) = &settings.output else {
+        return Ok(Vec::new());
+    };
+    let gap = settings.gap_angstrom;
+    let files = BodyFiles::read(&settings.bodies)?;
+    let mut written = Vec::new();
+    for (index, arrangement) in found.arrangements.iter().enumerate() {
+        let recipe = stack.recipe(arrangement);
+        let placements = files.hard.close(&recipe, gap)?.placements;
+        let path = folder.join(format!("candidate_{}.json", index + 1));
+        let provenance = json!({"arrangement": arrangement, "recipe": recipe, "gap_angstrom": gap});
+        let file = files.assembly_file(&path, &placements, settings.box_angstrom, provenance)?;
+        write_assembly(&path, &file)?;
+        written.push(path);
+    }
+    Ok(written)
+}

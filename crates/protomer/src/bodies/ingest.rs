@@ -1,0 +1,327 @@
+//! Structure files to body files, in parallel, each file on its own: a bad one is reported and the
+//! rest go on.
+
+use crate::answer::{Answer, columns, heading};
+use crate::bodies::body_file;
+use crate::input::{InputFile, stem};
+use anyhow::{Context, Result, bail};
+use protomer_body::structure::{Format, SelectionReport};
+use protomer_body::{
+    Body, BodyError, BodySettings, BuiltBody, Source, build_body, build_body_of_points,
+};
+use protomer_io::atomic::write_atomically;
+use protomer_io::mesh::{MeshFormat, write_mesh};
+use protomer_io::points::{PointRecord, read_points};
+use protomer_io::pqr::write_pqr;
+use protomer_results::{Progress, ResultKind};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+/// What to make of each file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct IngestSettings {
+    /// How bodies are made.
+    pub body: BodySettings,
+    /// Name of the body, for a single file.
+    pub name: Option<String>,
+    /// Endings of the formats that are written beside the body file.
+    pub exports: Vec<&'static str>,
+    /// Overwrite bodies that are already there.
+    pub force: bool,
+}
+
+/// What became of one file.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FileOutcome {
+    /// The input file.
+    pub file: String,
+    /// `ok` or `failed`.
+    pub status: &'static str,
+    /// The body file.
+    pub body: Option<PathBuf>,
+    /// What the body measures.
+    #[serde(flatten)]
+    pub measures: Option<BodyMeasures>,
+    /// Atoms left out, by reason.
+    pub skipped: BTreeMap<&'static str, usize>,
+    /// What a careful user should know.
+    pub warnings: Vec<String>,
+    /// The full account of the selection.
+    pub selection: Option<SelectionReport>,
+    /// Why it failed.
+    pub error: Option<String>,
+}
+
+/// The figures of a body.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BodyMeasures {
+    /// Atoms (charge sites).
+    pub atoms: usize,
+    /// Residues.
+    pub residues: usize,
+    /// Sum of the charges, e.
+    pub net_charge_e: f64,
+    /// Mesh vertices.
+    pub vertices: usize,
+    /// Mesh triangles.
+    pub triangles: usize,
+    /// Area of the mesh, Å².
+    pub mesh_area_angstrom2: f64,
+    /// Volume of the mesh, Å³.
+    pub mesh_volume_angstrom3: f64,
+    /// Radius about the origin that holds the mesh, Å.
+    pub radius_angstrom: f64,
+}
+
+impl BodyMeasures {
+    /// Measures a body.
+    pub fn of(body: &Body) -> Self {
+        Self {
+            atoms: body.sites.len(),
+            residues: body.residues.len(),
+            net_charge_e: body.net_charge_e(),
+            vertices: body.mesh.vertices.len(),
+            triangles: body.mesh.triangles.len(),
+            mesh_area_angstrom2: body.mesh.area_angstrom2(),
+            mesh_volume_angstrom3: body.mass_properties.volume_angstrom3,
+            radius_angstrom: body.mesh_radius_angstrom(),
+        }
+    }
+}
+
+/// What became of several files.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Ingested {
+    /// One entry per file, in the order given.
+    pub files: Vec<FileOutcome>,
+}
+
+impl Ingested {
+    /// Whether a file failed.
+    pub fn has_failures(&self) -> bool {
+        self.files.iter().any(|outcome| outcome.error.is_some())
+    }
+}
+
+impl Answer for Ingested {
+    fn text(&self) -> String {
+        let mut rows = vec![heading([
+            "file",
+            "status",
+            "atoms",
+            "residues",
+            "net charge (e)",
+            "area (Å²)",
+            "volume (Å³)",
+            "skipped",
+        ])];
+        rows.extend(self.files.iter().map(FileOutcome::cells));
+        columns(&rows)
+    }
+}
+
+impl FileOutcome {
+    fn cells(&self) -> Vec<String> {
+        let mut cells = vec![self.file.clone(), self.status.into()];
+        let Some(body) = &self.measures else {
+            return cells;
+        };
+        let skipped = self.skipped.iter();
+        let skipped: Vec<String> = skipped
+            .map(|(why, count)| format!("{count} {why}"))
+            .collect();
+        cells.extend([
+            body.atoms.to_string(),
+            body.residues.to_string(),
+            format!("{:+.2}", body.net_charge_e),
+            format!("{:.0}", body.mesh_area_angstrom2),
+            format!("{:.0}", body.mesh_volume_angstrom3),
+            skipped.join(", "),
+        ]);
+        cells
+    }
+}
+
+/// Ingests every file into `folder`.
+///
+/// # Errors
+/// Only if the folder cannot be made or two files would make the same body; what goes wrong with a
+/// file is in its outcome.
+pub fn ingest_files(
+    files: &[PathBuf],
+    folder: &Path,
+    settings: &IngestSettings,
+    progress: &dyn Progress,
+) -> Result<Ingested> {
+    ResultKind::VoxelSet.refuse_in(folder)?;
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    let names = body_names(files, settings)?;
+    let jobs: Vec<(&PathBuf, String)> = files.iter().zip(names).collect();
+    progress.begin(jobs.len() as u64, "files");
+    let one = |(file, name): (&PathBuf, String)| {
+        let outcome = ingest_file(file, &name, folder, settings);
+        progress.advance(1);
+        outcome.unwrap_or_else(|error| FileOutcome::failed(file, &error))
+    };
+    Ok(Ingested {
+        files: jobs.into_par_iter().map(one).collect(),
+    })
+}
+
+/// One name per file. Files of the same stem (1crn.pdb and 1crn.cif) keep their endings to stay
+/// apart.
+fn body_names(files: &[PathBuf], settings: &IngestSettings) -> Result<Vec<String>> {
+    if let Some(name) = &settings.name {
+        return Ok(vec![name.clone()]);
+    }
+    let stems: Vec<String> = files.iter().map(|file| stem(file)).collect();
+    let names: Vec<String> = files
+        .iter()
+        .zip(&stems)
+        .map(
+            |(file, stem)| match stems.iter().filter(|other| *other == stem).count() {
+                1 => stem.clone(),
+                _ => full_name(file),
+            },
+        )
+        .collect();
+    let mut seen = BTreeSet::new();
+    match names.iter().find(|name| !seen.insert(*name)) {
+        Some(name) => {
+            bail!("two input files are called {name}; ingest them into different folders")
+        }
+        None => Ok(names),
+    }
+}
+
+fn full_name(file: &Path) -> String {
+    let name = file
+        .file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned();
+    name.strip_suffix(".gz").unwrap_or(&name).replace('.', "_")
+}
+
+fn ingest_file(
+    file: &Path,
+    name: &str,
+    folder: &Path,
+    settings: &IngestSettings,
+) -> Result<FileOutcome> {
+    let path = folder.join(format!("{name}.body"));
+    let built = read_and_build(file, name, &settings.body)?;
+    if !settings.force && body_file::is_another(&path, &built.body)? {
+        bail!(
+            "{}: {} holds another body; overwrite it with --force",
+            file.display(),
+            path.display()
+        );
+    }
+    write_exports(&built.body, folder, name, &settings.exports)?;
+    body_file::write(&path, &built.body)?;
+    Ok(FileOutcome {
+        file: file.display().to_string(),
+        status: "ok",
+        body: Some(path),
+        measures: Some(BodyMeasures::of(&built.body)),
+        skipped: built
+            .selection
+            .as_ref()
+            .map(|report| report.skipped.clone())
+            .unwrap_or_default(),
+        warnings: built.warnings,
+        selection: built.selection,
+        error: None,
+    })
+}
+
+/// A body from a structure file.
+///
+/// # Errors
+/// Names the file, the line or residue, and the remedy.
+pub fn read_and_build(file: &Path, name: &str, settings: &BodySettings) -> Result<BuiltBody> {
+    let input = InputFile::read(file)?;
+    let source = Source {
+        file: &input.name,
+        sha256: &input.sha256,
+    };
+    match Format::of_name(&input.name) {
+        Some(Format::Pqr) => {
+            let points = read_points(&input.name, &input.bytes)?;
+            build_body_of_points(name, source, &points, &settings.surface)
+                .with_context(|| input.name.clone())
+        }
+        _ => build_body(name, source, &input.bytes, settings)
+            .map_err(|error| named(&input.name, error)),
+    }
+}
+
+/// The error with the file's name in front, where it does not have it already.
+fn named(file: &str, error: BodyError) -> anyhow::Error {
+    match error {
+        BodyError::Parse { .. } => error.into(),
+        _ => anyhow::Error::from(error).context(file.to_owned()),
+    }
+}
+
+fn write_exports(body: &Body, folder: &Path, name: &str, endings: &[&str]) -> Result<()> {
+    for ending in endings {
+        let path = folder.join(format!("{name}.{ending}"));
+        let bytes = match *ending {
+            "pqr" => write_pqr(&point_records(body))?.into_bytes(),
+            _ => write_mesh(
+                MeshFormat::from_name(&path.display().to_string())?,
+                &body.mesh,
+            ),
+        };
+        write_atomically(&path, |file| file.write_all(&bytes))?;
+    }
+    Ok(())
+}
+
+/// The sites of a body as records of a PQR file.
+fn point_records(body: &Body) -> Vec<PointRecord> {
+    body.sites
+        .iter()
+        .map(|site| {
+            let residue = site
+                .residue
+                .and_then(|index| body.residues.get(index as usize));
+            PointRecord {
+                position: site.position,
+                charge_e: site.charge_e,
+                radius_angstrom: site.radius_angstrom,
+                atom_name: site.atom_name.clone(),
+                residue_name: residue
+                    .map(|residue| residue.name.clone())
+                    .unwrap_or_default(),
+                chain: residue
+                    .map(|residue| residue.chain.clone())
+                    .unwrap_or_default(),
+                residue_number: residue.map_or(0, |residue| residue.number),
+                insertion_code: residue
+                    .map(|residue| residue.insertion_code.clone())
+                    .unwrap_or_default(),
+            }
+        })
+        .collect()
+}
+
+impl FileOutcome {
+    fn failed(file: &Path, error: &anyhow::Error) -> Self {
+        Self {
+            file: file.display().to_string(),
+            status: "failed",
+            body: None,
+            measures: None,
+            skipped: BTreeMap::new(),
+            warnings: Vec::new(),
+            selection: None,
+            error: Some(format!("{error:#}")),
+        }
+    }
+}

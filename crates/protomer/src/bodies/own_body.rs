@@ -1,0 +1,114 @@
+//! A body from a user's own mesh and charges.
+
+use crate::answer::Answer;
+use crate::bodies::body_file;
+use crate::bodies::ingest::BodyMeasures;
+use crate::input::InputFile;
+use anyhow::{Context, Result};
+use protomer_body::{Body, Provenance, Site, check_name};
+use protomer_io::mesh::read_mesh;
+use protomer_io::points::read_points;
+use protomer_kernel::Vec3;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// What to make a body of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OwnBody {
+    /// Name of the body.
+    pub name: String,
+    /// Mesh file.
+    pub mesh: PathBuf,
+    /// Charge file.
+    pub charges: Option<PathBuf>,
+}
+
+/// A body that was written.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct WrittenBody {
+    /// The body file.
+    pub body: PathBuf,
+    /// Name of the body.
+    pub name: String,
+    /// What the body measures.
+    pub measures: BodyMeasures,
+}
+
+impl Answer for WrittenBody {
+    fn text(&self) -> String {
+        let measures = &self.measures;
+        format!(
+            "{}: {} triangles, {:.1} Å³, {} charges, net {:+.3} e",
+            self.body.display(),
+            measures.triangles,
+            measures.mesh_volume_angstrom3,
+            measures.atoms,
+            measures.net_charge_e
+        )
+    }
+}
+
+/// Makes a body and writes it to a file.
+///
+/// # Errors
+/// As [`build`]; also if the disk refuses.
+pub fn make(own: &OwnBody, output: &Path) -> Result<WrittenBody> {
+    let body = build(own)?;
+    body_file::write(output, &body)?;
+    Ok(WrittenBody {
+        body: output.to_owned(),
+        name: body.name.clone(),
+        measures: BodyMeasures::of(&body),
+    })
+}
+
+/// Reads the files and checks that the mesh bounds a solid.
+///
+/// # Errors
+/// Names the file, the line or the defect of the mesh.
+pub fn build(own: &OwnBody) -> Result<Body> {
+    check_name(&own.name)?;
+    let file = InputFile::read(&own.mesh)?;
+    let mesh = read_mesh(&file.name, &file.bytes)?;
+    let checked = || -> Result<_> {
+        mesh.topology()?;
+        Ok(mesh.mass_properties()?)
+    };
+    let mass_properties = checked().with_context(|| file.name.clone())?;
+    let mut settings = BTreeMap::from([("mesh".to_owned(), file.name.clone())]);
+    let mut sites = Vec::new();
+    if let Some(path) = &own.charges {
+        let charges = InputFile::read(path)?;
+        sites = read_points(&charges.name, &charges.bytes)?
+            .into_iter()
+            .map(site)
+            .collect();
+        settings.insert("charges".into(), charges.name);
+        settings.insert("charges_sha256".into(), charges.sha256);
+    }
+    let provenance = Provenance {
+        source: file.name,
+        source_sha256: file.sha256,
+        origin_angstrom: Vec3::zeros(),
+        settings,
+    };
+    Ok(Body {
+        name: own.name.clone(),
+        mesh,
+        sites,
+        residues: Vec::new(),
+        mass_properties,
+        provenance,
+    })
+}
+
+fn site(record: protomer_io::points::PointRecord) -> Site {
+    Site {
+        position: record.position,
+        charge_e: record.charge_e,
+        radius_angstrom: record.radius_angstrom,
+        atom_name: record.atom_name,
+        residue: None,
+    }
+}

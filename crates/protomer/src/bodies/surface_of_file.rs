@@ -1,0 +1,151 @@
+//! The solvent-excluded surface of a file, without charges.
+
+use crate::answer::Answer;
+use crate::bodies::body_file;
+use crate::input::InputFile;
+use anyhow::{Context, Result};
+use protomer_body::chemistry::{SiteSettings, build_sites, sites_of_points};
+use protomer_body::structure::{Format, SelectionSettings, Structure};
+use protomer_body::{Site, SurfaceSettings, surface_of_sites};
+use protomer_io::atomic::write_atomically;
+use protomer_io::mesh::{MeshFormat, write_mesh};
+use protomer_io::points::{read_points, read_xyzr};
+use protomer_kernel::{TriangleMesh, Vec3};
+use serde::Serialize;
+use std::path::Path;
+
+/// The figures of a surface.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SurfaceReport {
+    /// The input file.
+    pub file: String,
+    /// Atoms with a radius.
+    pub atoms: usize,
+    /// Probe radius, Å.
+    pub probe_radius_angstrom: f64,
+    /// Vertices asked for per Å².
+    pub density_per_angstrom2: f64,
+    /// Exact area from the arrangement of the accessible surface, cavities included, Å².
+    pub ses_area_angstrom2: f64,
+    /// Exact volume, cavities excluded, Å³.
+    pub ses_volume_angstrom3: f64,
+    /// Relative error of the exact figures, estimated.
+    pub relative_error_estimate: f64,
+    /// Area of the mesh, Å².
+    pub mesh_area_angstrom2: f64,
+    /// Volume inside the mesh, Å³.
+    pub mesh_volume_angstrom3: f64,
+    /// Mesh vertices.
+    pub vertices: usize,
+    /// Mesh triangles.
+    pub triangles: usize,
+    /// Connected pieces of the surface, walls of cavities included.
+    pub components: usize,
+    /// Sum of the genera of the pieces.
+    pub genus: i64,
+    /// Pieces that are walls of cavities.
+    pub cavities: usize,
+}
+
+impl Answer for SurfaceReport {
+    fn text(&self) -> String {
+        format!(
+            "{} atoms\n\
+             exact:  area {:.3} Å², volume {:.3} Å³ (relative error about {:.0e})\n\
+             mesh:   area {:.3} Å² ({:+.2} %), volume {:.3} Å³ ({:+.3} %)\n\
+             {} vertices, {} triangles, {} components, {} of them cavities, genus {}",
+            self.atoms,
+            self.ses_area_angstrom2,
+            self.ses_volume_angstrom3,
+            self.relative_error_estimate,
+            self.mesh_area_angstrom2,
+            100.0 * (self.mesh_area_angstrom2 / self.ses_area_angstrom2 - 1.0),
+            self.mesh_volume_angstrom3,
+            100.0 * (self.mesh_volume_angstrom3 / self.ses_volume_angstrom3 - 1.0),
+            self.vertices,
+            self.triangles,
+            self.components,
+            self.cavities,
+            self.genus
+        )
+    }
+}
+
+/// Computes a surface, and writes its mesh if a file is named, in the format of its ending.
+///
+/// # Errors
+/// As [`surface_of_file`]; also for an unknown ending, which is refused before the work.
+pub fn measure_surface(
+    path: &Path,
+    settings: &SurfaceSettings,
+    output: Option<&Path>,
+) -> Result<SurfaceReport> {
+    let format = output.map(|path| MeshFormat::from_name(&path.display().to_string()));
+    let format = format.transpose()?;
+    let (mesh, report) = surface_of_file(path, settings)?;
+    if let (Some(path), Some(format)) = (output, format) {
+        let bytes = write_mesh(format, &mesh);
+        write_atomically(path, |file| file.write_all(&bytes))?;
+    }
+    Ok(report)
+}
+
+/// The surface of a structure, PQR, `.xyzr` or body file, in the coordinates of the file.
+///
+/// # Errors
+/// Names the file, the line, and the remedy.
+pub fn surface_of_file(
+    path: &Path,
+    settings: &SurfaceSettings,
+) -> Result<(TriangleMesh, SurfaceReport)> {
+    let file = InputFile::read(path)?;
+    let (sites, origin) = read_sites(&file)?;
+    let surface = surface_of_sites(&sites, settings).with_context(|| file.name.clone())?;
+    let surface = if settings.keep_cavities {
+        surface
+    } else {
+        surface.fill_cavities(settings.interior_radius_angstrom)?.0
+    };
+    let (mesh, exact, topology) = (surface.mesh, surface.exact, surface.topology);
+    let report = SurfaceReport {
+        file: file.name,
+        atoms: sites
+            .iter()
+            .filter(|site| site.radius_angstrom > 0.0)
+            .count(),
+        probe_radius_angstrom: settings.probe_radius_angstrom,
+        density_per_angstrom2: settings.density_per_angstrom2,
+        ses_area_angstrom2: exact.ses_area_angstrom2(),
+        ses_volume_angstrom3: exact.ses_volume_angstrom3,
+        relative_error_estimate: exact.area_error_estimate_angstrom2 / exact.ses_area_angstrom2(),
+        mesh_area_angstrom2: mesh.area_angstrom2(),
+        mesh_volume_angstrom3: mesh.volume_angstrom3(),
+        vertices: mesh.vertices.len(),
+        triangles: mesh.triangles.len(),
+        components: topology.components,
+        genus: topology.genus,
+        cavities: topology.cavities,
+    };
+    Ok((mesh.map_vertices(|vertex| vertex + origin), report))
+}
+
+/// The sites of a structure, PQR, `.xyzr` or body file about an origin, and that origin in the
+/// coordinates of the file (of a body: of the file that it was made from).
+pub(crate) fn read_sites(file: &InputFile) -> Result<(Vec<Site>, Vec3)> {
+    let plain = file.name.strip_suffix(".gz").unwrap_or(&file.name);
+    if plain.ends_with(".body") {
+        let body = body_file::from_bytes(&file.name, &file.bytes)?;
+        return Ok((body.sites, body.provenance.origin_angstrom));
+    }
+    let charged = if plain.ends_with(".xyzr") {
+        sites_of_points(&read_xyzr(&file.name, &file.bytes)?)
+    } else if Format::of_name(&file.name) == Some(Format::Pqr) {
+        sites_of_points(&read_points(&file.name, &file.bytes)?)
+    } else {
+        let selection =
+            Structure::read(&file.name, &file.bytes)?.select(&SelectionSettings::default());
+        selection.and_then(|selection| build_sites(&selection, &SiteSettings::default()))
+    };
+    let charged = charged.with_context(|| file.name.clone())?;
+    Ok((charged.sites, charged.origin_angstrom))
+}

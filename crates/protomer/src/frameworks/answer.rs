@@ -1,0 +1,164 @@
+//! What `framework` answers: constants and curves as text, moduli against direction as a figure; and
+//! the verb itself.
+
+use super::curve::{self, Curve};
+use super::figure::polar_figure;
+use super::report::{Analytic, Report, Settings, analyse};
+use super::{directory, network_file, tables};
+use crate::answer::{Answer, columns};
+use crate::output_file::write_once;
+use anyhow::{Result, bail};
+use protomer_crystal::framework::analytic::Honeycomb;
+use protomer_crystal::framework::{Framework, StressKind};
+use protomer_plot::Figure;
+use protomer_results::ResultKind;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// A network and what is wanted of it.
+#[derive(Debug, Clone)]
+pub struct Analysis {
+    /// The network.
+    pub network: Framework,
+    /// What it is called in results.
+    pub name: String,
+    /// The honeycomb that it is, for the closed formulas.
+    pub honeycomb: Option<Honeycomb>,
+    /// How it is analysed.
+    pub settings: Settings,
+    /// The loads to put on it one after the other.
+    pub load: Option<LoadSettings>,
+    /// A file for the network as TOML.
+    pub network_file: Option<PathBuf>,
+    /// The directory of the results.
+    pub output: Option<PathBuf>,
+}
+
+/// Loads along an axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoadSettings {
+    /// The axis: x, y or z.
+    pub axis: String,
+    /// The stresses, GPa; negative ones push.
+    pub stresses_gpa: Vec<f64>,
+    /// What the stress is referred to.
+    pub kind: StressKind,
+}
+
+impl Analysis {
+    /// Analyses the network, loads it, and writes the files that are asked for; `force` replaces
+    /// files that are there.
+    ///
+    /// # Errors
+    /// If the network makes no sense or cannot bear a load, or a file cannot be written.
+    pub fn run(&self, force: bool) -> Result<Report> {
+        if let Some(path) = &self.network_file {
+            write_once(
+                path,
+                &network_file::to_toml(&self.network, &self.name),
+                force,
+            )?;
+        }
+        let (placed, mut report) = analyse(&self.network, &self.name, &self.settings)?;
+        let gpa = report.gpa_per_kcal_mol_angstrom3;
+        if let (Some(honeycomb), None) = (&self.honeycomb, self.settings.relax) {
+            report.analytic = Some(Analytic::of(honeycomb, gpa));
+        }
+        let mut loaded = None;
+        if let Some(load) = &self.load {
+            let (curve, last) =
+                curve::load(&placed, &load.axis, &load.stresses_gpa, load.kind, gpa)?;
+            report.curve = Some(curve);
+            loaded = Some(last);
+        }
+        if let Some(folder) = &self.output {
+            let files = directory::files(&report, &placed, loaded.as_ref())?;
+            directory::write(folder, ResultKind::ElasticConstants, &files, force)?;
+        }
+        Ok(report)
+    }
+}
+
+impl Answer for Report {
+    fn text(&self) -> String {
+        let [head, tail] = self.describe();
+        let moduli = columns(&self.moduli_rows());
+        let curve = self.curve.as_ref().map(describe_curve);
+        let curve = curve.map_or_else(String::new, |curve| format!("\n\n{curve}"));
+        format!("{head}\n\n{moduli}\n\n{tail}{curve}")
+    }
+
+    fn figure(&self) -> Option<Figure> {
+        polar_figure(self)
+    }
+}
+
+fn describe_curve(curve: &Curve) -> String {
+    let kind = match curve.stress_kind {
+        StressKind::Nominal => "nominal",
+        StressKind::Cauchy => "Cauchy",
+    };
+    let table = match curve.rows() {
+        Ok(rows) => columns(&rows),
+        Err(error) => error.to_string(),
+    };
+    format!("loaded along {} ({kind} stress):\n{table}", curve.axis)
+}
+
+/// The tables of the paper, recomputed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(transparent)]
+pub struct PaperTables {
+    rows: Vec<tables::Row>,
+}
+
+impl PaperTables {
+    /// Computes the tables, and writes them into a directory if one is named.
+    ///
+    /// # Errors
+    /// If a file is there already and `force` is not given, or the disk refuses.
+    pub fn compute(output: Option<&Path>, force: bool) -> Result<Self> {
+        let tables = Self {
+            rows: tables::rows()?,
+        };
+        if let Some(folder) = output {
+            let json = serde_json::to_string_pretty(&tables)? + "\n";
+            let files = [
+                ("tables.json".to_owned(), json.into_bytes()),
+                ("tables.txt".to_owned(), (tables.text() + "\n").into_bytes()),
+            ];
+            directory::write(folder, ResultKind::FrameworkTables, &files, force)?;
+        }
+        Ok(tables)
+    }
+}
+
+impl Answer for PaperTables {
+    fn text(&self) -> String {
+        let described = tables::describe(&self.rows);
+        let parts: Vec<String> = described
+            .into_iter()
+            .map(|(title, lines)| format!("{title}\n{}\n", columns(&lines)))
+            .collect();
+        format!("{}\n{}", parts.join("\n"), tables::legend(&self.rows))
+    }
+}
+
+/// `2x2`, or one number for all directions: cells along each cell vector.
+///
+/// # Errors
+/// If the text is neither, or the network has another number of dimensions.
+pub fn cell_counts(text: &str, dimension: usize) -> Result<Vec<usize>> {
+    let counts: Result<Vec<usize>, _> = text
+        .split('x')
+        .map(|count| count.trim().parse::<usize>())
+        .collect();
+    match counts.as_deref() {
+        Ok([one]) => Ok(vec![*one; dimension]),
+        Ok(several) if several.len() == dimension => Ok(several.to_vec()),
+        Ok(_) => bail!(
+            "--cells is '{text}'; the network has {dimension} dimensions, so give {dimension} counts"
+        ),
+        Err(_) => bail!("--cells is '{text}'; write it like 2x2"),
+    }
+}

@@ -1,0 +1,200 @@
+//! A network under growing loads along one axis.
+
+use super::axes;
+use super::text::rounded;
+use anyhow::{Result, bail};
+use protomer_crystal::framework::load::{Loaded, stretch_curve};
+use protomer_crystal::framework::{Framework, Load, StressKind};
+use protomer_io::csv::Table;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Strain against stress.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Curve {
+    /// The axis along which the load pulls.
+    pub axis: &'static str,
+    /// What the stresses asked for are referred to.
+    pub stress_kind: StressKind,
+    /// One per stress.
+    pub points: Vec<CurvePoint>,
+}
+
+/// The network at rest under one stress.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CurvePoint {
+    /// Force per area before loading, GPa.
+    pub nominal_gpa: f64,
+    /// Force per area under load, GPa.
+    pub cauchy_gpa: f64,
+    /// `strain_y`, ...: length over length before loading, less one.
+    #[serde(flatten)]
+    pub strains: BTreeMap<String, f64>,
+    /// `nu_yz`, ...: minus the strain across over that along, both finite.
+    #[serde(flatten)]
+    pub ratios: BTreeMap<String, f64>,
+    /// Energy of the cell, kcal/mol.
+    pub energy_kcal_mol: f64,
+    /// Volume of the cell, Å³.
+    pub volume_angstrom3: f64,
+    /// Cell vectors, Å.
+    pub cell_angstrom: Vec<Vec<f64>>,
+    /// Newton steps.
+    pub steps: usize,
+    /// Largest component of a force left on a node, kcal/mol/Å.
+    pub largest_force_kcal_mol_angstrom: f64,
+}
+
+/// Stresses in GPa from a list such as `1GPa,2GPa,-500MPa`; a bare number is in GPa.
+///
+/// # Errors
+/// Says what is not understood.
+///
+/// ```
+/// assert_eq!(protomer::frameworks::curve::stresses_gpa("1GPa, -500MPa,2")?, vec![1.0, -0.5, 2.0]);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+pub fn stresses_gpa(text: &str) -> Result<Vec<f64>> {
+    let one = |item: &str| -> Result<f64> {
+        let item = item.trim();
+        let (number, divisor) = match (item.strip_suffix("MPa"), item.strip_suffix("GPa")) {
+            (Some(number), _) => (number, 1000.0),
+            (_, Some(number)) => (number, 1.0),
+            _ => (item, 1.0),
+        };
+        match number.trim().parse::<f64>() {
+            Ok(value) if value.is_finite() => Ok(value / divisor),
+            _ => bail!("'{item}' is not a stress; write a list like 1GPa,2GPa or -500MPa"),
+        }
+    };
+    text.split(',').map(one).collect()
+}
+
+/// Loads a network step by step; also the network under the last load.
+///
+/// # Errors
+/// If the network has no such axis, or cannot bear a load.
+pub fn load(
+    network: &Framework,
+    axis: &str,
+    stresses_gpa: &[f64],
+    kind: StressKind,
+    gpa: f64,
+) -> Result<(Curve, Framework)> {
+    let names = axes(network.dimension());
+    let Some((index, name)) = names.iter().enumerate().find(|(_, name)| **name == axis) else {
+        bail!(
+            "--load is {axis}; the network has the axes {}",
+            names.join(", ")
+        );
+    };
+    let loads: Vec<Load> = stresses_gpa
+        .iter()
+        .map(|stress| Load {
+            axis: index,
+            stress_kcal_mol_angstrom3: stress / gpa,
+            kind,
+        })
+        .collect();
+    let loaded = stretch_curve(network, &loads)?;
+    let points = loaded
+        .iter()
+        .zip(stresses_gpa)
+        .map(|(at, stress)| point(network, at, index, *stress, kind))
+        .collect();
+    let last = loaded
+        .last()
+        .map_or_else(|| network.clone(), |at| at.configuration.place(network));
+    Ok((
+        Curve {
+            axis: name,
+            stress_kind: kind,
+            points,
+        },
+        last,
+    ))
+}
+
+fn point(
+    network: &Framework,
+    at: &Loaded,
+    axis: usize,
+    stress_gpa: f64,
+    kind: StressKind,
+) -> CurvePoint {
+    let placed = at.configuration.place(network);
+    let names = axes(network.dimension());
+    // P A0 = σ A, with A = V/(length along the load).
+    let area = placed.volume_angstrom3() / network.volume_angstrom3() / (1.0 + at.stretch[axis]);
+    let (nominal_gpa, cauchy_gpa) = match kind {
+        StressKind::Nominal => (stress_gpa, stress_gpa / area),
+        StressKind::Cauchy => (stress_gpa * area, stress_gpa),
+    };
+    let others = || {
+        names
+            .iter()
+            .zip(&at.stretch)
+            .enumerate()
+            .filter(|(index, _)| *index != axis)
+    };
+    let ratio = |strain: f64| -strain / at.stretch[axis];
+    CurvePoint {
+        nominal_gpa,
+        cauchy_gpa,
+        strains: names
+            .iter()
+            .zip(&at.stretch)
+            .map(|(name, strain)| (format!("strain_{name}"), *strain))
+            .collect(),
+        ratios: others()
+            .map(|(_, (name, strain))| (format!("nu_{}{name}", names[axis]), ratio(*strain)))
+            .collect(),
+        energy_kcal_mol: at.energy_kcal_mol,
+        volume_angstrom3: placed.volume_angstrom3(),
+        cell_angstrom: placed.cell_angstrom,
+        steps: at.steps,
+        largest_force_kcal_mol_angstrom: at.largest_force_kcal_mol_angstrom,
+    }
+}
+
+impl Curve {
+    /// The curve as a table: the two stresses, strains, ratios, energy and volume.
+    ///
+    /// # Errors
+    /// Never in practice; rows of unequal length would be refused.
+    pub fn table(&self) -> Result<Table> {
+        let keys = |map: fn(&CurvePoint) -> &BTreeMap<String, f64>| {
+            self.points
+                .first()
+                .map_or_else(Vec::new, |point| map(point).keys().cloned().collect())
+        };
+        let mut columns = vec!["nominal_gpa".to_owned(), "cauchy_gpa".to_owned()];
+        columns.extend(keys(|point| &point.strains));
+        columns.extend(keys(|point| &point.ratios));
+        columns.extend(["energy_kcal_mol", "volume_angstrom3"].map(str::to_owned));
+        let mut table = Table::new(columns);
+        for point in &self.points {
+            let middle = point.strains.values().chain(point.ratios.values());
+            let row = [point.nominal_gpa, point.cauchy_gpa]
+                .into_iter()
+                .chain(middle.copied());
+            let row = row.chain([point.energy_kcal_mol, point.volume_angstrom3]);
+            table.push(row.map(Into::into))?;
+        }
+        Ok(table)
+    }
+
+    /// Rows for people, the heading first.
+    pub fn rows(&self) -> Result<Vec<Vec<String>>> {
+        let table = self.table()?;
+        let mut rows = vec![table.columns().to_vec()];
+        rows.extend(table.rows().iter().map(|row| {
+            let show = |cell: &protomer_io::csv::Cell| match cell {
+                protomer_io::csv::Cell::Number(value) => rounded(*value, 5),
+                _ => String::new(),
+            };
+            row.iter().map(show).collect::<Vec<String>>()
+        }));
+        Ok(rows)
+    }
+}

@@ -1,0 +1,41 @@
+//! Networks of rods and hinges: their elastic constants, what they do under load, and how that is
+//! shown.
+//!
+//! | module | one idea |
+//! |---|---|
+//! | [`network_file`] | networks as TOML |
+//! | [`report`] | elastic constants with their units, closed formulas beside them |
+//! | [`curve`] | a network under growing loads |
+//! | [`answer`] | the verb, and its answer as text and figure |
+//! | [`figure`], [`drawing`] | moduli against direction; the cells, unloaded and loaded |
+//! | [`directory`] | the files of a result |
+//! | `text` | numbers for people |
+//! | [`tables`] | tables 2 to 4 of Grima et al., Mol. Simul. 31, 925 (2005), printed and recomputed |
+
+pub mod answer;
+pub mod curve;
+pub mod directory;
+pub mod drawing;
+pub mod figure;
+pub mod network_file;
+pub mod report;
+pub mod tables;
+mod text;
+
+/// Names of the axes of two- and three-dimensional networks.
+pub fn axes(dimension: usize) -> &'static [&'static str] {
+    if dimension == 2 {
+        &["y", "z"]
+    } else {
+        &["x", "y", "z"]
+    }
+}
+
+/// Names of the strain components, in the order of all matrices.
+pub fn strain_names(dimension: usize) -> &'static [&'static str] {
+    if dimension == 2 {
+        &["yy", "zz", "yz"]
+    } else {
+        &["xx", "yy", "zz", "yz", "xz", "xy"]
+    }
+}

@@ -1,0 +1,293 @@
+//! The report of a prediction: a row per sample, and scores where the truth is known.
+
+use super::fit::Difference;
+use super::trained::Trained;
+use super::truth::{Part, Truth, Unscored};
+use crate::answer::Answer;
+use crate::voxels::samples::VoxelSet;
+use anyhow::{Result, anyhow};
+use protomer_io::csv::{Cell, Table};
+use protomer_learn::scaling::Quarantined;
+use protomer_learn::scores::{Scores, most_probable};
+use protomer_learn::split::family_weights;
+use protomer_learn::training::Predictions;
+use protomer_learn::{Description, SampleSource};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// What a network says of one sample.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SamplePrediction {
+    /// Its name.
+    pub name: String,
+    /// Its file, as the manifest of the set names it.
+    pub file: String,
+    /// Its label in the set.
+    pub label: String,
+    /// Its true class; `None` if the label is not a class of the network.
+    pub class: Option<String>,
+    /// The part of the training it belonged to; `None` in another set than that of the training.
+    pub part: Option<Part>,
+    /// Why it is not scored, in another set than that of the training.
+    pub unscored: Option<Unscored>,
+    /// The most probable class.
+    pub predicted: String,
+    /// The probability of each class.
+    pub probabilities: Vec<f64>,
+}
+
+/// Scores of the samples whose class is known, those that training has seen left out.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SetScores {
+    /// Samples scored.
+    pub samples: usize,
+    /// Share of samples predicted right; copies of one crystal form count once together.
+    pub accuracy: f64,
+    /// The accuracy of always naming the most frequent class of the training part.
+    pub majority_accuracy: f64,
+    /// Mean recall over the classes present.
+    pub balanced_accuracy: f64,
+    /// The balanced accuracy of always naming the most frequent class of the training part.
+    pub majority_balanced_accuracy: f64,
+    /// Cross entropy, nats.
+    pub log_loss_nats: f64,
+    /// Cross entropy of the shares of the classes in the training part, nats.
+    pub prior_log_loss_nats: f64,
+    /// `prior_log_loss_nats` - `log_loss_nats`: what the network knows, per sample.
+    pub nats_gained_over_prior: f64,
+}
+
+/// Samples that are not scored for one reason.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct NotScored {
+    /// Why.
+    pub why: Unscored,
+    /// How many.
+    pub samples: usize,
+}
+
+/// The report of a prediction.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PredictReport {
+    /// Version of the program.
+    pub version: String,
+    /// The directory of the training.
+    pub run: PathBuf,
+    /// The set.
+    pub set: PathBuf,
+    /// Whether it is the set of the training; then scores are of its test part only.
+    pub is_training_set: bool,
+    /// Names of the classes, in the order of the probabilities.
+    pub classes: Vec<String>,
+    /// Names of the channels the network sees.
+    pub channels: Vec<String>,
+    /// One entry per sample that could be read, in the order of the set.
+    pub samples: Vec<SamplePrediction>,
+    /// Scores, where samples with a known class are left to score.
+    pub scores: Option<SetScores>,
+    /// Samples that are predicted and not scored, in another set than that of the training.
+    pub not_scored: Vec<NotScored>,
+    /// Samples left out, and why.
+    pub left_out: Vec<Quarantined>,
+    /// Conditions under which the voxels were made otherwise than those of the training.
+    pub differences: Vec<Difference>,
+}
+
+impl PredictReport {
+    /// Puts together what is known and what was predicted.
+    ///
+    /// # Errors
+    /// If the predictions do not fit the set, or hold a number that is not a probability.
+    pub(super) fn of(
+        run: &Path,
+        path: &Path,
+        trained: &Trained,
+        set: &VoxelSet,
+        truth: &Truth,
+        predictions: Predictions,
+        differences: Vec<Difference>,
+    ) -> Result<Self> {
+        let card = &trained.model.card;
+        let class = |number: usize| card.classes.get(number).cloned().unwrap_or_default();
+        let mut samples = Vec::with_capacity(predictions.samples.len());
+        for (sample, p) in predictions
+            .samples
+            .iter()
+            .zip(predictions.probabilities.chunks(card.classes.len().max(1)))
+        {
+            let known = set
+                .descriptions()
+                .get(*sample)
+                .ok_or_else(|| anyhow!("there is no sample {sample}"))?;
+            samples.push(SamplePrediction {
+                name: known.name.clone(),
+                file: set.files().get(*sample).cloned().unwrap_or_default(),
+                label: known.label.clone(),
+                class: truth.classes.get(*sample).copied().flatten().map(class),
+                part: truth.parts.get(*sample).copied().flatten(),
+                unscored: truth.unscored.get(*sample).copied().flatten(),
+                predicted: class(most_probable(p)),
+                probabilities: p.to_vec(),
+            });
+        }
+        let not_scored = count(&samples);
+        Ok(Self {
+            version: env!("CARGO_PKG_VERSION").into(),
+            run: run.to_owned(),
+            set: path.to_owned(),
+            is_training_set: truth.is_training_set,
+            classes: card.classes.clone(),
+            channels: card.channels.clone(),
+            samples,
+            not_scored,
+            scores: scores(&card.log_prior, set, truth, &predictions)?,
+            left_out: predictions.quarantined,
+            differences,
+        })
+    }
+
+    /// One row per sample: name, file, label, class, part, predicted, and a probability per class.
+    ///
+    /// # Errors
+    /// If rows and classes disagree.
+    pub fn table(&self) -> Result<Table> {
+        let fixed = ["name", "file", "label", "class", "part", "predicted"].map(str::to_owned);
+        let mut table = Table::new(
+            fixed
+                .into_iter()
+                .chain(self.classes.iter().map(|class| format!("p_{class}"))),
+        );
+        for sample in &self.samples {
+            let text = |text: &String| Cell::from(text.as_str());
+            let fixed = [
+                text(&sample.name),
+                text(&sample.file),
+                text(&sample.label),
+                Cell::from(sample.class.as_deref()),
+                Cell::from(sample.part.map(Part::name)),
+                text(&sample.predicted),
+            ];
+            table.push(
+                fixed
+                    .into_iter()
+                    .chain(sample.probabilities.iter().map(|p| Cell::from(*p))),
+            )?;
+        }
+        Ok(table)
+    }
+}
+
+impl Answer for PredictReport {
+    /// The accuracy never stands without the majority's.
+    fn text(&self) -> String {
+        let mut lines = vec![format!(
+            "{} samples predicted, {} left out",
+            self.samples.len(),
+            self.left_out.len()
+        )];
+        match &self.scores {
+            Some(scores) => {
+                lines.push(match self.is_training_set {
+                    true => format!(
+                        "scores of the test part of the training, {} samples",
+                        scores.samples
+                    ),
+                    false => {
+                        format!(
+                            "scores of the samples of known class that are new to the network, {}",
+                            scores.samples
+                        )
+                    }
+                });
+                lines.push(format!(
+                    "balanced accuracy {:.3} (majority {:.3}), accuracy {:.3} (majority {:.3})",
+                    scores.balanced_accuracy,
+                    scores.majority_balanced_accuracy,
+                    scores.accuracy,
+                    scores.majority_accuracy
+                ));
+                lines.push(format!(
+                    "log-loss {:.3} nats, prior {:.3}: gained {:+.3}",
+                    scores.log_loss_nats, scores.prior_log_loss_nats, scores.nats_gained_over_prior
+                ));
+            }
+            None if self.is_training_set => {
+                lines.push("no scores: no sample of the test part can be read".into())
+            }
+            None => lines.push("no scores: no sample is left to score".into()),
+        }
+        let not_scored = self.not_scored.iter();
+        lines.extend(
+            not_scored.map(|these| format!("not scored: {} {}", these.samples, these.why.words())),
+        );
+        lines.join("\n")
+    }
+}
+
+/// Samples by the reason for which they are not scored.
+fn count(samples: &[SamplePrediction]) -> Vec<NotScored> {
+    let mut counts: BTreeMap<Unscored, usize> = BTreeMap::new();
+    samples
+        .iter()
+        .filter_map(|sample| sample.unscored)
+        .for_each(|why| *counts.entry(why).or_default() += 1);
+    counts
+        .into_iter()
+        .map(|(why, samples)| NotScored { why, samples })
+        .collect()
+}
+
+/// Scores with weights as in training. A sample counts one over the size of its family: the samples
+/// with a class in the set of the training, the samples that are scored in another set.
+fn scores(
+    log_prior: &[f64],
+    set: &VoxelSet,
+    truth: &Truth,
+    predictions: &Predictions,
+) -> Result<Option<SetScores>> {
+    let count = log_prior.len();
+    let counts = |sample: &usize| {
+        truth.classes[*sample].is_some() && (truth.is_training_set || truth.may_be_scored(*sample))
+    };
+    let labelled: Vec<usize> = (0..truth.classes.len()).filter(counts).collect();
+    let descriptions: Vec<Description> = labelled
+        .iter()
+        .map(|sample| set.descriptions()[*sample].clone())
+        .collect();
+    let weight_of = |sample: usize| labelled.binary_search(&sample).ok();
+    let all_weights = family_weights(&descriptions);
+    let (mut probabilities, mut labels, mut weights) = (Vec::new(), Vec::new(), Vec::new());
+    for (sample, p) in predictions
+        .samples
+        .iter()
+        .zip(predictions.probabilities.chunks(count.max(1)))
+    {
+        let (true, Some(class), Some(place)) = (
+            truth.may_be_scored(*sample),
+            truth.classes[*sample],
+            weight_of(*sample),
+        ) else {
+            continue;
+        };
+        probabilities.extend_from_slice(p);
+        labels.push(class);
+        weights.push(all_weights[place]);
+    }
+    if labels.is_empty() {
+        return Ok(None);
+    }
+    let of = |p: &[f64]| Scores::of(p, &labels, count, Some(&weights));
+    let prior: Vec<f64> = log_prior.iter().map(|log| log.exp()).collect();
+    let (own, prior) = (of(&probabilities)?, of(&prior.repeat(labels.len()))?);
+    Ok(Some(SetScores {
+        samples: labels.len(),
+        accuracy: own.accuracy,
+        majority_accuracy: prior.accuracy,
+        balanced_accuracy: own.balanced_accuracy,
+        majority_balanced_accuracy: prior.balanced_accuracy,
+        log_loss_nats: own.log_loss_nats,
+        prior_log_loss_nats: prior.log_loss_nats,
+        nats_gained_over_prior: own.nats_gained_over(&prior),
+    }))
+}

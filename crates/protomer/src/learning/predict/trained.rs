@@ -1,0 +1,96 @@
+//! The network of a directory, or what to do if there is none.
+
+use crate::learning::train::{MODEL, Metrics, SETTINGS, Source, TrainSettings, TrainedOn};
+use anyhow::{Context, Result, bail};
+use protomer_learn::training::Model;
+use std::path::{Path, PathBuf};
+
+/// A finished training on a set.
+#[derive(Debug)]
+pub struct Trained {
+    /// What was trained on what.
+    pub settings: TrainSettings,
+    /// The network with its scaling and classes.
+    pub model: Model,
+    /// The structures it has seen; `None` if an earlier version trained it and did not write them
+    /// down.
+    pub seen: Option<TrainedOn>,
+}
+
+impl Trained {
+    /// The training of a directory.
+    ///
+    /// # Errors
+    /// If it holds something else, a control, or a training that is not finished.
+    pub fn read(directory: &Path) -> Result<Self> {
+        let shown = directory.display();
+        let is_there = |name: &str| directory.join(name).exists();
+        if !directory.is_dir() {
+            bail!(
+                "{shown} is not a directory; give the one that protomer train wrote its results \
+                 into"
+            );
+        }
+        if is_there("trials.csv") || is_there("trials") {
+            bail!(
+                "{shown} holds a search, which keeps no network; train what it found with protomer \
+                 train SET.zarr --config {shown}/best.toml -o RUN, and give RUN"
+            );
+        }
+        if !is_there(SETTINGS) {
+            return Err(match training_below(directory, 2) {
+                Some(below) => anyhow::anyhow!(
+                    "{shown} is not the directory of a training, but holds some; give one of them, \
+                     such as {}",
+                    below.display()
+                ),
+                None => anyhow::anyhow!(
+                    "{shown} holds no training; give the directory that protomer train wrote into"
+                ),
+            });
+        }
+        let settings = TrainSettings::read(&directory.join(SETTINGS)).with_context(|| {
+            format!(
+                "{shown} does not hold a training of this version; give the directory of another, \
+                 or train anew"
+            )
+        })?;
+        if let Source::Control { name, .. } = settings.source {
+            bail!(
+                "{shown} holds the control {}, whose network has seen synthetic voxels only; give \
+                 the directory of a training on a set (protomer train SET.zarr -o RUN)",
+                name.name()
+            );
+        }
+        if !is_there(MODEL) || Metrics::read(directory)?.is_none() {
+            bail!("the training in {shown} is not finished; the same train command continues it");
+        }
+        let path = directory.join(MODEL);
+        let bytes =
+            std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
+        let model = Model::from_bytes(&bytes)
+            .with_context(|| format!("{} is damaged; train again with --force", path.display()))?;
+        Ok(Self {
+            settings,
+            model,
+            seen: TrainedOn::read(directory)?,
+        })
+    }
+}
+
+/// The first training at most so many levels below, such as those of an ablation
+/// (`ablation/CHANNELS/seed_N`).
+fn training_below(directory: &Path, levels: usize) -> Option<PathBuf> {
+    let mut folders: Vec<PathBuf> = std::fs::read_dir(directory)
+        .ok()?
+        .flatten()
+        .map(|entry| entry.path())
+        .collect();
+    folders.retain(|path| path.is_dir());
+    folders.sort();
+    let is_training = |path: &&PathBuf| path.join(SETTINGS).is_file() && path.join(MODEL).is_file();
+    folders.iter().find(is_training).cloned().or_else(|| {
+        let below = levels.checked_sub(1).filter(|levels| *levels > 0)?;
+        folders.iter().find_map(|path| training_below(path, below))
+    })
+}

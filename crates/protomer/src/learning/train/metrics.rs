@@ -1,0 +1,314 @@
+//! `metrics.json`: how well a network predicts the test part, beside what can be predicted without
+//! it.
+
+use anyhow::{Context, Result};
+use protomer_io::atomic::write_atomically;
+use protomer_io::csv::{Cell, Table};
+use protomer_learn::ablation::{Ablation, AblationRun};
+use protomer_learn::evaluation::{Evaluation, Intervals, TestPredictions};
+use protomer_learn::sample::Description;
+use protomer_learn::scaling::Quarantined;
+use protomer_learn::scores::{ReliabilityBin, Scores, most_probable};
+use protomer_learn::split::Split;
+use protomer_learn::targets::LabelCount;
+use protomer_results::keys::read_json_if_present;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Samples in each part of the split.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Parts {
+    /// Samples that weights were fitted to.
+    pub training: usize,
+    /// Samples that the epoch and the temperature were chosen on.
+    pub validation: usize,
+    /// Samples that all scores here are of.
+    pub test: usize,
+    /// Clusters of the test part.
+    pub test_clusters: usize,
+}
+
+/// What is predicted without a network.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BaselineScores {
+    /// Share of samples predicted right.
+    pub accuracy: f64,
+    /// Mean recall.
+    pub balanced_accuracy: f64,
+    /// Mean F1.
+    pub macro_f1: f64,
+    /// Share of samples whose class is among the three most probable.
+    pub top3_accuracy: f64,
+    /// Cross entropy, nats.
+    pub log_loss_nats: f64,
+}
+
+/// The scores of a trained network on the test part.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Metrics {
+    /// Version of the program.
+    pub version: String,
+    /// Names of the classes, in the order of every list and matrix below.
+    pub classes: Vec<String>,
+    /// Names of the channels the network saw.
+    pub channels: Vec<String>,
+    /// Samples in each part.
+    pub samples: Parts,
+    /// Share of samples predicted right; it means nothing without `majority_accuracy`.
+    pub accuracy: f64,
+    /// The accuracy of always naming the most frequent class of the training part.
+    pub majority_accuracy: f64,
+    /// Mean recall over the classes.
+    pub balanced_accuracy: f64,
+    /// Mean F1 over the classes.
+    pub macro_f1: f64,
+    /// Share of samples whose class is among the three most probable.
+    pub top3_accuracy: f64,
+    /// Matthews' correlation coefficient for several classes.
+    pub matthews_correlation: f64,
+    /// Cross entropy, nats.
+    pub log_loss_nats: f64,
+    /// Cross entropy of the shares of the classes in the training part, nats.
+    pub prior_log_loss_nats: f64,
+    /// `prior_log_loss_nats` - `log_loss_nats`: what was learnt, per sample.
+    pub nats_gained_over_prior: f64,
+    /// Brier score.
+    pub brier: f64,
+    /// Expected calibration error.
+    pub expected_calibration_error: f64,
+    /// Temperature that divides the logits, chosen on the validation part.
+    pub temperature: f64,
+    /// Weight of samples by true class (row) and predicted class (column).
+    pub confusion_matrix: Vec<Vec<f64>>,
+    /// Confidence and accuracy, bin by bin.
+    pub reliability: Vec<ReliabilityBin>,
+    /// What is predicted without a network, by name.
+    pub baselines: BTreeMap<String, BaselineScores>,
+    /// 95 % intervals.
+    pub bootstrap_95: Intervals,
+    /// Share of exchanges of labels between clusters of one size in the test part under which the
+    /// same predictions have no larger log-loss (each sample counting once; the real labels count
+    /// as one exchange). Only labels of the test part move and no network is fitted again: it asks
+    /// whether these predictions go with the labels of the test part, not how often a training on
+    /// exchanged labels would do as well.
+    pub permutation_p: f64,
+    /// Exchanges that were tried.
+    pub permutations: usize,
+    /// Share of the test part's samples whose clusters have another of their size, so that their
+    /// labels can move: near 0 the test above cannot tell anything.
+    #[serde(default)]
+    pub permutation_movable: f64,
+    /// The epoch whose weights were kept.
+    pub best_epoch: usize,
+    /// Epochs done.
+    pub epochs: usize,
+    /// Numbers that training fits.
+    pub parameters: usize,
+    /// Samples left out, and why.
+    pub quarantined: Vec<Quarantined>,
+    /// Labels that were too rare for a class of their own and became "other".
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub other_labels: Vec<LabelCount>,
+    /// Classes whose samples all belong to one cluster: a split by cluster cannot both train and
+    /// test them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub single_cluster_classes: Vec<String>,
+    /// All subsets of the channels, where asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ablation: Option<Ablation>,
+    /// What was expected, for a control.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub control: Option<super::control::ControlReport>,
+}
+
+/// What the scores are made from.
+#[derive(Debug)]
+pub struct Predictions<'a> {
+    /// All samples of the set.
+    pub descriptions: &'a [Description],
+    /// The class of each.
+    pub labels: &'a [usize],
+    /// Names of the classes.
+    pub classes: &'a [String],
+    /// Names of the channels.
+    pub channels: &'a [String],
+    /// The split, without samples left out.
+    pub split: &'a Split,
+    /// Probabilities of the test part, in its order, samples x classes.
+    pub probabilities: &'a [f64],
+    /// Temperature they have.
+    pub temperature: f64,
+    /// Samples left out.
+    pub quarantined: &'a [Quarantined],
+    /// Labels that became "other".
+    pub other_labels: &'a [LabelCount],
+    /// Classes that live in one cluster, where clusters stay together.
+    pub single_cluster_classes: &'a [String],
+    /// Epochs done.
+    pub epochs: usize,
+    /// The epoch whose weights were kept.
+    pub best_epoch: usize,
+    /// Numbers that training fits.
+    pub parameters: usize,
+    /// Exchanges of labels for the permutation test.
+    pub permutations: usize,
+    /// Seed of resamplings and exchanges.
+    pub seed: u64,
+}
+
+impl Predictions<'_> {
+    /// Scores everything.
+    ///
+    /// # Errors
+    /// If there is nothing to score, or a description is not finite.
+    pub fn metrics(&self) -> Result<Metrics> {
+        let predictions = TestPredictions {
+            descriptions: self.descriptions,
+            labels: self.labels,
+            classes: self.classes.len(),
+            split: self.split,
+            probabilities: self.probabilities,
+        };
+        let evaluation = predictions.evaluate(self.permutations, self.seed)?;
+        let (majority, prior) = (
+            evaluation.baseline("majority")?.accuracy,
+            evaluation.baseline("prior")?.log_loss_nats,
+        );
+        let Evaluation {
+            scores: own,
+            baselines,
+            intervals,
+            permutation,
+            test_clusters,
+        } = evaluation;
+        let mut scores_of_baselines = BTreeMap::new();
+        for (name, scores) in baselines {
+            scores_of_baselines.insert(name.to_owned(), BaselineScores::of(&scores));
+        }
+        Ok(Metrics {
+            version: env!("CARGO_PKG_VERSION").into(),
+            classes: self.classes.to_vec(),
+            channels: self.channels.to_vec(),
+            samples: Parts {
+                training: self.split.training.len(),
+                validation: self.split.validation.len(),
+                test: self.split.test.len(),
+                test_clusters,
+            },
+            accuracy: own.accuracy,
+            majority_accuracy: majority,
+            balanced_accuracy: own.balanced_accuracy,
+            macro_f1: own.macro_f1,
+            top3_accuracy: own.top3_accuracy,
+            matthews_correlation: own.matthews,
+            log_loss_nats: own.log_loss_nats,
+            prior_log_loss_nats: prior,
+            nats_gained_over_prior: prior - own.log_loss_nats,
+            brier: own.brier,
+            expected_calibration_error: own.expected_calibration_error,
+            temperature: self.temperature,
+            confusion_matrix: own.confusion,
+            reliability: own.reliability,
+            bootstrap_95: intervals,
+            baselines: scores_of_baselines,
+            permutation_p: permutation.p_value,
+            permutations: permutation.exchanges,
+            permutation_movable: permutation.movable,
+            best_epoch: self.best_epoch,
+            epochs: self.epochs,
+            parameters: self.parameters,
+            quarantined: self.quarantined.to_vec(),
+            other_labels: self.other_labels.to_vec(),
+            single_cluster_classes: self.single_cluster_classes.to_vec(),
+            ablation: None,
+            control: None,
+        })
+    }
+
+    /// `predictions.csv`: one row per sample of the test part.
+    ///
+    /// # Errors
+    /// If the disk does not take it.
+    pub fn write_csv(&self, path: &Path) -> Result<()> {
+        let fixed = ["name", "cluster", "label", "predicted"].map(str::to_owned);
+        let mut table = Table::new(
+            fixed
+                .into_iter()
+                .chain(self.classes.iter().map(|class| format!("p_{class}"))),
+        );
+        let name = |class: usize| self.classes.get(class).map_or("", String::as_str);
+        for (sample, p) in self
+            .split
+            .test
+            .iter()
+            .zip(self.probabilities.chunks(self.classes.len().max(1)))
+        {
+            let (Some(known), Some(label)) =
+                (self.descriptions.get(*sample), self.labels.get(*sample))
+            else {
+                continue;
+            };
+            let best = name(most_probable(p)).into();
+            let fixed: [Cell; 4] = [
+                known.name.as_str().into(),
+                known.cluster.as_str().into(),
+                name(*label).into(),
+                best,
+            ];
+            table.push(fixed.into_iter().chain(p.iter().map(|p| Cell::from(*p))))?;
+        }
+        write_atomically(path, |file| file.write_all(table.to_csv().as_bytes()))?;
+        Ok(())
+    }
+}
+
+impl BaselineScores {
+    fn of(scores: &Scores) -> Self {
+        Self {
+            accuracy: scores.accuracy,
+            balanced_accuracy: scores.balanced_accuracy,
+            macro_f1: scores.macro_f1,
+            top3_accuracy: scores.top3_accuracy,
+            log_loss_nats: scores.log_loss_nats,
+        }
+    }
+}
+
+impl Metrics {
+    /// What a training of this seed brings to an ablation.
+    pub(super) fn ablation_run(&self, seed: u64) -> AblationRun {
+        AblationRun {
+            channels: self.channels.clone(),
+            seed,
+            balanced_accuracy: self.balanced_accuracy,
+            accuracy: self.accuracy,
+            majority_accuracy: self.majority_accuracy,
+            nats_gained_over_prior: self.nats_gained_over_prior,
+        }
+    }
+
+    /// Writes `metrics.json` into a directory.
+    ///
+    /// # Errors
+    /// If the disk does not take it.
+    pub fn write(&self, directory: &Path) -> Result<()> {
+        let text = serde_json::to_string_pretty(self).context("metrics.json")?;
+        write_atomically(&directory.join(FILE_NAME), |file| writeln!(file, "{text}"))?;
+        Ok(())
+    }
+
+    /// The metrics of a directory, if its training is done.
+    ///
+    /// # Errors
+    /// If there are some and they cannot be read.
+    pub fn read(directory: &Path) -> Result<Option<Self>> {
+        Ok(read_json_if_present(&directory.join(FILE_NAME))?)
+    }
+}
+
+/// The name of the file.
+pub const FILE_NAME: &str = "metrics.json";

@@ -1,0 +1,42 @@
+//! Training a network in a directory: start or continue, evaluate beside baselines, write the
+//! results.
+//!
+//! ```text
+//! DIR/settings.toml  metrics.json  model.safetensors  history.csv  learning_curve.svg
+//! DIR/predictions.csv  trained_on.json  checkpoint.bin
+//! DIR/ablation/CHANNELS/seed_N/   a directory each    ablation.csv
+//! DIR/EXPERIMENT/                 the further experiments of a control
+//! ```
+//!
+//! | module | one idea |
+//! |---|---|
+//! | `settings` | what is trained, on what, and how |
+//! | `source` | where samples come from |
+//! | `run` | one training: the loop, checkpoints, results |
+//! | `trained_on` | which structures a network has seen |
+//! | `job` | a training with its ablation; a control with its experiments |
+//! | `metrics` | scores beside baselines |
+//! | `summary` | the scores as lines for a reader |
+//! | `ablation`, `control`, `figure` | tables of channels, verdicts on controls, the learning curve |
+
+mod ablation;
+mod control;
+mod figure;
+mod job;
+mod metrics;
+mod run;
+mod settings;
+mod source;
+mod summary;
+mod trained_on;
+
+pub(crate) use ablation::summary as ablation_summary;
+pub use control::{ControlReport, ExperimentReport};
+pub use figure::learning_curve;
+pub use job::{ControlRun, Job, run_control, run_job};
+pub use metrics::{BaselineScores, Metrics, Parts, Predictions};
+pub(crate) use run::{Epochs, TrainingRun};
+pub use run::{MODEL, Prepared, SETTINGS, check, train_in};
+pub use settings::{Source, SplitBy, TrainSettings};
+pub use source::{channels_of, open_set, samples_of};
+pub use trained_on::{Seen, TRAINED_ON, TrainedOn};

@@ -1,0 +1,591 @@
+//! One training in its directory: start or continue, save every so often, write the results.
+
+use super::figure::learning_curve;
+use super::metrics::{Metrics, Predictions};
+use super::settings::{Source, SplitBy, TrainSettings};
+use super::trained_on::{TRAINED_ON, TrainedOn};
+use anyhow::{Context, Error, Result, bail};
+use protomer_io::atomic::write_atomically;
+use protomer_io::csv::{Cell, Table};
+use protomer_learn::Device;
+use protomer_learn::logistic::prior;
+use protomer_learn::network::NetworkSettings;
+use protomer_learn::sample::{Description, SampleSource};
+use protomer_learn::scaling::{Quarantined, screen};
+use protomer_learn::scores::Scores;
+use protomer_learn::split::{Split, family_weights, labels_in_one_cluster};
+use protomer_learn::targets::{Classes, LabelCount};
+use protomer_learn::training::{
+    EpochRecord, Observer, Outcome, PredictionSettings, StepReport, Trained, Training,
+    TrainingSettings, epochs_done,
+};
+use protomer_learn::view::View;
+use protomer_results::{
+    CHECKPOINT, Checkpoint, End, Execution, Layout, Record, ResultKind, ResultsDirectory, Run,
+    Turn, Work, drive, settings,
+};
+use serde_json::Value;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+/// The trained network, with its scaling and its classes.
+pub const MODEL: &str = "model.safetensors";
+/// What was trained on what.
+pub const SETTINGS: &str = "settings.toml";
+const HISTORY: &str = "history.csv";
+const PREDICTIONS: &str = "predictions.csv";
+const CURVE: &str = "learning_curve.svg";
+/// The directory of a training and its ablation.
+const LAYOUT: Layout = Layout {
+    kind: ResultKind::Training,
+    settings: SETTINGS,
+    results: &[
+        "run.json",
+        super::metrics::FILE_NAME,
+        MODEL,
+        HISTORY,
+        PREDICTIONS,
+        CURVE,
+        CHECKPOINT,
+        TRAINED_ON,
+        "ablation.csv",
+        "ablation",
+        "report.html",
+    ],
+    is_result: |_| false,
+};
+
+/// A set ready for training: samples with a class, classes, split.
+#[derive(Debug)]
+pub struct Prepared<'a> {
+    /// The samples that have a class.
+    pub view: View<'a>,
+    /// Their descriptions, with the class as label.
+    pub descriptions: Vec<Description>,
+    /// Their classes.
+    pub classes: Classes,
+    /// The split, without samples that cannot be read.
+    pub split: Split,
+    /// Samples left out.
+    pub quarantined: Vec<Quarantined>,
+    /// Labels that were too rare and became "other".
+    pub other_labels: Vec<LabelCount>,
+    /// Where clusters stay together: classes that live in one cluster.
+    pub single_cluster_classes: Vec<String>,
+}
+
+impl<'a> Prepared<'a> {
+    /// Applies target and split to a set.
+    ///
+    /// # Errors
+    /// If fewer than two classes are left, or clusters are too few for the split.
+    pub fn new(settings: &TrainSettings, set: &'a dyn SampleSource) -> Result<Self> {
+        let target = settings.target;
+        let mut quarantined = Vec::new();
+        for (sample, description) in set.descriptions().iter().enumerate() {
+            let reason = match target.of(&description.label) {
+                Ok(class) if class.is_empty() => "it has no label".to_owned(),
+                Ok(_) => continue,
+                Err(error) => error.to_string(),
+            };
+            quarantined.push(Quarantined {
+                sample,
+                name: description.name.clone(),
+                reason,
+            });
+        }
+        let view = View::new(set).relabelled(|description| {
+            target
+                .of(&description.label)
+                .ok()
+                .filter(|class| !class.is_empty())
+        });
+        let labels: Vec<&str> = view
+            .descriptions()
+            .iter()
+            .map(|description| description.label.as_str())
+            .collect();
+        let classes = Classes::of(
+            &labels,
+            protomer_learn::targets::Target::Label,
+            settings.least_samples,
+        )?;
+        if classes.names.len() < 2 {
+            let example = quarantined
+                .first()
+                .map(|bad| format!(" ({} has none: {})", bad.name, bad.reason));
+            bail!(
+                "{} of {} samples have a class{}, and there are {} classes of at least {} samples; \
+                 two are needed: take more samples, another --target, or a smaller --least-samples",
+                labels.len(),
+                set.descriptions().len(),
+                example.unwrap_or_default(),
+                classes.names.len(),
+                settings.least_samples
+            );
+        }
+        let other_labels = classes.joined(&labels);
+        let mut descriptions = view.descriptions().to_vec();
+        for (known, class) in descriptions.iter_mut().zip(&classes.labels) {
+            known.label.clone_from(&classes.names[*class]);
+        }
+        let single_cluster_classes = match settings.split_by {
+            SplitBy::Cluster => labels_in_one_cluster(&descriptions),
+            SplitBy::Sample => Vec::new(),
+        };
+        let single_cluster_classes = single_cluster_classes
+            .into_iter()
+            .map(String::from)
+            .collect();
+        let seed = settings.split_seed.unwrap_or(settings.training.seed);
+        let split = match settings.split_by {
+            SplitBy::Cluster => Split::grouped(&descriptions, seed, settings.fractions)?,
+            SplitBy::Sample => Split::random(&descriptions, seed, settings.fractions)?,
+        };
+        let mut part = |samples: &[usize]| {
+            let (good, bad) = screen(&view, samples);
+            quarantined.extend(bad);
+            good
+        };
+        let split = Split {
+            training: part(&split.training),
+            validation: part(&split.validation),
+            test: part(&split.test),
+        };
+        for (part, samples) in [
+            ("training", &split.training),
+            ("validation", &split.validation),
+            ("test", &split.test),
+        ] {
+            if samples.is_empty() {
+                let why = quarantined.first().map_or_else(
+                    || "give it a share with --fractions, or take more clusters".to_owned(),
+                    |bad| {
+                        format!(
+                            "{} samples cannot be used, such as {}: {}",
+                            quarantined.len(),
+                            bad.name,
+                            bad.reason
+                        )
+                    },
+                );
+                bail!("the {part} part has no samples: {why}");
+            }
+        }
+        Ok(Self {
+            view,
+            descriptions,
+            classes,
+            split,
+            quarantined,
+            other_labels,
+            single_cluster_classes,
+        })
+    }
+}
+
+/// Whether a training of these settings can begin.
+///
+/// # Errors
+/// Says what does not fit together.
+pub fn check(settings: &TrainSettings, prepared: &Prepared) -> Result<()> {
+    if settings.training.epochs == 0 {
+        bail!("epochs is 0; give 1 or more");
+    }
+    let network = settings.network(prepared.classes.names.len());
+    Ok(training(prepared, &network, &settings.training, Device::Cpu).check()?)
+}
+
+fn training<'a>(
+    prepared: &'a Prepared,
+    network: &'a NetworkSettings,
+    settings: &'a TrainingSettings,
+    device: Device,
+) -> Training<'a> {
+    let Prepared {
+        view,
+        classes,
+        split,
+        ..
+    } = prepared;
+    Training {
+        source: view,
+        classes,
+        split,
+        network,
+        settings,
+        device,
+    }
+}
+
+/// A training of a set to its last epoch.
+pub struct TrainingRun<'a> {
+    settings: &'a TrainSettings,
+    prepared: &'a Prepared<'a>,
+    network: NetworkSettings,
+    training: TrainingSettings,
+    device: Device,
+    identity: String,
+}
+
+/// How far a training has come.
+#[derive(Debug, Default)]
+pub struct Epochs {
+    /// The state after the last epoch.
+    checkpoint: Option<EngineCheckpoint>,
+    done: u64,
+    /// Whether the validation loss has stopped falling before the last epoch.
+    has_ended_early: bool,
+}
+
+/// A checkpoint of the engine: a format of its own, which knows what it belongs to.
+#[derive(Debug, Clone)]
+pub struct EngineCheckpoint {
+    bytes: Vec<u8>,
+    /// The file it was read from, for messages.
+    origin: Option<PathBuf>,
+}
+
+impl Checkpoint for EngineCheckpoint {
+    fn to_bytes(&self, _kind: &str, _identity: &str) -> protomer_results::Result<Vec<u8>> {
+        Ok(self.bytes.clone())
+    }
+
+    fn from_bytes(
+        path: &Path,
+        _kind: &str,
+        _identity: &str,
+        bytes: &[u8],
+    ) -> protomer_results::Result<Self> {
+        Ok(Self {
+            bytes: bytes.to_vec(),
+            origin: Some(path.to_owned()),
+        })
+    }
+}
+
+impl<'a> TrainingRun<'a> {
+    /// A training to the epoch of the settings.
+    ///
+    /// # Errors
+    /// If the settings cannot be written down.
+    pub fn new(
+        settings: &'a TrainSettings,
+        prepared: &'a Prepared<'a>,
+        device: Device,
+    ) -> Result<Self> {
+        Ok(Self {
+            settings,
+            prepared,
+            network: settings.network(prepared.classes.names.len()),
+            training: settings.training.clone(),
+            device,
+            identity: settings::identity(settings, "")?,
+        })
+    }
+
+    /// The same training, to another epoch.
+    pub fn until_epoch(mut self, epoch: usize) -> Self {
+        self.training.epochs = epoch;
+        self
+    }
+
+    fn engine(&self) -> Training<'_> {
+        let device = self.device.clone();
+        training(self.prepared, &self.network, &self.training, device)
+    }
+
+    /// The network after the best epoch so far, and how it came about.
+    ///
+    /// # Errors
+    /// If the checkpoint is that of another training.
+    pub fn trained(&self, epochs: &Epochs) -> Result<Trained> {
+        self.train(epochs, &mut ())
+    }
+
+    fn train(&self, epochs: &Epochs, observer: &mut dyn Observer) -> Result<Trained> {
+        let engine = self.engine();
+        let Some(checkpoint) = &epochs.checkpoint else {
+            return Ok(engine.run(None, observer)?);
+        };
+        let trained = engine.run(Some(&checkpoint.bytes), observer);
+        match &checkpoint.origin {
+            Some(origin) => {
+                trained.with_context(|| format!("continuing from {}", origin.display()))
+            }
+            None => Ok(trained?),
+        }
+    }
+}
+
+impl Run for TrainingRun<'_> {
+    type State = Epochs;
+    type Checkpoint = EngineCheckpoint;
+    type Answer = Metrics;
+    type Error = Error;
+
+    fn work(&self) -> Work {
+        Work {
+            kind: ResultKind::Training,
+            verb: "train",
+            identity: self.identity.clone(),
+            input_sha256: self.settings.source.digest().to_owned(),
+        }
+    }
+
+    fn length(&self) -> u64 {
+        self.training.epochs as u64
+    }
+
+    fn open(&self, _directory: &Path, saved: Option<EngineCheckpoint>) -> Result<Epochs> {
+        let done = match &saved {
+            Some(saved) => epochs_done(&saved.bytes).with_context(|| {
+                let origin = saved.origin.as_deref().unwrap_or(Path::new(CHECKPOINT));
+                format!("continuing from {}", origin.display())
+            })?,
+            None => 0,
+        };
+        Ok(Epochs {
+            checkpoint: saved,
+            done: done as u64,
+            has_ended_early: false,
+        })
+    }
+
+    fn done(&self, epochs: &Epochs) -> u64 {
+        if epochs.has_ended_early {
+            self.length()
+        } else {
+            epochs.done
+        }
+    }
+
+    /// One epoch. The engine picks up its own checkpoint again each time, which costs next to
+    /// nothing beside an epoch.
+    fn advance(&self, epochs: &mut Epochs, turn: &Turn<'_>) -> Result<()> {
+        let mut one = OneEpoch {
+            turn,
+            checkpoint: None,
+        };
+        let trained = self.train(epochs, &mut one)?;
+        epochs.done = trained.history.len() as u64;
+        epochs.has_ended_early = trained.outcome == Outcome::Stopped;
+        if let Some(bytes) = one.checkpoint {
+            epochs.checkpoint = Some(EngineCheckpoint {
+                bytes,
+                origin: None,
+            });
+        }
+        Ok(())
+    }
+
+    fn save(&self, epochs: &mut Epochs) -> Result<EngineCheckpoint> {
+        epochs
+            .checkpoint
+            .clone()
+            .context("no epoch has been trained")
+    }
+
+    fn answer(&self, epochs: &mut Epochs, directory: &Path) -> Result<Metrics> {
+        let trained = self.trained(epochs)?;
+        write_results(self.settings, self.prepared, trained, directory)
+    }
+
+    fn details(&self, _epochs: &mut Epochs, _directory: &Path) -> Result<Value> {
+        Ok(Value::Null)
+    }
+
+    /// The metrics are written last: they say that everything is done, whatever the record says.
+    fn finished(&self, directory: &Path, _record: Option<&Record>) -> Result<Option<Metrics>> {
+        Metrics::read(directory)
+    }
+
+    /// What was reached is kept, also where training failed.
+    fn rescue(&self, epochs: &mut Epochs) -> Option<EngineCheckpoint> {
+        epochs.checkpoint.clone()
+    }
+}
+
+/// Ends a training after one epoch, or when asked in the middle of it.
+struct OneEpoch<'a> {
+    turn: &'a Turn<'a>,
+    checkpoint: Option<Vec<u8>>,
+}
+
+impl Observer for OneEpoch<'_> {
+    fn step(&mut self, _report: StepReport) -> ControlFlow<()> {
+        if self.turn.must_stop() {
+            return ControlFlow::Break(());
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn epoch(
+        &mut self,
+        _record: &EpochRecord,
+        checkpoint: &dyn Fn() -> protomer_learn::Result<Vec<u8>>,
+    ) -> protomer_learn::Result<ControlFlow<()>> {
+        self.checkpoint = Some(checkpoint()?);
+        Ok(ControlFlow::Break(()))
+    }
+}
+
+/// Trains or continues in a directory and scores the result.
+///
+/// # Errors
+/// For settings that make no sense, a directory that holds something else, and a full disk.
+pub fn train_in(
+    settings: &TrainSettings,
+    set: &dyn SampleSource,
+    path: &Path,
+    device: &Device,
+    execution: &Execution,
+) -> Result<End<Metrics>> {
+    let prepared = Prepared::new(settings, set)?;
+    check(settings, &prepared)?;
+    let run = TrainingRun::new(settings, &prepared, device.clone())?;
+    let _ours = ResultsDirectory::enter(path, &LAYOUT, settings, &run.identity, execution)?;
+    let end = drive(&run, path, execution)?;
+    // Earlier versions did not write it.
+    if matches!(end, End::Finished(_)) && TrainedOn::read(path)?.is_none() {
+        note_samples(settings, &prepared, path)?;
+    }
+    Ok(end)
+}
+
+/// Writes down which structures the network has seen. A control has none.
+fn note_samples(settings: &TrainSettings, prepared: &Prepared, path: &Path) -> Result<()> {
+    match settings.source {
+        Source::Set { .. } => TrainedOn::of(prepared).write(path),
+        Source::Control { .. } => Ok(()),
+    }
+}
+
+/// Calibrates, predicts the test part, and writes the results. The metrics come last: they mark a
+/// finished training.
+fn write_results(
+    settings: &TrainSettings,
+    prepared: &Prepared,
+    trained: Trained,
+    path: &Path,
+) -> Result<Metrics> {
+    let Prepared {
+        view,
+        descriptions,
+        classes,
+        split,
+        ..
+    } = prepared;
+    let Trained {
+        mut model,
+        history,
+        best_epoch,
+        ..
+    } = trained;
+    let how = PredictionSettings {
+        rotations: settings.rotations,
+        ..PredictionSettings::default()
+    };
+    let weights = family_weights(descriptions);
+    let temperature = model.calibrate(
+        view,
+        &split.validation,
+        &classes.labels,
+        Some(&weights),
+        how,
+    )?;
+    let predicted = model.predict(view, &split.test, how)?;
+    let predictions = Predictions {
+        descriptions,
+        labels: &classes.labels,
+        classes: &classes.names,
+        channels: &settings.training.channels,
+        split,
+        probabilities: &predicted.probabilities,
+        temperature,
+        quarantined: &prepared.quarantined,
+        other_labels: &prepared.other_labels,
+        single_cluster_classes: &prepared.single_cluster_classes,
+        epochs: history.len(),
+        best_epoch,
+        parameters: model.network.parameter_count(),
+        permutations: settings.permutations,
+        seed: settings.training.seed,
+    };
+    let metrics = predictions.metrics()?;
+    predictions.write_csv(&path.join(PREDICTIONS))?;
+    let bytes = model.to_bytes()?;
+    write_atomically(&path.join(MODEL), |file| file.write_all(&bytes))?;
+    let history_csv = history_table(&history)?.to_csv();
+    write_atomically(&path.join(HISTORY), |file| {
+        file.write_all(history_csv.as_bytes())
+    })?;
+    if !history.is_empty() {
+        write_curve(settings, prepared, &history, best_epoch, path)?;
+    }
+    note_samples(settings, prepared, path)?;
+    metrics.write(path)?;
+    Ok(metrics)
+}
+
+/// `learning_curve.svg`, with what the prior gives on the validation part.
+fn write_curve(
+    settings: &TrainSettings,
+    prepared: &Prepared,
+    history: &[EpochRecord],
+    best_epoch: usize,
+    path: &Path,
+) -> Result<()> {
+    let (split, classes) = (&prepared.split, &prepared.classes);
+    let count = classes.names.len();
+    let weights = family_weights(&prepared.descriptions);
+    let shares = prior(&split.training, &classes.labels, Some(&weights), count);
+    let (mut truth, mut of_validation) = (Vec::new(), Vec::new());
+    for sample in &split.validation {
+        truth.push(classes.labels[*sample]);
+        of_validation.push(weights[*sample]);
+    }
+    let prior = shares.repeat(truth.len());
+    let prior = Scores::of(&prior, &truth, count, Some(&of_validation))?;
+    let title = format!(
+        "{count} classes from {}",
+        settings.training.channels.join(", ")
+    );
+    let caption = format!(
+        "{} training and {} validation samples, seed {}, best epoch {best_epoch}",
+        split.training.len(),
+        split.validation.len(),
+        settings.training.seed
+    );
+    learning_curve(&title, &caption, history, prior.log_loss_nats, count)
+        .write_svg(&path.join(CURVE))?;
+    Ok(())
+}
+
+/// `history.csv`: one row per epoch.
+fn history_table(history: &[EpochRecord]) -> Result<Table> {
+    let columns = [
+        "epoch",
+        "training_loss_nats",
+        "validation_loss_nats",
+        "validation_balanced_accuracy",
+        "gradient_norm",
+        "largest_gradient_norm",
+        "learning_rate",
+        "skipped_steps",
+    ];
+    let mut table = Table::new(columns);
+    for record in history {
+        table.push([
+            record.epoch.into(),
+            record.training_loss_nats.into(),
+            Cell::from(record.validation_loss_nats),
+            Cell::from(record.validation_balanced_accuracy),
+            record.gradient_norm.into(),
+            record.largest_gradient_norm.into(),
+            record.learning_rate.into(),
+            record.skipped_steps.into(),
+        ])?;
+    }
+    Ok(table)
+}

@@ -1,0 +1,242 @@
+//! What is trained, on what, and how: `settings.toml`.
+
+use anyhow::Result;
+use protomer_learn::block::BlockSettings;
+use protomer_learn::controls::{Control, Experiment, Form, Plan, Variant};
+use protomer_learn::network::{GlobalPooling, NetworkSettings};
+use protomer_learn::split::Fractions;
+use protomer_learn::targets::Target;
+use protomer_learn::training::TrainingSettings;
+use protomer_results::{Settings, keys};
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// Where samples come from.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Source {
+    /// A set on the disk.
+    Set {
+        /// The zarr group.
+        path: PathBuf,
+        /// Digest of what it holds, so that a changed set is noticed.
+        digest: String,
+    },
+    /// A synthetic set.
+    Control {
+        /// Which.
+        name: Control,
+        /// How its samples are placed.
+        variant: Variant,
+        /// Samples in all.
+        samples: usize,
+        /// Voxels along each edge.
+        size: usize,
+        /// Seed of the samples.
+        seed: u64,
+    },
+}
+
+/// Sets with the same content are equal, wherever they lie. So a training continues after its set
+/// has moved, or on a machine that mounts it elsewhere.
+impl PartialEq for Source {
+    fn eq(&self, other: &Self) -> bool {
+        let control = |source: &Self| match source {
+            Self::Control {
+                name,
+                variant,
+                samples,
+                size,
+                seed,
+            } => Some((*name, *variant, *samples, *size, *seed)),
+            Self::Set { .. } => None,
+        };
+        match (self, other) {
+            (Self::Set { digest: own, .. }, Self::Set { digest: other, .. }) => own == other,
+            _ => control(self).is_some() && control(self) == control(other),
+        }
+    }
+}
+
+impl Source {
+    /// The digest of a set on the disk; empty for a synthetic one.
+    pub fn digest(&self) -> &str {
+        match self {
+            Self::Set { digest, .. } => digest,
+            Self::Control { .. } => "",
+        }
+    }
+
+    /// Where a set lies; empty for a synthetic one.
+    pub fn path(&self) -> &Path {
+        match self {
+            Self::Set { path, .. } => path,
+            Self::Control { .. } => Path::new(""),
+        }
+    }
+
+    fn without_path(&self) -> Self {
+        match self {
+            Self::Set { digest, .. } => Self::Set {
+                path: PathBuf::new(),
+                digest: digest.clone(),
+            },
+            control => control.clone(),
+        }
+    }
+}
+
+/// How samples are dealt out to training, validation and test.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SplitBy {
+    /// Whole clusters: relatives never stand on both sides.
+    #[default]
+    Cluster,
+    /// One by one: what leaks is what it scores above a split by cluster.
+    Sample,
+}
+
+/// Settings of one training. The same settings give the same weights, on any number of threads.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrainSettings {
+    /// What is to be predicted.
+    pub target: Target,
+    /// Classes with fewer samples become one class together.
+    pub least_samples: usize,
+    /// What stays together in the split.
+    pub split_by: SplitBy,
+    /// Seed of the split; without it, that of the training. Settings that a search has found keep
+    /// the split of the search: another split could test samples on which they were chosen.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub split_seed: Option<u64>,
+    /// Exchanges of labels in the permutation test.
+    pub permutations: usize,
+    /// Whether predictions are averaged over the 24 rotations of the cube.
+    pub rotations: bool,
+    /// What follows the last block.
+    pub pooling: GlobalPooling,
+    /// Where samples come from.
+    pub source: Source,
+    /// Shares of the parts.
+    pub fractions: Fractions,
+    /// Channels, scaling and the loop.
+    pub training: TrainingSettings,
+    /// The blocks of the network, first to last.
+    pub blocks: Vec<BlockSettings>,
+}
+
+impl Settings for TrainSettings {
+    /// Without the path of the set: a set is what it holds, wherever it lies.
+    fn essential(&self) -> Self {
+        Self {
+            source: self.source.without_path(),
+            ..self.clone()
+        }
+    }
+}
+
+impl TrainSettings {
+    /// Settings from a file.
+    ///
+    /// # Errors
+    /// Names the file, the line and the key.
+    pub fn read(path: &Path) -> Result<Self> {
+        Ok(keys::read_toml(path)?)
+    }
+
+    /// The network for so many classes.
+    pub fn network(&self, classes: usize) -> NetworkSettings {
+        let blocks = self.blocks.clone();
+        NetworkSettings {
+            channels: self.training.channels.len(),
+            classes,
+            blocks,
+            pooling: self.pooling,
+        }
+    }
+
+    /// The usual settings for a set on the disk with these channels.
+    ///
+    /// # Errors
+    /// Never as they are.
+    pub fn of_set(source: Source, channels: Vec<String>) -> Result<Self> {
+        Ok(Self {
+            target: Target::Label,
+            least_samples: 10,
+            split_by: SplitBy::Cluster,
+            split_seed: None,
+            permutations: 1000,
+            rotations: false,
+            pooling: GlobalPooling::AverageAndMaximum,
+            source,
+            fractions: Fractions::default(),
+            training: TrainingSettings {
+                channels,
+                seed: 1,
+                ..TrainingSettings::default()
+            },
+            blocks: BlockSettings::chain(&[16, 32, 64], &[3], 8)?,
+        })
+    }
+
+    /// The settings of one experiment of a control.
+    pub fn of_control(control: Control, experiment: &Experiment, form: Form, seed: u64) -> Self {
+        let Plan {
+            samples,
+            size,
+            fractions,
+            ..
+        } = control.plan(experiment, form);
+        let network = control.network(experiment, form);
+        Self {
+            target: Target::Label,
+            least_samples: 1,
+            split_by: if experiment.split_by_cluster {
+                SplitBy::Cluster
+            } else {
+                SplitBy::Sample
+            },
+            split_seed: None,
+            permutations: 1000,
+            rotations: false,
+            pooling: network.pooling,
+            source: Source::Control {
+                name: control,
+                variant: experiment.variant,
+                samples,
+                size,
+                seed,
+            },
+            fractions,
+            training: control.training(experiment, form, seed),
+            blocks: network.blocks,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_set_is_what_it_holds_wherever_it_lies() {
+        let set = |path: &str, digest: &str| Source::Set {
+            path: path.into(),
+            digest: digest.into(),
+        };
+        let control = |seed| Source::Control {
+            name: Control::Charge,
+            variant: Variant::Usual,
+            samples: 10,
+            size: 16,
+            seed,
+        };
+        assert_eq!(set("here/a.zarr", "1"), set("there/b.zarr", "1"));
+        assert_ne!(set("here/a.zarr", "1"), set("here/a.zarr", "2"));
+        assert_eq!(control(1), control(1));
+        assert_ne!(control(1), control(2));
+        assert_ne!(set("a", "1"), control(1));
+    }
+}

@@ -1,7 +1,0 @@
-//! The `protomer` command.
-
-use std::process::ExitCode;
-
-fn main() -> ExitCode {
-    ExitCode::from(protomer::cli::run(std::env::args_os()))
-}

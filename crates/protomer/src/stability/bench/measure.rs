@@ -1,0 +1,203 @@
+//! Moves from a prepared state, measured.
+
+use crate::cpu_time::{Stopwatch, process_seconds};
+use crate::stability::energy_tables::EnergyTables;
+use crate::stability::run::EnergyMode;
+use anyhow::Result;
+use protomer_io::atomic::sha256_hex;
+use protomer_kernel::potential::Yukawa;
+use protomer_mc::energy::certified::{CertifiedSum, ChargeTable};
+use protomer_mc::energy::{DirectSum, EnergyModel, NoCharges};
+use protomer_mc::{Interaction, Settings, Simulation, System};
+use protomer_results::Interrupt;
+use std::sync::Arc;
+
+/// Rates are measured over at least this many moves where moves are cheap (what overlap tests
+/// remember fills up at first), and over so many times the direct sum's where they are not.
+const FEWEST_CHEAP_MOVES: u64 = 320;
+const MOST_TIMES_THE_DIRECT_SUM: u64 = 8;
+
+/// A state with what an energy mode needs for it.
+#[derive(Debug, Clone)]
+pub(super) struct Prepared {
+    system: System,
+    yukawa: Yukawa,
+    energy: EnergyMode,
+    tolerance_kt: f64,
+    tables: Vec<Arc<ChargeTable>>,
+    /// Processor time of the tables, all threads together, s.
+    pub(super) setup_seconds: f64,
+}
+
+/// What moves took.
+#[derive(Debug, Clone)]
+pub(super) struct Timing {
+    pub(super) moves: u64,
+    pub(super) accepted: u64,
+    pub(super) watch: Stopwatch,
+    /// The first decisions of the first run.
+    pub(super) decisions: Vec<u8>,
+    /// Bytes the energy model holds.
+    pub(super) memory_bytes: usize,
+    /// Largest bound of a pair energy's error, kT.
+    pub(super) error_bound_kt: f64,
+}
+
+impl Timing {
+    pub(super) fn moves_per_cpu_second(&self) -> f64 {
+        self.moves as f64 / self.watch.seconds()
+    }
+
+    pub(super) fn acceptance(&self) -> f64 {
+        self.accepted as f64 / self.moves as f64
+    }
+
+    pub(super) fn decisions_sha256(&self) -> String {
+        sha256_hex(&self.decisions)
+    }
+}
+
+impl Prepared {
+    /// Gets the tables, if this mode has any. The tolerance (kT) is that of approximate energies.
+    ///
+    /// # Errors
+    /// If they take more memory than is allowed.
+    pub(super) fn new(
+        system: &System,
+        yukawa: Yukawa,
+        energy: EnergyMode,
+        tolerance_kt: f64,
+        tables: &EnergyTables,
+    ) -> Result<Self> {
+        let start = process_seconds();
+        let tables = match energy {
+            EnergyMode::Certified | EnergyMode::Approximate => {
+                tables.of(system.types(), &yukawa)?
+            }
+            EnergyMode::None | EnergyMode::Direct => Vec::new(),
+        };
+        let setup_seconds = process_seconds() - start;
+        Ok(Self {
+            system: system.clone(),
+            yukawa,
+            energy,
+            tolerance_kt,
+            tables,
+            setup_seconds,
+        })
+    }
+
+    /// A model of certified energies with the prepared tables.
+    pub(super) fn certified(&self) -> CertifiedSum {
+        CertifiedSum::with_tables(self.yukawa, self.tables.clone())
+    }
+
+    /// The energy model of this mode.
+    pub(super) fn model(&self) -> Box<dyn EnergyModel> {
+        match self.energy {
+            EnergyMode::None => Box::new(NoCharges),
+            EnergyMode::Direct => Box::new(DirectSum::new(self.yukawa)),
+            EnergyMode::Certified => Box::new(self.certified()),
+            EnergyMode::Approximate => Box::new(self.certified().with_tolerance(self.tolerance_kt)),
+        }
+    }
+
+    /// A simulation of this state about to make its first move, with the benchmark's fixed small
+    /// steps.
+    ///
+    /// # Errors
+    /// If the box is too small for the interaction or an energy is not finite.
+    pub(super) fn simulation(
+        &self,
+        model: Box<dyn EnergyModel>,
+        seed: u64,
+        replica: u32,
+    ) -> Result<Simulation> {
+        let steps = super::BenchSettings::default();
+        // The model decides; the settings only travel with it.
+        let settings = Settings {
+            translation_step_angstrom: steps.translation_step_angstrom,
+            rotation_step_rad: steps.rotation_step_rad,
+            equilibration_sweeps: 0,
+            ..Settings::new(Interaction::HardOnly)
+        };
+        Ok(Simulation::with_model(
+            self.system.clone(),
+            settings,
+            model,
+            seed,
+            replica,
+        )?)
+    }
+
+    /// Makes `moves` moves from the state, with random numbers of their own again and again until
+    /// `seconds` of processor time are spent: a state close to contact loosens as bodies move, so
+    /// one long run would time another state. The first run decides what is hashed; how often it is
+    /// repeated changes the rate's precision alone.
+    ///
+    /// # Errors
+    /// As [`Prepared::simulation`].
+    pub(super) fn time(
+        &self,
+        moves: u64,
+        seconds: f64,
+        seed: u64,
+        interrupt: &Interrupt,
+    ) -> Result<Timing> {
+        self.time_with(&mut || self.model(), moves, seconds, seed, interrupt)
+    }
+
+    /// As [`Prepared::time`], with a model of the caller's for each run.
+    pub(super) fn time_with(
+        &self,
+        model: &mut dyn FnMut() -> Box<dyn EnergyModel>,
+        moves: u64,
+        seconds: f64,
+        seed: u64,
+        interrupt: &Interrupt,
+    ) -> Result<Timing> {
+        let fewest = match self.energy {
+            EnergyMode::Direct => 0,
+            EnergyMode::None => FEWEST_CHEAP_MOVES,
+            EnergyMode::Certified | EnergyMode::Approximate => {
+                FEWEST_CHEAP_MOVES.min(MOST_TIMES_THE_DIRECT_SUM.saturating_mul(moves))
+            }
+        };
+        let per_run = moves.max(fewest);
+        let watch = Stopwatch::default();
+        let mut timing = Timing {
+            moves: 0,
+            accepted: 0,
+            watch,
+            decisions: Vec::new(),
+            memory_bytes: 0,
+            error_bound_kt: 0.0,
+        };
+        for run in 0.. {
+            let mut simulation = self.simulation(model(), seed, run)?;
+            let mut decisions = Vec::with_capacity(per_run as usize);
+            let mut note = |accepted| decisions.push(u8::from(accepted));
+            timing
+                .watch
+                .time(|| simulation.trial_moves(per_run, &mut note))?;
+            timing.moves += per_run;
+            timing.error_bound_kt = timing
+                .error_bound_kt
+                .max(simulation.energy_error_bound_kt());
+            timing.accepted += decisions
+                .iter()
+                .map(|decision| u64::from(*decision))
+                .sum::<u64>();
+            if run == 0 {
+                decisions.truncate(moves as usize);
+                timing.decisions = decisions;
+                let tables = self.tables.iter().map(|table| table.memory_bytes()).sum();
+                timing.memory_bytes = simulation.energy_memory_bytes().max(tables);
+            }
+            if timing.watch.seconds() >= seconds || interrupt.is_requested() {
+                break;
+            }
+        }
+        Ok(timing)
+    }
+}

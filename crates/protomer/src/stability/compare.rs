@@ -1,0 +1,149 @@
+//! Several sweeps in one figure: which arrangement stays together over the larger range of salt?
+
+use crate::answer::Answer;
+use anyhow::{Context, Result, bail};
+use protomer_plot::{Axis, Figure, Panel, Point, Series};
+use protomer_results::{ResultKind, keys};
+use serde::Serialize;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// What a comparison came to.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CompareReport {
+    /// The figure.
+    pub figure: PathBuf,
+    /// One curve per sweep.
+    pub sweeps: Vec<ComparedSweep>,
+    #[serde(skip)]
+    title: String,
+}
+
+impl Answer for CompareReport {
+    fn text(&self) -> String {
+        format!("figure: {}", self.figure.display())
+    }
+
+    fn figure(&self) -> Option<Figure> {
+        let panel = |y: Axis, value: Column, deviation: Column| Panel {
+            y,
+            series: self
+                .sweeps
+                .iter()
+                .map(|sweep| sweep.series(value, deviation))
+                .collect(),
+        };
+        let mut salts = self.sweeps.iter().flat_map(|sweep| &sweep.salt_molar);
+        // Zero salt has no place on a logarithmic axis.
+        let x = match salts.all(|salt| *salt > 0.0) {
+            true => Axis::log("salt (mM)"),
+            false => Axis::linear("salt (mM)"),
+        };
+        Some(Figure {
+            title: self.title.clone(),
+            caption: "mean and standard deviation over replicas".into(),
+            x,
+            panels: vec![
+                panel(
+                    Axis::linear("radius of gyration (Å)"),
+                    |sweep| &sweep.r_g_mean_angstrom,
+                    |sweep| &sweep.r_g_sd_angstrom,
+                ),
+                panel(
+                    Axis::linear("native contacts left").with_range(0.0, 1.05),
+                    |sweep| &sweep.native_contacts_mean,
+                    |sweep| &sweep.native_contacts_sd,
+                ),
+            ],
+        })
+    }
+}
+
+/// A column of a sweep.
+type Column = fn(&ComparedSweep) -> &Vec<f64>;
+
+/// A sweep of a comparison, a list entry per salt concentration.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ComparedSweep {
+    /// Name in the legend.
+    pub name: String,
+    /// Salt concentration, mol/L.
+    #[serde(rename = "salt_M")]
+    pub salt_molar: Vec<f64>,
+    /// Mean radius of gyration over replicas, Å.
+    pub r_g_mean_angstrom: Vec<f64>,
+    /// Standard deviation over replicas, Å.
+    pub r_g_sd_angstrom: Vec<f64>,
+    /// Mean surviving fraction of the contacts of the start; NaN where it had none.
+    pub native_contacts_mean: Vec<f64>,
+    /// Standard deviation over replicas.
+    pub native_contacts_sd: Vec<f64>,
+}
+
+impl ComparedSweep {
+    fn series(&self, value: Column, deviation: Column) -> Series {
+        let points = self.salt_molar.iter().zip(value(self)).zip(deviation(self));
+        Series {
+            name: self.name.clone(),
+            points: points
+                .map(|((salt, mean), deviation)| Point {
+                    x: 1e3 * salt,
+                    y: *mean,
+                    error: Some(*deviation),
+                })
+                .collect(),
+            replicas: Vec::new(),
+            line: true,
+        }
+    }
+}
+
+/// Draws several finished sweeps in one figure, a PNG or SVG file.
+///
+/// # Errors
+/// Without sweeps, if one is not finished, or for another ending of the figure.
+pub fn compare(directories: &[PathBuf], title: &str, output: &Path) -> Result<CompareReport> {
+    if directories.is_empty() {
+        bail!("name at least one sweep directory");
+    }
+    let sweeps = directories.iter().map(|directory| read_sweep(directory));
+    let report = CompareReport {
+        figure: output.to_owned(),
+        sweeps: sweeps.collect::<Result<_>>()?,
+        title: title.into(),
+    };
+    let figure = report.figure().unwrap_or_default();
+    match output.extension().and_then(|ending| ending.to_str()) {
+        Some("png") => figure.write_png(output)?,
+        Some("svg") => figure.write_svg(output)?,
+        _ => bail!("{} ends in neither .png nor .svg", output.display()),
+    }
+    Ok(report)
+}
+
+/// Reads the curves of a finished sweep.
+fn read_sweep(directory: &Path) -> Result<ComparedSweep> {
+    ResultKind::Sweep.expect_in(directory)?;
+    let path = directory.join("sweep.json");
+    let text = std::fs::read_to_string(&path)
+        .with_context(|| format!("cannot read {}; finish the sweep first", path.display()))?;
+    let sweep: Value = keys::from_json(&path, text.as_bytes())?;
+    let salts = sweep["salts"].as_array();
+    let salts = salts.with_context(|| format!("{} lists no salts", path.display()))?;
+    let column = |key: &str| -> Vec<f64> {
+        salts
+            .iter()
+            .map(|row| row[key].as_f64().unwrap_or(f64::NAN))
+            .collect()
+    };
+    let absolute = std::path::absolute(directory)?;
+    let name = absolute.file_name().unwrap_or_default().to_string_lossy();
+    Ok(ComparedSweep {
+        name: name.replace('_', " "),
+        salt_molar: column("salt_M"),
+        r_g_mean_angstrom: column("r_g_mean_angstrom"),
+        r_g_sd_angstrom: column("r_g_sd_angstrom"),
+        native_contacts_mean: column("native_contacts_mean"),
+        native_contacts_sd: column("native_contacts_sd"),
+    })
+}

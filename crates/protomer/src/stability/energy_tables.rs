@@ -1,0 +1,298 @@
+//! The tables of certified energies: made once per kind of body and potential, kept on the disk for
+//! the next run, shared by all threads of a run, and bounded in memory.
+
+use crate::stability::disk_cache::DiskCache;
+use anyhow::{Result, bail};
+use protomer_kernel::potential::Yukawa;
+use protomer_mc::BodyType;
+use protomer_mc::energy::certified::ChargeTable;
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// Memory that tables may take where no limit is stated, bytes.
+pub const DEFAULT_MEMORY_LIMIT_BYTES: u64 = 4_000_000_000;
+
+/// Where tables come from.
+#[derive(Debug)]
+pub struct EnergyTables {
+    memory_limit_bytes: u64,
+    made: Mutex<Made>,
+    disk: Option<Disk>,
+    computed: AtomicUsize,
+    loaded: AtomicUsize,
+}
+
+/// Tables on the disk.
+#[derive(Debug)]
+struct Disk {
+    cache: DiskCache,
+    warn: fn(&str),
+    /// A folder that took no table takes none of the others: said once.
+    refused: AtomicBool,
+}
+
+#[derive(Debug, Default)]
+struct Made {
+    /// By the hash of what they are made of.
+    tables: HashMap<String, Arc<ChargeTable>>,
+    /// Held while a table is made, so that nobody makes it a second time and different ones are
+    /// made side by side.
+    making: HashMap<String, Arc<Mutex<()>>>,
+}
+
+impl Default for EnergyTables {
+    fn default() -> Self {
+        Self::new(DEFAULT_MEMORY_LIMIT_BYTES)
+    }
+}
+
+impl EnergyTables {
+    /// Tables that may take this much memory together, bytes.
+    pub fn new(memory_limit_bytes: u64) -> Self {
+        let (made, computed, loaded) = Default::default();
+        Self {
+            memory_limit_bytes,
+            made,
+            disk: None,
+            computed,
+            loaded,
+        }
+    }
+
+    /// The same tables, looked for on the disk first and kept there. That an entry cannot be used
+    /// or written stops nothing: `warn` is told, and the table is made.
+    pub fn with_cache(self, cache: DiskCache, warn: fn(&str)) -> Self {
+        Self {
+            disk: Some(Disk {
+                cache,
+                warn,
+                refused: AtomicBool::new(false),
+            }),
+            ..self
+        }
+    }
+
+    /// Whether there are tables and all of them came from the disk.
+    pub fn all_from_cache(&self) -> bool {
+        self.computed.load(Ordering::Relaxed) == 0 && self.loaded.load(Ordering::Relaxed) > 0
+    }
+
+    /// The tables of these kinds of bodies under this potential. Whoever asks for the same ones
+    /// shares them; who asks while they are being made waits. Tables that nobody uses any more are
+    /// kept while there is room.
+    ///
+    /// # Errors
+    /// If those in use take more memory than is allowed: says how much is needed and what to do.
+    pub fn of(&self, types: &[Arc<BodyType>], yukawa: &Yukawa) -> Result<Vec<Arc<ChargeTable>>> {
+        let table = |kind: &Arc<BodyType>| self.table(kind, yukawa);
+        std::thread::scope(|scope| {
+            let jobs: Vec<_> = types
+                .iter()
+                .map(|kind| scope.spawn(move || table(kind)))
+                .collect();
+            let done = jobs.into_iter().zip(types);
+            // A thread that could not finish is replaced by doing its work here.
+            done.map(|(job, kind)| job.join().unwrap_or_else(|_| table(kind)))
+                .collect()
+        })
+    }
+
+    /// Memory of the tables that are there now, bytes.
+    pub fn memory_bytes(&self) -> usize {
+        locked(&self.made)
+            .tables
+            .values()
+            .map(|table| table.memory_bytes())
+            .sum()
+    }
+
+    fn table(&self, kind: &BodyType, yukawa: &Yukawa) -> Result<Arc<ChargeTable>> {
+        let key = ChargeTable::fingerprint(&kind.charges, yukawa);
+        let making = Arc::clone(locked(&self.made).making.entry(key.clone()).or_default());
+        let _mine = locked(&making);
+        if let Some(table) = locked(&self.made).tables.get(&key) {
+            return Ok(Arc::clone(table));
+        }
+        let table = Arc::new(self.load_or_make(&key, kind, yukawa));
+        locked(&self.made).keep(key, &table, &kind.name, self.memory_limit_bytes)?;
+        Ok(table)
+    }
+
+    fn load_or_make(&self, key: &str, kind: &BodyType, yukawa: &Yukawa) -> ChargeTable {
+        if let Some(table) = self
+            .disk
+            .as_ref()
+            .and_then(|disk| disk.load(key, kind, yukawa))
+        {
+            self.loaded.fetch_add(1, Ordering::Relaxed);
+            return table;
+        }
+        let table = ChargeTable::new(&kind.charges, yukawa);
+        self.computed.fetch_add(1, Ordering::Relaxed);
+        if let Some(disk) = &self.disk {
+            disk.store(key, &table);
+        }
+        table
+    }
+}
+
+impl Disk {
+    fn load(&self, key: &str, kind: &BodyType, yukawa: &Yukawa) -> Option<ChargeTable> {
+        let read =
+            |file: &mut dyn std::io::Read| ChargeTable::read_from(file, &kind.charges, yukawa);
+        self.cache.load(key, read).unwrap_or_else(|error| {
+            (self.warn)(&format!("warning: {error:#}; they are computed"));
+            None
+        })
+    }
+
+    fn store(&self, key: &str, table: &ChargeTable) {
+        if let Err(error) = self.cache.store(key, |file| table.write_to(file, key))
+            && !self.refused.swap(true, Ordering::Relaxed)
+        {
+            (self.warn)(&format!(
+                "warning: energy tables are not kept for the next run: {error:#}"
+            ));
+        }
+    }
+}
+
+impl Made {
+    /// Takes a new table in; if there is no room, those go that only this map still holds.
+    fn keep(
+        &mut self,
+        key: String,
+        table: &Arc<ChargeTable>,
+        body: &str,
+        limit_bytes: u64,
+    ) -> Result<()> {
+        let size = |table: &Arc<ChargeTable>| table.memory_bytes() as u64;
+        if self.tables.values().map(size).sum::<u64>() + size(table) > limit_bytes {
+            self.tables.retain(|_, table| Arc::strong_count(table) > 1);
+        }
+        let needed_bytes = self.tables.values().map(size).sum::<u64>() + size(table);
+        if needed_bytes > limit_bytes {
+            bail!(
+                "the energy tables of body '{body}' take {} and those in use with them {}, more than the limit of {}; \
+                 raise --memory-limit, use fewer --threads (salt concentrations that run side by side have tables of \
+                 their own), or compute with --energy direct",
+                in_units(size(table)),
+                in_units(needed_bytes),
+                in_units(limit_bytes)
+            );
+        }
+        self.tables.insert(key, Arc::clone(table));
+        Ok(())
+    }
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Bytes as people write them: `1.25 GB`, `37 MB`, `640 kB`.
+pub fn in_units(bytes: u64) -> String {
+    match bytes {
+        1_000_000_000.. => format!("{:.2} GB", bytes as f64 * 1e-9),
+        1_000_000.. => format!("{:.0} MB", bytes as f64 * 1e-6),
+        _ => format!("{:.0} kB", bytes as f64 * 1e-3),
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::stability::bench::bodies::two_kinds;
+
+    fn yukawa(debye_angstrom: f64) -> Yukawa {
+        Yukawa::new(7.0, 1.0 / debye_angstrom, 60.0).unwrap()
+    }
+
+    #[test]
+    fn equal_charges_under_one_potential_share_a_table() {
+        let (types, again) = (two_kinds(3, 4, 1).unwrap(), two_kinds(3, 4, 1).unwrap());
+        let tables = EnergyTables::default();
+        let first = tables.of(&types, &yukawa(9.6)).unwrap();
+        let second = tables.of(&again, &yukawa(9.6)).unwrap();
+        assert!(first.iter().zip(&second).all(|(a, b)| Arc::ptr_eq(a, b)));
+        assert!(!Arc::ptr_eq(&first[0], &first[1]));
+        let other = tables.of(&types, &yukawa(3.0)).unwrap();
+        assert!(!Arc::ptr_eq(&first[0], &other[0]));
+    }
+
+    #[test]
+    fn tables_come_back_from_the_disk() {
+        let folder = tempfile::tempdir().unwrap();
+        let types = two_kinds(3, 4, 1).unwrap();
+        let tables = || {
+            EnergyTables::default()
+                .with_cache(DiskCache::new(folder.path()), |line| panic!("{line}"))
+        };
+        let (cold, warm) = (tables(), tables());
+        let made = cold.of(&types, &yukawa(9.6)).unwrap();
+        assert!(!cold.all_from_cache());
+        assert_eq!(warm.of(&types, &yukawa(9.6)).unwrap(), made);
+        assert!(warm.all_from_cache());
+        warm.of(&types, &yukawa(9.5)).unwrap();
+        assert!(!warm.all_from_cache());
+    }
+
+    #[test]
+    fn a_folder_that_takes_nothing_stops_nothing() {
+        static WARNINGS: Mutex<Vec<String>> = Mutex::new(Vec::new());
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("file");
+        std::fs::write(&file, "no folder").unwrap();
+        let cache = DiskCache::new(file.join("cache"));
+        let tables = EnergyTables::default()
+            .with_cache(cache, |line| locked(&WARNINGS).push(line.to_owned()));
+        tables
+            .of(&two_kinds(3, 4, 1).unwrap(), &yukawa(9.6))
+            .unwrap();
+        let warnings = locked(&WARNINGS).clone();
+        assert!(
+            warnings.iter().any(|line| line.contains("are not kept")),
+            "{warnings:?}"
+        );
+        assert!(
+            warnings.iter().all(|line| line.contains("file")),
+            "{warnings:?}"
+        );
+    }
+
+    #[test]
+    fn what_is_in_use_is_bounded_and_the_rest_makes_room() {
+        let types = two_kinds(3, 4, 1).unwrap();
+        let size: usize = EnergyTables::default()
+            .of(&types, &yukawa(9.6))
+            .unwrap()
+            .iter()
+            .map(|table| table.memory_bytes())
+            .sum();
+        let tables = EnergyTables::new(size as u64);
+        let in_use = tables.of(&types, &yukawa(9.6)).unwrap();
+        let message = tables.of(&types, &yukawa(9.5)).unwrap_err().to_string();
+        assert!(
+            message.contains("--memory-limit") && message.contains("--energy direct"),
+            "{message}"
+        );
+        drop(in_use);
+        let tables = EnergyTables::new(size as u64 * 3 / 2);
+        drop(tables.of(&types, &yukawa(9.6)).unwrap());
+        tables.of(&types, &yukawa(9.5)).unwrap();
+    }
+
+    #[test]
+    fn bytes_read_like_memory() {
+        assert_eq!(
+            [
+                in_units(1_250_000_000),
+                in_units(37_200_000),
+                in_units(640_000)
+            ],
+            ["1.25 GB", "37 MB", "640 kB"]
+        );
+    }
+}

@@ -1,0 +1,123 @@
+//! One state of an assembly, looked at: overlaps, pair energies, radius of gyration.
+
+use crate::answer::Answer;
+use crate::stability::interaction::ScreenedCoulomb;
+use crate::stability::run::{EnergyMode, Engine, RunSettings, require_room};
+use anyhow::Result;
+use protomer_kernel::units::kilojoule_per_mol_per_kt;
+use protomer_mc::hard::overlapping_pairs;
+use protomer_mc::observables::{contacts, r_g_angstrom};
+use serde::Serialize;
+
+/// What [`inspect`] finds.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Inspection {
+    /// Number of bodies.
+    pub bodies: usize,
+    /// Pairs of bodies that overlap.
+    pub overlaps: Vec<(usize, usize)>,
+    /// Total energy, kT.
+    #[serde(rename = "energy_kT")]
+    pub energy_kt: f64,
+    /// Total energy, kJ/mol.
+    #[serde(rename = "energy_kJ_per_mol")]
+    pub energy_kilojoule_per_mol: f64,
+    /// Energies of the pairs in range: first body, second body, kT.
+    pub pair_energies: Vec<(usize, usize, f64)>,
+    /// The largest bound of the error of one of these energies, kT; zero for sums.
+    pub error_bound_kt_per_pair: f64,
+    /// Pairs whose surfaces are closer than the contact gap.
+    pub contacts: Vec<(usize, usize)>,
+    /// Radius of gyration of the body positions, Å.
+    pub r_g_angstrom: f64,
+    /// Concentration of the bodies, mol/L; zero in open space.
+    #[serde(rename = "concentration_M")]
+    pub concentration_molar: f64,
+    /// The medium.
+    #[serde(flatten)]
+    pub interaction: ScreenedCoulomb,
+}
+
+/// Looks at an assembly as it stands.
+///
+/// # Errors
+/// If a setting makes no sense, the interaction reaches further than the box allows, or an energy
+/// is not finite.
+pub fn inspect(
+    engine: &Engine,
+    settings: &RunSettings,
+    interaction: ScreenedCoulomb,
+) -> Result<Inspection> {
+    settings.check()?;
+    let system = engine.system()?;
+    let mut model = engine.energy_model(settings, &interaction)?;
+    require_room(&system, model.as_ref(), &interaction)?;
+    model.reset(&system)?;
+    let pairs = model.pairs();
+    let energy_kt = model.total_kt();
+    let temperature_kelvin = interaction.electrolyte.temperature_kelvin();
+    Ok(Inspection {
+        bodies: system.len(),
+        overlaps: overlapping_pairs(&system),
+        energy_kt,
+        energy_kilojoule_per_mol: energy_kt * kilojoule_per_mol_per_kt(temperature_kelvin),
+        pair_energies: pairs
+            .iter()
+            .map(|pair| (pair.first, pair.second, pair.energy_kt))
+            .collect(),
+        error_bound_kt_per_pair: model.error_bound_kt(),
+        contacts: contacts(&system, settings.contact_gap_angstrom),
+        r_g_angstrom: r_g_angstrom(&system, |_| 1.0),
+        concentration_molar: engine.assembly().concentration_molar(),
+        interaction,
+    })
+}
+
+impl Answer for Inspection {
+    fn text(&self) -> String {
+        let overlaps = match self.overlaps.as_slice() {
+            [] => "none".to_owned(),
+            pairs => pairs
+                .iter()
+                .map(|(i, j)| format!("{i}-{j}"))
+                .collect::<Vec<_>>()
+                .join(", "),
+        };
+        format!(
+            "{} bodies, {} contacts, overlaps: {overlaps}\n\
+             medium: {}\n\
+             energy: {:.6} kT ({:.4} kJ/mol) over {} pairs in range{}\n\
+             radius of gyration: {:.3} Å",
+            self.bodies,
+            self.contacts.len(),
+            self.interaction.describe(),
+            self.energy_kt,
+            self.energy_kilojoule_per_mol,
+            self.pair_energies.len(),
+            error_bound(self.error_bound_kt_per_pair),
+            self.r_g_angstrom
+        )
+    }
+}
+
+/// What is said of an error bound (kT for each pair of bodies) after an energy; nothing of a sum's.
+pub(crate) fn error_bound(error_bound_kt_per_pair: f64) -> String {
+    match error_bound_kt_per_pair > 0.0 {
+        true => format!(", each to within {error_bound_kt_per_pair:.2e} kT"),
+        false => String::new(),
+    }
+}
+
+/// Settings that matter to [`inspect`]: how energies are computed, and the contact gap.
+pub fn inspection_settings(
+    energy: EnergyMode,
+    tolerance_kt: Option<f64>,
+    contact_gap_angstrom: f64,
+) -> RunSettings {
+    RunSettings {
+        energy,
+        tolerance_kt,
+        contact_gap_angstrom,
+        ..RunSettings::default()
+    }
+}

@@ -1,0 +1,163 @@
+//! From an assembly and an interaction to a system with an energy model: what all replicas of a
+//! sweep share.
+
+use crate::assemblies::assembly_file::Assembly;
+use crate::stability::energy_tables::EnergyTables;
+use crate::stability::interaction::ScreenedCoulomb;
+use crate::stability::run::{DEFAULT_TOLERANCE_KT, EnergyMode, RunSettings};
+use anyhow::{Context, Result};
+use protomer_kernel::cells::require_minimum_image;
+use protomer_kernel::potential::Yukawa;
+use protomer_mc::energy::EnergyModel;
+use protomer_mc::energy::certified::CertifiedSum;
+use protomer_mc::hard::overlapping_pairs;
+use protomer_mc::{BodyType, McError, Settings, System};
+use std::sync::Arc;
+
+/// Body types prepared once and shared by every simulation of an assembly.
+#[derive(Debug, Clone)]
+pub struct Engine {
+    assembly: Assembly,
+    types: Vec<Arc<BodyType>>,
+    tables: Arc<EnergyTables>,
+}
+
+impl Engine {
+    /// Prepares the bodies of an assembly for simulation.
+    ///
+    /// # Errors
+    /// Names the body whose mesh does not bound a solid.
+    pub fn new(assembly: Assembly) -> Result<Self> {
+        let prepare = |body: &Arc<protomer_body::Body>| {
+            let kind =
+                BodyType::from_body(body).with_context(|| format!("body '{}'", body.name))?;
+            Ok(Arc::new(kind))
+        };
+        let types = assembly.bodies.iter().map(prepare).collect::<Result<_>>()?;
+        Ok(Self {
+            assembly,
+            types,
+            tables: Arc::default(),
+        })
+    }
+
+    /// The same engine with energy tables from elsewhere.
+    pub fn with_tables(self, tables: Arc<EnergyTables>) -> Self {
+        Self { tables, ..self }
+    }
+
+    /// The assembly.
+    pub fn assembly(&self) -> &Assembly {
+        &self.assembly
+    }
+
+    /// The bodies at their places.
+    ///
+    /// # Errors
+    /// If a placement lies outside a wall.
+    pub fn system(&self) -> Result<System> {
+        let placed: Vec<_> = self
+            .assembly
+            .kinds
+            .iter()
+            .copied()
+            .zip(self.assembly.poses.iter().copied())
+            .collect();
+        Ok(System::new(
+            self.types.clone(),
+            &placed,
+            self.assembly.boundary,
+        )?)
+    }
+
+    /// A model of the energies for one salt concentration; models of one engine share their tables.
+    ///
+    /// # Errors
+    /// If the interaction makes no sense, or its tables take more memory than is allowed.
+    pub fn energy_model(
+        &self,
+        run: &RunSettings,
+        interaction: &ScreenedCoulomb,
+    ) -> Result<Box<dyn EnergyModel>> {
+        let tables = |yukawa: Yukawa| -> Result<CertifiedSum> {
+            Ok(CertifiedSum::with_tables(
+                yukawa,
+                self.tables.of(&self.types, &yukawa)?,
+            ))
+        };
+        Ok(match self.settings(run, interaction)?.interaction {
+            protomer_mc::Interaction::YukawaCertified(yukawa) => Box::new(tables(yukawa)?),
+            protomer_mc::Interaction::YukawaApproximate {
+                yukawa,
+                tolerance_kt,
+            } => Box::new(tables(yukawa)?.with_tolerance(tolerance_kt)),
+            other => other.model(),
+        })
+    }
+
+    /// Checks what would stop every simulation at its start: an overlap, or a box too small for an
+    /// interaction.
+    ///
+    /// # Errors
+    /// Lists the overlapping pairs; says which box is needed.
+    pub fn check(&self, run: &RunSettings, interactions: &[ScreenedCoulomb]) -> Result<()> {
+        let system = self.system()?;
+        let pairs = overlapping_pairs(&system);
+        if !pairs.is_empty() {
+            return Err(McError::OverlappingStart { pairs }.into());
+        }
+        for interaction in interactions {
+            // Without tables: the range is that of the charges.
+            let model = self.settings(run, interaction)?.interaction.model();
+            require_room(&system, model.as_ref(), interaction)?;
+        }
+        Ok(())
+    }
+
+    /// The engine's settings for one salt concentration.
+    ///
+    /// # Errors
+    /// If the interaction makes no sense.
+    pub fn settings(&self, run: &RunSettings, interaction: &ScreenedCoulomb) -> Result<Settings> {
+        let interaction = match run.energy {
+            EnergyMode::None => protomer_mc::Interaction::HardOnly,
+            EnergyMode::Certified => {
+                protomer_mc::Interaction::YukawaCertified(interaction.yukawa()?)
+            }
+            EnergyMode::Direct => protomer_mc::Interaction::YukawaDirect(interaction.yukawa()?),
+            EnergyMode::Approximate => protomer_mc::Interaction::YukawaApproximate {
+                yukawa: interaction.yukawa()?,
+                tolerance_kt: run
+                    .energy
+                    .tolerance_kt(run.tolerance_kt)?
+                    .unwrap_or(DEFAULT_TOLERANCE_KT),
+            },
+        };
+        Ok(Settings {
+            equilibration_sweeps: run.equilibration_sweeps,
+            cluster_moves_per_sweep: run.cluster_moves_per_sweep,
+            contact_gap_angstrom: run.contact_gap_angstrom,
+            ..Settings::new(interaction)
+        })
+    }
+}
+
+/// Checks that no body meets two images of another.
+///
+/// # Errors
+/// Says how large the box must be, and for which interaction.
+pub fn require_room(
+    system: &System,
+    model: &dyn EnergyModel,
+    interaction: &ScreenedCoulomb,
+) -> Result<()> {
+    let range = model
+        .range_angstrom(system)
+        .max(system.hard_range_angstrom());
+    require_minimum_image(system.boundary(), range).with_context(|| {
+        format!(
+            "the box is too small: enlarge box_angstrom or state a shorter --cutoff ({})",
+            interaction.describe()
+        )
+    })
+}

@@ -1,0 +1,12 @@
+//! Simulations of an assembly: what they share, their settings, and one of them in its directory.
+
+mod engine;
+mod log;
+mod replica;
+mod settings;
+mod trajectory;
+
+pub use engine::{Engine, require_room};
+pub use log::LogRow;
+pub use replica::{AcceptedFractions, Replica};
+pub use settings::{DEFAULT_TOLERANCE_KT, EnergyMode, RunSettings, salt_label};

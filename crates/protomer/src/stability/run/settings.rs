@@ -1,0 +1,248 @@
+//! What a run is asked to do: the resolved configuration, as `run.toml` has it.
+
+use crate::stability::interaction::InteractionSettings;
+use anyhow::{Result, bail};
+use protomer_results::Settings;
+use serde::{Deserialize, Serialize};
+
+/// Settings of a simulation or of each simulation of a sweep. Everything that can change a result
+/// is here and nothing else: two runs with equal settings on equal input give equal results on any
+/// number of threads.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RunSettings {
+    /// Salt concentrations, mol/L; a single simulation uses the first.
+    #[serde(rename = "salt_M")]
+    pub salt_molar: Vec<f64>,
+    /// Independent replicas per salt concentration.
+    pub replicas: u32,
+    /// Production sweeps: run *to* this many. A sweep is one trial move per body, and the cluster
+    /// moves.
+    pub sweeps: u64,
+    /// Sweeps before production, in which the step sizes are tuned; then they are frozen.
+    pub equilibration_sweeps: u64,
+    /// Geometric cluster moves per sweep.
+    pub cluster_moves_per_sweep: u32,
+    /// Seed of the random numbers.
+    pub seed: u64,
+    /// Two bodies whose surfaces are closer than this are in contact, Å.
+    pub contact_gap_angstrom: f64,
+    /// Sweeps between two rows of the log.
+    pub log_every: u64,
+    /// Sweeps between two frames of the trajectory; zero for no trajectory.
+    pub trajectory_every: u64,
+    /// How energies are computed.
+    pub energy: EnergyMode,
+    /// Largest error of the energy of two bodies, kT, of approximate energies, and of no others;
+    /// [`DEFAULT_TOLERANCE_KT`] where `None`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tolerance_kt: Option<f64>,
+    /// The medium between the bodies.
+    pub medium: InteractionSettings,
+}
+
+/// Largest error of the energy of two bodies, kT, where approximate energies are asked for without
+/// a tolerance.
+pub const DEFAULT_TOLERANCE_KT: f64 = 1e-3;
+
+/// How pair energies are computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum EnergyMode {
+    /// The plain sum over all pairs of charges.
+    Direct,
+    /// Bounds first, the plain sum where they leave the decision open: the decisions of the plain
+    /// sum.
+    Certified,
+    /// The middle of the bounds, the plain sum for a pair of bodies whose bounds are wider than a
+    /// tolerance.
+    Approximate,
+    /// Hard bodies without charges.
+    None,
+}
+
+impl EnergyMode {
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            EnergyMode::Direct => "direct",
+            EnergyMode::Certified => "certified",
+            EnergyMode::Approximate => "approximate",
+            EnergyMode::None => "none",
+        }
+    }
+
+    /// The tolerance (kT for each pair of bodies) that energies of this mode are computed to, from
+    /// the one that was asked for, if any; `None` for modes without one.
+    ///
+    /// # Errors
+    /// For a tolerance that is not positive, or given to a mode without one.
+    pub fn tolerance_kt(self, asked_for: Option<f64>) -> Result<Option<f64>> {
+        match (self, asked_for) {
+            (EnergyMode::Approximate, None) => Ok(Some(DEFAULT_TOLERANCE_KT)),
+            (EnergyMode::Approximate, Some(tolerance))
+                if tolerance.is_finite() && tolerance > 0.0 =>
+            {
+                Ok(asked_for)
+            }
+            (EnergyMode::Approximate, Some(tolerance)) => {
+                bail!(
+                    "the tolerance is {tolerance} kT; give a positive one, such as --tolerance 1e-3"
+                )
+            }
+            (_, None) => Ok(None),
+            (mode, Some(tolerance)) => bail!(
+                "a tolerance ({tolerance} kT) is given, and energies are {}; add --energy approximate, or leave the \
+                 tolerance out",
+                mode.name()
+            ),
+        }
+    }
+}
+
+impl Default for RunSettings {
+    fn default() -> Self {
+        Self {
+            salt_molar: vec![0.1],
+            replicas: 5,
+            sweeps: 2_000,
+            equilibration_sweeps: 500,
+            cluster_moves_per_sweep: 1,
+            seed: 1,
+            contact_gap_angstrom: 5.0,
+            log_every: 10,
+            trajectory_every: 100,
+            energy: EnergyMode::Direct,
+            tolerance_kt: None,
+            medium: InteractionSettings::default(),
+        }
+    }
+}
+
+/// The name of a salt concentration in a path.
+pub fn salt_label(salt_molar: f64) -> String {
+    format!("salt_{salt_molar:.6}M")
+}
+
+/// A run directory with more folders than this serves nobody.
+const LARGEST_NUMBER_OF_SIMULATIONS: u64 = 100_000;
+/// Runs stop between sweeps, so that a sweep must not last for ever.
+const MOST_CLUSTER_MOVES: u32 = 100_000;
+
+impl Settings for RunSettings {
+    /// Without the number of sweeps: a run of 1000 sweeps can be continued to 2000.
+    fn essential(&self) -> Self {
+        Self {
+            sweeps: 0,
+            ..self.clone()
+        }
+    }
+
+    fn objection(&self, present: &Self) -> Option<String> {
+        (present.sweeps > self.sweeps).then(|| {
+            format!(
+                "is meant to run to {} sweeps, which is more than {}; ask for at least as many",
+                present.sweeps, self.sweeps
+            )
+        })
+    }
+}
+
+impl RunSettings {
+    /// Number of simulations of a sweep: salt concentrations times replicas.
+    pub fn simulations(&self) -> u64 {
+        (self.salt_molar.len() as u64).saturating_mul(u64::from(self.replicas))
+    }
+
+    /// Sweeps of equilibration and production together.
+    pub fn total_sweeps(&self) -> u64 {
+        self.equilibration_sweeps.saturating_add(self.sweeps)
+    }
+
+    /// The next sweep, counted from the start, at which a row or a frame is due or the run ends.
+    pub fn next_stop(&self, sweep: u64) -> u64 {
+        if sweep < self.equilibration_sweeps {
+            return self.equilibration_sweeps;
+        }
+        let production = sweep - self.equilibration_sweeps;
+        let after = |interval: u64| match interval {
+            0 => u64::MAX,
+            _ => (production / interval)
+                .saturating_add(1)
+                .saturating_mul(interval),
+        };
+        let next = after(self.log_every).min(after(self.trajectory_every));
+        self.equilibration_sweeps
+            .saturating_add(next)
+            .min(self.total_sweeps())
+    }
+
+    /// Checks what the types cannot.
+    ///
+    /// # Errors
+    /// Names the setting that makes no sense.
+    pub fn check(&self) -> Result<()> {
+        if self.salt_molar.is_empty() {
+            bail!("no salt concentration is given; add --salt 10mM,100mM,300mM");
+        }
+        if self.medium.debye_length_angstrom.is_some() && self.salt_molar.len() > 1 {
+            bail!(
+                "a stated Debye length makes all salt concentrations the same; leave out --debye, or give one salt"
+            );
+        }
+        if let Some(salt) = self
+            .salt_molar
+            .iter()
+            .find(|salt| !(salt.is_finite() && **salt >= 0.0))
+        {
+            bail!("salt_M contains {salt}; concentrations are zero or positive, in mol/L");
+        }
+        for (index, salt) in self.salt_molar.iter().enumerate() {
+            let same = |near: &f64| salt_label(*near) == salt_label(*salt);
+            if let Some(first) = self.salt_molar[..index].iter().position(same) {
+                bail!(
+                    "salt concentrations {} and {} of the list are the same to 1 µM; list each once, and raise \
+                     --replicas for more simulations of one",
+                    first + 1,
+                    index + 1
+                );
+            }
+        }
+        if self.simulations() > LARGEST_NUMBER_OF_SIMULATIONS {
+            bail!(
+                "{} salt concentrations with {} replicas each are too many; ask for at most \
+                 {LARGEST_NUMBER_OF_SIMULATIONS} simulations",
+                self.salt_molar.len(),
+                self.replicas
+            );
+        }
+        if self.cluster_moves_per_sweep > MOST_CLUSTER_MOVES {
+            bail!(
+                "cluster_moves_per_sweep is {}; a sweep this long cannot be stopped: ask for at most {MOST_CLUSTER_MOVES}",
+                self.cluster_moves_per_sweep
+            );
+        }
+        for (name, value) in [
+            ("replicas", u64::from(self.replicas)),
+            ("sweeps", self.sweeps),
+            ("log_every", self.log_every),
+        ] {
+            if value == 0 {
+                bail!("{name} is 0; it must be at least 1");
+            }
+        }
+        if self.sweeps < self.log_every {
+            bail!(
+                "sweeps is {} and log_every {}, so the log would have no row; raise --sweeps, or lower --log-every",
+                self.sweeps,
+                self.log_every
+            );
+        }
+        let gap = self.contact_gap_angstrom;
+        if !(gap.is_finite() && gap > 0.0) {
+            bail!("contact_gap_angstrom is {gap}; it must be positive");
+        }
+        self.energy.tolerance_kt(self.tolerance_kt)?;
+        Ok(())
+    }
+}

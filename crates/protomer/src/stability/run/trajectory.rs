@@ -1,0 +1,87 @@
+//! `trajectory.gsd`: where every body was, with the meshes to draw.
+
+use crate::assemblies::assembly_file::Assembly;
+use anyhow::Result;
+use protomer_io::gsd::trajectory::enclosing_box;
+use protomer_io::gsd::{ParticleType, TrajectoryFrame, TrajectoryHeader, TrajectoryWriter};
+use protomer_mc::Simulation;
+use std::path::Path;
+
+/// A trajectory that is being written.
+#[derive(Debug)]
+pub struct Trajectory {
+    writer: TrajectoryWriter,
+    box_angstrom: Option<[f64; 3]>,
+    largest_radius_angstrom: f64,
+}
+
+impl Trajectory {
+    /// Opens the trajectory and cuts it to its first `frames` frames (zero starts a new one).
+    ///
+    /// # Errors
+    /// If the file cannot be written, or holds fewer frames than the checkpoint says.
+    pub fn open(path: &Path, assembly: &Assembly, frames: u64) -> Result<Self> {
+        let header = header(assembly);
+        let writer = match frames {
+            0 => TrajectoryWriter::create(path, &header)?,
+            _ => TrajectoryWriter::resume(path, &header, frames)?,
+        };
+        let largest = assembly
+            .bodies
+            .iter()
+            .map(|body| body.mesh_radius_angstrom())
+            .fold(0.0, f64::max);
+        Ok(Self {
+            writer,
+            box_angstrom: assembly.box_angstrom(),
+            largest_radius_angstrom: largest,
+        })
+    }
+
+    /// Appends the present state.
+    ///
+    /// # Errors
+    /// If the disk does not take it.
+    pub fn append(&mut self, sweep: u64, simulation: &Simulation) -> Result<()> {
+        let poses = simulation.system().poses();
+        let observables = simulation.observables();
+        let box_lengths_angstrom = self
+            .box_angstrom
+            .unwrap_or_else(|| enclosing_box(poses, self.largest_radius_angstrom));
+        let log = [
+            ("r_g_angstrom", observables.r_g_angstrom),
+            ("energy_kT", observables.energy_kt),
+        ];
+        Ok(self.writer.append(&TrajectoryFrame {
+            step: sweep,
+            box_lengths_angstrom,
+            poses,
+            log: &log,
+        })?)
+    }
+
+    /// Forces everything onto the disk and returns the number of frames.
+    ///
+    /// # Errors
+    /// If the disk does not take it.
+    pub fn sync(&mut self) -> Result<u64> {
+        self.writer.sync()?;
+        Ok(self.writer.frames())
+    }
+}
+
+fn header(assembly: &Assembly) -> TrajectoryHeader {
+    let particle_type = |body: &std::sync::Arc<protomer_body::Body>| ParticleType {
+        name: body.name.clone(),
+        mesh: Some(body.mesh.clone()),
+    };
+    TrajectoryHeader {
+        types: assembly.bodies.iter().map(particle_type).collect(),
+        type_ids: assembly.kinds.iter().map(|kind| *kind as u32).collect(),
+        charges_e: assembly
+            .kinds
+            .iter()
+            .map(|kind| assembly.bodies[*kind].net_charge_e())
+            .collect(),
+    }
+}

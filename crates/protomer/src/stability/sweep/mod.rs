@@ -1,0 +1,316 @@
+//! A sweep: salt concentrations × replicas, on all threads, resumable, with one table and one
+//! figure at the end.
+//!
+//! ```text
+//! DIR/run.toml  run.json  sweep.csv  sweep.json  sweep.svg  sweep.png
+//! DIR/salt_0.100000M/replica_0/ log.csv trajectory.gsd checkpoint.bin run.json
+//! ```
+
+pub mod figure;
+pub mod table;
+
+use crate::answer::{Answer, columns, heading};
+use crate::stability::interaction::ScreenedCoulomb;
+use crate::stability::run::{AcceptedFractions, Engine, LogRow, Replica, RunSettings, salt_label};
+use anyhow::{Context, Error, Result, bail};
+use protomer_io::atomic::write_atomically;
+use protomer_plot::Figure;
+use protomer_results::{
+    Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Shard, Work, conduct,
+    conduct_shard, drive, log, settings,
+};
+use serde::Serialize;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use table::{ReplicaResult, SaltRow, SweepResult, to_csv};
+
+/// The directory of a sweep.
+const LAYOUT: Layout = Layout {
+    kind: ResultKind::Sweep,
+    settings: "run.toml",
+    results: &[
+        "run.json",
+        "sweep.csv",
+        "sweep.json",
+        "sweep.svg",
+        "sweep.png",
+        "report.html",
+    ],
+    is_result: is_simulation,
+};
+
+impl Answer for SweepResult {
+    fn text(&self) -> String {
+        let mut rows = vec![heading([
+            "salt (M)",
+            "R_g (Å)",
+            "± sd",
+            "native contacts",
+            "largest cluster",
+            "energy (kT)",
+        ])];
+        for row in &self.salts {
+            rows.push(vec![
+                format!("{:.4}", row.salt_molar),
+                format!("{:.2}", row.r_g_mean_angstrom),
+                format!("{:.2}", row.r_g_sd_angstrom),
+                format!("{:.3}", row.native_contacts_mean),
+                format!("{:.2}", row.largest_cluster_mean),
+                format!("{:.2}", row.energy_mean_kt),
+            ]);
+        }
+        columns(&rows)
+    }
+
+    fn figure(&self) -> Option<Figure> {
+        Some(figure::figure(self))
+    }
+}
+
+/// A part of a sweep that is done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct SweepPart {
+    /// Which part, from one.
+    pub shard: usize,
+    /// Of how many.
+    pub of: usize,
+    /// Its simulations.
+    pub simulations: usize,
+}
+
+impl Answer for SweepPart {
+    fn text(&self) -> String {
+        format!(
+            "part {} of {}: {} simulations done; without --shard: the table",
+            self.shard, self.of, self.simulations
+        )
+    }
+}
+
+/// Whether this is the folder of the simulations at one salt concentration.
+fn is_simulation(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    name.starts_with("salt_") && name.ends_with('M') && path.join("replica_0").is_dir()
+}
+
+/// Runs or continues a sweep in a directory.
+///
+/// # Errors
+/// For settings or a start that make no sense, a directory that holds other work or that another
+/// process works in, and a disk that refuses. The first simulation that fails stops the others at
+/// their next sweep; what they did is kept, and `run.json` says what happened.
+pub fn run_sweep(
+    engine: &Engine,
+    settings: &RunSettings,
+    directory: &Path,
+    execution: &Execution,
+) -> Result<End<SweepResult>> {
+    let sweep = Sweep::new(engine, settings, directory)?;
+    let entered =
+        ResultsDirectory::enter(directory, &LAYOUT, settings, &sweep.identity, execution)?;
+    sweep.tell_length(execution, sweep.tasks.len());
+    conduct(&sweep, &entered, execution)
+}
+
+/// Runs or continues one simulation in a directory: a sweep of one salt concentration and one
+/// replica.
+///
+/// # Errors
+/// As [`run_sweep`]; also for settings of several simulations.
+pub fn simulate(
+    engine: &Engine,
+    settings: &RunSettings,
+    directory: &Path,
+    execution: &Execution,
+) -> Result<End<ReplicaResult>> {
+    if settings.simulations() != 1 {
+        bail!("these are the settings of several simulations; sweep over them");
+    }
+    let End::Finished(result) = run_sweep(engine, settings, directory, execution)? else {
+        return Ok(End::Stopped);
+    };
+    let only = result.replicas.into_iter().flatten().next();
+    Ok(End::Finished(
+        only.context("the simulation has left no result")?,
+    ))
+}
+
+/// Runs or continues the simulations of one part of a sweep, while other processes do other parts
+/// in the same directory. [`run_sweep`] finds them done and writes the table and the figure.
+///
+/// # Errors
+/// As [`run_sweep`].
+pub fn run_shard(
+    engine: &Engine,
+    settings: &RunSettings,
+    directory: &Path,
+    shard: Shard,
+    execution: &Execution,
+) -> Result<End<SweepPart>> {
+    let sweep = Sweep::new(engine, settings, directory)?;
+    let entered =
+        ResultsDirectory::share(directory, &LAYOUT, settings, &sweep.identity, execution)?;
+    let ours = (0..sweep.tasks.len()).filter(|number| shard.has(*number));
+    sweep.tell_length(execution, ours.count());
+    let end = conduct_shard(&sweep, &entered, shard, execution)?;
+    Ok(end.map(|simulations| SweepPart {
+        shard: shard.index,
+        of: shard.of,
+        simulations,
+    }))
+}
+
+/// One simulation of a sweep.
+struct Task {
+    salt_index: usize,
+    replica: u32,
+}
+
+/// A sweep that is known to make sense.
+struct Sweep<'a> {
+    engine: &'a Engine,
+    settings: &'a RunSettings,
+    directory: &'a Path,
+    interactions: Vec<ScreenedCoulomb>,
+    identity: String,
+    tasks: Vec<Task>,
+}
+
+impl<'a> Sweep<'a> {
+    fn new(engine: &'a Engine, settings: &'a RunSettings, directory: &'a Path) -> Result<Self> {
+        settings.check()?;
+        let of_salt = |salt: &f64| settings.medium.interaction(Some(*salt));
+        let interactions: Vec<ScreenedCoulomb> = settings
+            .salt_molar
+            .iter()
+            .map(of_salt)
+            .collect::<Result<_>>()?;
+        engine.check(settings, &interactions)?;
+        Ok(Self {
+            engine,
+            settings,
+            directory,
+            interactions,
+            identity: settings::identity(settings, &engine.assembly().sha256)?,
+            tasks: tasks(settings),
+        })
+    }
+
+    fn tell_length(&self, execution: &Execution, simulations: usize) {
+        let sweeps = (simulations as u64).saturating_mul(self.settings.total_sweeps());
+        execution.progress.begin(sweeps, "sweeps");
+    }
+}
+
+impl Campaign for Sweep<'_> {
+    type Task = Task;
+    type Part = AcceptedFractions;
+    type Answer = SweepResult;
+    type Error = Error;
+
+    fn work(&self) -> Work {
+        Work {
+            kind: ResultKind::Sweep,
+            verb: "sweep",
+            identity: self.identity.clone(),
+            input_sha256: self.engine.assembly().sha256.clone(),
+        }
+    }
+
+    /// Where a report finds the shapes of the bodies.
+    fn details(&self) -> Value {
+        json!({ "assembly": self.engine.assembly().path_from(self.directory) })
+    }
+
+    fn tasks(&self) -> &[Task] {
+        &self.tasks
+    }
+
+    fn directory(&self, task: &Task) -> PathBuf {
+        let salt_molar = self.settings.salt_molar[task.salt_index];
+        replica_directory(self.directory, salt_molar, task.replica)
+    }
+
+    fn run(
+        &self,
+        task: &Task,
+        directory: &Path,
+        execution: &Execution,
+    ) -> Result<End<AcceptedFractions>> {
+        let Task {
+            salt_index,
+            replica,
+        } = *task;
+        let simulation = Replica {
+            engine: self.engine,
+            settings: self.settings,
+            interaction: self.interactions[salt_index],
+            salt_index: salt_index as u32,
+            replica,
+            identity: &self.identity,
+        };
+        drive(&simulation, directory, execution).with_context(|| {
+            let salt = self.settings.salt_molar[salt_index];
+            format!("salt {salt} M, replica {replica}")
+        })
+    }
+
+    /// Averages every log, and writes the table and the figure.
+    fn collect(&self, accepted: Vec<AcceptedFractions>) -> Result<SweepResult> {
+        let mut replicas = vec![Vec::new(); self.settings.salt_molar.len()];
+        for (task, accepted) in self.tasks.iter().zip(accepted) {
+            let rows: Vec<LogRow> = log::read(&self.directory(task).join("log.csv"))?;
+            let result = ReplicaResult::new(task.replica, &rows, accepted);
+            replicas[task.salt_index].push(result);
+        }
+        let salts = self.settings.salt_molar.iter();
+        let of_salts = salts.zip(&self.interactions).zip(&replicas);
+        let assembly = self.engine.assembly();
+        let result = SweepResult {
+            version: env!("CARGO_PKG_VERSION").into(),
+            input_sha256: assembly.sha256.clone(),
+            bodies: assembly.len(),
+            concentration_molar: assembly.concentration_molar(),
+            box_angstrom: assembly.box_angstrom(),
+            settings: self.settings.clone(),
+            salts: of_salts
+                .map(|((salt, interaction), replicas)| SaltRow::new(*salt, interaction, replicas))
+                .collect(),
+            replicas,
+        };
+        write_results(&result, self.directory)?;
+        Ok(result)
+    }
+}
+
+/// Every simulation of the sweep, the first replica of every salt first: an interrupted sweep has a
+/// whole curve early.
+fn tasks(settings: &RunSettings) -> Vec<Task> {
+    let salts = 0..settings.salt_molar.len();
+    let of_replica = |replica| {
+        salts.clone().map(move |salt_index| Task {
+            salt_index,
+            replica,
+        })
+    };
+    (0..settings.replicas).flat_map(of_replica).collect()
+}
+
+/// The directory of one simulation.
+pub fn replica_directory(directory: &Path, salt_molar: f64, replica: u32) -> PathBuf {
+    directory
+        .join(salt_label(salt_molar))
+        .join(format!("replica_{replica}"))
+}
+
+fn write_results(result: &SweepResult, directory: &Path) -> Result<()> {
+    let csv = to_csv(&result.salts)?;
+    let json = serde_json::to_string_pretty(result).context("the result cannot be written down")?;
+    write_atomically(&directory.join("sweep.csv"), |file| {
+        file.write_all(csv.as_bytes())
+    })?;
+    write_atomically(&directory.join("sweep.json"), |file| {
+        writeln!(file, "{json}")
+    })?;
+    figure::write(result, directory)
+}

@@ -1,0 +1,218 @@
+//! What a sweep leaves: from the logs of its replicas to one row per salt concentration.
+
+use crate::answer::Answer;
+use crate::stability::interaction::ScreenedCoulomb;
+use crate::stability::run::{AcceptedFractions, LogRow, RunSettings};
+use anyhow::Result;
+use protomer_io::csv::{Cell, Table};
+use protomer_kernel::statistics::{Summary, summarize};
+use serde::Serialize;
+
+/// What a sweep leaves behind.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SweepResult {
+    /// Version of the program.
+    pub version: String,
+    /// SHA-256 of the assembly and its bodies.
+    pub input_sha256: String,
+    /// Number of bodies.
+    pub bodies: usize,
+    /// Concentration of the bodies, mol/L; zero in open space.
+    #[serde(rename = "concentration_M")]
+    pub concentration_molar: f64,
+    /// Edge lengths of the box, Å; `None` without a box.
+    pub box_angstrom: Option<[f64; 3]>,
+    /// The resolved settings.
+    pub settings: RunSettings,
+    /// One row per salt concentration.
+    pub salts: Vec<SaltRow>,
+    /// The replicas behind each row.
+    pub replicas: Vec<Vec<ReplicaResult>>,
+}
+
+/// What one replica gave.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ReplicaResult {
+    /// Index of the replica.
+    pub replica: u32,
+    /// Observables averaged over production.
+    pub r_g_angstrom: Summary,
+    /// Surviving fraction of the native contacts; `None` where the start had no contact.
+    pub native_contacts: Option<Summary>,
+    /// Bodies in the largest cluster.
+    pub largest_cluster: Summary,
+    /// Total energy, kT.
+    #[serde(rename = "energy_kT")]
+    pub energy_kt: Summary,
+    /// Accepted fractions in production.
+    #[serde(flatten)]
+    pub accepted: AcceptedFractions,
+    /// Mean number of bodies that a cluster move moved.
+    pub cluster_moved_mean: f64,
+}
+
+impl Answer for ReplicaResult {
+    fn text(&self) -> String {
+        format!(
+            "R_g {:.2} ± {:.2} Å, energy {:.2} ± {:.2} kT, largest cluster {:.2}",
+            self.r_g_angstrom.mean,
+            self.r_g_angstrom.standard_error,
+            self.energy_kt.mean,
+            self.energy_kt.standard_error,
+            self.largest_cluster.mean
+        )
+    }
+}
+
+impl ReplicaResult {
+    /// Averages of a log, with errors corrected for autocorrelation.
+    pub fn new(replica: u32, rows: &[LogRow], accepted: AcceptedFractions) -> Self {
+        let series = |column: fn(&LogRow) -> f64| rows.iter().map(column).collect::<Vec<f64>>();
+        let native = series(|row| row.native_contacts);
+        let cluster_moved = series(|row| row.cluster_moved);
+        Self {
+            replica,
+            r_g_angstrom: summarize(&series(|row| row.r_g_angstrom)),
+            native_contacts: native
+                .iter()
+                .all(|x| x.is_finite())
+                .then(|| summarize(&native)),
+            largest_cluster: summarize(&series(|row| row.largest_cluster as f64)),
+            energy_kt: summarize(&series(|row| row.energy_kt)),
+            accepted,
+            cluster_moved_mean: mean(&cluster_moved),
+        }
+    }
+}
+
+/// One salt concentration, averaged over its replicas. The standard deviation is over replicas, as
+/// in the thesis' figure 3.3; the standard error combines the replicas' own, which are corrected
+/// for autocorrelation.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SaltRow {
+    /// Salt concentration, mol/L.
+    #[serde(rename = "salt_M")]
+    pub salt_molar: f64,
+    /// Debye length, Å.
+    pub debye_length_angstrom: f64,
+    /// Cut-off, Å.
+    pub cutoff_angstrom: f64,
+    /// Mean radius of gyration over replicas, Å.
+    pub r_g_mean_angstrom: f64,
+    /// Standard deviation over replicas, Å.
+    pub r_g_sd_angstrom: f64,
+    /// Standard error of the mean from the correlated series, Å.
+    pub r_g_se_angstrom: f64,
+    /// Mean surviving fraction of native contacts; NaN where the start had none.
+    pub native_contacts_mean: f64,
+    /// Standard deviation over replicas.
+    pub native_contacts_sd: f64,
+    /// Mean number of bodies in the largest cluster.
+    pub largest_cluster_mean: f64,
+    /// Standard deviation over replicas.
+    pub largest_cluster_sd: f64,
+    /// Mean energy, kT.
+    #[serde(rename = "energy_mean_kT")]
+    pub energy_mean_kt: f64,
+    /// Standard deviation over replicas, kT.
+    #[serde(rename = "energy_sd_kT")]
+    pub energy_sd_kt: f64,
+    /// Accepted fraction of translations.
+    pub translation_acceptance: f64,
+    /// Accepted fraction of rotations.
+    pub rotation_acceptance: f64,
+    /// Mean number of bodies that a cluster move moved.
+    pub cluster_moved_mean: f64,
+    /// Number of replicas.
+    pub replicas: usize,
+}
+
+impl SaltRow {
+    /// Averages over replicas.
+    pub fn new(salt_molar: f64, interaction: &ScreenedCoulomb, replicas: &[ReplicaResult]) -> Self {
+        let of =
+            |value: fn(&ReplicaResult) -> f64| replicas.iter().map(value).collect::<Vec<f64>>();
+        let r_g = of(|r| r.r_g_angstrom.mean);
+        let native = of(|r| {
+            r.native_contacts
+                .as_ref()
+                .map_or(f64::NAN, |summary| summary.mean)
+        });
+        let largest = of(|r| r.largest_cluster.mean);
+        let energy = of(|r| r.energy_kt.mean);
+        let squared_errors = of(|r| r.r_g_angstrom.standard_error.powi(2));
+        Self {
+            salt_molar,
+            debye_length_angstrom: interaction.electrolyte.debye_length_angstrom(),
+            cutoff_angstrom: interaction.cutoff_angstrom,
+            r_g_mean_angstrom: mean(&r_g),
+            r_g_sd_angstrom: standard_deviation(&r_g),
+            r_g_se_angstrom: squared_errors.iter().sum::<f64>().sqrt() / replicas.len() as f64,
+            native_contacts_mean: mean(&native),
+            native_contacts_sd: standard_deviation(&native),
+            largest_cluster_mean: mean(&largest),
+            largest_cluster_sd: standard_deviation(&largest),
+            energy_mean_kt: mean(&energy),
+            energy_sd_kt: standard_deviation(&energy),
+            translation_acceptance: mean(&of(|r| r.accepted.translation_acceptance)),
+            rotation_acceptance: mean(&of(|r| r.accepted.rotation_acceptance)),
+            cluster_moved_mean: mean(&of(|r| r.cluster_moved_mean)),
+            replicas: replicas.len(),
+        }
+    }
+}
+
+/// The columns of the table: name and value.
+type Column = (&'static str, fn(&SaltRow) -> Cell);
+
+const COLUMNS: [Column; 16] = [
+    ("salt_M", |row| row.salt_molar.into()),
+    ("debye_length_angstrom", |row| {
+        row.debye_length_angstrom.into()
+    }),
+    ("cutoff_angstrom", |row| row.cutoff_angstrom.into()),
+    ("replicas", |row| Cell::Integer(row.replicas as i64)),
+    ("r_g_mean_angstrom", |row| row.r_g_mean_angstrom.into()),
+    ("r_g_sd_angstrom", |row| row.r_g_sd_angstrom.into()),
+    ("r_g_se_angstrom", |row| row.r_g_se_angstrom.into()),
+    ("native_contacts_mean", |row| {
+        row.native_contacts_mean.into()
+    }),
+    ("native_contacts_sd", |row| row.native_contacts_sd.into()),
+    ("largest_cluster_mean", |row| {
+        row.largest_cluster_mean.into()
+    }),
+    ("largest_cluster_sd", |row| row.largest_cluster_sd.into()),
+    ("energy_mean_kT", |row| row.energy_mean_kt.into()),
+    ("energy_sd_kT", |row| row.energy_sd_kt.into()),
+    ("translation_acceptance", |row| {
+        row.translation_acceptance.into()
+    }),
+    ("rotation_acceptance", |row| row.rotation_acceptance.into()),
+    ("cluster_moved_mean", |row| row.cluster_moved_mean.into()),
+];
+
+/// The table as CSV, one row per salt concentration.
+///
+/// # Errors
+/// Never for rows of this module; the table checks its own shape.
+pub fn to_csv(rows: &[SaltRow]) -> Result<String> {
+    let mut table = Table::new(COLUMNS.map(|(name, _)| name));
+    for row in rows {
+        table.push(COLUMNS.map(|(_, value)| value(row)))?;
+    }
+    Ok(table.to_csv())
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// Sample standard deviation; zero for a single value.
+fn standard_deviation(values: &[f64]) -> f64 {
+    if values.len() < 2 {
+        return 0.0;
+    }
+    let mean = mean(values);
+    (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (values.len() - 1) as f64).sqrt()
+}

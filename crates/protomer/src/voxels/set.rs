@@ -1,0 +1,470 @@
+//! Samples to a zarr group.
+
+use super::identity::fixed_conditions;
+use super::manifest::Entry;
+use super::origin::Origin;
+use super::settings::VoxelizeSettings;
+use super::statistics::Gathering;
+use super::structure::{Properties, Reason, Sample, letters};
+use anyhow::{Context, Result, anyhow, bail};
+use protomer_field::voxels::{Channel, Voxels};
+use protomer_io::zarr::{SetReader, SetWriter};
+use protomer_results::ResultKind;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::Instant;
+
+/// A structure that is not in the set.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Exclusion {
+    /// Position in the manifest, from zero.
+    pub entry: usize,
+    /// Its name.
+    pub name: String,
+    /// The file as the manifest names it.
+    pub file: String,
+    /// Its class.
+    pub label: String,
+    /// Its cluster.
+    pub cluster: String,
+    /// Its family.
+    pub family: String,
+    /// SHA-256 of the file; empty if it could not be read.
+    pub sha256: String,
+    /// Why.
+    pub reason: Reason,
+    /// In words.
+    pub detail: String,
+}
+
+impl Exclusion {
+    /// The exclusion of an entry.
+    pub fn new(entry: &Entry, sha256: Option<&str>, reason: Reason, detail: String) -> Self {
+        let Entry {
+            number,
+            name,
+            file,
+            label,
+            cluster,
+            family,
+            ..
+        } = entry.clone();
+        let sha256 = sha256.unwrap_or_default().to_owned();
+        Self {
+            entry: number,
+            name,
+            file,
+            label,
+            cluster,
+            family,
+            sha256,
+            reason,
+            detail,
+        }
+    }
+}
+
+/// A sample without its voxels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SampleRecord {
+    /// Position in the manifest, from zero.
+    pub entry: usize,
+    /// Its name.
+    pub name: String,
+    /// The file as the manifest names it.
+    pub file: String,
+    /// Its class.
+    pub label: String,
+    /// Its cluster.
+    pub cluster: String,
+    /// Its family.
+    pub family: String,
+    /// SHA-256 of the file.
+    pub sha256: String,
+    /// Where its voxels are kept.
+    pub key: String,
+    /// Occupied voxels.
+    pub voxels: usize,
+    /// What is known of it.
+    pub properties: Properties,
+    /// What of its file a careful user should know.
+    pub warnings: Vec<String>,
+}
+
+impl SampleRecord {
+    /// The record of an entry's sample.
+    pub fn new(entry: &Entry, sha256: Option<&str>, key: &str, sample: &Sample) -> Self {
+        let Entry {
+            number,
+            name,
+            file,
+            label,
+            cluster,
+            family,
+            ..
+        } = entry.clone();
+        Self {
+            entry: number,
+            name,
+            file,
+            label,
+            cluster,
+            family,
+            sha256: sha256.unwrap_or_default().to_owned(),
+            key: key.to_owned(),
+            voxels: sample.voxels.index.len(),
+            properties: sample.properties.clone(),
+            warnings: sample.warnings.clone(),
+        }
+    }
+}
+
+/// Everything in a set but the voxels.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct SetContent {
+    /// Samples in order.
+    pub samples: Vec<SampleRecord>,
+    /// Structures left out, in order.
+    pub excluded: Vec<Exclusion>,
+}
+
+impl SetContent {
+    /// Occupied voxels of all samples.
+    pub fn voxels(&self) -> u64 {
+        self.samples.iter().map(|sample| sample.voxels as u64).sum()
+    }
+}
+
+/// What is where a set is to be written.
+pub enum OnDisk {
+    /// Nothing.
+    Nothing,
+    /// The same set, complete.
+    Same(Box<SetReader>),
+    /// Another set.
+    Other,
+}
+
+/// Looks at where a set is to be written.
+///
+/// # Errors
+/// If there is something that is no set.
+pub fn state_of(output: &Path, identity: &str) -> Result<OnDisk> {
+    if !output.exists() {
+        return Ok(OnDisk::Nothing);
+    }
+    let reader = SetReader::open(output).with_context(|| {
+        format!(
+            "{} is there and no voxel set; name another output",
+            output.display()
+        )
+    })?;
+    let same = reader.attributes().get("identity").and_then(Value::as_str) == Some(identity);
+    Ok(if same {
+        OnDisk::Same(Box::new(reader))
+    } else {
+        OnDisk::Other
+    })
+}
+
+/// The structures left out of a set.
+///
+/// # Errors
+/// If the attribute is damaged.
+pub fn exclusions(reader: &SetReader) -> Result<Vec<Exclusion>> {
+    let value = reader
+        .attributes()
+        .get("excluded")
+        .cloned()
+        .unwrap_or_else(|| json!([]));
+    serde_json::from_value(value).context("the attribute 'excluded' is damaged; make the set again")
+}
+
+/// The settings of a set.
+///
+/// # Errors
+/// If the attribute is damaged or of another version.
+pub fn settings_of(reader: &SetReader) -> Result<VoxelizeSettings> {
+    let value = reader
+        .attributes()
+        .get("settings")
+        .cloned()
+        .unwrap_or_default();
+    serde_json::from_value(value)
+        .context("the attribute 'settings' is damaged or of another version; make the set again")
+}
+
+/// The attributes of a set.
+///
+/// # Errors
+/// If the settings cannot be written down.
+pub fn attributes(
+    settings: &VoxelizeSettings,
+    origins: &[Origin],
+    identity: &str,
+    content: &SetContent,
+) -> Result<Map<String, Value>> {
+    let words = |word: fn(&SampleRecord) -> &String| {
+        content.samples.iter().map(word).collect::<Vec<&String>>()
+    };
+    let channel = |channel: &Channel| match channel {
+        Channel::Shape => (
+            channel.name(),
+            "1 where the surface passes through: centres at most half an edge from it",
+        ),
+        Channel::Solid => (channel.name(), "1 where the centre is inside the surface"),
+        Channel::Potential => (
+            channel.name(),
+            "kT/e, at the point of the surface nearest to the centre",
+        ),
+        Channel::Hydropathy => (
+            channel.name(),
+            "Kyte-Doolittle index, averaged over the residues near by",
+        ),
+    };
+    let meanings: Map<String, Value> = settings
+        .channels
+        .iter()
+        .map(channel)
+        .map(|(name, meaning)| (name.to_owned(), json!(meaning)))
+        .collect();
+    let manifest_sha256 = match origins {
+        [only] => only.manifest_sha256.as_str(),
+        _ => "",
+    };
+    let value = json!({
+        "kind": ResultKind::VoxelSet,
+        "made_by": format!("protomer {}", env!("CARGO_PKG_VERSION")),
+        "identity": identity,
+        "manifest_sha256": manifest_sha256,
+        "manifests": serde_json::to_value(origins)?,
+        "settings": serde_json::to_value(settings)?,
+        "spacing_angstrom": serde_json::to_value(settings.spacing)?,
+        "conditions": {
+            "salt_molar": settings.salt_molar,
+            "temperature_kelvin": settings.temperature_kelvin,
+            "ph": settings.ph,
+            "poisson_boltzmann": fixed_conditions(settings)?,
+        },
+        "channel_meanings": meanings,
+        "samples": {
+            "name": words(|sample| &sample.name),
+            "label": words(|sample| &sample.label),
+            "cluster": words(|sample| &sample.cluster),
+            "family": words(|sample| &sample.family),
+            "file": words(|sample| &sample.file),
+            "sha256": words(|sample| &sample.sha256),
+        },
+        "excluded": serde_json::to_value(&content.excluded)?,
+        "warnings": warnings_of(&content.samples),
+    });
+    match value {
+        Value::Object(map) => Ok(map),
+        _ => bail!("the attributes are no object"),
+    }
+}
+
+/// The warnings of each sample that has any, by its name.
+pub fn warnings_of(samples: &[SampleRecord]) -> BTreeMap<String, Vec<String>> {
+    let warned = samples.iter().filter(|sample| !sample.warnings.is_empty());
+    warned
+        .map(|sample| (sample.name.clone(), sample.warnings.clone()))
+        .collect()
+}
+
+/// Names of the columns of numbers.
+pub fn columns() -> Vec<String> {
+    let mut columns: Vec<String> = [
+        "entry",
+        "residues",
+        "radius_of_gyration_angstrom",
+        "extent_1_angstrom",
+        "extent_2_angstrom",
+        "extent_3_angstrom",
+        "net_charge_e",
+        "spacing_angstrom",
+        "rotation_w",
+        "rotation_x",
+        "rotation_y",
+        "rotation_z",
+        "middle_x_angstrom",
+        "middle_y_angstrom",
+        "middle_z_angstrom",
+    ]
+    .map(str::to_owned)
+    .to_vec();
+    columns.extend(
+        letters()
+            .iter()
+            .map(|letter| format!("composition_{letter}")),
+    );
+    columns
+}
+
+fn row(sample: &SampleRecord) -> Vec<f64> {
+    let p = &sample.properties;
+    let mut row = vec![
+        sample.entry as f64,
+        p.residues as f64,
+        p.radius_of_gyration_angstrom,
+    ];
+    row.extend(p.extents_angstrom);
+    row.extend([p.net_charge_e, p.spacing_angstrom]);
+    row.extend(p.rotation_wxyz);
+    row.extend(p.middle_angstrom);
+    row.extend(p.composition);
+    row
+}
+
+/// The samples of a set without their voxels.
+///
+/// # Errors
+/// If columns or words are missing.
+pub fn samples_of(reader: &SetReader) -> Result<Vec<SampleRecord>> {
+    if reader.columns() != columns() {
+        bail!("the columns of the properties are of another version; make the set again");
+    }
+    let words = |list: &str| {
+        let words = reader
+            .words(list)
+            .filter(|words| words.len() == reader.len());
+        words.ok_or_else(|| {
+            anyhow!(
+                "the attribute 'samples' has no list '{list}' of {} words",
+                reader.len()
+            )
+        })
+    };
+    let (names, files, hashes) = (words("name")?, words("file")?, words("sha256")?);
+    let (labels, clusters, families) = (words("label")?, words("cluster")?, words("family")?);
+    let warnings = reader
+        .attributes()
+        .get("warnings")
+        .cloned()
+        .unwrap_or_else(|| json!({}));
+    let mut warnings: BTreeMap<String, Vec<String>> = serde_json::from_value(warnings)
+        .context("the attribute 'warnings' is damaged; make the set again")?;
+    let mut samples = Vec::with_capacity(reader.len());
+    for sample in 0..reader.len() {
+        let row = reader.row(sample);
+        let word = |list: &[String]| list.get(sample).cloned().unwrap_or_default();
+        let at = |place: usize| row.get(place).copied().unwrap_or(f64::NAN);
+        samples.push(SampleRecord {
+            entry: at(0) as usize,
+            name: word(&names),
+            file: word(&files),
+            label: word(&labels),
+            cluster: word(&clusters),
+            family: word(&families),
+            sha256: word(&hashes),
+            key: String::new(),
+            voxels: reader.voxels(sample),
+            properties: Properties {
+                residues: at(1) as usize,
+                radius_of_gyration_angstrom: at(2),
+                extents_angstrom: std::array::from_fn(|n| at(3 + n)),
+                net_charge_e: at(6),
+                spacing_angstrom: at(7),
+                rotation_wxyz: std::array::from_fn(|n| at(8 + n)),
+                middle_angstrom: std::array::from_fn(|n| at(12 + n)),
+                composition: std::array::from_fn(|n| at(15 + n)),
+            },
+            warnings: warnings
+                .remove(names.get(sample).map_or("", String::as_str))
+                .unwrap_or_default(),
+        });
+    }
+    Ok(samples)
+}
+
+/// Writes a set into an empty folder; `voxels` gives those of each sample in turn, with a list per
+/// channel.
+///
+/// # Errors
+/// If the disk takes no more, and what `voxels` says.
+pub fn write(
+    folder: &Path,
+    settings: &VoxelizeSettings,
+    content: &SetContent,
+    mut attributes: Map<String, Value>,
+    voxels: &mut dyn FnMut(usize) -> Result<Voxels>,
+) -> Result<()> {
+    let channels: Vec<String> = settings
+        .channels
+        .iter()
+        .map(|channel| channel.name().to_owned())
+        .collect();
+    let implied = settings.implied_channels();
+    let mut writer =
+        SetWriter::create(folder, settings.size, &channels, &implied, content.voxels())?;
+    let mut statistics = Gathering::new(settings, &content.samples);
+    for (number, sample) in content.samples.iter().enumerate() {
+        let voxels = voxels(number)?;
+        statistics.add(number, &voxels);
+        let Voxels { index, values } = voxels;
+        let stored: Vec<&[f32]> = channels
+            .iter()
+            .zip(&values)
+            .filter(|(channel, _)| !implied.contains(channel))
+            .map(|(_, values)| values.as_slice())
+            .collect();
+        writer
+            .push(&index, &stored)
+            .with_context(|| sample.name.clone())?;
+    }
+    attributes.insert(
+        "statistics".into(),
+        serde_json::to_value(statistics.finish())?,
+    );
+    let rows: Vec<f64> = content.samples.iter().flat_map(row).collect();
+    Ok(writer.finish(&columns(), &rows, attributes)?)
+}
+
+/// Reads every sample of a set once; the mean time that takes, ms.
+///
+/// # Errors
+/// Names the file that cannot be read.
+pub fn read_back(folder: &Path) -> Result<f64> {
+    let reader = SetReader::open(folder)?;
+    let start = Instant::now();
+    for sample in 0..reader.len() {
+        reader.sample(sample)?;
+    }
+    Ok(1e3 * start.elapsed().as_secs_f64() / reader.len().max(1) as f64)
+}
+
+/// Makes a folder in one step: `fill` fills a new one beside it, which then takes its name.
+///
+/// # Errors
+/// Names the folder.
+pub fn replace(output: &Path, fill: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
+    let mut name = output.file_name().unwrap_or_default().to_owned();
+    name.push(".partial");
+    let partial = output.with_file_name(name);
+    let shown = || format!("cannot write {}", output.display());
+    if partial.exists() {
+        std::fs::remove_dir_all(&partial).with_context(shown)?;
+    }
+    std::fs::create_dir_all(&partial).with_context(shown)?;
+    fill(&partial)?;
+    if output.exists() {
+        std::fs::remove_dir_all(output).with_context(shown)?;
+    }
+    std::fs::rename(&partial, output).with_context(shown)
+}
+
+/// Bytes of all files of a folder; zero if there is none.
+pub fn bytes_on_disk(folder: &Path) -> u64 {
+    let Ok(entries) = folder.read_dir() else {
+        return 0;
+    };
+    let bytes = |entry: std::fs::DirEntry| match entry.metadata() {
+        Ok(metadata) if metadata.is_dir() => bytes_on_disk(&entry.path()),
+        Ok(metadata) => metadata.len(),
+        Err(_) => 0,
+    };
+    entries.flatten().map(bytes).sum()
+}

@@ -1,0 +1,279 @@
+//! What values a channel has in occupied voxels of the training part: what a user needs to bring it
+//! to a usual size.
+//!
+//! The training part is that of the split by cluster with the set's seed and the usual shares, so
+//! it has nothing of the validation and test parts. `protomer train` splits by its own seed and
+//! target, and takes the statistics of its own training part.
+
+use super::set::SampleRecord;
+use super::settings::VoxelizeSettings;
+use protomer_field::voxels::{Channel, Voxels};
+use protomer_io::zarr::as_stored;
+use protomer_learn::Description;
+use protomer_learn::scaling::{MOST_VALUES, median, where_defined};
+use protomer_learn::split::{Fractions, Split};
+use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// The attribute `statistics` of a set.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Statistics {
+    /// Which samples they are over: `training part`, or `all samples` where clusters are too few to
+    /// split.
+    pub over: &'static str,
+    /// These samples, counted from 0.
+    pub samples: Vec<usize>,
+    /// Seed of the split.
+    pub split_seed: u64,
+    /// By the channel's name, in its unit.
+    pub channels: BTreeMap<String, ChannelStatistics>,
+}
+
+/// Values of a channel over occupied voxels (of channels of the surface: over its voxels), in its
+/// unit; none of them if there is no voxel.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct ChannelStatistics {
+    /// Occupied voxels.
+    pub voxels: u64,
+    /// Mean.
+    pub mean: Option<f64>,
+    /// Root of the mean square deviation from the mean.
+    pub standard_deviation: Option<f64>,
+    /// Median, the upper of the two in the middle.
+    pub median: Option<f64>,
+    /// Median of the distances from the median.
+    pub median_deviation: Option<f64>,
+    /// Smallest value.
+    pub minimum: Option<f64>,
+    /// Largest value.
+    pub maximum: Option<f64>,
+}
+
+/// Statistics in the making: samples are shown one by one.
+pub struct Gathering {
+    over: &'static str,
+    samples: BTreeSet<usize>,
+    split_seed: u64,
+    /// Values kept of each sample and channel for the medians.
+    most: usize,
+    channels: Vec<(String, Gathered)>,
+}
+
+#[derive(Default)]
+struct Gathered {
+    voxels: u64,
+    /// Of squares of differences from the first value, which loses no digits where values differ
+    /// little.
+    squares: f64,
+    first: f64,
+    shifted: f64,
+    range: Option<(f32, f32)>,
+    kept: Vec<f32>,
+}
+
+impl Gathering {
+    /// Statistics of a set with these samples.
+    pub fn new(settings: &VoxelizeSettings, samples: &[SampleRecord]) -> Self {
+        let describe = |sample: &SampleRecord| Description {
+            label: sample.label.clone(),
+            cluster: sample.cluster.clone(),
+            ..Description::default()
+        };
+        let descriptions: Vec<Description> = samples.iter().map(describe).collect();
+        let (over, chosen) =
+            match Split::grouped(&descriptions, settings.seed, Fractions::default()) {
+                Ok(split) if !split.training.is_empty() => {
+                    ("training part", split.training.into_iter().collect())
+                }
+                _ => (
+                    "all samples",
+                    (0..samples.len()).collect::<BTreeSet<usize>>(),
+                ),
+            };
+        let most = (MOST_VALUES / chosen.len().max(1)).max(1);
+        let empty = |channel: &Channel| (channel.name().to_owned(), Gathered::default());
+        let channels = settings.channels.iter().map(empty).collect();
+        Self {
+            over,
+            samples: chosen,
+            split_seed: settings.seed,
+            most,
+            channels,
+        }
+    }
+
+    /// Looks at a sample, if it is of the training part.
+    pub fn add(&mut self, sample: usize, voxels: &Voxels) {
+        if !self.samples.contains(&sample) {
+            return;
+        }
+        let names: Vec<String> = self.channels.iter().map(|(name, _)| name.clone()).collect();
+        let values: Vec<&[f32]> = voxels.values.iter().map(Vec::as_slice).collect();
+        for (channel, (_, gathered)) in self.channels.iter_mut().enumerate() {
+            gathered.add(&where_defined(&names, &values, channel), self.most);
+        }
+    }
+
+    /// The statistics.
+    pub fn finish(self) -> Statistics {
+        let channels = self
+            .channels
+            .into_iter()
+            .map(|(name, gathered)| (name, gathered.finish()))
+            .collect();
+        let samples = self.samples.into_iter().collect();
+        Statistics {
+            over: self.over,
+            samples,
+            split_seed: self.split_seed,
+            channels,
+        }
+    }
+}
+
+impl Gathered {
+    fn add(&mut self, values: &[f32], most: usize) {
+        // As a reader of the set finds them.
+        let stored = || values.iter().map(|value| as_stored(*value));
+        for value in stored() {
+            let (low, high) = self.range.unwrap_or((value, value));
+            self.range = Some((low.min(value), high.max(value)));
+            if self.voxels == 0 {
+                self.first = f64::from(value);
+            }
+            let difference = f64::from(value) - self.first;
+            self.shifted += difference;
+            self.squares += difference * difference;
+            self.voxels += 1;
+        }
+        self.kept
+            .extend(stored().step_by(values.len().div_ceil(most).max(1)));
+    }
+
+    fn finish(mut self) -> ChannelStatistics {
+        let Some((minimum, maximum)) = self.range else {
+            return ChannelStatistics::default();
+        };
+        let count = self.voxels as f64;
+        let shift = self.shifted / count;
+        let variance = (self.squares / count - shift * shift).max(0.0);
+        let middle = median(&mut self.kept);
+        self.kept
+            .iter_mut()
+            .for_each(|value| *value = (*value - middle).abs());
+        ChannelStatistics {
+            voxels: self.voxels,
+            mean: Some(self.first + shift),
+            standard_deviation: Some(variance.sqrt()),
+            median: Some(f64::from(middle)),
+            median_deviation: Some(f64::from(median(&mut self.kept))),
+            minimum: Some(f64::from(minimum)),
+            maximum: Some(f64::from(maximum)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::voxels::structure::Properties;
+
+    fn record(number: usize, cluster: &str) -> SampleRecord {
+        let properties = Properties {
+            residues: 1,
+            radius_of_gyration_angstrom: 1.0,
+            extents_angstrom: [1.0; 3],
+            net_charge_e: 0.0,
+            spacing_angstrom: 1.0,
+            rotation_wxyz: [1.0, 0.0, 0.0, 0.0],
+            middle_angstrom: [0.0; 3],
+            composition: [0.05; 20],
+        };
+        SampleRecord {
+            entry: number,
+            name: format!("s{number}"),
+            file: String::new(),
+            label: format!("{}", number % 2),
+            cluster: cluster.into(),
+            family: String::new(),
+            sha256: String::new(),
+            key: String::new(),
+            voxels: 2,
+            properties,
+            warnings: Vec::new(),
+        }
+    }
+
+    fn voxels(potential: &[f32]) -> Voxels {
+        Voxels {
+            index: (0..potential.len() as u32).collect(),
+            values: vec![vec![1.0; potential.len()], potential.to_vec()],
+        }
+    }
+
+    fn settings() -> VoxelizeSettings {
+        VoxelizeSettings {
+            channels: vec![Channel::Shape, Channel::Potential],
+            ..VoxelizeSettings::default()
+        }
+    }
+
+    #[test]
+    fn of_few_clusters_all_samples_count() {
+        let samples = [record(0, "a"), record(1, "a")];
+        let mut gathering = Gathering::new(&settings(), &samples);
+        gathering.add(0, &voxels(&[-1.0, 3.0]));
+        gathering.add(1, &voxels(&[5.0, 7.0, -9.0]));
+        let statistics = gathering.finish();
+        assert_eq!(
+            (statistics.over, &statistics.samples[..]),
+            ("all samples", &[0, 1][..])
+        );
+        // -9 -1 3 5 7: mean 1, squares of deviations 100 4 4 16 36, median 3, distances from it 12
+        // 4 0 2 4.
+        let expected = ChannelStatistics {
+            voxels: 5,
+            mean: Some(1.0),
+            standard_deviation: Some(32.0_f64.sqrt()),
+            median: Some(3.0),
+            median_deviation: Some(4.0),
+            minimum: Some(-9.0),
+            maximum: Some(7.0),
+        };
+        assert_eq!(statistics.channels["potential"], expected);
+        assert_eq!(statistics.channels["shape"].standard_deviation, Some(0.0));
+    }
+
+    #[test]
+    fn what_is_not_of_the_training_part_changes_nothing() {
+        let samples: Vec<SampleRecord> = (0..40)
+            .map(|number| record(number, &format!("c{number}")))
+            .collect();
+        let of = |outside: f32| {
+            let mut gathering = Gathering::new(&settings(), &samples);
+            let inside = gathering.samples.clone();
+            assert!(inside.len() > 20 && inside.len() < 35);
+            for sample in 0..samples.len() {
+                let value = if inside.contains(&sample) {
+                    sample as f32
+                } else {
+                    outside
+                };
+                gathering.add(sample, &voxels(&[value]));
+            }
+            gathering.finish()
+        };
+        assert_eq!(of(1e4), of(-7.0));
+        assert_eq!(of(0.0).over, "training part");
+    }
+
+    #[test]
+    fn no_voxels_have_no_mean() {
+        let statistics = Gathering::new(&settings(), &[]).finish();
+        assert_eq!(
+            statistics.channels["potential"],
+            ChannelStatistics::default()
+        );
+    }
+}

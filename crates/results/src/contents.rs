@@ -1,0 +1,172 @@
+//! What a directory holds.
+//!
+//! Every directory of results says it itself: in the key `kind` of `run.json`, or in the attributes
+//! of the zarr group that a voxel set is. This is the one place that reads it. Several verbs have
+//! files of the same names; by the kind, none writes into the results of another.
+
+use crate::{Error, Result, ResultKind, record};
+use std::path::Path;
+
+impl ResultKind {
+    /// What a directory holds; `None` if it holds no results, or none that can be recognised.
+    pub fn of(directory: &Path) -> Option<Self> {
+        recorded(directory).or_else(|| earlier::kind_of(directory))
+    }
+
+    /// Refuses a directory that holds another kind of result. One without results is accepted.
+    ///
+    /// # Errors
+    /// [`Error::OtherKind`].
+    pub fn refuse_other(&self, directory: &Path) -> Result<()> {
+        match Self::of(directory) {
+            Some(other) if other != *self => Err(Error::OtherKind {
+                path: directory.to_owned(),
+                holds: other,
+                wanted: None,
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// Refuses a directory that holds this kind, for files that may lie beside any other result. A
+    /// voxel set is replaced as a whole, with everything in its directory.
+    ///
+    /// # Errors
+    /// [`Error::OtherKind`].
+    pub fn refuse_in(&self, directory: &Path) -> Result<()> {
+        match Self::of(directory) {
+            Some(kind) if kind == *self => Err(Error::OtherKind {
+                path: directory.to_owned(),
+                holds: kind,
+                wanted: None,
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// Refuses a directory that is to be read and holds another kind of result. One without results
+    /// is left to the reader, who names the file that is missing.
+    ///
+    /// # Errors
+    /// [`Error::OtherKind`] says what it should hold.
+    pub fn expect_in(&self, directory: &Path) -> Result<()> {
+        match Self::of(directory) {
+            Some(other) if other != *self => Err(Error::OtherKind {
+                path: directory.to_owned(),
+                holds: other,
+                wanted: Some(self.clone()),
+            }),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The kind that a directory states. A file that cannot be read states none: whoever needs it says
+/// what is wrong with it.
+fn recorded(directory: &Path) -> Option<ResultKind> {
+    let read = |name: &str| -> Option<serde_json::Value> {
+        serde_json::from_slice(&std::fs::read(directory.join(name)).ok()?).ok()
+    };
+    let of_record = || read(record::FILE)?.get("kind").cloned();
+    let of_zarr = || read("zarr.json")?.get("attributes")?.get("kind").cloned();
+    serde_json::from_value(of_record().or_else(of_zarr)?).ok()
+}
+
+/// Directories of versions that did not state their kind, recognised by their files. Nothing that
+/// states its kind comes here.
+mod earlier {
+    use super::ResultKind;
+    use std::path::Path;
+
+    /// Keys of `run.toml` and `settings.toml` that only one kind has, in the order to look for them.
+    const KEYS: [(&str, &str, ResultKind); 5] = [
+        ("run.toml", "salt_M", ResultKind::Sweep),
+        ("run.toml", "sweep", ResultKind::LatticeSweep),
+        ("run.toml", "rows", ResultKind::LatticeRun),
+        ("settings.toml", "base", ResultKind::Search),
+        ("settings.toml", "training", ResultKind::Training),
+    ];
+
+    /// Files that only one kind has all of.
+    const FILES: [(&[&str], ResultKind); 4] = [
+        (&["zarr.json"], ResultKind::VoxelSet),
+        (
+            &["result.json", "network.toml"],
+            ResultKind::ElasticConstants,
+        ),
+        (&["tables.json"], ResultKind::FrameworkTables),
+        (&["run.json", "checkpoint.bin"], ResultKind::Simulation),
+    ];
+
+    pub fn kind_of(directory: &Path) -> Option<ResultKind> {
+        for file in ["run.toml", "settings.toml"] {
+            if let Some(settings) = table(&directory.join(file)) {
+                let has_key = |(of, key, _): &&(&str, &str, ResultKind)| {
+                    *of == file && settings.contains_key(*key)
+                };
+                return KEYS.iter().find(has_key).map(|(.., kind)| kind.clone());
+            }
+        }
+        let has_all = |(files, _): &&(&[&str], ResultKind)| {
+            files.iter().all(|file| directory.join(file).is_file())
+        };
+        FILES.iter().find(has_all).map(|(_, kind)| kind.clone())
+    }
+
+    fn table(path: &Path) -> Option<toml::Table> {
+        std::fs::read_to_string(path).ok()?.parse().ok()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_directory_says_what_it_holds_and_older_ones_are_recognised() {
+        type Case<'a> = (&'a [(&'a str, &'a str)], Option<ResultKind>);
+        let cases: [Case; 9] = [
+            (
+                &[("run.json", r#"{"kind": "lattice run"}"#)],
+                Some(ResultKind::LatticeRun),
+            ),
+            (
+                &[("zarr.json", r#"{"attributes": {"kind": "voxel set"}}"#)],
+                Some(ResultKind::VoxelSet),
+            ),
+            // What is stated counts, whatever the files look like.
+            (
+                &[
+                    ("run.json", r#"{"kind": "sweep"}"#),
+                    ("run.toml", "rows = 3"),
+                ],
+                Some(ResultKind::Sweep),
+            ),
+            (
+                &[("run.json", "{}"), ("run.toml", "salt_M = [0.1]")],
+                Some(ResultKind::Sweep),
+            ),
+            (
+                &[("run.toml", "rows = 3\n[sweep]\n")],
+                Some(ResultKind::LatticeSweep),
+            ),
+            (
+                &[("settings.toml", "[base.training]\n")],
+                Some(ResultKind::Search),
+            ),
+            (&[("zarr.json", "{}")], Some(ResultKind::VoxelSet)),
+            (
+                &[("run.json", "{}"), ("checkpoint.bin", "")],
+                Some(ResultKind::Simulation),
+            ),
+            (&[("notes.txt", "mine")], None),
+        ];
+        for (files, expected) in cases {
+            let folder = tempfile::tempdir().unwrap();
+            for (name, text) in files {
+                std::fs::write(folder.path().join(name), text).unwrap();
+            }
+            assert_eq!(ResultKind::of(folder.path()), expected, "{files:?}");
+        }
+    }
+}

@@ -1,0 +1,189 @@
+//! The one error type of this crate: where, what, and what to do about it.
+
+use crate::ResultKind;
+use std::path::{Path, PathBuf};
+
+/// What can go wrong between a command and its directory.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The operating system refused.
+    #[error("cannot {action} {}", path.display())]
+    File {
+        /// What was tried, as a verb phrase ("read", "make the directory").
+        action: &'static str,
+        /// The file or directory.
+        path: PathBuf,
+        /// The operating system's answer.
+        source: std::io::Error,
+    },
+    /// A file could not be written, or a container is damaged.
+    #[error(transparent)]
+    Io(#[from] protomer_io::IoError),
+    /// JSON or TOML that cannot be understood.
+    #[error("{}:{line}: {problem}", path.display())]
+    Parse {
+        /// The file.
+        path: PathBuf,
+        /// Line, counted from one.
+        line: usize,
+        /// What is wrong with it, and what to do.
+        problem: String,
+    },
+    /// A value that JSON or TOML cannot hold.
+    #[error("{what} cannot be written down: {cause}")]
+    Unwritable {
+        /// What was to be written.
+        what: &'static str,
+        /// Why it cannot be.
+        cause: String,
+    },
+    /// A file was given where a directory is needed.
+    #[error("{} is a file; give a directory for the results", .0.display())]
+    NotADirectory(PathBuf),
+    /// The directory holds another kind of result.
+    #[error("{} holds {holds}; give {}", path.display(), other_directory(wanted.as_ref()))]
+    OtherKind {
+        /// The directory.
+        path: PathBuf,
+        /// What it holds.
+        holds: ResultKind,
+        /// What it should hold; `None` if any directory but this one will do.
+        wanted: Option<ResultKind>,
+    },
+    /// The directory holds the same kind of result with other settings.
+    #[error(
+        "{} holds {kind} with other settings ({differences}); choose another directory, or start anew \
+         with --force",
+        path.display()
+    )]
+    OtherSettings {
+        /// The directory.
+        path: PathBuf,
+        /// What it holds.
+        kind: ResultKind,
+        /// The settings that differ, as in `seed: 1 there, 2 here`.
+        differences: String,
+    },
+    /// The directory holds the same kind of result for other input or other settings.
+    #[error(
+        "{} holds {kind} with other input; choose another directory, or start anew with --force",
+        path.display()
+    )]
+    OtherInput {
+        /// The directory.
+        path: PathBuf,
+        /// What it holds.
+        kind: ResultKind,
+    },
+    /// The settings fit, but what was begun cannot go on with them.
+    #[error("{} {reason}, or choose another directory", path.display())]
+    NoContinuation {
+        /// The directory.
+        path: PathBuf,
+        /// Why, and what to do instead.
+        reason: String,
+    },
+    /// The settings in the directory are those of another version, or of something else.
+    #[error(
+        "{} does not hold {kind} of this version; choose another directory",
+        path.display()
+    )]
+    OtherVersion {
+        /// The directory.
+        path: PathBuf,
+        /// What it should hold.
+        kind: ResultKind,
+        /// What is wrong with its settings.
+        source: Box<Error>,
+    },
+    /// `--force` was given for a directory that holds no results of this kind.
+    #[error(
+        "{} does not hold {kind}, so --force leaves it alone; choose another",
+        path.display()
+    )]
+    Foreign {
+        /// The directory.
+        path: PathBuf,
+        /// What it should hold.
+        kind: ResultKind,
+    },
+    /// `--force` was given for a part of shared work.
+    #[error(
+        "a part of {0} cannot start anew, other parts may be at work; remove the directory, or leave \
+         out --force"
+    )]
+    SharedStart(ResultKind),
+    /// Another process holds the directory.
+    #[error("another process works in {}; wait for it, or choose another directory", .0.display())]
+    Busy(PathBuf),
+    /// A checkpoint is damaged.
+    #[error("cannot continue {}; restore it, or start anew with --force", path.display())]
+    DamagedCheckpoint {
+        /// The checkpoint.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: protomer_io::IoError,
+    },
+    /// A checkpoint holds something else than this version expects.
+    #[error("{} was written by another version of protomer; start anew with --force", path.display())]
+    OldCheckpoint {
+        /// The checkpoint.
+        path: PathBuf,
+        /// What does not fit.
+        source: serde_json::Error,
+    },
+    /// A checkpoint belongs to other work.
+    #[error(
+        "{} is the checkpoint of a run with other settings or other input; choose another directory, or \
+         start anew with --force",
+        .0.display()
+    )]
+    ForeignCheckpoint(PathBuf),
+    /// A log that a checkpoint vouches for cannot be read.
+    #[error("cannot read the log {}; restore it, or start anew with --force", path.display())]
+    LostLog {
+        /// The log.
+        path: PathBuf,
+        /// The operating system's answer.
+        source: std::io::Error,
+    },
+    /// A log differs from what its checkpoint vouches for.
+    #[error("{} was changed since its checkpoint; restore it, or start anew with --force", .0.display())]
+    ChangedLog(PathBuf),
+    /// A line of a log is not a row.
+    #[error("{}:{line}: '{text}' is not a row of a log; run again with --force", path.display())]
+    NotARow {
+        /// The log.
+        path: PathBuf,
+        /// Line, counted from one.
+        line: usize,
+        /// What it says.
+        text: String,
+    },
+    /// Text that does not name a part of some work.
+    #[error("'{0}' is not a part; give one such as 2/8, from 1/8 to 8/8")]
+    NotAShard(String),
+}
+
+/// The result of an operation of this crate.
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+impl Error {
+    /// Turns an operating system's error into one that names the file and what was tried.
+    pub(crate) fn file(action: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
+        let path = path.to_owned();
+        move |source| Error::File {
+            action,
+            path,
+            source,
+        }
+    }
+}
+
+fn other_directory(wanted: Option<&ResultKind>) -> String {
+    match wanted {
+        Some(kind) => format!("the directory of {kind}"),
+        None => "another directory".into(),
+    }
+}

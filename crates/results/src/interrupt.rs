@@ -1,0 +1,68 @@
+//! Stopping long work on request: a signal or a time limit, noticed between steps.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// A request to stop, shared by all threads of a piece of work; cheap to ask.
+///
+/// ```
+/// use protomer_results::Interrupt;
+/// let interrupt = Interrupt::default();
+/// let on_another_thread = interrupt.clone();
+/// on_another_thread.request();
+/// assert!(interrupt.is_requested());
+/// assert_eq!(interrupt.reason(), "a signal");
+/// ```
+#[derive(Debug, Clone, Default)]
+pub struct Interrupt {
+    requested: Arc<AtomicBool>,
+    after_failure: Arc<AtomicBool>,
+    deadline: Option<Instant>,
+}
+
+impl Interrupt {
+    /// An interrupt that requests itself after `limit`, if there is one.
+    pub fn after(limit: Option<Duration>) -> Self {
+        Self {
+            deadline: limit.map(|limit| Instant::now() + limit),
+            ..Self::default()
+        }
+    }
+
+    /// The same request, with a time limit of its own.
+    pub fn with_limit(mut self, limit: Option<Duration>) -> Self {
+        self.deadline = limit.map(|limit| Instant::now() + limit);
+        self
+    }
+
+    /// Asks the work to stop at its next step.
+    pub fn request(&self) {
+        self.requested.store(true, Ordering::Relaxed);
+    }
+
+    /// Asks the other parts of the work to stop at their next step, because one of them has failed.
+    pub fn request_after_failure(&self) {
+        self.after_failure.store(true, Ordering::Relaxed);
+        self.request();
+    }
+
+    /// What asked, as in "stopped by *the time limit*".
+    pub fn reason(&self) -> &'static str {
+        if self.after_failure.load(Ordering::Relaxed) {
+            "the failure of another part"
+        } else if self.requested.load(Ordering::Relaxed) {
+            "a signal"
+        } else {
+            "the time limit"
+        }
+    }
+
+    /// Whether the work should stop now.
+    pub fn is_requested(&self) -> bool {
+        self.requested.load(Ordering::Relaxed)
+            || self
+                .deadline
+                .is_some_and(|deadline| Instant::now() >= deadline)
+    }
+}

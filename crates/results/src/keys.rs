@@ -1,0 +1,150 @@
+//! JSON and TOML with errors that name the file, the line, the key, and the nearest valid key.
+
+use crate::{Error, Result};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::error::Category;
+use std::path::Path;
+use strsim::levenshtein;
+
+/// Deserialises JSON.
+///
+/// # Errors
+/// Names the file, line, and key; for an unknown key the nearest valid one.
+pub fn from_json<T: DeserializeOwned>(path: &Path, bytes: &[u8]) -> Result<T> {
+    serde_json::from_slice(bytes).map_err(|error| {
+        let cause = error.to_string();
+        let cause = cause.split(" at line ").next().unwrap_or(&cause);
+        let explained = match error.classify() {
+            Category::Eof => {
+                format!("the file ends too early ({cause}); it is empty or cut: complete it")
+            }
+            Category::Syntax => format!(
+                "this is not JSON ({cause} at column {}); mend the line",
+                error.column()
+            ),
+            Category::Data | Category::Io => with_hint(cause),
+        };
+        Error::Parse {
+            path: path.to_owned(),
+            line: error.line(),
+            problem: explained,
+        }
+    })
+}
+
+/// Deserialises TOML.
+///
+/// # Errors
+/// Names the file, line, and key; for an unknown key the nearest valid one.
+pub fn from_toml<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T> {
+    toml::from_str(text).map_err(|error| {
+        let line = error.span().map_or(1, |span| {
+            text[..span.start.min(text.len())].matches('\n').count() + 1
+        });
+        let explained = match text.parse::<toml::Table>() {
+            Ok(_) => with_hint(error.message()),
+            Err(_) => format!("this is not TOML ({}); mend the line", error.message()),
+        };
+        Error::Parse {
+            path: path.to_owned(),
+            line,
+            problem: explained,
+        }
+    })
+}
+
+/// Reads a JSON file.
+///
+/// # Errors
+/// As [`from_json`]; also if the file cannot be read.
+pub fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T> {
+    let bytes = std::fs::read(path).map_err(Error::file("read", path))?;
+    from_json(path, &bytes)
+}
+
+/// Reads a JSON file that may be missing.
+///
+/// # Errors
+/// As [`from_json`]; also if there is a file and it cannot be read.
+pub fn read_json_if_present<T: DeserializeOwned>(path: &Path) -> Result<Option<T>> {
+    match std::fs::read(path) {
+        Ok(bytes) => from_json(path, &bytes).map(Some),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(Error::file("read", path)(error)),
+    }
+}
+
+/// Reads a TOML file.
+///
+/// # Errors
+/// As [`from_toml`]; also if the file cannot be read.
+pub fn read_toml<T: DeserializeOwned>(path: &Path) -> Result<T> {
+    let text = std::fs::read_to_string(path).map_err(Error::file("read", path))?;
+    from_toml(path, &text)
+}
+
+/// The TOML text of a value, such as settings.
+///
+/// # Errors
+/// [`Error::Unwritable`] if TOML cannot hold it.
+pub fn to_toml<T: Serialize>(what: &'static str, value: &T) -> Result<String> {
+    toml::to_string_pretty(value).map_err(|error| Error::Unwritable {
+        what,
+        cause: error.to_string(),
+    })
+}
+
+/// Adds `did you mean ...?` to serde's message about an unknown field.
+fn with_hint(message: &str) -> String {
+    let mut quoted = message.split('`').skip(1).step_by(2);
+    let is_unknown_key = message.starts_with("unknown field");
+    let near = match quoted.next() {
+        Some(wrong) if is_unknown_key => nearest(wrong, quoted),
+        _ => None,
+    };
+    match near {
+        Some(nearest) => format!("{message}; did you mean '{nearest}'?"),
+        None => message.to_owned(),
+    }
+}
+
+/// The known word nearest to a wrong one, unless none is near.
+pub fn nearest<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let nearest = known
+        .into_iter()
+        .min_by_key(|word| levenshtein(wrong, word))?;
+    (levenshtein(wrong, nearest) <= 1 + wrong.chars().count() / 3).then_some(nearest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde::Deserialize;
+
+    #[derive(Debug, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    #[allow(dead_code)]
+    struct Settings {
+        replicas: u32,
+        sweeps: u64,
+    }
+
+    #[test]
+    fn unknown_keys_are_named_with_line_and_nearest() {
+        let error = from_toml::<Settings>(Path::new("run.toml"), "sweeps = 3\nreplicsa = 1\n")
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.starts_with("run.toml:2:") && error.ends_with("did you mean 'replicas'?"),
+            "{error}"
+        );
+        let error = from_json::<Settings>(Path::new("a.json"), b"{\n\"sweps\": 1}")
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.starts_with("a.json:2:") && error.ends_with("did you mean 'sweeps'?"),
+            "{error}"
+        );
+    }
+}

@@ -1,0 +1,59 @@
+//! A home for results: directories that know what they hold, and one driver for everything that can
+//! be begun, advanced, saved, continued and recorded.
+//!
+//! ```text
+//! settings --ResultsDirectory::enter--> a directory of one's own
+//! Run      --drive-->   checkpoint.bin, run.json, its own files --> End::Finished(answer) or End::Stopped
+//! Campaign --conduct--> many runs in one directory              --> tables and figures
+//! ```
+//!
+//! | module | one idea |
+//! |---|---|
+//! | [`run`] | one run: begun or continued, saved every so often, recorded |
+//! | [`campaign`] | many runs that share a directory, whole or in parts |
+//! | [`directory`] | whose a directory is, and what of it may be removed |
+//! | [`lock`] | who works in it |
+//! | [`settings`] | which settings continue which |
+//! | [`kind`], `contents` | the kinds of results; which of them a directory holds |
+//! | [`record`] | `run.json`: what was run, on what, and how it ended |
+//! | [`checkpoint`] | `checkpoint.bin`: the state from which a run goes on |
+//! | [`log`] | tables that grow by rows and can be cut back to a checkpoint |
+//! | [`execution`], [`interrupt`], [`shard`], [`end`] | how a run is carried out, and how it ends |
+//! | [`keys`] | JSON and TOML with errors that help |
+//!
+//! Two promises hold for every run. The same command continues it, whatever ended it. A run that was
+//! cut anywhere and continued equals the uninterrupted one byte for byte.
+//!
+//! `tests/walk/mod.rs` is a whole engine in a few dozen lines: a model for new ones.
+
+pub mod campaign;
+pub mod checkpoint;
+mod contents;
+pub mod directory;
+pub mod end;
+mod error;
+pub mod execution;
+pub mod interrupt;
+pub mod keys;
+pub mod kind;
+pub mod lock;
+pub mod log;
+pub mod record;
+pub mod run;
+pub mod settings;
+pub mod shard;
+
+pub use campaign::{Campaign, conduct, conduct_shard, each, recorded};
+pub use checkpoint::{CHECKPOINT, Checkpoint};
+pub use directory::{Layout, ResultsDirectory};
+pub use end::End;
+pub use error::{Error, Result};
+pub use execution::{Execution, Progress};
+pub use interrupt::Interrupt;
+pub use kind::ResultKind;
+pub use lock::Hold;
+pub use log::{Log, LogMark, Row};
+pub use record::{Exit, Record, Work};
+pub use run::{Run, Turn, drive, proceed};
+pub use settings::Settings;
+pub use shard::Shard;

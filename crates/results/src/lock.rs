@@ -1,0 +1,53 @@
+//! Who works in a directory: locks against other processes.
+
+use crate::{Error, Result};
+use std::fs::{File, TryLockError};
+use std::path::Path;
+
+/// The file that is locked while a process works in a directory.
+pub const LOCK: &str = ".lock";
+
+/// Who else may work in a directory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Hold {
+    /// Nobody.
+    Alone,
+    /// Others that share it as well.
+    Shared,
+}
+
+/// Locks a directory against other processes, where the file system can, for as long as the file is
+/// open.
+///
+/// ```
+/// use protomer_results::lock::{Hold, lock};
+/// # let folder = tempfile::tempdir().unwrap();
+/// let held = lock(folder.path(), Hold::Alone).unwrap();
+/// assert!(lock(folder.path(), Hold::Alone).is_err());
+/// drop(held);
+/// assert!(lock(folder.path(), Hold::Alone).is_ok());
+/// ```
+///
+/// # Errors
+/// [`Error::Busy`] if another process holds it; [`Error::File`] if the disk refuses.
+pub fn lock(directory: &Path, hold: Hold) -> Result<File> {
+    lock_file(&directory.join(LOCK), hold)
+}
+
+/// Locks a part of a directory that a lock file of its own stands for.
+///
+/// # Errors
+/// As [`lock`].
+pub fn lock_file(file: &Path, hold: Hold) -> Result<File> {
+    let directory = file.parent().unwrap_or(file);
+    let file = File::create(file).map_err(Error::file("write into", directory))?;
+    let held = match hold {
+        Hold::Alone => file.try_lock(),
+        Hold::Shared => file.try_lock_shared(),
+    };
+    match held {
+        Err(TryLockError::WouldBlock) => Err(Error::Busy(directory.to_owned())),
+        // Some network file systems have no locks. That is no reason not to work on them.
+        Ok(()) | Err(TryLockError::Error(_)) => Ok(file),
+    }
+}

@@ -1,0 +1,258 @@
+//! Tables that grow by rows, as CSV, and can be cut back to what a checkpoint vouches for.
+
+use crate::{Error, Result};
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::fs::{File, OpenOptions};
+use std::io::{BufWriter, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+/// One row of a log.
+pub trait Row: Sized {
+    /// The names of the columns, in order.
+    fn columns() -> Vec<&'static str>;
+
+    /// The row as a line. Numbers must read back as the same numbers; Rust's own formatting of
+    /// floats does.
+    fn to_line(&self) -> String;
+
+    /// The row that a line holds, if it holds one.
+    fn from_line(line: &str) -> Option<Self>;
+}
+
+/// The part of a log that a checkpoint vouches for.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LogMark {
+    /// Its length in bytes; zero for a log that is yet to be begun.
+    pub bytes: u64,
+    /// Its SHA-256.
+    pub sha256: String,
+}
+
+/// A log that is being written.
+#[derive(Debug)]
+pub struct Log {
+    path: PathBuf,
+    file: BufWriter<File>,
+    length: u64,
+    hash: Sha256,
+}
+
+impl Log {
+    /// Opens a log and cuts it to what the checkpoint vouches for. An empty mark begins a new one.
+    ///
+    /// # Errors
+    /// If the file cannot be written, or was changed since the checkpoint; then it stays as it is.
+    pub fn open<R: Row>(path: &Path, mark: &LogMark) -> Result<Self> {
+        let hash = match mark.bytes {
+            0 => Sha256::new(),
+            _ => hash_of_marked(path, mark)?,
+        };
+        let file = cut(path, mark.bytes).map_err(Error::file("write the log", path))?;
+        let mut log = Self {
+            path: path.to_owned(),
+            file: BufWriter::new(file),
+            length: mark.bytes,
+            hash,
+        };
+        if mark.bytes == 0 {
+            log.write_line(&R::columns().join(","))?;
+        }
+        Ok(log)
+    }
+
+    /// Appends a row.
+    ///
+    /// # Errors
+    /// If the disk refuses.
+    pub fn append(&mut self, row: &impl Row) -> Result<()> {
+        self.write_line(&row.to_line())
+    }
+
+    /// Forces everything written so far onto the disk and returns what a checkpoint can vouch for.
+    ///
+    /// # Errors
+    /// If the disk refuses.
+    pub fn sync(&mut self) -> Result<LogMark> {
+        let flushed = self.file.flush();
+        flushed
+            .and_then(|()| self.file.get_ref().sync_data())
+            .map_err(Error::file("write the log", &self.path))?;
+        Ok(LogMark {
+            bytes: self.length,
+            sha256: hexadecimal(&self.hash),
+        })
+    }
+
+    fn write_line(&mut self, line: &str) -> Result<()> {
+        let line = format!("{line}\n");
+        self.hash.update(&line);
+        self.length += line.len() as u64;
+        self.file
+            .write_all(line.as_bytes())
+            .map_err(Error::file("write the log", &self.path))
+    }
+}
+
+/// The file, cut to so many bytes, ready to be written at its end.
+fn cut(path: &Path, bytes: u64) -> std::io::Result<File> {
+    let mut file = OpenOptions::new()
+        .create(true)
+        .truncate(false)
+        .write(true)
+        .open(path)?;
+    file.set_len(bytes)?;
+    file.seek(SeekFrom::End(0))?;
+    Ok(file)
+}
+
+/// Checks that a log begins with what a checkpoint vouches for.
+///
+/// # Errors
+/// [`Error::ChangedLog`] if it was changed or cut since; [`Error::LostLog`] if it cannot be read.
+pub fn check(path: &Path, mark: &LogMark) -> Result<()> {
+    hash_of_marked(path, mark).map(drop)
+}
+
+fn hash_of_marked(path: &Path, mark: &LogMark) -> Result<Sha256> {
+    let mut start = Vec::new();
+    File::open(path)
+        .and_then(|file| file.take(mark.bytes).read_to_end(&mut start))
+        .map_err(|source| Error::LostLog {
+            path: path.to_owned(),
+            source,
+        })?;
+    let hash = Sha256::new_with_prefix(&start);
+    if start.len() as u64 != mark.bytes || hexadecimal(&hash) != mark.sha256 {
+        return Err(Error::ChangedLog(path.to_owned()));
+    }
+    Ok(hash)
+}
+
+fn hexadecimal(hash: &Sha256) -> String {
+    let digest = hash.clone().finalize();
+    digest.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Reads a log.
+///
+/// # Errors
+/// [`Error::NotARow`] names the file and line that is not a row.
+pub fn read<R: Row>(path: &Path) -> Result<Vec<R>> {
+    rows_of(path, &text_of(path)?)
+}
+
+/// Reads the log of a run that may still be working, or was killed: without an incomplete last line.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_so_far<R: Row>(path: &Path) -> Result<Vec<R>> {
+    let text = text_of(path)?;
+    let complete = text.rfind('\n').map_or("", |end| &text[..end]);
+    rows_of(path, complete)
+}
+
+fn text_of(path: &Path) -> Result<String> {
+    std::fs::read_to_string(path).map_err(Error::file("read the log", path))
+}
+
+fn rows_of<R: Row>(path: &Path, text: &str) -> Result<Vec<R>> {
+    let not_a_row = |index: usize, line: &str| Error::NotARow {
+        path: path.to_owned(),
+        line: index + 1,
+        text: line.to_owned(),
+    };
+    let lines = text.lines().enumerate().skip(1);
+    lines
+        .map(|(index, line)| R::from_line(line).ok_or_else(|| not_a_row(index, line)))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    struct Step {
+        number: u64,
+        position: f64,
+    }
+
+    impl Row for Step {
+        fn columns() -> Vec<&'static str> {
+            vec!["number", "position"]
+        }
+
+        fn to_line(&self) -> String {
+            format!("{},{}", self.number, self.position)
+        }
+
+        fn from_line(line: &str) -> Option<Self> {
+            let (number, position) = line.split_once(',')?;
+            Some(Self {
+                number: number.parse().ok()?,
+                position: position.parse().ok()?,
+            })
+        }
+    }
+
+    fn step(number: u64) -> Step {
+        Step {
+            number,
+            position: 1.0 / 3.0 * number as f64,
+        }
+    }
+
+    #[test]
+    fn rows_survive_a_round_trip_and_a_cut() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.csv");
+        let mut log = Log::open::<Step>(&path, &LogMark::default()).unwrap();
+        log.append(&step(1)).unwrap();
+        let mark = log.sync().unwrap();
+        log.append(&step(2)).unwrap();
+        log.sync().unwrap();
+        assert_eq!(read::<Step>(&path).unwrap(), [step(1), step(2)]);
+
+        let mut resumed = Log::open::<Step>(&path, &mark).unwrap();
+        resumed.append(&step(3)).unwrap();
+        resumed.sync().unwrap();
+        assert_eq!(read::<Step>(&path).unwrap(), [step(1), step(3)]);
+    }
+
+    #[test]
+    fn a_changed_or_cut_log_is_refused_and_left_as_it_is() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.csv");
+        let mut log = Log::open::<Step>(&path, &LogMark::default()).unwrap();
+        log.append(&step(1)).unwrap();
+        let mark = log.sync().unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        for changed in [
+            text.replace("0.3333", "0.4333"),
+            text[..text.len() - 2].to_owned(),
+        ] {
+            std::fs::write(&path, &changed).unwrap();
+            let refusal = Log::open::<Step>(&path, &mark).unwrap_err();
+            assert!(refusal.to_string().contains("--force"), "{refusal}");
+            assert_eq!(std::fs::read_to_string(&path).unwrap(), changed);
+        }
+        std::fs::remove_file(&path).unwrap();
+        assert!(matches!(check(&path, &mark), Err(Error::LostLog { .. })));
+    }
+
+    #[test]
+    fn an_incomplete_last_line_is_no_row_yet() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.csv");
+        std::fs::write(&path, "number,position\n1,0.5\n2,0.").unwrap();
+        assert_eq!(read_so_far::<Step>(&path).unwrap().len(), 1);
+        std::fs::write(&path, "number,position\n1,half\n").unwrap();
+        let refusal = read::<Step>(&path).unwrap_err();
+        assert!(
+            refusal.to_string().contains(":2: '1,half' is not a row"),
+            "{refusal}"
+        );
+    }
+}

@@ -1,0 +1,355 @@
+//! `run.json`: what was run, on what, by which version, how far it came, and how it ended.
+
+use crate::keys;
+use crate::{Error, Interrupt, Result, ResultKind};
+use protomer_io::atomic::write_atomically;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use std::fmt;
+use std::path::Path;
+
+/// The name of the record in its directory.
+pub const FILE: &str = "run.json";
+/// The key of the details that says what stopped a run.
+const STOPPED_BY: &str = "stopped_by";
+
+/// Which work it is. Two works with the same identity give the same result.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Work {
+    /// What it leaves.
+    pub kind: ResultKind,
+    /// The verb that does it.
+    pub verb: &'static str,
+    /// SHA-256 of the settings and the input.
+    pub identity: String,
+    /// SHA-256 of the input; empty if there is none beside the settings.
+    pub input_sha256: String,
+}
+
+/// How a run ended.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Exit {
+    /// It has not: a process works on it, or was killed.
+    Running,
+    /// It came to its end.
+    Done,
+    /// It was asked to stop.
+    Stopped {
+        /// What asked, as in "stopped by *the time limit*"; unknown in some older records.
+        by: Option<String>,
+    },
+    /// An error ended it.
+    Failed {
+        /// The error, in words.
+        error: String,
+    },
+}
+
+/// The record of a run, a sweep, or any other work with a directory.
+///
+/// ```
+/// use protomer_results::{Exit, Record, ResultKind, Work};
+/// # let folder = tempfile::tempdir().unwrap();
+/// let work = Work {
+///     kind: ResultKind::LatticeRun,
+///     verb: "lattice run",
+///     identity: "5f2c".into(),
+///     input_sha256: String::new(),
+/// };
+/// let record = Record { done: Some(200), ..Record::new(&work, Exit::Done) };
+/// record.write(folder.path()).unwrap();
+/// assert_eq!(Record::read(folder.path()).unwrap(), Some(record));
+/// ```
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Form", into = "Form")]
+pub struct Record {
+    /// Version of the program.
+    pub version: String,
+    /// What the directory holds; `None` in records of versions that did not say.
+    pub kind: Option<ResultKind>,
+    /// The verb.
+    pub verb: String,
+    /// SHA-256 of the settings and the input.
+    pub identity: String,
+    /// SHA-256 of the input; empty if there is none beside the settings.
+    pub input_sha256: String,
+    /// How it ended.
+    pub exit: Exit,
+    /// How far it came, in the units of its length; `None` for work that is not counted.
+    pub done: Option<u64>,
+    /// Everything else worth knowing.
+    pub details: Value,
+}
+
+impl Record {
+    /// A record without details.
+    pub fn new(work: &Work, exit: Exit) -> Self {
+        Self {
+            version: env!("CARGO_PKG_VERSION").into(),
+            kind: Some(work.kind.clone()),
+            verb: work.verb.into(),
+            identity: work.identity.clone(),
+            input_sha256: work.input_sha256.clone(),
+            exit,
+            done: None,
+            details: Value::Null,
+        }
+    }
+
+    /// Whether the work came to its end.
+    pub fn is_done(&self) -> bool {
+        self.exit == Exit::Done
+    }
+
+    /// Whether the work came to its end at this length: a run that is to be longer has not.
+    pub fn is_done_at(&self, length: u64) -> bool {
+        self.is_done() && self.done == Some(length)
+    }
+
+    /// The details as a value.
+    ///
+    /// # Errors
+    /// [`Error::Parse`] if they are those of something else.
+    pub fn read_details<T: DeserializeOwned>(&self, directory: &Path) -> Result<T> {
+        serde_json::from_value(self.details.clone()).map_err(|error| Error::Parse {
+            path: directory.join(FILE),
+            line: 1,
+            problem: format!("the details are damaged ({error}); start anew with --force"),
+        })
+    }
+
+    /// Refuses a directory that holds other work of this kind.
+    ///
+    /// # Errors
+    /// [`Error::OtherInput`].
+    pub fn require(&self, identity: &str, kind: &ResultKind, directory: &Path) -> Result<()> {
+        if self.identity == identity {
+            return Ok(());
+        }
+        Err(Error::OtherInput {
+            path: directory.to_owned(),
+            kind: kind.clone(),
+        })
+    }
+
+    /// The record of a directory, if there is one.
+    ///
+    /// # Errors
+    /// If there is one and it cannot be read.
+    pub fn read(directory: &Path) -> Result<Option<Self>> {
+        keys::read_json_if_present(&directory.join(FILE))
+    }
+
+    /// Writes the record into a directory.
+    ///
+    /// # Errors
+    /// If the disk refuses.
+    pub fn write(&self, directory: &Path) -> Result<()> {
+        let text = serde_json::to_string_pretty(self).map_err(|error| Error::Unwritable {
+            what: FILE,
+            cause: error.to_string(),
+        })?;
+        write_atomically(&directory.join(FILE), |file| writeln!(file, "{text}"))?;
+        Ok(())
+    }
+}
+
+impl Exit {
+    /// Stopped by this interrupt.
+    pub fn stopped_by(interrupt: &Interrupt) -> Self {
+        Exit::Stopped {
+            by: Some(interrupt.reason().into()),
+        }
+    }
+
+    /// Ended by this error, with its causes.
+    pub fn failed(error: &dyn fmt::Display) -> Self {
+        Exit::Failed {
+            error: format!("{error:#}"),
+        }
+    }
+
+    /// The word in JSON: `running`, `done`, `stopped` or `failed`.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Exit::Running => "running",
+            Exit::Done => "done",
+            Exit::Stopped { .. } => "stopped",
+            Exit::Failed { .. } => "failed",
+        }
+    }
+}
+
+/// A record as JSON has it.
+#[derive(Serialize, Deserialize)]
+struct Form {
+    version: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    kind: Option<ResultKind>,
+    verb: String,
+    identity: String,
+    input_sha256: String,
+    exit_reason: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    error: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    done: Option<u64>,
+    details: Value,
+}
+
+impl From<Record> for Form {
+    fn from(record: Record) -> Self {
+        let mut details = record.details;
+        let exit_reason = record.exit.word().to_owned();
+        let mut failure = None;
+        match record.exit {
+            Exit::Stopped { by: Some(by) } => {
+                if !details.is_object() {
+                    details = json!({});
+                }
+                details[STOPPED_BY] = by.into();
+            }
+            Exit::Failed { error } => failure = Some(error),
+            Exit::Running | Exit::Done | Exit::Stopped { by: None } => {}
+        }
+        Self {
+            version: record.version,
+            kind: record.kind,
+            verb: record.verb,
+            identity: record.identity,
+            input_sha256: record.input_sha256,
+            exit_reason,
+            error: failure,
+            done: record.done,
+            details,
+        }
+    }
+}
+
+impl From<Form> for Record {
+    fn from(form: Form) -> Self {
+        let mut details = form.details;
+        let exit = match form.exit_reason.as_str() {
+            "running" => Exit::Running,
+            "done" => Exit::Done,
+            "stopped" => Exit::Stopped {
+                by: take_stopper(&mut details),
+            },
+            "failed" => Exit::Failed {
+                error: form.error.unwrap_or_default(),
+            },
+            // Earlier versions wrote the error in the place of the word.
+            error => Exit::Failed {
+                error: error.to_owned(),
+            },
+        };
+        let done = form.done.or_else(|| earlier_count(&details));
+        Self {
+            version: form.version,
+            kind: form.kind,
+            verb: form.verb,
+            identity: form.identity,
+            input_sha256: form.input_sha256,
+            exit,
+            done,
+            details,
+        }
+    }
+}
+
+fn take_stopper(details: &mut Value) -> Option<String> {
+    let by = details.as_object_mut()?.remove(STOPPED_BY)?;
+    if details.as_object().is_some_and(serde_json::Map::is_empty) {
+        *details = Value::Null;
+    }
+    by.as_str().map(str::to_owned)
+}
+
+/// Where earlier versions wrote how far a run was.
+fn earlier_count(details: &Value) -> Option<u64> {
+    ["sweeps_done", "steps"]
+        .into_iter()
+        .find_map(|key| details.get(key)?.as_u64())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn record(exit: Exit, details: Value) -> Record {
+        let work = Work {
+            kind: ResultKind::Sweep,
+            verb: "sweep",
+            identity: "a".into(),
+            input_sha256: "b".into(),
+        };
+        Record {
+            done: Some(7),
+            details,
+            ..Record::new(&work, exit)
+        }
+    }
+
+    #[test]
+    fn every_exit_survives_a_round_trip() {
+        let exits = [
+            Exit::Running,
+            Exit::Done,
+            Exit::Stopped { by: None },
+            Exit::stopped_by(&Interrupt::default()),
+            Exit::failed(&"the disk is full"),
+        ];
+        for exit in exits {
+            for details in [Value::Null, json!({"replica": 2})] {
+                let written = record(exit.clone(), details);
+                let text = serde_json::to_string(&written).unwrap();
+                assert_eq!(
+                    serde_json::from_str::<Record>(&text).unwrap(),
+                    written,
+                    "{text}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_json_has_a_word_for_the_end_and_a_key_for_the_error() {
+        let json = |exit| serde_json::to_value(record(exit, json!({}))).unwrap();
+        let failed = json(Exit::failed(&"no space"));
+        assert_eq!(
+            (&failed["exit_reason"], &failed["error"]),
+            (&json!("failed"), &json!("no space"))
+        );
+        let stopped = json(Exit::Stopped {
+            by: Some("a signal".into()),
+        });
+        assert_eq!(
+            (&stopped["exit_reason"], &stopped["details"]["stopped_by"]),
+            (&json!("stopped"), &json!("a signal"))
+        );
+        assert_eq!(stopped.get("error"), None);
+    }
+
+    #[test]
+    fn records_of_earlier_versions_are_understood() {
+        let earlier = |exit_reason: &str| -> Record {
+            serde_json::from_value(json!({
+                "version": "0.1.0", "verb": "simulate", "identity": "a", "input_sha256": "b",
+                "exit_reason": exit_reason, "details": {"sweeps_done": 12},
+            }))
+            .unwrap()
+        };
+        assert_eq!(
+            (earlier("done").exit, earlier("done").done),
+            (Exit::Done, Some(12))
+        );
+        assert_eq!(earlier("done").kind, None);
+        assert_eq!(
+            earlier("the energy is NaN").exit,
+            Exit::Failed {
+                error: "the energy is NaN".into()
+            }
+        );
+    }
+}

@@ -1,0 +1,47 @@
+//! A part of work that many machines share.
+
+use crate::{Error, Result};
+
+/// Every `of`-th item, beginning with item `index` - 1, counted from zero.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shard {
+    /// Which part, from one.
+    pub index: usize,
+    /// Of how many.
+    pub of: usize,
+}
+
+impl Shard {
+    /// Everything.
+    pub const WHOLE: Shard = Shard { index: 1, of: 1 };
+
+    /// A part written as `2/8`.
+    ///
+    /// ```
+    /// use protomer_results::Shard;
+    /// assert_eq!(Shard::parse("2/8").unwrap(), Shard { index: 2, of: 8 });
+    /// assert!(Shard::parse("9/8").is_err());
+    /// ```
+    ///
+    /// # Errors
+    /// Says what was typed and how it should be.
+    pub fn parse(text: &str) -> Result<Self> {
+        let parts = text
+            .split_once('/')
+            .and_then(|(index, of)| Some((index.parse().ok()?, of.parse().ok()?)));
+        match parts {
+            Some((index, of)) if (1..=of).contains(&index) => Ok(Self { index, of }),
+            _ => Err(Error::NotAShard(text.to_owned())),
+        }
+    }
+
+    /// Whether an item belongs to the part.
+    pub fn has(self, number: usize) -> bool {
+        number % self.of == self.index - 1
+    }
+
+    /// Whether the part is everything.
+    pub fn is_whole(self) -> bool {
+        self.of == 1
+    }
+}
