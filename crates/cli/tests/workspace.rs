@@ -70,7 +70,7 @@ fn arrows_point_the_way_the_architecture_says() {
     let allowed: BTreeMap<&str, &[&str]> = BTreeMap::from([
         ("protomer-kernel", &[][..]),
         ("protomer-io", &["protomer-kernel"]),
-        ("protomer-body", &["protomer-io", "protomer-kernel"]),
+        ("protomer-body", &["protomer-kernel"]),
         ("protomer-mc", &["protomer-body", "protomer-kernel"]),
         ("protomer-crystal", &["protomer-kernel"]),
         ("protomer-field", &["protomer-body", "protomer-kernel"]),
@@ -92,6 +92,19 @@ fn arrows_point_the_way_the_architecture_says() {
             ],
         ),
         (
+            "protomer-report",
+            &[
+                "protomer",
+                "protomer-body",
+                "protomer-field",
+                "protomer-io",
+                "protomer-kernel",
+                "protomer-learn",
+                "protomer-plot",
+                "protomer-results",
+            ],
+        ),
+        (
             "protomer-cli",
             &[
                 "protomer",
@@ -101,6 +114,7 @@ fn arrows_point_the_way_the_architecture_says() {
                 "protomer-io",
                 "protomer-kernel",
                 "protomer-learn",
+                "protomer-report",
                 "protomer-results",
             ],
         ),

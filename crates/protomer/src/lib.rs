@@ -14,7 +14,6 @@
 //! | [`learning`] | networks trained, searched for, applied |
 //! | [`lattice`] | lattices of rigid squares: runs, sweeps, pictures |
 //! | [`frameworks`] | networks of rods and hinges: elastic constants, loads, figures |
-//! | [`mod@report`] | a directory of results as one page |
 //! | [`answer`] | what a verb answers: a value, its text, its figure |
 //! | [`input`], [`output_file`], [`quantity`], [`cpu_time`] | what several of them need |
 
@@ -29,6 +28,5 @@ pub mod learning;
 pub mod output_file;
 pub mod potential;
 pub mod quantity;
-pub mod report;
 pub mod stability;
 pub mod voxels;

@@ -4,7 +4,7 @@ use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
-use protomer::report::{Request, report};
+use protomer_report::{Request, report};
 use std::path::PathBuf;
 
 /// Make one HTML page of a directory of results: figures with their numbers, bodies to turn,

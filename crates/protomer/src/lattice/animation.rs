@@ -18,11 +18,11 @@ use std::path::{Path, PathBuf};
 
 const PAGE: &str = include_str!("animation.html");
 /// Style of [`PLAYER`].
-const PLAYER_STYLE: &str = include_str!("player.css");
+pub const PLAYER_STYLE: &str = include_str!("player.css");
 /// What is on the page: a canvas and its controls, which [`PLAYER_SCRIPT`] fills.
-pub(crate) const PLAYER: &str = include_str!("player.html");
+pub const PLAYER: &str = include_str!("player.html");
 /// Defines `playLattice(root, keys, data)`.
-pub(crate) const PLAYER_SCRIPT: &str = include_str!("player.js");
+pub const PLAYER_SCRIPT: &str = include_str!("player.js");
 /// Pixels of the longer edge of a frame.
 const FRAME_PIXELS: f64 = 800.0;
 
@@ -166,7 +166,7 @@ impl Animation {
     }
 
     /// What the squares and rods are, in words.
-    pub(crate) fn title(&self) -> &str {
+    pub fn title(&self) -> &str {
         &self.title
     }
 
@@ -180,7 +180,7 @@ impl Animation {
     }
 
     /// The frames as JSON that may stand inside a script element.
-    pub(crate) fn to_json(&self) -> String {
+    pub fn to_json(&self) -> String {
         let rods = self.network.rods.iter().map(|rod| {
             let [x, y] = shift(&self.network, rod);
             serde_json::json!([

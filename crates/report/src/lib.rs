@@ -38,11 +38,11 @@ mod tune;
 mod voxel_channels;
 mod voxel_set;
 
-use crate::answer::Answer;
-use crate::output_file::write_once;
 use anyhow::{Result, bail};
 use kind::Kind;
 use page::Page;
+use protomer::answer::Answer;
+use protomer::output_file::write_once;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 

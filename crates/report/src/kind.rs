@@ -1,11 +1,11 @@
 //! What a directory holds, with its settings.
 
-use crate::lattice::settings::LatticeSettings;
-use crate::learning::train::TrainSettings;
-use crate::learning::tune::TuneSettings;
-use crate::stability::run::RunSettings;
-use crate::voxels::work_path;
 use anyhow::{Result, bail};
+use protomer::lattice::settings::LatticeSettings;
+use protomer::learning::train::TrainSettings;
+use protomer::learning::tune::TuneSettings;
+use protomer::stability::run::RunSettings;
+use protomer::voxels::work_path;
 use protomer_results::ResultKind;
 use protomer_results::keys::read_toml;
 use std::path::Path;

@@ -3,9 +3,9 @@
 use super::html::{definitions, escape, folded_text, paragraph, significant, table};
 use super::page::{Page, Section};
 use super::{data, figures, provenance, training};
-use crate::learning::train::TrainSettings;
-use crate::learning::tune::TuneSettings;
 use anyhow::{Context, Result};
+use protomer::learning::train::TrainSettings;
+use protomer::learning::tune::TuneSettings;
 use protomer_io::csv::cells;
 use std::path::Path;
 

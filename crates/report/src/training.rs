@@ -3,8 +3,8 @@
 use super::html::{definitions, escape, list, paragraph, significant, table};
 use super::page::{Page, Section};
 use super::{data, figures, provenance};
-use crate::learning::train::{Metrics, Source, TrainSettings};
 use anyhow::Result;
+use protomer::learning::train::{Metrics, Source, TrainSettings};
 use std::path::Path;
 
 /// Larger matrices are in metrics.json only.

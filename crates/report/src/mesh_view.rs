@@ -58,7 +58,7 @@ pub fn section(shown: &Shown, below: &str) -> Section {
     Section {
         title: "Bodies".into(),
         html: include_str!("mesh_view.html").to_owned() + below,
-        style: include_str!("mesh_view.css"),
+        style: include_str!("mesh_view.css").to_owned(),
         library: include_str!("mesh_view.js"),
         script: format!("viewMeshes(document.querySelector(\".mesh-view\"), {data});\n"),
     }

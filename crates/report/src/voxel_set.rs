@@ -3,12 +3,12 @@
 use super::html::{definitions, escape, paragraph, significant, table};
 use super::page::{Page, Section};
 use super::{data, figures, provenance, voxel_channels};
-use crate::voxels::origin::{Missing, origins};
-use crate::voxels::samples::VoxelSet;
-use crate::voxels::set::{self, Exclusion, SampleRecord};
-use crate::voxels::structure::Reason;
-use crate::voxels::{Fit, Spacing, VoxelizeSettings};
 use anyhow::{Context, Result};
+use protomer::voxels::origin::{Missing, origins};
+use protomer::voxels::samples::VoxelSet;
+use protomer::voxels::set::{self, Exclusion, SampleRecord};
+use protomer::voxels::structure::Reason;
+use protomer::voxels::{Fit, Spacing, VoxelizeSettings};
 use protomer_io::csv::Table;
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
 use serde_json::Value;

@@ -14,9 +14,9 @@ pub struct Section {
     pub title: String,
     /// What is in it.
     pub html: String,
-    /// Style and script that it needs; equal ones are put on the page once.
-    pub style: &'static str,
-    /// Functions it needs.
+    /// Its style; equal ones are put on the page once.
+    pub style: String,
+    /// Functions that it calls; equal ones are put on the page once.
     pub library: &'static str,
     /// What is called at the end.
     pub script: String,
@@ -28,7 +28,7 @@ impl Section {
         Self {
             title: title.into(),
             html,
-            style: "",
+            style: String::new(),
             library: "",
             script: String::new(),
         }
@@ -68,7 +68,7 @@ impl Page {
             .iter()
             .map(|section| wrap(&section.title, &section.html))
             .collect();
-        let styles: String = self.distinct(|section| section.style);
+        let styles: String = self.distinct(|section| &section.style);
         let libraries = self.distinct(|section| section.library);
         let scripts: String = self
             .sections
@@ -95,7 +95,7 @@ impl Page {
         }
     }
 
-    fn distinct(&self, part: fn(&Section) -> &'static str) -> String {
+    fn distinct(&self, part: fn(&Section) -> &str) -> String {
         let mut parts: Vec<&str> = Vec::new();
         for text in self.sections.iter().map(part) {
             if !parts.contains(&text) {

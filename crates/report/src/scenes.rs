@@ -5,10 +5,10 @@
 
 use super::html::millimolar;
 use super::mesh_view::{Colouring, Scene, Shown, ShownMesh};
-use crate::assemblies::assembly_file::Assembly;
-use crate::stability::run::RunSettings;
-use crate::stability::sweep::replica_directory;
 use anyhow::{Context, Result, bail};
+use protomer::assemblies::assembly_file::Assembly;
+use protomer::stability::run::RunSettings;
+use protomer::stability::sweep::replica_directory;
 use protomer_body::Body;
 use protomer_field::voxels::hydropathy::HydropathyMap;
 use protomer_io::gsd::{Chunk, ChunkData, GsdFile};

@@ -1,9 +1,9 @@
 //! The logs of simulations: radius of gyration and energy against sweeps.
 
 use super::html::millimolar;
-use crate::stability::run::{LogRow, RunSettings};
-use crate::stability::sweep::replica_directory;
 use anyhow::Result;
+use protomer::stability::run::{LogRow, RunSettings};
+use protomer::stability::sweep::replica_directory;
 use protomer_io::csv::{Cell, Table};
 use protomer_plot::{Axis, Figure, Panel, Series};
 use protomer_results::log;

@@ -2,8 +2,8 @@
 
 use super::html::{paragraph, significant, table};
 use super::page::Section;
-use crate::voxels::samples::VoxelSet;
 use anyhow::{Context, Result};
+use protomer::voxels::samples::VoxelSet;
 use protomer_learn::SampleSource;
 use protomer_learn::scaling::{ChannelScaling, ScalingMode, Transform};
 use rayon::prelude::*;

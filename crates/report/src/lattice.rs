@@ -3,12 +3,12 @@
 use super::html::{definitions, paragraph, significant, table};
 use super::page::{Page, Section};
 use super::{data, figures, provenance};
-use crate::lattice::animation::{Animation, PLAYER, PLAYER_SCRIPT};
-use crate::lattice::log::LogRow;
-use crate::lattice::run::LatticeResult;
-use crate::lattice::settings::LatticeSettings;
-use crate::lattice::sweep::{axes, tasks};
 use anyhow::Result;
+use protomer::lattice::animation::{Animation, PLAYER, PLAYER_SCRIPT, PLAYER_STYLE};
+use protomer::lattice::log::LogRow;
+use protomer::lattice::run::LatticeResult;
+use protomer::lattice::settings::LatticeSettings;
+use protomer::lattice::sweep::{axes, tasks};
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
 use protomer_results::{Record, Row, log};
 use std::path::Path;
@@ -20,11 +20,8 @@ const MOST_FRAMES: usize = 200;
 /// Rows of the log that are drawn and carried along.
 const MOST_ROWS: usize = 1000;
 
-/// The player's own, and how large it is on this page.
-const STYLE: &str = concat!(
-    include_str!("../lattice/player.css"),
-    include_str!("stage.css")
-);
+/// The size of the player on this page.
+const STAGE_STYLE: &str = include_str!("stage.css");
 
 /// The figures of a sweep: file, title.
 const SWEEP_FIGURES: [(&str, &str); 9] = [
@@ -168,7 +165,7 @@ fn animation(directory: &Path, settings: &LatticeSettings) -> Result<Section> {
             "<div class=\"stage\" tabindex=\"0\">\n{PLAYER}</div>\n{}",
             paragraph(&note)
         ),
-        style: STYLE,
+        style: PLAYER_STYLE.to_owned() + STAGE_STYLE,
         library: PLAYER_SCRIPT,
         script: format!(
             "{{ const stage = document.querySelector(\".stage\"); playLattice(stage.firstElementChild, stage, {}); }}\n",
