@@ -153,10 +153,9 @@ pub(super) fn factor_panel(
                 let own = |column: usize| own(first + column);
                 block = PivotBlock::factor(value, lane, count, own)
                     .map_err(|(column, pivot)| (first + column, pivot))?;
-                for c in 0..count {
-                    pivots[first + c] = block.pivots[c];
-                    inverse[first + c] = block.reciprocals[c];
-                }
+                let columns = first..first + count;
+                pivots[columns.clone()].copy_from_slice(&block.pivots[..count]);
+                inverse[columns].copy_from_slice(&block.reciprocals[..count]);
             }
             block.divide(&mut value, count);
             if tile == diagonal_tile {
