@@ -161,9 +161,9 @@ impl Start {
     ///
     /// ```
     /// use protomer_crystal::lattice::{Edges, Network, Square, Start};
-    /// // Open squares stand corner to corner, and random turns let some of them overlap.
-    /// let start = Start { angle_spread: 0.3, seed: 3, ..Start::default() };
-    /// let network = Network::lattice(4, 4, 0.1, Square::default(), Edges::Open, start.angle)?;
+    /// // Open squares stand corner to corner, and large random turns let some of them overlap.
+    /// let start = Start { angle_spread: 1.0, ..Start::default() };
+    /// let network = Network::lattice(4, 4, 0.2, Square::default(), Edges::Open, start.angle)?;
     /// assert!(start.build_apart(&network)?.discarded_draws > 0);
     /// # Ok::<(), protomer_crystal::CrystalError>(())
     /// ```
