@@ -11,6 +11,7 @@ use protomer::learning::train::{Source, TrainSettings};
 use protomer::learning::tune::{Trial, TuneSettings, tune_in};
 use protomer_learn::controls::{Control, Variant};
 use protomer_learn::scaling::ScalingMode;
+use protomer_learn::trial::TrialSettings;
 use protomer_results::{End, Execution};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -283,12 +284,19 @@ fn a_trial_that_diverges_has_lost() {
     };
     let mut base = TrainSettings::of_set(source, vec!["shape".into(), "potential".into()]).unwrap();
     base.training.scaling = ScalingMode::Raw;
+    let draws_norm = |seed: u64, number: usize| {
+        let drawn = TrialSettings::draw(seed, number, 8, &base.training.channels).unwrap();
+        drawn.blocks[0].groups.is_some()
+    };
+    let seed = (1..)
+        .find(|seed| [0, 1, 2].map(|number| draws_norm(*seed, number)) == [false, false, true])
+        .unwrap();
     let place = TemporaryFolder::new();
     let search = |trials: usize| {
         let settings = TuneSettings {
             trials,
             epochs: 2,
-            seed: 2,
+            seed,
             vary_channels: false,
             base: base.clone(),
         };

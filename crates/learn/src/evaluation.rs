@@ -1,13 +1,14 @@
 //! The evaluation of predictions on a test part: scores beside baselines, intervals over clusters,
 //! and whether it could be chance.
 
+use crate::Result;
 use crate::baselines::baselines;
 use crate::bootstrap::{Interval, bootstrap};
 use crate::error::refuse;
 use crate::permutation::{PermutationTest, permutation_test};
+use crate::predictions::TestPredictions;
 use crate::scores::Scores;
-use crate::split::{Split, family_weights};
-use crate::{Description, Result};
+use crate::split::family_weights;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
@@ -15,21 +16,6 @@ use std::collections::BTreeSet;
 const RESAMPLINGS: usize = 1000;
 /// Share of the resamplings that an interval holds.
 const LEVEL: f64 = 0.95;
-
-/// Predictions for the test part of a split, and what is known of the set.
-#[derive(Debug, Clone, Copy)]
-pub struct TestPredictions<'a> {
-    /// All samples of the set.
-    pub descriptions: &'a [Description],
-    /// The class of each.
-    pub labels: &'a [usize],
-    /// Number of classes.
-    pub classes: usize,
-    /// The split.
-    pub split: &'a Split,
-    /// Probabilities of the test part, in its order: sample after sample, one number per class.
-    pub probabilities: &'a [f64],
-}
 
 /// Intervals that hold 95 % of the values in draws of clusters.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -64,7 +50,7 @@ impl TestPredictions<'_> {
     ///
     /// ```
     /// use protomer_learn::controls::{Control, Variant};
-    /// use protomer_learn::evaluation::TestPredictions;
+    /// use protomer_learn::predictions::TestPredictions;
     /// use protomer_learn::split::{Fractions, Split};
     ///
     /// let set = Control::Charge.samples(Variant::Usual, 60, 16, 1);
@@ -208,7 +194,8 @@ impl Evaluation {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::split::Fractions;
+    use crate::Description;
+    use crate::split::{Fractions, Split};
 
     /// A set in which every third sample is a copy of one crystal form; predictions are right with
     /// 0.8.

@@ -25,7 +25,7 @@
 //! | [`scores`], [`calibration`] | how good probabilities are, and how honest |
 //! | [`baselines`], [`logistic`] | what is predicted without a network |
 //! | [`bootstrap`], [`permutation`] | intervals over clusters; could it be chance? |
-//! | [`evaluation`] | all of this for the test part |
+//! | [`predictions`], [`evaluation`] | all of this for the test part |
 //! | [`ablation`] | what each channel brings |
 //! | [`trial`], [`halving`] | a search for settings: what is drawn, and who goes on |
 //! | [`novelty`] | which samples of another set are new to a network |
@@ -54,6 +54,7 @@ mod numbers;
 pub mod operations;
 pub mod optimiser;
 pub mod permutation;
+pub mod predictions;
 pub mod sample;
 pub mod scaling;
 pub mod scores;

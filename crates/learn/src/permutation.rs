@@ -1,7 +1,7 @@
 //! Could the score be chance? Labels are exchanged between clusters of the test part, and the same
 //! predictions are scored again and again.
 
-use crate::evaluation::TestPredictions;
+use crate::predictions::TestPredictions;
 use crate::scores::Scores;
 use crate::split::{Split, clusters, shuffle};
 use crate::{Description, Result};
@@ -39,7 +39,7 @@ pub struct PermutationTest {
 ///
 /// ```
 /// use protomer_learn::Description;
-/// use protomer_learn::evaluation::TestPredictions;
+/// use protomer_learn::predictions::TestPredictions;
 /// use protomer_learn::permutation::permutation_test;
 /// use protomer_learn::split::Split;
 ///

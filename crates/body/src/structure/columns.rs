@@ -82,6 +82,12 @@ pub(crate) fn hybrid36(field: &str, width: u32) -> Option<i64> {
     Some(value + 10_i64.pow(width) + offset * 36_i64.pow(width - 1))
 }
 
+/// A residue number in decimal or hybrid-36 notation.
+pub(crate) fn whole_number(field: &str) -> Option<i32> {
+    let number = hybrid36(field, 4)?;
+    i32::try_from(number).ok()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

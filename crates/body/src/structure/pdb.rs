@@ -12,7 +12,7 @@
 //! Refused: a coordinate or residue number that cannot be read, because the atom would be lost
 //! silently.
 
-use super::columns::{Line, hybrid36};
+use super::columns::{Line, hybrid36, whole_number};
 use super::contents::{Atom, Model, Structure};
 use super::ending::{Ending, cut_in_last_line};
 use super::messages::quoted;
@@ -276,12 +276,6 @@ fn residue_number<'a>(line: &Line<'a>) -> Result<(i32, &'a str)> {
             Err(line.error(cause, "number the residue; columns may be shifted"))
         }
     }
-}
-
-/// A residue number in decimal or hybrid-36 notation.
-pub(super) fn whole_number(field: &str) -> Option<i32> {
-    let number = hybrid36(field, 4)?;
-    i32::try_from(number).ok()
 }
 
 /// `2+`, `1-`, `+1`: a formal charge; anything else is none.

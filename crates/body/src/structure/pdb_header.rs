@@ -2,11 +2,10 @@
 //! disulfide bonds.
 
 use super::biological_assembly::{AssemblyPart, BiologicalAssembly, Operator};
-use super::columns::Line;
+use super::columns::{Line, whole_number};
 use super::contents::{Header, RecordedDisulfide, Structure, UnitCell, UnobservedResidue};
 use super::messages::quoted;
 use super::names::Names;
-use super::pdb::whole_number;
 use super::residue_key::ResidueKey;
 use crate::Result;
 use nalgebra::Matrix3;

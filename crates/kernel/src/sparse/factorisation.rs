@@ -1,7 +1,7 @@
 //! The numbers of L and D, front by front.
 
 use super::front::{self, LANES};
-use super::ldl::Numbers;
+use super::numbers::Numbers;
 use super::symbolic::{Front, Symbolic};
 
 /// A pivot that is not safely positive.

@@ -2,7 +2,8 @@
 
 use super::error::SparseError;
 use super::factorisation::{BadPivot, factor};
-use super::front::{BLOCK, LANES};
+use super::front::LANES;
+use super::numbers::Numbers;
 use super::solution::solve;
 use super::symbolic::Symbolic;
 
@@ -25,25 +26,6 @@ use super::symbolic::Symbolic;
 pub struct LdlFactor {
     pub(super) symbolic: Symbolic,
     pub(super) numbers: Numbers,
-}
-
-/// Everything that changes from matrix to matrix.
-#[derive(Debug, Clone)]
-pub(super) struct Numbers {
-    /// The tiles of all fronts.
-    pub values: Vec<f64>,
-    /// D, and its inverse.
-    pub pivots: Vec<f64>,
-    pub inverse: Vec<f64>,
-    /// What fronts leave for their parents.
-    pub left: Vec<f64>,
-    /// Four rows of D Lᵀ.
-    pub packed: Vec<[f64; BLOCK]>,
-    /// A right-hand side in the order of elimination, and the part of it that a front sees.
-    pub permuted: Vec<f64>,
-    pub seen: Vec<[f64; LANES]>,
-    /// Sums of a back substitution, lane by lane.
-    pub sums: Vec<[f64; LANES]>,
 }
 
 impl LdlFactor {

@@ -10,6 +10,7 @@
 //! | `ordering` | P: nested dissection of the graph of A by coordinates |
 //! | `supernodes` | columns of L that are eliminated together |
 //! | `symbolic` | from the pattern to dense fronts and where every number goes, once |
+//! | `numbers` | what a factorisation fills and a solution uses |
 //! | `arena` | places in a workspace that is planned ahead |
 //! | `front` | dense work on one front, vectorised |
 //! | `factorisation` | L and D, as often as the numbers change |
@@ -35,6 +36,7 @@ mod error;
 mod factorisation;
 mod front;
 mod ldl;
+mod numbers;
 mod ordering;
 mod solution;
 mod supernodes;

@@ -1,7 +1,7 @@
 //! Solutions with L and D, front by front.
 
 use super::front::{self, LANES};
-use super::ldl::Numbers;
+use super::numbers::Numbers;
 use super::symbolic::{Front, Symbolic};
 
 /// Replaces b by the solution, with the widest vectors that the processor has.

@@ -1,14 +1,12 @@
 //! Convolution, bias, and ReLU and pooling if wanted, as one node of the tensor library's graph.
 
 use super::BlockParameters;
-use super::gradients::{Sample, ThreeGradients};
 use crate::convolution::buffers::Buffer;
 use crate::convolution::forward::{self, Finish, Forward};
 use crate::convolution::padded::{Occupied, Padded};
 use crate::convolution::{Geometry, Level};
 use crate::error::refuse;
-use crate::numbers::{Numbers, contiguous, of_sample};
-use candle_core::{CpuStorage, CustomOp3, Layout, Result, Shape, Tensor, bail};
+use candle_core::Tensor;
 use rayon::prelude::*;
 use std::sync::OnceLock;
 
@@ -31,19 +29,19 @@ pub(super) struct Convolution {
     pub(super) finishing: Finishing,
     pub(super) level: Level,
     /// Whether a gradient may be asked for.
-    tracked: bool,
+    pub(super) tracked: bool,
     /// Whether the input is data, perhaps mostly zeros, and not the output of another layer.
     pub(super) from_data: bool,
-    kept: OnceLock<Vec<Kept>>,
+    pub(super) kept: OnceLock<Vec<Kept>>,
 }
 
 /// What the backward pass needs of a sample, besides its input and its result.
 #[derive(Debug)]
-struct Kept {
+pub(super) struct Kept {
     /// The corners that pooling chose.
-    codes: Vec<u8>,
+    pub codes: Vec<u8>,
     /// Which voxels of the input hold anything, if few do.
-    occupied: Option<Occupied>,
+    pub occupied: Option<Occupied>,
 }
 
 impl Convolution {
@@ -105,7 +103,7 @@ impl Convolution {
         Ok(input.contiguous()?.apply_op3(&weight, &bias, node)?)
     }
 
-    fn out_edges(&self) -> [usize; 3] {
+    pub(super) fn out_edges(&self) -> [usize; 3] {
         match self.finishing {
             Finishing::Pool => self.geometry.edges.map(|edge| edge / 2),
             Finishing::Plain | Finishing::Relu => self.geometry.edges,
@@ -113,11 +111,16 @@ impl Convolution {
     }
 
     /// Numbers that one sample gives.
-    fn out_length(&self) -> usize {
+    pub(super) fn out_length(&self) -> usize {
         self.geometry.outputs * self.out_edges().iter().product::<usize>()
     }
 
-    fn forward(&self, input: &[f32], weights: &[f32], bias: &[f32]) -> (Vec<f32>, Vec<Kept>) {
+    pub(super) fn forward(
+        &self,
+        input: &[f32],
+        weights: &[f32],
+        bias: &[f32],
+    ) -> (Vec<f32>, Vec<Kept>) {
         let packed = self.geometry.pack(weights);
         let (from, to) = (self.geometry.inputs(), self.out_length());
         let mut out = vec![0.0; input.len() / from * to];
@@ -171,61 +174,5 @@ impl Convolution {
             scratch: &mut scratch,
         });
         input.occupied
-    }
-}
-
-impl CustomOp3 for Convolution {
-    fn name(&self) -> &'static str {
-        "convolution-bias-relu-pool"
-    }
-
-    fn cpu_fwd(
-        &self,
-        input: &CpuStorage,
-        input_layout: &Layout,
-        weight: &CpuStorage,
-        weight_layout: &Layout,
-        bias: &CpuStorage,
-        bias_layout: &Layout,
-    ) -> Result<(CpuStorage, Shape)> {
-        let input = contiguous(input, input_layout)?;
-        let weight = contiguous(weight, weight_layout)?;
-        let bias = contiguous(bias, bias_layout)?;
-        let (out, kept) = self.forward(input, weight, bias);
-        if self.tracked && self.kept.set(kept).is_err() {
-            bail!("a node of the graph was run twice");
-        }
-        let samples = input_layout.dims().first().copied().unwrap_or(0);
-        let [depth, height, width] = self.out_edges();
-        let shape = Shape::from((samples, self.geometry.outputs, depth, height, width));
-        Ok((CpuStorage::F32(out), shape))
-    }
-
-    fn bwd(
-        &self,
-        input: &Tensor,
-        weight: &Tensor,
-        bias: &Tensor,
-        result: &Tensor,
-        gradient: &Tensor,
-    ) -> Result<ThreeGradients> {
-        let Some(kept) = self.kept.get() else {
-            bail!("a gradient was asked for, but nothing was tracked")
-        };
-        let gradient = gradient.contiguous()?;
-        let (gradient, result) = (Numbers::of(&gradient), Numbers::of(result));
-        let (gradient, result) = (gradient.slice()?, result.slice()?);
-        let to = self.out_length();
-        self.gradients(input, weight, bias, |i, input, weights, input_gradient| {
-            let kept = kept.get(i);
-            let sample = Sample {
-                input,
-                result: of_sample(result, i, to),
-                gradient: of_sample(gradient, i, to),
-                codes: kept.map_or(&[], |kept| &kept.codes),
-                occupied: kept.and_then(|kept| kept.occupied.as_ref()),
-            };
-            self.backward(sample, weights, input_gradient)
-        })
     }
 }

@@ -7,7 +7,8 @@
 //! | module | one idea |
 //! |---|---|
 //! | `settings` | what a block does |
-//! | `convolution` | the node without normalisation |
+//! | `convolution` | a convolution and how it is finished |
+//! | `node` | it as a node of the graph, without normalisation |
 //! | `norm` | the node with normalisation |
 //! | `group_norm` | normalisation, ReLU and pooling of one sample, forward and backward |
 //! | `gradients` | the backward pass of a convolution, sample by sample, and the sum over samples |
@@ -15,6 +16,7 @@
 mod convolution;
 mod gradients;
 mod group_norm;
+mod node;
 mod norm;
 mod settings;
 

@@ -1,0 +1,22 @@
+//! What a factorisation fills and a solution uses: the numbers of one matrix.
+
+use super::front::{BLOCK, LANES};
+
+/// Everything that changes from matrix to matrix.
+#[derive(Debug, Clone)]
+pub(super) struct Numbers {
+    /// The tiles of all fronts.
+    pub values: Vec<f64>,
+    /// D, and its inverse.
+    pub pivots: Vec<f64>,
+    pub inverse: Vec<f64>,
+    /// What fronts leave for their parents.
+    pub left: Vec<f64>,
+    /// Four rows of D Lᵀ.
+    pub packed: Vec<[f64; BLOCK]>,
+    /// A right-hand side in the order of elimination, and the part of it that a front sees.
+    pub permuted: Vec<f64>,
+    pub seen: Vec<[f64; LANES]>,
+    /// Sums of a back substitution, lane by lane.
+    pub sums: Vec<[f64; LANES]>,
+}
