@@ -17,8 +17,9 @@ python_checks() {
     if [ ! -x .venv/bin/python ]; then
         python3 -m venv .venv
     fi
-    # The package brings the command that the checks run; it is built where cargo builds everything else.
-    CARGO_TARGET_DIR="$PWD/target" .venv/bin/python -m pip install --quiet --disable-pip-version-check ./python
+    # The package brings the command that the checks run. It shares the build of the Rust tests.
+    CARGO_TARGET_DIR="$PWD/target" .venv/bin/python -m pip install --quiet --disable-pip-version-check \
+        --config-settings=build-args=--profile=dev ./python
     .venv/bin/python -m pip install --quiet --disable-pip-version-check -r python/checks/requirements.txt
     .venv/bin/python -m mypy --config-file python/pyproject.toml
     .venv/bin/python -m pytest -q -rs python/tests

@@ -360,3 +360,73 @@ fn the_architecture_lists_the_arrows_that_there_are() {
         assert_eq!(ours, listed, "{name}");
     }
 }
+
+/// Name and version of every package of a build, with its features.
+fn features(selection: &[&str]) -> BTreeMap<String, String> {
+    let manifest = concat!(env!("CARGO_MANIFEST_DIR"), "/../../Cargo.toml");
+    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".into());
+    let output = Command::new(cargo)
+        .args(["tree", "--locked", "--offline", "--manifest-path", manifest])
+        .args(["--prefix", "none", "--no-dedupe", "-f", "{p}|{f}"])
+        .args(selection)
+        .output()
+        .unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    let packages = text.lines().filter_map(|line| line.split_once('|'));
+    packages
+        .map(|(package, features)| (package.to_owned(), features.to_owned()))
+        .collect()
+}
+
+/// `test.sh` builds the Python package from what the tests have built. With other features, cargo
+/// would compile most of it again; `python/Cargo.toml` names those that only tests turn on.
+#[test]
+fn tests_and_the_python_package_share_one_build() {
+    let tests = features(&["--workspace"]);
+    let package = features(&["-p", "protomer-python", "-e", "normal,build"]);
+    assert!(package.len() > 100, "cargo tree says nothing");
+    for (name, features) in package {
+        assert_eq!(
+            Some(&features),
+            tests.get(&name),
+            "{name}: add the features of the tests to python/Cargo.toml"
+        );
+    }
+}
+
+/// Rust files below a folder.
+fn sources(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in folder.read_dir().unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            found.extend(sources(&path));
+        } else if path.extension().is_some_and(|ending| ending == "rs") {
+            found.push(path);
+        }
+    }
+    found
+}
+
+#[test]
+fn no_crate_is_more_than_a_fifth_of_the_house() {
+    let lines_of = |row: &Row| -> usize {
+        let files = sources(&row.folder);
+        files
+            .iter()
+            .map(|file| std::fs::read_to_string(file).unwrap().lines().count())
+            .sum()
+    };
+    let sizes: Vec<(PathBuf, usize)> = rows()
+        .iter()
+        .map(|row| (row.folder.clone(), lines_of(row)))
+        .collect();
+    let all: usize = sizes.iter().map(|(_, lines)| lines).sum();
+    for (folder, lines) in sizes {
+        assert!(
+            5 * lines <= all,
+            "{}: {lines} of {all} lines",
+            folder.display()
+        );
+    }
+}
