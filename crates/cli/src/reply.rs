@@ -30,7 +30,8 @@ pub struct Reply {
     answer: Option<Box<dyn AnyAnswer + Send>>,
     /// Shown in the place of the answer's own text.
     text: Option<String>,
-    /// Whether the text is data that was asked for, and not a summary: then `--quiet` prints it too.
+    /// Whether the text is data that was asked for, and not a summary: then `--quiet` prints it
+    /// too.
     is_data: bool,
     notes: Vec<Note>,
     outcome: Outcome,
@@ -161,7 +162,7 @@ impl Reply {
     /// The answer as a JSON value; `None` if there is none.
     ///
     /// # Errors
-    /// If JSON cannot hold it.
+    /// If the value cannot be represented in JSON.
     pub fn value(&self) -> Result<Option<Value>> {
         let value = self.answer.as_ref().map(|answer| answer.value());
         Ok(value.transpose()?)

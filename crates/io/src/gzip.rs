@@ -22,7 +22,7 @@ const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 /// ```
 ///
 /// # Errors
-/// [`IoError::File`] if the system refuses, [`IoError::TooLarge`] beyond the limit,
+/// [`IoError::File`] if the system call fails, [`IoError::TooLarge`] beyond the limit,
 /// [`IoError::Parse`] for a damaged gzip file.
 pub fn read_maybe_gzip(path: &Path, limit_bytes: u64) -> Result<Vec<u8>> {
     let name = path.display().to_string();

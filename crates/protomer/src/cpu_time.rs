@@ -1,10 +1,10 @@
-//! Processor time, which says what work costs whatever else the machine is doing.
+//! CPU time, which measures the cost of work regardless of what else the machine is doing.
 
 use std::sync::OnceLock;
 use std::time::Instant;
 
-/// Seconds the calling thread has spent on a processor; wall-clock seconds where the system does
-/// not tell.
+/// CPU time of the calling thread, s; wall-clock time where the system does not report
+/// it.
 pub fn thread_seconds() -> f64 {
     const NANOSECONDS: f64 = 1e-9;
     let from_system = std::fs::read_to_string("/proc/thread-self/schedstat")
@@ -16,8 +16,8 @@ pub fn thread_seconds() -> f64 {
     }
 }
 
-/// Seconds that all threads of this process, past ones too, have spent on processors, to a
-/// hundredth; wall-clock seconds where the system does not tell.
+/// CPU time of all threads of this process, finished ones included, s, with a resolution
+/// of 0.01 s; wall-clock time where the system does not report it.
 pub fn process_seconds() -> f64 {
     // Linux counts in hundredths of a second here (USER_HZ); fields 14 and 15 of proc_pid_stat(5).
     // The second field, a name in parentheses, may hold spaces.
@@ -36,7 +36,7 @@ pub fn process_seconds() -> f64 {
     ticks.map_or_else(wall_seconds, |ticks| ticks / TICKS_PER_SECOND)
 }
 
-/// Adds up the processor time of stretches of work on one thread.
+/// Adds up the CPU time of pieces of work on one thread.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Stopwatch {
     processor_seconds: f64,
@@ -48,7 +48,7 @@ impl Stopwatch {
     /// this, s, are too coarse.
     const COARSE_SECONDS: f64 = 0.05;
 
-    /// Does the work and adds its time.
+    /// Runs the work and adds its time.
     pub fn time<T>(&mut self, work: impl FnOnce() -> T) -> T {
         let (processor, wall) = (thread_seconds(), Instant::now());
         let done = work();
@@ -62,7 +62,7 @@ impl Stopwatch {
         self.wall_seconds
     }
 
-    /// Processor time so far, s; wall-clock time while that is too short to be told.
+    /// CPU time so far, s; wall-clock time while the CPU time is too short to be resolved.
     pub fn seconds(&self) -> f64 {
         if self.processor_seconds < Self::COARSE_SECONDS {
             self.wall_seconds

@@ -95,7 +95,7 @@ fn encode(text: &str) -> String {
             | b'/' => {
                 encoded.push(char::from(byte));
             }
-            // Writing into a string cannot fail.
+            // Writing to a string cannot fail.
             _ => drop(write!(encoded, "%{byte:02X}")),
         }
     }

@@ -60,7 +60,7 @@ pub struct Request {
 /// A page that was written.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Written {
-    /// Where it is.
+    /// Its directory.
     pub page: PathBuf,
     /// Its size.
     pub bytes: usize,
@@ -78,7 +78,7 @@ impl Answer for Written {
 ///
 /// # Errors
 /// If the directory holds nothing that can be shown, a file of it is damaged, the page is there
-/// already, or the disk does not take it.
+/// already, or a file cannot be written.
 pub fn report(directory: &Path, request: &Request) -> Result<Written> {
     let kind = kind::of(directory)?;
     let page = request

@@ -25,7 +25,7 @@ struct Values {
 /// The section; the samples that are read are evenly spread over the set.
 ///
 /// # Errors
-/// Names the file that is damaged.
+/// Names the damaged file.
 pub fn section(set: &VoxelSet) -> Result<Section> {
     let step = set.reader().len().div_ceil(MOST_SAMPLES).max(1);
     let read: Vec<usize> = (0..set.reader().len()).step_by(step).collect();

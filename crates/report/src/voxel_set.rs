@@ -47,7 +47,7 @@ pub fn page(directory: &Path) -> Result<Page> {
         ("seed", settings.seed.to_string()),
     ];
     let written_down =
-        toml::to_string_pretty(&settings).context("the settings cannot be written down")?;
+        toml::to_string_pretty(&settings).context("the settings cannot be serialised")?;
     let mut sections = vec![
         overview(directory, &samples, &excluded)?,
         groups(&samples, &excluded),

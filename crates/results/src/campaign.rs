@@ -74,7 +74,7 @@ pub trait Campaign: Sync {
     /// Makes tables and figures of what all tasks came to, in their order, and writes them.
     ///
     /// # Errors
-    /// If a file of a task is damaged, or the disk refuses.
+    /// If a file of a task is damaged, or a file cannot be written.
     fn collect(&self, parts: Vec<Self::Part>) -> Result<Self::Answer, Self::Error>;
 }
 
@@ -97,7 +97,7 @@ pub fn conduct<C: Campaign>(
 /// Does some work and keeps the record of its directory: running, and then how it ended.
 ///
 /// # Errors
-/// As the work; also if the disk refuses the record.
+/// As the work; also if the record cannot be written.
 pub fn recorded<T, E: From<Error> + Display>(
     work: &Work,
     directory: &ResultsDirectory,

@@ -13,14 +13,14 @@ pub const CHECKPOINT: &str = "checkpoint.bin";
 /// The key of a checkpoint that says which work it belongs to.
 const IDENTITY: &str = "identity";
 
-/// A state in bytes. Every serialisable struct is a checkpoint: JSON in a container with a checksum,
-/// which also holds the identity of the work. An engine with a format of its own implements this
-/// trait.
+/// A state in bytes. Every serialisable struct is a checkpoint: JSON in a container with a
+/// checksum, which also holds the identity of the work. An engine with a format of its own
+/// implements this trait.
 pub trait Checkpoint: Sized {
     /// The bytes of a checkpoint of this kind, which belongs to the work of this identity.
     ///
     /// # Errors
-    /// If the state cannot be written down.
+    /// If the state cannot be serialised.
     fn to_bytes(&self, kind: &str, identity: &str) -> Result<Vec<u8>>;
 
     /// The state in these bytes.
@@ -82,7 +82,7 @@ pub fn read<C: Checkpoint>(path: &Path, kind: &str, identity: &str) -> Result<Op
 /// Writes a checkpoint; the old one stays until the new one is complete.
 ///
 /// # Errors
-/// If the disk refuses.
+/// If the file cannot be written.
 pub fn write<C: Checkpoint>(path: &Path, kind: &str, identity: &str, checkpoint: &C) -> Result<()> {
     let bytes = checkpoint.to_bytes(kind, identity)?;
     write_atomically(path, |file| file.write_all(&bytes))?;

@@ -64,7 +64,8 @@ impl ResultsDirectory {
     /// directory may hold its input as well.
     ///
     /// # Errors
-    /// If the directory holds something else, another process works in it, or the disk refuses.
+    /// If the directory holds something else, another process works in it, or a file cannot be
+    /// written.
     pub fn enter<S: Settings>(
         path: &Path,
         layout: &Layout,
@@ -88,7 +89,8 @@ impl ResultsDirectory {
     /// on.
     ///
     /// # Errors
-    /// As [`enter`](Self::enter); also while a process has the directory alone, and for a new start.
+    /// As [`enter`](Self::enter); also while a process has the directory alone, and for a new
+    /// start.
     pub fn share<S: Settings>(
         path: &Path,
         layout: &Layout,
@@ -104,7 +106,7 @@ impl ResultsDirectory {
         Self::claim(path, layout, settings, identity, lock)
     }
 
-    /// Where it is.
+    /// Its directory.
     pub fn path(&self) -> &Path {
         &self.path
     }

@@ -31,7 +31,7 @@ pub enum Error {
         problem: String,
     },
     /// A value that JSON or TOML cannot hold.
-    #[error("{what} cannot be written down: {cause}")]
+    #[error("{what} cannot be serialised: {cause}")]
     Unwritable {
         /// What was to be written.
         what: &'static str,
@@ -118,7 +118,7 @@ pub enum Error {
     #[error("another process works in {}; wait for it, or choose another directory", .0.display())]
     Busy(PathBuf),
     /// A checkpoint is damaged.
-    #[error("cannot continue {}; restore it, or start anew with --force", path.display())]
+    #[error("cannot continue {}; restore it, or start again with --force", path.display())]
     DamagedCheckpoint {
         /// The checkpoint.
         path: PathBuf,
@@ -141,7 +141,7 @@ pub enum Error {
     )]
     ForeignCheckpoint(PathBuf),
     /// A log that a checkpoint vouches for cannot be read.
-    #[error("cannot read the log {}; restore it, or start anew with --force", path.display())]
+    #[error("cannot read the log {}; restore it, or start again with --force", path.display())]
     LostLog {
         /// The log.
         path: PathBuf,
@@ -149,7 +149,7 @@ pub enum Error {
         source: std::io::Error,
     },
     /// A log differs from what its checkpoint vouches for.
-    #[error("{} was changed since its checkpoint; restore it, or start anew with --force", .0.display())]
+    #[error("{} was changed since its checkpoint; restore it, or start again with --force", .0.display())]
     ChangedLog(PathBuf),
     /// A line of a log is not a row.
     #[error("{}:{line}: '{text}' is not a row of a log; run again with --force", path.display())]

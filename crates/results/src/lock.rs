@@ -29,7 +29,7 @@ pub enum Hold {
 /// ```
 ///
 /// # Errors
-/// [`Error::Busy`] if another process holds it; [`Error::File`] if the disk refuses.
+/// [`Error::Busy`] if another process holds it; [`Error::File`] if the file cannot be written.
 pub fn lock(directory: &Path, hold: Hold) -> Result<File> {
     lock_file(&directory.join(LOCK), hold)
 }

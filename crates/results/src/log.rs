@@ -65,7 +65,7 @@ impl Log {
     /// Appends a row.
     ///
     /// # Errors
-    /// If the disk refuses.
+    /// If the file cannot be written.
     pub fn append(&mut self, row: &impl Row) -> Result<()> {
         self.write_line(&row.to_line())
     }
@@ -73,7 +73,7 @@ impl Log {
     /// Forces everything written so far onto the disk and returns what a checkpoint can vouch for.
     ///
     /// # Errors
-    /// If the disk refuses.
+    /// If the file cannot be written.
     pub fn sync(&mut self) -> Result<LogMark> {
         let flushed = self.file.flush();
         flushed
@@ -143,7 +143,8 @@ pub fn read<R: Row>(path: &Path) -> Result<Vec<R>> {
     rows_of(path, &text_of(path)?)
 }
 
-/// Reads the log of a run that may still be working, or was killed: without an incomplete last line.
+/// Reads the log of a run that may still be working, or was killed: without an incomplete last
+/// line.
 ///
 /// # Errors
 /// As [`read`].

@@ -144,7 +144,7 @@ impl Record {
     /// Writes the record into a directory.
     ///
     /// # Errors
-    /// If the disk refuses.
+    /// If the file cannot be written.
     pub fn write(&self, directory: &Path) -> Result<()> {
         let text = serde_json::to_string_pretty(self).map_err(|error| Error::Unwritable {
             what: FILE,

@@ -12,8 +12,8 @@ use std::time::Instant;
 
 /// A run: what is to be done, on what. Its state in memory, with open files, is a type of its own.
 ///
-/// A state is only ever saved between two calls of [`advance`](Self::advance), so a run that was cut
-/// anywhere continues from a state that an uninterrupted run passes through as well. An
+/// A state is only ever saved between two calls of [`advance`](Self::advance), so a run that was
+/// cut anywhere continues from a state that an uninterrupted run passes through as well. An
 /// implementation keeps the promise of equal bytes if `open` cuts its own files back to what the
 /// checkpoint vouches for, as [`Log::open`](crate::Log::open) does.
 pub trait Run {
@@ -38,7 +38,8 @@ pub trait Run {
     /// The state to begin with, or that of a checkpoint.
     ///
     /// # Errors
-    /// If the start makes no sense, or the files beside the checkpoint are not those it vouches for.
+    /// If the start makes no sense, or the files beside the checkpoint are not those it vouches
+    /// for.
     fn open(
         &self,
         directory: &Path,
@@ -52,13 +53,13 @@ pub trait Run {
     /// Goes on by at least one unit: to the next output, or until the turn is over.
     ///
     /// # Errors
-    /// If a step fails, or the disk refuses.
+    /// If a step fails, or a file cannot be written.
     fn advance(&self, state: &mut Self::State, turn: &Turn<'_>) -> Result<(), Self::Error>;
 
     /// Forces the outputs onto the disk and returns the checkpoint that vouches for them.
     ///
     /// # Errors
-    /// If the disk refuses.
+    /// If the file cannot be written.
     fn save(&self, state: &mut Self::State) -> Result<Self::Checkpoint, Self::Error>;
 
     /// What the run has come to so far; at the end, what it came to.

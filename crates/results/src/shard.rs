@@ -5,9 +5,9 @@ use crate::{Error, Result};
 /// Every `of`-th item, beginning with item `index` - 1, counted from zero.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
-    /// Which part, from one.
+    /// The number of the part, counted from 1.
     pub index: usize,
-    /// Of how many.
+    /// The number of parts.
     pub of: usize,
 }
 
@@ -24,7 +24,7 @@ impl Shard {
     /// ```
     ///
     /// # Errors
-    /// Says what was typed and how it should be.
+    /// Quotes the input and gives the accepted form.
     pub fn parse(text: &str) -> Result<Self> {
         let parts = text
             .split_once('/')

@@ -61,9 +61,9 @@ choices! {
         Checkerboard,
         /// Every ω drawn evenly from -speed to speed.
         Random,
-        /// Nothing moves.
+        /// All velocities are zero.
         Rest,
-        /// As at the temperature of the heat bath.
+        /// Thermal velocities at the temperature of the heat bath.
         Thermal,
     }
 }
@@ -95,11 +95,11 @@ choices! {
 }
 
 choices! {
-    /// How samples are dealt out to training, validation and test.
+    /// How samples are divided into training, validation and test parts.
     Split for protomer::learning::train::SplitBy {
-        /// Whole clusters: relatives never stand on both sides.
+        /// By whole clusters: relatives are never on both sides.
         Cluster,
-        /// One by one: what leaks is what it scores above a split by cluster.
+        /// One by one: scores above those of a split by cluster measure leakage.
         Sample,
     }
 }
@@ -129,7 +129,7 @@ choices! {
 }
 
 choices! {
-    /// Symmetry asked of an arrangement.
+    /// Symmetry required of an arrangement.
     AskedSymmetry for protomer_body::assembly::Symmetry {
         /// None: every arrangement that differs in its contacts.
         None,
@@ -145,8 +145,8 @@ choices! {
     Potential for protomer_field::PotentialModel {
         /// The linearised Poisson-Boltzmann equation.
         PoissonBoltzmann,
-        /// The sum of the atoms' Debye-Hückel potentials in a uniform solvent: quicker, and blind to
-        /// the dielectric boundary.
+        /// The sum of the atoms' Debye-Hückel potentials in a uniform solvent: quicker, and blind
+        /// to the dielectric boundary.
         DebyeHueckel,
     }
 }
@@ -188,7 +188,7 @@ choices! {
 }
 
 choices! {
-    /// How structures are turned.
+    /// The orientation of structures.
     VoxelOrientation for protomer_field::voxels::Orientation {
         /// By a random rotation, from the seed and the structure's name.
         Random,
@@ -200,7 +200,7 @@ choices! {
 }
 
 choices! {
-    /// What is to be predicted.
+    /// The quantity to predict.
     LearningTarget for protomer_learn::targets::Target {
         /// The label of the set as it is.
         Label,

@@ -38,7 +38,7 @@ impl GsdFile {
     /// that died leaves it, ends the index.
     ///
     /// # Errors
-    /// [`IoError::File`] if the system refuses, [`IoError::Parse`] if it is not a GSD 2 file.
+    /// [`IoError::File`] if the system call fails, [`IoError::Parse`] if it is not a GSD 2 file.
     pub fn open(path: &Path) -> Result<Self> {
         let file = File::open(path).map_err(IoError::at(path, "open"))?;
         let mut source = SizedFile {
@@ -90,8 +90,8 @@ impl GsdFile {
     /// as in frame 0).
     ///
     /// # Errors
-    /// [`IoError::File`] if the system refuses, [`IoError::Parse`] for a type of values that this
-    /// program never writes.
+    /// [`IoError::File`] if the system call fails, [`IoError::Parse`] for a type of values that
+    /// this program never writes.
     pub fn chunk(&mut self, frame: u64, name: &str) -> Result<Option<Chunk>> {
         let Some(id) = self.names.iter().position(|known| known == name) else {
             return Ok(None);

@@ -45,7 +45,7 @@ impl GsdWriter {
     /// Creates a file without frames, replacing one that is there.
     ///
     /// # Errors
-    /// [`IoError::File`] if the system refuses.
+    /// [`IoError::File`] if the system call fails.
     pub fn create(
         path: &Path,
         application: &str,
@@ -89,9 +89,9 @@ impl GsdWriter {
     /// Appends a frame of these chunks.
     ///
     /// # Errors
-    /// [`IoError::File`] if the system refuses (disk full): the file then still ends with the frame
-    /// before. [`IoError::Unwritable`] for a chunk whose values do not fill its columns, a name
-    /// given twice, or an empty frame.
+    /// [`IoError::File`] if the system call fails (disk full): the file then still ends with the
+    /// frame before. [`IoError::Unwritable`] for a chunk whose values do not fill its columns, a
+    /// name given twice, or an empty frame.
     pub fn append_frame(&mut self, chunks: &[Chunk]) -> Result<()> {
         check_chunks(chunks)?;
         self.register_names(chunks)?;
@@ -119,7 +119,7 @@ impl GsdWriter {
     /// Returns when everything written is on disk.
     ///
     /// # Errors
-    /// [`IoError::File`] if the system refuses.
+    /// [`IoError::File`] if the system call fails.
     pub fn sync(&mut self) -> Result<()> {
         self.file
             .sync_all()

@@ -87,7 +87,7 @@ impl SetReader {
         self.offsets.len() - 1
     }
 
-    /// Whether there are none.
+    /// Whether there are no samples.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -107,7 +107,7 @@ impl SetReader {
         &self.attributes
     }
 
-    /// Names of the columns of numbers.
+    /// Names of the numeric columns.
     pub fn columns(&self) -> &[String] {
         &self.columns
     }

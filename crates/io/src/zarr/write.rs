@@ -168,7 +168,7 @@ impl SetWriter {
     ///
     /// # Errors
     /// [`IoError::Unwritable`] for indices that do not ascend inside the grid, lengths that
-    /// disagree, values that half precision cannot hold, and a disk that takes no more.
+    /// disagree, values that half precision cannot hold, and a file that cannot be written.
     pub fn push(&mut self, index: &[u32], values: &[&[f32]]) -> Result<()> {
         if !layout::ascends_within(index, self.size) {
             let cause = "voxel numbers do not ascend inside the grid";

@@ -11,7 +11,7 @@ use protomer_results::ResultKind;
 use serde::Serialize;
 use std::path::{Component, Path, PathBuf};
 
-/// Bodies with the file each was read from.
+/// Bodies with the files they were read from.
 #[derive(Debug)]
 pub struct BodyFiles {
     /// The files.
@@ -26,7 +26,7 @@ impl BodyFiles {
     /// Reads body files.
     ///
     /// # Errors
-    /// Names the file that cannot be used.
+    /// Names the file that cannot be read.
     pub fn read(paths: &[PathBuf]) -> Result<Self> {
         let bodies = paths
             .iter()
@@ -47,7 +47,7 @@ impl BodyFiles {
         })
     }
 
-    /// The assembly file of placements, with body files named relative to `path`.
+    /// Describes placements as an assembly file; the names of body files are relative to `path`.
     ///
     /// # Errors
     /// If a folder does not exist.
@@ -80,7 +80,8 @@ impl BodyFiles {
         Ok(file)
     }
 
-    /// Names by which placements call the bodies: their own, numbered where two share one.
+    /// The names by which placements refer to bodies: their own names, numbered where two share
+    /// one.
     fn names(&self) -> Vec<String> {
         let own: Vec<&str> = self.bodies.iter().map(|body| body.name.as_str()).collect();
         let numbered =
@@ -96,18 +97,18 @@ impl BodyFiles {
 /// Writes an assembly file.
 ///
 /// # Errors
-/// If the disk does not take it.
+/// If the file cannot be written.
 pub fn write_assembly(path: &Path, file: &AssemblyFile) -> Result<()> {
-    let text = serde_json::to_string_pretty(file).context("the assembly cannot be written down")?;
+    let text = serde_json::to_string_pretty(file).context("the assembly cannot be serialised")?;
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder)
-            .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+            .with_context(|| format!("cannot create the folder {}", folder.display()))?;
     }
     write_atomically(path, |out| writeln!(out, "{text}"))?;
     Ok(())
 }
 
-/// The way from the folder of `from` to `file`.
+/// The path from the folder of `from` to `file`.
 fn relative_to(file: &Path, from: &Path) -> Result<PathBuf> {
     let folder = from
         .parent()
@@ -137,7 +138,7 @@ pub struct StructureAssembly {
     pub bodies: Vec<StructureBody>,
     /// Pairs of copies that overlap as hard bodies.
     pub overlaps: Vec<(usize, usize)>,
-    /// Factor of the uniform expansion that removed them; one for none.
+    /// Factor of the uniform expansion that removed the overlaps; 1 if there were none.
     pub expansion_factor: f64,
     /// The largest displacement of a body by the expansion, Å.
     pub largest_displacement_angstrom: f64,
@@ -178,18 +179,18 @@ pub struct StructureBody {
     pub rmsd_angstrom: Vec<f64>,
 }
 
-/// How a structure is taken apart.
+/// How a structure is decomposed into bodies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StructureSettings {
     /// How bodies are made.
     pub body: BodySettings,
-    /// Remove overlaps by the smallest uniform expansion.
+    /// Whether to remove overlaps by the smallest uniform expansion.
     pub relax: bool,
     /// Periodic box, Å.
     pub box_angstrom: Option<[f64; 3]>,
 }
 
-/// Takes a structure apart into bodies, one per kind of chain, and writes them with the assembly
+/// Decomposes a structure into bodies, one per kind of chain, and writes them with the assembly
 /// into a folder.
 ///
 /// # Errors
@@ -207,7 +208,7 @@ pub fn assemble_structure(
         .with_context(|| file.name.clone())?;
     let types = assembly::body_types(&selection).with_context(|| file.name.clone())?;
     std::fs::create_dir_all(folder)
-        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        .with_context(|| format!("cannot create the folder {}", folder.display()))?;
     let (mut paths, mut bodies, mut placements, mut chains) =
         (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let mut described = Vec::new();
@@ -268,7 +269,8 @@ pub fn assemble_structure(
     })
 }
 
-/// Free placements: as they are, or expanded if that is wanted and needed.
+/// Placements without overlaps: the given ones, or expanded ones if `relax` is set and they
+/// overlap.
 fn relax(
     files: &BodyFiles,
     placements: Vec<assembly::Placement>,

@@ -1,5 +1,5 @@
-//! A fluid: bodies at random places and in random orientations in a periodic box, none overlapping
-//! another.
+//! A fluid: bodies at random positions and orientations in a periodic box, without
+//! overlaps.
 
 use crate::answer::Answer;
 use crate::assemblies::assemble::{BodyFiles, write_assembly};
@@ -58,12 +58,12 @@ pub fn assemble_fluid(
     })
 }
 
-/// Bodies inserted one after the other ([`protomer_body::assembly::insertion`]). `counts` has the
+/// Inserts bodies one after another ([`protomer_body::assembly::insertion`]). `counts` has the
 /// number of bodies of each kind, in the order of `files`. The same seed gives the same fluid.
 ///
 /// # Errors
-/// If `counts` does not fit `files`, the box is too small for a body beside its own image, or it is
-/// too full.
+/// If `counts` does not fit `files`, the box is too small for a body and its own image, or too
+/// full.
 pub fn fluid(
     files: &BodyFiles,
     counts: &[usize],
@@ -78,7 +78,7 @@ pub fn fluid(
         );
     }
     if counts.iter().all(|count| *count == 0) {
-        bail!("--counts asks for no body at all; give at least one");
+        bail!("--counts asks for no bodies; give at least one");
     }
     Ok(files.hard.insert_at_random(counts, box_angstrom, seed)?)
 }

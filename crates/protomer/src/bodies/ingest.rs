@@ -1,5 +1,5 @@
-//! Structure files to body files, in parallel, each file on its own: a bad one is reported and the
-//! rest go on.
+//! Converts structure files to body files in parallel. A file that fails is reported; the others
+//! continue.
 
 use crate::answer::{Answer, columns, heading};
 use crate::bodies::body_file;
@@ -19,20 +19,20 @@ use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// What to make of each file.
+/// How each file is converted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct IngestSettings {
     /// How bodies are made.
     pub body: BodySettings,
     /// Name of the body, for a single file.
     pub name: Option<String>,
-    /// Endings of the formats that are written beside the body file.
+    /// File extensions of the formats to write beside the body file.
     pub exports: Vec<&'static str>,
-    /// Overwrite bodies that are already there.
+    /// Whether to overwrite existing bodies.
     pub force: bool,
 }
 
-/// What became of one file.
+/// The outcome for one file.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FileOutcome {
     /// The input file.
@@ -41,20 +41,20 @@ pub struct FileOutcome {
     pub status: &'static str,
     /// The body file.
     pub body: Option<PathBuf>,
-    /// What the body measures.
+    /// The size and charge of the body.
     #[serde(flatten)]
     pub measures: Option<BodyMeasures>,
     /// Atoms left out, by reason.
     pub skipped: BTreeMap<&'static str, usize>,
-    /// What a careful user should know.
+    /// Warnings.
     pub warnings: Vec<String>,
-    /// The full account of the selection.
+    /// The full report on the selection of atoms.
     pub selection: Option<SelectionReport>,
-    /// Why it failed.
+    /// The reason for the failure.
     pub error: Option<String>,
 }
 
-/// The figures of a body.
+/// Summary numbers of a body.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BodyMeasures {
     /// Atoms (charge sites).
@@ -71,7 +71,7 @@ pub struct BodyMeasures {
     pub mesh_area_angstrom2: f64,
     /// Volume of the mesh, Å³.
     pub mesh_volume_angstrom3: f64,
-    /// Radius about the origin that holds the mesh, Å.
+    /// Radius of the sphere around the origin that encloses the mesh, Å.
     pub radius_angstrom: f64,
 }
 
@@ -91,7 +91,7 @@ impl BodyMeasures {
     }
 }
 
-/// What became of several files.
+/// The outcomes for several files.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Ingested {
     /// One entry per file, in the order given.
@@ -99,7 +99,7 @@ pub struct Ingested {
 }
 
 impl Ingested {
-    /// Whether a file failed.
+    /// Whether any file failed.
     pub fn has_failures(&self) -> bool {
         self.files.iter().any(|outcome| outcome.error.is_some())
     }
@@ -147,8 +147,8 @@ impl FileOutcome {
 /// Ingests every file into `folder`.
 ///
 /// # Errors
-/// Only if the folder cannot be made or two files would make the same body; what goes wrong with a
-/// file is in its outcome.
+/// If the folder cannot be created or two files would give the same body. An error in a single
+/// file is reported in its outcome.
 pub fn ingest_files(
     files: &[PathBuf],
     folder: &Path,
@@ -157,7 +157,7 @@ pub fn ingest_files(
 ) -> Result<Ingested> {
     ResultKind::VoxelSet.refuse_in(folder)?;
     std::fs::create_dir_all(folder)
-        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        .with_context(|| format!("cannot create the folder {}", folder.display()))?;
     let names = body_names(files, settings)?;
     let jobs: Vec<(&PathBuf, String)> = files.iter().zip(names).collect();
     progress.begin(jobs.len() as u64, "files");
@@ -171,8 +171,8 @@ pub fn ingest_files(
     })
 }
 
-/// One name per file. Files of the same stem (1crn.pdb and 1crn.cif) keep their endings to stay
-/// apart.
+/// One name per file. Files with the same stem (1crn.pdb and 1crn.cif) keep their extensions
+/// to remain distinct.
 fn body_names(files: &[PathBuf], settings: &IngestSettings) -> Result<Vec<String>> {
     if let Some(name) = &settings.name {
         return Ok(vec![name.clone()]);
@@ -191,7 +191,7 @@ fn body_names(files: &[PathBuf], settings: &IngestSettings) -> Result<Vec<String
     let mut seen = BTreeSet::new();
     match names.iter().find(|name| !seen.insert(*name)) {
         Some(name) => {
-            bail!("two input files are called {name}; ingest them into different folders")
+            bail!("two input files are named {name}; ingest them into different folders")
         }
         None => Ok(names),
     }
@@ -239,10 +239,10 @@ fn ingest_file(
     })
 }
 
-/// A body from a structure file.
+/// Makes a body from a structure file.
 ///
 /// # Errors
-/// Names the file, the line or residue, and the remedy.
+/// Names the file and the line or residue, and says what to do.
 pub fn read_and_build(file: &Path, name: &str, settings: &BodySettings) -> Result<BuiltBody> {
     let input = InputFile::read(file)?;
     let source = Source {
@@ -260,7 +260,7 @@ pub fn read_and_build(file: &Path, name: &str, settings: &BodySettings) -> Resul
     }
 }
 
-/// The error with the file's name in front, where it does not have it already.
+/// Prefixes the error with the file name, unless it already contains it.
 fn named(file: &str, error: BodyError) -> anyhow::Error {
     match error {
         BodyError::Parse { .. } => error.into(),
@@ -283,7 +283,7 @@ fn write_exports(body: &Body, folder: &Path, name: &str, endings: &[&str]) -> Re
     Ok(())
 }
 
-/// The sites of a body as records of a PQR file.
+/// Converts the sites of a body to records of a PQR file.
 fn point_records(body: &Body) -> Vec<PointRecord> {
     body.sites
         .iter()

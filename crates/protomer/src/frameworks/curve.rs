@@ -1,4 +1,4 @@
-//! A network under growing loads along one axis.
+//! A network under increasing loads along one axis.
 
 use super::axes;
 use super::text::rounded;
@@ -14,23 +14,23 @@ use std::collections::BTreeMap;
 pub struct Curve {
     /// The axis along which the load pulls.
     pub axis: &'static str,
-    /// What the stresses asked for are referred to.
+    /// The reference area of the requested stresses.
     pub stress_kind: StressKind,
     /// One per stress.
     pub points: Vec<CurvePoint>,
 }
 
-/// The network at rest under one stress.
+/// The equilibrium of the network under one stress.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CurvePoint {
-    /// Force per area before loading, GPa.
+    /// Nominal stress: force per undeformed area, GPa.
     pub nominal_gpa: f64,
-    /// Force per area under load, GPa.
+    /// Cauchy stress: force per deformed area, GPa.
     pub cauchy_gpa: f64,
-    /// `strain_y`, ...: length over length before loading, less one.
+    /// `strain_y`, ...: the relative change of length.
     #[serde(flatten)]
     pub strains: BTreeMap<String, f64>,
-    /// `nu_yz`, ...: minus the strain across over that along, both finite.
+    /// `nu_yz`, ...: minus the ratio of transverse to axial strain, both finite.
     #[serde(flatten)]
     pub ratios: BTreeMap<String, f64>,
     /// Energy of the cell, kcal/mol.
@@ -41,14 +41,14 @@ pub struct CurvePoint {
     pub cell_angstrom: Vec<Vec<f64>>,
     /// Newton steps.
     pub steps: usize,
-    /// Largest component of a force left on a node, kcal/mol/Å.
+    /// Largest residual force component on a node, kcal/mol/Å.
     pub largest_force_kcal_mol_angstrom: f64,
 }
 
 /// Stresses in GPa from a list such as `1GPa,2GPa,-500MPa`; a bare number is in GPa.
 ///
 /// # Errors
-/// Says what is not understood.
+/// Names the item that cannot be parsed.
 ///
 /// ```
 /// assert_eq!(protomer::frameworks::curve::stresses_gpa("1GPa, -500MPa,2")?, vec![1.0, -0.5, 2.0]);
@@ -70,10 +70,10 @@ pub fn stresses_gpa(text: &str) -> Result<Vec<f64>> {
     text.split(',').map(one).collect()
 }
 
-/// Loads a network step by step; also the network under the last load.
+/// Loads a network step by step; returns the curve and the network under the last load.
 ///
 /// # Errors
-/// If the network has no such axis, or cannot bear a load.
+/// If the network has no such axis, or no equilibrium under a load.
 pub fn load(
     network: &Framework,
     axis: &str,
@@ -161,7 +161,7 @@ impl Curve {
     /// The curve as a table: the two stresses, strains, ratios, energy and volume.
     ///
     /// # Errors
-    /// Never in practice; rows of unequal length would be refused.
+    /// Never for the rows built here, which all have the same length.
     pub fn table(&self) -> Result<Table> {
         let keys = |map: fn(&CurvePoint) -> &BTreeMap<String, f64>| {
             self.points
@@ -184,7 +184,7 @@ impl Curve {
         Ok(table)
     }
 
-    /// Rows for people, the heading first.
+    /// Formatted rows, the heading first.
     pub fn rows(&self) -> Result<Vec<Vec<String>>> {
         let table = self.table()?;
         let mut rows = vec![table.columns().to_vec()];

@@ -1,7 +1,7 @@
 //! Several cells of a network as SVG, the loaded one drawn over the unloaded one.
 //!
-//! Two-dimensional networks are seen along x, with y to the right and z up. Three-dimensional ones
-//! are drawn in the oblique projection with x coming towards the reader.
+//! Two-dimensional networks are viewed along x, with y to the right and z up. Three-dimensional
+//! ones are drawn in the oblique projection with x coming towards the reader.
 
 use protomer_crystal::framework::{Framework, Neighbour};
 use std::fmt::Write;
@@ -13,21 +13,21 @@ const MARGIN: f64 = 50.0;
 const HEAD: f64 = 70.0;
 const BEFORE: &str = "#b4b4b4";
 const AFTER: &str = "#0072b2";
-/// Cells along the longer direction of the patch.
+/// Number of cells along the longer direction of the patch.
 const CELLS: f64 = 3.0;
-/// The most nodes that are drawn.
+/// Largest number of nodes drawn.
 const MOST_NODES: usize = 4000;
 
 /// A network under load.
 #[derive(Debug, Clone, Copy)]
 pub struct LoadedNetwork<'a> {
-    /// Its nodes and cell as they are under load.
+    /// The deformed nodes and cell.
     pub network: &'a Framework,
-    /// Index of the axis along which it is pulled.
+    /// Index of the loading axis.
     pub axis: usize,
-    /// Whether the load pushes.
+    /// Whether the load is compressive.
     pub pushed: bool,
-    /// What the load is, for the legend.
+    /// Description of the load for the legend.
     pub label: &'a str,
 }
 
@@ -86,7 +86,7 @@ pub fn svg(title: &str, unloaded: &Framework, loaded: Option<LoadedNetwork>) -> 
     text
 }
 
-/// How many cells to draw along each vector: about as far in each direction.
+/// Number of cells to draw along each vector, so that the patch is about as long in each direction.
 fn cell_counts(network: &Framework) -> Vec<usize> {
     let length = |vector: &Vec<f64>| vector.iter().map(|x| x * x).sum::<f64>().sqrt();
     let lengths: Vec<f64> = network.cell_angstrom.iter().map(length).collect();
@@ -106,7 +106,7 @@ fn cell_counts(network: &Framework) -> Vec<usize> {
     counts
 }
 
-/// Rods of several cells as lines of the drawing plane, about the middle of their ends.
+/// The rods of several cells as lines in the drawing plane, centred on the mean of their ends.
 struct Patch {
     lines: Vec<[[f64; 2]; 2]>,
 }
@@ -123,7 +123,7 @@ impl Patch {
                     *x += (f64::from(image) + cell[axis] as f64) * vector[component];
                 }
             }
-            // x comes down and to the left.
+            // The x axis points down and to the left.
             if dimension == 2 {
                 [place[0], place[1]]
             } else {
@@ -172,7 +172,7 @@ fn draw(
     colour: &str,
     width: f64,
 ) {
-    // Writing to a string does not fail.
+    // Writing to a string cannot fail.
     let _ = write!(
         text,
         "<g stroke=\"{colour}\" fill=\"{colour}\" stroke-width=\"{width}\" stroke-linecap=\"round\">\n<path d=\""
@@ -184,7 +184,7 @@ fn draw(
     text.push_str("\"/>\n</g>\n");
 }
 
-/// Two arrows outside the patch that say which way it is pulled or pushed.
+/// Two arrows outside the patch that show the direction of the load.
 fn arrows(text: &mut String, half: &[f64; 2], loaded: LoadedNetwork) {
     let direction = match (loaded.network.dimension(), loaded.axis) {
         (2, 0) | (3, 1) => [1.0, 0.0],

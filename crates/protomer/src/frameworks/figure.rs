@@ -1,9 +1,9 @@
-//! The figure of moduli against the direction of the load.
+//! The figure of moduli against loading direction.
 
 use super::report::{Direction, Report};
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
 
-/// E above ν against the direction; `None` if there is nothing to draw.
+/// E above ν against direction; `None` if there is nothing to draw.
 pub fn polar_figure(report: &Report) -> Option<Figure> {
     let series = |name: &str, value: fn(&Direction) -> Option<f64>| Series {
         name: name.into(),
@@ -51,7 +51,7 @@ pub fn polar_figure(report: &Report) -> Option<Figure> {
     })
 }
 
-/// A logarithmic axis for positive values over more than a decade.
+/// A logarithmic axis for positive values that span more than a decade.
 fn spread(axis: Axis, series: &Series) -> Axis {
     let values = || series.points.iter().map(|point| point.y);
     let (low, high) = (

@@ -1,5 +1,5 @@
-//! The elastic constants of a network, with units, and closed formulas beside them where there are
-//! any.
+//! The elastic constants of a network, with units, compared with closed formulas where they
+//! exist.
 
 use super::curve::Curve;
 use super::text::{fixed, rounded};
@@ -19,20 +19,20 @@ use std::collections::BTreeMap;
 
 /// Directions over half a turn in [`Report::polar`].
 const POLAR_DIRECTIONS: usize = 36;
-/// A force on a node (kcal/mol/Å) above which a network is not at rest: what the paper's
-/// minimisations stop at.
+/// Largest force on a node, kcal/mol/Å, of a network at rest: the stopping criterion of
+/// the paper's minimisations.
 const REST_FORCE: f64 = 1e-3;
-/// The most node coordinates whose Hessian is printed in full.
+/// Largest number of node coordinates for which the Hessian is printed in full.
 const MOST_PRINTED_COORDINATES: usize = 1500;
 
-/// What is asked of [`analyse`].
+/// Options of [`analyse`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// Value of Avogadro's number that converts kcal/mol/Å³ to GPa, 1/mol.
+    /// Value of the Avogadro constant that converts kcal/mol/Å³ to GPa, 1/mol.
     pub avogadro_per_mol: f64,
-    /// Find the minimum of the energy first.
+    /// How to relax the network first, if at all.
     pub relax: Option<Relax>,
-    /// Print energy, forces and Hessian.
+    /// Whether to report energy, forces and Hessian.
     pub derivatives: bool,
 }
 
@@ -49,9 +49,9 @@ pub enum Relax {
 /// A network's elastic constants.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
-    /// Builder or file.
+    /// Name of the builder or file.
     pub network: String,
-    /// 2 or 3.
+    /// Dimension: 2 or 3.
     pub dimension: usize,
     /// Names of the components of strain and stress, in the order of all matrices; shear strains
     /// are engineering strains.
@@ -71,39 +71,40 @@ pub struct Report {
     pub thickness_angstrom: Option<f64>,
     /// Volume of the cell, Å³.
     pub volume_angstrom3: f64,
-    /// Avogadro's number as used, 1/mol.
+    /// The value of the Avogadro constant used, 1/mol.
     pub avogadro_per_mol: f64,
-    /// What one kcal/mol/Å³ is worth with it.
+    /// The value of 1 kcal/mol/Å³ in GPa that follows from it.
     pub gpa_per_kcal_mol_angstrom3: f64,
     /// Stiffness with relaxed nodes, GPa.
     pub c_gpa: Vec<Vec<f64>>,
-    /// Stiffness with nodes that follow the strain as points of a homogeneous medium, GPa.
+    /// Stiffness with clamped nodes, which follow the strain affinely, GPa.
     pub c_clamped_gpa: Vec<Vec<f64>>,
-    /// `e_y_gpa`, `g_yz_gpa`, `nu_yz`, ...: null where a mechanism yields or decides.
+    /// `e_y_gpa`, `g_yz_gpa`, `nu_yz`, ...: null where a mechanism makes the modulus zero or
+    /// undefined.
     #[serde(flatten)]
     pub moduli: BTreeMap<String, Option<f64>>,
     /// Closed formulas.
     #[serde(flatten)]
     pub analytic: Option<Analytic>,
-    /// Stress of the network as it stands, GPa.
+    /// Stress of the network in its present state, GPa.
     pub stress_gpa: Vec<f64>,
-    /// Energy of the cell as it stands, kcal/mol.
+    /// Energy of the cell in its present state, kcal/mol.
     pub energy_kcal_mol: f64,
     /// Largest component of a force on a node, kcal/mol/Å.
     pub largest_force_kcal_mol_angstrom: f64,
     /// How the network was relaxed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub relaxed: Option<Relax>,
-    /// Coordinates against springs.
+    /// Maxwell count: coordinates against springs.
     pub maxwell: MaxwellCount,
-    /// Strains that cost nothing.
+    /// Strains that cost no energy (mechanisms).
     pub mechanisms: Vec<Mechanism>,
-    /// Floppy motions of the nodes at fixed cell, beyond translations; null for networks too large
-    /// to count them.
+    /// Zero-energy motions of the nodes at fixed cell, without translations; null for networks
+    /// too large to count them.
     pub internal_mechanisms: Option<usize>,
     /// E and ν against the direction of the load in the plane, from y; empty in three dimensions.
     pub polar: Vec<Direction>,
-    /// The network under growing loads.
+    /// The network under increasing loads.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub curve: Option<Curve>,
     /// Energy, forces and Hessian.
@@ -114,39 +115,40 @@ pub struct Report {
 /// One direction of [`Report::polar`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Direction {
-    /// Angle of the load from y, degrees.
+    /// Angle between the load and the y axis, degrees.
     pub angle_deg: f64,
-    /// E, GPa; null where a mechanism yields.
+    /// E, GPa; null where a mechanism makes it zero.
     pub e_gpa: Option<f64>,
-    /// ν in the plane; null where nothing decides it.
+    /// ν in the plane; null where it is undefined.
     pub nu: Option<f64>,
 }
 
-/// Closed formulas for a honeycomb.
+/// Closed-form moduli of a honeycomb.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Analytic {
     /// Hinging and stretching together, exact.
     pub analytic: AnalyticModuli,
     /// Rods of fixed length.
     pub analytic_hinging: AnalyticModuli,
-    /// Angles that do not change.
+    /// Hinges of fixed angle.
     pub analytic_stretching: AnalyticModuli,
 }
 
-/// Moduli from a closed formula.
+/// Closed-form moduli.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AnalyticModuli {
-    /// On the axes.
+    /// Moduli along the axes.
     #[serde(flatten)]
     pub axial: AxialModuli,
-    /// Stiffness, GPa; null where it has no end.
+    /// Stiffness, GPa; null where it is infinite.
     pub c_gpa: Option<[[f64; 3]; 3]>,
 }
 
-/// Energy and its derivatives over node coordinates, node after node, in the order of the axes.
+/// Energy and its derivatives with respect to the node coordinates, node by node, in the order of
+/// the axes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PrintedDerivatives {
-    /// Where the nodes are, Å.
+    /// Node positions, Å.
     pub nodes_angstrom: Vec<f64>,
     /// kcal/mol.
     pub energy_kcal_mol: f64,
@@ -154,15 +156,15 @@ pub struct PrintedDerivatives {
     pub forces_kcal_mol_angstrom: Vec<f64>,
     /// kcal/mol/Å².
     pub hessian_kcal_mol_angstrom2: Vec<Vec<f64>>,
-    /// Over the strain components, kcal/mol.
+    /// Derivatives with respect to the strain components, kcal/mol.
     pub strain_gradient_kcal_mol: Vec<f64>,
 }
 
-/// The network as it is analysed (relaxed if that was asked for, with all rest lengths written
-/// out), and its constants.
+/// Analyses a network. Returns the analysed network (relaxed if requested, with explicit rest
+/// lengths) and its constants.
 ///
 /// # Errors
-/// If the network makes no sense, or is not at a minimum of its energy.
+/// If the network is invalid, or not at a minimum of its energy.
 pub fn analyse(
     network: &Framework,
     name: &str,
@@ -182,7 +184,7 @@ pub fn analyse(
     let placed = at.place(&fixed);
     let derivatives = energy.derivatives(&at);
     let hint = if settings.relax.is_none() {
-        "elastic constants are those of a network at rest; add --relax"
+        "elastic constants are defined for a network at rest only; add --relax"
     } else {
         "the relaxed network has no elastic constants"
     };
@@ -311,13 +313,13 @@ fn named_moduli(moduli: &Moduli, dimension: usize) -> BTreeMap<String, Option<f6
 }
 
 impl Report {
-    /// Whether no node feels a force to speak of.
+    /// Whether every node is free of forces, up to [`AT_REST`].
     pub fn at_rest(&self) -> bool {
         self.largest_force_kcal_mol_angstrom <= REST_FORCE
     }
 
-    /// The moduli as rows of name, this network and, where there are formulas, the formulas and the
-    /// deviation from them; the first row is the heading.
+    /// The moduli as rows: name, value and, where formulas exist, their values and the deviation;
+    /// the first row is the heading.
     pub fn moduli_rows(&self) -> Vec<Vec<String>> {
         let mut rows = vec![vec!["".to_owned(), "network".to_owned()]];
         if self.analytic.is_some() {
@@ -341,7 +343,7 @@ impl Report {
         rows
     }
 
-    /// The lines above and below the table of moduli, for people.
+    /// The lines above and below the table of moduli.
     pub fn describe(&self) -> [String; 2] {
         let thickness = self
             .thickness_angstrom
@@ -371,7 +373,7 @@ impl Report {
                 .iter()
                 .flatten()
                 .fold(0.0_f64, |most, x| most.max(x.abs()));
-            // What is zero but for rounding is shown as zero.
+            // Show values that are zero up to rounding as zero.
             let tidy = |x: f64| if x.abs() < 1e-9 * largest { 0.0 } else { x };
             let line = |row: &Vec<f64>| {
                 row.iter()
@@ -396,7 +398,7 @@ impl Report {
         };
         let tail = format!(
             "C with relaxed nodes, GPa ({order}):\n{}\nC with clamped nodes, GPa:\n{}\nMaxwell: {} freedoms, {} springs, \
-             excess {:+}\nstrains that cost nothing ({order}): {mechanisms}; {internal}",
+             excess {:+}\nzero-energy strains ({order}): {mechanisms}; {internal}",
             matrix(&self.c_gpa),
             matrix(&self.c_clamped_gpa),
             m.freedoms,
@@ -434,7 +436,7 @@ fn number(value: Option<f64>) -> String {
         None => "-".into(),
         Some(value) if value.abs() < 10.0 => rounded(value, 5),
         Some(value) if value.abs() < 1e7 => format!("{value:.3}"),
-        // What cannot yield at all.
+        // A modulus without a finite value.
         Some(value) if value.abs() > 1e20 => "unlimited".into(),
         Some(value) => format!("{value:.3e}"),
     }

@@ -1,4 +1,4 @@
-//! The settings in the directory of a run or a sweep of lattices.
+//! The settings in the directory of a lattice run or sweep.
 
 use super::settings::LatticeSettings;
 use anyhow::Result;

@@ -1,8 +1,8 @@
-//! The figures of a sweep, after those of the paper and its preprint.
+//! The figures of a sweep, modelled on those of the paper and its preprint.
 //!
 //! | file | against | what |
 //! |---|---|---|
-//! | `phase_differences` | time | how far the angles of two squares are apart |
+//! | `phase_differences` | time | differences between the angles of two squares |
 //! | `synchronisation` | r0 | leading eigenvalues of the synchronisation indices, whole and partial |
 //! | `indices` | squares | the matrices of both |
 //! | `strains` | ε_xx | -ε_yy between rows of the log |
@@ -18,13 +18,13 @@ use anyhow::Result;
 use protomer_plot::{Axis, Figure, HeatMap, Panel, Point, Series};
 use std::path::Path;
 
-/// A scatter plot of more points shows no more.
+/// Upper limit for points in a scatter plot; more would not be visible.
 const MOST_POINTS: usize = 2000;
 
-/// Writes every figure there is data for, as SVG and PNG.
+/// Writes every figure that has data, as SVG and PNG.
 ///
 /// # Errors
-/// If a figure cannot be drawn or the disk does not take it.
+/// If a figure cannot be drawn or written.
 pub fn write(sweep: &LatticeSweep, data: &[Data], directory: &Path) -> Result<()> {
     let figures = [
         ("phase_differences", Some(phase_differences(sweep, data))),
@@ -119,7 +119,7 @@ pub fn write(sweep: &LatticeSweep, data: &[Data], directory: &Path) -> Result<()
     indices(sweep, data, directory)
 }
 
-/// The figure without the panels and series that hold nothing; `None` if nothing is left.
+/// Removes empty panels and series; `None` if nothing is left.
 fn drawable(mut figure: Figure) -> Option<Figure> {
     for panel in &mut figure.panels {
         panel.series.iter_mut().for_each(|series| {
@@ -142,7 +142,7 @@ fn drawable(mut figure: Figure) -> Option<Figure> {
     (!figure.panels.is_empty()).then_some(figure)
 }
 
-/// The conditions, without which a curve says nothing.
+/// The conditions, which belong to every curve.
 fn caption(sweep: &LatticeSweep) -> String {
     let settings = &sweep.settings;
     format!(
@@ -162,12 +162,12 @@ fn name(row: &ConditionRow, sweep: &LatticeSweep) -> String {
     }
 }
 
-/// A line of text cannot hold more entries; the tables have them all.
+/// Most entries that fit into a legend; the tables have all of them.
 const MOST_SERIES: usize = 8;
-/// A page of matrices is long enough with these.
+/// Most matrices in one figure.
 const MOST_MATRICES: usize = 24;
 
-/// Where both vary, the rod lengths of the first κ.
+/// If both vary: the rod lengths of the first κ.
 fn shown<'a>(
     sweep: &'a LatticeSweep,
     data: &'a [Data],
@@ -259,7 +259,7 @@ fn thinned(points: &[[f64; 2]]) -> impl Iterator<Item = [f64; 2]> + '_ {
         .step_by(points.len().div_ceil(MOST_POINTS).max(1))
 }
 
-/// What is said of it behind its label, the label, and the value of a condition and of a run.
+/// A note for the label, the label, and the value for a condition and for a run.
 type Quantity = (
     &'static str,
     &'static str,
@@ -338,7 +338,7 @@ fn replicas(
         .collect()
 }
 
-/// Against κ, a series per r0; κ = 0 has no place on a logarithmic axis.
+/// Against κ, one series per r0; κ = 0 cannot be shown on a logarithmic axis.
 fn spread(sweep: &LatticeSweep) -> Option<Figure> {
     let axes = axes(&sweep.settings);
     if axes.kappa.len() < 2 {
@@ -411,7 +411,7 @@ fn indices(sweep: &LatticeSweep, data: &[Data], directory: &Path) -> Result<()> 
             size,
             values: values(&whole),
         });
-        // Squares that never part have no partial indices.
+        // Squares that always move together have no partial indices.
         if let Ok(partial) = data.synchronisation.partial(RIDGE) {
             maps.push(HeatMap {
                 title: format!("partial, {}", name(row, sweep)),

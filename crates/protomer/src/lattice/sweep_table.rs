@@ -1,4 +1,4 @@
-//! From the logs of a sweep to a row per run, and a row per r0 and κ.
+//! The tables of a sweep: one row per run, and one row per r0 and κ.
 
 use super::log::LogRow;
 use super::sweep::{RunOutcome, Series, Task};
@@ -10,13 +10,13 @@ use protomer_io::csv::{Cell, Table};
 use protomer_kernel::statistics::RunningMoments;
 use serde::Serialize;
 
-/// Blocks per run of the jackknife behind the errors of Poisson's ratio.
+/// Jackknife blocks per run for the errors of Poisson's ratio.
 const BLOCKS: usize = 10;
-/// R is mixed with this much of the identity before it is inverted: squares that never part leave
-/// it singular.
+/// Regularisation: R is mixed with this share of the identity before inversion, because squares
+/// that always move together make it singular.
 pub const RIDGE: f64 = 1e-6;
 
-/// The results of one run. What it could not tell is NaN.
+/// The results of one run. Undetermined values are NaN.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RunRow {
     /// Length of the rods.
@@ -43,7 +43,8 @@ pub struct RunRow {
     pub poisson_ratio_ordinary: f64,
     /// Squared correlation of the two strains.
     pub r_squared: f64,
-    /// Leading eigenvalue of the matrix of |R|, over the number of squares: 1 if all turn alike.
+    /// Leading eigenvalue of the matrix of |R|, over the number of squares: 1 if all squares turn
+    /// alike.
     pub synchronisation: f64,
     /// The same of the partial indices.
     pub partial_synchronisation: f64,
@@ -62,10 +63,10 @@ pub struct RunRow {
 }
 
 impl RunRow {
-    /// From the end of a run, its log and its course.
+    /// Computes the row from the result of a run, its log and its time series.
     ///
     /// # Errors
-    /// If the angles make no matrix.
+    /// If the synchronisation indices cannot be computed from the angles.
     pub fn new(
         task: &Task,
         outcome: &RunOutcome,
@@ -146,10 +147,10 @@ fn leading(angles: &Synchronisation) -> Result<[f64; 2]> {
     ])
 }
 
-/// A mean over runs with its standard error: NaN where there is one run only.
+/// A mean over runs with its standard error, which is NaN for a single run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Estimate {
-    /// Mean over the runs that could tell.
+    /// Mean over the runs with a finite value.
     pub mean: f64,
     /// Standard error of it.
     pub error: f64,
@@ -191,7 +192,7 @@ pub struct ConditionRow {
     pub largest_spread: Estimate,
     /// As in [`RunRow`].
     pub largest_spread_time: Estimate,
-    /// By total least squares from the strains of all runs together; the error is that of a
+    /// By total least squares from the strains of all runs together; the error is from a
     /// jackknife over blocks.
     pub poisson_ratio: Estimate,
     /// The same by ordinary least squares.
@@ -224,7 +225,7 @@ impl ConditionRow {
     /// Averages over runs.
     ///
     /// # Errors
-    /// If the angles make no matrix.
+    /// If the synchronisation indices cannot be computed from the angles.
     pub fn new(runs: &[RunRow], series: &Series) -> Result<Self> {
         let of = |value: fn(&RunRow) -> f64| Estimate::of(runs.iter().map(value));
         let ratio = poisson_ratio(&series.strains, BLOCKS * runs.len()).ok();
@@ -285,10 +286,10 @@ const ESTIMATES: [EstimateColumn; 15] = [
     ("lyapunov_exponent", |row| row.lyapunov_exponent),
 ];
 
-/// One row per r0 and κ; every estimate with its standard error, NaN where there is none.
+/// One row per r0 and κ; every estimate with its standard error, NaN if unavailable.
 ///
 /// # Errors
-/// Never for rows of this module; the table checks its own shape.
+/// Never for the rows built here, which all have the same length.
 pub fn conditions_to_csv(rows: &[ConditionRow]) -> Result<String> {
     let head = ["r0", "kappa", "runs"].map(str::to_owned).into_iter();
     let estimates = ESTIMATES
@@ -348,7 +349,7 @@ const OF_RUNS: [RunColumn; 17] = [
 /// One row per run.
 ///
 /// # Errors
-/// Never for rows of this module; the table checks its own shape.
+/// Never for the rows built here, which all have the same length.
 pub fn runs_to_csv(rows: &[RunRow]) -> Result<String> {
     let mut table = Table::new(
         ["r0", "kappa", "seed"]
@@ -370,7 +371,7 @@ pub fn runs_to_csv(rows: &[RunRow]) -> Result<String> {
 /// One row per passage of the checkerboard mode through the open state.
 ///
 /// # Errors
-/// Never for rows of this module; the table checks its own shape.
+/// Never for the rows built here, which all have the same length.
 pub fn crossings_to_csv(conditions: &[ConditionRow], series: &[Series]) -> Result<String> {
     let mut table = Table::new(["r0", "kappa", "run", "time", "rate"]);
     for (condition, series) in conditions.iter().zip(series) {

@@ -14,7 +14,7 @@ use std::path::Path;
 const APPLICATION: &str = concat!("protomer ", env!("CARGO_PKG_VERSION"));
 const SCHEMA: &str = "hoomd";
 const SCHEMA_VERSION: (u16, u16) = (1, 4);
-/// Of the dots on the corners.
+/// Diameter of the dots on the corners.
 const DOT_DIAMETER: f64 = 0.04;
 
 /// A trajectory that is being written.
@@ -28,7 +28,7 @@ impl Trajectory {
     /// Opens the trajectory and cuts it to its first `frames` frames (zero starts a new one).
     ///
     /// # Errors
-    /// If the file cannot be written, or holds fewer frames than the checkpoint says.
+    /// If the file cannot be written, or holds fewer frames than the checkpoint records.
     pub fn open(path: &Path, network: &Network, frames: u64) -> Result<Self> {
         let header = header(network);
         if frames == 0 {
@@ -40,7 +40,7 @@ impl Trajectory {
         let mut old = GsdFile::open(path)?;
         if old.frames() < frames {
             bail!(
-                "{} holds {} frames where the checkpoint has written {frames}; restore it, or start anew with --force",
+                "{} holds {} frames where the checkpoint has written {frames}; restore it, or start again with --force",
                 path.display(),
                 old.frames()
             );
@@ -58,7 +58,7 @@ impl Trajectory {
     /// Appends a state.
     ///
     /// # Errors
-    /// If the disk does not take it.
+    /// If the file cannot be written.
     pub fn append(
         &mut self,
         step: u64,
@@ -76,14 +76,14 @@ impl Trajectory {
     /// Forces everything onto the disk and returns the number of frames.
     ///
     /// # Errors
-    /// If the disk does not take it.
+    /// If the file cannot be written.
     pub fn sync(&mut self) -> Result<u64> {
         self.writer.sync()?;
         Ok(self.writer.frames())
     }
 }
 
-/// Where a corner of a square is, from its x, y, θ.
+/// The position of a corner of a square with x, y, θ.
 pub fn corner_position(network: &Network, positions: &[f64], corner: Corner) -> [f64; 2] {
     let s = &positions[3 * corner.square..3 * corner.square + 3];
     let (sine, cosine) = (s[2] + corner_angle(corner.vertex)).sin_cos();
@@ -91,7 +91,7 @@ pub fn corner_position(network: &Network, positions: &[f64], corner: Corner) -> 
     [s[0] + half_diagonal * cosine, s[1] + half_diagonal * sine]
 }
 
-/// Of vertex 1 to 4 from θ, radians.
+/// Angle of vertices 1 to 4 relative to θ, radians.
 fn corner_angle(vertex: u8) -> f64 {
     match vertex {
         1 => 3.0 * FRAC_PI_4,
@@ -109,7 +109,8 @@ fn chunk(name: &str, columns: u32, data: ChunkData) -> Chunk {
     }
 }
 
-/// The sizes of squares, from the first to appear on, and for each square the index of its size.
+/// The distinct sizes of squares in order of first appearance, and the index of the size of each
+/// square.
 fn sizes(network: &Network) -> (Vec<f64>, Vec<u32>) {
     let mut sizes: Vec<f64> = Vec::new();
     let kinds = network.squares.iter().map(|square| {
@@ -123,11 +124,11 @@ fn sizes(network: &Network) -> (Vec<f64>, Vec<u32>) {
     (sizes, kinds)
 }
 
-/// What is the same in every frame.
+/// The data that is the same in every frame.
 fn header(network: &Network) -> Vec<Chunk> {
     let (sizes, mut kinds) = sizes(network);
     let polygon = |size: &f64| {
-        // Counter-clockwise, as readers want it.
+        // Counter-clockwise, as readers of the format expect.
         let vertices = [2, 1, 3, 4].map(|vertex: u8| {
             let (sine, cosine) = corner_angle(vertex).sin_cos();
             [(size * cosine) as f32, (size * sine) as f32]
@@ -174,7 +175,7 @@ fn header(network: &Network) -> Vec<Chunk> {
     ]
 }
 
-/// What changes from frame to frame.
+/// The data that changes from frame to frame.
 fn frame(step: u64, network: &Network, state: &State, energy: f64) -> Vec<Chunk> {
     let mut places: Vec<[f64; 2]> = state
         .positions
@@ -200,7 +201,7 @@ fn frame(step: u64, network: &Network, state: &State, energy: f64) -> Vec<Chunk>
                 + largest)
         })
     });
-    // Readers want particles inside the box.
+    // Readers of the format expect particles inside the box.
     let inside = |x: f64, length: f64| {
         if network.cell.is_some() {
             x - length * (x / length).round()
@@ -246,7 +247,7 @@ fn frame(step: u64, network: &Network, state: &State, energy: f64) -> Vec<Chunk>
     ]
 }
 
-/// Strings as rows of equal length, each ended by a zero.
+/// Strings as rows of equal length, each terminated by a zero byte.
 fn text_chunk(name: &str, rows: &[String]) -> Chunk {
     let columns = rows.iter().map(String::len).max().unwrap_or(0) + 1;
     let mut data = Vec::with_capacity(columns * rows.len());
@@ -257,10 +258,10 @@ fn text_chunk(name: &str, rows: &[String]) -> Chunk {
     chunk(name, columns as u32, ChunkData::I8(data))
 }
 
-/// The states of a trajectory: time, and x, y, θ of square after square.
+/// Reads the states of a trajectory: time, and x, y, θ of every square.
 ///
 /// # Errors
-/// If the file cannot be read, or is no trajectory of a lattice.
+/// If the file cannot be read, or is not the trajectory of a lattice.
 pub fn read_states(path: &Path) -> Result<Vec<(f64, Vec<f64>)>> {
     let mut file = GsdFile::open(path)?;
     (0..file.frames())

@@ -1,4 +1,4 @@
-//! Several sweeps in one figure: which arrangement stays together over the larger range of salt?
+//! Several sweeps in one figure: which arrangement is stable over the wider range of salt?
 
 use crate::answer::Answer;
 use anyhow::{Context, Result, bail};
@@ -8,7 +8,7 @@ use serde::Serialize;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// What a comparison came to.
+/// The result of a comparison.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CompareReport {
     /// The figure.
@@ -34,7 +34,7 @@ impl Answer for CompareReport {
                 .collect(),
         };
         let mut salts = self.sweeps.iter().flat_map(|sweep| &sweep.salt_molar);
-        // Zero salt has no place on a logarithmic axis.
+        // Zero salt cannot be shown on a logarithmic axis.
         let x = match salts.all(|salt| *salt > 0.0) {
             true => Axis::log("salt (mM)"),
             false => Axis::linear("salt (mM)"),
@@ -74,7 +74,7 @@ pub struct ComparedSweep {
     pub r_g_mean_angstrom: Vec<f64>,
     /// Standard deviation over replicas, Å.
     pub r_g_sd_angstrom: Vec<f64>,
-    /// Mean surviving fraction of the contacts of the start; NaN where it had none.
+    /// Mean surviving fraction of the initial contacts; NaN if there were none.
     pub native_contacts_mean: Vec<f64>,
     /// Standard deviation over replicas.
     pub native_contacts_sd: Vec<f64>,
@@ -101,7 +101,7 @@ impl ComparedSweep {
 /// Draws several finished sweeps in one figure, a PNG or SVG file.
 ///
 /// # Errors
-/// Without sweeps, if one is not finished, or for another ending of the figure.
+/// If there are no sweeps, one is not finished, or the figure has another extension.
 pub fn compare(directories: &[PathBuf], title: &str, output: &Path) -> Result<CompareReport> {
     if directories.is_empty() {
         bail!("name at least one sweep directory");
@@ -116,7 +116,10 @@ pub fn compare(directories: &[PathBuf], title: &str, output: &Path) -> Result<Co
     match output.extension().and_then(|ending| ending.to_str()) {
         Some("png") => figure.write_png(output)?,
         Some("svg") => figure.write_svg(output)?,
-        _ => bail!("{} ends in neither .png nor .svg", output.display()),
+        _ => bail!(
+            "{} ends in neither .png nor .svg; choose one of them",
+            output.display()
+        ),
     }
     Ok(report)
 }

@@ -1,4 +1,4 @@
-//! Several sets to one.
+//! Merges several sets into one.
 
 use super::identity::identity;
 use super::origin::{Missing, Origin, joined, origins};
@@ -14,12 +14,12 @@ use serde::Serialize;
 use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
-/// What became of several sets.
+/// The result of a merge.
 #[derive(Debug, Clone, Serialize)]
 pub struct MergeReport {
     /// The set.
     pub set: PathBuf,
-    /// Sets joined.
+    /// Number of merged sets.
     pub sets: usize,
     /// Samples in the set.
     pub samples: usize,
@@ -29,11 +29,11 @@ pub struct MergeReport {
     pub voxels: u64,
     /// Bytes of the set's files.
     pub bytes: u64,
-    /// Manifests of which parts are missing.
+    /// Manifests with missing parts.
     pub missing: Vec<Missing>,
-    /// Relatives that are in different clusters; ten lines at most.
+    /// Relatives in different clusters; ten lines at most.
     pub manifest_warnings: Vec<String>,
-    /// Whether the set was there already.
+    /// Whether the set already existed.
     pub nothing_to_do: bool,
 }
 
@@ -54,19 +54,19 @@ impl Answer for MergeReport {
     }
 }
 
-/// Joins sets of the same settings. Parts of one manifest are sorted as the manifest is, so that
-/// all parts together give the set that one run would have made, file by file; sets of different
-/// manifests follow each other as given. That parts are missing is in the report.
+/// Merges sets with the same settings. Parts of one manifest are sorted like the manifest, so that
+/// all parts together give the same files as a single run. Sets of different manifests follow each
+/// other in the given order. The report lists missing parts.
 ///
 /// # Errors
-/// For sets of different settings, names that are in two of them, and files that cannot be read.
+/// If settings differ, a name appears in two sets, or a file cannot be read.
 pub fn merge(inputs: &[PathBuf], output: &Path, force: bool) -> Result<MergeReport> {
     let readers = inputs
         .iter()
         .map(|path| open_set(path))
         .collect::<Result<Vec<SetReader>>>()?;
     let (Some(first), Some(first_path)) = (readers.first(), inputs.first()) else {
-        bail!("there are no sets; give some")
+        bail!("no sets are given; give at least one")
     };
     let settings = set::settings_of(first).with_context(|| first_path.display().to_string())?;
     let of_each = readers
@@ -74,7 +74,7 @@ pub fn merge(inputs: &[PathBuf], output: &Path, force: bool) -> Result<MergeRepo
         .zip(inputs)
         .map(|(reader, path)| origins(reader).with_context(|| path.display().to_string()));
     let of_each = of_each.collect::<Result<Vec<Vec<Origin>>>>()?;
-    // A set that was merged from several manifests has no order that entries could follow.
+    // A set merged from several manifests has no common order of entries.
     let parts_of_one = of_each.iter().all(|of_one| of_one.len() == 1);
     let manifests = joined(of_each.into_iter().flatten());
     let one_manifest = parts_of_one && manifests.len() == 1;
@@ -98,7 +98,7 @@ pub fn merge(inputs: &[PathBuf], output: &Path, force: bool) -> Result<MergeRepo
             .iter()
             .map(|sample| &sample.name)
             .chain(theirs.iter().map(|excluded| &excluded.name));
-        // Sorted, so that of several the message names always the same.
+        // Sorted, so that the message is always about the same name.
         let names: BTreeSet<String> = names.cloned().collect();
         for name in names {
             if let Some(earlier) = seen.insert(name.clone(), path) {
@@ -173,7 +173,7 @@ pub fn merge(inputs: &[PathBuf], output: &Path, force: bool) -> Result<MergeRepo
     Ok(report(false))
 }
 
-/// `seed 0 and 3, size 32 and 64`: what differs between two settings.
+/// The differences between two settings, such as `seed 0 and 3, size 32 and 64`.
 fn differences(first: &VoxelizeSettings, second: &VoxelizeSettings) -> Result<String> {
     let (first, second) = (serde_json::to_value(first)?, serde_json::to_value(second)?);
     let keys = first

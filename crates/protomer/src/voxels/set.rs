@@ -1,4 +1,4 @@
-//! Samples to a zarr group.
+//! Writes samples to a zarr group and reads them back.
 
 use super::identity::fixed_conditions;
 use super::manifest::Entry;
@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 
-/// A structure that is not in the set.
+/// A structure that was excluded from the set.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Exclusion {
@@ -24,7 +24,7 @@ pub struct Exclusion {
     pub entry: usize,
     /// Its name.
     pub name: String,
-    /// The file as the manifest names it.
+    /// The file as named in the manifest.
     pub file: String,
     /// Its class.
     pub label: String,
@@ -36,7 +36,7 @@ pub struct Exclusion {
     pub sha256: String,
     /// Why.
     pub reason: Reason,
-    /// In words.
+    /// A description in words.
     pub detail: String,
 }
 
@@ -74,7 +74,7 @@ pub struct SampleRecord {
     pub entry: usize,
     /// Its name.
     pub name: String,
-    /// The file as the manifest names it.
+    /// The file as named in the manifest.
     pub file: String,
     /// Its class.
     pub label: String,
@@ -84,13 +84,13 @@ pub struct SampleRecord {
     pub family: String,
     /// SHA-256 of the file.
     pub sha256: String,
-    /// Where its voxels are kept.
+    /// The key of its voxels in the work file.
     pub key: String,
     /// Occupied voxels.
     pub voxels: usize,
-    /// What is known of it.
+    /// Its properties.
     pub properties: Properties,
-    /// What of its file a careful user should know.
+    /// Warnings about its file.
     pub warnings: Vec<String>,
 }
 
@@ -122,12 +122,12 @@ impl SampleRecord {
     }
 }
 
-/// Everything in a set but the voxels.
+/// The content of a set, except for the voxels.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SetContent {
     /// Samples in order.
     pub samples: Vec<SampleRecord>,
-    /// Structures left out, in order.
+    /// Excluded structures, in order.
     pub excluded: Vec<Exclusion>,
 }
 
@@ -138,7 +138,7 @@ impl SetContent {
     }
 }
 
-/// What is where a set is to be written.
+/// The current content of the output path of a set.
 pub enum OnDisk {
     /// Nothing.
     Nothing,
@@ -148,17 +148,17 @@ pub enum OnDisk {
     Other,
 }
 
-/// Looks at where a set is to be written.
+/// Checks the output path of a set.
 ///
 /// # Errors
-/// If there is something that is no set.
+/// If the path exists and is not a voxel set.
 pub fn state_of(output: &Path, identity: &str) -> Result<OnDisk> {
     if !output.exists() {
         return Ok(OnDisk::Nothing);
     }
     let reader = SetReader::open(output).with_context(|| {
         format!(
-            "{} is there and no voxel set; name another output",
+            "{} exists and is not a voxel set; choose another output",
             output.display()
         )
     })?;
@@ -200,7 +200,7 @@ pub fn settings_of(reader: &SetReader) -> Result<VoxelizeSettings> {
 /// The attributes of a set.
 ///
 /// # Errors
-/// If the settings cannot be written down.
+/// If the settings cannot be serialised.
 pub fn attributes(
     settings: &VoxelizeSettings,
     origins: &[Origin],
@@ -263,11 +263,11 @@ pub fn attributes(
     });
     match value {
         Value::Object(map) => Ok(map),
-        _ => bail!("the attributes are no object"),
+        _ => bail!("the attributes are not an object"),
     }
 }
 
-/// The warnings of each sample that has any, by its name.
+/// The warnings of the samples that have any, by name.
 pub fn warnings_of(samples: &[SampleRecord]) -> BTreeMap<String, Vec<String>> {
     let warned = samples.iter().filter(|sample| !sample.warnings.is_empty());
     warned
@@ -275,7 +275,7 @@ pub fn warnings_of(samples: &[SampleRecord]) -> BTreeMap<String, Vec<String>> {
         .collect()
 }
 
-/// Names of the columns of numbers.
+/// Names of the numeric columns.
 pub fn columns() -> Vec<String> {
     let mut columns: Vec<String> = [
         "entry",
@@ -322,7 +322,7 @@ fn row(sample: &SampleRecord) -> Vec<f64> {
 /// The samples of a set without their voxels.
 ///
 /// # Errors
-/// If columns or words are missing.
+/// If columns or string lists are missing.
 pub fn samples_of(reader: &SetReader) -> Result<Vec<SampleRecord>> {
     if reader.columns() != columns() {
         bail!("the columns of the properties are of another version; make the set again");
@@ -380,11 +380,11 @@ pub fn samples_of(reader: &SetReader) -> Result<Vec<SampleRecord>> {
     Ok(samples)
 }
 
-/// Writes a set into an empty folder; `voxels` gives those of each sample in turn, with a list per
-/// channel.
+/// Writes a set into an empty folder; `voxels` returns the voxels of each sample in turn, with
+/// one list per channel.
 ///
 /// # Errors
-/// If the disk takes no more, and what `voxels` says.
+/// If a file cannot be written, and the errors of `voxels`.
 pub fn write(
     folder: &Path,
     settings: &VoxelizeSettings,
@@ -423,7 +423,7 @@ pub fn write(
     Ok(writer.finish(&columns(), &rows, attributes)?)
 }
 
-/// Reads every sample of a set once; the mean time that takes, ms.
+/// Reads every sample of a set once and returns the mean time per sample, ms.
 ///
 /// # Errors
 /// Names the file that cannot be read.
@@ -436,7 +436,7 @@ pub fn read_back(folder: &Path) -> Result<f64> {
     Ok(1e3 * start.elapsed().as_secs_f64() / reader.len().max(1) as f64)
 }
 
-/// Makes a folder in one step: `fill` fills a new one beside it, which then takes its name.
+/// Creates a folder atomically: `fill` fills a temporary one beside it, which is then renamed.
 ///
 /// # Errors
 /// Names the folder.

@@ -21,15 +21,15 @@ use protomer_io::zarr::as_stored;
 use protomer_kernel::Vec3;
 use serde::{Deserialize, Serialize};
 
-/// Why a structure is left out.
+/// Why a structure is excluded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Reason {
-    /// The file is missing, damaged, or no structure file.
+    /// The file is missing, damaged, or not a structure file.
     Unreadable,
     /// Too many residues lack heavy atoms, or the file was cut off.
     Truncated,
-    /// There is no amino acid in it.
+    /// It contains no amino acids.
     NoProtein,
     /// It does not fit in the grid.
     TooLarge,
@@ -39,7 +39,7 @@ pub enum Reason {
     Failed,
 }
 
-/// What became of a structure.
+/// The outcome for a structure.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outcome {
     /// A sample.
@@ -48,7 +48,7 @@ pub enum Outcome {
     Excluded {
         /// Why.
         reason: Reason,
-        /// In words.
+        /// A description in words.
         detail: String,
     },
 }
@@ -56,21 +56,21 @@ pub enum Outcome {
 /// A sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sample {
-    /// What is known of it.
+    /// Its properties.
     pub properties: Properties,
     /// Its voxels.
     pub voxels: Voxels,
-    /// What of the file a careful user should know: residues nobody knows, atoms that are missing.
+    /// Warnings about the file, such as unknown residues or missing atoms.
     pub warnings: Vec<String>,
 }
 
-/// What is known of a structure besides its voxels.
+/// Properties of a structure besides its voxels.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Properties {
-    /// Residues that are one of the twenty amino acids or a modification of one.
+    /// Number of residues that are one of the twenty amino acids or a modification of one.
     pub residues: usize,
-    /// Radius of gyration of the atoms, each counted alike, Å.
+    /// Radius of gyration of the atoms, equally weighted, Å.
     pub radius_of_gyration_angstrom: f64,
     /// Extents of the spheres along the principal axes, Å, largest first.
     pub extents_angstrom: [f64; 3],
@@ -78,15 +78,15 @@ pub struct Properties {
     pub net_charge_e: f64,
     /// Edge of a voxel, Å.
     pub spacing_angstrom: f64,
-    /// How the structure was turned.
+    /// The rotation R of the structure.
     pub rotation_wxyz: [f64; 4],
-    /// A place p of the file lies at R p - middle, Å.
+    /// A point p of the file is mapped to R p - middle, Å.
     pub middle_angstrom: [f64; 3],
     /// Share of each amino acid, by the one-letter codes in alphabetical order.
     pub composition: [f64; 20],
 }
 
-/// Warnings of one structure that are kept.
+/// Maximum number of warnings kept per structure.
 const MOST_WARNINGS: usize = 10;
 
 /// An error that excludes a structure.
@@ -194,7 +194,7 @@ fn check_values(voxels: &Voxels, channels: &[Channel]) -> Result<()> {
     Ok(())
 }
 
-/// What a file holds.
+/// The content of a structure file.
 struct Content {
     sites: ChargedSites,
     /// Residues that lack heavy atoms.
@@ -219,8 +219,8 @@ fn read(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Content> {
     let structure =
         Structure::read(&file.name, &file.bytes).map_err(|error| unreadable(error.into()))?;
     let mut warnings = of_ending(&structure.ending)?;
-    // With these settings a selection fails only if nothing is left without nucleic acids, ligands
-    // and water.
+    // With these settings the selection fails only if nothing remains without nucleic acids,
+    // ligands and water.
     let selection = structure.select(&SelectionSettings::default());
     let selection = selection.map_err(|error| Excluded(Reason::NoProtein, error.into()))?;
     let site_settings = SiteSettings {
@@ -239,7 +239,8 @@ fn read(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Content> {
     })
 }
 
-/// Half a protein is no sample; where nothing is known of the end, the user hears of it.
+/// Refuses a file that was cut off, because half a protein is not a valid sample. Warns if the file
+/// does not show whether it is complete.
 fn of_ending(ending: &Ending) -> Checked<Vec<String>> {
     match ending {
         Ending::Whole => Ok(Vec::new()),
@@ -248,7 +249,7 @@ fn of_ending(ending: &Ending) -> Checked<Vec<String>> {
     }
 }
 
-/// The first warnings, and how many more there are.
+/// The first warnings, and the number of the others.
 pub(super) fn at_most(most: usize, mut warnings: Vec<String>) -> Vec<String> {
     if let Some(more @ 1..) = warnings.len().checked_sub(most) {
         warnings.truncate(most);
@@ -261,7 +262,7 @@ fn amino_acid(name: &str) -> Option<AminoAcid> {
     AminoAcid::of_residue(name).or_else(|| modified_residue(name)?.parent)
 }
 
-/// A number that is the name's own.
+/// A number derived from the name.
 fn key_of(name: &str) -> u64 {
     u64::from_str_radix(&sha256_hex(name.as_bytes())[..16], 16).unwrap_or(0)
 }
@@ -272,7 +273,7 @@ fn lattice(atoms: &[VoxelAtom], settings: &VoxelizeSettings) -> Result<Lattice> 
     let intervals = settings.size as f64 - 1.0;
     let spacing = match settings.spacing {
         Spacing::Angstrom(spacing) => spacing,
-        // A little more, so that rounding does not push an atom off the lattice.
+        // A margin, so that rounding does not push an atom off the lattice.
         Spacing::Fit(_) => (extent / intervals * (1.0 + 1e-9)).max(SPACING_RANGE_ANGSTROM.0),
     };
     let needed = (extent / spacing).ceil() as usize + 1;

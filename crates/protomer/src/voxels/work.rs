@@ -1,8 +1,8 @@
-//! Finished samples, kept until all are done.
+//! Finished samples, stored until all are done.
 //!
 //! One file, to which each finished structure appends a record: its length (8 bytes, little-endian)
-//! and a checksummed container. What a killed process left half-written at the end is cut off when
-//! the file is opened again. A whole record of another version is passed over: its key has another
+//! and a checksummed container. An incomplete record, left by a killed process, is cut off when the
+//! file is opened again. A complete record of another version is ignored: its key has another
 //! [`FORMAT`], so the sample is made again.
 
 use super::structure::{Outcome, Properties, Reason, Sample};
@@ -16,10 +16,10 @@ use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Number of what a record holds. Raise it with every change of the header or of the arrays.
+/// Version of the record format. Increase it with every change of the header or the arrays.
 pub const FORMAT: u32 = 2;
 const KIND: &str = "voxel sample";
-/// A record is never longer: 512³ voxels of four channels.
+/// Upper limit for a record: 512³ voxels of four channels.
 const LONGEST_RECORD_BYTES: u64 = 1 << 32;
 
 /// Samples by their keys, on disk.
@@ -28,7 +28,7 @@ pub struct WorkFile {
     inner: Mutex<Inner>,
 }
 
-/// Where the record of each key begins and how long it is.
+/// Offset and length of the record of each key.
 type Records = HashMap<String, (u64, u64)>;
 
 struct Inner {
@@ -48,7 +48,7 @@ struct Header {
 }
 
 impl WorkFile {
-    /// Opens or makes a work file; no other process may have it open.
+    /// Opens or creates a work file; no other process may have it open.
     ///
     /// # Errors
     /// Names the file.
@@ -71,7 +71,7 @@ impl WorkFile {
         }
         let (records, end) = scan(&mut file).with_context(|| format!("cannot read {name}"))?;
         file.set_len(end)
-            .with_context(|| format!("cannot cut the end off {name}"))?;
+            .with_context(|| format!("cannot truncate {name}"))?;
         Ok(Self {
             path: path.to_owned(),
             inner: Mutex::new(Inner { file, records, end }),
@@ -79,11 +79,11 @@ impl WorkFile {
     }
 
     fn inner(&self) -> MutexGuard<'_, Inner> {
-        // A thread that panicked cannot have left a record that is counted but not whole.
+        // A thread that panicked cannot have left an incomplete record in the index.
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Whether there is a record of this key.
+    /// Whether there is a record for this key.
     pub fn has(&self, key: &str) -> bool {
         self.inner().records.contains_key(key)
     }
@@ -141,7 +141,7 @@ impl WorkFile {
     }
 }
 
-/// The whole records of a file, and where they end.
+/// Finds the complete records of a file, and their end.
 fn scan(file: &mut File) -> Result<(Records, u64)> {
     let mut records = HashMap::new();
     let length = file.metadata()?.len();
@@ -274,7 +274,7 @@ mod tests {
             work.keep("c", &sample(3.0)).unwrap();
             assert_eq!(work.get("c").unwrap(), sample(3.0));
         }
-        // A damaged record and all after it are made again.
+        // A damaged record and all later ones are made again.
         let mut damaged = bytes.clone();
         damaged[20] ^= 1;
         std::fs::write(&path, &damaged).unwrap();

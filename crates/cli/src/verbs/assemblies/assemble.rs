@@ -57,7 +57,7 @@ pub struct RingArgs {
     /// Bodies per ring.
     #[arg(long)]
     members: usize,
-    /// Rings: one, or two stacked with dihedral symmetry.
+    /// Number of rings: one, or two stacked with dihedral symmetry.
     #[arg(long, default_value_t = 1)]
     stack: usize,
     /// Direction of each body of the pattern: u for up, d for down, such as ud; all up if left out.

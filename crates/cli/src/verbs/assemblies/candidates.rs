@@ -22,7 +22,7 @@ pub struct CandidatesArgs {
     /// Rings: one or two.
     #[arg(long, default_value_t = 1)]
     stack: usize,
-    /// Symmetry asked of an arrangement.
+    /// Symmetry required of an arrangement.
     #[arg(long, value_enum, default_value_t = AskedSymmetry::Dihedral)]
     symmetry: AskedSymmetry,
     /// How much further apart than at contact neighbours around the ring, and the rings, are

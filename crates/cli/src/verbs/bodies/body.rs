@@ -1,4 +1,4 @@
-//! `protomer body`: a body from a user's own mesh and charges.
+//! `protomer body`: a body from a custom mesh and charges.
 
 use crate::reply::Reply;
 use anyhow::{Result, bail};

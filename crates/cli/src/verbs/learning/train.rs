@@ -24,7 +24,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Task")]
 pub struct TaskArgs {
-    /// What is to be predicted [default: label].
+    /// The quantity to predict [default: label].
     #[arg(long, value_enum)]
     target: Option<LearningTarget>,
     /// Classes with fewer samples become one class, "other" [default: 10].
@@ -247,7 +247,7 @@ impl TrainArgs {
         Ok(())
     }
 
-    /// Seeds every subset of the channels is trained with; 0 for no ablation.
+    /// Number of seeds per subset of the channels; 0 for no ablation.
     fn seeds(&self) -> u64 {
         if self.ablate { self.ablation_seeds } else { 0 }
     }

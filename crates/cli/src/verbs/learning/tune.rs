@@ -1,5 +1,5 @@
-//! `protomer tune`: a random search for the shape of the network, with early stopping of the
-//! losers.
+//! `protomer tune`: a random search for the shape of the network, with early stopping of
+//! the worst trials.
 
 use super::train::TaskArgs;
 use crate::flags::device::DeviceArgs;

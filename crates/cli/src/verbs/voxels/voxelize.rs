@@ -16,8 +16,8 @@ use std::path::PathBuf;
 /// potential, hydropathy.
 #[derive(Debug, Args)]
 pub struct VoxelizeArgs {
-    /// CSV with the columns file, label, cluster and perhaps family, name; paths start from its
-    /// folder.
+    /// CSV with the columns file, label, cluster and optionally family, name; paths are
+    /// relative to its folder.
     #[arg(long)]
     manifest: PathBuf,
     /// The set to write, such as SET.zarr.
@@ -37,7 +37,7 @@ pub struct VoxelizeArgs {
         default_value = "shape,potential,hydropathy"
     )]
     channels: Vec<VoxelChannel>,
-    /// How structures are turned.
+    /// The orientation of structures.
     #[arg(long, value_enum, default_value_t = VoxelOrientation::Random)]
     orientation: VoxelOrientation,
     /// Seed of the random orientations.
@@ -58,10 +58,11 @@ pub struct VoxelizeArgs {
     /// Probe radius of the surface, Å.
     #[arg(long, default_value_t = 1.4, allow_negative_numbers = true)]
     probe: f64,
-    /// Residues with an atom this near to a voxel's centre count for its hydropathy, Å.
+    /// Range of the hydropathy: residues with an atom within this distance of a voxel's centre
+    /// count, Å.
     #[arg(long, default_value_t = 5.0, allow_negative_numbers = true)]
     hydropathy_reach: f64,
-    /// Structures of which a larger part of the residues lacks heavy atoms are left out.
+    /// Structures are excluded if a larger share of their residues lacks heavy atoms.
     #[arg(long, default_value_t = 0.25, allow_negative_numbers = true)]
     most_incomplete: f64,
     /// Only a part of the manifest, such as 2/8; `protomer merge` joins the parts.
@@ -133,7 +134,7 @@ fn complaint(report: &VoxelizeReport) -> Option<Error> {
     })
 }
 
-/// What a careful user should know.
+/// Warnings.
 fn notes(report: &VoxelizeReport) -> Vec<String> {
     let mut lines = Vec::new();
     if report.state == State::Written {

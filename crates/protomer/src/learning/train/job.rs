@@ -13,17 +13,17 @@ use protomer_learn::sample::SampleSource;
 use protomer_results::{End, Execution};
 use std::path::Path;
 
-/// A training, perhaps with an ablation.
+/// A training, optionally with an ablation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Job {
     /// The training.
     pub settings: TrainSettings,
-    /// Seeds every subset of the channels is trained with; 0 for no ablation.
+    /// Number of seeds per subset of the channels; 0 for no ablation.
     pub ablation_seeds: u64,
 }
 
 impl Job {
-    /// The trainings of the ablation with their folders, without the one that equals the main
+    /// The trainings of the ablation with their folders, except the one that equals the main
     /// training.
     fn ablation(&self) -> Result<Vec<(String, TrainSettings)>> {
         if self.ablation_seeds == 0 {
@@ -45,7 +45,7 @@ impl Job {
         Ok(trainings)
     }
 
-    /// Epochs of everything together.
+    /// Total number of epochs.
     pub fn epochs(&self) -> u64 {
         let trainings = self.ablation().map_or(0, |trainings| trainings.len()) + 1;
         (trainings * self.settings.training.epochs) as u64
@@ -55,7 +55,7 @@ impl Job {
 /// Runs or continues a training and its ablation in a directory.
 ///
 /// # Errors
-/// For settings that make no sense, a directory that holds something else, and a full disk.
+/// For invalid settings, a directory that holds something else, or a file that cannot be written.
 pub fn run_job(
     job: &Job,
     set: &dyn SampleSource,
@@ -106,7 +106,7 @@ pub struct ControlRun {
 }
 
 impl ControlRun {
-    /// A control; `adjust` may change the settings of each experiment.
+    /// Builds a control; `adjust` may change the settings of each experiment.
     ///
     /// # Errors
     /// As `adjust`.
@@ -141,7 +141,7 @@ impl ControlRun {
         })
     }
 
-    /// Epochs of everything together.
+    /// Total number of epochs.
     pub fn epochs(&self) -> u64 {
         self.experiments.iter().map(|(_, job)| job.epochs()).sum()
     }

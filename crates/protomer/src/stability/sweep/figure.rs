@@ -1,5 +1,5 @@
-//! The figure of a sweep: radius of gyration and surviving contacts against salt, with every
-//! replica.
+//! The figure of a sweep: radius of gyration and surviving contacts against salt, with
+//! individual replicas.
 
 use super::table::{ReplicaResult, SaltRow, SweepResult};
 use anyhow::Result;
@@ -9,7 +9,7 @@ use std::path::Path;
 /// Writes `sweep.svg` and `sweep.png` into a directory.
 ///
 /// # Errors
-/// If a figure cannot be drawn or the disk does not take it.
+/// If a figure cannot be drawn or written.
 pub fn write(result: &SweepResult, directory: &Path) -> Result<()> {
     let figure = figure(result);
     figure.write_svg(&directory.join("sweep.svg"))?;
@@ -41,7 +41,7 @@ pub fn figure(result: &SweepResult) -> Figure {
         .salts
         .iter()
         .all(|row| row.native_contacts_mean.is_finite());
-    // Zero salt has no place on a logarithmic axis.
+    // Zero salt cannot be shown on a logarithmic axis.
     let log = result.salts.len() > 1 && result.salts.iter().all(|row| row.salt_molar > 0.0);
     let x = if log {
         Axis::log("salt (mM)")
@@ -60,7 +60,7 @@ pub fn figure(result: &SweepResult) -> Figure {
     }
 }
 
-/// The conditions, without which the curve says nothing.
+/// The conditions, which belong to the curve.
 fn caption(result: &SweepResult) -> String {
     let space = match result.box_angstrom {
         Some([x, y, z]) => {

@@ -1,4 +1,4 @@
-//! What a sweep leaves: from the logs of its replicas to one row per salt concentration.
+//! The result of a sweep: one row per salt concentration, from the logs of its replicas.
 
 use crate::answer::Answer;
 use crate::stability::interaction::ScreenedCoulomb;
@@ -8,7 +8,7 @@ use protomer_io::csv::{Cell, Table};
 use protomer_kernel::statistics::{Summary, summarize};
 use serde::Serialize;
 
-/// What a sweep leaves behind.
+/// The result of a sweep.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SweepResult {
     /// Version of the program.
@@ -30,24 +30,24 @@ pub struct SweepResult {
     pub replicas: Vec<Vec<ReplicaResult>>,
 }
 
-/// What one replica gave.
+/// The result of one replica.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ReplicaResult {
     /// Index of the replica.
     pub replica: u32,
     /// Observables averaged over production.
     pub r_g_angstrom: Summary,
-    /// Surviving fraction of the native contacts; `None` where the start had no contact.
+    /// Surviving fraction of the native contacts; `None` if there were no contacts initially.
     pub native_contacts: Option<Summary>,
     /// Bodies in the largest cluster.
     pub largest_cluster: Summary,
     /// Total energy, kT.
     #[serde(rename = "energy_kT")]
     pub energy_kt: Summary,
-    /// Accepted fractions in production.
+    /// Acceptance ratios in production.
     #[serde(flatten)]
     pub accepted: AcceptedFractions,
-    /// Mean number of bodies that a cluster move moved.
+    /// Mean number of bodies moved per cluster move.
     pub cluster_moved_mean: f64,
 }
 
@@ -65,7 +65,7 @@ impl Answer for ReplicaResult {
 }
 
 impl ReplicaResult {
-    /// Averages of a log, with errors corrected for autocorrelation.
+    /// Averages a log, with errors corrected for autocorrelation.
     pub fn new(replica: u32, rows: &[LogRow], accepted: AcceptedFractions) -> Self {
         let series = |column: fn(&LogRow) -> f64| rows.iter().map(column).collect::<Vec<f64>>();
         let native = series(|row| row.native_contacts);
@@ -86,7 +86,7 @@ impl ReplicaResult {
 }
 
 /// One salt concentration, averaged over its replicas. The standard deviation is over replicas, as
-/// in the thesis' figure 3.3; the standard error combines the replicas' own, which are corrected
+/// in figure 3.3 of the thesis; the standard error combines the replicas' own, which are corrected
 /// for autocorrelation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SaltRow {
@@ -103,7 +103,7 @@ pub struct SaltRow {
     pub r_g_sd_angstrom: f64,
     /// Standard error of the mean from the correlated series, Å.
     pub r_g_se_angstrom: f64,
-    /// Mean surviving fraction of native contacts; NaN where the start had none.
+    /// Mean surviving fraction of native contacts; NaN if there were none initially.
     pub native_contacts_mean: f64,
     /// Standard deviation over replicas.
     pub native_contacts_sd: f64,
@@ -117,11 +117,11 @@ pub struct SaltRow {
     /// Standard deviation over replicas, kT.
     #[serde(rename = "energy_sd_kT")]
     pub energy_sd_kt: f64,
-    /// Accepted fraction of translations.
+    /// Acceptance ratio of translations.
     pub translation_acceptance: f64,
-    /// Accepted fraction of rotations.
+    /// Acceptance ratio of rotations.
     pub rotation_acceptance: f64,
-    /// Mean number of bodies that a cluster move moved.
+    /// Mean number of bodies moved per cluster move.
     pub cluster_moved_mean: f64,
     /// Number of replicas.
     pub replicas: usize,
@@ -195,7 +195,7 @@ const COLUMNS: [Column; 16] = [
 /// The table as CSV, one row per salt concentration.
 ///
 /// # Errors
-/// Never for rows of this module; the table checks its own shape.
+/// Never for the rows built here, which all have the same length.
 pub fn to_csv(rows: &[SaltRow]) -> Result<String> {
     let mut table = Table::new(COLUMNS.map(|(name, _)| name));
     for row in rows {
