@@ -639,8 +639,8 @@ fn starts_may_be_disordered() {
     let crowded = LatticeSettings {
         rows: 4,
         columns: 4,
-        r0: 0.5,
-        angle_spread: 0.3,
+        r0: 0.2,
+        angle_spread: 1.0,
         velocity_spread: 0.0,
         ..settings
     };

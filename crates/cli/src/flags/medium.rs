@@ -7,7 +7,7 @@ use protomer::stability::interaction::{InteractionSettings, ScreenedCoulomb};
 
 /// What lies between the bodies.
 #[derive(Debug, Clone, Args)]
-#[command(next_help_heading = "InteractionSettings")]
+#[command(next_help_heading = "Medium")]
 pub struct MediumArgs {
     /// Temperature, K [default: 298.15].
     #[arg(long, allow_negative_numbers = true)]

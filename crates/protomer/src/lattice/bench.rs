@@ -9,12 +9,11 @@
 use super::settings::{LatticeSettings, Start, TimeStep, Velocities};
 use super::start::{begin, time_step};
 use crate::answer::Answer;
-use crate::cpu_time::thread_seconds;
+use crate::cpu_time::ThreadClock;
 use anyhow::{Result, bail};
 use protomer_crystal::lattice::Mover;
 use serde::Serialize;
 use std::sync::Arc;
-use std::time::Instant;
 
 /// The result of [`bench()`].
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -79,7 +78,7 @@ pub fn bench(settings: &LatticeSettings, steps: u64) -> Result<LatticeBench> {
     if steps == 0 {
         bail!("--steps is 0; give at least 1");
     }
-    let start = thread_seconds();
+    let setup = ThreadClock::start();
     let start_angle = Start::Angle(START_ANGLE_RAD);
     let settings = LatticeSettings {
         velocities: Velocities::Random,
@@ -94,9 +93,9 @@ pub fn bench(settings: &LatticeSettings, steps: u64) -> Result<LatticeBench> {
     let mut state = begun.state.clone();
     let mut mover = Mover::new(&settings.motion()?, Arc::new(begun.network), &state)?;
     let first_energy = mover.energy(&state);
-    let setup_seconds = thread_seconds() - start;
+    let setup_seconds = setup.seconds();
     let (mut max_rod_violation, mut energy_error, mut done) = (0.0_f64, 0.0_f64, 0);
-    let (begin, clock) = (thread_seconds(), Instant::now());
+    let clock = ThreadClock::start();
     while done < steps {
         let until = (done + steps.div_ceil(LOOKS)).min(steps);
         for step in done..until {
@@ -106,12 +105,8 @@ pub fn bench(settings: &LatticeSettings, steps: u64) -> Result<LatticeBench> {
         max_rod_violation = max_rod_violation.max(mover.rod_violation(&state));
         energy_error = energy_error.max((mover.energy(&state) / first_energy - 1.0).abs());
     }
-    // The samples are included: each costs less than a step. The CPU time of very short runs is
-    // below the resolution of the system's clock.
-    let seconds = match thread_seconds() - begin {
-        seconds if seconds > 0.0 => seconds,
-        _ => clock.elapsed().as_secs_f64(),
-    };
+    // This includes the samples, each of which costs less than a step.
+    let seconds = clock.seconds();
     Ok(LatticeBench {
         ns: settings.rows,
         squares: mover.network().squares.len(),

@@ -171,8 +171,11 @@ impl Settings for TuneSettings {
 }
 
 impl TuneSettings {
-    /// The schedule of successive halving.
-    pub(crate) fn halving(&self) -> Result<Halving> {
+    /// Which trials train for how many epochs.
+    ///
+    /// # Errors
+    /// For no trials, no epochs, or too many trials.
+    pub fn halving(&self) -> Result<Halving> {
         Ok(Halving::new(self.trials, self.epochs)?)
     }
 

@@ -1,6 +1,6 @@
 //! Moves from a prepared state, measured.
 
-use crate::cpu_time::{Stopwatch, process_seconds};
+use crate::cpu_time::{ProcessClock, Stopwatch};
 use crate::stability::energy_tables::EnergyTables;
 use crate::stability::run::EnergyMode;
 use anyhow::Result;
@@ -69,14 +69,14 @@ impl Prepared {
         tolerance_kt: f64,
         tables: &EnergyTables,
     ) -> Result<Self> {
-        let start = process_seconds();
+        let clock = ProcessClock::start();
         let tables = match energy {
             EnergyMode::Certified | EnergyMode::Approximate => {
                 tables.of(system.types(), &yukawa)?
             }
             EnergyMode::None | EnergyMode::Direct => Vec::new(),
         };
-        let setup_seconds = process_seconds() - start;
+        let setup_seconds = clock.seconds();
         Ok(Self {
             system: system.clone(),
             yukawa,

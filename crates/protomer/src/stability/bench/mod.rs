@@ -22,7 +22,7 @@ pub mod tables;
 
 use crate::answer::Answer;
 use crate::assemblies::assembly_file::Assembly;
-use crate::cpu_time::{Stopwatch, process_seconds};
+use crate::cpu_time::{ProcessClock, Stopwatch};
 use crate::stability::energy_tables::EnergyTables;
 use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::{EnergyMode, Engine, RunSettings};
@@ -120,7 +120,7 @@ pub fn bench(
     interaction: ScreenedCoulomb,
     tables: Arc<EnergyTables>,
 ) -> Result<BenchResult> {
-    let start = process_seconds();
+    let clock = ProcessClock::start();
     let engine = Engine::new(assembly)?.with_tables(Arc::clone(&tables));
     let run = RunSettings {
         energy: settings.energy,
@@ -144,7 +144,7 @@ pub fn bench(
     };
     let mut simulation = Simulation::with_model(system, mc, model, settings.seed, 0)?;
     let memory_bytes = shapes + simulation.energy_memory_bytes().max(tables.memory_bytes());
-    let setup_seconds = process_seconds() - start;
+    let setup_seconds = clock.seconds();
     let mut watch = Stopwatch::default();
     let mut decisions = Vec::new();
     watch.time(|| {
