@@ -19,7 +19,7 @@ def main() -> int:
             print(f"error: {error}", file=sys.stderr)
             return 3 if isinstance(error, StoppedError) else 1
         except KeyboardInterrupt:
-            print("stopped; the same command goes on from there", file=sys.stderr)
+            print("stopped; the same command continues it", file=sys.stderr)
             return 3
     # Ctrl-C is the program's own affair here: it stops at the next step and can be continued.
     signal.signal(signal.SIGINT, signal.SIG_DFL)

@@ -85,7 +85,7 @@ class Workers:
         except KilledWorker as error:
             raise ProtomerError(f"a part lost its worker too often, perhaps for want of memory: {error}") from error
         except CancelledError as error:
-            raise ProtomerError(f"the scheduler was lost; the same command goes on: {error}") from error
+            raise ProtomerError(f"the scheduler was lost; the same command continues the work: {error}") from error
         finally:
             self._client.cancel(tasks)
         for answer in answers:

@@ -27,7 +27,7 @@ create_exception!(
     protomer,
     ConfigError,
     ProtomerError,
-    "An argument or a setting that makes no sense."
+    "An invalid argument or setting."
 );
 create_exception!(
     protomer,

@@ -1,4 +1,5 @@
-//! The Python functions of the verbs, written from the table of flags: the two cannot disagree.
+//! The Python functions of the verbs, generated from the table of flags, so that the two cannot
+//! disagree.
 
 use super::Cli;
 use clap::{Arg, ArgAction, Command, CommandFactory};
@@ -8,7 +9,7 @@ use std::path::PathBuf;
 
 /// Verbs for shells only.
 const LEFT_OUT: [&str; 3] = ["completions", "man", "help"];
-/// Flags that a function has no use for: it returns what `--json` prints.
+/// Flags without a meaning for a function, which returns what `--json` prints.
 const NOT_FOR_FUNCTIONS: [&str; 7] = [
     "json",
     "quiet",
@@ -18,25 +19,24 @@ const NOT_FOR_FUNCTIONS: [&str; 7] = [
     "help",
     "version",
 ];
-/// A verb with this flag can be shared by many machines: its function has the keywords of
-/// [`SHARED`] as well.
+/// A verb with this flag can be distributed over machines: its function also has the
+/// keywords of [`SHARED`].
 const SHARED_BY: &str = "shard";
-/// Keywords, what they are, what they mean.
+/// Keywords, their types and descriptions.
 const SHARED: [(&str, &str, &str); 2] = [
     (
         "client",
         "Client",
-        "A `distributed.Client`, the address of a Dask scheduler such as \"tcp://host:8786\", or \"local\" for workers on this \
-         machine: they do the work, and must see files and folders under the same paths",
+        "A `distributed.Client`, the address of a Dask scheduler such as \"tcp://host:8786\", or \"local\" for workers on \
+         this machine. The workers must see all files and folders under the same paths",
     ),
     (
         "parts",
         "int",
-        "Parts to make of it with a client [default: four for each thread of the workers]",
+        "Number of parts with a client [default: four per worker thread]",
     ),
 ];
-/// Verbs whose results have a class of their own; a star stands for the verb and all verbs within
-/// it.
+/// Verbs whose results have their own class; a star stands for the verb and all its subcommands.
 const RESULTS: [(&str, &str); 12] = [
     ("bench", "BenchResult"),
     ("compare", "CompareResult"),
@@ -53,9 +53,9 @@ const RESULTS: [(&str, &str); 12] = [
 ];
 /// The class of all other results.
 const PLAIN: &str = "Result";
-/// Verbs within a starred one that answer otherwise.
+/// Subcommands of a starred verb with plain results.
 const PLAIN_VERBS: [&str; 1] = ["framework tables"];
-/// Words that Python keeps for itself.
+/// Reserved words of Python.
 const KEYWORDS: [&str; 6] = ["from", "lambda", "in", "is", "class", "global"];
 const WIDTH: usize = 110;
 
@@ -113,7 +113,7 @@ fn write_verb(text: &mut String, verb: &Command) {
         write_function(text, verb, &[name], name, "");
         return;
     }
-    // Verbs with verbs of their own are objects with methods.
+    // Verbs with subcommands are objects with methods.
     let _ = write!(text, "\n\nclass _{}:\n", capitalised(name));
     write_docstring(text, &about(verb), &[], "    ");
     if !verb.is_subcommand_required_set() {
@@ -133,10 +133,10 @@ fn write_verb(text: &mut String, verb: &Command) {
     let _ = write!(text, "\n\n{name} = _{}()\n", capitalised(name));
 }
 
-/// One argument as Python sees it.
+/// One argument of a Python function.
 struct Parameter {
     name: String,
-    /// The flag, or nothing for what has a place only.
+    /// The flag; `None` for a positional argument.
     flag: Option<String>,
     annotation: String,
     required: bool,
@@ -231,8 +231,7 @@ fn write_function(text: &mut String, command: &Command, path: &[&str], name: &st
         .filter(|arg| !NOT_FOR_FUNCTIONS.contains(&arg.get_id().as_str()) && !arg.is_hide_set())
         .partition(|arg| arg.is_positional());
     placed.sort_by_key(|arg| arg.get_index());
-    // Required ones first: those without a default cannot follow those with one for a reader
-    // either.
+    // Required parameters come first.
     flags.sort_by_key(|arg| !arg.is_required_set());
     let placed: Vec<Parameter> = placed.into_iter().map(Parameter::of).collect();
     let flags: Vec<Parameter> = flags.into_iter().map(Parameter::of).collect();
@@ -288,7 +287,7 @@ fn write_function(text: &mut String, command: &Command, path: &[&str], name: &st
     let _ = writeln!(text, "{inner})");
 }
 
-/// The class of what a verb answers.
+/// The class of the result of a verb.
 fn class_of(path: &[&str]) -> &'static str {
     let verb = path.join(" ");
     let first = path.first().copied().unwrap_or_default();
@@ -355,7 +354,7 @@ fn write_docstring(text: &mut String, about: &str, parameters: &[&Parameter], in
     };
 }
 
-/// Words on lines of at most so many characters, each line after `indent`.
+/// Wraps words into lines of at most `width` characters, each after `indent`.
 fn wrapped(text: &str, width: usize, indent: &str) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split_whitespace() {

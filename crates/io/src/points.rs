@@ -7,7 +7,7 @@ use std::str::SplitWhitespace;
 
 pub use protomer_kernel::PointRecord;
 
-/// Reads a point file in the format that the extension of its name tells: `.pqr`, `.xyzr` (x y z
+/// Reads a point file in the format given by the extension of its name: `.pqr`, `.xyzr` (x y z
 /// radius), anything else x y z charge. `.gz` after the extension is ignored.
 ///
 /// ```

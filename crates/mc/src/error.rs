@@ -46,7 +46,7 @@ pub enum McError {
     },
     /// A checkpoint of another system.
     #[error(
-        "the checkpoint does not belong to this system: {0}; start anew or use the system it was written from"
+        "the checkpoint does not belong to this system: {0}; start again, or use the system it was written from"
     )]
     ForeignCheckpoint(String),
     /// Stored energy tables that are not those asked for, or not what was stored.

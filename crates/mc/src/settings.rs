@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Interaction {
-    /// Not at all.
+    /// None.
     HardOnly,
     /// Screened point charges, summed pair by pair.
     YukawaDirect(Yukawa),

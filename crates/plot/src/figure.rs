@@ -1,4 +1,4 @@
-//! What a figure shows, and the checks that it can be drawn.
+//! The content of a figure, and checks that it can be drawn.
 
 use super::canvas::Shape;
 use super::error::{PlotError, Result};
@@ -57,7 +57,7 @@ pub struct Figure {
 pub struct Panel {
     /// The y axis.
     pub y: Axis,
-    /// What is drawn, later ones on top.
+    /// The series, later ones on top.
     pub series: Vec<Series>,
 }
 
@@ -79,8 +79,7 @@ pub struct Axis {
 pub struct Series {
     /// Name in the legend.
     pub name: String,
-    /// The points, in the order in which a line joins them. Points whose y is not a number are left
-    /// out.
+    /// The points, in the order in which a line joins them. Points whose y is NaN are omitted.
     pub points: Vec<Point>,
     /// Single measurements behind the points, drawn small and faint: (x, y).
     pub replicas: Vec<[f64; 2]>,
@@ -173,8 +172,8 @@ impl Figure {
         source::within(&svg, self)
     }
 
-    /// The same as [`Figure::to_svg`] for a narrow screen, with letters that are larger against the
-    /// width, and without the figure itself.
+    /// The same as [`Figure::to_svg`] for a narrow screen, with larger letters relative to the
+    /// width, and without the embedded figure.
     ///
     /// # Errors
     /// As [`Figure::to_svg`].
@@ -190,7 +189,7 @@ impl Figure {
         Ok(svg::draw(shape, |canvas| layout::draw(self, shape, canvas)))
     }
 
-    /// The figure inside an SVG file, and the file without it; `None` where there is none.
+    /// The figure embedded in an SVG file, and the file without it; `None` if there is none.
     ///
     /// # Errors
     /// If it is damaged.
@@ -207,7 +206,7 @@ impl Figure {
         pixels::draw(WIDE, |canvas| layout::draw(self, WIDE, canvas))
     }
 
-    /// Writes an SVG file; it appears under its name only when complete.
+    /// Writes an SVG file atomically.
     ///
     /// # Errors
     /// As [`Figure::to_svg`], and if the file cannot be written.
@@ -218,7 +217,7 @@ impl Figure {
         })?)
     }
 
-    /// Writes a PNG file; it appears under its name only when complete.
+    /// Writes a PNG file atomically.
     ///
     /// # Errors
     /// As [`Figure::to_png`], and if the file cannot be written.
@@ -270,7 +269,7 @@ impl Panel {
         })
     }
 
-    /// The ends of all error bars; on a logarithmic axis those that reach zero are left out.
+    /// The ends of all error bars; on a logarithmic axis those that reach zero are omitted.
     pub(crate) fn error_ends(&self) -> impl Iterator<Item = f64> {
         let points = self.series.iter().flat_map(|series| &series.points);
         points

@@ -82,7 +82,7 @@ fn colour_scale() -> Result<String> {
     Ok(picture([MARGIN + 20, 0], [EDGE - 40, 16], &png(100, 1, &values)?) + &numbers)
 }
 
-/// A drawing within the drawing, which a page may put elsewhere.
+/// A nested drawing, which a page may place elsewhere.
 fn part([x, y]: [usize; 2], [width, height]: [usize; 2], inside: &str) -> String {
     format!(
         "<svg class=\"part\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" \

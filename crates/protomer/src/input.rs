@@ -57,8 +57,7 @@ impl InputFile {
     }
 }
 
-/// Expands folders: each stands for the structure files in it, sorted by
-/// name.
+/// Expands folders: each stands for the structure files in it, sorted by name.
 ///
 /// # Errors
 /// If a path does not exist, or a folder holds no structure files.

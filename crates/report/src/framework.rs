@@ -58,7 +58,7 @@ pub fn page(directory: &Path) -> Result<Page> {
         Some(figure) => figures::drawn(&figure, &curve)?,
         None => curve,
     };
-    let about = "A network's elastic constants hang on network.toml alone; it has no seed.";
+    let about = "A network's elastic constants depend on network.toml alone; there is no seed.";
     let mut provenance = provenance::section(directory, "network.toml", None, Vec::new())?;
     provenance.html += &paragraph(about);
     Ok(Page {
@@ -74,7 +74,7 @@ pub fn page(directory: &Path) -> Result<Page> {
     })
 }
 
-/// E, G and ν, with closed formulas beside them where there are.
+/// E, G and ν, with closed formulas where they exist.
 fn moduli(result: &Map<String, Value>) -> String {
     let of = |key: &str| {
         ["e_", "g_", "nu_"]
@@ -113,7 +113,7 @@ fn label(key: &str) -> String {
     name + unit
 }
 
-/// Strains against the stress, where the network was loaded.
+/// Strains against stress, if the network was loaded.
 fn stretching(result: &Map<String, Value>) -> Option<Figure> {
     let curve = result.get("curve")?;
     let points = curve["points"].as_array()?;
@@ -142,8 +142,8 @@ fn stretching(result: &Map<String, Value>) -> Option<Figure> {
     });
     Some(Figure {
         title: format!("Loaded along {}", curve["axis"].as_str()?),
-        caption: "each stress applied from the state before".into(),
-        x: Axis::linear("stress, force per area before loading (GPa)"),
+        caption: "each stress is applied to the previous state".into(),
+        x: Axis::linear("nominal stress (GPa)"),
         panels: vec![Panel {
             y: Axis::linear("strain"),
             series: series.collect(),
@@ -168,7 +168,7 @@ fn conditions(result: &Map<String, Value>) -> Section {
         .and_then(Value::as_array)
         .map_or(0, Vec::len);
     let relaxed = match result.get("relaxed").and_then(Value::as_str) {
-        None => "as it was given",
+        None => "as given",
         Some("fixed_cell") => "nodes relaxed in the given cell",
         Some(_) => "nodes and cell relaxed",
     };
@@ -184,10 +184,10 @@ fn conditions(result: &Map<String, Value>) -> Section {
         ("1 kcal/mol/Å³", number("gpa_per_kcal_mol_angstrom3", "GPa")),
         ("geometry", relaxed.to_owned()),
         (
-            "largest force left",
+            "largest residual force",
             number("largest_force_kcal_mol_angstrom", "kcal/mol/Å"),
         ),
-        ("strains that cost nothing", mechanisms.to_string()),
+        ("zero-energy strains", mechanisms.to_string()),
         (
             "floppy motions of the nodes at fixed cell",
             number("internal_mechanisms", ""),

@@ -82,9 +82,9 @@ fn results(directory: &Path, settings: &RunSettings, result: Option<&Value>) -> 
     let table = data::of_file(directory, "sweep.csv")?;
     let mut html = match result {
         None => paragraph(
-            "There is no result yet: the table and the curve are written when every simulation is done.",
+            "There is no result yet: the table and the curve are written when all simulations are done.",
         ),
-        // A curve through one point shows nothing.
+        // A curve through one point is useless.
         Some(result) if settings.salt_molar.len() == 1 => averages(result) + &table,
         Some(_) => figures::of_file(directory, "sweep.svg", "Stability against salt", &table)?,
     };
@@ -94,7 +94,7 @@ fn results(directory: &Path, settings: &RunSettings, result: Option<&Value>) -> 
     Ok(Section::new("Results", html))
 }
 
-/// What a single salt concentration gave.
+/// The result at a single salt concentration.
 fn averages(result: &Value) -> String {
     let row = &result["salts"][0];
     let number = |key: &str, digits: usize| {
@@ -171,7 +171,7 @@ fn conditions(
                 .collect::<Vec<_>>()
                 .join(" × ")
         }),
-        (None, None) => Some("not known before the end".into()),
+        (None, None) => Some("not known until all simulations are done".into()),
     };
     let mut rows = vec![("periodic box (Å)", space.unwrap_or_else(|| "none".into()))];
     if let Some(concentration) = result
@@ -222,7 +222,7 @@ fn conditions(
     ))
 }
 
-/// One simulation as its own record has it.
+/// One simulation, from its record.
 struct Simulation {
     salt_molar: f64,
     replica: u32,
@@ -259,9 +259,9 @@ impl Simulation {
             settings.total_sweeps()
         );
         let problem = provenance::problem_of_part(self.record.as_ref(), &progress).or_else(|| {
-            // Finished, and to be longer since.
+            // Finished, but extended since.
             (self.sweeps_done() < settings.total_sweeps())
-                .then(|| format!("not at its end{progress}"))
+                .then(|| format!("not finished{progress}"))
         });
         problem.map(|problem| {
             format!(

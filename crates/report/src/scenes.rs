@@ -1,7 +1,7 @@
-//! Which bodies of a sweep are shown, coloured by what, and where they stand.
+//! The bodies of a sweep that are shown, their colours and their positions.
 //!
-//! Body files have charges and residues, so that they come first; where they are gone, the
-//! trajectory has the shapes.
+//! Body files have charges and residues, so they are preferred. If they are missing, the
+//! shapes come from the trajectory.
 
 use super::html::millimolar;
 use super::mesh_view::{Colouring, Scene, Shown, ShownMesh};
@@ -24,30 +24,29 @@ use std::path::{Path, PathBuf};
 const MOST_VERTICES: usize = 400_000;
 /// Scenes with more bodies than this are slow to turn.
 const MOST_BODIES: usize = 256;
-/// So many ends are in the menu.
+/// Final states in the menu.
 const MOST_ENDS: usize = 8;
-/// Residues with an atom this near count for the hydropathy of a place, Å; the voxel channel's
-/// default.
+/// Range of the hydropathy: residues with an atom within this distance of a point count, Å;
+/// the default of the voxel channel.
 const HYDROPATHY_REACH_ANGSTROM: f64 = 5.0;
-/// Upper ends that a scale of potentials may have, kT/e.
+/// Possible upper limits of a potential scale, kT/e.
 const POTENTIAL_LIMITS: [f64; 6] = [0.5, 1.0, 2.0, 5.0, 10.0, 20.0];
 
-/// What is shown, and what has to be said of it.
+/// The shown bodies, and remarks.
 #[derive(Debug, Default)]
 pub struct Collected {
-    /// `None` where no shape is known.
+    /// `None` if no shapes are known.
     pub shown: Option<Shown>,
-    /// What is missing, or was left out, and why.
+    /// What is missing or omitted, and why.
     pub notes: Vec<String>,
-    /// The assembly, if it was found and is that of the results.
+    /// The assembly, if it was found and matches the results.
     pub assembly: Option<Assembly>,
 }
 
-/// The bodies of a directory; `assembly` is the file to take instead of the one that the record
-/// names.
+/// Collects the bodies of a directory; `assembly` replaces the file named in the record.
 ///
 /// # Errors
-/// If `assembly` is given and is not what the results were made from.
+/// If `assembly` is given and does not match the results.
 pub fn collect(
     directory: &Path,
     settings: &RunSettings,
@@ -60,8 +59,8 @@ pub fn collect(
         (Ok(found), _) => collected.assembly = Some(found),
         (Err(error), Some(_)) => return Err(error),
         (Err(error), None) => collected.notes.push(format!(
-            "The body files are not at hand ({error:#}): shapes are those of the trajectory, without charges and residues. \
-             --assembly FILE names them."
+            "The body files were not found ({error:#}): the shapes come from the trajectory, without charges and \
+             residues. Name the assembly with --assembly FILE."
         )),
     }
     let trajectories = trajectories(directory, settings);
@@ -168,7 +167,7 @@ fn trajectories(directory: &Path, settings: &RunSettings) -> Vec<(f64, PathBuf)>
         .collect()
 }
 
-/// The start and the last frames, and what is wrong with those that cannot be read.
+/// The initial and the final states, with errors for those that cannot be read.
 fn states(
     assembly: Option<&Assembly>,
     trajectories: &[(f64, PathBuf)],
@@ -206,8 +205,8 @@ fn states(
     (scenes, unread)
 }
 
-/// Puts bodies around their circular mean, so that a cluster across the border of the box is seen
-/// in one piece.
+/// Centres bodies on their circular mean, so that a cluster across the box boundary appears in
+/// one piece.
 fn gather(bodies: &mut [(usize, Pose)], lengths: [f64; 3]) {
     for (axis, length) in lengths.into_iter().enumerate() {
         let angles = bodies
@@ -224,7 +223,8 @@ fn gather(bodies: &mut [(usize, Pose)], lengths: [f64; 3]) {
     }
 }
 
-/// Bodies with potentials at the first and the last salt concentration, and hydropathy.
+/// Colours bodies by the potentials at the first and the last salt concentration, and by
+/// hydropathy.
 fn coloured(bodies: &[std::sync::Arc<Body>], settings: &RunSettings) -> Shown {
     let mut shown = Shown::default();
     shown.meshes.extend(bodies.iter().map(|body| ShownMesh {
@@ -291,8 +291,8 @@ fn coloured(bodies: &[std::sync::Arc<Body>], settings: &RunSettings) -> Shown {
     shown
 }
 
-/// The interaction of the run, without its cut-off: bodies are coloured by what they are, however
-/// far it reaches.
+/// The interaction of the run without its cut-off, because colours should not depend on the
+/// cut-off.
 fn uncut(settings: &RunSettings, salt_molar: f64) -> Option<Yukawa> {
     let interaction = settings.medium.interaction(Some(salt_molar)).ok()?;
     let cut = interaction.yukawa().ok()?;
@@ -334,7 +334,7 @@ fn hydropathy_at_vertices(body: &Body) -> Vec<f64> {
         .collect()
 }
 
-/// The smallest scale that 95 of 100 values fit on.
+/// The smallest scale that covers 95 % of the values.
 fn limit_of(values: impl Iterator<Item = f64>) -> f64 {
     let mut sizes: Vec<f64> = values
         .map(f64::abs)
@@ -352,7 +352,7 @@ fn limit_of(values: impl Iterator<Item = f64>) -> f64 {
         .unwrap_or(largest)
 }
 
-/// A mesh as HOOMD's schema has it.
+/// A mesh in HOOMD's schema.
 #[derive(Debug, Deserialize)]
 struct Shape {
     vertices: Vec<[f64; 3]>,
@@ -373,7 +373,7 @@ fn shapes(path: &Path) -> Result<Vec<ShownMesh>> {
             .any(|corner| *corner as usize >= vertices.len())
         {
             bail!(
-                "{}: the mesh of body '{name}' has a corner that is not there",
+                "{}: the mesh of body '{name}' refers to a vertex that does not exist",
                 path.display()
             );
         }
@@ -390,7 +390,7 @@ fn shapes(path: &Path) -> Result<Vec<ShownMesh>> {
     shown.collect()
 }
 
-/// Rows of text, each ended by a zero.
+/// Rows of text, each terminated by a zero byte.
 fn texts(file: &mut GsdFile, path: &Path, name: &str) -> Result<Vec<String>> {
     let Some(Chunk {
         columns,
@@ -411,7 +411,7 @@ fn texts(file: &mut GsdFile, path: &Path, name: &str) -> Result<Vec<String>> {
     Ok(letters.chunks(columns.max(1) as usize).map(text).collect())
 }
 
-/// Type and pose of each body in the last frame.
+/// Reads type and pose of each body in the last frame.
 fn last_frame(path: &Path) -> Result<Vec<(usize, Pose)>> {
     let mut file = GsdFile::open(path)?;
     let Some(last) = file.frames().checked_sub(1) else {
@@ -433,10 +433,7 @@ fn last_frame(path: &Path) -> Result<Vec<(usize, Pose)>> {
         ..
     }) = file.chunk(0, "particles/typeid")?
     else {
-        bail!(
-            "{} does not say which body is of which kind",
-            path.display()
-        )
+        bail!("{} does not record the kinds of the bodies", path.display())
     };
     let poses = positions
         .as_chunks::<3>()

@@ -9,11 +9,11 @@ use protomer::learning::tune::TuneSettings;
 use protomer_io::csv::cells;
 use std::path::Path;
 
-/// Trials that are shown unfolded.
+/// Number of trials shown unfolded.
 const MOST_SHOWN: usize = 10;
 /// Digits of numbers in the table.
 const DIGITS: usize = 4;
-/// What a trial draws for itself.
+/// The settings drawn for each trial.
 const DRAWN: [&str; 3] = ["blocks (width × kernel)", "epochs at most", "learning rate"];
 
 /// `trials.csv`, best first.
@@ -59,9 +59,7 @@ pub fn page(directory: &Path, settings: &TuneSettings) -> Result<Page> {
     sections.push(provenance);
     let mut problems = Vec::new();
     if best.is_none() {
-        problems.push(
-            "The search is not at its end; the same command goes on from where it is.".into(),
-        );
+        problems.push("The search is not finished; the same command continues it.".into());
     }
     problems.extend(trials.as_ref().and_then(Trials::diverged));
     Ok(Page {
@@ -166,7 +164,7 @@ fn best_settings(best: Option<&TrainSettings>, trials: Option<&Trials>) -> Secti
     let Some(best) = best else {
         return Section::new(
             "Best settings",
-            paragraph("They are written when the search is at its end."),
+            paragraph("They are written when the search is finished."),
         );
     };
     let mut rows = Vec::new();
@@ -192,7 +190,7 @@ fn best_settings(best: Option<&TrainSettings>, trials: Option<&Trials>) -> Secti
             .into_iter()
             .filter(|(name, _)| DRAWN.contains(name) || *name == "channels"),
     );
-    let note = "The validation part chose the best, so its scores there are too good. For scores on the test part: \
+    let note = "The best trial was chosen on the validation part, so its scores there are biased. For scores on the test part: \
                 protomer train SET --config best.toml -o DIRECTORY.";
     Section::new("Best settings", definitions(&rows) + &paragraph(note))
 }
@@ -205,7 +203,7 @@ fn conditions(settings: &TuneSettings) -> Result<Section> {
         (
             "rounds",
             format!(
-                "after {} epochs; a third of the trials goes on each time",
+                "after {} epochs; a third of the trials continues each time",
                 rounds.join(", ")
             ),
         ),

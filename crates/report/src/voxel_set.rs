@@ -15,9 +15,10 @@ use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// Labels with a colour of their own; where there are more, the figure shows all samples alike.
+/// Labels with individual colours; if there are more, the figure shows all samples alike.
 const MOST_COLOURS: usize = 6;
-/// Rows of the tables of labels, of clusters and of what was left out; the data below has all.
+/// Maximum number of rows in the tables of labels, clusters and exclusions; the data below have
+/// all.
 const MOST_ROWS: usize = 30;
 
 /// The page of a directory.
@@ -94,7 +95,7 @@ fn names(settings: &VoxelizeSettings) -> String {
 fn problems(samples: &[SampleRecord], excluded: &[Exclusion]) -> Vec<String> {
     let mut problems = Vec::new();
     if samples.is_empty() {
-        problems.push("There is no sample in the set.".to_owned());
+        problems.push("The set has no samples.".to_owned());
     }
     if !excluded.is_empty() {
         let counts: Vec<String> = by_reason(excluded)
@@ -111,7 +112,7 @@ fn problems(samples: &[SampleRecord], excluded: &[Exclusion]) -> Vec<String> {
     problems
 }
 
-/// The word that `excluded` has for it.
+/// The word for it in `excluded`.
 fn word(reason: Reason) -> String {
     serde_json::to_value(reason)
         .ok()
@@ -199,7 +200,7 @@ fn samples_table(samples: &[SampleRecord]) -> Result<Table> {
     Ok(table)
 }
 
-/// How large the samples are, by label: how many of each size, and the voxels they occupy.
+/// Sizes of the samples, by label: a histogram, and the occupied voxels.
 fn figure(samples: &[SampleRecord]) -> Figure {
     let labels: BTreeSet<&str> = samples.iter().map(|sample| sample.label.as_str()).collect();
     let groups: Vec<(String, Vec<&SampleRecord>)> = if labels.len() > MOST_COLOURS {
@@ -253,7 +254,7 @@ fn figure(samples: &[SampleRecord]) -> Figure {
     }
 }
 
-/// Equal steps over a range.
+/// Equal bins over a range.
 struct Bins {
     low: f64,
     width: f64,
@@ -275,7 +276,7 @@ impl Bins {
         }
     }
 
-    /// How many values are in each step, at its middle.
+    /// The number of values in each bin, at its centre.
     fn count(&self, values: impl Iterator<Item = f64>) -> Vec<Point> {
         let mut counts = vec![0usize; self.count];
         for value in values {
@@ -340,7 +341,7 @@ fn groups(samples: &[SampleRecord], excluded: &[Exclusion]) -> Section {
     Section::new("Labels and clusters", html)
 }
 
-/// A table under a heading, cut where it is long.
+/// A table under a heading, truncated if it is long.
 fn counted(title: &str, head: &[&str], mut rows: Vec<Vec<String>>) -> String {
     let title = match rows.len() {
         many if many > MOST_ROWS => format!("{title}: {MOST_ROWS} of {many}"),
@@ -425,11 +426,11 @@ fn conditions(settings: &VoxelizeSettings) -> Section {
             ("pH", settings.ph.to_string()),
             ("probe radius", format!("{} Å", settings.probe_angstrom)),
             (
-                "reach of the hydropathy",
+                "range of the hydropathy",
                 format!("{} Å", settings.hydropathy_reach_angstrom),
             ),
             (
-                "left out where more residues lack heavy atoms",
+                "excluded if more residues lack heavy atoms",
                 format!("{} %", 100.0 * settings.most_incomplete),
             ),
         ]),

@@ -1,4 +1,4 @@
-//! `checkpoint.bin`: the state from which a run goes on.
+//! `checkpoint.bin`: the state from which a run continues.
 
 use crate::{Error, Result};
 use protomer_io::atomic::write_atomically;
@@ -10,7 +10,7 @@ use std::path::Path;
 /// The name of the checkpoint in the directory of a run.
 pub const CHECKPOINT: &str = "checkpoint.bin";
 
-/// The key of a checkpoint that says which work it belongs to.
+/// The header key for the identity of the work.
 const IDENTITY: &str = "identity";
 
 /// A state in bytes. Every serialisable struct is a checkpoint: JSON in a container with a
@@ -67,10 +67,10 @@ impl<T: Serialize + DeserializeOwned> Checkpoint for T {
     }
 }
 
-/// The checkpoint in a file, if there is one.
+/// Reads the checkpoint in a file, if it exists.
 ///
 /// # Errors
-/// If there is one and it cannot be used.
+/// If it exists but cannot be used.
 pub fn read<C: Checkpoint>(path: &Path, kind: &str, identity: &str) -> Result<Option<C>> {
     match std::fs::read(path) {
         Ok(bytes) => C::from_bytes(path, kind, identity, &bytes).map(Some),

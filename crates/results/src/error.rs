@@ -7,20 +7,20 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The operating system refused.
+    /// The operating system reported an error.
     #[error("cannot {action} {}", path.display())]
     File {
-        /// What was tried, as a verb phrase ("read", "make the directory").
+        /// The attempted operation, as a verb phrase ("read", "create the directory").
         action: &'static str,
         /// The file or directory.
         path: PathBuf,
-        /// The operating system's answer.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// A file could not be written, or a container is damaged.
     #[error(transparent)]
     Io(#[from] protomer_io::IoError),
-    /// JSON or TOML that cannot be understood.
+    /// JSON or TOML that cannot be parsed.
     #[error("{}:{line}: {problem}", path.display())]
     Parse {
         /// The file.
@@ -30,12 +30,12 @@ pub enum Error {
         /// What is wrong with it, and what to do.
         problem: String,
     },
-    /// A value that JSON or TOML cannot hold.
+    /// A value that cannot be represented in JSON or TOML.
     #[error("{what} cannot be serialised: {cause}")]
     Unwritable {
-        /// What was to be written.
+        /// The value to be written.
         what: &'static str,
-        /// Why it cannot be.
+        /// Why it cannot be represented.
         cause: String,
     },
     /// A file was given where a directory is needed.
@@ -53,8 +53,8 @@ pub enum Error {
     },
     /// The directory holds the same kind of result with other settings.
     #[error(
-        "{} holds {kind} with other settings ({differences}); choose another directory, or start anew \
-         with --force",
+        "{} holds {kind} with other settings ({differences}); choose another directory, or start \
+         again with --force",
         path.display()
     )]
     OtherSettings {
@@ -67,7 +67,7 @@ pub enum Error {
     },
     /// The directory holds the same kind of result for other input or other settings.
     #[error(
-        "{} holds {kind} with other input; choose another directory, or start anew with --force",
+        "{} holds {kind} with other input; choose another directory, or start again with --force",
         path.display()
     )]
     OtherInput {
@@ -76,7 +76,7 @@ pub enum Error {
         /// What it holds.
         kind: ResultKind,
     },
-    /// The settings fit, but what was begun cannot go on with them.
+    /// The settings match, but the existing run cannot be continued with them.
     #[error("{} {reason}, or choose another directory", path.display())]
     NoContinuation {
         /// The directory.
@@ -99,7 +99,7 @@ pub enum Error {
     },
     /// `--force` was given for a directory that holds no results of this kind.
     #[error(
-        "{} does not hold {kind}, so --force leaves it alone; choose another",
+        "{} does not hold {kind}, so --force does not remove it; choose another directory",
         path.display()
     )]
     Foreign {
@@ -110,8 +110,8 @@ pub enum Error {
     },
     /// `--force` was given for a part of shared work.
     #[error(
-        "a part of {0} cannot start anew, other parts may be at work; remove the directory, or leave \
-         out --force"
+        "a part of {0} cannot start again, because other parts may be at work; remove the \
+         directory, or omit --force"
     )]
     SharedStart(ResultKind),
     /// Another process holds the directory.
@@ -126,17 +126,17 @@ pub enum Error {
         source: protomer_io::IoError,
     },
     /// A checkpoint holds something else than this version expects.
-    #[error("{} was written by another version of protomer; start anew with --force", path.display())]
+    #[error("{} was written by another version of protomer; start again with --force", path.display())]
     OldCheckpoint {
         /// The checkpoint.
         path: PathBuf,
-        /// What does not fit.
+        /// What does not match.
         source: serde_json::Error,
     },
     /// A checkpoint belongs to other work.
     #[error(
-        "{} is the checkpoint of a run with other settings or other input; choose another directory, or \
-         start anew with --force",
+        "{} is the checkpoint of a run with other settings or other input; choose another directory, \
+         or start again with --force",
         .0.display()
     )]
     ForeignCheckpoint(PathBuf),
@@ -145,7 +145,7 @@ pub enum Error {
     LostLog {
         /// The log.
         path: PathBuf,
-        /// The operating system's answer.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// A log differs from what its checkpoint vouches for.
@@ -170,7 +170,7 @@ pub enum Error {
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 impl Error {
-    /// Turns an operating system's error into one that names the file and what was tried.
+    /// Converts an operating system error to one that names the file and the attempted operation.
     pub(crate) fn file(action: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.to_owned();
         move |source| Error::File {

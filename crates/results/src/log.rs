@@ -1,4 +1,4 @@
-//! Tables that grow by rows, as CSV, and can be cut back to what a checkpoint vouches for.
+//! Tables that grow by rows, as CSV, and can be truncated to the length recorded in a checkpoint.
 
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
@@ -12,19 +12,18 @@ pub trait Row: Sized {
     /// The names of the columns, in order.
     fn columns() -> Vec<&'static str>;
 
-    /// The row as a line. Numbers must read back as the same numbers; Rust's own formatting of
-    /// floats does.
+    /// The row as a line. Numbers must read back exactly, as with Rust's formatting of floats.
     fn to_line(&self) -> String;
 
-    /// The row that a line holds, if it holds one.
+    /// Parses a line; `None` if it is not a row.
     fn from_line(line: &str) -> Option<Self>;
 }
 
-/// The part of a log that a checkpoint vouches for.
+/// The part of a log that belongs to a checkpoint.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LogMark {
-    /// Its length in bytes; zero for a log that is yet to be begun.
+    /// Its length in bytes; zero for a new log.
     pub bytes: u64,
     /// Its SHA-256.
     pub sha256: String,
@@ -40,10 +39,12 @@ pub struct Log {
 }
 
 impl Log {
-    /// Opens a log and cuts it to what the checkpoint vouches for. An empty mark begins a new one.
+    /// Opens a log and truncates it to the part that belongs to the checkpoint. An empty mark
+    /// starts a new log.
     ///
     /// # Errors
-    /// If the file cannot be written, or was changed since the checkpoint; then it stays as it is.
+    /// If the file cannot be written, or was changed since the checkpoint; it is then left
+    /// unchanged.
     pub fn open<R: Row>(path: &Path, mark: &LogMark) -> Result<Self> {
         let hash = match mark.bytes {
             0 => Sha256::new(),
@@ -70,7 +71,7 @@ impl Log {
         self.write_line(&row.to_line())
     }
 
-    /// Forces everything written so far onto the disk and returns what a checkpoint can vouch for.
+    /// Flushes everything to disk and returns the mark for a checkpoint.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -95,7 +96,7 @@ impl Log {
     }
 }
 
-/// The file, cut to so many bytes, ready to be written at its end.
+/// Opens the file, truncated to `bytes` bytes, for appending.
 fn cut(path: &Path, bytes: u64) -> std::io::Result<File> {
     let mut file = OpenOptions::new()
         .create(true)
@@ -107,10 +108,11 @@ fn cut(path: &Path, bytes: u64) -> std::io::Result<File> {
     Ok(file)
 }
 
-/// Checks that a log begins with what a checkpoint vouches for.
+/// Checks that a log begins with the part that belongs to a checkpoint.
 ///
 /// # Errors
-/// [`Error::ChangedLog`] if it was changed or cut since; [`Error::LostLog`] if it cannot be read.
+/// [`Error::ChangedLog`] if it was changed or truncated since; [`Error::LostLog`] if it cannot be
+/// read.
 pub fn check(path: &Path, mark: &LogMark) -> Result<()> {
     hash_of_marked(path, mark).map(drop)
 }

@@ -50,7 +50,7 @@ impl GsdFile {
         let header = match Header::read(&mut Cursor::new(&start)) {
             Ok(Ok(header)) => header,
             Ok(Err(cause)) => return Err(source.error(cause)),
-            Err(_) => return Err(source.error("its header is cut".into())),
+            Err(_) => return Err(source.error("its header is truncated".into())),
         };
         let names_length = header.names_segments.saturating_mul(NAME_SEGMENT_BYTES);
         let names = source.read(header.names_location, names_length)?;
@@ -192,7 +192,7 @@ impl SizedFile<'_> {
     fn read(&mut self, location: u64, count: u64) -> Result<Vec<u8>> {
         let end = location.checked_add(count);
         if end.is_none_or(|end| end > self.length) {
-            let cause = format!("it is cut: {count} bytes at {location} are missing");
+            let cause = format!("it is truncated: {count} bytes at {location} are missing");
             return Err(self.error(cause));
         }
         let mut bytes = vec![0; count as usize];

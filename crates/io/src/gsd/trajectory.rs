@@ -87,10 +87,10 @@ pub struct TrajectoryWriter {
 }
 
 impl TrajectoryWriter {
-    /// Creates a trajectory without frames, replacing one that is there.
+    /// Creates a trajectory without frames, replacing an existing one.
     ///
     /// # Errors
-    /// [`IoError::Unwritable`] for a header that contradicts itself, [`IoError::File`] if
+    /// [`IoError::Unwritable`] for an inconsistent header, [`IoError::File`] if
     /// the system call fails.
     pub fn create(path: &Path, header: &TrajectoryHeader) -> Result<Self> {
         check_header(header)?;
@@ -104,8 +104,8 @@ impl TrajectoryWriter {
     /// Continues a trajectory after its first `frames` frames; later ones, complete or not, are
     /// dropped.
     ///
-    /// The frames to keep are written to a new file, which then replaces the old one. So the file
-    /// is always, byte for byte, what an uninterrupted run would have made of the same frames.
+    /// The frames to keep are written to a new file, which then replaces the old one. So the
+    /// file always equals, byte for byte, that of an uninterrupted run with the same frames.
     ///
     /// # Errors
     /// [`IoError::Parse`] if the file has fewer frames or belongs to other bodies; else as
@@ -149,8 +149,8 @@ impl TrajectoryWriter {
         self.writer.frames()
     }
 
-    /// Returns when everything written is on disk. Call it before writing a checkpoint that counts
-    /// on it.
+    /// Returns when everything written is on disk. Call it before writing a checkpoint that
+    /// relies on it.
     ///
     /// # Errors
     /// [`IoError::File`] if the system call fails.
@@ -271,7 +271,7 @@ fn text_chunk(name: &str, rows: &[String]) -> Result<Chunk> {
     Ok(chunk(name, columns, ChunkData::I8(data)))
 }
 
-/// The shape definition that HOOMD and OVITO understand; `{}` for none.
+/// The shape definition understood by HOOMD and OVITO; `{}` for none.
 fn shape_json(mesh: Option<&TriangleMesh>) -> String {
     let Some(mesh) = mesh else {
         return "{}".to_owned();

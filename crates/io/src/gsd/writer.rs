@@ -42,7 +42,7 @@ pub struct GsdWriter {
 }
 
 impl GsdWriter {
-    /// Creates a file without frames, replacing one that is there.
+    /// Creates a file without frames, replacing an existing one.
     ///
     /// # Errors
     /// [`IoError::File`] if the system call fails.
@@ -126,7 +126,7 @@ impl GsdWriter {
             .map_err(IoError::at(&self.path, "write"))
     }
 
-    /// Gives the file this name, replacing a file that has it.
+    /// Renames the file, replacing an existing file of this name.
     pub(super) fn rename(&mut self, path: &Path) -> Result<()> {
         std::fs::rename(&self.path, path).map_err(IoError::at(path, "write"))?;
         self.path = path.to_owned();
@@ -135,7 +135,7 @@ impl GsdWriter {
 
     fn append_entries(&mut self, entries: &[IndexEntry]) -> Result<()> {
         let total = (self.entries.len() + entries.len()) as u64;
-        // One entry stays zero, to end the list.
+        // One entry stays zero, to terminate the list.
         if total >= self.header.index_entries {
             self.move_index((total + 1).next_power_of_two() * 2)?;
         }
@@ -155,7 +155,7 @@ impl GsdWriter {
         self.write_header()
     }
 
-    /// Adds the names that are new to the name list; if that fails, they stay unknown.
+    /// Adds new names to the name list; if that fails, they remain unknown.
     fn register_names(&mut self, chunks: &[Chunk]) -> Result<()> {
         let known = self.names.len();
         let result = self.write_new_names(chunks);

@@ -15,7 +15,7 @@ pub struct CandidatesSettings {
     pub bodies: Vec<PathBuf>,
     /// Bodies per ring.
     pub ring: usize,
-    /// Rings: one or two.
+    /// Number of rings: one or two.
     pub stack: usize,
     /// Symmetry required of an arrangement.
     pub symmetry: Symmetry,
@@ -67,8 +67,7 @@ fn letters(up: &[bool]) -> String {
     up.iter().map(|up| if *up { 'u' } else { 'd' }).collect()
 }
 
-/// Enumerates the arrangements. If a folder is given, closes each to contact and writes it
-/// there.
+/// Enumerates the arrangements. If a folder is given, closes each to contact and writes it there.
 ///
 /// # Errors
 /// If the numbers do not describe a ring or stack, a recipe does not fit the bodies, or a file

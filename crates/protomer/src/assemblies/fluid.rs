@@ -1,5 +1,4 @@
-//! A fluid: bodies at random positions and orientations in a periodic box, without
-//! overlaps.
+//! A fluid: bodies at random positions and orientations in a periodic box, without overlaps.
 
 use crate::answer::Answer;
 use crate::assemblies::assemble::{BodyFiles, write_assembly};
@@ -24,7 +23,7 @@ pub struct FluidAssembly {
 impl Answer for FluidAssembly {
     fn text(&self) -> String {
         format!(
-            "{}: {} bodies at random places, {:.3} mM",
+            "{}: {} bodies at random positions, {:.3} mM",
             self.assembly.display(),
             self.bodies,
             self.concentration_millimolar

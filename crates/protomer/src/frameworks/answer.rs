@@ -46,8 +46,7 @@ pub struct LoadSettings {
 }
 
 impl Analysis {
-    /// Analyses the network, loads it, and writes the requested files; `force` allows
-    /// overwriting.
+    /// Analyses the network, loads it, and writes the requested files; `force` allows overwriting.
     ///
     /// # Errors
     /// If the network is invalid, has no equilibrium under a load, or a file cannot be written.

@@ -1,5 +1,4 @@
-//! The elastic constants of a network, with units, compared with closed formulas where they
-//! exist.
+//! The elastic constants of a network, with units, compared with closed formulas where they exist.
 
 use super::curve::Curve;
 use super::text::{fixed, rounded};

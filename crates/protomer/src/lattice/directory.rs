@@ -5,7 +5,7 @@ use anyhow::Result;
 use protomer_results::keys;
 use std::path::Path;
 
-/// The file of the resolved settings.
+/// The file with the resolved settings.
 pub const SETTINGS: &str = "run.toml";
 
 /// The settings of a directory or of a file.

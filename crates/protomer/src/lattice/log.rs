@@ -155,8 +155,7 @@ impl Row for LogRow {
     }
 }
 
-/// xx, yy and xy of the strain from one array of positions to another; NaN where it is
-/// undefined.
+/// xx, yy and xy of the strain from one array of positions to another; NaN where it is undefined.
 fn strain(network: &Network, from: &[f64], to: &[f64]) -> [f64; 3] {
     match deformation_gradient(&corners(network, from), &corners(network, to)) {
         Ok(gradient) => {

@@ -1,8 +1,7 @@
 //! The motion from a state in a file: without collisions, up to the first contact, and through it.
 //!
 //! The file is JSON with `ns` (squares along an edge), `r0`, `s0` and `v0` (x, y, θ and their
-//! rates, square after square), `times`; `kappa`, `l` and `I` are optional; other keys are
-//! ignored.
+//! rates, square after square), `times`; `kappa`, `l` and `I` are optional; other keys are ignored.
 
 use crate::answer::Answer;
 use anyhow::{Result, bail};

@@ -31,8 +31,7 @@ pub struct LatticeSettings {
     pub edges: Edges,
     /// The orientation of the squares at the start.
     pub start: Start,
-    /// Standard deviation of random angles added to the start; short rods allow
-    /// less.
+    /// Standard deviation of random angles added to the start; short rods allow less.
     pub angle_spread: f64,
     /// The velocities at the start.
     pub velocities: Velocities,

@@ -73,7 +73,7 @@ impl Trajectory {
         Ok(self.writer.append_frame(&chunks)?)
     }
 
-    /// Forces everything onto the disk and returns the number of frames.
+    /// Flushes everything to disk and returns the number of frames.
     ///
     /// # Errors
     /// If the file cannot be written.

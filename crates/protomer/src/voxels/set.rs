@@ -222,7 +222,7 @@ pub fn attributes(
         ),
         Channel::Hydropathy => (
             channel.name(),
-            "Kyte-Doolittle index, averaged over the residues near by",
+            "Kyte-Doolittle index, averaged over nearby residues",
         ),
     };
     let meanings: Map<String, Value> = settings

@@ -156,8 +156,7 @@ impl VoxelizeSettings {
         })
     }
 
-    /// Channels that are 1 in every occupied voxel: the shape, if only the shell is
-    /// occupied.
+    /// Channels that are 1 in every occupied voxel: the shape, if only the shell is occupied.
     pub fn implied_channels(&self) -> Vec<String> {
         let has = |channel| self.channels.contains(&channel);
         match has(Channel::Shape) && !has(Channel::Solid) {

@@ -15,10 +15,10 @@ use std::path::{Path, PathBuf};
 pub struct SquareArgs {
     /// Body file.
     body: PathBuf,
-    /// The axis to look along.
+    /// Axis of projection.
     #[arg(long, value_enum, default_value_t = ViewAxis::Auto)]
     axis: ViewAxis,
-    /// What the half-diagonal is.
+    /// Definition of the half-diagonal.
     #[arg(long, value_enum, default_value_t = SquareSize::Corners)]
     size: SquareSize,
     /// Write the configuration to this file instead of stdout.

@@ -1,5 +1,4 @@
-//! Training a network in a directory: start or continue, compare with baselines, write the
-//! results.
+//! Training a network in a directory: start or continue, compare with baselines, write the results.
 //!
 //! ```text
 //! DIR/settings.toml  metrics.json  model.safetensors  history.csv  learning_curve.svg

@@ -31,7 +31,7 @@ pub struct RunSettings {
     pub log_every: u64,
     /// Sweeps between two frames of the trajectory; zero for no trajectory.
     pub trajectory_every: u64,
-    /// How energies are computed.
+    /// Energy model.
     pub energy: EnergyMode,
     /// Largest error of the energy of two bodies, kT, for approximate energies only;
     /// [`DEFAULT_TOLERANCE_KT`] if `None`.
@@ -41,21 +41,20 @@ pub struct RunSettings {
     pub medium: InteractionSettings,
 }
 
-/// Default of the largest error of the energy of two bodies, kT, for approximate
-/// energies.
+/// Default of the largest error of the energy of two bodies, kT, for approximate energies.
 pub const DEFAULT_TOLERANCE_KT: f64 = 1e-3;
 
 /// How pair energies are computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum EnergyMode {
-    /// The plain sum over all pairs of charges.
+    /// The direct sum over all pairs of charges.
     Direct,
-    /// Bounds first, the plain sum where they leave the decision open: the decisions of the plain
-    /// sum.
+    /// Energy bounds first, and the direct sum only if they leave a decision open: the same
+    /// decisions as the direct sum.
     Certified,
-    /// The middle of the bounds, the plain sum for a pair of bodies whose bounds are wider than a
-    /// tolerance.
+    /// The midpoint of the bounds, or the direct sum for a pair of bodies whose bounds exceed
+    /// the tolerance.
     Approximate,
     /// Hard bodies without charges.
     None,

@@ -60,7 +60,7 @@ impl Trajectory {
         })?)
     }
 
-    /// Forces everything onto the disk and returns the number of frames.
+    /// Flushes everything to disk and returns the number of frames.
     ///
     /// # Errors
     /// If the file cannot be written.
