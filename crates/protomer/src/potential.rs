@@ -146,17 +146,15 @@ impl VolumeFormat {
     /// The format of an output file, whose folder must exist.
     fn of_file(path: &Path) -> Result<Self> {
         let name = path.display().to_string();
-        let found = Self::ENDINGS
-            .iter()
-            .find(|(ending, _)| name.ends_with(ending));
-        let Some((_, format)) = found else {
+        let mut known = Self::ENDINGS.iter();
+        let Some((_, format)) = known.find(|(ending, _)| name.ends_with(ending)) else {
             let endings = Self::ENDINGS.map(|(ending, _)| ending).join(", ");
             bail!("{name} has none of the extensions {endings}; use one of them");
         };
-        let folder = path
-            .parent()
-            .filter(|folder| !folder.as_os_str().is_empty());
-        if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+        if let Some(folder) = path.parent()
+            && !folder.as_os_str().is_empty()
+            && !folder.is_dir()
+        {
             bail!(
                 "there is no folder {} to write into; create it first",
                 folder.display()
@@ -181,12 +179,15 @@ impl VolumeFormat {
 pub fn spheres_of_file(path: &Path) -> Result<(String, Vec<ChargedSphere>)> {
     let file = InputFile::read(path)?;
     let (sites, origin) = read_sites(&file)?;
-    let spheres = sites.iter().map(|site| ChargedSphere {
-        centre: site.position + origin,
-        radius_angstrom: site.radius_angstrom,
-        charge_e: site.charge_e,
-    });
-    Ok((file.name, spheres.collect()))
+    let mut spheres = Vec::with_capacity(sites.len());
+    for site in sites.iter() {
+        spheres.push(ChargedSphere {
+            centre: site.position + origin,
+            radius_angstrom: site.radius_angstrom,
+            charge_e: site.charge_e,
+        });
+    }
+    Ok((file.name, spheres))
 }
 
 /// Reads points, Å: x y z on each line. Further numbers are ignored, and `#` begins a comment.
@@ -220,8 +221,14 @@ pub fn read_places(path: &Path) -> Result<Vec<Vec3>> {
 /// Parses three finite numbers. Others may follow, because other programs write x y z and the
 /// potential.
 fn place(words: &[&str]) -> Option<Vec3> {
-    let number = |word: &&str| word.parse::<f64>().ok().filter(|number| number.is_finite());
-    let numbers = words.iter().map(number).collect::<Option<Vec<f64>>>()?;
+    let mut numbers = Vec::with_capacity(words.len());
+    for word in words {
+        let number: f64 = word.parse().ok()?;
+        if !number.is_finite() {
+            return None;
+        }
+        numbers.push(number);
+    }
     let [x, y, z, ..] = numbers[..] else {
         return None;
     };
@@ -242,28 +249,30 @@ pub fn potential_of_file(
 ) -> Result<(ScalarField, PotentialReport)> {
     let start = Instant::now();
     let (file, spheres) = spheres_of_file(path)?;
+    let found = match model {
+        PotentialModel::PoissonBoltzmann => {
+            solved(&spheres, dielectric, settings, estimate_error, places)
+        }
+        PotentialModel::DebyeHueckel => superposed(&spheres, dielectric, settings, places),
+    };
     let Found {
         field,
         energy_kt,
         error_kt,
         potentials_kt_per_e,
         iterations,
-    } = match model {
-        PotentialModel::PoissonBoltzmann => {
-            solved(&spheres, dielectric, settings, estimate_error, places)
-        }
-        PotentialModel::DebyeHueckel => superposed(&spheres, dielectric, settings, places),
-    }
-    .with_context(|| file.clone())?;
+    } = found.with_context(|| file.clone())?;
     let per_kt = kilojoule_per_mol_per_kt(dielectric.electrolyte.temperature_kelvin());
     let debye = dielectric.electrolyte.debye_length_angstrom();
+    let (mut atoms, mut net_charge_e) = (0, 0.0);
+    for sphere in &spheres {
+        atoms += usize::from(sphere.radius_angstrom > 0.0);
+        net_charge_e += sphere.charge_e;
+    }
     let report = PotentialReport {
         file,
-        atoms: spheres
-            .iter()
-            .filter(|sphere| sphere.radius_angstrom > 0.0)
-            .count(),
-        net_charge_e: spheres.iter().map(|sphere| sphere.charge_e).sum(),
+        atoms,
+        net_charge_e,
         model,
         solvation_energy_kj_mol: energy_kt.map(|energy| energy * per_kt),
         error_estimate_kj_mol: error_kt.map(|error| error * per_kt),
@@ -294,15 +303,17 @@ fn solved(
     places: Option<&[Vec3]>,
 ) -> Result<Found> {
     let solved = solve(spheres, dielectric, settings)?;
-    let error_kt = estimate_error
-        .then(|| error_estimate_kt(spheres, dielectric, settings, solved.solvation_energy_kt))
-        .transpose()?;
+    let energy_kt = solved.solvation_energy_kt;
+    let error_kt = match estimate_error {
+        true => Some(error_estimate_kt(spheres, dielectric, settings, energy_kt)?),
+        false => None,
+    };
+    let at_places = |places: &[Vec3]| places.iter().map(|place| solved.at(place)).collect();
     Ok(Found {
         field: solved.field(),
-        energy_kt: Some(solved.solvation_energy_kt),
+        energy_kt: Some(energy_kt),
         error_kt,
-        potentials_kt_per_e: places
-            .map(|places| places.iter().map(|place| solved.at(place)).collect()),
+        potentials_kt_per_e: places.map(at_places),
         iterations: Some(solved.iterations),
     })
 }

@@ -28,10 +28,11 @@ impl BodyFiles {
     /// # Errors
     /// Names the file that cannot be read.
     pub fn read(paths: &[PathBuf]) -> Result<Self> {
-        let bodies = paths
-            .iter()
-            .map(|path| Ok(body_file::read(path)?.0))
-            .collect::<Result<Vec<Body>>>()?;
+        let mut bodies = Vec::with_capacity(paths.len());
+        for path in paths {
+            let (body, _) = body_file::read(path)?;
+            bodies.push(body);
+        }
         Self::new(paths.to_vec(), bodies)
     }
 
@@ -83,14 +84,16 @@ impl BodyFiles {
     /// The names by which placements refer to bodies: their own names, numbered where two share
     /// one.
     fn names(&self) -> Vec<String> {
-        let own: Vec<&str> = self.bodies.iter().map(|body| body.name.as_str()).collect();
-        let numbered =
-            |(index, name): (usize, &&str)| match own.iter().filter(|other| *other == name).count()
-            {
-                1 => (*name).to_owned(),
+        let mut names = Vec::with_capacity(self.bodies.len());
+        for (index, body) in self.bodies.iter().enumerate() {
+            let name = &body.name;
+            let sharing = self.bodies.iter().filter(|other| other.name == *name);
+            names.push(match sharing.count() {
+                1 => name.clone(),
                 _ => format!("{name}-{}", index + 1),
-            };
-        own.iter().enumerate().map(numbered).collect()
+            });
+        }
+        names
     }
 }
 
@@ -110,23 +113,21 @@ pub fn write_assembly(path: &Path, file: &AssemblyFile) -> Result<()> {
 
 /// The path from the folder of `from` to `file`.
 fn relative_to(file: &Path, from: &Path) -> Result<PathBuf> {
-    let folder = from
-        .parent()
-        .filter(|parent| !parent.as_os_str().is_empty())
-        .unwrap_or(Path::new("."));
-    let absolute =
-        |path: &Path| std::path::absolute(path).with_context(|| path.display().to_string());
+    let folder = match from.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
     let (file, folder) = (absolute(file)?, absolute(folder)?);
-    let shared = file
-        .components()
-        .zip(folder.components())
-        .take_while(|(a, b)| a == b)
-        .count();
-    let up = folder
-        .components()
-        .skip(shared)
-        .map(|_| Component::ParentDir);
-    Ok(up.chain(file.components().skip(shared)).collect())
+    let both = file.components().zip(folder.components());
+    let shared = both.take_while(|(a, b)| a == b).count();
+    let levels_up = folder.components().count() - shared;
+    let mut relative: PathBuf = std::iter::repeat_n(Component::ParentDir, levels_up).collect();
+    relative.extend(file.components().skip(shared));
+    Ok(relative)
+}
+
+fn absolute(path: &Path) -> Result<PathBuf> {
+    std::path::absolute(path).with_context(|| path.display().to_string())
 }
 
 /// What [`assemble_structure`] found and did.
@@ -221,22 +222,19 @@ pub fn assemble_structure(
         let built = build_body_of_selection(&name, source, body_type.selection, &settings.body)
             .with_context(|| format!("{}: chain {}", file.name, body_type.reference))?;
         let path = folder.join(format!("{name}.body"));
-        described.push(StructureBody {
+        let mut of_body = StructureBody {
             file: path.clone(),
             reference: body_type.reference,
-            chains: body_type
-                .copies
-                .iter()
-                .map(|copy| copy.chain.clone())
-                .collect(),
-            rmsd_angstrom: body_type
-                .copies
-                .iter()
-                .map(|copy| copy.rmsd_angstrom)
-                .collect(),
-        });
-        placements.extend(body_type.copies.iter().map(|copy| (kind, copy.pose)));
-        chains.extend(body_type.copies.into_iter().map(|copy| copy.chain));
+            chains: Vec::new(),
+            rmsd_angstrom: Vec::new(),
+        };
+        for copy in body_type.copies {
+            placements.push((kind, copy.pose));
+            chains.push(copy.chain.clone());
+            of_body.chains.push(copy.chain);
+            of_body.rmsd_angstrom.push(copy.rmsd_angstrom);
+        }
+        described.push(of_body);
         paths.push(path);
         bodies.push(built.body);
     }
@@ -251,15 +249,9 @@ pub fn assemble_structure(
         "source": file.name, "source_sha256": file.sha256, "chains": chains,
         "expansion_factor": expansion.factor,
     });
-    write_assembly(
-        &path,
-        &files.assembly_file(
-            &path,
-            &expansion.placements,
-            settings.box_angstrom,
-            provenance,
-        )?,
-    )?;
+    let edges = settings.box_angstrom;
+    let assembly = files.assembly_file(&path, &expansion.placements, edges, provenance)?;
+    write_assembly(&path, &assembly)?;
     Ok(StructureAssembly {
         assembly: path,
         bodies: described,
@@ -284,10 +276,10 @@ fn relax(
         })?);
     }
     if !overlaps.is_empty() {
-        let pairs: Vec<String> = overlaps
-            .iter()
-            .map(|(i, j)| format!("{}-{}", chains[*i], chains[*j]))
-            .collect();
+        let mut pairs = Vec::new();
+        for (i, j) in overlaps {
+            pairs.push(format!("{}-{}", chains[*i], chains[*j]));
+        }
         bail!(
             "{} pairs of chains overlap as hard bodies: {}; expand the assembly with --relax, or shrink the \
              surfaces with --offset 0.5",

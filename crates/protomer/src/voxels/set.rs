@@ -6,7 +6,7 @@ use super::origin::Origin;
 use super::settings::VoxelizeSettings;
 use super::statistics::Gathering;
 use super::structure::{Properties, Reason, Sample, letters};
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, bail};
 use protomer_field::voxels::{Channel, Voxels};
 use protomer_io::zarr::{SetReader, SetWriter};
 use protomer_results::ResultKind;
@@ -156,18 +156,14 @@ pub fn state_of(output: &Path, identity: &str) -> Result<OnDisk> {
     if !output.exists() {
         return Ok(OnDisk::Nothing);
     }
-    let reader = SetReader::open(output).with_context(|| {
-        format!(
-            "{} exists and is not a voxel set; choose another output",
-            output.display()
-        )
-    })?;
-    let same = reader.attributes().get("identity").and_then(Value::as_str) == Some(identity);
-    Ok(if same {
-        OnDisk::Same(Box::new(reader))
-    } else {
-        OnDisk::Other
-    })
+    let reader = SetReader::open(output).context(format!(
+        "{} exists and is not a voxel set; choose another output",
+        output.display()
+    ))?;
+    match reader.attributes().get("identity").and_then(Value::as_str) {
+        Some(present) if present == identity => Ok(OnDisk::Same(Box::new(reader))),
+        _ => Ok(OnDisk::Other),
+    }
 }
 
 /// The structures left out of a set.
@@ -175,12 +171,11 @@ pub fn state_of(output: &Path, identity: &str) -> Result<OnDisk> {
 /// # Errors
 /// If the attribute is damaged.
 pub fn exclusions(reader: &SetReader) -> Result<Vec<Exclusion>> {
-    let value = reader
-        .attributes()
-        .get("excluded")
-        .cloned()
-        .unwrap_or_else(|| json!([]));
-    serde_json::from_value(value).context("the attribute 'excluded' is damaged; make the set again")
+    let Some(value) = reader.attributes().get("excluded") else {
+        return Ok(Vec::new());
+    };
+    serde_json::from_value(value.clone())
+        .context("the attribute 'excluded' is damaged; make the set again")
 }
 
 /// The settings of a set.
@@ -207,30 +202,10 @@ pub fn attributes(
     identity: &str,
     content: &SetContent,
 ) -> Result<Map<String, Value>> {
-    let words = |word: fn(&SampleRecord) -> &String| {
-        content.samples.iter().map(word).collect::<Vec<&String>>()
-    };
-    let channel = |channel: &Channel| match channel {
-        Channel::Shape => (
-            channel.name(),
-            "1 where the surface passes through: centres at most half an edge from it",
-        ),
-        Channel::Solid => (channel.name(), "1 where the centre is inside the surface"),
-        Channel::Potential => (
-            channel.name(),
-            "kT/e, at the point of the surface nearest to the centre",
-        ),
-        Channel::Hydropathy => (
-            channel.name(),
-            "Kyte-Doolittle index, averaged over nearby residues",
-        ),
-    };
-    let meanings: Map<String, Value> = settings
-        .channels
-        .iter()
-        .map(channel)
-        .map(|(name, meaning)| (name.to_owned(), json!(meaning)))
-        .collect();
+    let mut meanings = Map::new();
+    for channel in &settings.channels {
+        meanings.insert(channel.name().to_owned(), meaning(*channel).into());
+    }
     let manifest_sha256 = match origins {
         [only] => only.manifest_sha256.as_str(),
         _ => "",
@@ -250,14 +225,7 @@ pub fn attributes(
             "poisson_boltzmann": fixed_conditions(settings)?,
         },
         "channel_meanings": meanings,
-        "samples": {
-            "name": words(|sample| &sample.name),
-            "label": words(|sample| &sample.label),
-            "cluster": words(|sample| &sample.cluster),
-            "family": words(|sample| &sample.family),
-            "file": words(|sample| &sample.file),
-            "sha256": words(|sample| &sample.sha256),
-        },
+        "samples": lists_of(&content.samples),
         "excluded": serde_json::to_value(&content.excluded)?,
         "warnings": warnings_of(&content.samples),
     });
@@ -267,12 +235,50 @@ pub fn attributes(
     }
 }
 
+/// What the values of a channel mean.
+fn meaning(channel: Channel) -> &'static str {
+    match channel {
+        Channel::Shape => {
+            "1 where the surface passes through: centres at most half an edge from it"
+        }
+        Channel::Solid => "1 where the centre is inside the surface",
+        Channel::Potential => "kT/e, at the point of the surface nearest to the centre",
+        Channel::Hydropathy => "Kyte-Doolittle index, averaged over nearby residues",
+    }
+}
+
+/// The string properties of the samples, a list for each.
+fn lists_of(samples: &[SampleRecord]) -> Value {
+    let mut lists: [Vec<&str>; 6] = Default::default();
+    for sample in samples {
+        let words = [
+            &sample.name,
+            &sample.label,
+            &sample.cluster,
+            &sample.family,
+            &sample.file,
+            &sample.sha256,
+        ];
+        for (list, word) in lists.iter_mut().zip(words) {
+            list.push(word);
+        }
+    }
+    let [name, label, cluster, family, file, sha256] = lists;
+    json!({
+        "name": name, "label": label, "cluster": cluster, "family": family, "file": file,
+        "sha256": sha256,
+    })
+}
+
 /// The warnings of the samples that have any, by name.
 pub fn warnings_of(samples: &[SampleRecord]) -> BTreeMap<String, Vec<String>> {
-    let warned = samples.iter().filter(|sample| !sample.warnings.is_empty());
-    warned
-        .map(|sample| (sample.name.clone(), sample.warnings.clone()))
-        .collect()
+    let mut warnings = BTreeMap::new();
+    for sample in samples {
+        if !sample.warnings.is_empty() {
+            warnings.insert(sample.name.clone(), sample.warnings.clone());
+        }
+    }
+    warnings
 }
 
 /// Names of the numeric columns.
@@ -296,11 +302,9 @@ pub fn columns() -> Vec<String> {
     ]
     .map(str::to_owned)
     .to_vec();
-    columns.extend(
-        letters()
-            .iter()
-            .map(|letter| format!("composition_{letter}")),
-    );
+    for letter in letters() {
+        columns.push(format!("composition_{letter}"));
+    }
     columns
 }
 
@@ -327,34 +331,21 @@ pub fn samples_of(reader: &SetReader) -> Result<Vec<SampleRecord>> {
     if reader.columns() != columns() {
         bail!("the columns of the properties are of another version; make the set again");
     }
-    let words = |list: &str| {
-        let words = reader
-            .words(list)
-            .filter(|words| words.len() == reader.len());
-        words.ok_or_else(|| {
-            anyhow!(
-                "the attribute 'samples' has no list '{list}' of {} words",
-                reader.len()
-            )
-        })
+    let (names, files) = (words(reader, "name")?, words(reader, "file")?);
+    let (labels, hashes) = (words(reader, "label")?, words(reader, "sha256")?);
+    let (clusters, families) = (words(reader, "cluster")?, words(reader, "family")?);
+    let mut warnings: BTreeMap<String, Vec<String>> = match reader.attributes().get("warnings") {
+        Some(warnings) => serde_json::from_value(warnings.clone())
+            .context("the attribute 'warnings' is damaged; make the set again")?,
+        None => BTreeMap::new(),
     };
-    let (names, files, hashes) = (words("name")?, words("file")?, words("sha256")?);
-    let (labels, clusters, families) = (words("label")?, words("cluster")?, words("family")?);
-    let warnings = reader
-        .attributes()
-        .get("warnings")
-        .cloned()
-        .unwrap_or_else(|| json!({}));
-    let mut warnings: BTreeMap<String, Vec<String>> = serde_json::from_value(warnings)
-        .context("the attribute 'warnings' is damaged; make the set again")?;
     let mut samples = Vec::with_capacity(reader.len());
     for sample in 0..reader.len() {
-        let row = reader.row(sample);
         let word = |list: &[String]| list.get(sample).cloned().unwrap_or_default();
-        let at = |place: usize| row.get(place).copied().unwrap_or(f64::NAN);
+        let (entry, properties) = properties(reader.row(sample));
+        let name = word(&names);
         samples.push(SampleRecord {
-            entry: at(0) as usize,
-            name: word(&names),
+            entry,
             file: word(&files),
             label: word(&labels),
             cluster: word(&clusters),
@@ -362,22 +353,39 @@ pub fn samples_of(reader: &SetReader) -> Result<Vec<SampleRecord>> {
             sha256: word(&hashes),
             key: String::new(),
             voxels: reader.voxels(sample),
-            properties: Properties {
-                residues: at(1) as usize,
-                radius_of_gyration_angstrom: at(2),
-                extents_angstrom: std::array::from_fn(|n| at(3 + n)),
-                net_charge_e: at(6),
-                spacing_angstrom: at(7),
-                rotation_wxyz: std::array::from_fn(|n| at(8 + n)),
-                middle_angstrom: std::array::from_fn(|n| at(12 + n)),
-                composition: std::array::from_fn(|n| at(15 + n)),
-            },
-            warnings: warnings
-                .remove(names.get(sample).map_or("", String::as_str))
-                .unwrap_or_default(),
+            properties,
+            warnings: warnings.remove(&name).unwrap_or_default(),
+            name,
         });
     }
     Ok(samples)
+}
+
+/// A string property of all samples.
+fn words(reader: &SetReader, list: &str) -> Result<Vec<String>> {
+    match reader.words(list) {
+        Some(words) if words.len() == reader.len() => Ok(words),
+        _ => bail!(
+            "the attribute 'samples' has no list '{list}' of {} words",
+            reader.len()
+        ),
+    }
+}
+
+/// The entry and the properties in a row of the table; the inverse of [`row`].
+fn properties(row: &[f64]) -> (usize, Properties) {
+    let at = |column: usize| row.get(column).copied().unwrap_or(f64::NAN);
+    let properties = Properties {
+        residues: at(1) as usize,
+        radius_of_gyration_angstrom: at(2),
+        extents_angstrom: std::array::from_fn(|n| at(3 + n)),
+        net_charge_e: at(6),
+        spacing_angstrom: at(7),
+        rotation_wxyz: std::array::from_fn(|n| at(8 + n)),
+        middle_angstrom: std::array::from_fn(|n| at(12 + n)),
+        composition: std::array::from_fn(|n| at(15 + n)),
+    };
+    (at(0) as usize, properties)
 }
 
 /// Writes a set into an empty folder; `voxels` returns the voxels of each sample in turn, with
@@ -392,11 +400,10 @@ pub fn write(
     mut attributes: Map<String, Value>,
     voxels: &mut dyn FnMut(usize) -> Result<Voxels>,
 ) -> Result<()> {
-    let channels: Vec<String> = settings
-        .channels
-        .iter()
-        .map(|channel| channel.name().to_owned())
-        .collect();
+    let mut channels = Vec::new();
+    for channel in &settings.channels {
+        channels.push(channel.name().to_owned());
+    }
     let implied = settings.implied_channels();
     let mut writer =
         SetWriter::create(folder, settings.size, &channels, &implied, content.voxels())?;
@@ -405,15 +412,14 @@ pub fn write(
         let voxels = voxels(number)?;
         statistics.add(number, &voxels);
         let Voxels { index, values } = voxels;
-        let stored: Vec<&[f32]> = channels
-            .iter()
-            .zip(&values)
-            .filter(|(channel, _)| !implied.contains(channel))
-            .map(|(_, values)| values.as_slice())
-            .collect();
-        writer
-            .push(&index, &stored)
-            .with_context(|| sample.name.clone())?;
+        let mut stored: Vec<&[f32]> = Vec::new();
+        for (channel, values) in channels.iter().zip(&values) {
+            if !implied.contains(channel) {
+                stored.push(values);
+            }
+        }
+        let written = writer.push(&index, &stored);
+        written.with_context(|| sample.name.clone())?;
     }
     attributes.insert(
         "statistics".into(),
@@ -461,10 +467,13 @@ pub fn bytes_on_disk(folder: &Path) -> u64 {
     let Ok(entries) = folder.read_dir() else {
         return 0;
     };
-    let bytes = |entry: std::fs::DirEntry| match entry.metadata() {
-        Ok(metadata) if metadata.is_dir() => bytes_on_disk(&entry.path()),
-        Ok(metadata) => metadata.len(),
-        Err(_) => 0,
-    };
-    entries.flatten().map(bytes).sum()
+    let mut bytes = 0;
+    for entry in entries.flatten() {
+        bytes += match entry.metadata() {
+            Ok(metadata) if metadata.is_dir() => bytes_on_disk(&entry.path()),
+            Ok(metadata) => metadata.len(),
+            Err(_) => 0,
+        };
+    }
+    bytes
 }
