@@ -128,10 +128,10 @@ impl FileOutcome {
         let Some(body) = &self.measures else {
             return cells;
         };
-        let skipped = self.skipped.iter();
-        let skipped: Vec<String> = skipped
-            .map(|(why, count)| format!("{count} {why}"))
-            .collect();
+        let mut skipped = Vec::new();
+        for (reason, count) in &self.skipped {
+            skipped.push(format!("{count} {reason}"));
+        }
         cells.extend([
             body.atoms.to_string(),
             body.residues.to_string(),
@@ -178,23 +178,20 @@ fn body_names(files: &[PathBuf], settings: &IngestSettings) -> Result<Vec<String
         return Ok(vec![name.clone()]);
     }
     let stems: Vec<String> = files.iter().map(|file| stem(file)).collect();
-    let names: Vec<String> = files
-        .iter()
-        .zip(&stems)
-        .map(
-            |(file, stem)| match stems.iter().filter(|other| *other == stem).count() {
-                1 => stem.clone(),
-                _ => full_name(file),
-            },
-        )
-        .collect();
+    let mut names = Vec::with_capacity(files.len());
     let mut seen = BTreeSet::new();
-    match names.iter().find(|name| !seen.insert(*name)) {
-        Some(name) => {
-            bail!("two input files are named {name}; ingest them into different folders")
+    for (file, stem) in files.iter().zip(&stems) {
+        let sharing = stems.iter().filter(|other| *other == stem);
+        let name = match sharing.count() {
+            1 => stem.clone(),
+            _ => full_name(file),
+        };
+        if !seen.insert(name.clone()) {
+            bail!("two input files are named {name}; ingest them into different folders");
         }
-        None => Ok(names),
+        names.push(name);
     }
+    Ok(names)
 }
 
 fn full_name(file: &Path) -> String {
@@ -223,16 +220,16 @@ fn ingest_file(
     }
     write_exports(&built.body, folder, name, &settings.exports)?;
     body_file::write(&path, &built.body)?;
+    let skipped = match &built.selection {
+        Some(report) => report.skipped.clone(),
+        None => BTreeMap::new(),
+    };
     Ok(FileOutcome {
         file: file.display().to_string(),
         status: "ok",
         body: Some(path),
         measures: Some(BodyMeasures::of(&built.body)),
-        skipped: built
-            .selection
-            .as_ref()
-            .map(|report| report.skipped.clone())
-            .unwrap_or_default(),
+        skipped,
         warnings: built.warnings,
         selection: built.selection,
         error: None,
@@ -285,30 +282,26 @@ fn write_exports(body: &Body, folder: &Path, name: &str, endings: &[&str]) -> Re
 
 /// Converts the sites of a body to records of a PQR file.
 fn point_records(body: &Body) -> Vec<PointRecord> {
-    body.sites
-        .iter()
-        .map(|site| {
-            let residue = site
-                .residue
-                .and_then(|index| body.residues.get(index as usize));
-            PointRecord {
-                position: site.position,
-                charge_e: site.charge_e,
-                radius_angstrom: site.radius_angstrom,
-                atom_name: site.atom_name.clone(),
-                residue_name: residue
-                    .map(|residue| residue.name.clone())
-                    .unwrap_or_default(),
-                chain: residue
-                    .map(|residue| residue.chain.clone())
-                    .unwrap_or_default(),
-                residue_number: residue.map_or(0, |residue| residue.number),
-                insertion_code: residue
-                    .map(|residue| residue.insertion_code.clone())
-                    .unwrap_or_default(),
-            }
-        })
-        .collect()
+    let mut records = Vec::with_capacity(body.sites.len());
+    for site in &body.sites {
+        let mut record = PointRecord {
+            position: site.position,
+            charge_e: site.charge_e,
+            radius_angstrom: site.radius_angstrom,
+            atom_name: site.atom_name.clone(),
+            ..PointRecord::default()
+        };
+        if let Some(index) = site.residue
+            && let Some(residue) = body.residues.get(index as usize)
+        {
+            record.residue_name = residue.name.clone();
+            record.chain = residue.chain.clone();
+            record.residue_number = residue.number;
+            record.insertion_code = residue.insertion_code.clone();
+        }
+        records.push(record);
+    }
+    records
 }
 
 impl FileOutcome {

@@ -5,7 +5,7 @@ use super::text::rounded;
 use anyhow::{Result, bail};
 use protomer_crystal::framework::load::{Loaded, stretch_curve};
 use protomer_crystal::framework::{Framework, Load, StressKind};
-use protomer_io::csv::Table;
+use protomer_io::csv::{Cell, Table};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -82,37 +82,35 @@ pub fn load(
     gpa: f64,
 ) -> Result<(Curve, Framework)> {
     let names = axes(network.dimension());
-    let Some((index, name)) = names.iter().enumerate().find(|(_, name)| **name == axis) else {
+    let Some(index) = names.iter().position(|name| *name == axis) else {
         bail!(
             "--load is {axis}; the network has the axes {}",
             names.join(", ")
         );
     };
-    let loads: Vec<Load> = stresses_gpa
-        .iter()
-        .map(|stress| Load {
+    let mut loads = Vec::with_capacity(stresses_gpa.len());
+    for stress in stresses_gpa {
+        loads.push(Load {
             axis: index,
             stress_kcal_mol_angstrom3: stress / gpa,
             kind,
-        })
-        .collect();
+        });
+    }
     let loaded = stretch_curve(network, &loads)?;
-    let points = loaded
-        .iter()
-        .zip(stresses_gpa)
-        .map(|(at, stress)| point(network, at, index, *stress, kind))
-        .collect();
-    let last = loaded
-        .last()
-        .map_or_else(|| network.clone(), |at| at.configuration.place(network));
-    Ok((
-        Curve {
-            axis: name,
-            stress_kind: kind,
-            points,
-        },
-        last,
-    ))
+    let mut points = Vec::with_capacity(loaded.len());
+    for (at, stress) in loaded.iter().zip(stresses_gpa) {
+        points.push(point(network, at, index, *stress, kind));
+    }
+    let last = match loaded.last() {
+        Some(at) => at.configuration.place(network),
+        None => network.clone(),
+    };
+    let curve = Curve {
+        axis: names[index],
+        stress_kind: kind,
+        points,
+    };
+    Ok((curve, last))
 }
 
 fn point(
@@ -130,25 +128,19 @@ fn point(
         StressKind::Nominal => (stress_gpa, stress_gpa / area),
         StressKind::Cauchy => (stress_gpa * area, stress_gpa),
     };
-    let others = || {
-        names
-            .iter()
-            .zip(&at.stretch)
-            .enumerate()
-            .filter(|(index, _)| *index != axis)
-    };
-    let ratio = |strain: f64| -strain / at.stretch[axis];
+    let (mut strains, mut ratios) = (BTreeMap::new(), BTreeMap::new());
+    for (index, (name, strain)) in names.iter().zip(&at.stretch).enumerate() {
+        strains.insert(format!("strain_{name}"), *strain);
+        if index != axis {
+            let ratio = -strain / at.stretch[axis];
+            ratios.insert(format!("nu_{}{name}", names[axis]), ratio);
+        }
+    }
     CurvePoint {
         nominal_gpa,
         cauchy_gpa,
-        strains: names
-            .iter()
-            .zip(&at.stretch)
-            .map(|(name, strain)| (format!("strain_{name}"), *strain))
-            .collect(),
-        ratios: others()
-            .map(|(_, (name, strain))| (format!("nu_{}{name}", names[axis]), ratio(*strain)))
-            .collect(),
+        strains,
+        ratios,
         energy_kcal_mol: at.energy_kcal_mol,
         volume_angstrom3: placed.volume_angstrom3(),
         cell_angstrom: placed.cell_angstrom,
@@ -163,23 +155,19 @@ impl Curve {
     /// # Errors
     /// Never for the rows built here, which all have the same length.
     pub fn table(&self) -> Result<Table> {
-        let keys = |map: fn(&CurvePoint) -> &BTreeMap<String, f64>| {
-            self.points
-                .first()
-                .map_or_else(Vec::new, |point| map(point).keys().cloned().collect())
-        };
         let mut columns = vec!["nominal_gpa".to_owned(), "cauchy_gpa".to_owned()];
-        columns.extend(keys(|point| &point.strains));
-        columns.extend(keys(|point| &point.ratios));
+        if let Some(point) = self.points.first() {
+            columns.extend(point.strains.keys().cloned());
+            columns.extend(point.ratios.keys().cloned());
+        }
         columns.extend(["energy_kcal_mol", "volume_angstrom3"].map(str::to_owned));
         let mut table = Table::new(columns);
         for point in &self.points {
-            let middle = point.strains.values().chain(point.ratios.values());
-            let row = [point.nominal_gpa, point.cauchy_gpa]
-                .into_iter()
-                .chain(middle.copied());
-            let row = row.chain([point.energy_kcal_mol, point.volume_angstrom3]);
-            table.push(row.map(Into::into))?;
+            let mut row = vec![point.nominal_gpa, point.cauchy_gpa];
+            row.extend(point.strains.values());
+            row.extend(point.ratios.values());
+            row.extend([point.energy_kcal_mol, point.volume_angstrom3]);
+            table.push(row.into_iter().map(Cell::from))?;
         }
         Ok(table)
     }
@@ -188,13 +176,16 @@ impl Curve {
     pub fn rows(&self) -> Result<Vec<Vec<String>>> {
         let table = self.table()?;
         let mut rows = vec![table.columns().to_vec()];
-        rows.extend(table.rows().iter().map(|row| {
-            let show = |cell: &protomer_io::csv::Cell| match cell {
-                protomer_io::csv::Cell::Number(value) => rounded(*value, 5),
-                _ => String::new(),
-            };
-            row.iter().map(show).collect::<Vec<String>>()
-        }));
+        for cells in table.rows() {
+            let mut row = Vec::with_capacity(cells.len());
+            for cell in cells {
+                row.push(match cell {
+                    Cell::Number(value) => rounded(*value, 5),
+                    _ => String::new(),
+                });
+            }
+            rows.push(row);
+        }
         Ok(rows)
     }
 }

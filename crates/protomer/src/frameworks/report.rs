@@ -189,15 +189,22 @@ pub fn analyse(
     };
     let elasticity = Elasticity::at(network, &energy, &at).context(hint)?;
     let dimension = placed.dimension();
-    let printed = settings
-        .derivatives
-        .then(|| print_derivatives(&energy, &at, &derivatives))
-        .transpose()?;
-    let direction = |d: protomer_crystal::framework::moduli::Direction| Direction {
-        angle_deg: d.angle_deg,
-        e_gpa: d.youngs_gpa,
-        nu: d.poissons,
+    let printed = match settings.derivatives {
+        true => Some(print_derivatives(&energy, &at, &derivatives)?),
+        false => None,
     };
+    let mut directions = Vec::with_capacity(POLAR_DIRECTIONS);
+    for direction in polar(&elasticity, gpa, POLAR_DIRECTIONS) {
+        directions.push(Direction {
+            angle_deg: direction.angle_deg,
+            e_gpa: direction.youngs_gpa,
+            nu: direction.poissons,
+        });
+    }
+    let mut largest_force = 0.0_f64;
+    for component in &derivatives.gradient {
+        largest_force = largest_force.max(component.abs());
+    }
     let report = Report {
         network: name.to_owned(),
         dimension,
@@ -215,24 +222,14 @@ pub fn analyse(
         c_clamped_gpa: rows(&(&elasticity.clamped_stiffness * gpa)),
         moduli: named_moduli(&Moduli::new(&elasticity, gpa), dimension),
         analytic: None,
-        stress_gpa: elasticity
-            .stress
-            .iter()
-            .map(|stress| stress * gpa)
-            .collect(),
+        stress_gpa: elasticity.stress.iter().map(|s| s * gpa).collect(),
         energy_kcal_mol: derivatives.energy,
-        largest_force_kcal_mol_angstrom: derivatives
-            .gradient
-            .iter()
-            .fold(0.0, |most: f64, g| most.max(g.abs())),
+        largest_force_kcal_mol_angstrom: largest_force,
         relaxed: settings.relax,
         maxwell: elasticity.maxwell,
         mechanisms: elasticity.mechanisms.clone(),
         internal_mechanisms: elasticity.internal_mechanisms,
-        polar: polar(&elasticity, gpa, POLAR_DIRECTIONS)
-            .into_iter()
-            .map(direction)
-            .collect(),
+        polar: directions,
         curve: None,
         derivatives: printed,
     };
@@ -242,15 +239,18 @@ pub fn analyse(
 impl Analytic {
     /// The formulas for this honeycomb.
     pub fn of(honeycomb: &Honeycomb, gpa: f64) -> Self {
-        let with_stiffness = |axial: AxialModuli| AnalyticModuli {
-            axial,
-            c_gpa: axial.stiffness_gpa(),
-        };
         Self {
-            analytic: with_stiffness(honeycomb.both(gpa)),
-            analytic_hinging: with_stiffness(honeycomb.hinging(gpa)),
-            analytic_stretching: with_stiffness(honeycomb.stretching(gpa)),
+            analytic: AnalyticModuli::new(honeycomb.both(gpa)),
+            analytic_hinging: AnalyticModuli::new(honeycomb.hinging(gpa)),
+            analytic_stretching: AnalyticModuli::new(honeycomb.stretching(gpa)),
         }
+    }
+}
+
+impl AnalyticModuli {
+    fn new(axial: AxialModuli) -> Self {
+        let c_gpa = axial.stiffness_gpa();
+        Self { axial, c_gpa }
     }
 }
 
@@ -279,40 +279,37 @@ fn print_derivatives(
 }
 
 fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
-    matrix
-        .row_iter()
-        .map(|row| row.iter().copied().collect())
-        .collect()
+    let mut rows = Vec::with_capacity(matrix.nrows());
+    for row in matrix.row_iter() {
+        rows.push(row.iter().copied().collect());
+    }
+    rows
 }
 
 fn named_moduli(moduli: &Moduli, dimension: usize) -> BTreeMap<String, Option<f64>> {
     let axes = axes(dimension);
     let mut named = BTreeMap::new();
     for (i, first) in axes.iter().enumerate() {
-        named.insert(
-            format!("e_{first}_gpa"),
-            moduli.youngs_gpa.get(i).copied().flatten(),
-        );
-        for (j, second) in axes.iter().enumerate().filter(|(j, _)| *j != i) {
-            let ratio = moduli
-                .poissons
-                .get(i)
-                .and_then(|row| row.get(j).copied().flatten());
-            named.insert(format!("nu_{first}{second}"), ratio);
+        let youngs = moduli.youngs_gpa.get(i).copied().flatten();
+        named.insert(format!("e_{first}_gpa"), youngs);
+        let Some(ratios) = moduli.poissons.get(i) else {
+            continue;
+        };
+        for (j, (second, ratio)) in axes.iter().zip(ratios).enumerate() {
+            if j != i {
+                named.insert(format!("nu_{first}{second}"), *ratio);
+            }
         }
     }
-    for (name, shear) in strain_names(dimension)
-        .iter()
-        .skip(dimension)
-        .zip(&moduli.shear_gpa)
-    {
+    let shears = strain_names(dimension).iter().skip(dimension);
+    for (name, shear) in shears.zip(&moduli.shear_gpa) {
         named.insert(format!("g_{name}_gpa"), *shear);
     }
     named
 }
 
 impl Report {
-    /// Whether every node is free of forces, up to [`AT_REST`].
+    /// Whether every node is free of forces, up to [`REST_FORCE`].
     pub fn at_rest(&self) -> bool {
         self.largest_force_kcal_mol_angstrom <= REST_FORCE
     }
@@ -329,13 +326,15 @@ impl Report {
         for (key, value) in &self.moduli {
             let mut row = vec![label(key), number(*value)];
             if let Some(analytic) = &self.analytic {
-                let of = |moduli: &AnalyticModuli| field(&moduli.axial, key);
-                let formula = of(&analytic.analytic);
-                let deviation = value.zip(formula).map(|(a, b)| percent(a / b - 1.0));
+                let formula = field(&analytic.analytic.axial, key);
+                let deviation = match (value, formula) {
+                    (Some(value), Some(formula)) => percent(value / formula - 1.0),
+                    _ => "-".into(),
+                };
                 row.push(number(formula));
-                row.push(deviation.unwrap_or_else(|| "-".into()));
-                row.push(number(of(&analytic.analytic_hinging)));
-                row.push(number(of(&analytic.analytic_stretching)));
+                row.push(deviation);
+                row.push(number(field(&analytic.analytic_hinging.axial, key)));
+                row.push(number(field(&analytic.analytic_stretching.axial, key)));
             }
             rows.push(row);
         }
@@ -344,17 +343,19 @@ impl Report {
 
     /// The lines above and below the table of moduli.
     pub fn describe(&self) -> [String; 2] {
-        let thickness = self
-            .thickness_angstrom
-            .map_or_else(String::new, |thickness| {
-                format!(" (thickness {thickness} Å)")
-            });
-        let vectors: Vec<String> = self
-            .cell_angstrom
-            .iter()
-            .map(|v| format!("({})", fixed(v, 4)))
-            .collect();
-        let head = format!(
+        [self.describe_network(), self.describe_elasticity()]
+    }
+
+    fn describe_network(&self) -> String {
+        let thickness = match self.thickness_angstrom {
+            Some(thickness) => format!(" (thickness {thickness} Å)"),
+            None => String::new(),
+        };
+        let mut vectors = Vec::new();
+        for vector in &self.cell_angstrom {
+            vectors.push(format!("({})", fixed(vector, 4)));
+        }
+        format!(
             "{}: {} nodes, {} rods, {} hinges, {} torsions\ncell: {} Å, volume {:.4} Å³{thickness}\nN_A: {:e} /mol, 1 \
              kcal/mol/Å³ = {:.7} GPa",
             self.network,
@@ -366,36 +367,25 @@ impl Report {
             self.volume_angstrom3,
             self.avogadro_per_mol,
             self.gpa_per_kcal_mol_angstrom3
-        );
-        let matrix = |c: &[Vec<f64>]| -> String {
-            let largest = c
-                .iter()
-                .flatten()
-                .fold(0.0_f64, |most, x| most.max(x.abs()));
-            // Show values that are zero up to rounding as zero.
-            let tidy = |x: f64| if x.abs() < 1e-9 * largest { 0.0 } else { x };
-            let line = |row: &Vec<f64>| {
-                row.iter()
-                    .map(|x| format!("{:>14}", rounded(tidy(*x), 4)))
-                    .collect::<String>()
-            };
-            c.iter().map(line).collect::<Vec<_>>().join("\n")
-        };
+        )
+    }
+
+    fn describe_elasticity(&self) -> String {
         let order = self.strain_order.join(", ");
         let m = &self.maxwell;
-        let mechanisms = match self.mechanisms.as_slice() {
+        let mut mechanisms = Vec::new();
+        for mechanism in &self.mechanisms {
+            mechanisms.push(format!("({})", fixed(&mechanism.strain, 4)));
+        }
+        let mechanisms = match mechanisms.as_slice() {
             [] => "none".to_owned(),
-            found => found
-                .iter()
-                .map(|m| format!("({})", fixed(&m.strain, 4)))
-                .collect::<Vec<_>>()
-                .join(" "),
+            found => found.join(" "),
         };
         let internal = match self.internal_mechanisms {
             Some(count) => format!("{count} floppy motions of the nodes at fixed cell"),
             None => "floppy motions of the nodes not counted".into(),
         };
-        let tail = format!(
+        format!(
             "C with relaxed nodes, GPa ({order}):\n{}\nC with clamped nodes, GPa:\n{}\nMaxwell: {} freedoms, {} springs, \
              excess {:+}\nzero-energy strains ({order}): {mechanisms}; {internal}",
             matrix(&self.c_gpa),
@@ -403,9 +393,28 @@ impl Report {
             m.freedoms,
             m.springs,
             m.excess
-        );
-        [head, tail]
+        )
     }
+}
+
+/// A matrix as lines of numbers.
+fn matrix(rows: &[Vec<f64>]) -> String {
+    let mut largest = 0.0_f64;
+    for value in rows.iter().flatten() {
+        largest = largest.max(value.abs());
+    }
+    let mut lines = Vec::with_capacity(rows.len());
+    for row in rows {
+        let mut line = String::new();
+        for value in row {
+            // Show values that are zero up to rounding as zero.
+            let is_zero = value.abs() < 1e-9 * largest;
+            let shown = if is_zero { 0.0 } else { *value };
+            line += &format!("{:>14}", rounded(shown, 4));
+        }
+        lines.push(line);
+    }
+    lines.join("\n")
 }
 
 fn field(moduli: &AxialModuli, key: &str) -> Option<f64> {

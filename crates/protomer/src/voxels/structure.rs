@@ -106,62 +106,24 @@ pub fn voxelize_structure(entry: &Entry, settings: &VoxelizeSettings) -> Outcome
 }
 
 fn sample(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Sample> {
+    let content = read(entry, settings)?;
+    let amino_acids = amino_acids_of(&content, settings)?;
     let Content {
-        sites,
-        incomplete,
-        warnings,
-    } = read(entry, settings)?;
-    let amino_acids: Vec<AminoAcid> = sites
-        .residues
-        .iter()
-        .filter_map(|residue| amino_acid(&residue.name))
-        .collect();
-    if amino_acids.is_empty() {
-        let error = anyhow!(
-            "none of the {} residues is an amino acid",
-            sites.residues.len()
-        );
-        return Err(Excluded(Reason::NoProtein, error));
-    }
-    if incomplete as f64 > settings.most_incomplete * amino_acids.len() as f64 {
-        let count = amino_acids.len();
-        let error =
-            anyhow!("{incomplete} of {count} residues lack heavy atoms, as in a trace of Cα atoms");
-        return Err(Excluded(Reason::Truncated, error));
-    }
-    let sphere = |site: &protomer_body::Site| ChargedSphere {
-        centre: site.position + sites.origin_angstrom,
-        radius_angstrom: site.radius_angstrom,
-        charge_e: site.charge_e,
-    };
-    let mut atoms: Vec<VoxelAtom> = sites
-        .sites
-        .iter()
-        .map(|site| VoxelAtom {
-            sphere: sphere(site),
-            residue: site.residue,
-        })
-        .collect();
+        sites, warnings, ..
+    } = content;
+    let mut atoms = atoms_of(&sites);
     let positions: Vec<Vec3> = atoms.iter().map(|atom| atom.sphere.centre).collect();
     let rotation = settings
         .orientation
         .rotation(&positions, settings.seed, key_of(&entry.name));
     let middle = pose(&mut atoms, &rotation);
     let lattice = lattice(&atoms, settings).map_err(|error| Excluded(Reason::TooLarge, error))?;
-    let failed = |error: anyhow::Error| Excluded(Reason::Failed, error);
-    let voxel_settings = settings.voxel_settings().map_err(failed)?;
-    let hydropathy: Vec<Option<f64>> = sites
-        .residues
-        .iter()
-        .map(|residue| residue.hydropathy)
-        .collect();
-    let voxels = voxelise(&atoms, &hydropathy, &lattice, &voxel_settings).map_err(|error| {
-        let reason = match error {
-            FieldError::NotConverged { .. } | FieldError::ChargeOutside { .. } => Reason::Potential,
-            _ => Reason::Failed,
-        };
-        Excluded(reason, error.into())
-    })?;
+    let voxel_settings = settings.voxel_settings();
+    let voxel_settings = voxel_settings.map_err(|error| Excluded(Reason::Failed, error))?;
+    let residues = sites.residues.iter();
+    let hydropathy: Vec<Option<f64>> = residues.map(|residue| residue.hydropathy).collect();
+    let voxels = voxelise(&atoms, &hydropathy, &lattice, &voxel_settings);
+    let voxels = voxels.map_err(no_voxels)?;
     check_values(&voxels, &settings.channels)
         .map_err(|error| Excluded(Reason::Potential, error))?;
     let properties = Properties {
@@ -179,6 +141,51 @@ fn sample(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Sample> {
         voxels,
         warnings,
     })
+}
+
+/// The amino acids of a structure, if it has any and enough of them are complete.
+fn amino_acids_of(content: &Content, settings: &VoxelizeSettings) -> Checked<Vec<AminoAcid>> {
+    let residues = &content.sites.residues;
+    let mut amino_acids = Vec::with_capacity(residues.len());
+    for residue in residues {
+        amino_acids.extend(amino_acid(&residue.name));
+    }
+    if amino_acids.is_empty() {
+        let error = anyhow!("none of the {} residues is an amino acid", residues.len());
+        return Err(Excluded(Reason::NoProtein, error));
+    }
+    let (incomplete, count) = (content.incomplete, amino_acids.len());
+    if incomplete as f64 > settings.most_incomplete * count as f64 {
+        let error =
+            anyhow!("{incomplete} of {count} residues lack heavy atoms, as in a trace of Cα atoms");
+        return Err(Excluded(Reason::Truncated, error));
+    }
+    Ok(amino_acids)
+}
+
+/// The atoms in the coordinates of the file.
+fn atoms_of(sites: &ChargedSites) -> Vec<VoxelAtom> {
+    let mut atoms = Vec::with_capacity(sites.sites.len());
+    for site in &sites.sites {
+        let sphere = ChargedSphere {
+            centre: site.position + sites.origin_angstrom,
+            radius_angstrom: site.radius_angstrom,
+            charge_e: site.charge_e,
+        };
+        atoms.push(VoxelAtom {
+            sphere,
+            residue: site.residue,
+        });
+    }
+    atoms
+}
+
+fn no_voxels(error: FieldError) -> Excluded {
+    let reason = match error {
+        FieldError::NotConverged { .. } | FieldError::ChargeOutside { .. } => Reason::Potential,
+        _ => Reason::Failed,
+    };
+    Excluded(reason, error.into())
 }
 
 /// Whether a set can keep the values.
@@ -203,12 +210,10 @@ struct Content {
 }
 
 fn read(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Content> {
-    let unreadable = |error: anyhow::Error| Excluded(Reason::Unreadable, error);
     let file = InputFile::read(&entry.path).map_err(unreadable)?;
     if Format::of_name(&file.name) == Some(Format::Pqr) {
-        let points =
-            read_points(&file.name, &file.bytes).map_err(|error| unreadable(error.into()))?;
-        let sites = sites_of_points(&points).map_err(|error| unreadable(error.into()))?;
+        let points = read_points(&file.name, &file.bytes).map_err(unreadable)?;
+        let sites = sites_of_points(&points).map_err(unreadable)?;
         let warnings = of_ending(&Ending::of_pqr(&String::from_utf8_lossy(&file.bytes)))?;
         return Ok(Content {
             sites,
@@ -216,8 +221,7 @@ fn read(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Content> {
             warnings,
         });
     }
-    let structure =
-        Structure::read(&file.name, &file.bytes).map_err(|error| unreadable(error.into()))?;
+    let structure = Structure::read(&file.name, &file.bytes).map_err(unreadable)?;
     let mut warnings = of_ending(&structure.ending)?;
     // With these settings the selection fails only if nothing remains without nucleic acids,
     // ligands and water.
@@ -237,6 +241,10 @@ fn read(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Content> {
         incomplete: selection.report.incomplete.len(),
         warnings: at_most(MOST_WARNINGS, warnings),
     })
+}
+
+fn unreadable(error: impl Into<anyhow::Error>) -> Excluded {
+    Excluded(Reason::Unreadable, error.into())
 }
 
 /// Refuses a file that was cut off, because half a protein is not a valid sample. Warns if the file
@@ -295,27 +303,20 @@ fn lattice(atoms: &[VoxelAtom], settings: &VoxelizeSettings) -> Result<Lattice> 
 fn radius_of_gyration(positions: &[Vec3]) -> f64 {
     let count = positions.len().max(1) as f64;
     let middle = positions.iter().sum::<Vec3>() / count;
-    (positions
-        .iter()
-        .map(|position| (position - middle).norm_squared())
-        .sum::<f64>()
-        / count)
-        .sqrt()
+    let mut squares = 0.0;
+    for position in positions {
+        squares += (position - middle).norm_squared();
+    }
+    (squares / count).sqrt()
 }
 
 fn extents(atoms: &[VoxelAtom]) -> [f64; 3] {
     let positions: Vec<Vec3> = atoms.iter().map(|atom| atom.sphere.centre).collect();
     let (rotation, _) = principal_axes(&positions);
-    let turned: Vec<VoxelAtom> = atoms
-        .iter()
-        .map(|atom| VoxelAtom {
-            sphere: ChargedSphere {
-                centre: rotation * atom.sphere.centre,
-                ..atom.sphere
-            },
-            ..*atom
-        })
-        .collect();
+    let mut turned = atoms.to_vec();
+    for atom in &mut turned {
+        atom.sphere.centre = rotation * atom.sphere.centre;
+    }
     let (low, high) = bounds(&turned);
     let mut extents: [f64; 3] = (high - low).into();
     extents.sort_by(|a, b| b.total_cmp(a));
@@ -326,10 +327,7 @@ fn composition(amino_acids: &[AminoAcid]) -> [f64; 20] {
     let letters = letters();
     let mut shares = [0.0; 20];
     for amino_acid in amino_acids {
-        if let Some(place) = letters
-            .iter()
-            .position(|letter| *letter == amino_acid.letter())
-        {
+        if let Ok(place) = letters.binary_search(&amino_acid.letter()) {
             shares[place] += 1.0 / amino_acids.len() as f64;
         }
     }
