@@ -1,4 +1,4 @@
-//! Errors as Python exceptions: one for each kind of thing that a user can do something about.
+//! Errors as Python exceptions: one for each kind of error that a user can act on.
 
 use protomer_body::BodyError;
 use protomer_crystal::CrystalError;
@@ -110,7 +110,7 @@ pub fn exception(error: &anyhow::Error) -> PyErr {
     ProtomerError::new_err(message)
 }
 
-/// The error of a kernel that this is, or that another crate passes on as its own.
+/// The kernel error that this is, or that another crate passes on.
 fn kernel_error<'a>(cause: &'a (dyn std::error::Error + 'static)) -> Option<&'a KernelError> {
     if let Some(McError::Kernel(error)) = cause.downcast_ref() {
         return Some(error);
@@ -121,7 +121,7 @@ fn kernel_error<'a>(cause: &'a (dyn std::error::Error + 'static)) -> Option<&'a 
     cause.downcast_ref()
 }
 
-/// With the place as attributes.
+/// Adds the location as attributes.
 fn parse_error(message: String, path: &str, line: usize) -> PyErr {
     let error = ParseError::new_err(message);
     Python::attach(|py| {

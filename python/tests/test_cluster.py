@@ -104,7 +104,7 @@ def test_a_set_goes_on_with_the_parts_of_an_earlier_call(manifest, tmp_path, cli
     pm.voxelize(**voxelize, progress=lambda *news: heard.append(news))
     assert heard == [(1, 3, "parts"), (2, 3, "parts"), (3, 3, "parts")]
     assert [path.name for path in tmp_path.iterdir()] == ["set.zarr"]
-    # Complete, there is nothing for workers to do; another set is no reason to overwrite it.
+    # A complete set leaves nothing for the workers; another set must not be overwritten.
     assert pm.voxelize(**voxelize, progress=lambda *news: heard.append(news)).state == "nothing-to-do"
     with pytest.raises(pm.ProtomerError, match="holds another set"):
         pm.voxelize(**{**voxelize, "seed": 4})

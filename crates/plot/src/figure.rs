@@ -52,6 +52,14 @@ pub struct Figure {
 }
 
 /// One panel.
+///
+/// ```
+/// use protomer_plot::{Axis, Panel, Series};
+/// let replicas = vec![[0.01, 52.0], [0.1, 60.0]];
+/// let dots = Series { name: "single runs".into(), replicas, ..Series::default() };
+/// let panel = Panel { y: Axis::linear("R_g (Å)"), series: vec![dots] };
+/// assert_eq!(panel.series.len(), 1);
+/// ```
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Panel {
@@ -62,6 +70,14 @@ pub struct Panel {
 }
 
 /// An axis.
+///
+/// ```
+/// use protomer_plot::Axis;
+/// let salt = Axis::log("salt (mM)");
+/// let fraction = Axis::linear("native contacts left").with_range(0.0, 1.05);
+/// assert!(salt.log && salt.range.is_none());
+/// assert_eq!(fraction.range, Some([0.0, 1.05]));
+/// ```
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Axis {
@@ -74,6 +90,16 @@ pub struct Axis {
 }
 
 /// Points of one colour.
+///
+/// ```
+/// use protomer_plot::{Point, Series};
+/// let points = vec![
+///     Point { x: 0.01, y: 52.0, error: Some(0.5) },
+///     Point { x: 0.1, y: 60.0, error: None },
+/// ];
+/// let curve = Series { name: "dimer".into(), points, line: true, ..Series::default() };
+/// assert!(curve.replicas.is_empty());
+/// ```
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Series {
@@ -193,6 +219,16 @@ impl Figure {
     ///
     /// # Errors
     /// If it is damaged.
+    ///
+    /// ```
+    /// use protomer_plot::{Axis, Figure, Panel, Series};
+    /// let series = Series { replicas: vec![[1.0, 2.0], [3.0, 4.0]], ..Series::default() };
+    /// let panels = vec![Panel { y: Axis::linear("y"), series: vec![series] }];
+    /// let figure = Figure { x: Axis::linear("x"), panels, ..Figure::default() };
+    /// let (embedded, _) = Figure::from_svg(&figure.to_svg()?)?.unwrap();
+    /// assert_eq!(embedded, figure);
+    /// # Ok::<(), protomer_plot::PlotError>(())
+    /// ```
     pub fn from_svg(svg: &str) -> Result<Option<(Self, String)>> {
         source::take(svg)
     }

@@ -8,6 +8,14 @@ use protomer_io::atomic::write_atomically;
 use std::path::Path;
 
 /// A square matrix to be shown.
+///
+/// ```no_run
+/// use protomer_plot::HeatMap;
+/// use std::path::Path;
+/// let map = HeatMap { title: "identity".into(), size: 2, values: vec![1.0, 0.0, 0.0, 1.0] };
+/// HeatMap::write_svg(&[map], "Two squares", 1, Path::new("indices.svg"))?;
+/// # Ok::<(), protomer_plot::PlotError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeatMap {
     /// Written above it.

@@ -14,6 +14,14 @@ const LARGEST_INPUT_BYTES: u64 = 2_000_000_000;
 const STRUCTURE_ENDINGS: [&str; 5] = ["pdb", "ent", "cif", "mmcif", "pqr"];
 
 /// A file in memory.
+///
+/// ```
+/// use protomer::input::InputFile;
+/// use std::path::Path;
+/// let file = InputFile::read(Path::new("../../data/structures/5pti.cif.gz"))?;
+/// assert!(file.bytes.starts_with(b"data_5PTI"));
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct InputFile {
     /// Name as the user gave it.
@@ -61,6 +69,13 @@ impl InputFile {
 ///
 /// # Errors
 /// If a path does not exist, or a folder holds no structure files.
+///
+/// ```
+/// use std::path::PathBuf;
+/// let files = protomer::input::expand(&[PathBuf::from("../../data/structures")])?;
+/// assert!(files.iter().any(|file| file.ends_with("5pti.cif.gz")));
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn expand(inputs: &[PathBuf]) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for input in inputs {
@@ -107,6 +122,11 @@ fn is_structure(path: &Path) -> bool {
 }
 
 /// The file name without folder and extensions: `5pti` for `data/5pti.pdb.gz`.
+///
+/// ```
+/// use std::path::Path;
+/// assert_eq!(protomer::input::stem(Path::new("data/5pti.pdb.gz")), "5pti");
+/// ```
 pub fn stem(path: &Path) -> String {
     let name = path
         .file_name()

@@ -8,6 +8,16 @@ use std::path::Path;
 ///
 /// # Errors
 /// If it already exists and `force` is not set, or it cannot be written.
+///
+/// ```
+/// use protomer::output_file::write_once;
+/// # let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("network.toml");
+/// write_once(&path, "nodes = []", false)?;
+/// assert!(write_once(&path, "nodes = []", false).is_err());
+/// write_once(&path, "nodes = []", true)?;
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn write_once(path: &Path, text: &str, force: bool) -> Result<()> {
     refuse_to_overwrite(path, force)?;
     Ok(write_atomically(path, |file| {

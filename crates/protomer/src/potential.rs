@@ -239,6 +239,20 @@ fn place(words: &[&str]) -> Option<Vec3> {
 ///
 /// # Errors
 /// For a file that cannot be read, and as [`protomer_field::solve`].
+///
+/// ```no_run
+/// use protomer::potential::potential_of_file;
+/// use protomer_field::{DielectricModel, PotentialModel, SolveSettings};
+/// use protomer_kernel::Electrolyte;
+/// use std::path::Path;
+/// let salt_molar = 0.15;
+/// let dielectric = DielectricModel::new(Electrolyte::in_water(298.15, salt_molar)?);
+/// let (settings, model) = (SolveSettings::default(), PotentialModel::PoissonBoltzmann);
+/// let (field, report) =
+///     potential_of_file(Path::new("5pti.pqr"), &dielectric, &settings, model, true, None)?;
+/// println!("{:?}: {:?} kJ/mol", field.grid.shape, report.solvation_energy_kj_mol);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn potential_of_file(
     path: &Path,
     dielectric: &DielectricModel,

@@ -102,6 +102,14 @@ pub fn significant(value: f64, digits: usize) -> String {
     format!("{number}{exponent}").replace('-', "−")
 }
 
+/// A number with `digits` significant digits, or a dash if it is unknown.
+pub fn significant_or_dash(value: Option<f64>, digits: usize) -> String {
+    match value {
+        Some(value) => significant(value, digits),
+        None => "–".to_owned(),
+    }
+}
+
 /// A salt concentration (mol/L) in mmol/L.
 pub fn millimolar(salt_molar: f64) -> String {
     significant(1e3 * salt_molar, 6)

@@ -80,34 +80,26 @@ pub fn collect(
             ));
         }
     };
-    let vertices: usize = shown
-        .meshes
-        .iter()
-        .map(|shown| shown.mesh.vertices.len())
-        .sum();
+    let meshes = shown.meshes.iter();
+    let vertices: usize = meshes.map(|shown| shown.mesh.vertices.len()).sum();
     if vertices > MOST_VERTICES {
         let note = format!(
             "The surfaces have {vertices} vertices, which is more than a page can show ({MOST_VERTICES})."
         );
         return Ok(without(collected, note));
     }
-    let alone = shown
-        .meshes
-        .iter()
-        .enumerate()
-        .map(|(number, shown)| Scene {
+    let mut scenes = Vec::new();
+    for (number, shown) in shown.meshes.iter().enumerate() {
+        scenes.push(Scene {
             name: format!("body {}", shown.name),
             bodies: vec![(number, Pose::identity())],
         });
-    let mut scenes: Vec<Scene> = alone.collect();
+    }
     let (states, unread) = states(collected.assembly.as_ref(), &trajectories, periodic_box);
     scenes.extend(states);
     collected.notes.extend(unread);
-    let many = scenes
-        .iter()
-        .map(|scene| scene.bodies.len())
-        .max()
-        .unwrap_or(0);
+    let numbers = scenes.iter().map(|scene| scene.bodies.len());
+    let many = numbers.max().unwrap_or(0);
     if many > MOST_BODIES {
         collected.notes.push(format!(
             "States of {many} bodies are not drawn; OVITO opens the trajectories."
@@ -119,11 +111,9 @@ pub fn collect(
     Ok(collected)
 }
 
-fn without(collected: Collected, note: String) -> Collected {
-    Collected {
-        notes: collected.notes.into_iter().chain([note]).collect(),
-        ..collected
-    }
+fn without(mut collected: Collected, note: String) -> Collected {
+    collected.notes.push(note);
+    collected
 }
 
 fn find_assembly(
@@ -131,18 +121,16 @@ fn find_assembly(
     record: Option<&Record>,
     given: Option<&Path>,
 ) -> Result<Assembly> {
-    let named = record.and_then(|record| {
-        record
-            .details
-            .get("assembly")?
-            .as_str()
-            .map(|path| directory.join(path))
-    });
-    let Some(path) = given.map(Path::to_owned).or(named) else {
-        bail!("run.json names no assembly")
+    let named = record.and_then(|record| record.details["assembly"].as_str());
+    let path = match (given, named) {
+        (Some(given), _) => given.to_owned(),
+        (None, Some(named)) => directory.join(named),
+        (None, None) => bail!("run.json names no assembly"),
     };
     let assembly = Assembly::read(&path)?;
-    if record.is_some_and(|record| record.input_sha256 != assembly.sha256) {
+    if let Some(record) = record
+        && record.input_sha256 != assembly.sha256
+    {
         bail!(
             "{} or a body of it is not what these results were made from",
             path.display()
@@ -153,18 +141,14 @@ fn find_assembly(
 
 /// The first replica's trajectory of each salt concentration that has one.
 fn trajectories(directory: &Path, settings: &RunSettings) -> Vec<(f64, PathBuf)> {
-    let of = |salt: &f64| {
-        (
-            *salt,
-            replica_directory(directory, *salt, 0).join("trajectory.gsd"),
-        )
-    };
-    settings
-        .salt_molar
-        .iter()
-        .map(of)
-        .filter(|(_, path)| path.is_file())
-        .collect()
+    let mut trajectories = Vec::new();
+    for salt in &settings.salt_molar {
+        let path = replica_directory(directory, *salt, 0).join("trajectory.gsd");
+        if path.is_file() {
+            trajectories.push((*salt, path));
+        }
+    }
+    trajectories
 }
 
 /// The initial and the final states, with errors for those that cannot be read.
@@ -173,20 +157,14 @@ fn states(
     trajectories: &[(f64, PathBuf)],
     periodic_box: Option<[f64; 3]>,
 ) -> (Vec<Scene>, Vec<String>) {
-    let start = assembly.iter().map(|assembly| {
-        let bodies = assembly
-            .kinds
-            .iter()
-            .copied()
-            .zip(assembly.poses.iter().copied())
-            .collect();
-        Scene {
+    let (mut scenes, mut unread) = (Vec::new(), Vec::new());
+    if let Some(assembly) = assembly {
+        let kinds = assembly.kinds.iter().copied();
+        scenes.push(Scene {
             name: "the start".into(),
-            bodies,
-        }
-    });
-    let mut scenes: Vec<Scene> = start.collect();
-    let mut unread = Vec::new();
+            bodies: kinds.zip(assembly.poses.iter().copied()).collect(),
+        });
+    }
     let step = trajectories.len().div_ceil(MOST_ENDS).max(1);
     for (salt, path) in trajectories.iter().step_by(step) {
         match last_frame(path) {
@@ -198,9 +176,9 @@ fn states(
         }
     }
     if let Some(lengths) = assembly.map_or(periodic_box, Assembly::box_angstrom) {
-        scenes
-            .iter_mut()
-            .for_each(|scene| gather(&mut scene.bodies, lengths));
+        for scene in &mut scenes {
+            gather(&mut scene.bodies, lengths);
+        }
     }
     (scenes, unread)
 }
@@ -209,13 +187,12 @@ fn states(
 /// one piece.
 fn gather(bodies: &mut [(usize, Pose)], lengths: [f64; 3]) {
     for (axis, length) in lengths.into_iter().enumerate() {
-        let angles = bodies
-            .iter()
-            .map(|(_, pose)| TAU * pose.position[axis] / length);
-        let (sine, cosine) = angles.fold((0.0, 0.0), |(s, c), angle| {
-            (s + angle.sin(), c + angle.cos())
-        });
-        let middle = sine.atan2(cosine) / TAU * length;
+        let (mut sine, mut cosine) = (0.0, 0.0);
+        for (_, pose) in bodies.iter() {
+            let angle = TAU * pose.position[axis] / length;
+            (sine, cosine) = (sine + angle.sin(), cosine + angle.cos());
+        }
+        let middle: f64 = sine.atan2(cosine) / TAU * length;
         for (_, pose) in bodies.iter_mut() {
             let offset = pose.position[axis] - middle;
             pose.position[axis] = middle + offset - length * (offset / length).round();
@@ -227,52 +204,39 @@ fn gather(bodies: &mut [(usize, Pose)], lengths: [f64; 3]) {
 /// hydropathy.
 fn coloured(bodies: &[std::sync::Arc<Body>], settings: &RunSettings) -> Shown {
     let mut shown = Shown::default();
-    shown.meshes.extend(bodies.iter().map(|body| ShownMesh {
-        name: body.name.clone(),
-        mesh: body.mesh.clone(),
-        values: Vec::new(),
-    }));
-    let mut salts: Vec<f64> = settings
-        .salt_molar
-        .first()
-        .into_iter()
-        .chain(settings.salt_molar.last())
-        .copied()
-        .collect();
+    for body in bodies {
+        shown.meshes.push(ShownMesh {
+            name: body.name.clone(),
+            mesh: body.mesh.clone(),
+            values: Vec::new(),
+        });
+    }
+    let mut salts: Vec<f64> = settings.salt_molar.first().copied().into_iter().collect();
+    salts.extend(settings.salt_molar.last());
     salts.dedup();
-    let potentials: Vec<(f64, Yukawa)> = salts
-        .iter()
-        .filter_map(|salt| Some((*salt, uncut(settings, *salt)?)))
-        .collect();
-    let values: Vec<Vec<Vec<f64>>> = potentials
-        .iter()
-        .map(|(_, yukawa)| {
-            bodies
-                .iter()
-                .map(|body| potential_at_vertices(body, yukawa))
-                .collect()
-        })
-        .collect();
-    let limit = limit_of(values.iter().flatten().flatten().copied());
-    for ((salt, _), of_bodies) in potentials.iter().zip(values) {
+    let mut potentials = Vec::new();
+    for salt in salts {
+        if let Some(yukawa) = uncut(settings, salt) {
+            let of_body = |body: &std::sync::Arc<Body>| potential_at_vertices(body, &yukawa);
+            potentials.push((salt, bodies.iter().map(of_body).collect::<Vec<_>>()));
+        }
+    }
+    let values = potentials.iter().flat_map(|(_, of_bodies)| of_bodies);
+    let limit = limit_of(values.flatten().copied());
+    for (salt, of_bodies) in potentials {
         shown.colourings.push(Colouring {
-            name: format!("potential at {} mM", millimolar(*salt)),
+            name: format!("potential at {} mM", millimolar(salt)),
             unit: "screened potential of the body's charges, kT/e; beyond the ends: as at the ends"
                 .into(),
             limit,
             colours: ["#c0282d", "#f7f7f7", "#2457b8"],
         });
-        shown
-            .meshes
-            .iter_mut()
-            .zip(of_bodies)
-            .for_each(|(mesh, values)| mesh.values.push(values));
+        for (mesh, values) in shown.meshes.iter_mut().zip(of_bodies) {
+            mesh.values.push(values);
+        }
     }
-    if bodies.iter().any(|body| {
-        body.residues
-            .iter()
-            .any(|residue| residue.hydropathy.is_some())
-    }) {
+    let mut residues = bodies.iter().flat_map(|body| &body.residues);
+    if residues.any(|residue| residue.hydropathy.is_some()) {
         shown.colourings.push(Colouring {
             name: "hydropathy".into(),
             unit: format!(
@@ -281,12 +245,9 @@ fn coloured(bodies: &[std::sync::Arc<Body>], settings: &RunSettings) -> Shown {
             limit: 4.5,
             colours: ["#1b8a9e", "#f7f7f7", "#b8741a"],
         });
-        let values = bodies.iter().map(|body| hydropathy_at_vertices(body));
-        shown
-            .meshes
-            .iter_mut()
-            .zip(values)
-            .for_each(|(mesh, values)| mesh.values.push(values));
+        for (mesh, body) in shown.meshes.iter_mut().zip(bodies) {
+            mesh.values.push(hydropathy_at_vertices(body));
+        }
     }
     shown
 }
@@ -304,27 +265,22 @@ fn uncut(settings: &RunSettings, salt_molar: f64) -> Option<Yukawa> {
 
 /// φ(r) = λ_B Σ q exp(-κ d)/d over the charges at distance d, kT/e.
 fn potential_at_vertices(body: &Body, yukawa: &Yukawa) -> Vec<f64> {
-    let charged: Vec<(Vec3, f64)> = body
-        .sites
-        .iter()
-        .filter(|site| site.charge_e != 0.0)
-        .map(|site| (site.position, site.charge_e))
-        .collect();
-    let at = |vertex: &Vec3| -> f64 {
-        charged
-            .iter()
-            .map(|(place, charge)| charge * yukawa.energy_kt((vertex - place).norm()))
-            .sum()
+    let at = |vertex: &Vec3| {
+        let mut potential = 0.0;
+        for site in &body.sites {
+            if site.charge_e != 0.0 {
+                let distance = (vertex - site.position).norm();
+                potential += site.charge_e * yukawa.energy_kt(distance);
+            }
+        }
+        potential
     };
     body.mesh.vertices.par_iter().map(at).collect()
 }
 
 fn hydropathy_at_vertices(body: &Body) -> Vec<f64> {
-    let values: Vec<Option<f64>> = body
-        .residues
-        .iter()
-        .map(|residue| residue.hydropathy)
-        .collect();
+    let residues = body.residues.iter();
+    let values: Vec<Option<f64>> = residues.map(|residue| residue.hydropathy).collect();
     let places = body.sites.iter().map(|site| (site.position, site.residue));
     let map = HydropathyMap::new(places, &values, HYDROPATHY_REACH_ANGSTROM);
     body.mesh

@@ -16,6 +16,23 @@ const IDENTITY: &str = "identity";
 /// A state in bytes. Every serialisable struct is a checkpoint: JSON in a container with a
 /// checksum, which also holds the identity of the work. An engine with a format of its own
 /// implements this trait.
+///
+/// ```
+/// use protomer_results::checkpoint::{read, write};
+/// use serde::{Deserialize, Serialize};
+///
+/// #[derive(Debug, PartialEq, Serialize, Deserialize)]
+/// struct State {
+///     step: u64,
+/// }
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// let path = folder.path().join("checkpoint.bin");
+/// write(&path, "walk", "identity", &State { step: 7 })?;
+/// assert_eq!(read(&path, "walk", "identity")?, Some(State { step: 7 }));
+/// assert!(read::<State>(&path, "walk", "another identity").is_err());
+/// # Ok::<(), protomer_results::Error>(())
+/// ```
 pub trait Checkpoint: Sized {
     /// The bytes of a checkpoint of this kind, which belongs to the work of this identity.
     ///

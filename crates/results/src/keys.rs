@@ -37,6 +37,24 @@ pub fn from_json<T: DeserializeOwned>(path: &Path, bytes: &[u8]) -> Result<T> {
 ///
 /// # Errors
 /// Names the file, line, and key; for an unknown key the nearest valid one.
+///
+/// ```
+/// use protomer_results::keys::from_toml;
+/// use serde::Deserialize;
+/// use std::path::Path;
+///
+/// #[derive(Debug, Deserialize)]
+/// #[serde(deny_unknown_fields)]
+/// struct Walk {
+///     sweeps: u64,
+/// }
+///
+/// let path = Path::new("run.toml");
+/// assert_eq!(from_toml::<Walk>(path, "sweeps = 3")?.sweeps, 3);
+/// let error = from_toml::<Walk>(path, "sweps = 3").unwrap_err();
+/// assert!(error.to_string().ends_with("did you mean 'sweeps'?"));
+/// # Ok::<(), protomer_results::Error>(())
+/// ```
 pub fn from_toml<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T> {
     toml::from_str(text).map_err(|error| {
         let line = error.span().map_or(1, |span| {
@@ -110,6 +128,12 @@ fn with_hint(message: &str) -> String {
 }
 
 /// The known word nearest to a misspelt one, if any is close.
+///
+/// ```
+/// use protomer_results::keys::nearest;
+/// assert_eq!(nearest("hexgon", ["square", "hexagon"]), Some("hexagon"));
+/// assert_eq!(nearest("circle", ["hexagon"]), None);
+/// ```
 pub fn nearest<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let nearest = known
         .into_iter()

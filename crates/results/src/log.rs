@@ -30,6 +30,39 @@ pub struct LogMark {
 }
 
 /// A log that is being written.
+///
+/// ```
+/// use protomer_results::{Log, LogMark, Row, log};
+///
+/// #[derive(Debug, PartialEq)]
+/// struct Position(f64);
+///
+/// impl Row for Position {
+///     fn columns() -> Vec<&'static str> {
+///         vec!["position"]
+///     }
+///
+///     fn to_line(&self) -> String {
+///         self.0.to_string()
+///     }
+///
+///     fn from_line(line: &str) -> Option<Self> {
+///         line.parse().ok().map(Self)
+///     }
+/// }
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// let path = folder.path().join("log.csv");
+/// let mut log = Log::open::<Position>(&path, &LogMark::default())?;
+/// log.append(&Position(0.1))?;
+/// let mark = log.sync()?;
+/// log.append(&Position(0.2))?;
+/// log.sync()?;
+/// // A run that continues from the first mark drops the second row.
+/// Log::open::<Position>(&path, &mark)?.sync()?;
+/// assert_eq!(log::read::<Position>(&path)?, [Position(0.1)]);
+/// # Ok::<(), protomer_results::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct Log {
     path: PathBuf,

@@ -28,6 +28,11 @@ pub struct Work {
 }
 
 /// How a run ended.
+///
+/// ```
+/// use protomer_results::Exit;
+/// assert_eq!(Exit::failed(&"the energy is NaN").word(), "failed");
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Exit {
     /// Not ended: a process is working on it, or was killed.

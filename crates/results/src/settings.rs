@@ -63,6 +63,19 @@ pub fn identity(settings: &impl Settings, input_sha256: &str) -> Result<String> 
 ///
 /// # Errors
 /// [`Error::Unwritable`] if one of them cannot be represented in TOML.
+///
+/// ```
+/// use protomer_results::settings::differences;
+/// use serde::Serialize;
+///
+/// #[derive(Serialize)]
+/// struct Walk {
+///     seed: u64,
+/// }
+///
+/// assert_eq!(differences(&Walk { seed: 1 }, &Walk { seed: 2 })?, "seed: 1 there, 2 here");
+/// # Ok::<(), protomer_results::Error>(())
+/// ```
 pub fn differences<S: Serialize>(there: &S, here: &S) -> Result<String> {
     let (there, here) = (flat(there)?, flat(here)?);
     let keys: BTreeSet<&String> = there.keys().chain(here.keys()).collect();

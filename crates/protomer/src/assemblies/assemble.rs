@@ -196,6 +196,21 @@ pub struct StructureSettings {
 ///
 /// # Errors
 /// Without `relax`, chains that overlap as hard bodies are an error that lists the pairs.
+///
+/// ```no_run
+/// use protomer::answer::Answer;
+/// use protomer::assemblies::assemble::{StructureSettings, assemble_structure};
+/// use protomer_body::BodySettings;
+/// use std::path::Path;
+/// let settings = StructureSettings {
+///     body: BodySettings::default(),
+///     relax: true,
+///     box_angstrom: Some([300.0; 3]),
+/// };
+/// let assembly = assemble_structure(Path::new("6mdr.cif.gz"), Path::new("6mdr"), &settings)?;
+/// println!("{}", assembly.text());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn assemble_structure(
     input: &Path,
     folder: &Path,

@@ -20,6 +20,20 @@ use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
 /// An assembly as written in its file.
+///
+/// ```
+/// use protomer::assemblies::assembly_file::AssemblyFile;
+/// let text = r#"{
+///     "box_angstrom": [600, 600, 600],
+///     "bodies": [{"name": "a", "file": "a.body"}],
+///     "placements": [
+///         {"body": "a", "position_angstrom": [0, 0, 0], "orientation_wxyz": [1, 0, 0, 0]}
+///     ]
+/// }"#;
+/// let file: AssemblyFile = serde_json::from_str(text)?;
+/// assert_eq!(file.placements[0].body, "a");
+/// # Ok::<(), serde_json::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AssemblyFile {
@@ -72,6 +86,14 @@ impl Placement {
 }
 
 /// An assembly with its bodies loaded.
+///
+/// ```no_run
+/// use protomer::assemblies::assembly_file::Assembly;
+/// use std::path::Path;
+/// let assembly = Assembly::read(Path::new("6mdr/assembly.json"))?;
+/// println!("{} bodies of {} kinds", assembly.len(), assembly.bodies.len());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Assembly {
     /// The kinds of bodies.

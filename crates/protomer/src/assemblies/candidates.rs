@@ -72,6 +72,22 @@ fn letters(up: &[bool]) -> String {
 /// # Errors
 /// If the numbers do not describe a ring or stack, a recipe does not fit the bodies, or a file
 /// cannot be read or written.
+///
+/// ```no_run
+/// use protomer::assemblies::candidates::{CandidatesSettings, candidates};
+/// use protomer_body::assembly::Symmetry;
+/// let settings = CandidatesSettings {
+///     bodies: vec!["a.body".into(), "b.body".into()],
+///     ring: 6,
+///     stack: 2,
+///     symmetry: Symmetry::Dihedral,
+///     gap_angstrom: 0.5,
+///     box_angstrom: None,
+///     output: None,
+/// };
+/// println!("{} arrangements", candidates(&settings)?.arrangements.len());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn candidates(settings: &CandidatesSettings) -> Result<CandidatesReport> {
     let gap = settings.gap_angstrom;
     if !(gap.is_finite() && gap >= 0.0) {

@@ -35,6 +35,16 @@ impl Answer for FluidAssembly {
 ///
 /// # Errors
 /// As [`fluid`]; also if a file cannot be read or written.
+///
+/// ```no_run
+/// use protomer::assemblies::fluid::assemble_fluid;
+/// use std::path::{Path, PathBuf};
+/// let bodies = [PathBuf::from("a.body"), PathBuf::from("b.body")];
+/// let seed = 1;
+/// let fluid = assemble_fluid(&bodies, &[8, 8], [500.0; 3], seed, Path::new("fluid.json"))?;
+/// assert_eq!(fluid.bodies, 16);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn assemble_fluid(
     bodies: &[PathBuf],
     counts: &[usize],

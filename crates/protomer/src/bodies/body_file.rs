@@ -41,6 +41,13 @@ pub fn write(path: &Path, body: &Body) -> Result<()> {
 ///
 /// # Errors
 /// If the file cannot be read, is damaged, or does not hold a valid body.
+///
+/// ```no_run
+/// use std::path::Path;
+/// let (body, sha256) = protomer::bodies::body_file::read(Path::new("bodies/5pti.body"))?;
+/// println!("{}: {} sites, {sha256}", body.name, body.sites.len());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn read(path: &Path) -> Result<(Body, String)> {
     let mut bytes = Vec::new();
     std::fs::File::open(path)
@@ -71,35 +78,32 @@ pub fn is_another(path: &Path, body: &Body) -> Result<bool> {
 }
 
 fn to_bytes(body: &Body) -> Result<Vec<u8>> {
+    let (mut charges, mut radii) = (Vec::new(), Vec::new());
+    let (mut residues, mut atom_names) = (Vec::new(), Vec::new());
+    for site in &body.sites {
+        charges.push(site.charge_e);
+        radii.push(site.radius_angstrom);
+        residues.push(site.residue.unwrap_or(NO_RESIDUE));
+        atom_names.push(site.atom_name.clone());
+    }
     let header = BodyHeader {
         name: body.name.clone(),
-        atom_names: body
-            .sites
-            .iter()
-            .map(|site| site.atom_name.clone())
-            .collect(),
+        atom_names,
         residues: body.residues.clone(),
         provenance: body.provenance.clone(),
     };
     let header = serde_json::to_value(header).context("the body cannot be serialised")?;
     let mut container = Container::new(KIND, header);
     let (triangles, sites) = (body.mesh.triangles.len(), body.sites.len());
-    let of_sites =
-        |value: fn(&Site) -> f64| Array::f64(body.sites.iter().map(value).collect(), [sites]);
     let corners = body.mesh.triangles.iter().flatten().copied().collect();
-    let residues = body
-        .sites
-        .iter()
-        .map(|site| site.residue.unwrap_or(NO_RESIDUE))
-        .collect();
     container.insert("vertices_angstrom", points(body.mesh.vertices.iter())?);
     container.insert("triangles", Array::u32(corners, [triangles, 3])?);
     container.insert(
         "positions_angstrom",
         points(body.sites.iter().map(|site| &site.position))?,
     );
-    container.insert("charges_e", of_sites(|site| site.charge_e)?);
-    container.insert("radii_angstrom", of_sites(|site| site.radius_angstrom)?);
+    container.insert("charges_e", Array::f64(charges, [sites])?);
+    container.insert("radii_angstrom", Array::f64(radii, [sites])?);
     container.insert("residues", Array::u32(residues, [sites])?);
     Ok(container.to_bytes()?)
 }

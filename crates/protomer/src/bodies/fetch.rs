@@ -67,6 +67,14 @@ pub fn fetch_all(
 /// # Errors
 /// For a malformed entry name, an entry unknown to the server, a broken connection, or a file
 /// that cannot be written.
+///
+/// ```no_run
+/// use protomer::bodies::fetch::{RCSB_DOWNLOAD, fetch};
+/// use std::path::Path;
+/// let file = fetch("6MDR", RCSB_DOWNLOAD, Path::new("structures"), false)?;
+/// assert!(file.ends_with("6MDR.cif.gz"));
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn fetch(entry: &str, base: &str, folder: &Path, force: bool) -> Result<PathBuf> {
     let entry = checked_entry(entry)?;
     ResultKind::VoxelSet.refuse_in(folder)?;

@@ -149,6 +149,22 @@ impl FileOutcome {
 /// # Errors
 /// If the folder cannot be created or two files would give the same body. An error in a single
 /// file is reported in its outcome.
+///
+/// ```no_run
+/// use protomer::bodies::ingest::{IngestSettings, ingest_files};
+/// use protomer_body::BodySettings;
+/// use std::path::{Path, PathBuf};
+/// let settings = IngestSettings {
+///     body: BodySettings::default(),
+///     name: None,
+///     exports: vec!["ply"],
+///     force: false,
+/// };
+/// let files = [PathBuf::from("5pti.cif.gz")];
+/// let ingested = ingest_files(&files, Path::new("bodies"), &settings, &())?;
+/// assert!(!ingested.has_failures());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn ingest_files(
     files: &[PathBuf],
     folder: &Path,
@@ -240,6 +256,19 @@ fn ingest_file(
 ///
 /// # Errors
 /// Names the file and the line or residue, and says what to do.
+///
+/// ```
+/// use protomer::bodies::ingest::read_and_build;
+/// use protomer_body::BodySettings;
+/// use std::path::Path;
+/// let mut settings = BodySettings::default();
+/// settings.surface.density_per_angstrom2 = 0.1;
+/// let file = Path::new("../../data/structures/5pti.cif.gz");
+/// let built = read_and_build(file, "bpti", &settings)?;
+/// assert_eq!(built.body.residues.len(), 58);
+/// assert!(built.body.net_charge_e() > 4.0);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn read_and_build(file: &Path, name: &str, settings: &BodySettings) -> Result<BuiltBody> {
     let input = InputFile::read(file)?;
     let source = Source {

@@ -53,6 +53,19 @@ impl Answer for WrittenBody {
 ///
 /// # Errors
 /// As [`build`]; also if the file cannot be written.
+///
+/// ```no_run
+/// use protomer::bodies::own_body::{OwnBody, make};
+/// use std::path::Path;
+/// let own = OwnBody {
+///     name: "patchy".into(),
+///     mesh: "patchy.ply".into(),
+///     charges: Some("patchy.xyzq".into()),
+/// };
+/// let written = make(&own, Path::new("patchy.body"))?;
+/// assert_eq!(written.name, "patchy");
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn make(own: &OwnBody, output: &Path) -> Result<WrittenBody> {
     let body = build(own)?;
     body_file::write(output, &body)?;

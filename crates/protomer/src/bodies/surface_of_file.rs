@@ -95,6 +95,15 @@ pub fn measure_surface(
 ///
 /// # Errors
 /// Names the file and the line, and says what to do.
+///
+/// ```no_run
+/// use protomer::bodies::surface_of_file::surface_of_file;
+/// use protomer_body::SurfaceSettings;
+/// use std::path::Path;
+/// let (mesh, report) = surface_of_file(Path::new("5pti.cif.gz"), &SurfaceSettings::default())?;
+/// println!("{} triangles, {} cavities", mesh.triangles.len(), report.cavities);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn surface_of_file(
     path: &Path,
     settings: &SurfaceSettings,

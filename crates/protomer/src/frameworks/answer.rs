@@ -147,6 +147,13 @@ impl Answer for PaperTables {
 ///
 /// # Errors
 /// If the text is malformed, or does not match the dimension of the network.
+///
+/// ```
+/// use protomer::frameworks::answer::cell_counts;
+/// assert_eq!(cell_counts("2x3", 2)?, [2, 3]);
+/// assert_eq!(cell_counts("4", 3)?, [4, 4, 4]);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn cell_counts(text: &str, dimension: usize) -> Result<Vec<usize>> {
     let counts: Result<Vec<usize>, _> = text
         .split('x')

@@ -164,6 +164,17 @@ pub struct PrintedDerivatives {
 ///
 /// # Errors
 /// If the network is invalid, or not at a minimum of its energy.
+///
+/// ```
+/// use protomer::frameworks::report::{Settings, analyse};
+/// use protomer_crystal::framework::build::face_centred_cubic;
+/// let network = face_centred_cubic(3.0, 7.0)?;
+/// let settings = Settings { avogadro_per_mol: 6.02214076e23, relax: None, derivatives: false };
+/// let (_, report) = analyse(&network, "fcc", &settings)?;
+/// // A cubic crystal of central forces: c12 = c44.
+/// assert!((report.c_gpa[0][1] - report.c_gpa[3][3]).abs() < 1e-9 * report.c_gpa[0][0]);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn analyse(
     network: &Framework,
     name: &str,

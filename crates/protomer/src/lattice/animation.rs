@@ -67,6 +67,15 @@ pub struct AnimationSettings {
 ///
 /// # Errors
 /// If the directory does not hold a run with frames, or a file already exists or cannot be written.
+///
+/// ```no_run
+/// use protomer::lattice::animation::{AnimationSettings, animate};
+/// use std::path::Path;
+/// let settings =
+///     AnimationSettings { page: None, frames: None, most_frames: 300, force: false };
+/// println!("{}", animate(Path::new("run"), &settings)?.page.display());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn animate(directory: &Path, settings: &AnimationSettings) -> Result<WrittenAnimation> {
     let animation = Animation::read(directory, settings.most_frames)?;
     let page = settings.page.clone();
@@ -75,7 +84,7 @@ pub fn animate(directory: &Path, settings: &AnimationSettings) -> Result<Written
     if let Some(folder) = &settings.frames {
         ResultKind::VoxelSet.refuse_in(folder)?;
         std::fs::create_dir_all(folder)
-            .with_context(|| format!("cannot make {}", folder.display()))?;
+            .with_context(|| format!("cannot create the folder {}", folder.display()))?;
         for frame in 0..animation.len() {
             let path = folder.join(format!("frame_{frame:05}.svg"));
             write_once(&path, &animation.to_svg(frame), settings.force)?;
@@ -135,33 +144,19 @@ impl Animation {
 
     /// Bounds of all frames: left, bottom, right and top.
     fn bounds(&self) -> [f64; 4] {
-        let margin = 1.05
-            * self
-                .network
-                .squares
-                .iter()
-                .map(|square| square.half_diagonal)
-                .fold(0.0, f64::max);
-        let centres = self
-            .frames
-            .iter()
-            .flat_map(|(_, positions)| positions.chunks_exact(3));
-        let [left, low, right, up] = centres.fold(
-            [
-                f64::INFINITY,
-                f64::INFINITY,
-                f64::NEG_INFINITY,
-                f64::NEG_INFINITY,
-            ],
-            |b, s| {
-                [
-                    b[0].min(s[0]),
-                    b[1].min(s[1]),
-                    b[2].max(s[0]),
-                    b[3].max(s[1]),
-                ]
-            },
-        );
+        let mut largest = 0.0_f64;
+        for square in &self.network.squares {
+            largest = largest.max(square.half_diagonal);
+        }
+        let margin = 1.05 * largest;
+        let [mut left, mut low] = [f64::INFINITY; 2];
+        let [mut right, mut up] = [f64::NEG_INFINITY; 2];
+        for (_, positions) in &self.frames {
+            for square in positions.chunks_exact(3) {
+                (left, right) = (left.min(square[0]), right.max(square[0]));
+                (low, up) = (low.min(square[1]), up.max(square[1]));
+            }
+        }
         [left - margin, low - margin, right + margin, up + margin]
     }
 
@@ -181,36 +176,26 @@ impl Animation {
 
     /// The frames as JSON that is safe inside a script element.
     pub fn to_json(&self) -> String {
-        let rods = self.network.rods.iter().map(|rod| {
-            let [x, y] = shift(&self.network, rod);
-            serde_json::json!([
-                rod.from.square,
-                rod.from.vertex,
-                rod.to.square,
-                rod.to.vertex,
+        let mut rods = Vec::new();
+        for rod in &self.network.rods {
+            let ([x, y], from, to) = (shift(&self.network, rod), rod.from, rod.to);
+            rods.push(serde_json::json!([
+                from.square,
+                from.vertex,
+                to.square,
+                to.vertex,
                 x,
                 y
-            ])
-        });
-        let rods: Vec<serde_json::Value> = rods.collect();
-        let half_diagonals: Vec<f64> = self
-            .network
-            .squares
-            .iter()
-            .map(|square| square.half_diagonal)
-            .collect();
-        let frames: Vec<Vec<f64>> = self
-            .frames
-            .iter()
-            .map(|(_, positions)| rounded(positions))
-            .collect();
-        let times = rounded(
-            &self
-                .frames
-                .iter()
-                .map(|(time, _)| *time)
-                .collect::<Vec<_>>(),
-        );
+            ]));
+        }
+        let squares = self.network.squares.iter();
+        let half_diagonals: Vec<f64> = squares.map(|square| square.half_diagonal).collect();
+        let (mut times, mut frames) = (Vec::new(), Vec::new());
+        for (time, positions) in &self.frames {
+            times.push(*time);
+            frames.push(rounded(positions));
+        }
+        let times = rounded(&times);
         let data = serde_json::json!({
             "title": self.title, "bounds": self.bounds(), "size": half_diagonals, "rods": rods, "times": times,
             "frames": frames,

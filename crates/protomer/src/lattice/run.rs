@@ -85,6 +85,19 @@ impl Answer for LatticeResult {
 /// For invalid settings or an impossible start, a directory that holds other work, a file that
 /// cannot be written, and a step that failed: the last good state is then in the checkpoint, and
 /// `run.json` records the error.
+///
+/// ```
+/// use protomer::lattice::{run::run_lattice, settings::LatticeSettings};
+/// use protomer_results::Execution;
+/// let settings = LatticeSettings { rows: 4, columns: 4, time: 0.1, ..LatticeSettings::default() };
+/// # let folder = tempfile::tempdir()?;
+/// let directory = folder.path().join("run");
+/// let end = run_lattice(&settings, &directory, &Execution::default())?;
+/// let result = end.finished().unwrap();
+/// assert_eq!(result.squares, 16);
+/// assert!(result.energy_error < 1e-3);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn run_lattice(
     settings: &LatticeSettings,
     path: &Path,

@@ -16,6 +16,14 @@ use std::f64::consts::FRAC_PI_4;
 
 /// Settings of a run. They contain everything that can change a result, and nothing else. Reduced
 /// units: the half-diagonal of a square is 1, its mass is 1.
+///
+/// ```
+/// use protomer::lattice::settings::LatticeSettings;
+/// let settings = LatticeSettings { rows: 4, columns: 6, kappa: 0.5, ..LatticeSettings::default() };
+/// settings.check()?;
+/// assert!(LatticeSettings { r0: 0.0, ..settings }.check().is_err());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LatticeSettings {

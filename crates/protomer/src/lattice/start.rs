@@ -26,6 +26,14 @@ pub struct Begun {
 ///
 /// # Errors
 /// Names the invalid setting, or says why the rod lengths cannot be satisfied.
+///
+/// ```
+/// use protomer::lattice::{settings::LatticeSettings, start::begin};
+/// let settings = LatticeSettings { rows: 3, columns: 3, ..LatticeSettings::default() };
+/// let begun = begin(&settings)?;
+/// assert_eq!(begun.network.squares.len(), 9);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn begin(settings: &LatticeSettings) -> Result<Begun> {
     settings.check()?;
     let network = network(settings)?;

@@ -142,22 +142,18 @@ pub struct Series {
 /// The axes, with empty ones replaced by the value of the settings.
 pub fn axes(settings: &LatticeSettings) -> SweepAxes {
     let axes = settings.sweep.clone().unwrap_or_default();
-    let or = |values: Vec<f64>, value: f64| {
-        if values.is_empty() {
-            vec![value]
-        } else {
-            values
-        }
-    };
     SweepAxes {
-        r0: or(axes.r0, settings.r0),
-        kappa: or(axes.kappa, settings.kappa),
-        seeds: if axes.seeds.is_empty() {
-            vec![settings.seed]
-        } else {
-            axes.seeds
-        },
+        r0: values_or(axes.r0, settings.r0),
+        kappa: values_or(axes.kappa, settings.kappa),
+        seeds: values_or(axes.seeds, settings.seed),
         lyapunov: axes.lyapunov,
+    }
+}
+
+fn values_or<T>(values: Vec<T>, default: T) -> Vec<T> {
+    match values.is_empty() {
+        true => vec![default],
+        false => values,
     }
 }
 
@@ -168,11 +164,12 @@ pub fn axes(settings: &LatticeSettings) -> SweepAxes {
 /// For too many runs, or invalid settings of a run.
 pub fn tasks(settings: &LatticeSettings, directory: &Path) -> Result<Vec<Task>> {
     let axes = axes(settings);
-    let conditions: Vec<(f64, f64)> = axes
-        .r0
-        .iter()
-        .flat_map(|r0| axes.kappa.iter().map(move |kappa| (*r0, *kappa)))
-        .collect();
+    let mut conditions = Vec::new();
+    for r0 in &axes.r0 {
+        for kappa in &axes.kappa {
+            conditions.push((*r0, *kappa));
+        }
+    }
     if conditions.len().saturating_mul(axes.seeds.len()) > MOST_RUNS {
         bail!(
             "{} conditions with {} seeds each are too many; ask for at most {MOST_RUNS} runs",
@@ -210,11 +207,13 @@ pub fn tasks(settings: &LatticeSettings, directory: &Path) -> Result<Vec<Task>> 
 /// Whether this is the folder of the runs of one condition: `r0_0.2_kappa_0`.
 fn is_condition(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let axes = name
-        .strip_prefix("r0_")
-        .and_then(|rest| rest.split_once("_kappa_"));
-    let is_number = |text: &str| text.parse::<f64>().is_ok();
-    path.is_dir() && axes.is_some_and(|(r0, kappa)| is_number(r0) && is_number(kappa))
+    let Some(axes) = name.strip_prefix("r0_") else {
+        return false;
+    };
+    let Some((r0, kappa)) = axes.split_once("_kappa_") else {
+        return false;
+    };
+    path.is_dir() && r0.parse::<f64>().is_ok() && kappa.parse::<f64>().is_ok()
 }
 
 /// Runs or continues a sweep in a directory.
@@ -375,16 +374,16 @@ impl Series {
                 phase_differences.push([time, root_mean_square_difference(&angles)]);
             }
         }
-        let amplitudes: Vec<[f64; 2]> = rows
-            .iter()
-            .map(|row| [row.time, row.checkerboard])
-            .collect();
-        let strains = rows.iter().skip(1);
+        let (mut amplitudes, mut strains) = (Vec::new(), Vec::new());
+        for (number, row) in rows.iter().enumerate() {
+            amplitudes.push([row.time, row.checkerboard]);
+            if number > 0 {
+                strains.push([row.step_strain_xx, row.step_strain_yy]);
+            }
+        }
         Ok(Self {
             phase_differences,
-            strains: strains
-                .map(|row| [row.step_strain_xx, row.step_strain_yy])
-                .collect(),
+            strains,
             synchronisation,
             crossings: vec![crossings(&amplitudes, FRAC_PI_4)],
         })

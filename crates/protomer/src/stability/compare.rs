@@ -96,6 +96,15 @@ impl ComparedSweep {
 ///
 /// # Errors
 /// If there are no sweeps, one is not finished, or the figure has another extension.
+///
+/// ```no_run
+/// use protomer::stability::compare::compare;
+/// use std::path::Path;
+/// let sweeps = ["dimer".into(), "ring".into()];
+/// let report = compare(&sweeps, "Stability against salt", Path::new("compare.svg"))?;
+/// assert_eq!(report.sweeps.len(), 2);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn compare(directories: &[PathBuf], title: &str, output: &Path) -> Result<CompareReport> {
     if directories.is_empty() {
         bail!("name at least one sweep directory");

@@ -43,6 +43,20 @@ pub struct Inspection {
 /// # Errors
 /// If a setting is invalid, the interaction reaches further than the box allows, or an energy is
 /// not finite.
+///
+/// ```no_run
+/// use protomer::answer::Answer;
+/// use protomer::assemblies::assembly_file::Assembly;
+/// use protomer::stability::inspect::{inspect, inspection_settings};
+/// use protomer::stability::interaction::InteractionSettings;
+/// use protomer::stability::run::{EnergyMode, Engine};
+/// use std::path::Path;
+/// let engine = Engine::new(Assembly::read(Path::new("6mdr/assembly.json"))?)?;
+/// let settings = inspection_settings(EnergyMode::Direct, None, 5.0);
+/// let interaction = InteractionSettings::default().interaction(Some(0.1))?;
+/// println!("{}", inspect(&engine, &settings, interaction)?.text());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn inspect(
     engine: &Engine,
     settings: &RunSettings,

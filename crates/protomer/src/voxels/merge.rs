@@ -60,6 +60,14 @@ impl Answer for MergeReport {
 ///
 /// # Errors
 /// If settings differ, a name appears in two sets, or a file cannot be read.
+///
+/// ```no_run
+/// use std::path::Path;
+/// let parts = ["part_1.zarr".into(), "part_2.zarr".into()];
+/// let report = protomer::voxels::merge::merge(&parts, Path::new("set.zarr"), false)?;
+/// assert_eq!(report.sets, 2);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn merge(inputs: &[PathBuf], output: &Path, force: bool) -> Result<MergeReport> {
     let sources = Sources::read(inputs)?;
     let rows = sources.rows();

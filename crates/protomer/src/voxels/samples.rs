@@ -7,6 +7,14 @@ use protomer_learn::{Description, LearnError, SampleSource, SparseGrid};
 use std::path::Path;
 
 /// A set written by `protomer voxelize`; samples are decoded on demand, on any thread.
+///
+/// ```no_run
+/// use protomer::voxels::samples::VoxelSet;
+/// use std::path::Path;
+/// let set = VoxelSet::open(Path::new("set.zarr"))?;
+/// println!("{} samples", set.reader().len());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub struct VoxelSet {
     reader: SetReader,
     descriptions: Vec<Description>,

@@ -41,6 +41,17 @@ impl Spacing {
 }
 
 /// Everything that determines a sample besides the structure and its name.
+///
+/// ```
+/// use protomer::voxels::{Spacing, VoxelizeSettings};
+/// let settings = VoxelizeSettings {
+///     size: 32,
+///     spacing: Spacing::parse("2.0")?,
+///     ..VoxelizeSettings::default()
+/// };
+/// settings.check()?;
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct VoxelizeSettings {

@@ -335,6 +335,11 @@ fn composition(amino_acids: &[AminoAcid]) -> [f64; 20] {
 }
 
 /// One-letter codes in alphabetical order.
+///
+/// ```
+/// let letters: String = protomer::voxels::structure::letters().into_iter().collect();
+/// assert_eq!(letters, "ACDEFGHIKLMNPQRSTVWY");
+/// ```
 pub fn letters() -> Vec<char> {
     let mut letters: Vec<char> = AminoAcid::all().map(AminoAcid::letter).collect();
     letters.sort_unstable();

@@ -93,6 +93,19 @@ impl Answer for VoxelizeReport {
 /// For invalid settings or manifest, an output that holds something else or is in use by another
 /// process, or a file that cannot be written. An error in a structure only excludes it, and is
 /// reported.
+///
+/// ```no_run
+/// use protomer::answer::Answer;
+/// use protomer::voxels::{VoxelizeSettings, manifest::Manifest, voxelize};
+/// use protomer_results::{Execution, Shard};
+/// use std::path::Path;
+/// let manifest = Manifest::read(Path::new("set.csv"))?;
+/// let settings = VoxelizeSettings { size: 32, ..VoxelizeSettings::default() };
+/// let (output, execution) = (Path::new("set.zarr"), Execution::default());
+/// let report = voxelize(&manifest, Shard::WHOLE, &settings, output, &execution)?;
+/// println!("{}", report.text());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn voxelize(
     manifest: &Manifest,
     shard: Shard,
@@ -154,10 +167,11 @@ impl<'a> Part<'a> {
     }
 
     fn rows(&self) -> Vec<Row<'_>> {
-        let structures = self.entries.iter().zip(&self.hashes);
-        structures
-            .map(|(entry, hash)| Row::of_entry(entry, hash.as_deref()))
-            .collect()
+        let mut rows = Vec::with_capacity(self.entries.len());
+        for (entry, hash) in self.entries.iter().zip(&self.hashes) {
+            rows.push(Row::of_entry(entry, hash.as_deref()));
+        }
+        rows
     }
 
     /// The initial report of a set.
@@ -209,10 +223,11 @@ impl<'a> Part<'a> {
 
     /// The key of each sample.
     fn keys(&self) -> Result<Vec<String>> {
-        let structures = self.entries.iter().zip(&self.hashes);
-        structures
-            .map(|(entry, hash)| identity::key(self.settings, entry, hash.as_deref()))
-            .collect()
+        let mut keys = Vec::with_capacity(self.entries.len());
+        for (entry, hash) in self.entries.iter().zip(&self.hashes) {
+            keys.push(identity::key(self.settings, entry, hash.as_deref())?);
+        }
+        Ok(keys)
     }
 
     fn voxelize_missing(
@@ -221,9 +236,12 @@ impl<'a> Part<'a> {
         work: &WorkFile,
         execution: &Execution,
     ) -> Result<End<()>> {
-        let structures = self.entries.iter().copied().zip(keys);
-        let missing: Vec<(&Entry, &String)> =
-            structures.filter(|(_, key)| !work.has(key)).collect();
+        let mut missing: Vec<(&Entry, &String)> = Vec::new();
+        for (entry, key) in self.entries.iter().zip(keys) {
+            if !work.has(key) {
+                missing.push((entry, key));
+            }
+        }
         let progress = &execution.progress;
         progress.begin(missing.len() as u64, "structures");
         let one = |(entry, key): &(&Entry, &String)| -> Result<End<()>> {
@@ -268,11 +286,12 @@ impl<'a> Part<'a> {
 impl VoxelizeReport {
     /// Reports on the existing set.
     fn describe_present(&mut self, reader: &SetReader) -> Result<()> {
-        let voxels = (0..reader.len()).map(|sample| reader.voxels(sample) as u64);
         self.state = State::NothingToDo;
         self.taken_over = self.structures;
         self.samples = reader.len();
-        self.voxels = voxels.sum();
+        for sample in 0..reader.len() {
+            self.voxels += reader.voxels(sample) as u64;
+        }
         self.warnings = set::warnings_of(&set::samples_of(reader)?);
         self.excluded = set::exclusions(reader)?;
         Ok(())

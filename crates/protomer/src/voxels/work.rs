@@ -6,7 +6,7 @@
 //! [`FORMAT`], so the sample is made again.
 
 use super::structure::{Outcome, Properties, Reason, Sample};
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, bail};
 use protomer_field::voxels::Voxels;
 use protomer_io::container::{Array, Container};
 use serde::{Deserialize, Serialize};
@@ -98,11 +98,11 @@ impl WorkFile {
         record.extend(bytes);
         let mut inner = self.inner();
         let begin = inner.end;
-        let written = inner
-            .file
-            .seek(SeekFrom::Start(begin))
-            .and_then(|_| inner.file.write_all(&record));
-        written.with_context(|| format!("cannot write {}", self.path.display()))?;
+        let cannot_write = || format!("cannot write {}", self.path.display());
+        let position = inner.file.seek(SeekFrom::Start(begin));
+        position.with_context(cannot_write)?;
+        let written = inner.file.write_all(&record);
+        written.with_context(cannot_write)?;
         inner.end += record.len() as u64;
         inner
             .records
@@ -117,16 +117,15 @@ impl WorkFile {
     pub fn get(&self, key: &str) -> Result<Outcome> {
         let name = self.path.display().to_string();
         let mut inner = self.inner();
-        let (begin, length) = *inner
-            .records
-            .get(key)
-            .ok_or_else(|| anyhow!("{name} has no record {key}"))?;
+        let Some((begin, length)) = inner.records.get(key).copied() else {
+            bail!("{name} has no record {key}");
+        };
         let mut bytes = vec![0; length as usize];
-        let read = inner
-            .file
-            .seek(SeekFrom::Start(begin))
-            .and_then(|_| inner.file.read_exact(&mut bytes));
-        read.with_context(|| format!("cannot read {name}"))?;
+        let cannot_read = || format!("cannot read {name}");
+        let position = inner.file.seek(SeekFrom::Start(begin));
+        position.with_context(cannot_read)?;
+        let read = inner.file.read_exact(&mut bytes);
+        read.with_context(cannot_read)?;
         drop(inner);
         Ok(decode(&name, &Container::from_bytes(&name, KIND, &bytes)?)?.1)
     }
@@ -173,18 +172,21 @@ fn encode(key: &str, outcome: &Outcome) -> Result<Vec<u8>> {
         Outcome::Sample(sample) => (Some(sample), None),
         Outcome::Excluded { reason, detail } => (None, Some((*reason, detail.clone()))),
     };
-    let voxels = sample.map(|sample| &sample.voxels);
-    let header = Header {
+    let mut header = Header {
         key: key.to_owned(),
-        properties: sample.map(|sample| sample.properties.clone()),
+        properties: None,
         excluded,
-        channels: voxels.map_or(0, |voxels| voxels.values.len()),
-        warnings: sample
-            .map(|sample| sample.warnings.clone())
-            .unwrap_or_default(),
+        channels: 0,
+        warnings: Vec::new(),
     };
+    if let Some(sample) = sample {
+        header.properties = Some(sample.properties.clone());
+        header.channels = sample.voxels.values.len();
+        header.warnings = sample.warnings.clone();
+    }
     let mut container = Container::new(KIND, serde_json::to_value(header)?);
-    if let Some(voxels) = voxels {
+    if let Some(sample) = sample {
+        let voxels = &sample.voxels;
         let count = voxels.index.len();
         container.insert("index", Array::u32(voxels.index.clone(), [count])?);
         for (channel, values) in voxels.values.iter().enumerate() {
@@ -203,10 +205,12 @@ fn decode(name: &str, container: &Container) -> Result<(String, Outcome)> {
     let outcome = match (header.properties, header.excluded) {
         (Some(properties), None) => {
             let index = container.u32(name, "index", &[None])?.to_vec();
-            let channel =
-                |channel| container.f32(name, &format!("channel_{channel}"), &[Some(index.len())]);
-            let values = (0..header.channels).map(|number| Ok(channel(number)?.to_vec()));
-            let values = values.collect::<Result<Vec<_>>>()?;
+            let mut values = Vec::new();
+            for channel in 0..header.channels {
+                let shape = [Some(index.len())];
+                let of_channel = container.f32(name, &format!("channel_{channel}"), &shape)?;
+                values.push(of_channel.to_vec());
+            }
             let voxels = Voxels { index, values };
             Outcome::Sample(Box::new(Sample {
                 properties,

@@ -38,6 +38,19 @@ const CHUNK: usize = 64;
 /// # Errors
 /// If the directory does not hold a finished training on a set, the voxels do not fit the
 /// network, or no sample can be read.
+///
+/// ```no_run
+/// use protomer::learning::predict::predict;
+/// use protomer_learn::device::DeviceChoice;
+/// use protomer_results::Execution;
+/// use std::path::Path;
+/// let device = DeviceChoice::Cpu.open()?;
+/// let end = predict(Path::new("run"), Path::new("set.zarr"), &device, &Execution::default())?;
+/// if let Some(report) = end.finished() {
+///     println!("{} samples predicted", report.samples.len());
+/// }
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn predict(
     run: &Path,
     set_path: &Path,

@@ -5,7 +5,7 @@ use super::trained::Trained;
 use super::truth::{Part, Truth, Unscored};
 use crate::answer::Answer;
 use crate::voxels::samples::VoxelSet;
-use anyhow::{Result, anyhow};
+use anyhow::{Result, bail};
 use protomer_io::csv::{Cell, Table};
 use protomer_learn::scaling::Quarantined;
 use protomer_learn::scores::{Scores, most_probable};
@@ -111,15 +111,11 @@ impl PredictReport {
         let card = &trained.model.card;
         let class = |number: usize| card.classes.get(number).cloned().unwrap_or_default();
         let mut samples = Vec::with_capacity(predictions.samples.len());
-        for (sample, p) in predictions
-            .samples
-            .iter()
-            .zip(predictions.probabilities.chunks(card.classes.len().max(1)))
-        {
-            let known = set
-                .descriptions()
-                .get(*sample)
-                .ok_or_else(|| anyhow!("there is no sample {sample}"))?;
+        let probabilities = predictions.probabilities.chunks(card.classes.len().max(1));
+        for (sample, p) in predictions.samples.iter().zip(probabilities) {
+            let Some(known) = set.descriptions().get(*sample) else {
+                bail!("there is no sample {sample}");
+            };
             samples.push(SamplePrediction {
                 name: known.name.clone(),
                 file: set.files().get(*sample).cloned().unwrap_or_default(),
@@ -152,27 +148,25 @@ impl PredictReport {
     /// # Errors
     /// If rows and classes disagree.
     pub fn table(&self) -> Result<Table> {
-        let fixed = ["name", "file", "label", "class", "part", "predicted"].map(str::to_owned);
-        let mut table = Table::new(
-            fixed
-                .into_iter()
-                .chain(self.classes.iter().map(|class| format!("p_{class}"))),
-        );
+        let fixed = ["name", "file", "label", "class", "part", "predicted"];
+        let mut heading = fixed.map(str::to_owned).to_vec();
+        for class in &self.classes {
+            heading.push(format!("p_{class}"));
+        }
+        let mut table = Table::new(heading);
         for sample in &self.samples {
-            let text = |text: &String| Cell::from(text.as_str());
-            let fixed = [
-                text(&sample.name),
-                text(&sample.file),
-                text(&sample.label),
+            let mut cells = vec![
+                Cell::from(sample.name.as_str()),
+                Cell::from(sample.file.as_str()),
+                Cell::from(sample.label.as_str()),
                 Cell::from(sample.class.as_deref()),
                 Cell::from(sample.part.map(Part::name)),
-                text(&sample.predicted),
+                Cell::from(sample.predicted.as_str()),
             ];
-            table.push(
-                fixed
-                    .into_iter()
-                    .chain(sample.probabilities.iter().map(|p| Cell::from(*p))),
-            )?;
+            for probability in &sample.probabilities {
+                cells.push(Cell::from(*probability));
+            }
+            table.push(cells)?;
         }
         Ok(table)
     }
@@ -217,10 +211,9 @@ impl Answer for PredictReport {
             }
             None => lines.push("no scores: no sample remains to be scored".into()),
         }
-        let not_scored = self.not_scored.iter();
-        lines.extend(
-            not_scored.map(|these| format!("not scored: {} {}", these.samples, these.why.words())),
-        );
+        for NotScored { why, samples } in &self.not_scored {
+            lines.push(format!("not scored: {samples} {}", why.words()));
+        }
         lines.join("\n")
     }
 }
@@ -228,14 +221,16 @@ impl Answer for PredictReport {
 /// Counts samples by the reason why they are not scored.
 fn count(samples: &[SamplePrediction]) -> Vec<NotScored> {
     let mut counts: BTreeMap<Unscored, usize> = BTreeMap::new();
-    samples
-        .iter()
-        .filter_map(|sample| sample.unscored)
-        .for_each(|why| *counts.entry(why).or_default() += 1);
-    counts
-        .into_iter()
-        .map(|(why, samples)| NotScored { why, samples })
-        .collect()
+    for sample in samples {
+        if let Some(why) = sample.unscored {
+            *counts.entry(why).or_default() += 1;
+        }
+    }
+    let mut not_scored = Vec::new();
+    for (why, samples) in counts {
+        not_scored.push(NotScored { why, samples });
+    }
+    not_scored
 }
 
 /// Computes scores with the weights of training: a sample counts 1 / (size of its family). Families
@@ -248,32 +243,25 @@ fn scores(
     predictions: &Predictions,
 ) -> Result<Option<SetScores>> {
     let count = log_prior.len();
-    let counts = |sample: &usize| {
-        truth.classes[*sample].is_some() && (truth.is_training_set || truth.may_be_scored(*sample))
-    };
-    let labelled: Vec<usize> = (0..truth.classes.len()).filter(counts).collect();
-    let descriptions: Vec<Description> = labelled
-        .iter()
-        .map(|sample| set.descriptions()[*sample].clone())
-        .collect();
-    let weight_of = |sample: usize| labelled.binary_search(&sample).ok();
+    let (mut labelled, mut descriptions) = (Vec::new(), Vec::new());
+    for (sample, class) in truth.classes.iter().enumerate() {
+        if class.is_some() && (truth.is_training_set || truth.may_be_scored(sample)) {
+            labelled.push(sample);
+            descriptions.push(set.descriptions()[sample].clone());
+        }
+    }
     let all_weights = family_weights(&descriptions);
     let (mut probabilities, mut labels, mut weights) = (Vec::new(), Vec::new(), Vec::new());
-    for (sample, p) in predictions
-        .samples
-        .iter()
-        .zip(predictions.probabilities.chunks(count.max(1)))
-    {
-        let (true, Some(class), Some(place)) = (
-            truth.may_be_scored(*sample),
-            truth.classes[*sample],
-            weight_of(*sample),
-        ) else {
-            continue;
-        };
-        probabilities.extend_from_slice(p);
-        labels.push(class);
-        weights.push(all_weights[place]);
+    let of_samples = predictions.probabilities.chunks(count.max(1));
+    for (sample, p) in predictions.samples.iter().zip(of_samples) {
+        if let Some(class) = truth.classes[*sample]
+            && let Ok(place) = labelled.binary_search(sample)
+            && truth.may_be_scored(*sample)
+        {
+            probabilities.extend_from_slice(p);
+            labels.push(class);
+            weights.push(all_weights[place]);
+        }
     }
     if labels.is_empty() {
         return Ok(None);

@@ -81,16 +81,22 @@ impl Trained {
 /// The first training at most `levels` levels below, such as those of an ablation
 /// (`ablation/CHANNELS/seed_N`).
 fn training_below(directory: &Path, levels: usize) -> Option<PathBuf> {
-    let mut folders: Vec<PathBuf> = std::fs::read_dir(directory)
-        .ok()?
-        .flatten()
-        .map(|entry| entry.path())
-        .collect();
-    folders.retain(|path| path.is_dir());
+    let mut folders = Vec::new();
+    for entry in std::fs::read_dir(directory).ok()?.flatten() {
+        let path = entry.path();
+        if path.is_dir() {
+            folders.push(path);
+        }
+    }
     folders.sort();
-    let is_training = |path: &&PathBuf| path.join(SETTINGS).is_file() && path.join(MODEL).is_file();
-    folders.iter().find(is_training).cloned().or_else(|| {
-        let below = levels.checked_sub(1).filter(|levels| *levels > 0)?;
-        folders.iter().find_map(|path| training_below(path, below))
-    })
+    for path in &folders {
+        if path.join(SETTINGS).is_file() && path.join(MODEL).is_file() {
+            return Some(path.clone());
+        }
+    }
+    if levels < 2 {
+        return None;
+    }
+    let mut below = folders.iter().map(|path| training_below(path, levels - 1));
+    below.find_map(|found| found)
 }

@@ -5,7 +5,6 @@ use crate::learning::train::{Prepared, Source, TrainedOn};
 use anyhow::Result;
 use protomer_learn::SampleSource;
 use protomer_learn::novelty::{Familiar, Seen};
-use protomer_learn::split::Split;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -93,38 +92,33 @@ impl Truth {
     /// Classes and split as in the training, rare classes merged.
     fn of_training_set(trained: &Trained, set: &dyn SampleSource) -> Result<Self> {
         let prepared = Prepared::new(&trained.settings, set)?;
-        let Split {
-            training,
-            validation,
-            test,
-        } = &prepared.split;
-        let parts = [
-            (training, Part::Training),
-            (validation, Part::Validation),
-            (test, Part::Test),
-        ];
-        let part_of: BTreeMap<usize, Part> = parts
-            .into_iter()
-            .flat_map(|(samples, part)| samples.iter().map(move |sample| (*sample, part)))
-            .collect();
+        let mut part_of = vec![None; prepared.descriptions.len()];
+        for (samples, part) in [
+            (&prepared.split.training, Part::Training),
+            (&prepared.split.validation, Part::Validation),
+            (&prepared.split.test, Part::Test),
+        ] {
+            for sample in samples {
+                part_of[*sample] = Some(part);
+            }
+        }
         // Prepared samples are those with a class, found by their unique names.
-        let known: BTreeMap<&str, usize> = prepared
-            .descriptions
-            .iter()
-            .enumerate()
-            .map(|(place, known)| (known.name.as_str(), place))
-            .collect();
-        let place = |name: &str| known.get(name).copied();
-        let names = || set.descriptions().iter().map(|known| known.name.as_str());
+        let mut place_of = BTreeMap::new();
+        for (place, known) in prepared.descriptions.iter().enumerate() {
+            place_of.insert(known.name.as_str(), place);
+        }
+        let (mut classes, mut parts) = (Vec::new(), Vec::new());
+        for sample in set.descriptions() {
+            let place = place_of.get(sample.name.as_str()).copied();
+            let labels = &prepared.classes.labels;
+            classes.push(place.and_then(|place| labels.get(place)).copied());
+            parts.push(place.and_then(|place| part_of[place]));
+        }
         Ok(Self {
             is_training_set: true,
-            classes: names()
-                .map(|name| prepared.classes.labels.get(place(name)?).copied())
-                .collect(),
-            parts: names()
-                .map(|name| part_of.get(&place(name)?).copied())
-                .collect(),
-            unscored: vec![None; set.descriptions().len()],
+            unscored: vec![None; classes.len()],
+            classes,
+            parts,
         })
     }
 

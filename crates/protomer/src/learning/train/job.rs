@@ -56,6 +56,19 @@ impl Job {
 ///
 /// # Errors
 /// For invalid settings, a directory that holds something else, or a file that cannot be written.
+///
+/// ```no_run
+/// use protomer::learning::train::{Job, TrainSettings, channels_of, open_set, run_job};
+/// use protomer_learn::device::DeviceChoice;
+/// use protomer_results::Execution;
+/// use std::path::Path;
+/// let (source, set) = open_set(Path::new("set.zarr"))?;
+/// let settings = TrainSettings::of_set(source, channels_of(&set))?;
+/// let job = Job { settings, ablation_seeds: 0 };
+/// let device = DeviceChoice::Cpu.open()?;
+/// run_job(&job, &set, Path::new("run"), &device, &Execution::default())?;
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn run_job(
     job: &Job,
     set: &dyn SampleSource,

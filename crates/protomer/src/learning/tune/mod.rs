@@ -220,6 +220,25 @@ impl TuneSettings {
 ///
 /// # Errors
 /// For invalid settings, a directory that holds other work, or a file that cannot be written.
+///
+/// ```no_run
+/// use protomer::learning::train::{TrainSettings, channels_of, open_set};
+/// use protomer::learning::tune::{TuneSettings, tune_in};
+/// use protomer_learn::device::DeviceChoice;
+/// use protomer_results::Execution;
+/// use std::path::Path;
+/// let (source, set) = open_set(Path::new("set.zarr"))?;
+/// let settings = TuneSettings {
+///     trials: 27,
+///     epochs: 27,
+///     seed: 1,
+///     vary_channels: false,
+///     base: TrainSettings::of_set(source, channels_of(&set))?,
+/// };
+/// let device = DeviceChoice::Cpu.open()?;
+/// tune_in(&settings, &set, Path::new("search"), &device, &Execution::default())?;
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn tune_in(
     settings: &TuneSettings,
     set: &dyn SampleSource,

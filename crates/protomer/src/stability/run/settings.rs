@@ -8,6 +8,19 @@ use serde::{Deserialize, Serialize};
 /// Settings of a simulation or of each simulation of a sweep. They contain everything that can
 /// change a result, and nothing else: two runs with equal settings on equal input give equal
 /// results on any number of threads.
+///
+/// ```
+/// use protomer::stability::run::{EnergyMode, RunSettings};
+/// let settings = RunSettings {
+///     salt_molar: vec![0.01, 0.1],
+///     replicas: 3,
+///     energy: EnergyMode::Certified,
+///     ..RunSettings::default()
+/// };
+/// assert_eq!(settings.simulations(), 6);
+/// settings.check()?;
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct RunSettings {
@@ -119,6 +132,10 @@ impl Default for RunSettings {
 }
 
 /// The folder name of a salt concentration.
+///
+/// ```
+/// assert_eq!(protomer::stability::run::salt_label(0.1), "salt_0.100000M");
+/// ```
 pub fn salt_label(salt_molar: f64) -> String {
     format!("salt_{salt_molar:.6}M")
 }

@@ -99,6 +99,22 @@ fn is_simulation(path: &Path) -> bool {
 /// For invalid settings or an impossible start, a directory that holds other work or is in use by
 /// another process, or a file that cannot be written. If a simulation fails, the others stop at
 /// their next sweep and keep their progress, and `run.json` records the error.
+///
+/// ```no_run
+/// use protomer::answer::Answer;
+/// use protomer::assemblies::assembly_file::Assembly;
+/// use protomer::stability::{run::{Engine, RunSettings}, sweep::run_sweep};
+/// use protomer_results::{End, Execution};
+/// use std::path::Path;
+/// let engine = Engine::new(Assembly::read(Path::new("6mdr/assembly.json"))?)?;
+/// let salt_molar = protomer::quantity::salt_list("10mM..300mM/8")?;
+/// let settings = RunSettings { salt_molar, ..RunSettings::default() };
+/// match run_sweep(&engine, &settings, Path::new("sweep"), &Execution::default())? {
+///     End::Finished(sweep) => println!("{}", sweep.text()),
+///     End::Stopped => println!("the same call continues it"),
+/// }
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn run_sweep(
     engine: &Engine,
     settings: &RunSettings,
