@@ -1,8 +1,8 @@
 """Work on many machines: the parts of a command as tasks of Dask.
 
-Every task is the same command with `--shard i/n`, on files that all workers see. The files are the protocol: what a lost worker
-had finished stays, and what it was at goes on from where it was saved. Once everything is there the command itself, without
-`--shard`, finds it done and collects it. So the result is the local one, byte for byte.
+Every task is the same command with `--shard i/n`, on files visible to all workers. The files are the protocol: the finished
+work of a lost worker remains, and its unfinished work continues from the last checkpoint. Once everything is done, the
+command itself, without `--shard`, collects it. So the result equals the local one, byte for byte.
 """
 
 from __future__ import annotations
@@ -115,7 +115,7 @@ def _voxelize(command: Command, workers: Workers) -> None:
     if output.exists() and not command.has("force"):
         return  # The command itself says whether it is this set.
     folder = output.with_name(f"{output.name}.parts")
-    # Parts are files: where some are, it goes on with as many.
+    # Parts are files: if some exist, keep their number.
     begun = [int(path.name.partition("-of-")[2].split(".")[0]) for path in folder.glob("*-of-*.zarr*")]
     count = workers.parts(max(begun, default=None))
     sets = [str(folder / f"{number}-of-{count}.zarr") for number in range(1, count + 1)]
@@ -129,7 +129,7 @@ def _voxelize(command: Command, workers: Workers) -> None:
 
 def _tune(command: Command, workers: Workers) -> None:
     parts = _parts(command, workers.parts())
-    # A part ends where others have to come as far, and goes on in the next round. A single part is the whole search.
+    # A part ends when it has to wait for others, and continues in the next round. A single part is the whole search.
     while not all(answer.get("finished", True) for answer in workers.run(parts)):
         pass
 
@@ -139,7 +139,7 @@ _SHARED_OUT = {"sweep": _sweep, "tune": _tune, "voxelize": _voxelize}
 
 
 def _parts(command: Command, count: int, outputs: Sequence[str] = ()) -> list[list[str]]:
-    """The words of every part, perhaps with outputs of their own."""
+    """The words of every part, with separate outputs where needed."""
     # One thread each: workers bring the parallelism.
     threads = {} if command.has("threads") else {"threads": "1"}
     own = [{"output": output} for output in outputs] or [{}] * count

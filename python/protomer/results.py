@@ -213,7 +213,7 @@ class PotentialResult(Result):
         """Draws the potentials at the requested points, kT/e: a histogram, or one value per point."""
         potentials = self.potentials_kt_per_e
         if potentials.size == 0:
-            raise ValueError("no points were asked for; call pm.potential with points=")
+            raise ValueError("no points were requested; call pm.potential with points=")
         ax = new_axes(ax)
         if kind == "line":
             ax.plot(np.arange(1, potentials.size + 1), potentials, marker="o")
@@ -264,7 +264,7 @@ class TrainResult(Result):
         return ax
 
     def plot_history(self, ax: Axes | None = None) -> Axes:
-        """Losses of the training and of the validation part, nats, against the epoch; the vertical line marks the kept epoch."""
+        """Losses of the training and the validation part, nats, against the epoch; a vertical line marks the kept epoch."""
         history = self.history
         ax = new_axes(ax)
         for part in ("training", "validation"):

@@ -15,7 +15,7 @@ create_exception!(
     protomer,
     ProtomerError,
     PyValueError,
-    "What a verb could not do: where, what, and what to do."
+    "An error of a verb: where, what, and what to do about it."
 );
 create_exception!(
     protomer,
@@ -51,7 +51,7 @@ create_exception!(
     protomer,
     StoppedError,
     ProtomerError,
-    "Stopped before the end; the same call goes on."
+    "Stopped before the end; the same call continues the work."
 );
 
 /// The exception for an error of a verb.

@@ -62,7 +62,7 @@ pub fn call(
     }
 }
 
-/// What a verb answered, freed from its thread.
+/// The answer of a verb, independent of its thread.
 struct Answer {
     outcome: Outcome,
     value: Value,

@@ -49,7 +49,7 @@ pub enum McError {
     )]
     ForeignCheckpoint(String),
     /// Stored energy tables that are damaged or not the requested ones.
-    #[error("the stored energy tables cannot be used: {0}; make them anew")]
+    #[error("the stored energy tables cannot be used: {0}; make them again")]
     UnusableTable(String),
     /// An error of the kernel crate.
     #[error(transparent)]

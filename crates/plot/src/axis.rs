@@ -74,7 +74,7 @@ fn padded(values: impl Iterator<Item = f64>, log: bool, room: f64) -> [f64; 2] {
         (low, high) = (low.min(value), high.max(value));
     }
     let spread = high - low;
-    // A single value gets a range of its own size around it.
+    // A single value gets a range as large as itself around it.
     let pad = match spread > 1e-12 * low.abs().max(high.abs()) {
         true => spread * room,
         false => (0.1 * high.abs()).max(0.5),

@@ -57,7 +57,7 @@ pub enum PlotError {
     /// The picture cannot be made.
     #[error("cannot draw the figure: {cause}")]
     Drawing {
-        /// What the drawing library says.
+        /// The message of the drawing library.
         cause: String,
     },
     /// The file cannot be written.

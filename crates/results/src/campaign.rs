@@ -115,12 +115,9 @@ fn recorded_with<T, E: From<Error> + Display>(
     run: impl FnOnce() -> Result<End<T>, E>,
 ) -> Result<End<T>, E> {
     let path = directory.path();
-    let record = |exit| {
-        let details = details.clone();
-        Record {
-            details,
-            ..Record::new(work, exit)
-        }
+    let record = |exit| Record {
+        details: details.clone(),
+        ..Record::new(work, exit)
     };
     // Finished work stays finished, even if a later call fails. Work that has been extended is
     // no longer finished.
@@ -170,11 +167,12 @@ pub fn conduct_shard<C: Campaign>(
         };
         running.write(directory.path())?;
     }
-    let numbered = campaign.tasks().iter().enumerate();
-    let ours: Vec<&C::Task> = numbered
-        .filter(|(number, _)| shard.has(*number))
-        .map(|(_, task)| task)
-        .collect();
+    let mut ours = Vec::new();
+    for (number, task) in campaign.tasks().iter().enumerate() {
+        if shard.has(number) {
+            ours.push(task);
+        }
+    }
     let one = |task: &&C::Task| {
         let path = campaign.directory(task);
         std::fs::create_dir_all(&path).map_err(Error::file("create the directory", &path))?;

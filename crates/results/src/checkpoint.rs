@@ -14,7 +14,7 @@ pub const CHECKPOINT: &str = "checkpoint.bin";
 const IDENTITY: &str = "identity";
 
 /// A state in bytes. Every serialisable struct is a checkpoint: JSON in a container with a
-/// checksum, which also holds the identity of the work. An engine with a format of its own
+/// checksum, which also holds the identity of the work. An engine with its own format
 /// implements this trait.
 ///
 /// ```

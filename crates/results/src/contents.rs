@@ -8,7 +8,7 @@ use crate::{Error, Result, ResultKind, record};
 use std::path::Path;
 
 impl ResultKind {
-    /// What a directory holds; `None` if it holds no results, or none that can be recognised.
+    /// The kind of results in a directory; `None` if there are none that can be recognised.
     pub fn of(directory: &Path) -> Option<Self> {
         recorded(directory).or_else(|| earlier::kind_of(directory))
     }
@@ -64,12 +64,20 @@ impl ResultKind {
 /// The kind that a directory states; `None` if the file cannot be read. The error is reported by
 /// the code that needs the file.
 fn recorded(directory: &Path) -> Option<ResultKind> {
-    let read = |name: &str| -> Option<serde_json::Value> {
-        serde_json::from_slice(&std::fs::read(directory.join(name)).ok()?).ok()
+    let record = read(directory, record::FILE).unwrap_or_default();
+    let kind = match record.get("kind") {
+        Some(kind) => kind.clone(),
+        None => read(directory, "zarr.json")?
+            .get("attributes")?
+            .get("kind")?
+            .clone(),
     };
-    let of_record = || read(record::FILE)?.get("kind").cloned();
-    let of_zarr = || read("zarr.json")?.get("attributes")?.get("kind").cloned();
-    serde_json::from_value(of_record().or_else(of_zarr)?).ok()
+    serde_json::from_value(kind).ok()
+}
+
+fn read(directory: &Path, name: &str) -> Option<serde_json::Value> {
+    let bytes = std::fs::read(directory.join(name)).ok()?;
+    serde_json::from_slice(&bytes).ok()
 }
 
 /// Recognises directories of earlier versions, which did not state their kind, by their files.
@@ -101,16 +109,24 @@ mod earlier {
     pub fn kind_of(directory: &Path) -> Option<ResultKind> {
         for file in ["run.toml", "settings.toml"] {
             if let Some(settings) = table(&directory.join(file)) {
-                let has_key = |(of, key, _): &&(&str, &str, ResultKind)| {
-                    *of == file && settings.contains_key(*key)
-                };
-                return KEYS.iter().find(has_key).map(|(.., kind)| kind.clone());
+                return kind_of_settings(file, &settings);
             }
         }
-        let has_all = |(files, _): &&(&[&str], ResultKind)| {
-            files.iter().all(|file| directory.join(file).is_file())
-        };
-        FILES.iter().find(has_all).map(|(_, kind)| kind.clone())
+        for (files, kind) in FILES {
+            if files.iter().all(|file| directory.join(file).is_file()) {
+                return Some(kind);
+            }
+        }
+        None
+    }
+
+    fn kind_of_settings(file: &str, settings: &toml::Table) -> Option<ResultKind> {
+        for (of, key, kind) in KEYS {
+            if of == file && settings.contains_key(key) {
+                return Some(kind);
+            }
+        }
+        None
     }
 
     fn table(path: &Path) -> Option<toml::Table> {

@@ -46,7 +46,7 @@ pub enum Error {
     OtherKind {
         /// The directory.
         path: PathBuf,
-        /// What it holds.
+        /// What the directory holds.
         holds: ResultKind,
         /// What it should hold; `None` if any directory but this one will do.
         wanted: Option<ResultKind>,
@@ -60,7 +60,7 @@ pub enum Error {
     OtherSettings {
         /// The directory.
         path: PathBuf,
-        /// What it holds.
+        /// What the directory holds.
         kind: ResultKind,
         /// The settings that differ, as in `seed: 1 there, 2 here`.
         differences: String,
@@ -73,7 +73,7 @@ pub enum Error {
     OtherInput {
         /// The directory.
         path: PathBuf,
-        /// What it holds.
+        /// What the directory holds.
         kind: ResultKind,
     },
     /// The settings match, but the existing run cannot be continued with them.
@@ -92,9 +92,9 @@ pub enum Error {
     OtherVersion {
         /// The directory.
         path: PathBuf,
-        /// What it should hold.
+        /// The expected kind.
         kind: ResultKind,
-        /// What is wrong with its settings.
+        /// The error in its settings.
         source: Box<Error>,
     },
     /// `--force` was given for a directory that holds no results of this kind.
@@ -105,7 +105,7 @@ pub enum Error {
     Foreign {
         /// The directory.
         path: PathBuf,
-        /// What it should hold.
+        /// The expected kind.
         kind: ResultKind,
     },
     /// `--force` was given for a part of shared work.
@@ -158,7 +158,7 @@ pub enum Error {
         path: PathBuf,
         /// Line, counted from one.
         line: usize,
-        /// What it says.
+        /// The text of the line.
         text: String,
     },
     /// Text that does not name a part of some work.

@@ -30,7 +30,7 @@ impl Interrupt {
         }
     }
 
-    /// The same request, with a time limit of its own.
+    /// The same request, with an additional time limit.
     pub fn with_limit(mut self, limit: Option<Duration>) -> Self {
         self.deadline = limit.map(|limit| Instant::now() + limit);
         self

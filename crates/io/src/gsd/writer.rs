@@ -13,8 +13,8 @@ const FIRST_NAME_SEGMENTS: u64 = 16;
 /// Appends frames to a GSD file.
 ///
 /// A frame's data are written first, its index entries second: a process that dies in between
-/// leaves a file that ends with its last complete frame. A full index moves to the end of the file
-/// at twice the size, a full name list as well.
+/// leaves a file that ends with its last complete frame. A full index moves to the end of the
+/// file at twice the size, and so does a full name list.
 ///
 /// ```
 /// use protomer_io::gsd::{Chunk, ChunkData, GsdWriter};

@@ -73,7 +73,7 @@ fn read_binary(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
     welder.builder.finish()
 }
 
-/// The corners of a triangle, after its normal, which their order states as well.
+/// The corners of a triangle; the normal before them is redundant and skipped.
 fn binary_corners(record: &[u8]) -> std::result::Result<[Vec3; 3], Ended> {
     let mut cursor = Cursor::new(record);
     cursor.take(12)?;

@@ -260,7 +260,7 @@ fn thinned(points: &[[f64; 2]]) -> impl Iterator<Item = [f64; 2]> + '_ {
         .step_by(points.len().div_ceil(MOST_POINTS).max(1))
 }
 
-/// What is on the x axis; the other parameter tells the series apart.
+/// The parameter on the x axis; the other one distinguishes the series.
 #[derive(Clone, Copy)]
 enum Against {
     RodLength,

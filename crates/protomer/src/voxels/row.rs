@@ -18,7 +18,7 @@ pub struct Row<'a> {
     pub label: &'a str,
     /// Its cluster.
     pub cluster: &'a str,
-    /// Its family; perhaps empty.
+    /// Its family; may be empty.
     pub family: &'a str,
     /// SHA-256 of its file; empty if it could not be read.
     pub sha256: &'a str,
