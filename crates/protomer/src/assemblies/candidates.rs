@@ -74,6 +74,7 @@ fn letters(up: &[bool]) -> String {
 /// cannot be read or written.
 ///
 /// ```no_run
+/// use protomer::answer::Answer;
 /// use protomer::assemblies::candidates::{CandidatesSettings, candidates};
 /// use protomer_body::assembly::Symmetry;
 /// let settings = CandidatesSettings {
@@ -85,7 +86,7 @@ fn letters(up: &[bool]) -> String {
 ///     box_angstrom: None,
 ///     output: None,
 /// };
-/// println!("{} arrangements", candidates(&settings)?.arrangements.len());
+/// println!("{}", candidates(&settings)?.text());
 /// # Ok::<(), anyhow::Error>(())
 /// ```
 pub fn candidates(settings: &CandidatesSettings) -> Result<CandidatesReport> {
