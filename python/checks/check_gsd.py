@@ -25,7 +25,7 @@ def require(holds, message):
 
 
 def check_schema(trajectory):
-    """What must hold for any trajectory: readable frames, bodies in the box, unit quaternions, valid meshes."""
+    """Invariants of any trajectory: readable frames, bodies in the box, unit quaternions, valid meshes."""
     first = trajectory[0]
     bodies = first.particles.N
     require(len(first.particles.type_shapes) == len(first.particles.types), "not every type has a shape")

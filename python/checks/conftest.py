@@ -1,4 +1,4 @@
-"""What every check needs: the binary, the bundled structures, and small bodies made on the spot."""
+"""Shared fixtures: the binary, the bundled structures, and small generated bodies."""
 
 import json
 import subprocess

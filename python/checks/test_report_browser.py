@@ -49,7 +49,7 @@ def visit(chromium, file, width=DESK):
 
 
 def is_clean(page, width):
-    """What holds for every page."""
+    """Invariants of every page."""
     assert page.complaints() == []
     assert page.requests() == []
     assert page.evaluate("performance.getEntriesByType('resource').length") == 0
@@ -154,7 +154,7 @@ def test_lattices_move_and_their_figures_can_be_read(chromium, tmp_path, protome
 
 @pytest.fixture(scope="module")
 def other_pages(tmp_path_factory, protomer):
-    """Pages without anything that moves."""
+    """Static pages."""
     folder = tmp_path_factory.mktemp("others")
     structure = ROOT / "data" / "structures" / "5pti.cif.gz"
     rows = [f"{structure},{['even', 'odd'][k % 2]},c{k},s{k}" for k in range(16)] + [f"{folder}/missing.pdb,odd,c16,gone"]
@@ -190,7 +190,7 @@ def test_other_pages_are_readable(chromium, other_pages, name, width):
     ],
 )
 def test_a_faulty_page_is_noticed(chromium, sweep, tmp_path, fault, complaint):
-    """What the checks above look for is there to be found."""
+    """The elements that the checks above look for exist."""
     faulty = tmp_path / "faulty.html"
     faulty.write_text(sweep.read_text().replace("</main>", fault + "</main>"))
     page = visit(chromium, faulty, PHONE)

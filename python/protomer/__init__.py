@@ -6,7 +6,7 @@
 >>> body.net_charge_e, body.vertices_angstrom.shape            # doctest: +SKIP
 
 Every verb of the command line is a function with the same flags as keywords (``pm.sweep(..., salt="10mM..300mM/8")``);
-verbs with verbs of their own are objects (``pm.assemble.ring(...)``, ``pm.lattice.run(...)``). Results are objects with
+verbs with subcommands are objects (``pm.assemble.ring(...)``, ``pm.lattice.run(...)``). Results are objects with
 the fields that ``--json`` prints. Lengths are in Å, energies in kT, charges in e, salt in mol/L.
 """
 

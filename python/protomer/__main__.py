@@ -19,9 +19,9 @@ def main() -> int:
             print(f"error: {error}", file=sys.stderr)
             return 3 if isinstance(error, StoppedError) else 1
         except KeyboardInterrupt:
-            print("stopped; the same command goes on from there", file=sys.stderr)
+            print("stopped; the same command continues it", file=sys.stderr)
             return 3
-    # Ctrl-C is the program's own affair here: it stops at the next step and can be continued.
+    # The program handles Ctrl-C itself: it stops at the next step and can be continued.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     return _main(words)
 
@@ -33,7 +33,7 @@ def _shared_out(words: list[str]) -> list[str]:
     try:
         command = _cluster.Command.of(words)
     except ConfigError:
-        return words  # The program itself says what is wrong with them, or helps.
+        return words  # The program itself reports what is wrong with them, or prints the help.
     address = command.value("scheduler")
     quiet = command.has("quiet") or command.has("no-progress") or not sys.stderr.isatty()
     _cluster.share_out(words, address, progress=None if quiet else _show)

@@ -28,7 +28,7 @@ class Body(_protomer.Body):
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Body:
-        """The body of a file that `protomer.ingest` or `protomer.body` wrote."""
+        """Reads a body file written by `protomer.ingest` or `protomer.body`."""
         return cls(_protomer.Body._read(path))
 
     @classmethod
@@ -59,7 +59,7 @@ class Body(_protomer.Body):
 
     @classmethod
     def from_structure(cls, path: str | os.PathLike[str], **settings: Any) -> Body:
-        """The body of a structure file (PDB, mmCIF, PQR); `settings` are the keywords of `protomer.ingest`."""
+        """Makes a body from a structure file (PDB, mmCIF, PQR); `settings` are the keywords of `protomer.ingest`."""
         with tempfile.TemporaryDirectory() as folder:
             with warnings.catch_warnings():
                 warnings.filterwarnings("ignore", message="some of the inputs failed")
@@ -73,7 +73,7 @@ class Body(_protomer.Body):
 
     @classmethod
     def from_universe(cls, atoms: Any, **settings: Any) -> Body:
-        """The body of an MDAnalysis Universe or AtomGroup as it stands now; `settings` as in `protomer.ingest`."""
+        """Makes a body from the present state of an MDAnalysis Universe or AtomGroup; `settings` as in `protomer.ingest`."""
         with tempfile.TemporaryDirectory() as folder:
             path = _FilePath(folder) / "universe.pdb"
             atoms.atoms.write(str(path))
@@ -113,7 +113,7 @@ class Body(_protomer.Body):
         return trimesh.Trimesh(self.vertices_angstrom, self.triangles, process=False)
 
     def plot(self, ax: Axes | None = None, *, axes: str = "xy") -> Axes:
-        """The charges, red negative and blue positive, seen along the axis that is left out."""
+        """Draws the charges, red for negative and blue for positive, viewed along the omitted axis."""
         ax = new_axes(ax)
         first, second = ("xyz".index(letter) for letter in axes)
         positions, charges = self.charge_positions_angstrom, self.charges_e

@@ -1,4 +1,4 @@
-"""From keywords to the words of a command, and back from its answer."""
+"""Converts keyword arguments to the words of a command, and its answer to a result."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def call(
     client: Client | None = None,
     parts: int | None = None,
 ) -> R:
-    """Runs a verb and wraps what it answers; with a client, workers have done most of it before."""
+    """Runs a verb and wraps its answer; with a client, workers do most of the work first."""
     words = list(verb)
     for flag, value in flags.items():
         words += _flag(flag, value)
@@ -62,11 +62,11 @@ def _flag(flag: str, value: object) -> list[str]:
         return [flag]
     if isinstance(value, (list, tuple)) and flag not in _REPEATED:
         return [f"{flag}={','.join(map(_word, value))}"]
-    # One word, so that values may begin with a minus.
+    # One word, so that values may start with a minus sign.
     return [f"{flag}={word}" for word in _words(value)]
 
 
-# Flags that are given once for each value; all others take a list with commas.
+# Flags that are repeated for each value; all others take a comma-separated list.
 _REPEATED = frozenset({"--part"})
 
 

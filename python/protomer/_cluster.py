@@ -1,8 +1,8 @@
 """Work on many machines: the parts of a command as tasks of Dask.
 
-Every task is the same command with `--shard i/n`, on files that all workers see. The files are the protocol: what a lost worker
-had finished stays, and what it was at goes on from where it was saved. Once everything is there the command itself, without
-`--shard`, finds it done and collects it. So the result is the local one, byte for byte.
+Every task is the same command with `--shard i/n`, on files visible to all workers. The files are the protocol: the finished
+work of a lost worker remains, and its unfinished work continues from the last checkpoint. Once everything is done, the
+command itself, without `--shard`, collects it. So the result equals the local one, byte for byte.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ from . import _protomer
 from ._protomer import ConfigError, ProtomerError, StoppedError, __version__
 
 PARTS_PER_THREAD = 4
-"""Enough that workers end at about the same time; parts that find nothing to do cost next to nothing."""
+"""Enough for workers to end at about the same time; parts without work cost almost nothing."""
 SECONDS_TO_ANSWER = 10
 LOCAL = "local"
-"""In place of an address: a scheduler and workers of this machine, for as long as the command runs."""
+"""Instead of an address: a scheduler and workers on this machine, for the duration of the command."""
 
 Progress = Callable[[int, int, str], None]
 _FOR_PEOPLE = frozenset(["json", "quiet", "verbose", "no-progress", "scheduler"])
-"""Flags that a part of a command has no use for."""
+"""Flags that are meaningless for a part of a command."""
 
 
 class Command(NamedTuple):
-    """A command taken apart, with paths from the root."""
+    """A parsed command with absolute paths."""
 
     verb: list[str]
     flags: list[tuple[str, str | None]]
@@ -41,7 +41,7 @@ class Command(NamedTuple):
 
     @classmethod
     def of(cls, words: Sequence[str]) -> Command:
-        """The command that these words mean; ConfigError if they mean none."""
+        """Parses the words of a command; ConfigError if they are not a command."""
         return cls(*_protomer.take_apart(words))
 
     def has(self, name: str) -> bool:
@@ -53,24 +53,24 @@ class Command(NamedTuple):
         return next(value for flag, value in self.flags if flag == name and value is not None)
 
     def words(self, **others: str) -> list[str]:
-        """The words of it for a program, with other values for some flags."""
+        """The command as words, with other values for some flags."""
         kept = [(flag, value) for flag, value in self.flags if flag not in others and flag not in _FOR_PEOPLE]
         flags = [f"--{flag}" if value is None else f"--{flag}={value}" for flag, value in [*kept, *others.items()]]
         return [*self.verb, *flags, "--", *self.places]
 
 
 class Workers:
-    """The workers of a client, and how they are to be used."""
+    """The workers of a client, and how to use them."""
 
     def __init__(self, client: Any, parts: int | None, progress: Progress | None) -> None:
         self._client, self._parts, self._progress = client, parts, progress
 
     def parts(self, begun: int | None = None) -> int:
-        """Into how many parts to divide: as asked for, as an earlier call did, or by the threads of the workers."""
+        """The number of parts: as requested, as in an earlier call, or from the number of worker threads."""
         return self._parts or begun or PARTS_PER_THREAD * max(1, sum(self._client.nthreads().values()))
 
     def run(self, commands: Sequence[Sequence[str]]) -> list[Any]:
-        """Runs commands, each as a task; returns what they answer, in the order in which they end."""
+        """Runs commands, each as a task; yields their answers in the order in which they end."""
         from distributed import KilledWorker, as_completed
 
         tasks = [self._client.submit(_run, words, __version__, pure=False) for words in commands]
@@ -83,9 +83,9 @@ class Workers:
                 if self._progress is not None:
                     self._progress(len(answers), len(tasks), "parts")
         except KilledWorker as error:
-            raise ProtomerError(f"a part lost its worker too often, perhaps for want of memory: {error}") from error
+            raise ProtomerError(f"a part lost its worker too often, perhaps because of insufficient memory: {error}") from error
         except CancelledError as error:
-            raise ProtomerError(f"the scheduler was lost; the same command goes on: {error}") from error
+            raise ProtomerError(f"the scheduler was lost; the same command continues the work: {error}") from error
         finally:
             self._client.cancel(tasks)
         for answer in answers:
@@ -95,13 +95,13 @@ class Workers:
 
 
 def share_out(words: Sequence[str], client: Any, parts: int | None = None, progress: Progress | None = None) -> None:
-    """Has workers do everything of a command but what it does itself once all is there.
+    """Lets workers do everything of a command except its final step.
 
     `client` is a `distributed.Client`, the address of a scheduler, or "local".
     """
     command = Command.of(words)
     if command.has("shard"):
-        raise ConfigError("--shard is one part; leave it out, the scheduler gets all of them")
+        raise ConfigError("--shard is a single part; omit it, because the scheduler runs all parts")
     with _connected(client) as connected:
         _SHARED_OUT[command.verb[0]](command, Workers(connected, parts, progress))
 
@@ -115,7 +115,7 @@ def _voxelize(command: Command, workers: Workers) -> None:
     if output.exists() and not command.has("force"):
         return  # The command itself says whether it is this set.
     folder = output.with_name(f"{output.name}.parts")
-    # Parts are files: where some are, it goes on with as many.
+    # Parts are files: if some exist, keep their number.
     begun = [int(path.name.partition("-of-")[2].split(".")[0]) for path in folder.glob("*-of-*.zarr*")]
     count = workers.parts(max(begun, default=None))
     sets = [str(folder / f"{number}-of-{count}.zarr") for number in range(1, count + 1)]
@@ -129,7 +129,7 @@ def _voxelize(command: Command, workers: Workers) -> None:
 
 def _tune(command: Command, workers: Workers) -> None:
     parts = _parts(command, workers.parts())
-    # A part ends where others have to come as far, and goes on in the next round. A single part is the whole search.
+    # A part ends when it has to wait for others, and continues in the next round. A single part is the whole search.
     while not all(answer.get("finished", True) for answer in workers.run(parts)):
         pass
 
@@ -139,7 +139,7 @@ _SHARED_OUT = {"sweep": _sweep, "tune": _tune, "voxelize": _voxelize}
 
 
 def _parts(command: Command, count: int, outputs: Sequence[str] = ()) -> list[list[str]]:
-    """The words of every part, perhaps with outputs of their own."""
+    """The words of every part, with separate outputs where needed."""
     # One thread each: workers bring the parallelism.
     threads = {} if command.has("threads") else {"threads": "1"}
     own = [{"output": output} for output in outputs] or [{}] * count
@@ -177,11 +177,11 @@ def _connected(client: Any) -> Iterator[Any]:
 
 
 def _reach(address: str) -> None:
-    """Waits until something answers at an address. A client of Dask that fails at that can neither be closed nor left alone."""
+    """Waits for an answer at an address. A Dask client that fails to connect can be neither closed nor ignored."""
     scheme, _, place = address.rpartition("://")
     host, _, port = place.rpartition(":")
     if not host or not port.isdigit():
-        raise ConfigError(f"'{address}' is no address of a scheduler; give one such as tcp://host:8786, or {LOCAL}")
+        raise ConfigError(f"'{address}' is not the address of a scheduler; give one such as tcp://host:8786, or {LOCAL}")
     end = time.monotonic() + SECONDS_TO_ANSWER
     while scheme in ("", "tcp", "tls"):
         try:

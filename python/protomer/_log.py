@@ -50,7 +50,7 @@ def read_log(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
 
 
 def _log_of(path: Path) -> Path:
-    """A simulation keeps its log in the folder of its only replica."""
+    """The log of a simulation is in the folder of its only replica."""
     if not path.is_dir():
         return path
     found = [path / "log.csv"] if (path / "log.csv").exists() else sorted(path.glob("salt_*/replica_*/log.csv"))

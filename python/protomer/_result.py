@@ -1,4 +1,4 @@
-"""What every result is: the fields of a verb's JSON as attributes, lists of numbers as arrays."""
+"""The base of all results: the fields of a verb's JSON as attributes, lists of numbers as arrays."""
 
 from __future__ import annotations
 
@@ -60,18 +60,18 @@ class Result:
         return f"<table><caption>{type(self).__name__}</caption>{''.join(rows)}</table>"
 
     def to_dict(self) -> dict[str, Any]:
-        """The plain values, as JSON has them."""
+        """The plain values, as in the JSON."""
         return self._fields
 
     def _file(self, name: str) -> Path:
         """A file of the directory that the verb wrote into."""
         if self._output is None:
-            raise ValueError(f"this {type(self).__name__} knows no directory; call the verb with output=")
+            raise ValueError(f"this {type(self).__name__} has no directory; call the verb with output=")
         return self._output / name
 
 
 def new_axes(ax: Axes | None, **settings: Any) -> Axes:
-    """The axes themselves, or new ones in a figure of their own."""
+    """The given axes, or those of a new figure."""
     if ax is not None:
         return ax
     try:

@@ -13,7 +13,7 @@ Grid = NDArray[np.float32]
 
 
 class VoxelSet:
-    """The samples of a set that `protomer.voxelize` made: pairs of a grid (C, z, y, x) and the number of its class.
+    """The samples of a set made by `protomer.voxelize`: pairs of a grid (C, z, y, x) and the number of its class.
 
     A map-style dataset: `torch.utils.data.DataLoader(VoxelSet("set.zarr"), batch_size=8)` takes it as it is, and torch is not
     needed for anything else. Samples are read one by one, so a set may be larger than memory. Needs zarr
@@ -64,7 +64,7 @@ class VoxelSet:
         self._offsets: NDArray[np.int64] = group["offsets"][:]
 
     def __getstate__(self) -> dict[str, Any]:
-        # Workers of a loader open the set themselves.
+        # Each loader worker opens the set itself.
         return {name: value for name, value in self.__dict__.items() if name not in ("_group", "_offsets")}
 
     def __setstate__(self, state: dict[str, Any]) -> None:

@@ -1,4 +1,4 @@
-"""What verbs answer, with what of it can be drawn.
+"""The results of verbs, with plots.
 
 Every `plot(ax=None)` draws into axes of matplotlib, new ones if none are given, and returns them.
 """
@@ -82,7 +82,7 @@ class SweepResult(Result):
 
     @property
     def native_contacts(self) -> Numbers:
-        """Surviving fraction of the contacts at the start, (S,); NaN where there were none."""
+        """Surviving fraction of the initial contacts, (S,); NaN if there were none."""
         return self._column("native_contacts_mean")
 
     @property
@@ -206,14 +206,14 @@ class PotentialResult(Result):
 
     @property
     def potentials_kt_per_e(self) -> Numbers:
-        """The potential at the points asked for, kT/e, (P,); NaN outside the grid."""
+        """The potential at the requested points, kT/e, (P,); NaN outside the grid."""
         return numbers(self._fields.get("potentials_kT_per_e") or [])
 
     def plot(self, ax: Axes | None = None, *, kind: Literal["histogram", "line"] = "histogram") -> Axes:
-        """The potentials at the points asked for, kT/e: how often which, or point after point."""
+        """Draws the potentials at the requested points, kT/e: a histogram, or one value per point."""
         potentials = self.potentials_kt_per_e
         if potentials.size == 0:
-            raise ValueError("no points were asked for; call pm.potential with points=")
+            raise ValueError("no points were requested; call pm.potential with points=")
         ax = new_axes(ax)
         if kind == "line":
             ax.plot(np.arange(1, potentials.size + 1), potentials, marker="o")
@@ -230,7 +230,7 @@ class VoxelizeResult(Result):
     """A set of voxels made of structures."""
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """How many structures became samples, and how many were left out for which reason."""
+        """Draws the number of structures that became samples, and the numbers excluded by reason."""
         reasons = [exclusion["reason"] for exclusion in self._fields["excluded"]]
         counts = {"samples": self._fields["samples"], **{name: reasons.count(name) for name in sorted(set(reasons))}}
         ax = new_axes(ax)
@@ -240,7 +240,7 @@ class VoxelizeResult(Result):
 
 
 class TrainResult(Result):
-    """Scores of a training beside those of what knows nothing of the voxels."""
+    """Scores of a training, compared with predictions without voxels."""
 
     @property
     def history(self) -> dict[str, NDArray[Any]]:
@@ -264,7 +264,7 @@ class TrainResult(Result):
         return ax
 
     def plot_history(self, ax: Axes | None = None) -> Axes:
-        """Losses of the training and of the validation part, nats, against the epoch; the line is the epoch that was kept."""
+        """Losses of the training and the validation part, nats, against the epoch; a vertical line marks the kept epoch."""
         history = self.history
         ax = new_axes(ax)
         for part in ("training", "validation"):
@@ -318,7 +318,7 @@ class PredictResult(Result):
         return np.array([sample["probabilities"] for sample in self._fields["samples"]], dtype=np.float64)
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """How many samples of each true class were predicted as which; a row of its own for those of unknown class."""
+        """Draws the confusion matrix, with a separate row for samples of unknown class."""
         classes: list[str] = self._fields["classes"]
         samples = self._fields["samples"]
         rows = [*classes, "unknown"] if any(sample["class"] is None for sample in samples) else classes
@@ -358,12 +358,12 @@ class BenchResult(Result):
 
 
 def _against_salt(ax: Axes, salt_molar: Numbers) -> Axes:
-    """The axis of salt, logarithmic unless there is none somewhere."""
+    """The salt axis; logarithmic unless a concentration is zero."""
     from matplotlib.ticker import LogLocator, NullFormatter
 
     if np.all(salt_molar > 0.0):
         ax.set_xscale("log")
-        # 20, 50, 100 as they are: less than two decades would otherwise be labelled so densely that nothing can be read.
+        # Plain labels 20, 50, 100: otherwise less than two decades would be labelled illegibly densely.
         ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         ax.xaxis.set_major_formatter("{x:g}")
         ax.xaxis.set_minor_formatter(NullFormatter())

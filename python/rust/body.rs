@@ -25,7 +25,7 @@ impl Body {
         Ok(Self { body })
     }
 
-    /// A copy of another body; what subclasses are made of.
+    /// A copy of another body, for subclasses.
     #[new]
     fn new(body: PyRef<'_, Self>) -> Self {
         Self {
@@ -265,7 +265,7 @@ fn places(array: &PyReadonlyArray2<'_, f64>, name: &str) -> Result<Vec<Vec3>> {
     );
     ensure!(
         array.iter().all(|value| value.is_finite()),
-        "{name} holds values that are no numbers; leave them out"
+        "{name} contains NaN; remove these values"
     );
     Ok(array
         .rows()

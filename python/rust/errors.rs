@@ -1,4 +1,4 @@
-//! Errors as Python exceptions: one for each kind of thing that a user can do something about.
+//! Errors as Python exceptions: one for each kind of error that a user can act on.
 
 use protomer_body::BodyError;
 use protomer_crystal::CrystalError;
@@ -15,7 +15,7 @@ create_exception!(
     protomer,
     ProtomerError,
     PyValueError,
-    "What a verb could not do: where, what, and what to do."
+    "An error of a verb: where, what, and what to do about it."
 );
 create_exception!(
     protomer,
@@ -27,7 +27,7 @@ create_exception!(
     protomer,
     ConfigError,
     ProtomerError,
-    "An argument or a setting that makes no sense."
+    "An invalid argument or setting."
 );
 create_exception!(
     protomer,
@@ -51,7 +51,7 @@ create_exception!(
     protomer,
     StoppedError,
     ProtomerError,
-    "Stopped before the end; the same call goes on."
+    "Stopped before the end; the same call continues the work."
 );
 
 /// The exception for an error of a verb.
@@ -110,7 +110,7 @@ pub fn exception(error: &anyhow::Error) -> PyErr {
     ProtomerError::new_err(message)
 }
 
-/// The error of a kernel that this is, or that another crate passes on as its own.
+/// The kernel error that this is, or that another crate passes on.
 fn kernel_error<'a>(cause: &'a (dyn std::error::Error + 'static)) -> Option<&'a KernelError> {
     if let Some(McError::Kernel(error)) = cause.downcast_ref() {
         return Some(error);
@@ -121,7 +121,7 @@ fn kernel_error<'a>(cause: &'a (dyn std::error::Error + 'static)) -> Option<&'a 
     cause.downcast_ref()
 }
 
-/// With the place as attributes.
+/// Adds the location as attributes.
 fn parse_error(message: String, path: &str, line: usize) -> PyErr {
     let error = ParseError::new_err(message);
     Python::attach(|py| {

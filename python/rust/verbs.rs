@@ -1,4 +1,4 @@
-//! Calling a verb: on a thread of its own, while this one listens to Ctrl-C and tells of progress.
+//! Calls a verb on a separate thread, while this thread listens for Ctrl-C and reports progress.
 
 use crate::errors::{StoppedError, exception};
 use protomer_cli::{Command, Host, Outcome, ProgressListener, Reply};
@@ -14,11 +14,11 @@ use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// How often Ctrl-C is looked for and progress is told.
+/// Interval for checking Ctrl-C and reporting progress.
 const PAUSE: Duration = Duration::from_millis(50);
 
 type Call = JoinHandle<anyhow::Result<Answer>>;
-/// Units done, units in all, what a unit is.
+/// Units done, total units, name of a unit.
 type Latest = Arc<Mutex<Option<(u64, u64, String)>>>;
 
 /// Runs `protomer WORDS`; returns whether everything was done, and the answer as Python values
@@ -62,7 +62,7 @@ pub fn call(
     }
 }
 
-/// What a verb answered, freed from its thread.
+/// The answer of a verb, independent of its thread.
 struct Answer {
     outcome: Outcome,
     value: Value,

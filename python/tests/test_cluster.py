@@ -104,7 +104,7 @@ def test_a_set_goes_on_with_the_parts_of_an_earlier_call(manifest, tmp_path, cli
     pm.voxelize(**voxelize, progress=lambda *news: heard.append(news))
     assert heard == [(1, 3, "parts"), (2, 3, "parts"), (3, 3, "parts")]
     assert [path.name for path in tmp_path.iterdir()] == ["set.zarr"]
-    # Complete, there is nothing for workers to do; another set is no reason to overwrite it.
+    # A complete set leaves nothing for the workers; another set must not be overwritten.
     assert pm.voxelize(**voxelize, progress=lambda *news: heard.append(news)).state == "nothing-to-do"
     with pytest.raises(pm.ProtomerError, match="holds another set"):
         pm.voxelize(**{**voxelize, "seed": 4})
@@ -146,7 +146,7 @@ def test_errors_say_what_to_do(ring, tmp_path, client, monkeypatch):
 
     with pytest.raises(pm.ProtomerError, match="nowhere.json"):
         pm.sweep("nowhere.json", **SWEEP, output=tmp_path / "remote", client=client)
-    with pytest.raises(pm.ConfigError, match="leave it out"):
+    with pytest.raises(pm.ConfigError, match="omit it"):
         sweep(client, shard="1/2")
     with pytest.raises(pm.ConfigError, match="tcp://host:8786"):
         sweep("nonsense")
@@ -155,7 +155,7 @@ def test_errors_say_what_to_do(ring, tmp_path, client, monkeypatch):
         sweep("tcp://127.0.0.1:1")
     assert "install the same" in str(_cluster._run(["sweep"], "0.0.0"))
     refused = command("sweep", ring, "--salt=30mM", "--scheduler=nonsense", "-o", tmp_path / "remote")
-    assert refused.returncode == 1 and "no address of a scheduler" in refused.stderr
+    assert refused.returncode == 1 and "not the address of a scheduler" in refused.stderr
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(ImportError, match=r"./python\[cluster\]"):
         sweep(client)

@@ -1,4 +1,4 @@
-"""The Python of the documentation, run as it stands."""
+"""Runs the Python code of the documentation unchanged."""
 
 import re
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What results draw: data and labels."""
+"""The plots of results: data and labels."""
 
 import numpy as np
 import pytest
@@ -61,7 +61,7 @@ def test_a_sweep_draws_each_quantity_with_its_spread():
         (container,) = axes.containers
         np.testing.assert_allclose(container[0].get_xydata(), np.column_stack([[30.0, 300.0], values]))
         np.testing.assert_allclose(error_bars(container), [values, deviations])
-    # Zero has no place on a logarithmic axis.
+    # Zero cannot be shown on a logarithmic axis.
     assert pm.SweepResult({"salts": sweep_rows([0.0, 0.3])}).plot().get_xscale() == "linear"
 
 

@@ -1,4 +1,4 @@
-//! A command line taken apart, for a program that has parts of it done on other machines.
+//! Parses a command line into its parts, for a program that runs them on other machines.
 
 use super::{Cli, UsageError};
 use clap::parser::ValueSource;
@@ -7,19 +7,19 @@ use std::any::TypeId;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-/// A command as another machine understands it: flags by their long names, paths from the root.
+/// A command in a form that is valid on any machine: long flag names, absolute paths.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Command {
     /// The verb, such as `lattice` `run`.
     pub verb: Vec<String>,
     /// Flags that were given, without `--`, and their values; switches have none.
     pub flags: Vec<(String, Option<String>)>,
-    /// What has a place only, such as the assembly of a sweep.
+    /// Positional arguments, such as the assembly of a sweep.
     pub places: Vec<String>,
 }
 
 impl Command {
-    /// Takes the words of a command line apart, which begin after the program's name.
+    /// Parses the words of a command line, without the program's name.
     ///
     /// ```
     /// use protomer_cli::Command;
@@ -30,7 +30,7 @@ impl Command {
     /// ```
     ///
     /// # Errors
-    /// For words that are no command.
+    /// For words that are not a command.
     pub fn of<S: AsRef<str>>(words: &[S]) -> Result<Self, UsageError> {
         let mut syntax = Cli::command();
         syntax.build();
@@ -80,7 +80,7 @@ impl Command {
 }
 
 fn from_the_root(path: &OsStr) -> String {
-    // Fails for an empty path only, which whoever opens it complains of.
+    // Fails only for an empty path, which is reported when it is opened.
     std::path::absolute(path)
         .unwrap_or_else(|_| Path::new(path).to_owned())
         .display()

@@ -1,5 +1,4 @@
-//! What a verb knows of whoever called it: the flags that every verb understands, and ways to say
-//! something meanwhile, to show progress, and to be stopped.
+//! The interface of a verb to its caller: the global flags, messages, progress, and interruption.
 
 use crate::host::{Bar, Host};
 use crate::reply::note;
@@ -10,10 +9,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// More threads than any machine has cores for.
+/// Upper limit for the number of threads.
 const MOST_THREADS: usize = 1024;
 
-/// Options every verb understands.
+/// Global options.
 #[derive(Debug, Clone, Args)]
 pub struct Global {
     /// Print one JSON object on stdout instead of text.
@@ -28,22 +27,22 @@ pub struct Global {
         env = "PROTOMER_THREADS"
     )]
     pub threads: usize,
-    /// Say less: errors only.
+    /// Print errors only.
     #[arg(short, long, global = true)]
     pub quiet: bool,
-    /// Say more: settings and timings.
+    /// Also print settings and timings.
     #[arg(short, long, global = true)]
     pub verbose: bool,
-    /// Never draw progress bars.
+    /// Do not draw progress bars.
     #[arg(long, global = true)]
     pub no_progress: bool,
-    /// Overwrite results that are already there.
+    /// Overwrite existing results.
     #[arg(long, global = true)]
     pub force: bool,
 }
 
 impl Global {
-    /// The pool of threads that these flags ask for.
+    /// The thread pool requested by the flags.
     pub fn thread_pool(&self) -> Result<rayon::ThreadPoolBuilder> {
         if self.threads > MOST_THREADS {
             bail!("--threads is {}; give at most {MOST_THREADS}", self.threads);
@@ -70,53 +69,53 @@ impl Front {
         }
     }
 
-    /// A program, which reads answers and not notes.
+    /// A program, which reads answers but not notes.
     pub fn program(flags: Global, host: Host) -> Self {
         let bar = Arc::new(Bar::for_listener(host.progress.clone()));
         Self { flags, host, bar }
     }
 
-    /// The flags that every verb understands.
+    /// The global flags.
     pub fn flags(&self) -> &Global {
         &self.flags
     }
 
-    /// Whether earlier results may be replaced.
+    /// Whether earlier results may be overwritten.
     pub fn force(&self) -> bool {
         self.flags.force
     }
 
-    /// Says a line now, unless quiet.
+    /// Prints a line immediately, unless quiet.
     pub fn say(&self, line: &str) {
         if !self.flags.quiet {
             note(line);
         }
     }
 
-    /// Says a line now to whoever asked for more.
+    /// Prints a line immediately if verbose.
     pub fn explain(&self, line: &str) {
         if self.flags.verbose {
             note(line);
         }
     }
 
-    /// What to call for a warning that cannot wait.
+    /// The function that prints urgent warnings.
     pub fn warner(&self) -> fn(&str) {
         if self.flags.quiet { |_| () } else { note }
     }
 
-    /// A bar on a terminal, calls to a program that listens.
+    /// A progress bar on a terminal, or calls to a listening program.
     pub fn progress(&self) -> Arc<dyn Progress> {
         Arc::clone(&self.bar) as Arc<dyn Progress>
     }
 
-    /// Takes the bar away: the work is over.
+    /// Removes the bar after the work.
     pub fn clear_progress(&self) {
         self.bar.clear();
     }
 
-    /// How work is carried out that the first Ctrl-C or SIGTERM, or a time limit, asks to stop;
-    /// then `what` is said. The second signal ends the process at once.
+    /// The execution of resumable work: the first Ctrl-C or SIGTERM, or a time limit, asks it
+    /// to stop and prints `what`. A second signal ends the process immediately.
     pub fn execution(&self, what: &'static str, limit_minutes: Option<f64>) -> Result<Execution> {
         Ok(Execution {
             interrupt: self.interrupt(what, limit_minutes)?,
@@ -124,8 +123,8 @@ impl Front {
         })
     }
 
-    /// How work is carried out that a signal ends at once: there is nothing to keep. A program that
-    /// calls has an interrupt of its own.
+    /// The execution of work that a signal ends immediately, because there is nothing to save. A
+    /// calling program has its own interrupt.
     pub fn execution_without_signals(&self) -> Execution {
         Execution {
             interrupt: self.host.interrupt.clone().unwrap_or_default(),
@@ -152,14 +151,13 @@ impl Front {
 
 fn listen_for_signals(interrupt: &Interrupt, what: &'static str) -> Result<()> {
     let on_signal = interrupt.clone();
-    // Not `is_requested`: a time limit that is over as well does not make the first signal the
-    // second.
+    // Not `is_requested`: an expired time limit must not make the first signal count as the second.
     let signalled = AtomicBool::new(false);
     ctrlc::set_handler(move || {
         if signalled.swap(true, Ordering::Relaxed) {
             std::process::exit(130);
         }
-        note(&format!("{what} (again: stop at once)"));
+        note(&format!("{what} (repeat to stop immediately)"));
         on_signal.request();
     })
     .context("cannot listen for Ctrl-C")

@@ -1,4 +1,4 @@
-//! A program that calls a verb, and how far the verb has come.
+//! A program that calls a verb, and the progress of the verb.
 
 use crate::front::Global;
 use crate::reply::note;
@@ -9,16 +9,16 @@ use std::io::IsTerminal;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 
-/// Is told what a long piece of work has done: units done, units in all (0: unknown), what a unit
-/// is.
+/// Receives the progress of long work: units done, total units (0: unknown), and the name of a
+/// unit.
 pub type ProgressListener = Arc<dyn Fn(u64, u64, &str) + Send + Sync>;
 
 /// A program that calls a verb.
 #[derive(Clone, Default)]
 pub struct Host {
-    /// Is told of progress.
+    /// Receives progress.
     pub progress: Option<ProgressListener>,
-    /// Asked by long work instead of signals.
+    /// Checked by long work instead of signals.
     pub interrupt: Option<Interrupt>,
 }
 
@@ -31,7 +31,7 @@ impl fmt::Debug for Host {
     }
 }
 
-/// How far a piece of work has come: a bar on a terminal, calls to a listener, or nothing.
+/// The progress of a piece of work: a bar on a terminal, calls to a listener, or nothing.
 pub struct Bar {
     bar: ProgressBar,
     listener: Option<ProgressListener>,
@@ -42,7 +42,7 @@ pub struct Bar {
 }
 
 impl Bar {
-    /// A bar for a person.
+    /// A progress bar.
     pub fn on_terminal(flags: &Global) -> Self {
         Self {
             explains: flags.verbose,
@@ -50,7 +50,7 @@ impl Bar {
         }
     }
 
-    /// Calls to a program, if it listens.
+    /// Calls to a listening program.
     pub fn for_listener(listener: Option<ProgressListener>) -> Self {
         Self::new(ProgressBar::hidden(), listener)
     }
@@ -66,7 +66,7 @@ impl Bar {
         }
     }
 
-    /// Leaves nothing of the bar.
+    /// Removes the bar.
     pub fn clear(&self) {
         self.bar.finish_and_clear();
     }

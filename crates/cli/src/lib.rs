@@ -8,10 +8,10 @@
 //! |---|---|
 //! | `verbs` | one file per verb: its flags, the settings they make, the call, the reply |
 //! | `flags` | flags that several verbs share |
-//! | `front` | what a verb knows of its caller |
+//! | `front` | the interface of a verb to its caller |
 //! | `host` | a program as the caller; progress |
-//! | `reply` | what a verb hands back, and the one place that prints |
-//! | `command` | a command line taken apart |
+//! | `reply` | the reply of a verb, and the only place that prints |
+//! | `command` | a command line, parsed into its parts |
 //! | `python_source` | the verbs as Python functions |
 
 mod command;
@@ -50,7 +50,7 @@ struct Cli {
     verb: verbs::Verb,
 }
 
-/// Words that are not a command, as the command line says it.
+/// Words that are not a command, with the message of the command line.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct UsageError(pub String);
 
@@ -69,7 +69,7 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
         Ok(cli) => cli,
         Err(error) => {
             let error = verbs::explain_usage(error);
-            // That nobody reads it is no reason to fail otherwise.
+            // A closed stdout is not an error.
             let _ = error.print();
             return u8::try_from(error.exit_code()).unwrap_or(2);
         }
@@ -97,8 +97,8 @@ fn run_on_terminal(verb: &verbs::Verb, front: &Front) -> Result<u8> {
     reply?.print(front.flags())
 }
 
-/// Runs a verb for a program, as `protomer WORDS` would, on threads of its own. The words begin
-/// after the program's name.
+/// Runs a verb for a program, as `protomer WORDS` would, on separate threads. The words do not
+/// include the program's name.
 ///
 /// ```
 /// use protomer_cli::{Host, call};
@@ -108,7 +108,7 @@ fn run_on_terminal(verb: &verbs::Verb, front: &Front) -> Result<u8> {
 /// ```
 ///
 /// # Errors
-/// [`UsageError`] for words that are not a command, else what the verb met.
+/// [`UsageError`] for words that are not a command; otherwise the error of the verb.
 pub fn call<S: AsRef<str>>(words: &[S], host: Host) -> Result<Reply> {
     let words = ["protomer", "--json", "--quiet"]
         .into_iter()

@@ -1,4 +1,5 @@
-//! The Python functions of the verbs, written from the table of flags: the two cannot disagree.
+//! The Python functions of the verbs, generated from the table of flags, so that the two cannot
+//! disagree.
 
 use super::Cli;
 use clap::{Arg, ArgAction, Command, CommandFactory};
@@ -8,7 +9,7 @@ use std::path::PathBuf;
 
 /// Verbs for shells only.
 const LEFT_OUT: [&str; 3] = ["completions", "man", "help"];
-/// Flags that a function has no use for: it returns what `--json` prints.
+/// Flags without a meaning for a function, which returns what `--json` prints.
 const NOT_FOR_FUNCTIONS: [&str; 7] = [
     "json",
     "quiet",
@@ -18,25 +19,24 @@ const NOT_FOR_FUNCTIONS: [&str; 7] = [
     "help",
     "version",
 ];
-/// A verb with this flag can be shared by many machines: its function has the keywords of
-/// [`SHARED`] as well.
+/// A verb with this flag can be distributed over machines: its function also has the
+/// keywords of [`SHARED`].
 const SHARED_BY: &str = "shard";
-/// Keywords, what they are, what they mean.
+/// Keywords, their types and descriptions.
 const SHARED: [(&str, &str, &str); 2] = [
     (
         "client",
         "Client",
-        "A `distributed.Client`, the address of a Dask scheduler such as \"tcp://host:8786\", or \"local\" for workers on this \
-         machine: they do the work, and must see files and folders under the same paths",
+        "A `distributed.Client`, the address of a Dask scheduler such as \"tcp://host:8786\", or \"local\" for workers on \
+         this machine. The workers must see all files and folders under the same paths",
     ),
     (
         "parts",
         "int",
-        "Parts to make of it with a client [default: four for each thread of the workers]",
+        "Number of parts with a client [default: four per worker thread]",
     ),
 ];
-/// Verbs whose results have a class of their own; a star stands for the verb and all verbs within
-/// it.
+/// Verbs whose results have their own class; a star stands for the verb and all its subcommands.
 const RESULTS: [(&str, &str); 12] = [
     ("bench", "BenchResult"),
     ("compare", "CompareResult"),
@@ -53,9 +53,9 @@ const RESULTS: [(&str, &str); 12] = [
 ];
 /// The class of all other results.
 const PLAIN: &str = "Result";
-/// Verbs within a starred one that answer otherwise.
+/// Subcommands of a starred verb with plain results.
 const PLAIN_VERBS: [&str; 1] = ["framework tables"];
-/// Words that Python keeps for itself.
+/// Reserved words of Python.
 const KEYWORDS: [&str; 6] = ["from", "lambda", "in", "is", "class", "global"];
 const WIDTH: usize = 110;
 
@@ -75,27 +75,25 @@ from ._call import Client, Integer, Integers, Number, Numbers, Path, Paths, Prog
 pub fn python_functions() -> String {
     let mut cli = Cli::command();
     cli.build();
-    let verbs: Vec<&Command> = cli
-        .get_subcommands()
-        .filter(|verb| !LEFT_OUT.contains(&verb.get_name()) && !verb.is_hide_set())
-        .collect();
+    let mut verbs = Vec::new();
+    for verb in cli.get_subcommands() {
+        if !LEFT_OUT.contains(&verb.get_name()) && !verb.is_hide_set() {
+            verbs.push(verb);
+        }
+    }
     let mut text = HEAD.to_owned();
-    let mut classes: Vec<&str> = RESULTS
-        .iter()
-        .map(|(_, class)| *class)
-        .chain([PLAIN])
-        .collect();
+    let mut classes = RESULTS.map(|(_, class)| class).to_vec();
+    classes.push(PLAIN);
     classes.sort_unstable();
-    let classes: Vec<String> = classes
-        .iter()
-        .map(|class| format!("    {class},\n"))
-        .collect();
-    let _ = writeln!(text, "from .results import (\n{})", classes.concat());
-    let names: Vec<String> = verbs
-        .iter()
-        .map(|verb| format!("    \"{}\",\n", verb.get_name()))
-        .collect();
-    let _ = write!(text, "\n__all__ = [\n{}]\n", names.concat());
+    text.push_str("from .results import (\n");
+    for class in classes {
+        let _ = writeln!(text, "    {class},");
+    }
+    text.push_str(")\n\n__all__ = [\n");
+    for verb in &verbs {
+        let _ = writeln!(text, "    \"{}\",", verb.get_name());
+    }
+    text.push_str("]\n");
     for verb in verbs {
         write_verb(&mut text, verb);
     }
@@ -113,7 +111,7 @@ fn write_verb(text: &mut String, verb: &Command) {
         write_function(text, verb, &[name], name, "");
         return;
     }
-    // Verbs with verbs of their own are objects with methods.
+    // Verbs with subcommands are objects with methods.
     let _ = write!(text, "\n\nclass _{}:\n", capitalised(name));
     write_docstring(text, &about(verb), &[], "    ");
     if !verb.is_subcommand_required_set() {
@@ -133,10 +131,10 @@ fn write_verb(text: &mut String, verb: &Command) {
     let _ = write!(text, "\n\n{name} = _{}()\n", capitalised(name));
 }
 
-/// One argument as Python sees it.
+/// One argument of a Python function.
 struct Parameter {
     name: String,
-    /// The flag, or nothing for what has a place only.
+    /// The flag; `None` for a positional argument.
     flag: Option<String>,
     annotation: String,
     required: bool,
@@ -146,15 +144,15 @@ struct Parameter {
 
 impl Parameter {
     fn of(arg: &Arg) -> Self {
-        let flag = arg
-            .get_long()
-            .map(|long| format!("--{long}"))
-            .or(arg.get_short().map(|short| format!("-{short}")));
-        let default: Vec<String> = arg
-            .get_default_values()
-            .iter()
-            .map(|value| value.display().to_string())
-            .collect();
+        let flag = match (arg.get_long(), arg.get_short()) {
+            (Some(long), _) => Some(format!("--{long}")),
+            (None, Some(short)) => Some(format!("-{short}")),
+            (None, None) => None,
+        };
+        let mut default = Vec::new();
+        for value in arg.get_default_values() {
+            default.push(value.display().to_string());
+        }
         let is_switch = matches!(arg.get_action(), ArgAction::SetTrue);
         let mut help = arg.get_help().map(ToString::to_string).unwrap_or_default();
         if !default.is_empty() && !is_switch {
@@ -195,19 +193,14 @@ impl Parameter {
 
 fn annotation(arg: &Arg) -> String {
     let parser = arg.get_value_parser();
-    let choices: Vec<String> = parser
-        .possible_values()
-        .map(|values| {
-            values
-                .filter(|value| !value.is_hide_set())
-                .map(|value| format!("\"{}\"", value.get_name()))
-                .collect()
-        })
-        .unwrap_or_default();
-    let many = matches!(arg.get_action(), ArgAction::Append)
-        || arg
-            .get_num_args()
-            .is_some_and(|count| count.max_values() > 1);
+    let mut choices = Vec::new();
+    for value in parser.possible_values().into_iter().flatten() {
+        if !value.is_hide_set() {
+            choices.push(format!("\"{}\"", value.get_name()));
+        }
+    }
+    let most_values = arg.get_num_args().map_or(1, |count| count.max_values());
+    let many = matches!(arg.get_action(), ArgAction::Append) || most_values > 1;
     let is = |types: &[TypeId]| types.iter().any(|id| parser.type_id() == *id);
     let integers = [
         TypeId::of::<u8>(),
@@ -231,8 +224,7 @@ fn write_function(text: &mut String, command: &Command, path: &[&str], name: &st
         .filter(|arg| !NOT_FOR_FUNCTIONS.contains(&arg.get_id().as_str()) && !arg.is_hide_set())
         .partition(|arg| arg.is_positional());
     placed.sort_by_key(|arg| arg.get_index());
-    // Required ones first: those without a default cannot follow those with one for a reader
-    // either.
+    // Required parameters come first.
     flags.sort_by_key(|arg| !arg.is_required_set());
     let placed: Vec<Parameter> = placed.into_iter().map(Parameter::of).collect();
     let flags: Vec<Parameter> = flags.into_iter().map(Parameter::of).collect();
@@ -264,10 +256,8 @@ fn write_function(text: &mut String, command: &Command, path: &[&str], name: &st
     let known: Vec<&Parameter> = placed.iter().chain(&flags).chain(&shared).collect();
     write_docstring(text, &about(command), &known, &inner);
     let words: Vec<String> = path.iter().map(|word| format!("\"{word}\"")).collect();
-    let places: Vec<&str> = placed
-        .iter()
-        .map(|parameter| parameter.name.as_str())
-        .collect();
+    let names = placed.iter().map(|parameter| parameter.name.as_str());
+    let places: Vec<&str> = names.collect();
     let _ = writeln!(
         text,
         "{inner}return call(\n{inner}    {result},\n{inner}    [{}],",
@@ -288,33 +278,26 @@ fn write_function(text: &mut String, command: &Command, path: &[&str], name: &st
     let _ = writeln!(text, "{inner})");
 }
 
-/// The class of what a verb answers.
+/// The class of the result of a verb.
 fn class_of(path: &[&str]) -> &'static str {
     let verb = path.join(" ");
     let first = path.first().copied().unwrap_or_default();
-    let is_meant = |name: &str| {
-        name == verb
-            || name
-                .strip_suffix(" *")
-                .is_some_and(|starred| starred == first)
-    };
-    let class = RESULTS
-        .iter()
-        .find(|(name, _)| is_meant(name))
-        .map_or(PLAIN, |(_, class)| class);
     if PLAIN_VERBS.contains(&verb.as_str()) {
-        PLAIN
-    } else {
-        class
+        return PLAIN;
     }
+    for (name, class) in RESULTS {
+        if name == verb || name.strip_suffix(" *") == Some(first) {
+            return class;
+        }
+    }
+    PLAIN
 }
 
 fn about(command: &Command) -> String {
-    command
-        .get_long_about()
-        .or(command.get_about())
-        .map(ToString::to_string)
-        .unwrap_or_default()
+    match command.get_long_about().or(command.get_about()) {
+        Some(about) => about.to_string(),
+        None => String::new(),
+    }
 }
 
 fn write_docstring(text: &mut String, about: &str, parameters: &[&Parameter], indent: &str) {
@@ -337,7 +320,7 @@ fn write_docstring(text: &mut String, about: &str, parameters: &[&Parameter], in
             ));
         }
         lines.push("progress".into());
-        lines.push("    Called as progress(done, total, unit) while the work goes on.".into());
+        lines.push("    Called as progress(done, total, unit) during the work.".into());
     }
     let single = lines.len() == 1;
     let _ = write!(text, "{indent}\"\"\"");
@@ -355,7 +338,7 @@ fn write_docstring(text: &mut String, about: &str, parameters: &[&Parameter], in
     };
 }
 
-/// Words on lines of at most so many characters, each line after `indent`.
+/// Wraps words into lines of at most `width` characters, each after `indent`.
 fn wrapped(text: &str, width: usize, indent: &str) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split_whitespace() {

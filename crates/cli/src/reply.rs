@@ -1,4 +1,4 @@
-//! What a verb hands back, and the one place that prints it: data on stdout, notes on stderr.
+//! The reply of a verb, and the only place that prints: data on stdout, notes on stderr.
 
 use crate::front::Global;
 use anyhow::{Error, Result};
@@ -10,15 +10,15 @@ use std::io::Write;
 /// How a verb ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
-    /// Everything asked for is there.
+    /// Everything is done.
     Done,
-    /// Some of the inputs failed; the rest is there.
+    /// Some of the inputs failed; the rest is done.
     Partial,
-    /// Stopped early on request; the same command continues from here.
+    /// Stopped early on request; the same command continues it.
     Stopped,
 }
 
-/// What a verb hands back.
+/// The reply of a verb.
 ///
 /// ```
 /// let words = ["framework", "honeycomb", "--theta", "60", "--kh", "50", "--ks", "10000"];
@@ -28,20 +28,20 @@ pub enum Outcome {
 /// ```
 pub struct Reply {
     answer: Option<Box<dyn AnyAnswer + Send>>,
-    /// Shown in the place of the answer's own text.
+    /// Printed instead of the text of the answer.
     text: Option<String>,
-    /// Whether the text is data that was asked for, and not a summary: then `--quiet` prints it too.
+    /// Whether the text is the requested data rather than a summary: `--quiet` prints data too.
     is_data: bool,
     notes: Vec<Note>,
     outcome: Outcome,
     failure: Option<Error>,
 }
 
-/// A line beside the answer.
+/// A line in addition to the answer.
 enum Note {
     /// Unless quiet.
     Remark(String),
-    /// Unless quiet or in JSON, where the answer has it.
+    /// Unless quiet or JSON, where the answer contains it.
     Summary(String),
     /// Always.
     Error(String),
@@ -64,7 +64,7 @@ impl Reply {
         Self::new(Some(Box::new(answer)), Outcome::Done)
     }
 
-    /// An answer whose text is what was asked for.
+    /// An answer whose text is the requested data.
     pub fn data(answer: impl Answer + Send + 'static) -> Self {
         Self {
             is_data: true,
@@ -72,7 +72,7 @@ impl Reply {
         }
     }
 
-    /// Text for which there is no other form.
+    /// Text that has no JSON form.
     pub fn text(text: String) -> Self {
         Self {
             text: Some(text),
@@ -81,17 +81,17 @@ impl Reply {
         }
     }
 
-    /// Nothing to say.
+    /// An empty reply.
     pub fn nothing() -> Self {
         Self::new(None, Outcome::Done)
     }
 
-    /// Work that was asked to stop; `line` says how to continue.
+    /// Work that was stopped; `line` says how to continue.
     pub fn stopped(line: String) -> Self {
         Self::new(None, Outcome::Stopped).with_note(line)
     }
 
-    /// The answer of work that is finished, or that it was stopped.
+    /// The answer of finished work, or the note that it was stopped.
     pub fn of_end(
         end: End<impl Answer + Send + 'static>,
         if_stopped: impl FnOnce() -> String,
@@ -102,7 +102,7 @@ impl Reply {
         }
     }
 
-    /// The same with data in the place of the text of the answer.
+    /// Replaces the text of the answer by data.
     pub fn showing(self, text: String) -> Self {
         Self {
             text: Some(text),
@@ -111,36 +111,36 @@ impl Reply {
         }
     }
 
-    /// The same with a summary besides.
+    /// Adds a summary.
     pub fn with_summary(mut self, line: String) -> Self {
         self.notes.push(Note::Summary(line));
         self
     }
 
-    /// The same with a line besides.
+    /// Adds a note.
     pub fn with_note(mut self, line: String) -> Self {
         self.notes.push(Note::Remark(line));
         self
     }
 
-    /// The same with lines besides.
+    /// Adds notes.
     pub fn with_notes(mut self, lines: impl IntoIterator<Item = String>) -> Self {
         self.notes.extend(lines.into_iter().map(Note::Remark));
         self
     }
 
-    /// The same with errors besides, which are in the answer as well.
+    /// Adds errors, which the answer also contains.
     pub fn with_errors(mut self, lines: impl IntoIterator<Item = String>) -> Self {
         self.notes.extend(lines.into_iter().map(Note::Error));
         self
     }
 
-    /// The same with another outcome.
+    /// Sets the outcome.
     pub fn ending(self, outcome: Outcome) -> Self {
         Self { outcome, ..self }
     }
 
-    /// The same, partial if some of the inputs failed.
+    /// Sets the outcome to partial if some of the inputs failed.
     pub fn partial_if(self, some_failed: bool) -> Self {
         match some_failed {
             true => self.ending(Outcome::Partial),
@@ -148,7 +148,7 @@ impl Reply {
         }
     }
 
-    /// The same, failing although there is an answer, if there is an error.
+    /// Makes the reply fail if there is an error, in spite of an answer.
     pub fn failing(self, failure: Option<Error>) -> Self {
         Self { failure, ..self }
     }
@@ -161,13 +161,13 @@ impl Reply {
     /// The answer as a JSON value; `None` if there is none.
     ///
     /// # Errors
-    /// If JSON cannot hold it.
+    /// If the value cannot be represented in JSON.
     pub fn value(&self) -> Result<Option<Value>> {
         let value = self.answer.as_ref().map(|answer| answer.value());
         Ok(value.transpose()?)
     }
 
-    /// The reply, or the error that makes it one.
+    /// The reply, or its error.
     pub(crate) fn unless_failed(mut self) -> Result<Self> {
         match self.failure.take() {
             Some(error) => Err(error),
@@ -212,12 +212,12 @@ impl Reply {
     }
 }
 
-/// A line on stderr. That stderr is gone is no reason to stop.
+/// Prints a line on stderr. A closed stderr is not an error.
 pub fn note(line: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
 }
 
-/// Whether the reader of our output went away, as in `protomer ... | head`.
+/// Whether the reader of our output has closed it, as in `protomer ... | head`.
 pub fn is_broken_pipe(error: &Error) -> bool {
     error
         .chain()

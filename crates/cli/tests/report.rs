@@ -251,7 +251,7 @@ fn bodies_that_are_gone_are_taken_from_the_trajectory_and_the_page_says_so() {
     std::fs::rename(place.path("a.body"), place.path("moved.body")).unwrap();
     let (html, sections) = page(&place, "sweep");
     assert!(
-        html.contains("The body files are not at hand") && sections.contains(&"Bodies".to_owned())
+        html.contains("The body files were not found") && sections.contains(&"Bodies".to_owned())
     );
     let viewed = viewed(&html);
     assert_eq!(viewed["colourings"].as_array().unwrap().len(), 0);
@@ -307,7 +307,7 @@ fn a_stopped_sweep_says_what_is_not_done() {
     for text in [
         "It was stopped by the time limit before its end",
         "There is no result yet",
-        "50 mM, replica 1: no record; it was not begun",
+        "50 mM, replica 1: no record; it was not started",
     ] {
         assert!(html.contains(text), "{text} is not on the page");
     }
@@ -437,7 +437,7 @@ fn lattices_frameworks_and_trainings_have_pages_too() {
     assert!(
         page(&place, "lattices")
             .0
-            .contains("r0 = 0.2, κ = 0, seed 2: no record; it was not begun")
+            .contains("r0 = 0.2, κ = 0, seed 2: no record; it was not started")
     );
 
     is_ok(&place.run("framework honeycomb --theta 60 --kh 50 --ks 10000 --load y --stress 20GPa,40GPa -q -o pulled"));
@@ -477,7 +477,7 @@ fn lattices_frameworks_and_trainings_have_pages_too() {
     assert!(
         page(&place, "training")
             .0
-            .contains("The training is not at its end")
+            .contains("The training is not finished")
     );
 }
 
@@ -619,7 +619,7 @@ fn a_set_of_voxels_and_a_search_have_pages_too() {
     assert!(
         page(&place, "search")
             .0
-            .contains("The search is not at its end")
+            .contains("The search is not finished")
     );
     std::fs::remove_file(place.path("search/trials.csv")).unwrap();
     assert!(page(&place, "search").0.contains("There is no table yet"));
@@ -635,7 +635,7 @@ fn what_is_no_result_is_refused_and_nothing_is_overwritten_unasked() {
         message(&output)
     };
     std::fs::create_dir(place.path("empty")).unwrap();
-    assert!(refused("report empty").contains("holds no results that can be shown"));
+    assert!(refused("report empty").contains("holds no results that a report can show"));
     assert!(!place.path("empty/report.html").exists());
     assert!(refused("report ring.json").contains("is not a directory"));
     assert!(refused("report missing").contains("is not a directory"));

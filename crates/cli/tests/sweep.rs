@@ -155,7 +155,7 @@ fn parts_in_many_processes_make_the_same_sweep_and_a_killed_one_costs_its_own() 
         &results(&place.path("whole")),
         &results(&place.path("parts")),
     );
-    assert!(message(&place.run(&format!("{} --force", part(1)))).contains("cannot start anew"));
+    assert!(message(&place.run(&format!("{} --force", part(1)))).contains("cannot start again"));
     assert_eq!(
         place
             .run(&format!("{SWEEP} -o parts --shard 4/3"))

@@ -224,7 +224,7 @@ fn parts_that_wait_for_each_other_leave_the_files_of_one_search() {
     assert!(results(&place, "parts") == results(&place, "whole"));
     let anew = place.run(&format!("{SEARCH} --shard 1/3 --force -o parts"));
     assert!(
-        message(&anew).contains("cannot start anew"),
+        message(&anew).contains("cannot start again"),
         "{}",
         message(&anew)
     );

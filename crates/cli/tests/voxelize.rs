@@ -347,7 +347,7 @@ fn the_same_command_again_has_nothing_to_do_until_something_changes() {
     std::fs::create_dir(place.path("folder")).unwrap();
     let refused = voxelize_into("folder", &other, true);
     assert!(
-        refused.unwrap_err().to_string().contains("no voxel set"),
+        refused.unwrap_err().to_string().contains("not a voxel set"),
         "a folder of the user's is not removed"
     );
 }
@@ -586,7 +586,7 @@ fn a_structure_that_was_cut_in_half_is_never_a_silent_sample() {
         zipped.clone().count() == 6
             && zipped
                 .clone()
-                .all(|excluded| excluded.detail.contains("damaged or cut"))
+                .all(|excluded| excluded.detail.contains("damaged or truncated"))
     );
 }
 

@@ -7,10 +7,10 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Writes a file so that its name always leads to a complete one, the old or the new: the content
-/// goes to a temporary file in the same folder, is flushed and synced to disk, and takes the name
-/// in one step; then the folder is synced. If anything fails, the temporary file is removed and the
-/// old file stays as it was.
+/// Writes a file atomically: its name always refers to a complete file, the old or the new one. The
+/// content goes to a temporary file in the same folder, which is flushed, synced to disk and
+/// renamed; then the folder is synced. If anything fails, the temporary file is removed and the old
+/// file is unchanged.
 ///
 /// ```
 /// # let folder = tempfile::tempdir()?;
@@ -40,8 +40,8 @@ pub fn write_atomically(
 }
 
 /// Removes the temporary files that [`write_atomically`] left in a folder when its process was
-/// killed. The caller makes sure that nobody writes into the folder meanwhile; folders within it
-/// are left alone.
+/// killed. The caller ensures that nobody writes into the folder at the same time; subfolders
+/// are not touched.
 ///
 /// ```
 /// # let folder = tempfile::tempdir()?;

@@ -1,4 +1,4 @@
-//! A bounds-checked cursor over little-endian binary data: what is not there is an error, never a
+//! A bounds-checked cursor over little-endian binary data: missing data are an error, never a
 //! panic.
 
 /// The data ended before the value did.

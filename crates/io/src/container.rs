@@ -26,7 +26,7 @@ const CHECKSUM_BYTES: usize = 32;
 const LONGEST_HEADER_BYTES: usize = 1 << 26;
 const PREFIX_BYTES: usize = 8 + 4 + 8;
 
-/// What a container file holds.
+/// The content of a container file.
 ///
 /// ```
 /// use protomer_io::container::{Array, Container};
@@ -40,7 +40,7 @@ const PREFIX_BYTES: usize = 8 + 4 + 8;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Container {
-    /// What the file is ("body", "checkpoint"), so that one is not taken for another.
+    /// The kind of file ("body", "checkpoint"), to prevent confusion.
     pub kind: String,
     /// Everything except the arrays.
     pub header: serde_json::Value,
@@ -81,7 +81,7 @@ pub enum Values {
     U8(Vec<u8>),
 }
 
-/// Applies the same expression to whichever vector the values are.
+/// Applies the same expression to the vector, whatever its type.
 macro_rules! with_values {
     ($values:expr, $vector:ident => $expression:expr) => {
         match $values {
@@ -121,7 +121,7 @@ impl Values {
         });
     }
 
-    /// Reads `count` values; memory is taken only for bytes that are there.
+    /// Reads `count` values; memory is allocated only for bytes that exist.
     fn read(
         code: u8,
         count: usize,
@@ -171,7 +171,7 @@ macro_rules! array_constructors {
 
         impl Container {
             $(
-                /// The values of the array of this name and shape; `None` in the shape stands for
+                /// The values of the array of this name and shape; `None` in the shape matches
                 /// any length.
                 ///
                 /// # Errors
@@ -309,7 +309,7 @@ impl Container {
     ///
     /// # Errors
     /// [`IoError::Parse`] says whether the file is not a protomer file, newer than this program,
-    /// cut, damaged, or of another kind. Memory is only ever taken for bytes that are there.
+    /// cut, damaged, or of another kind. Memory is only allocated for bytes that exist.
     pub fn from_bytes(file: &str, kind: &str, bytes: &[u8]) -> Result<Self> {
         let content = check_envelope(file, bytes)?;
         let mut cursor = Cursor::new(content);
@@ -348,7 +348,7 @@ fn check_envelope<'a>(file: &str, bytes: &'a [u8]) -> Result<&'a [u8]> {
     };
     if version > LAYOUT_VERSION {
         let cause = format!(
-            "its version {version} is newer than this program, which reads up to {LAYOUT_VERSION}"
+            "its version {version} is newer than this program, which reads versions up to {LAYOUT_VERSION}"
         );
         let remedy = "use a newer protomer, or make the file again with this one";
         return Err(IoError::parse(file, 0, cause, remedy));

@@ -1,10 +1,10 @@
 //! Small tables as comma-separated values (RFC 4180), numbers printed so that they read back
 //! exactly.
 //!
-//! Writing is a loop over cells that cannot fail. Reading is for files that people write: blanks
-//! around a quoted cell are allowed, and a quote that is not closed is an error with its line. The
-//! crate `csv` splits a cell at its commas if a blank precedes its quote, and reads on to the end
-//! of the file after an open quote, so it serves as a witness in the tests and not as the reader.
+//! Writing is a loop over cells that cannot fail. Reading is for files written by hand: blanks
+//! around a quoted cell are allowed, and an unclosed quote is an error with its line. The crate
+//! `csv` splits a cell at its commas if a blank precedes its quote, and reads to the end of the
+//! file after an open quote, so it serves as a reference in the tests but not as the reader.
 
 use crate::{IoError, Result};
 
@@ -17,9 +17,9 @@ use crate::{IoError, Result};
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cell {
-    /// Nothing known.
+    /// No value.
     Empty,
-    /// A whole number.
+    /// An integer.
     Integer(i64),
     /// A real number; printed with the fewest digits that read back exactly.
     Number(f64),
@@ -146,7 +146,7 @@ pub fn row_to_csv(row: &[Cell]) -> String {
     line
 }
 
-/// The fewest digits that read back exactly, in exponent notation where that is much shorter.
+/// The fewest digits that read back exactly, in exponent notation if that is much shorter.
 fn number(value: f64) -> String {
     let is_short = value == 0.0 || (1e-5..1e16).contains(&value.abs());
     if is_short || !value.is_finite() {

@@ -2,48 +2,48 @@
 
 use std::path::{Path, PathBuf};
 
-/// What can go wrong between bytes and values.
+/// Errors of reading and writing files.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum IoError {
-    /// Bytes that could not be understood.
+    /// Bytes that could not be parsed.
     #[error("{}: {cause}; {remedy}", place(file, *line))]
     Parse {
         /// Name of the file as the user gave it.
         file: String,
-        /// Line, counted from one; zero where the whole file is meant.
+        /// Line, counted from one; zero for the whole file.
         line: usize,
         /// What is wrong.
         cause: String,
         /// What the user can do.
         remedy: String,
     },
-    /// A file larger than the reader is willing to hold in memory.
+    /// A file larger than the reader accepts.
     #[error("{file}: it holds more than {limit_bytes} bytes{}; {remedy}", if *.compressed { " once decompressed" } else { "" })]
     TooLarge {
         /// Name of the file.
         file: String,
         /// The limit that was passed.
         limit_bytes: u64,
-        /// Whether the limit was met by decompressed bytes.
+        /// Whether the limit applies to decompressed bytes.
         compressed: bool,
         /// What the user can do.
         remedy: String,
     },
-    /// The operating system refused.
+    /// The operating system reported an error.
     #[error("cannot {action} {}: {cause}", path.display())]
     File {
         /// The file or folder.
         path: PathBuf,
-        /// What was tried, as a verb phrase ("read", "write").
+        /// The attempted operation, as a verb phrase ("read", "write").
         action: &'static str,
-        /// The operating system's answer; part of the message, and so no source of its own.
+        /// The error of the operating system; part of the message, so not a separate source.
         cause: std::io::Error,
     },
-    /// Values that a format cannot hold.
+    /// Values that a format cannot represent.
     #[error("{cause}; {remedy}")]
     Unwritable {
-        /// What does not fit.
+        /// What does not match.
         cause: String,
         /// What the caller can do.
         remedy: String,
@@ -75,7 +75,7 @@ impl IoError {
         }
     }
 
-    /// Turns an operating system's error into one that names the file and what was tried.
+    /// Converts an operating system error to one that names the file and the attempted operation.
     pub(crate) fn at(path: &Path, action: &'static str) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.to_owned();
         move |cause| IoError::File {

@@ -8,9 +8,8 @@ use std::path::Path;
 
 const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 
-/// The content of a file, decompressed if it begins like a gzip file, whatever its name. No more
-/// than `limit_bytes` are ever held, so neither a huge file nor a small one that expands without
-/// end fills the memory.
+/// Reads a file, decompressing it if it starts like a gzip file, whatever its name. At most
+/// `limit_bytes` are held in memory, which protects against huge files and decompression bombs.
 ///
 /// ```
 /// # let folder = tempfile::tempdir()?;
@@ -22,7 +21,7 @@ const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 /// ```
 ///
 /// # Errors
-/// [`IoError::File`] if the system refuses, [`IoError::TooLarge`] beyond the limit,
+/// [`IoError::File`] if the system call fails, [`IoError::TooLarge`] beyond the limit,
 /// [`IoError::Parse`] for a damaged gzip file.
 pub fn read_maybe_gzip(path: &Path, limit_bytes: u64) -> Result<Vec<u8>> {
     let name = path.display().to_string();
@@ -62,12 +61,12 @@ fn read_bounded(path: &Path, mut reader: impl Read, limit_bytes: u64) -> Result<
     let compressed = start == GZIP_MAGIC;
     let whole = start.as_slice().chain(reader);
     let mut content = Vec::new();
-    // One byte beyond the limit tells a file that just fits from one that does not.
+    // One byte beyond the limit distinguishes a file that just fits from one that does not.
     let bound = limit_bytes.saturating_add(1);
     if compressed {
         let mut decoder = MultiGzDecoder::new(whole).take(bound);
         if let Err(error) = decoder.read_to_end(&mut content) {
-            let cause = format!("the gzip data are damaged or cut ({error})");
+            let cause = format!("the gzip data are damaged or truncated ({error})");
             let remedy = "compress or download the file again";
             return Err(IoError::parse(&name, 0, cause, remedy));
         }
@@ -159,7 +158,7 @@ mod tests {
         assert!(
             error
                 .to_string()
-                .contains("cut.gz: the gzip data are damaged or cut"),
+                .contains("cut.gz: the gzip data are damaged or truncated"),
             "{error}"
         );
         let missing = read_maybe_gzip(Path::new("/no/such/file"), 10).unwrap_err();

@@ -1,5 +1,5 @@
 //! File formats and nothing else: readers take bytes and a name for error messages and return
-//! values, writers the other way round. Only [`gzip`], [`atomic`], [`zarr`] and the trajectory in
+//! values, writers do the reverse. Only [`gzip`], [`atomic`], [`zarr`] and the trajectory in
 //! [`gsd`] touch the file system.
 //!
 //! | module | one idea |

@@ -8,7 +8,7 @@ use std::io::{Cursor, Write};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
-/// Values of an array with the shape they are to be read with, the last axis running fastest.
+/// The values of an array, the last axis running fastest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NpyValues<'a> {
     /// Single precision.
@@ -91,7 +91,7 @@ pub fn write_npz(arrays: &[NamedArray]) -> Result<Vec<u8>> {
 }
 
 fn add(archive: &mut ZipWriter<Cursor<Vec<u8>>>, array: &NamedArray) -> zip::result::ZipResult<()> {
-    // The time of a file is left at its least value, so that equal arrays give equal bytes.
+    // File times keep their minimum value, so that equal arrays give equal bytes.
     let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
     archive.start_file(format!("{}.npy", array.name), options)?;
     archive.write_all(&npy(array))?;
@@ -101,7 +101,7 @@ fn add(archive: &mut ZipWriter<Cursor<Vec<u8>>>, array: &NamedArray) -> zip::res
 fn refused(name: &str, cause: &str) -> IoError {
     IoError::unwritable(
         format!("array {name}: {cause}"),
-        "give every array a name of its own and as many values as its shape has",
+        "give every array a unique name and as many values as its shape requires",
     )
 }
 

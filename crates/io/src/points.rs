@@ -7,7 +7,7 @@ use std::str::SplitWhitespace;
 
 pub use protomer_kernel::PointRecord;
 
-/// Reads a point file in the format that the extension of its name tells: `.pqr`, `.xyzr` (x y z
+/// Reads a point file in the format given by the extension of its name: `.pqr`, `.xyzr` (x y z
 /// radius), anything else x y z charge. `.gz` after the extension is ignored.
 ///
 /// ```
@@ -47,14 +47,14 @@ pub fn read_xyzr(name: &str, bytes: &[u8]) -> Result<Vec<PointRecord>> {
             ..PointRecord::default()
         };
         if tokens.nth(2).is_some() {
-            let remedy = "write x y z radius, perhaps a flag and a name";
+            let remedy = "write x y z radius, optionally followed by a flag and a name";
             return Err(line.error("there are more than six columns", remedy));
         }
         Ok(record)
     })
 }
 
-/// Reads point charges: x y z charge, and perhaps a radius, on each line; `#` begins a comment.
+/// Reads point charges: x y z charge, and optionally a radius, on each line; `#` begins a comment.
 ///
 /// ```
 /// let ions = protomer_io::points::read_xyzq("ions.xyzq", b"0 0 0 2 1.7\n")?;
@@ -75,7 +75,7 @@ pub fn read_xyzq(name: &str, bytes: &[u8]) -> Result<Vec<PointRecord>> {
             record.radius_angstrom = line.radius(Some(radius))?;
         }
         if tokens.next().is_some() {
-            let remedy = "write x y z charge and perhaps a radius";
+            let remedy = "write x y z charge, optionally followed by a radius";
             return Err(line.error("there are more than five columns", remedy));
         }
         Ok(record)

@@ -1,11 +1,11 @@
-//! What the readers of text formats share: numbered lines, numbers, and the refusal of binary
-//! input.
+//! Shared code of the readers of text formats: numbered lines, numbers, and the refusal of
+//! binary input.
 
 use crate::{IoError, Result};
 use protomer_kernel::Vec3;
 use std::borrow::Cow;
 
-/// The bytes without the byte-order mark that some editors put before the first letter.
+/// Removes the byte-order mark that some editors write at the beginning.
 ///
 /// ```
 /// assert_eq!(protomer_io::without_byte_order_mark(b"\xef\xbb\xbfATOM"), b"ATOM");
@@ -65,7 +65,7 @@ impl<'a> Line<'a> {
         IoError::parse(self.file, self.number, cause, remedy)
     }
 
-    /// A token that must be there.
+    /// A required token.
     fn required<'t>(&self, token: Option<&'t str>, what: &str) -> Result<&'t str> {
         match token {
             Some(token) => Ok(token),
@@ -108,7 +108,7 @@ impl<'a> Line<'a> {
         Ok(position)
     }
 
-    /// A whole number.
+    /// An integer.
     pub fn integer(&self, token: Option<&str>, what: &str) -> Result<i64> {
         let token = self.required(token, what)?;
         token.parse().map_err(|_| {

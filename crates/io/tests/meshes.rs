@@ -235,7 +235,7 @@ fn errors_say_where_and_what() {
         (
             "m.obj",
             b"v 0 0 0\nf 1 1 0\n".to_vec(),
-            "m.obj:2: a face names vertex 0",
+            "m.obj:2: a face refers to vertex 0",
         ),
         (
             "m.obj",

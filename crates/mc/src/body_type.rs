@@ -1,4 +1,4 @@
-//! One kind of body, as the engine sees it.
+//! The engine's view of one kind of body.
 
 use crate::Result;
 use crate::charges::ChargeCloud;
@@ -8,13 +8,27 @@ use protomer_kernel::overlap::CollisionShape;
 use protomer_kernel::{TriangleMesh, Vec3};
 
 /// What the engine knows about one kind of body. Immutable; systems share it behind an `Arc`.
+///
+/// ```
+/// use protomer_mc::BodyType;
+/// use protomer_kernel::{TriangleMesh, Vec3};
+/// let corners = [[5.0, 5.0, 5.0], [5.0, -5.0, -5.0], [-5.0, 5.0, -5.0], [-5.0, -5.0, 5.0]];
+/// let mesh = TriangleMesh {
+///     vertices: corners.map(Vec3::from).to_vec(),
+///     triangles: vec![[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]],
+/// };
+/// let body = BodyType::new("tetrahedron", &mesh, &[(Vec3::zeros(), 3.0)])?;
+/// assert_eq!(body.charges.net_charge_e(), 3.0);
+/// assert!((body.hard_radius_angstrom() - 75.0_f64.sqrt()).abs() < 1e-9);
+/// # Ok::<(), protomer_mc::McError>(())
+/// ```
 #[derive(Debug)]
 pub struct BodyType {
     /// Name, as it appears in assemblies and tables.
     pub name: String,
     /// The hard surface, ready for overlap tests.
     pub shape: CollisionShape,
-    /// The surface's vertices, for contacts.
+    /// The vertices of the surface, for contacts.
     pub surface_points: SurfacePoints,
     /// The point charges.
     pub charges: ChargeCloud,
@@ -54,13 +68,13 @@ impl BodyType {
         Self::new(body.name.clone(), &body.mesh, &charges)
     }
 
-    /// Radius of the sphere about the body's origin that holds its surface, Å.
+    /// Radius of the sphere around the body's origin that encloses its surface, Å.
     pub fn hard_radius_angstrom(&self) -> f64 {
         self.shape.bounding_radius_angstrom()
     }
 
-    /// Radius of the sphere about the body's origin that holds its charges, Å; zero without
-    /// charges.
+    /// Radius of the sphere around the body's origin that encloses its charges, Å; zero
+    /// without charges.
     pub fn charge_radius_angstrom(&self) -> f64 {
         self.charges.radius_angstrom()
     }

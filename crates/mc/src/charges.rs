@@ -2,12 +2,19 @@
 
 use protomer_kernel::Vec3;
 
-/// Charges worked on together. Sums run over this many partial sums whatever the processor, so
-/// energies have the same bits everywhere.
+/// Number of charges processed together. Sums use this many partial sums on every processor,
+/// so energies are identical bit for bit everywhere.
 pub const LANES: usize = 8;
 
 /// Point charges in the body's frame, in groups of [`LANES`] near neighbours, each in its bounding
-/// sphere. Sites without charge are left out; the last group is filled with zero charges.
+/// sphere. Sites without charge are omitted; the last group is padded with zero charges.
+///
+/// ```
+/// use protomer_kernel::Vec3;
+/// use protomer_mc::charges::ChargeCloud;
+/// let dipole = ChargeCloud::new(&[(Vec3::x(), 1.0), (-Vec3::x(), -1.0)]);
+/// assert_eq!((dipole.len(), dipole.net_charge_e()), (2, 0.0));
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ChargeCloud {
     groups: Vec<ChargeGroup>,
@@ -16,7 +23,7 @@ pub struct ChargeCloud {
     radius_angstrom: f64,
 }
 
-/// [`LANES`] charges that lie near each other.
+/// [`LANES`] neighbouring charges.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ChargeGroup {
     /// Coordinates, Å.
@@ -66,7 +73,7 @@ impl ChargeCloud {
         self.count
     }
 
-    /// Whether there is no charge at all.
+    /// Whether there are no charges.
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
@@ -76,7 +83,7 @@ impl ChargeCloud {
         self.net_charge_e
     }
 
-    /// Radius of the sphere about the body's origin that holds every charge, Å.
+    /// Radius of the sphere around the body's origin that encloses all charges, Å.
     pub fn radius_angstrom(&self) -> f64 {
         self.radius_angstrom
     }
@@ -116,7 +123,7 @@ fn split(charges: &mut [(Vec3, f64)], groups: &mut Vec<ChargeGroup>) {
 }
 
 impl ChargeGroup {
-    /// A group of one to [`LANES`] charges; empty lanes repeat the first place with no charge.
+    /// A group of one to [`LANES`] charges; empty lanes repeat the first position with zero charge.
     fn new(charges: &[(Vec3, f64)]) -> Self {
         let at = |lane: usize| {
             charges

@@ -1,4 +1,4 @@
-//! What a run needs to go on bit for bit.
+//! The state from which a run continues bit for bit.
 
 use crate::energy::PairEnergy;
 use crate::moves::step_sizes::Tuner;
@@ -8,7 +8,7 @@ use crate::{McError, Result, Settings};
 use protomer_kernel::{Boundary, Pose};
 use serde::{Deserialize, Serialize};
 
-/// Everything a continued run needs beside the system itself (body types and boundary).
+/// Everything that a continued run needs besides the system itself (body types and boundary).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Checkpoint {

@@ -1,4 +1,4 @@
-//! Whether two surfaces come near each other.
+//! Contacts between surfaces.
 
 use crate::charges::{ChargeCloud, ChargeGroup, LANES};
 use protomer_kernel::pose::RelativePose;
@@ -15,9 +15,9 @@ impl SurfacePoints {
         Self(ChargeCloud::new(&points))
     }
 
-    /// Whether a vertex of this surface and one of the other, which stands at `relative`, are
-    /// nearer than `distance_angstrom`. At a vertex per Å² and distances of some Å this differs
-    /// from the gap between the surfaces by less than 0.1 Å.
+    /// Whether a vertex of this surface and one of the other, at the pose `relative`, are closer
+    /// than `distance_angstrom`. With one vertex per Å² and distances of a few Å this differs from
+    /// the gap between the surfaces by less than 0.1 Å.
     pub fn comes_within(
         &self,
         other: &SurfacePoints,
@@ -38,7 +38,7 @@ impl SurfacePoints {
     }
 }
 
-/// Empty lanes repeat the first point, so they need no care.
+/// Empty lanes repeat the first point, so they need no special treatment.
 fn groups_come_within(
     a: &ChargeGroup,
     b: &ChargeGroup,

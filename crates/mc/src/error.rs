@@ -2,7 +2,7 @@
 
 use protomer_kernel::KernelError;
 
-/// What can go wrong in a simulation.
+/// Errors of a simulation.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum McError {
@@ -15,8 +15,7 @@ pub enum McError {
         /// Indices of the bodies, the smaller first, ascending.
         pairs: Vec<(usize, usize)>,
     },
-    /// An energy that is not a number or infinite: two charges on top of each other, or a charge
-    /// that is not a number.
+    /// An energy that is NaN or infinite: two coincident charges, or a charge that is NaN.
     #[error(
         "the energy of bodies {first} and {second} is {energy_kt} kT at trial move {step}; two of their charges \
          coincide, so the charges reach outside the hard surface"
@@ -28,10 +27,10 @@ pub enum McError {
         first: usize,
         /// Index of the second body.
         second: usize,
-        /// The energy found.
+        /// The computed energy.
         energy_kt: f64,
     },
-    /// A system that contradicts itself.
+    /// An inconsistent system.
     #[error("{0}")]
     BadSystem(String),
     /// A setting out of its range.
@@ -41,18 +40,18 @@ pub enum McError {
         setting: &'static str,
         /// The value given.
         value: f64,
-        /// What is accepted.
+        /// The valid range.
         requirement: &'static str,
     },
     /// A checkpoint of another system.
     #[error(
-        "the checkpoint does not belong to this system: {0}; start anew or use the system it was written from"
+        "the checkpoint does not belong to this system: {0}; start again, or use the system it was written from"
     )]
     ForeignCheckpoint(String),
-    /// Stored energy tables that are not those asked for, or not what was stored.
-    #[error("the stored energy tables cannot be used: {0}; make them anew")]
+    /// Stored energy tables that are damaged or not the requested ones.
+    #[error("the stored energy tables cannot be used: {0}; make them again")]
     UnusableTable(String),
-    /// A kernel refused its input.
+    /// An error of the kernel crate.
     #[error(transparent)]
     Kernel(#[from] KernelError),
 }
@@ -60,7 +59,7 @@ pub enum McError {
 /// The result of an operation of this crate.
 pub type Result<T> = std::result::Result<T, McError>;
 
-/// The first few pairs, as a user reads them.
+/// The first few pairs, formatted for a message.
 fn list(pairs: &[(usize, usize)]) -> String {
     const SHOWN: usize = 12;
     let mut text: Vec<String> = pairs

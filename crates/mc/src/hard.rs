@@ -1,29 +1,29 @@
 //! Hard-body overlap, cheapest test first.
 //!
 //! 1. bounding spheres about the origins;
-//! 2. a lower bound on the gap, found earlier, less how far the surfaces can have moved since;
-//! 3. the meshes, nearest suspects first, and what they answer is remembered for step 2.
+//! 2. a lower bound on the gap from an earlier test, less the largest possible motion of the
+//!    surfaces since;
+//! 3. the meshes, nearest candidates first; the result is remembered for step 2.
 
 use crate::sparse_rows::SparseRows;
 use crate::system::{Pair, System, Trial};
 use protomer_kernel::overlap::{CarriedBound, overlaps, separation_bound};
 
-/// A gap is looked for no further than this, Å: a pair farther apart is safe for many moves as it
-/// is.
+/// Gaps are measured up to this distance, Å: a pair farther apart is safe for many moves anyway.
 const LOOK_AHEAD_ANGSTROM: f64 = 2.0;
 
-/// A gap below this, Å, is no help to a move; such a pair is only asked whether it overlaps, which
-/// is cheaper ...
+/// A gap below this, Å, is useless as a bound; such a pair is only tested for overlap, which is
+/// cheaper ...
 const TIGHT_ANGSTROM: f64 = 0.4;
 
-/// ... until its surfaces can have moved this far, Å, and the gap may be another.
+/// ... until its surfaces may have moved this far, Å, so that the gap may have changed.
 const STALE_ANGSTROM: f64 = 2.0;
 
-/// Rounding in a bound, Å, taken off before it is believed.
+/// Rounding error of a bound, Å, subtracted before use.
 const ROUNDING_ANGSTROM: f64 = 1e-6;
 
-/// Finds overlaps, and remembers how far apart surfaces were. What it remembers saves time and
-/// never changes an answer.
+/// Finds overlaps, and remembers distances between surfaces. The memory saves time but never
+/// changes a result.
 #[derive(Debug, Clone)]
 pub struct HardBodies {
     /// Row: the first body of a pair; column: the second.
@@ -39,7 +39,7 @@ struct Gap {
 }
 
 impl HardBodies {
-    /// Nothing is remembered yet.
+    /// Starts with an empty memory.
     pub fn new(bodies: usize) -> Self {
         Self {
             gaps: SparseRows::new(bodies),
@@ -47,7 +47,7 @@ impl HardBodies {
         }
     }
 
-    /// Whether the trial's body would overlap one of these partners.
+    /// Whether the moved body would overlap one of these partners.
     pub fn blocks(&mut self, trial: &Trial<'_>, partners: &[usize]) -> bool {
         let mut suspects = std::mem::take(&mut self.suspects);
         suspects.clear();
@@ -75,7 +75,7 @@ impl HardBodies {
             && self.meshes_overlap(pair)
     }
 
-    /// What is remembered of the pair, and how far its surfaces can have moved since.
+    /// The remembered bound of the pair, and the largest possible motion of its surfaces since.
     fn known_gap(&self, pair: &Pair<'_>) -> KnownGap {
         let Some(gap) = self.gaps.get(pair.first, pair.second) else {
             return KnownGap::NOTHING;
@@ -115,7 +115,7 @@ impl HardBodies {
     }
 }
 
-/// A bound on a gap, found earlier.
+/// A bound on a gap from an earlier test.
 #[derive(Debug, Clone, Copy)]
 struct KnownGap {
     bound_angstrom: f64,
@@ -128,14 +128,14 @@ impl KnownGap {
         moved_angstrom: f64::INFINITY,
     };
 
-    /// The bound that holds now, Å.
+    /// The bound that is still valid, Å.
     fn now_angstrom(&self) -> f64 {
         self.bound_angstrom - self.moved_angstrom - ROUNDING_ANGSTROM
     }
 }
 
-/// Every pair of bodies that overlaps, the smaller index first, ascending; nothing is assumed or
-/// remembered.
+/// Every pair of bodies that overlaps, the smaller index first, ascending; without using the
+/// memory.
 pub fn overlapping_pairs(system: &System) -> Vec<(usize, usize)> {
     let pairs = (0..system.len())
         .flat_map(|first| (first + 1..system.len()).map(move |second| (first, second)));

@@ -10,16 +10,16 @@
 //! |---|---|
 //! | [`body_type`] | what the engine knows about one kind of body: shape and charges |
 //! | [`charges`] | the charges of a body, laid out for vector units |
-//! | [`system`] | who is where |
+//! | [`system`] | the bodies and their poses |
 //! | [`energy`] | the seam: a model keeps the pair energies and decides; the direct sum is one such model |
 //! | [`hard`] | hard-body overlap, cheapest test first |
 //! | [`moves`] | trial moves of one body, geometric cluster moves, step sizes |
-//! | [`contact`] | whether two surfaces come near each other |
+//! | [`contact`] | contacts between surfaces |
 //! | [`observables`] | radius of gyration, native contacts, clusters |
-//! | [`settings`] | what a user chooses |
+//! | [`settings`] | the settings of a simulation |
 //! | [`simulation`] | the loop |
-//! | [`checkpoint`] | what a run needs to go on bit for bit |
-//! | [`statistics`] | what is counted on the way |
+//! | [`checkpoint`] | the state from which a run continues bit for bit |
+//! | [`statistics`] | counters of the moves |
 //!
 //! Lengths are in Å, energies in kT, charges in elementary charges.
 //!

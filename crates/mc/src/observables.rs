@@ -1,9 +1,9 @@
-//! What is measured: radius of gyration, native contacts, clusters.
+//! Observables: radius of gyration, native contacts, clusters.
 
 use crate::system::{Pair, System};
 use serde::{Deserialize, Serialize};
 
-/// What one state looks like.
+/// The observables of one state.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Observables {
     /// Sweeps done.
@@ -14,9 +14,9 @@ pub struct Observables {
     pub r_g_angstrom: f64,
     /// The same with every body weighted by its volume, Å.
     pub r_g_volume_weighted_angstrom: f64,
-    /// Fraction of the start's contacts that exist now; `None` if there were none.
+    /// Fraction of the initial contacts that exist now; `None` if there were none.
     pub native_contacts: Option<f64>,
-    /// Contacts now, native or not.
+    /// Present contacts, native or not.
     pub contacts: usize,
     /// Bodies in the largest cluster of bodies in contact.
     pub largest_cluster: usize,
@@ -46,7 +46,7 @@ pub fn r_g_angstrom(system: &System, weight: impl Fn(usize) -> f64) -> f64 {
     sum.sqrt() / (0..poses.len()).map(weight).sum::<f64>()
 }
 
-/// The pairs of bodies whose surfaces come nearer than `gap_angstrom`, vertex to vertex; the
+/// The pairs of bodies whose surfaces are closer than `gap_angstrom`, vertex to vertex; the
 /// smaller index first, ascending.
 pub fn contacts(system: &System, gap_angstrom: f64) -> Vec<(usize, usize)> {
     let pairs = (0..system.len())
@@ -67,6 +67,12 @@ fn in_contact(pair: &Pair<'_>, gap_angstrom: f64) -> bool {
 
 /// Fraction of the native contacts (ascending) that are among the present ones (ascending); `None`
 /// without native ones.
+///
+/// ```
+/// use protomer_mc::observables::survival;
+/// assert_eq!(survival(&[(0, 1), (1, 2)], &[(0, 1), (0, 2)]), Some(0.5));
+/// assert_eq!(survival(&[], &[(0, 1)]), None);
+/// ```
 pub fn survival(native: &[(usize, usize)], present: &[(usize, usize)]) -> Option<f64> {
     let kept = native
         .iter()
@@ -75,7 +81,12 @@ pub fn survival(native: &[(usize, usize)], present: &[(usize, usize)]) -> Option
     (!native.is_empty()).then(|| kept as f64 / native.len() as f64)
 }
 
-/// Sizes of the clusters that these contacts join, the largest first.
+/// Sizes of the clusters formed by these contacts, the largest first.
+///
+/// ```
+/// use protomer_mc::observables::cluster_sizes;
+/// assert_eq!(cluster_sizes(4, &[(0, 1), (1, 2)]), [3, 1]);
+/// ```
 pub fn cluster_sizes(bodies: usize, contacts: &[(usize, usize)]) -> Vec<usize> {
     let mut parent: Vec<usize> = (0..bodies).collect();
     for &(first, second) in contacts {

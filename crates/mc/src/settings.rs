@@ -1,4 +1,4 @@
-//! What a user chooses about a simulation.
+//! The settings of a simulation.
 
 use crate::energy::certified::CertifiedSum;
 use crate::energy::{DirectSum, EnergyModel, NoCharges};
@@ -7,19 +7,29 @@ use protomer_kernel::potential::Yukawa;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// How bodies interact beyond being hard.
+/// The interaction of bodies, in addition to their hard cores.
+///
+/// ```
+/// use protomer_kernel::potential::Yukawa;
+/// use protomer_mc::Interaction;
+/// let (bjerrum_angstrom, debye_angstrom, cutoff_angstrom) = (7.0, 9.6, 48.0);
+/// let yukawa = Yukawa::new(bjerrum_angstrom, 1.0 / debye_angstrom, cutoff_angstrom)?;
+/// let interaction = Interaction::YukawaDirect(yukawa);
+/// assert_ne!(interaction, Interaction::YukawaCertified(yukawa));
+/// # Ok::<(), protomer_kernel::KernelError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Interaction {
-    /// Not at all.
+    /// None.
     HardOnly,
     /// Screened point charges, summed pair by pair.
     YukawaDirect(Yukawa),
-    /// The same, with the same decisions, by intervals; the direct sum only where they leave a
-    /// decision open.
+    /// The same interaction with the same decisions, from energy intervals; the direct sum
+    /// only if they leave a decision open.
     YukawaCertified(Yukawa),
-    /// The same to within a likely error for each pair of bodies: decisions go by the intervals'
-    /// middles.
+    /// The same interaction within a tolerance per pair of bodies: decisions use the midpoints
+    /// of the intervals.
     YukawaApproximate {
         /// The potential.
         yukawa: Yukawa,
@@ -44,32 +54,42 @@ impl Interaction {
 }
 
 /// The settings of a simulation; they travel with its checkpoint.
+///
+/// ```
+/// use protomer_mc::{Interaction, Settings};
+/// let settings = Settings {
+///     equilibration_sweeps: 500,
+///     cluster_moves_per_sweep: 0,
+///     ..Settings::new(Interaction::HardOnly)
+/// };
+/// assert_eq!(settings.target_acceptance, 0.4);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
     /// How bodies interact.
     pub interaction: Interaction,
-    /// First guess of the largest displacement of a trial move, Å.
+    /// Initial value of the largest displacement of a trial move, Å.
     pub translation_step_angstrom: f64,
-    /// First guess of the largest angle of a trial move, rad.
+    /// Initial value of the largest angle of a trial move, rad.
     pub rotation_step_rad: f64,
-    /// Sweeps during which steps are tuned; acceptance counts begin anew after them.
+    /// Sweeps during which steps are tuned; acceptance counts restart after them.
     pub equilibration_sweeps: u64,
-    /// The acceptance that tuning aims at.
+    /// The acceptance ratio that tuning aims for.
     pub target_acceptance: f64,
     /// Fraction of the trial moves that are rotations.
     pub rotation_fraction: f64,
-    /// Geometric cluster moves in each sweep, beside one trial move per body.
+    /// Geometric cluster moves in each sweep, in addition to one trial move per body.
     pub cluster_moves_per_sweep: u32,
-    /// Largest distance from the seed body at which the axis of a cluster move passes, Å; `None`
-    /// for the diameter of the largest body.
+    /// Largest distance between the axis of a cluster move and the seed body, Å; `None` for the
+    /// diameter of the largest body.
     pub cluster_axis_reach_angstrom: Option<f64>,
-    /// Two bodies are in contact when their surfaces come nearer than this, vertex to vertex, Å.
+    /// Two bodies are in contact if their surfaces are closer than this, vertex to vertex, Å.
     pub contact_gap_angstrom: f64,
 }
 
 impl Settings {
-    /// The usual settings for this interaction.
+    /// The default settings for this interaction.
     pub fn new(interaction: Interaction) -> Self {
         Self {
             interaction,

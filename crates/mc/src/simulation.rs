@@ -19,7 +19,7 @@ use std::ops::ControlFlow;
 pub enum Outcome {
     /// The requested number of sweeps is done.
     Finished,
-    /// The observer asked to stop; the simulation can go on from where it is.
+    /// The observer asked to stop; the simulation can be continued.
     Stopped,
 }
 
@@ -28,6 +28,28 @@ pub enum Outcome {
 /// A sweep is one trial move per body (of bodies drawn at random) and then the geometric cluster
 /// moves. Trial move s of a replica draws its random numbers from the stream (seed, replica, s), so
 /// nothing random needs to be saved.
+///
+/// ```
+/// use protomer_kernel::{Boundary, Pose};
+/// use protomer_mc::{BodyType, Interaction, Settings, Simulation, System};
+/// use std::{ops::ControlFlow, sync::Arc};
+/// # use protomer_kernel::{TriangleMesh, Vec3};
+/// # let corners = [[5.0, 5.0, 5.0], [5.0, -5.0, -5.0], [-5.0, 5.0, -5.0], [-5.0, -5.0, 5.0]];
+/// # let mesh = TriangleMesh {
+/// #     vertices: corners.map(Vec3::from).to_vec(),
+/// #     triangles: vec![[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]],
+/// # };
+/// # let body = Arc::new(BodyType::new("tetrahedron", &mesh, &[])?);
+/// # let far = Pose { position: Vec3::new(30.0, 0.0, 0.0), ..Pose::identity() };
+/// # let system = System::new(vec![body], &[(0, Pose::identity()), (0, far)], Boundary::Open)?;
+/// let settings = Settings::new(Interaction::HardOnly);
+/// let (seed, replica) = (1, 0);
+/// let mut simulation = Simulation::new(system, settings, seed, replica)?;
+/// simulation.run_until(10, &mut |_| ControlFlow::Continue(()))?;
+/// assert_eq!(simulation.sweep(), 10);
+/// assert!(simulation.observables().r_g_angstrom > 0.0);
+/// # Ok::<(), protomer_mc::McError>(())
+/// ```
 pub struct Simulation {
     system: System,
     settings: Settings,
@@ -44,7 +66,7 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// A simulation about to make its first move.
+    /// A new simulation, before its first move.
     ///
     /// # Errors
     /// [`McError::OverlappingStart`] lists the pairs that overlap; [`McError::BadSetting`];
@@ -60,8 +82,7 @@ impl Simulation {
         )
     }
 
-    /// As [`Simulation::new`], with an energy model of the caller's in the place of the one the
-    /// settings name.
+    /// As [`Simulation::new`], with a custom energy model instead of the one named in the settings.
     ///
     /// # Errors
     /// As [`Simulation::new`].
@@ -104,8 +125,8 @@ impl Simulation {
         })
     }
 
-    /// Goes on from a checkpoint. `system` gives the body types and the boundary; its poses are
-    /// replaced.
+    /// Continues from a checkpoint. `system` gives the body types and the boundary; its poses
+    /// are replaced.
     ///
     /// # Errors
     /// [`McError::ForeignCheckpoint`] if the checkpoint was written from another system.
@@ -114,7 +135,7 @@ impl Simulation {
         Self::resume_with_model(system, checkpoint, model)
     }
 
-    /// As [`Simulation::resume`], with an energy model of the caller's.
+    /// As [`Simulation::resume`], with a custom energy model.
     ///
     /// # Errors
     /// As [`Simulation::resume`].
@@ -144,7 +165,7 @@ impl Simulation {
         })
     }
 
-    /// The state between two sweeps, enough to go on bit for bit.
+    /// The state between two sweeps, from which a run continues bit for bit.
     pub fn checkpoint(&self) -> Checkpoint {
         Checkpoint {
             version: Checkpoint::VERSION,
@@ -162,8 +183,8 @@ impl Simulation {
         }
     }
 
-    /// Runs until `sweep` sweeps are done in all, calling the observer after each; the observer may
-    /// stop the run.
+    /// Runs until a total of `sweep` sweeps are done, calling the observer after each; the
+    /// observer may stop the run.
     ///
     /// # Errors
     /// [`McError::NonFiniteEnergy`] names the trial move and the pair.
@@ -202,8 +223,8 @@ impl Simulation {
     }
 
     /// Makes trial moves 0 to `moves` of this replica's stream without cluster moves or tuning
-    /// between them, and tells each decision: what a benchmark times and two energy models are
-    /// compared by. Meant for a simulation about to make its first move; sweeps are not counted.
+    /// between them, and reports each decision, for benchmarks and for comparisons of energy
+    /// models. Meant for a new simulation; sweeps are not counted.
     ///
     /// # Errors
     /// As [`Simulation::run_until`].
@@ -242,7 +263,7 @@ impl Simulation {
         Ok(accepted)
     }
 
-    /// Moves the body if nothing is in the way and the energy rises by less than the budget.
+    /// Moves the body if it overlaps nothing and the energy rises by less than the budget.
     fn try_pose(&mut self, body: usize, pose: Pose, budget_kt: f64) -> Result<bool> {
         if !self.system.boundary().contains(&pose.position) {
             return Ok(false);
@@ -294,8 +315,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Puts these bodies where they go; the poses are tidy already, so that their bits are those
-    /// the energies were computed from.
+    /// Moves these bodies to their new poses, which are already normalised, so that they equal,
+    /// bit for bit, those used for the energies.
     fn move_bodies(&mut self, poses: &[(usize, Pose)]) {
         for (body, pose) in poses {
             self.cells
@@ -304,7 +325,7 @@ impl Simulation {
         }
     }
 
-    /// The present state's observables.
+    /// The observables of the current state.
     pub fn observables(&self) -> Observables {
         let present = contacts(&self.system, self.settings.contact_gap_angstrom);
         let clusters = cluster_sizes(self.system.len(), &present);
@@ -322,18 +343,18 @@ impl Simulation {
         }
     }
 
-    /// Memory the energy model holds, bytes.
+    /// Memory used by the energy model, bytes.
     pub fn energy_memory_bytes(&self) -> usize {
         self.energy.memory_bytes()
     }
 
-    /// The largest bound of a pair energy's error that was used so far, kT; zero for sums. A
-    /// continued simulation counts from where it was continued.
+    /// The largest error bound of the pair energies used so far, kT; zero for direct sums.
+    /// A continued simulation counts from the point of continuation.
     pub fn energy_error_bound_kt(&self) -> f64 {
         self.energy.error_bound_kt()
     }
 
-    /// The bodies and where they are.
+    /// The bodies and their poses.
     pub fn system(&self) -> &System {
         &self.system
     }
@@ -369,7 +390,7 @@ impl Simulation {
     }
 }
 
-/// Cells wide enough for surfaces and charges alike.
+/// Cells wide enough for both surfaces and charges.
 fn neighbour_cells(system: &System, energy: &dyn EnergyModel) -> Result<CellList> {
     let range = system
         .hard_range_angstrom()
@@ -378,8 +399,7 @@ fn neighbour_cells(system: &System, energy: &dyn EnergyModel) -> Result<CellList
     Ok(CellList::new(system.boundary(), range, &positions)?)
 }
 
-/// A translation beyond half of the space, or where it has no end beyond two diameters, gains
-/// nothing.
+/// Translations beyond half the box, or two diameters in open space, are useless.
 fn largest_translation(system: &System) -> f64 {
     match system.boundary() {
         Boundary::Periodic { lengths_angstrom } => 0.5 * lengths_angstrom.min(),

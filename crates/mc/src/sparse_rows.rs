@@ -1,4 +1,4 @@
-//! What is remembered about pairs of bodies: a few partners per body.
+//! Sparse storage for values of pairs of bodies, with a few partners per body.
 
 /// A sparse table: each row holds a value for some columns, ascending.
 #[derive(Debug, Clone)]
@@ -65,8 +65,8 @@ impl<T: Copy> PairTable<T> {
         self.0.remove(second, first);
     }
 
-    /// Bodies `moved` (ascending) moved as one: pairs between them and the rest take the proposed
-    /// values, and none where none is proposed; all other pairs stay.
+    /// Bodies `moved` (ascending) moved as one: pairs between them and the rest take the
+    /// proposed values, or are removed if none is proposed; all other pairs are unchanged.
     pub(crate) fn take_over(
         &mut self,
         moved: &[usize],

@@ -1,9 +1,9 @@
-//! What is counted while moves are made.
+//! Counters of the moves.
 
 use crate::moves::{Acceptance, Kind};
 use serde::{Deserialize, Serialize};
 
-/// What was counted since the end of equilibration (or since the start, during it).
+/// Counts since the end of equilibration (or, during equilibration, since the start).
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Statistics {
     /// Translations, by body type.
@@ -12,7 +12,7 @@ pub struct Statistics {
     pub rotation: Vec<Acceptance>,
     /// Geometric cluster moves.
     pub cluster_moves: u64,
-    /// Bodies that these moved, in all.
+    /// Total number of bodies moved by these.
     pub cluster_bodies: u64,
 }
 

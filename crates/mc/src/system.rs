@@ -1,4 +1,4 @@
-//! Who is where.
+//! The bodies and their poses.
 
 use crate::{BodyType, McError, Result};
 use protomer_kernel::pose::RelativePose;
@@ -6,6 +6,23 @@ use protomer_kernel::{Boundary, Pose, Vec3};
 use std::sync::Arc;
 
 /// Rigid bodies in a space: the types are shared and immutable, only the poses change.
+///
+/// ```
+/// use protomer_kernel::{Boundary, Pose};
+/// use protomer_mc::{BodyType, System};
+/// use std::sync::Arc;
+/// # use protomer_kernel::{TriangleMesh, Vec3};
+/// # let corners = [[5.0, 5.0, 5.0], [5.0, -5.0, -5.0], [-5.0, 5.0, -5.0], [-5.0, -5.0, 5.0]];
+/// # let mesh = TriangleMesh {
+/// #     vertices: corners.map(Vec3::from).to_vec(),
+/// #     triangles: vec![[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]],
+/// # };
+/// let body = Arc::new(BodyType::new("tetrahedron", &mesh, &[])?);
+/// let far = Pose { position: Vec3::new(30.0, 0.0, 0.0), ..Pose::identity() };
+/// let system = System::new(vec![body], &[(0, Pose::identity()), (0, far)], Boundary::Open)?;
+/// assert_eq!(system.len(), 2);
+/// # Ok::<(), protomer_mc::McError>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct System {
     types: Vec<Arc<BodyType>>,
@@ -15,8 +32,8 @@ pub struct System {
 }
 
 impl System {
-    /// Bodies, each given by the index of its type and its pose. Positions are wrapped into a
-    /// periodic box.
+    /// A system of bodies, each given by the index of its type and its pose. Positions are wrapped
+    /// into a periodic box.
     ///
     /// # Errors
     /// [`McError::BadSystem`] for no bodies, a type index out of range, a pose that is not finite,
@@ -110,8 +127,8 @@ impl System {
         &self.boundary
     }
 
-    /// The pair of bodies as it stands. The smaller index is always the first, so a pair's numbers
-    /// have the same bits whichever of the two moved last.
+    /// A pair of bodies in its present state. The smaller index is always the first, so a pair's
+    /// numbers have the same bits whichever of the two moved last.
     pub fn pair(&self, body: usize, partner: usize) -> Pair<'_> {
         Trial {
             system: self,
@@ -121,7 +138,7 @@ impl System {
         .pair(partner)
     }
 
-    /// The types that bodies of the system have; a type without a body has no part in it.
+    /// The types that bodies of the system have; types without bodies are ignored.
     pub fn placed_types(&self) -> Vec<&BodyType> {
         let mut placed = Vec::new();
         for (index, kind) in self.types.iter().enumerate() {
@@ -132,7 +149,7 @@ impl System {
         placed
     }
 
-    /// The largest distance of two origins at which surfaces can touch, Å.
+    /// The largest distance of two origins at which the surfaces can touch, Å.
     pub fn hard_range_angstrom(&self) -> f64 {
         let mut largest = 0.0_f64;
         for kind in self.placed_types() {
@@ -142,14 +159,14 @@ impl System {
     }
 }
 
-/// One body somewhere else than it is; the others as they are.
+/// A system with one body moved to a trial pose.
 #[derive(Debug, Clone, Copy)]
 pub struct Trial<'a> {
     /// The system before the move.
     pub system: &'a System,
     /// The body that moves.
     pub body: usize,
-    /// Where it would stand.
+    /// Its trial pose.
     pub pose: Pose,
 }
 

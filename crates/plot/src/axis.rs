@@ -18,7 +18,7 @@ pub(crate) const TICK_LENGTH: f64 = 7.0;
 const MINOR_TICK: f64 = 0.55;
 /// Distance between a tick and its label.
 const TICK_GAP: f64 = 6.0;
-/// About so far apart are the ticks of a linear axis.
+/// Approximate distance between the ticks of a linear axis.
 const Y_TICK_DISTANCE: f64 = 55.0;
 const X_TICK_DISTANCE: f64 = 150.0;
 
@@ -66,7 +66,7 @@ impl Scale {
     }
 }
 
-/// The range of the values with some room at both ends.
+/// The range of the values with margins at both ends.
 fn padded(values: impl Iterator<Item = f64>, log: bool, room: f64) -> [f64; 2] {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for value in values {
@@ -74,7 +74,7 @@ fn padded(values: impl Iterator<Item = f64>, log: bool, room: f64) -> [f64; 2] {
         (low, high) = (low.min(value), high.max(value));
     }
     let spread = high - low;
-    // A single value gets a range of its own size around it.
+    // A single value gets a range as large as itself around it.
     let pad = match spread > 1e-12 * low.abs().max(high.abs()) {
         true => spread * room,
         false => (0.1 * high.abs()).max(0.5),
@@ -197,7 +197,7 @@ fn draw_y_ticks(area: &Area, ticks: &[Tick], canvas: &mut dyn Canvas) {
     }
 }
 
-/// A number that would touch the one before it is left out.
+/// A number that would touch the previous one is omitted.
 fn draw_x_ticks(area: &Area, ticks: &[Tick], with_numbers: bool, canvas: &mut dyn Canvas) {
     let style = TextStyle::new(TICK_SIZE, INK, Align::Centre);
     let mut free_from = f64::NEG_INFINITY;
@@ -230,7 +230,7 @@ fn draw_frame(area: &Area, canvas: &mut dyn Canvas) {
     }
 }
 
-/// A label longer than the panel keeps off the edges of the figure.
+/// A label longer than the panel stays clear of the edges of the figure.
 fn draw_x_label(area: &Area, label: &Fitted, shape: Shape, canvas: &mut dyn Canvas) {
     let style = TextStyle::new(label.size, INK, Align::Centre);
     let lowest = shape.height - MARGIN + 4.0;

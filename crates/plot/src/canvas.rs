@@ -5,7 +5,7 @@ use super::typeface::text_width;
 
 pub(crate) type Rgb = [u8; 3];
 
-/// Colours that are told apart with every kind of colour vision (Okabe and Ito,
+/// Colours that are distinguishable with every kind of colour vision (Okabe and Ito,
 /// <https://jfly.uni-koeln.de/color/>).
 pub(crate) const PALETTE: [Rgb; 7] = [
     [0x00, 0x72, 0xB2], // blue
@@ -17,7 +17,7 @@ pub(crate) const PALETTE: [Rgb; 7] = [
     [0x30, 0x30, 0x30], // black
 ];
 
-/// Shapes of points, so that series are told apart without colour too.
+/// Marker shapes, so that series are distinguishable without colour too.
 const MARKERS: [Marker; 4] = [
     Marker::Circle,
     Marker::Square,
@@ -50,7 +50,7 @@ impl Style {
     }
 }
 
-/// Size of a figure, and what may be done to texts that are too long for it.
+/// Size of a figure, and how far long texts may shrink.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Shape {
     pub width: f64,
@@ -67,7 +67,7 @@ pub(crate) enum Align {
     Right,
 }
 
-/// Which way a text runs.
+/// The direction of a text.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Direction {
     Right,
@@ -101,7 +101,7 @@ impl TextStyle {
     }
 }
 
-/// What the layout draws on.
+/// A drawing surface for the layout.
 pub(crate) trait Canvas {
     fn line(&mut self, points: &[[f64; 2]], width: f64, colour: Rgb);
     fn disc(&mut self, centre: [f64; 2], radius: f64, colour: Rgb, opacity: f64);
@@ -146,7 +146,7 @@ pub(crate) trait Canvas {
     }
 }
 
-/// Draws nothing: used to measure how much room something takes.
+/// Draws nothing: used to measure the size of something.
 pub(crate) struct Nowhere;
 
 impl Canvas for Nowhere {

@@ -2,7 +2,7 @@
 
 use protomer_io::IoError;
 
-/// What can go wrong between a figure and its file.
+/// Errors of drawing and writing figures.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlotError {
@@ -18,7 +18,7 @@ pub enum PlotError {
         /// Label of its y axis.
         label: String,
     },
-    /// A range that an axis cannot have.
+    /// An invalid axis range.
     #[error("the axis {label:?} cannot range from {from} to {to}")]
     BadRange {
         /// Label of the axis.
@@ -57,7 +57,7 @@ pub enum PlotError {
     /// The picture cannot be made.
     #[error("cannot draw the figure: {cause}")]
     Drawing {
-        /// What the drawing library says.
+        /// The message of the drawing library.
         cause: String,
     },
     /// The file cannot be written.

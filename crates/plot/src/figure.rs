@@ -1,4 +1,4 @@
-//! What a figure shows, and the checks that it can be drawn.
+//! The content of a figure, and checks that it can be drawn.
 
 use super::canvas::Shape;
 use super::error::{PlotError, Result};
@@ -52,16 +52,32 @@ pub struct Figure {
 }
 
 /// One panel.
+///
+/// ```
+/// use protomer_plot::{Axis, Panel, Series};
+/// let replicas = vec![[0.01, 52.0], [0.1, 60.0]];
+/// let dots = Series { name: "single runs".into(), replicas, ..Series::default() };
+/// let panel = Panel { y: Axis::linear("R_g (Å)"), series: vec![dots] };
+/// assert_eq!(panel.series.len(), 1);
+/// ```
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Panel {
     /// The y axis.
     pub y: Axis,
-    /// What is drawn, later ones on top.
+    /// The series, later ones on top.
     pub series: Vec<Series>,
 }
 
 /// An axis.
+///
+/// ```
+/// use protomer_plot::Axis;
+/// let salt = Axis::log("salt (mM)");
+/// let fraction = Axis::linear("native contacts left").with_range(0.0, 1.05);
+/// assert!(salt.log && salt.range.is_none());
+/// assert_eq!(fraction.range, Some([0.0, 1.05]));
+/// ```
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Axis {
@@ -74,13 +90,22 @@ pub struct Axis {
 }
 
 /// Points of one colour.
+///
+/// ```
+/// use protomer_plot::{Point, Series};
+/// let points = vec![
+///     Point { x: 0.01, y: 52.0, error: Some(0.5) },
+///     Point { x: 0.1, y: 60.0, error: None },
+/// ];
+/// let curve = Series { name: "dimer".into(), points, line: true, ..Series::default() };
+/// assert!(curve.replicas.is_empty());
+/// ```
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Series {
     /// Name in the legend.
     pub name: String,
-    /// The points, in the order in which a line joins them. Points whose y is not a number are left
-    /// out.
+    /// The points, in the order in which a line joins them. Points whose y is NaN are omitted.
     pub points: Vec<Point>,
     /// Single measurements behind the points, drawn small and faint: (x, y).
     pub replicas: Vec<[f64; 2]>,
@@ -173,8 +198,8 @@ impl Figure {
         source::within(&svg, self)
     }
 
-    /// The same as [`Figure::to_svg`] for a narrow screen, with letters that are larger against the
-    /// width, and without the figure itself.
+    /// The same as [`Figure::to_svg`] for a narrow screen, with larger letters relative to the
+    /// width, and without the embedded figure.
     ///
     /// # Errors
     /// As [`Figure::to_svg`].
@@ -190,10 +215,20 @@ impl Figure {
         Ok(svg::draw(shape, |canvas| layout::draw(self, shape, canvas)))
     }
 
-    /// The figure inside an SVG file, and the file without it; `None` where there is none.
+    /// The figure embedded in an SVG file, and the file without it; `None` if there is none.
     ///
     /// # Errors
     /// If it is damaged.
+    ///
+    /// ```
+    /// use protomer_plot::{Axis, Figure, Panel, Series};
+    /// let series = Series { replicas: vec![[1.0, 2.0], [3.0, 4.0]], ..Series::default() };
+    /// let panels = vec![Panel { y: Axis::linear("y"), series: vec![series] }];
+    /// let figure = Figure { x: Axis::linear("x"), panels, ..Figure::default() };
+    /// let (embedded, _) = Figure::from_svg(&figure.to_svg()?)?.unwrap();
+    /// assert_eq!(embedded, figure);
+    /// # Ok::<(), protomer_plot::PlotError>(())
+    /// ```
     pub fn from_svg(svg: &str) -> Result<Option<(Self, String)>> {
         source::take(svg)
     }
@@ -207,7 +242,7 @@ impl Figure {
         pixels::draw(WIDE, |canvas| layout::draw(self, WIDE, canvas))
     }
 
-    /// Writes an SVG file; it appears under its name only when complete.
+    /// Writes an SVG file atomically.
     ///
     /// # Errors
     /// As [`Figure::to_svg`], and if the file cannot be written.
@@ -218,7 +253,7 @@ impl Figure {
         })?)
     }
 
-    /// Writes a PNG file; it appears under its name only when complete.
+    /// Writes a PNG file atomically.
     ///
     /// # Errors
     /// As [`Figure::to_png`], and if the file cannot be written.
@@ -270,7 +305,7 @@ impl Panel {
         })
     }
 
-    /// The ends of all error bars; on a logarithmic axis those that reach zero are left out.
+    /// The ends of all error bars; on a logarithmic axis those that reach zero are omitted.
     pub(crate) fn error_ends(&self) -> impl Iterator<Item = f64> {
         let points = self.series.iter().flat_map(|series| &series.points);
         points

@@ -8,6 +8,14 @@ use protomer_io::atomic::write_atomically;
 use std::path::Path;
 
 /// A square matrix to be shown.
+///
+/// ```no_run
+/// use protomer_plot::HeatMap;
+/// use std::path::Path;
+/// let map = HeatMap { title: "identity".into(), size: 2, values: vec![1.0, 0.0, 0.0, 1.0] };
+/// HeatMap::write_svg(&[map], "Two squares", 1, Path::new("indices.svg"))?;
+/// # Ok::<(), protomer_plot::PlotError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeatMap {
     /// Written above it.
@@ -82,7 +90,7 @@ fn colour_scale() -> Result<String> {
     Ok(picture([MARGIN + 20, 0], [EDGE - 40, 16], &png(100, 1, &values)?) + &numbers)
 }
 
-/// A drawing within the drawing, which a page may put elsewhere.
+/// A nested drawing, which a page may place elsewhere.
 fn part([x, y]: [usize; 2], [width, height]: [usize; 2], inside: &str) -> String {
     format!(
         "<svg class=\"part\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" \

@@ -1,4 +1,4 @@
-//! Where everything goes: title, caption, legend, panels and data.
+//! The layout of title, caption, legend, panels and data.
 
 use super::axis::{self, Area, Scale};
 use super::canvas::{Align, Canvas, Marker, Nowhere, Rgb, Shape, Style, TextStyle};
@@ -18,11 +18,11 @@ const LEGEND_SIZE: f64 = 20.0;
 pub(crate) const MARGIN: f64 = 28.0;
 const PANEL_GAP: f64 = 22.0;
 const MARKER_RADIUS: f64 = 6.5;
-/// Width of the white rim that sets a point off from the line.
+/// Width of the white rim that separates a point from the line.
 const RIM: f64 = 1.8;
 const REPLICA_RADIUS: f64 = 4.0;
 const REPLICA_OPACITY: f64 = 0.4;
-/// On a line of more points, markers would cover each other and the line.
+/// On a line with more points than this, markers would hide each other and the line.
 const MOST_MARKED: usize = 60;
 const LINE_WIDTH: f64 = 2.5;
 const ERROR_BAR_WIDTH: f64 = 2.0;

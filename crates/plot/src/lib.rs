@@ -6,11 +6,11 @@
 //!
 //! | module | one idea |
 //! |---|---|
-//! | [`figure`](Figure) | what a figure shows |
-//! | `layout` | where everything goes |
+//! | [`figure`](Figure) | the content of a figure |
+//! | `layout` | the layout of the figure |
 //! | `axis` | frame, grid, ticks and labels of a panel |
 //! | `text` | subscripts, superscripts, and texts that are too long |
-//! | `ticks` | which values an axis marks, and how they are written |
+//! | `ticks` | the ticks of an axis, and their labels |
 //! | `typeface` | the built-in typeface: widths and outlines |
 //! | `canvas` | the shapes that every output can draw |
 //! | `svg`, `pixels` | the two outputs |

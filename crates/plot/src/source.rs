@@ -7,7 +7,7 @@ use super::svg::{ESCAPES, escaped};
 const OPEN: &str = "<metadata id=\"protomer-figure\">";
 const CLOSE: &str = "</metadata>\n";
 
-/// The SVG with its figure before its end.
+/// Embeds the figure at the end of the SVG.
 pub(crate) fn within(svg: &str, figure: &Figure) -> Result<String> {
     let json = serde_json::to_string(&drawn(figure)).map_err(|error| PlotError::Drawing {
         cause: error.to_string(),
@@ -37,7 +37,7 @@ fn unescaped(text: &str) -> String {
     })
 }
 
-/// The figure without what is not drawn and what JSON cannot hold.
+/// The figure without undrawn values and values that JSON cannot represent.
 fn drawn(figure: &Figure) -> Figure {
     let mut figure = figure.clone();
     for series in figure.panels.iter_mut().flat_map(|panel| &mut panel.series) {

@@ -27,7 +27,7 @@ struct Svg {
 
 impl Svg {
     fn element(&mut self, element: std::fmt::Arguments<'_>) {
-        // Writing to a string does not fail.
+        // Writing to a string cannot fail.
         let _ = self.text.write_fmt(element);
         self.text.push('\n');
     }

@@ -1,11 +1,11 @@
-//! What a verb answers: a value that a program takes, that reads as text, and that may have a
+//! The answer of a verb: a value that a program can take, text for a reader, and possibly a
 //! figure. Nothing here prints.
 
 use protomer_plot::Figure;
 use serde::Serialize;
 use serde_json::Value;
 
-/// What a verb answers. Its serialised form is the JSON of the verb.
+/// The answer of a verb. Its serialised form is the JSON output of the verb.
 ///
 /// ```
 /// use protomer::answer::{Answer, AnyAnswer};
@@ -27,16 +27,16 @@ use serde_json::Value;
 /// assert_eq!(answer.value().unwrap()["bodies"], 3);
 /// ```
 pub trait Answer: Serialize {
-    /// Lines for a reader, without a line feed at the end.
+    /// The text for a reader, without a trailing newline.
     fn text(&self) -> String;
 
-    /// The figure, if there is something to draw.
+    /// The figure, if there is anything to draw.
     fn figure(&self) -> Option<Figure> {
         None
     }
 }
 
-/// An answer whose type does not matter any more.
+/// An answer with its type erased.
 pub trait AnyAnswer {
     /// As [`Answer::text`].
     fn text(&self) -> String;
@@ -47,13 +47,13 @@ pub trait AnyAnswer {
     /// The answer as JSON text.
     ///
     /// # Errors
-    /// If JSON cannot hold it.
+    /// If the value cannot be represented in JSON.
     fn json(&self) -> serde_json::Result<String>;
 
     /// The answer as a JSON value, its keys in the order of the text.
     ///
     /// # Errors
-    /// If JSON cannot hold it.
+    /// If the value cannot be represented in JSON.
     fn value(&self) -> serde_json::Result<Value>;
 }
 
@@ -75,7 +75,7 @@ impl<A: Answer> AnyAnswer for A {
     }
 }
 
-/// Rows as columns of equal width, two spaces apart; the first row is the heading.
+/// Aligns rows in columns, two spaces apart; the first row is the heading.
 ///
 /// ```
 /// use protomer::answer::columns;

@@ -1,4 +1,4 @@
-//! Input files: found, read, decompressed and hashed.
+//! Finds, reads, decompresses and hashes input files.
 
 use anyhow::{Context, Result, bail};
 use protomer_io::atomic::sha256_hex;
@@ -7,20 +7,28 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// No structure or mesh file is larger, decompressed.
+/// Upper limit for a decompressed structure or mesh file.
 const LARGEST_INPUT_BYTES: u64 = 2_000_000_000;
 
-/// Endings of the structure files that a folder is searched for, each also with `.gz`.
+/// Extensions of the structure files that a folder is searched for, each also with `.gz`.
 const STRUCTURE_ENDINGS: [&str; 5] = ["pdb", "ent", "cif", "mmcif", "pqr"];
 
 /// A file in memory.
+///
+/// ```
+/// use protomer::input::InputFile;
+/// use std::path::Path;
+/// let file = InputFile::read(Path::new("../../data/structures/5pti.cif.gz"))?;
+/// assert!(file.bytes.starts_with(b"data_5PTI"));
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct InputFile {
     /// Name as the user gave it.
     pub name: String,
     /// Content, decompressed.
     pub bytes: Vec<u8>,
-    /// SHA-256 of the file as it lies on the disk.
+    /// SHA-256 of the file as stored, before decompression.
     pub sha256: String,
 }
 
@@ -57,11 +65,17 @@ impl InputFile {
     }
 }
 
-/// The files that are meant by files and folders: a folder stands for the structure files in it,
-/// sorted by name.
+/// Expands folders: each stands for the structure files in it, sorted by name.
 ///
 /// # Errors
-/// For a path that does not exist and a folder without structure files.
+/// If a path does not exist, or a folder holds no structure files.
+///
+/// ```
+/// use std::path::PathBuf;
+/// let files = protomer::input::expand(&[PathBuf::from("../../data/structures")])?;
+/// assert!(files.iter().any(|file| file.ends_with("5pti.cif.gz")));
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn expand(inputs: &[PathBuf]) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for input in inputs {
@@ -107,7 +121,12 @@ fn is_structure(path: &Path) -> bool {
     })
 }
 
-/// The name without folder and endings: `data/5pti.pdb.gz` is `5pti`.
+/// The file name without folder and extensions: `5pti` for `data/5pti.pdb.gz`.
+///
+/// ```
+/// use std::path::Path;
+/// assert_eq!(protomer::input::stem(Path::new("data/5pti.pdb.gz")), "5pti");
+/// ```
 pub fn stem(path: &Path) -> String {
     let name = path
         .file_name()

@@ -6,16 +6,16 @@
 //!
 //! | module | one idea |
 //! |---|---|
-//! | [`bodies`] | bodies from structures, bodies of one's own, body files |
-//! | [`assemblies`] | assemblies made and read |
+//! | [`bodies`] | bodies from structures, custom bodies, body files |
+//! | [`assemblies`] | building and reading assemblies |
 //! | [`stability`] | simulations, sweeps over salt, comparisons, benchmarks |
 //! | [`potential`] | the electrostatic potential around a structure |
-//! | [`voxels`] | structures to sparse voxel grids, and these as samples |
-//! | [`learning`] | networks trained, searched for, applied |
+//! | [`voxels`] | sparse voxel grids of structures, as samples for training |
+//! | [`learning`] | networks: training, search for settings, prediction |
 //! | [`lattice`] | lattices of rigid squares: runs, sweeps, pictures |
 //! | [`frameworks`] | networks of rods and hinges: elastic constants, loads, figures |
-//! | [`answer`] | what a verb answers: a value, its text, its figure |
-//! | [`input`], [`output_file`], [`quantity`], [`cpu_time`] | what several of them need |
+//! | [`answer`] | the answer of a verb: a value, its text, its figure |
+//! | [`input`], [`output_file`], [`quantity`], [`cpu_time`] | shared utilities |
 
 pub mod answer;
 pub mod assemblies;

@@ -1,4 +1,4 @@
-//! Files that a verb writes once: none is replaced unless that is asked for.
+//! Output files: existing ones are replaced only on request.
 
 use anyhow::{Result, bail};
 use protomer_io::atomic::write_atomically;
@@ -7,7 +7,17 @@ use std::path::Path;
 /// Writes a file.
 ///
 /// # Errors
-/// If it is there already and `force` is not given, or the disk refuses.
+/// If it already exists and `force` is not set, or it cannot be written.
+///
+/// ```
+/// use protomer::output_file::write_once;
+/// # let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("network.toml");
+/// write_once(&path, "nodes = []", false)?;
+/// assert!(write_once(&path, "nodes = []", false).is_err());
+/// write_once(&path, "nodes = []", true)?;
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn write_once(path: &Path, text: &str, force: bool) -> Result<()> {
     refuse_to_overwrite(path, force)?;
     Ok(write_atomically(path, |file| {
@@ -15,21 +25,21 @@ pub fn write_once(path: &Path, text: &str, force: bool) -> Result<()> {
     })?)
 }
 
-/// Refuses a file that is there already, unless `force` is given.
+/// Refuses an existing file, unless `force` is set.
 ///
 /// # Errors
-/// If it is.
+/// If the file exists and `force` is not set.
 pub fn refuse_to_overwrite(path: &Path, force: bool) -> Result<()> {
     if path.exists() && !force {
         bail!(
-            "{} is already there; choose another name, or overwrite it with --force",
+            "{} already exists; choose another name, or overwrite it with --force",
             path.display()
         );
     }
     Ok(())
 }
 
-/// Refuses a file that cannot be written: for work that is too long to find out at its end.
+/// Refuses a file that could not be written. Long computations check this before they begin.
 ///
 /// # Errors
 /// As [`refuse_to_overwrite`]; also if its folder is missing.
@@ -38,7 +48,7 @@ pub fn require_writable(path: &Path, force: bool) -> Result<()> {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
             bail!(
-                "cannot write {}: there is no folder {}; make it first",
+                "cannot write {}: there is no folder {}; create it first",
                 path.display(),
                 folder.display()
             )

@@ -1,5 +1,5 @@
-//! The electrostatic potential around a structure, by the linearised Poisson-Boltzmann equation or
-//! as screened charges.
+//! The electrostatic potential around a structure, from the linearised Poisson-Boltzmann equation
+//! or as a sum over screened charges.
 
 use crate::answer::Answer;
 use crate::bodies::surface_of_file::read_sites;
@@ -19,7 +19,7 @@ use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
 
-/// What is known of a potential.
+/// The results of a potential calculation.
 #[derive(Debug, Clone, Serialize)]
 pub struct PotentialReport {
     /// The input file.
@@ -28,14 +28,14 @@ pub struct PotentialReport {
     pub atoms: usize,
     /// Sum of the charges, e.
     pub net_charge_e: f64,
-    /// How the potential was found.
+    /// The model of the potential.
     pub model: PotentialModel,
-    /// Energy of moving the charges from a medium like their inside into the solvent, kJ/mol; null
-    /// for screened Coulomb potentials, which know no inside.
+    /// Energy of transferring the charges from a uniform medium of the inner permittivity into
+    /// the solvent, kJ/mol; null for screened Coulomb potentials, which have no interior.
     pub solvation_energy_kj_mol: Option<f64>,
-    /// How far that is off, as a second grid lets expect, kJ/mol; null if not asked for.
+    /// Its estimated error, from a second grid, kJ/mol; null if not requested.
     pub error_estimate_kj_mol: Option<f64>,
-    /// The potential at the points asked for, kT/e; null outside the grid.
+    /// The potential at the requested points, kT/e; null outside the grid.
     #[serde(
         rename = "potentials_kT_per_e",
         skip_serializing_if = "Option::is_none"
@@ -45,11 +45,11 @@ pub struct PotentialReport {
     pub grid: Grid,
     /// Debye length, Å; null without salt.
     pub debye_length_angstrom: Option<f64>,
-    /// Iterations of the solver; null if nothing was solved.
+    /// Iterations of the solver; null without a solver.
     pub iterations: Option<usize>,
     /// Wall time, s.
     pub seconds: f64,
-    /// The most memory the process has held, bytes, where the system tells.
+    /// Peak memory of the process, bytes, where the system reports it.
     pub peak_bytes: Option<u64>,
 }
 
@@ -64,7 +64,7 @@ impl Answer for PotentialReport {
             self.atoms, self.net_charge_e
         )];
         if let Some(energy) = self.solvation_energy_kj_mol {
-            // Only the size of the estimate is worth telling.
+            // The estimate is good to an order of magnitude only.
             let error = self.error_estimate_kj_mol;
             let error = error.map_or(String::new(), |error| format!(", error about {error:.1e}"));
             lines.push(format!("solvation energy {energy:.2} kJ/mol{error}"));
@@ -84,27 +84,27 @@ impl Answer for PotentialReport {
     }
 }
 
-/// How a potential is found, and what is wanted of it.
+/// The model of a potential, and the requested results.
 #[derive(Debug, Clone)]
 pub struct PotentialSettings {
-    /// The equation, or the sum that stands for it.
+    /// The model: the Poisson-Boltzmann equation, or a sum over screened charges.
     pub model: PotentialModel,
     /// Solute and solvent.
     pub dielectric: DielectricModel,
     /// The grid and the solver.
     pub solve: SolveSettings,
-    /// Solve a second time, for the error of the energy.
+    /// Whether to solve a second time, to estimate the error of the energy.
     pub estimate_error: bool,
-    /// Points at which the potential is wanted, Å.
+    /// Points at which to evaluate the potential, Å.
     pub places: Option<Vec<Vec3>>,
 }
 
-/// Finds the potential around a structure, and writes it to a volume file if one is named, in the
-/// format of its ending.
+/// Computes the potential around a structure and, if an output file is given, writes it in the
+/// format of the file's extension.
 ///
 /// # Errors
-/// As [`potential_of_file`]; also for an unknown ending or a missing folder, which are refused
-/// before the work.
+/// As [`potential_of_file`]; also for an unknown extension or a missing folder, which are
+/// refused before the computation.
 pub fn potential(
     path: &Path,
     settings: &PotentialSettings,
@@ -143,22 +143,20 @@ impl VolumeFormat {
         (".npz", Self::Npz),
     ];
 
-    /// The format of a file that is to be written, in a folder that is there.
+    /// The format of an output file, whose folder must exist.
     fn of_file(path: &Path) -> Result<Self> {
         let name = path.display().to_string();
-        let found = Self::ENDINGS
-            .iter()
-            .find(|(ending, _)| name.ends_with(ending));
-        let Some((_, format)) = found else {
+        let mut known = Self::ENDINGS.iter();
+        let Some((_, format)) = known.find(|(ending, _)| name.ends_with(ending)) else {
             let endings = Self::ENDINGS.map(|(ending, _)| ending).join(", ");
-            bail!("{name} has none of the endings {endings}; name one of them");
+            bail!("{name} has none of the extensions {endings}; use one of them");
         };
-        let folder = path
-            .parent()
-            .filter(|folder| !folder.as_os_str().is_empty());
-        if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+        if let Some(folder) = path.parent()
+            && !folder.as_os_str().is_empty()
+            && !folder.is_dir()
+        {
             bail!(
-                "there is no folder {} to write into; make it first",
+                "there is no folder {} to write into; create it first",
                 folder.display()
             );
         }
@@ -177,19 +175,22 @@ impl VolumeFormat {
 /// The atoms of a structure, PQR or body file.
 ///
 /// # Errors
-/// Names the file, the line, and the remedy.
+/// Names the file and the line, and says what to do.
 pub fn spheres_of_file(path: &Path) -> Result<(String, Vec<ChargedSphere>)> {
     let file = InputFile::read(path)?;
     let (sites, origin) = read_sites(&file)?;
-    let spheres = sites.iter().map(|site| ChargedSphere {
-        centre: site.position + origin,
-        radius_angstrom: site.radius_angstrom,
-        charge_e: site.charge_e,
-    });
-    Ok((file.name, spheres.collect()))
+    let mut spheres = Vec::with_capacity(sites.len());
+    for site in sites.iter() {
+        spheres.push(ChargedSphere {
+            centre: site.position + origin,
+            radius_angstrom: site.radius_angstrom,
+            charge_e: site.charge_e,
+        });
+    }
+    Ok((file.name, spheres))
 }
 
-/// Points to look at: x y z on each line, Å; further numbers are passed over, `#` begins a comment.
+/// Reads points, Å: x y z on each line. Further numbers are ignored, and `#` begins a comment.
 ///
 /// # Errors
 /// Names the line.
@@ -217,20 +218,41 @@ pub fn read_places(path: &Path) -> Result<Vec<Vec3>> {
     Ok(places)
 }
 
-/// Three finite numbers, perhaps with others behind: other programs write x y z and the potential.
+/// Parses three finite numbers. Others may follow, because other programs write x y z and the
+/// potential.
 fn place(words: &[&str]) -> Option<Vec3> {
-    let number = |word: &&str| word.parse::<f64>().ok().filter(|number| number.is_finite());
-    let numbers = words.iter().map(number).collect::<Option<Vec<f64>>>()?;
+    let mut numbers = Vec::with_capacity(words.len());
+    for word in words {
+        let number: f64 = word.parse().ok()?;
+        if !number.is_finite() {
+            return None;
+        }
+        numbers.push(number);
+    }
     let [x, y, z, ..] = numbers[..] else {
         return None;
     };
     Some(Vec3::new(x, y, z))
 }
 
-/// The potential of the atoms of a file on a grid, and what is known of it.
+/// Computes the potential of the atoms of a file on a grid, and the results.
 ///
 /// # Errors
 /// For a file that cannot be read, and as [`protomer_field::solve`].
+///
+/// ```no_run
+/// use protomer::potential::potential_of_file;
+/// use protomer_field::{DielectricModel, PotentialModel, SolveSettings};
+/// use protomer_kernel::Electrolyte;
+/// use std::path::Path;
+/// let salt_molar = 0.15;
+/// let dielectric = DielectricModel::new(Electrolyte::in_water(298.15, salt_molar)?);
+/// let (settings, model) = (SolveSettings::default(), PotentialModel::PoissonBoltzmann);
+/// let (field, report) =
+///     potential_of_file(Path::new("5pti.pqr"), &dielectric, &settings, model, true, None)?;
+/// println!("{:?}: {:?} kJ/mol", field.grid.shape, report.solvation_energy_kj_mol);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn potential_of_file(
     path: &Path,
     dielectric: &DielectricModel,
@@ -241,28 +263,30 @@ pub fn potential_of_file(
 ) -> Result<(ScalarField, PotentialReport)> {
     let start = Instant::now();
     let (file, spheres) = spheres_of_file(path)?;
+    let found = match model {
+        PotentialModel::PoissonBoltzmann => {
+            solved(&spheres, dielectric, settings, estimate_error, places)
+        }
+        PotentialModel::DebyeHueckel => superposed(&spheres, dielectric, settings, places),
+    };
     let Found {
         field,
         energy_kt,
         error_kt,
         potentials_kt_per_e,
         iterations,
-    } = match model {
-        PotentialModel::PoissonBoltzmann => {
-            solved(&spheres, dielectric, settings, estimate_error, places)
-        }
-        PotentialModel::DebyeHueckel => superposed(&spheres, dielectric, settings, places),
-    }
-    .with_context(|| file.clone())?;
+    } = found.with_context(|| file.clone())?;
     let per_kt = kilojoule_per_mol_per_kt(dielectric.electrolyte.temperature_kelvin());
     let debye = dielectric.electrolyte.debye_length_angstrom();
+    let (mut atoms, mut net_charge_e) = (0, 0.0);
+    for sphere in &spheres {
+        atoms += usize::from(sphere.radius_angstrom > 0.0);
+        net_charge_e += sphere.charge_e;
+    }
     let report = PotentialReport {
         file,
-        atoms: spheres
-            .iter()
-            .filter(|sphere| sphere.radius_angstrom > 0.0)
-            .count(),
-        net_charge_e: spheres.iter().map(|sphere| sphere.charge_e).sum(),
+        atoms,
+        net_charge_e,
         model,
         solvation_energy_kj_mol: energy_kt.map(|energy| energy * per_kt),
         error_estimate_kj_mol: error_kt.map(|error| error * per_kt),
@@ -276,7 +300,7 @@ pub fn potential_of_file(
     Ok((field, report))
 }
 
-/// What either model finds.
+/// The common results of both models.
 struct Found {
     field: ScalarField,
     energy_kt: Option<f64>,
@@ -293,15 +317,17 @@ fn solved(
     places: Option<&[Vec3]>,
 ) -> Result<Found> {
     let solved = solve(spheres, dielectric, settings)?;
-    let error_kt = estimate_error
-        .then(|| error_estimate_kt(spheres, dielectric, settings, solved.solvation_energy_kt))
-        .transpose()?;
+    let energy_kt = solved.solvation_energy_kt;
+    let error_kt = match estimate_error {
+        true => Some(error_estimate_kt(spheres, dielectric, settings, energy_kt)?),
+        false => None,
+    };
+    let at_places = |places: &[Vec3]| places.iter().map(|place| solved.at(place)).collect();
     Ok(Found {
         field: solved.field(),
-        energy_kt: Some(solved.solvation_energy_kt),
+        energy_kt: Some(energy_kt),
         error_kt,
-        potentials_kt_per_e: places
-            .map(|places| places.iter().map(|place| solved.at(place)).collect()),
+        potentials_kt_per_e: places.map(at_places),
         iterations: Some(solved.iterations),
     })
 }
@@ -324,7 +350,7 @@ fn superposed(
     })
 }
 
-/// The potential as a volume for a file.
+/// Converts the potential to a volume for output.
 pub fn volume(field: ScalarField) -> Volume {
     let ScalarField { grid, values } = field;
     let Grid {
@@ -340,7 +366,7 @@ pub fn volume(field: ScalarField) -> Volume {
     }
 }
 
-/// The most memory this process has held.
+/// Peak memory of this process.
 fn peak_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status

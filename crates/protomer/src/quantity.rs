@@ -1,11 +1,11 @@
-//! Numbers with units as people type them: `150mM`, `0.15M`, `1.4A`, `0.14nm`, `10mM..300mM/8`.
+//! Parses numbers with units: `150mM`, `0.15M`, `1.4A`, `0.14nm`, `10mM..300mM/8`.
 
 use anyhow::{Result, bail};
 
-/// A salt concentration in mol/L from `150mM`, `0.15M` or a bare number in mol/L.
+/// Parses a salt concentration in mol/L from `150mM`, `0.15M` or a bare number in mol/L.
 ///
 /// # Errors
-/// Says what was typed and which forms are understood.
+/// Quotes the input and gives the accepted forms.
 ///
 /// ```
 /// assert_eq!(protomer::quantity::salt_molar("150mM")?, 0.15);
@@ -20,19 +20,19 @@ pub fn salt_molar(text: &str) -> Result<f64> {
     Ok(salt)
 }
 
-/// A length in Å from `1.4A`, `0.14nm` or a bare number in Å.
+/// Parses a length in Å from `1.4A`, `0.14nm` or a bare number in Å.
 ///
 /// # Errors
-/// Says what was typed and which forms are understood.
+/// Quotes the input and gives the accepted forms.
 pub fn length_angstrom(text: &str) -> Result<f64> {
     const UNITS: [(&str, i32); 4] = [("nm", 1), ("Å", 0), ("A", 0), ("", 0)];
     parse(text, "a length", &UNITS, "48A or 4.8nm")
 }
 
-/// A number of bytes from `500MB` or `2GB`, in powers of 1000, or a bare number.
+/// Parses a number of bytes from `500MB` or `2GB`, in powers of 1000, or a bare number.
 ///
 /// # Errors
-/// Says what was typed and which forms are understood.
+/// Quotes the input and gives the accepted forms.
 ///
 /// ```
 /// assert_eq!(protomer::quantity::memory_bytes("1.5GB")?, 1_500_000_000);
@@ -42,17 +42,19 @@ pub fn memory_bytes(text: &str) -> Result<u64> {
     const UNITS: [(&str, i32); 5] = [("TB", 12), ("GB", 9), ("MB", 6), ("kB", 3), ("", 0)];
     let bytes = parse(text, "an amount of memory", &UNITS, "500MB or 2GB")?;
     if !(0.0..1e18).contains(&bytes) {
-        bail!("the amount of memory '{text}' makes no sense; give zero or more, such as 2GB");
+        bail!(
+            "the amount of memory '{text}' is not a positive number of bytes; give zero or more, such as 2GB"
+        );
     }
     Ok(bytes.round() as u64)
 }
 
-/// Salt concentrations in mol/L from a comma-separated list of values and ranges. A range
+/// Parses salt concentrations in mol/L from a comma-separated list of values and ranges. A range
 /// `10mM..300mM/8` is eight values spaced evenly on a logarithmic axis; `0..100mM/5` (from zero) is
 /// spaced evenly on a linear one.
 ///
 /// # Errors
-/// Says which item of the list is not understood.
+/// Names the item of the list that cannot be parsed.
 ///
 /// ```
 /// let salts = protomer::quantity::salt_list("10mM..1000mM/3,2M")?;
@@ -72,9 +74,9 @@ pub fn salt_list(text: &str) -> Result<Vec<f64>> {
 
 fn salt_range(item: &str, first: &str, rest: &str) -> Result<Vec<f64>> {
     let Some((last, count)) = rest.split_once('/') else {
-        bail!("the range '{item}' does not say how many values; write it as 10mM..300mM/8");
+        bail!("the range '{item}' lacks the number of values; write it as 10mM..300mM/8");
     };
-    // A range may leave the unit to its end: 10..300mM/8.
+    // The lower end of a range may omit the unit: 10..300mM/8.
     let unit = last.trim_start_matches(|c: char| c.is_ascii_digit() || ".-+eE".contains(c));
     let first_has_unit = first.ends_with('M');
     let low = salt_molar(&if first_has_unit {
@@ -88,7 +90,7 @@ fn salt_range(item: &str, first: &str, rest: &str) -> Result<Vec<f64>> {
         _ => bail!("the range '{item}' asks for '{count}' values; give a number from 2 to 10000"),
     };
     if high <= low {
-        bail!("the range '{item}' does not rise; put the smaller concentration first");
+        bail!("the range '{item}' does not increase; put the smaller concentration first");
     }
     let fraction = |i: usize| i as f64 / (count - 1) as f64;
     let value = |i: usize| match i {
@@ -109,8 +111,8 @@ fn round_to_micromolar(salt_molar: f64) -> f64 {
     }
 }
 
-/// `value × unit`; each unit is its suffix and its power of ten. Powers above one are exact, so
-/// that dividing by them keeps 150mM exactly 0.15.
+/// Parses `value × unit`; a unit is a suffix and a power of ten. Positive powers of ten are
+/// exact, so dividing by them keeps 150mM exactly 0.15.
 fn parse(text: &str, what: &str, units: &[(&str, i32)], example: &str) -> Result<f64> {
     let text = text.trim();
     for (suffix, power) in units {

@@ -1,4 +1,4 @@
-//! The numbers behind a figure: a folded table, and a link that saves them as CSV.
+//! The numbers of a figure: a folded table, and a link that saves them as CSV.
 
 use super::html::{escape, significant, table};
 use anyhow::{Context, Result};
@@ -6,17 +6,17 @@ use protomer_io::csv::cells;
 use std::fmt::Write;
 use std::path::Path;
 
-/// The page shows so many rows; the link saves all.
+/// Rows shown on the page; the link saves all of them.
 const MOST_ROWS: usize = 200;
-/// Longer tables are named and not carried along.
+/// Longer tables are only mentioned, not embedded.
 const MOST_BYTES: usize = 4 << 20;
-/// Digits that are shown; the link saves all.
+/// Digits shown on the page; the link saves all of them.
 const DIGITS: usize = 6;
 
-/// A CSV table of this name.
+/// Shows a CSV table of this name.
 ///
 /// # Errors
-/// If it is no CSV.
+/// If the text is not CSV.
 pub fn data(name: &str, csv: &str) -> Result<String> {
     let mut lines = csv.lines().enumerate();
     let columns = lines
@@ -44,7 +44,7 @@ pub fn data(name: &str, csv: &str) -> Result<String> {
     ))
 }
 
-/// The same for a file of a directory; nothing where it is not there.
+/// The same for a file of a directory; empty if it does not exist.
 ///
 /// # Errors
 /// If it cannot be read.
@@ -78,7 +78,7 @@ fn link(name: &str, csv: &str) -> String {
     )
 }
 
-/// What a URI may hold as it is; the rest by its bytes.
+/// Percent-encodes text for a URI.
 fn encode(text: &str) -> String {
     let mut encoded = String::with_capacity(text.len() + text.len() / 4);
     for byte in text.bytes() {
@@ -95,14 +95,14 @@ fn encode(text: &str) -> String {
             | b'/' => {
                 encoded.push(char::from(byte));
             }
-            // Writing into a string cannot fail.
+            // Writing to a string cannot fail.
             _ => drop(write!(encoded, "%{byte:02X}")),
         }
     }
     encoded
 }
 
-/// Numbers with fewer digits, text as it is.
+/// Rounds numbers for display; leaves text unchanged.
 fn short(cell: &str) -> String {
     match cell.parse::<f64>() {
         Ok(_) if cell.bytes().all(|byte| byte.is_ascii_digit()) => cell.to_owned(),

@@ -1,11 +1,11 @@
-//! Pictures inside the page, in a shape for wide screens and in one for phones.
+//! Figures embedded in the page, in one layout for wide screens and one for phones.
 
 use super::html::escape;
 use anyhow::{Context, Result, bail};
 use protomer_plot::Figure;
 use std::path::Path;
 
-/// A figure drawn now, with what stands below it.
+/// Draws a figure, followed by the HTML `below` it.
 ///
 /// # Errors
 /// If it cannot be drawn.
@@ -16,10 +16,10 @@ pub fn drawn(figure: &Figure, below: &str) -> Result<String> {
     Ok(around(&in_both_shapes(&svg, figure)?, &figure.title, below))
 }
 
-/// A figure of the directory, with what stands below it; nothing where it is not there.
+/// A figure from the directory, followed by the HTML `below` it; empty if it does not exist.
 ///
 /// # Errors
-/// If the file cannot be read, or is no picture that stands by itself.
+/// If the file cannot be read, or is not a self-contained picture.
 pub fn of_file(directory: &Path, name: &str, title: &str, below: &str) -> Result<String> {
     let path = directory.join(name);
     if !path.is_file() {
@@ -29,7 +29,7 @@ pub fn of_file(directory: &Path, name: &str, title: &str, below: &str) -> Result
         .with_context(|| format!("cannot read {}", path.display()))?;
     if !stands_by_itself(&svg) {
         bail!(
-            "{} is no figure that protomer wrote; make it again, or move it away",
+            "{} is not a figure written by protomer; make it again, or move it away",
             path.display()
         );
     }
@@ -42,12 +42,12 @@ pub fn of_file(directory: &Path, name: &str, title: &str, below: &str) -> Result
     Ok(around(&html, title, below))
 }
 
-/// More texts than these are those of axes, which say nothing elsewhere.
+/// A drawing with more texts than this has axis labels, which are useless below it.
 const MOST_TEXTS: usize = 4;
-/// Where a part of a drawing begins that stands by itself.
+/// The beginning of a self-contained part of a drawing.
 const PART: &str = "<svg class=\"part\"";
 
-/// The figure as it is, and as it is drawn for a narrow screen; one of the two is shown.
+/// The figure in its usual form and redrawn for narrow screens; the page shows one of the two.
 fn in_both_shapes(svg: &str, figure: &Figure) -> Result<String> {
     let narrow = figure.to_narrow_svg()?;
     Ok(format!(
@@ -57,15 +57,15 @@ fn in_both_shapes(svg: &str, figure: &Figure) -> Result<String> {
     ))
 }
 
-/// As many parts to a row as there is room for.
+/// Parts that flow into rows as the width allows.
 fn in_parts(svg: &str) -> String {
     let part = |text: &str| Some(format!("{PART}{}</svg>\n", text.split_once("</svg>")?.0));
     let parts: String = svg.split(PART).skip(1).filter_map(part).collect();
     format!("<div class=\"parts\">\n{parts}</div>")
 }
 
-/// A drawing whose texts would be too small on a narrow screen, where they stand below it instead,
-/// if they are few.
+/// A drawing whose texts would be too small on a narrow screen. If there are few, they are
+/// repeated below it there.
 fn with_texts_below(svg: &str) -> String {
     let texts = svg
         .split("<text")
@@ -84,7 +84,7 @@ fn with_texts_below(svg: &str) -> String {
     )
 }
 
-/// What stands between the tags.
+/// The text between the tags.
 fn without_tags(text: &str) -> String {
     let mut pieces = text.split('<');
     let first = pieces.next().unwrap_or_default().to_owned();
@@ -100,7 +100,7 @@ fn around(html: &str, title: &str, below: &str) -> String {
     )
 }
 
-/// One picture that runs nothing and loads nothing.
+/// Whether the text is one picture that runs no scripts and loads nothing.
 fn stands_by_itself(svg: &str) -> bool {
     let plain = svg.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
     let lower = plain.to_lowercase();
@@ -111,7 +111,7 @@ fn stands_by_itself(svg: &str) -> bool {
     picture && !acts && !has_handler(&lower)
 }
 
-/// Whether an attribute such as `onload=` is in a tag.
+/// Whether a tag has an attribute such as `onload=`.
 fn has_handler(lower: &str) -> bool {
     lower
         .split('<')

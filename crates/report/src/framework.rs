@@ -58,7 +58,7 @@ pub fn page(directory: &Path) -> Result<Page> {
         Some(figure) => figures::drawn(&figure, &curve)?,
         None => curve,
     };
-    let about = "A network's elastic constants hang on network.toml alone; it has no seed.";
+    let about = "A network's elastic constants depend on network.toml alone; there is no seed.";
     let mut provenance = provenance::section(directory, "network.toml", None, Vec::new())?;
     provenance.html += &paragraph(about);
     Ok(Page {
@@ -74,30 +74,37 @@ pub fn page(directory: &Path) -> Result<Page> {
     })
 }
 
-/// E, G and ν, with closed formulas beside them where there are.
+/// E, G and ν, with closed formulas where they exist.
 fn moduli(result: &Map<String, Value>) -> String {
-    let of = |key: &str| {
-        ["e_", "g_", "nu_"]
-            .iter()
-            .any(|start| key.starts_with(start))
-    };
     let formula = result.get("analytic").and_then(Value::as_object);
-    let shown = |value: Option<&Value>| match value.and_then(Value::as_f64) {
+    let mut head = vec!["modulus".to_owned(), "network".to_owned()];
+    if formula.is_some() {
+        head.push("closed formula".to_owned());
+    }
+    let mut rows = Vec::new();
+    for (key, value) in result {
+        if !is_modulus(key) || !(value.is_number() || value.is_null()) {
+            continue;
+        }
+        let mut row = vec![label(key), modulus(Some(value))];
+        if let Some(formula) = formula {
+            row.push(modulus(formula.get(key)));
+        }
+        rows.push(row);
+    }
+    table(&head, &rows)
+}
+
+fn is_modulus(key: &str) -> bool {
+    key.starts_with("e_") || key.starts_with("g_") || key.starts_with("nu_")
+}
+
+fn modulus(value: Option<&Value>) -> String {
+    match value.and_then(Value::as_f64) {
         Some(value) if value.abs() > 1e20 => "unlimited".into(),
         Some(value) => significant(value, 7),
         None => "–".to_owned(),
-    };
-    let rows = result
-        .iter()
-        .filter(|(key, value)| of(key) && (value.is_number() || value.is_null()))
-        .map(|(key, value)| {
-            let mut row = vec![label(key), shown(Some(value))];
-            row.extend(formula.map(|formula| shown(formula.get(key))));
-            row
-        });
-    let mut head = vec!["modulus".to_owned(), "network".to_owned()];
-    head.extend(formula.map(|_| "closed formula".to_owned()));
-    table(&head, &rows.collect::<Vec<_>>())
+    }
 }
 
 /// `e_y_gpa` as `E_y (GPa)`.
@@ -113,42 +120,41 @@ fn label(key: &str) -> String {
     name + unit
 }
 
-/// Strains against the stress, where the network was loaded.
+/// Strains against stress, if the network was loaded.
 fn stretching(result: &Map<String, Value>) -> Option<Figure> {
     let curve = result.get("curve")?;
     let points = curve["points"].as_array()?;
-    let strains = points
-        .first()?
-        .as_object()?
-        .keys()
-        .filter_map(|key| key.strip_prefix("strain_"));
-    let series = strains.map(|axis| {
-        let at = |point: &Value| {
-            let (x, y) = (
-                point["nominal_gpa"].as_f64()?,
-                point[format!("strain_{axis}")].as_f64()?,
-            );
-            Some(Point { x, y, error: None })
-        };
-        let points = std::iter::once(Point::default())
-            .chain(points.iter().filter_map(at))
-            .collect();
-        Series {
-            name: format!("along {axis}"),
-            points,
-            replicas: Vec::new(),
-            line: true,
+    let mut series = Vec::new();
+    for key in points.first()?.as_object()?.keys() {
+        if let Some(axis) = key.strip_prefix("strain_") {
+            series.push(strain(points, key, axis));
         }
-    });
+    }
     Some(Figure {
         title: format!("Loaded along {}", curve["axis"].as_str()?),
-        caption: "each stress applied from the state before".into(),
-        x: Axis::linear("stress, force per area before loading (GPa)"),
+        caption: "each stress is applied to the previous state".into(),
+        x: Axis::linear("nominal stress (GPa)"),
         panels: vec![Panel {
             y: Axis::linear("strain"),
-            series: series.collect(),
+            series,
         }],
     })
+}
+
+/// The strain along an axis, from the unloaded network on.
+fn strain(points: &[Value], key: &str, axis: &str) -> Series {
+    let mut curve = vec![Point::default()];
+    for point in points {
+        if let (Some(x), Some(y)) = (point["nominal_gpa"].as_f64(), point[key].as_f64()) {
+            curve.push(Point { x, y, error: None });
+        }
+    }
+    Series {
+        name: format!("along {axis}"),
+        points: curve,
+        replicas: Vec::new(),
+        line: true,
+    }
 }
 
 fn conditions(result: &Map<String, Value>) -> Section {
@@ -168,7 +174,7 @@ fn conditions(result: &Map<String, Value>) -> Section {
         .and_then(Value::as_array)
         .map_or(0, Vec::len);
     let relaxed = match result.get("relaxed").and_then(Value::as_str) {
-        None => "as it was given",
+        None => "as given",
         Some("fixed_cell") => "nodes relaxed in the given cell",
         Some(_) => "nodes and cell relaxed",
     };
@@ -184,10 +190,10 @@ fn conditions(result: &Map<String, Value>) -> Section {
         ("1 kcal/mol/Å³", number("gpa_per_kcal_mol_angstrom3", "GPa")),
         ("geometry", relaxed.to_owned()),
         (
-            "largest force left",
+            "largest residual force",
             number("largest_force_kcal_mol_angstrom", "kcal/mol/Å"),
         ),
-        ("strains that cost nothing", mechanisms.to_string()),
+        ("zero-energy strains", mechanisms.to_string()),
         (
             "floppy motions of the nodes at fixed cell",
             number("internal_mechanisms", ""),

@@ -1,4 +1,4 @@
-//! The page of the tables of a paper on networks, recomputed.
+//! The page of the recomputed tables of a paper on networks.
 
 use super::html::{definitions, escape, paragraph, table};
 use super::page::{Page, Section};

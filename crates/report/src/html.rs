@@ -1,4 +1,4 @@
-//! Bits of markup.
+//! Small pieces of HTML.
 
 /// Text that is safe in an element and in a quoted attribute.
 pub fn escape(text: &str) -> String {
@@ -20,7 +20,7 @@ pub fn paragraph(text: &str) -> String {
     format!("<p>{}</p>\n", escape(text))
 }
 
-/// Names and what they are.
+/// A list of names and values.
 pub fn definitions(rows: &[(&str, String)]) -> String {
     let row = |(name, value): &(&str, String)| {
         format!("<dt>{}</dt><dd>{}</dd>\n", escape(name), escape(value))
@@ -28,7 +28,7 @@ pub fn definitions(rows: &[(&str, String)]) -> String {
     format!("<dl>\n{}</dl>\n", rows.iter().map(row).collect::<String>())
 }
 
-/// A cell of more letters may be broken into lines.
+/// A cell with more characters than this may be broken into lines.
 const LONG_CELL: usize = 28;
 
 /// A table.
@@ -53,7 +53,7 @@ pub fn table(columns: &[String], rows: &[Vec<String>]) -> String {
     )
 }
 
-/// Points of a list.
+/// A bulleted list.
 pub fn list(items: &[String]) -> String {
     format!(
         "<ul>\n{}</ul>\n",
@@ -64,7 +64,7 @@ pub fn list(items: &[String]) -> String {
     )
 }
 
-/// Text as it is in a file, folded away.
+/// The verbatim text of a file, folded.
 pub fn folded_text(title: &str, text: &str) -> String {
     format!(
         "<details><summary>{}</summary><pre>{}</pre></details>\n",
@@ -73,7 +73,7 @@ pub fn folded_text(title: &str, text: &str) -> String {
     )
 }
 
-/// A number with so many significant digits, without needless zeros.
+/// A number with `digits` significant digits, without trailing zeros.
 pub fn significant(value: f64, digits: usize) -> String {
     if !value.is_finite() || value == 0.0 {
         return if value == 0.0 {
@@ -100,6 +100,14 @@ pub fn significant(value: f64, digits: usize) -> String {
         number
     };
     format!("{number}{exponent}").replace('-', "−")
+}
+
+/// A number with `digits` significant digits, or a dash if it is unknown.
+pub fn significant_or_dash(value: Option<f64>, digits: usize) -> String {
+    match value {
+        Some(value) => significant(value, digits),
+        None => "–".to_owned(),
+    }
 }
 
 /// A salt concentration (mol/L) in mmol/L.

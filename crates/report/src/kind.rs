@@ -1,4 +1,4 @@
-//! What a directory holds, with its settings.
+//! The kind of results in a directory, with their settings.
 
 use anyhow::{Result, bail};
 use protomer::lattice::settings::LatticeSettings;
@@ -10,10 +10,10 @@ use protomer_results::ResultKind;
 use protomer_results::keys::read_toml;
 use std::path::Path;
 
-/// What a directory holds.
+/// The kind of results in a directory.
 #[derive(Debug)]
 pub enum Kind {
-    /// A simulation of bodies, or a sweep of such.
+    /// A simulation of bodies, or a sweep of simulations.
     MonteCarlo(Box<RunSettings>),
     /// A run of a lattice.
     Lattice(Box<LatticeSettings>),
@@ -31,10 +31,10 @@ pub enum Kind {
     VoxelSet,
 }
 
-/// Tells the kind of a directory.
+/// Determines the kind of results in a directory.
 ///
 /// # Errors
-/// If it is none of these, or its settings cannot be read.
+/// If it holds none of these, or its settings cannot be read.
 pub fn of(directory: &Path) -> Result<Kind> {
     if !directory.is_dir() {
         if work_path(directory).is_file() {
@@ -67,7 +67,7 @@ pub fn of(directory: &Path) -> Result<Kind> {
             directory.display()
         ),
         Some(ResultKind::Other(_)) | None => bail!(
-            "{} holds no results that can be shown; give the directory of a simulate, sweep, \
+            "{} holds no results that a report can show; give the directory of a simulate, sweep, \
              lattice run, lattice sweep, framework, train, tune or voxelize command",
             directory.display()
         ),

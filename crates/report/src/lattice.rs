@@ -13,11 +13,11 @@ use protomer_plot::{Axis, Figure, Panel, Point, Series};
 use protomer_results::{Record, Row, log};
 use std::path::Path;
 
-/// Numbers in the frames of an animation: some megabytes of text.
+/// Upper limit for the numbers in an animation, some megabytes of text.
 const MOST_NUMBERS: usize = 300_000;
-/// Frames that are shown.
+/// Maximum number of frames.
 const MOST_FRAMES: usize = 200;
-/// Rows of the log that are drawn and carried along.
+/// Maximum number of log rows that are drawn and embedded.
 const MOST_ROWS: usize = 1000;
 
 /// The size of the player on this page.
@@ -86,7 +86,7 @@ pub fn page_of_sweep(directory: &Path, settings: &LatticeSettings) -> Result<Pag
         html += &figures::of_file(directory, file, title, "")?;
     }
     if html.is_empty() {
-        html += &paragraph("There are no figures yet: they are drawn when every run is done.");
+        html += &paragraph("There are no figures yet: they are drawn when all runs are done.");
     }
     html += &data::of_file(directory, "lattice.csv")?;
     html += &data::of_file(directory, "runs.csv")?;
@@ -155,7 +155,7 @@ fn animation(directory: &Path, settings: &LatticeSettings) -> Result<Section> {
     let numbers = 3 * settings.rows.saturating_mul(settings.columns).max(1);
     let animation = Animation::read(directory, (MOST_NUMBERS / numbers).clamp(20, MOST_FRAMES))?;
     let note = format!(
-        "{}; {} frames, evenly spread over the run.",
+        "{}; {} frames, evenly spaced over the run.",
         animation.title(),
         animation.len()
     );
@@ -174,7 +174,7 @@ fn animation(directory: &Path, settings: &LatticeSettings) -> Result<Section> {
     })
 }
 
-/// What a run came to, and its log.
+/// The result of a run, and its log.
 fn history(directory: &Path, record: Option<&Record>) -> Result<Section> {
     let result: Option<LatticeResult> =
         record.and_then(|record| serde_json::from_value(record.details.clone()).ok());

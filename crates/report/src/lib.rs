@@ -1,5 +1,5 @@
-//! A directory of results as one HTML page that needs nothing else: figures with the numbers behind
-//! them, shapes to turn, lattices that move, conditions, provenance, and what failed.
+//! A directory of results as one self-contained HTML page: figures with their numbers, rotatable
+//! shapes, animated lattices, conditions, provenance, and failures.
 //!
 //! ```text
 //! directory --kind--> what it holds --monte_carlo, lattice, framework, training, ...--> sections --page--> report.html
@@ -9,16 +9,16 @@
 //! |---|---|
 //! | `kind` | what a directory holds |
 //! | `monte_carlo`, `lattice`, `framework`, `framework_tables`, `training`, `tune`, `voxel_set` | the sections of each kind |
-//! | `voxel_channels` | what is in the channels of a set |
+//! | `voxel_channels` | the content of the channels of a set |
 //! | `traces` | the logs of simulations as a figure |
-//! | `scenes` | which bodies are shown, and where they stand |
+//! | `scenes` | the bodies shown, and their positions |
 //! | `mesh_view` | meshes as data for the viewer |
-//! | `figures`, `data` | pictures inlined, tables folded with a link to save them |
+//! | `figures`, `data` | embedded figures, folded tables with a link to save them |
 //! | `provenance` | version, hashes, seed, how it ended |
-//! | `page`, `html` | the page around the sections, and its bits of markup |
+//! | `page`, `html` | the page around the sections, and its HTML |
 //!
-//! The same directory gives the same bytes. Nothing is loaded: the page carries a policy that
-//! forbids its browser to.
+//! The same directory gives the same bytes. The page loads nothing: it carries a policy that
+//! forbids the browser to do so.
 
 mod data;
 mod figures;
@@ -46,21 +46,22 @@ use protomer::output_file::write_once;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// What is asked for.
+/// The options of a report.
 #[derive(Debug, Clone, Default)]
 pub struct Request {
-    /// The page; `report.html` in the directory where `None`, beside it for a set of voxels.
+    /// The output file; by default `report.html` in the directory, or beside it for a set of
+    /// voxels.
     pub output: Option<PathBuf>,
-    /// The assembly of a sweep or a simulation, where the directory does not know it.
+    /// The assembly of a sweep or a simulation, if it has moved.
     pub assembly: Option<PathBuf>,
-    /// Replace a page that is there.
+    /// Whether to overwrite an existing page.
     pub force: bool,
 }
 
 /// A page that was written.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Written {
-    /// Where it is.
+    /// Its directory.
     pub page: PathBuf,
     /// Its size.
     pub bytes: usize,
@@ -77,8 +78,8 @@ impl Answer for Written {
 /// Writes the page of a directory.
 ///
 /// # Errors
-/// If the directory holds nothing that can be shown, a file of it is damaged, the page is there
-/// already, or the disk does not take it.
+/// If the directory holds no results, one of its files is damaged, the page already exists, or
+/// it cannot be written.
 pub fn report(directory: &Path, request: &Request) -> Result<Written> {
     let kind = kind::of(directory)?;
     let page = request
@@ -95,8 +96,8 @@ pub fn report(directory: &Path, request: &Request) -> Result<Written> {
     })
 }
 
-/// `report.html` in the directory; a zarr group is to hold nothing else, so its page lies beside
-/// it: `SET.zarr.report.html`.
+/// `report.html` in the directory; a zarr group must not contain other files, so its page is
+/// written beside it: `SET.zarr.report.html`.
 fn default_page(directory: &Path, kind: &Kind) -> PathBuf {
     match kind {
         Kind::VoxelSet => directory.with_file_name(provenance::name(directory) + ".report.html"),
@@ -107,10 +108,9 @@ fn default_page(directory: &Path, kind: &Kind) -> PathBuf {
 fn page_of(directory: &Path, kind: &Kind, assembly: Option<&Path>) -> Result<Page> {
     match kind {
         Kind::MonteCarlo(settings) => monte_carlo::page(directory, settings, assembly),
-        _ if assembly.is_some() => bail!(
-            "{} has no assembly; leave out --assembly",
-            directory.display()
-        ),
+        _ if assembly.is_some() => {
+            bail!("{} has no assembly; omit --assembly", directory.display())
+        }
         Kind::Lattice(settings) => lattice::page_of_run(directory, settings),
         Kind::LatticeSweep(settings) => lattice::page_of_sweep(directory, settings),
         Kind::Framework => framework::page(directory),

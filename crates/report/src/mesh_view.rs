@@ -5,7 +5,7 @@ use base64::prelude::*;
 use protomer_kernel::{Pose, TriangleMesh, Vec3};
 use serde_json::{Value, json};
 
-/// The viewer numbers up to so many vertices in 16 bits.
+/// Meshes of up to this many vertices have 16-bit indices.
 const NARROW: usize = 1 << 16;
 
 /// A mesh with its values.
@@ -15,11 +15,11 @@ pub struct ShownMesh {
     pub name: String,
     /// Its surface, Å.
     pub mesh: TriangleMesh,
-    /// For each colouring a value for each vertex; NaN where there is none.
+    /// For each colouring, a value per vertex; NaN for none.
     pub values: Vec<Vec<f64>>,
 }
 
-/// A scale of colours.
+/// A colour scale.
 #[derive(Debug, Clone)]
 pub struct Colouring {
     /// Name in the menu.
@@ -32,7 +32,7 @@ pub struct Colouring {
     pub colours: [&'static str; 3],
 }
 
-/// Bodies that are shown together.
+/// Bodies shown together.
 #[derive(Debug, Clone)]
 pub struct Scene {
     /// Name in the menu.
@@ -41,18 +41,18 @@ pub struct Scene {
     pub bodies: Vec<(usize, Pose)>,
 }
 
-/// Everything that the viewer is given.
+/// The data of the viewer.
 #[derive(Debug, Clone, Default)]
 pub struct Shown {
     /// The meshes.
     pub meshes: Vec<ShownMesh>,
-    /// The colourings, the first being shown first.
+    /// The colourings; the first is shown initially.
     pub colourings: Vec<Colouring>,
-    /// The scenes, the first being shown first.
+    /// The scenes; the first is shown initially.
     pub scenes: Vec<Scene>,
 }
 
-/// The section with the viewer; `below` stands under it.
+/// The section with the viewer, followed by the HTML `below` it.
 pub fn section(shown: &Shown, below: &str) -> Section {
     let data = to_json(shown).to_string().replace("</", "<\\/");
     Section {
@@ -84,7 +84,7 @@ fn to_json(shown: &Shown) -> Value {
 fn mesh_to_json(shown: &ShownMesh, colourings: &[Colouring]) -> Value {
     let mesh = &shown.mesh;
     let Bounds { low, high } = bounds(mesh.vertices.iter());
-    // All axes are divided by the longest edge.
+    // All coordinates are scaled by the longest edge.
     let span = (high - low).max().max(1e-3);
     let place = |x: f64, axis: usize| {
         ((x - low[axis]) / span * 65535.0)

@@ -1,6 +1,6 @@
 //! The page of a sweep over salt, or of a single simulation.
 
-use super::html::{definitions, millimolar, paragraph, significant, table};
+use super::html::{definitions, millimolar, paragraph, significant, significant_or_dash, table};
 use super::page::{Page, Section};
 use super::scenes::{Collected, collect};
 use super::{data, figures, mesh_view, provenance, traces};
@@ -82,9 +82,9 @@ fn results(directory: &Path, settings: &RunSettings, result: Option<&Value>) -> 
     let table = data::of_file(directory, "sweep.csv")?;
     let mut html = match result {
         None => paragraph(
-            "There is no result yet: the table and the curve are written when every simulation is done.",
+            "There is no result yet: the table and the curve are written when all simulations are done.",
         ),
-        // A curve through one point shows nothing.
+        // A curve through one point is useless.
         Some(result) if settings.salt_molar.len() == 1 => averages(result) + &table,
         Some(_) => figures::of_file(directory, "sweep.svg", "Stability against salt", &table)?,
     };
@@ -94,14 +94,10 @@ fn results(directory: &Path, settings: &RunSettings, result: Option<&Value>) -> 
     Ok(Section::new("Results", html))
 }
 
-/// What a single salt concentration gave.
+/// The result at a single salt concentration.
 fn averages(result: &Value) -> String {
     let row = &result["salts"][0];
-    let number = |key: &str, digits: usize| {
-        row[key]
-            .as_f64()
-            .map_or_else(|| "–".to_owned(), |x| significant(x, digits))
-    };
+    let number = |key: &str, digits| significant_or_dash(row[key].as_f64(), digits);
     definitions(&[
         (
             "radius of gyration",
@@ -136,23 +132,20 @@ fn bodies_table(collected: &Collected) -> String {
         "made from",
     ]
     .map(str::to_owned);
-    let rows = assembly.bodies.iter().enumerate().map(|(kind, body)| {
-        vec![
+    let mut rows = Vec::new();
+    for (kind, body) in assembly.bodies.iter().enumerate() {
+        let copies = assembly.kinds.iter().filter(|other| **other == kind);
+        rows.push(vec![
             body.name.clone(),
-            assembly
-                .kinds
-                .iter()
-                .filter(|other| **other == kind)
-                .count()
-                .to_string(),
+            copies.count().to_string(),
             significant(body.net_charge_e(), 4),
             body.sites.len().to_string(),
             body.mesh.triangles.len().to_string(),
             significant(body.mass_properties.volume_angstrom3, 6),
             body.provenance.source.clone(),
-        ]
-    });
-    table(&head, &rows.collect::<Vec<_>>())
+        ]);
+    }
+    table(&head, &rows)
 }
 
 fn conditions(
@@ -160,23 +153,10 @@ fn conditions(
     result: Option<&Value>,
     collected: &Collected,
 ) -> Result<Section> {
-    let space = match (&collected.assembly, result) {
-        (Some(assembly), _) => assembly
-            .box_angstrom()
-            .map(|lengths| lengths.map(|length| length.to_string()).join(" × ")),
-        (None, Some(result)) => result["box_angstrom"].as_array().map(|lengths| {
-            lengths
-                .iter()
-                .map(ToString::to_string)
-                .collect::<Vec<_>>()
-                .join(" × ")
-        }),
-        (None, None) => Some("not known before the end".into()),
-    };
-    let mut rows = vec![("periodic box (Å)", space.unwrap_or_else(|| "none".into()))];
-    if let Some(concentration) = result
-        .and_then(|result| result["concentration_M"].as_f64())
-        .filter(|c| *c > 0.0)
+    let mut rows = vec![("periodic box (Å)", periodic_box(result, collected))];
+    let concentration = result.and_then(|result| result["concentration_M"].as_f64());
+    if let Some(concentration) = concentration
+        && concentration > 0.0
     {
         rows.push((
             "concentration of bodies",
@@ -202,7 +182,8 @@ fn conditions(
         "Debye length (Å)",
         "cut-off (Å)",
     ];
-    let lines = settings.salt_molar.iter().map(|salt| {
+    let mut lines = Vec::new();
+    for salt in &settings.salt_molar {
         let interaction = settings.medium.interaction(Some(*salt))?;
         let lengths = [
             interaction.electrolyte.relative_permittivity(),
@@ -210,19 +191,39 @@ fn conditions(
             interaction.electrolyte.debye_length_angstrom(),
             interaction.cutoff_angstrom,
         ];
-        let salt = millimolar(*salt);
-        Ok(std::iter::once(salt)
-            .chain(lengths.map(|length| significant(length, 5)))
-            .collect::<Vec<String>>())
-    });
-    let lines = lines.collect::<Result<Vec<_>>>()?;
+        let mut line = vec![millimolar(*salt)];
+        line.extend(lengths.map(|length| significant(length, 5)));
+        lines.push(line);
+    }
     Ok(Section::new(
         "Conditions",
         definitions(&rows) + &table(&head.map(str::to_owned), &lines),
     ))
 }
 
-/// One simulation as its own record has it.
+/// The edges of the box in words.
+fn periodic_box(result: Option<&Value>, collected: &Collected) -> String {
+    let mut lengths = Vec::new();
+    match (&collected.assembly, result) {
+        (Some(assembly), _) => {
+            for length in assembly.box_angstrom().into_iter().flatten() {
+                lengths.push(length.to_string());
+            }
+        }
+        (None, Some(result)) => {
+            for length in result["box_angstrom"].as_array().into_iter().flatten() {
+                lengths.push(length.to_string());
+            }
+        }
+        (None, None) => return "not known until all simulations are done".into(),
+    }
+    match lengths.as_slice() {
+        [] => "none".into(),
+        lengths => lengths.join(" × "),
+    }
+}
+
+/// One simulation, from its record.
 struct Simulation {
     salt_molar: f64,
     replica: u32,
@@ -246,30 +247,35 @@ fn simulations(directory: &Path, settings: &RunSettings) -> Result<Vec<Simulatio
 
 impl Simulation {
     fn sweeps_done(&self) -> u64 {
-        self.record
+        match &self.record {
+            Some(record) => record.done.unwrap_or(0),
+            None => 0,
+        }
+    }
+
+    /// An acceptance ratio of the record, or a dash.
+    fn accepted(&self, kind: &str) -> String {
+        let accepted = self
+            .record
             .as_ref()
-            .and_then(|record| record.done)
-            .unwrap_or(0)
+            .map(|record| &record.details["acceptance"][kind]);
+        significant_or_dash(accepted.and_then(Value::as_f64), 3)
     }
 
     fn problem(&self, settings: &RunSettings) -> Option<String> {
-        let progress = format!(
-            " after {} of {} sweeps",
-            self.sweeps_done(),
-            settings.total_sweeps()
-        );
-        let problem = provenance::problem_of_part(self.record.as_ref(), &progress).or_else(|| {
-            // Finished, and to be longer since.
-            (self.sweeps_done() < settings.total_sweeps())
-                .then(|| format!("not at its end{progress}"))
-        });
-        problem.map(|problem| {
-            format!(
-                "{} mM, replica {}: {problem}",
-                millimolar(self.salt_molar),
-                self.replica
-            )
-        })
+        let (done, total) = (self.sweeps_done(), settings.total_sweeps());
+        let progress = format!(" after {done} of {total} sweeps");
+        let problem = match provenance::problem_of_part(self.record.as_ref(), &progress) {
+            Some(problem) => problem,
+            // Finished, but extended since.
+            None if done < total => format!("not finished{progress}"),
+            None => return None,
+        };
+        Some(format!(
+            "{} mM, replica {}: {problem}",
+            millimolar(self.salt_molar),
+            self.replica
+        ))
     }
 }
 
@@ -282,14 +288,9 @@ fn simulations_section(simulations: &[Simulation], settings: &RunSettings) -> Se
         "translations accepted",
         "rotations accepted",
     ];
-    let rows = simulations.iter().map(|simulation| {
-        let accepted = |kind: &str| {
-            let record = simulation.record.as_ref();
-            let fraction =
-                record.and_then(|record| record.details.get("acceptance")?.get(kind)?.as_f64());
-            fraction.map_or_else(|| "–".into(), |fraction| significant(fraction, 3))
-        };
-        vec![
+    let mut rows = Vec::new();
+    for simulation in simulations {
+        rows.push(vec![
             millimolar(simulation.salt_molar),
             simulation.replica.to_string(),
             provenance::ended(simulation.record.as_ref()).to_owned(),
@@ -298,12 +299,9 @@ fn simulations_section(simulations: &[Simulation], settings: &RunSettings) -> Se
                 simulation.sweeps_done(),
                 settings.total_sweeps()
             ),
-            accepted("translation_acceptance"),
-            accepted("rotation_acceptance"),
-        ]
-    });
-    Section::new(
-        "Simulations",
-        table(&head.map(str::to_owned), &rows.collect::<Vec<_>>()),
-    )
+            simulation.accepted("translation_acceptance"),
+            simulation.accepted("rotation_acceptance"),
+        ]);
+    }
+    Section::new("Simulations", table(&head.map(str::to_owned), &rows))
 }

@@ -3,7 +3,7 @@
 use super::html::{escape, list};
 
 const STYLE: &str = include_str!("page.css");
-/// Nothing may be loaded, from nowhere; what is on the page itself may run.
+/// Nothing may be loaded; inline scripts and styles may run.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:; \
                       base-uri 'none'; form-action 'none'";
 
@@ -12,13 +12,13 @@ const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 
 pub struct Section {
     /// Its heading.
     pub title: String,
-    /// What is in it.
+    /// Its content.
     pub html: String,
-    /// Its style; equal ones are put on the page once.
+    /// Its style; identical styles appear once.
     pub style: String,
-    /// Functions that it calls; equal ones are put on the page once.
+    /// Functions that it calls; identical libraries appear once.
     pub library: &'static str,
-    /// What is called at the end.
+    /// The script that runs at the end.
     pub script: String,
 }
 
@@ -42,7 +42,7 @@ pub struct Page {
     pub title: String,
     /// A line below it.
     pub subtitle: String,
-    /// What failed or is not there.
+    /// What failed or is missing.
     pub problems: Vec<String>,
     /// Its sections.
     pub sections: Vec<Section>,

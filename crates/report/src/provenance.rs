@@ -1,4 +1,4 @@
-//! Where results come from: version, hashes, seed, how it ended.
+//! The origin of results: version, hashes, seed, how the run ended.
 
 use super::html::{definitions, folded_text, paragraph};
 use super::page::Section;
@@ -8,7 +8,7 @@ use std::path::Path;
 
 const NOTE: &str = "Equal settings on equal input give equal results.";
 
-/// The section of a directory with this file of settings; `more` is told besides.
+/// The section of a directory with this settings file and the additional rows `more`.
 ///
 /// # Errors
 /// If the settings cannot be read.
@@ -28,8 +28,8 @@ pub fn section(
     ))
 }
 
-/// The section of a directory that has no file of settings, but perhaps says them elsewhere: a
-/// heading and the text.
+/// The section of a directory without a settings file; the settings may be given as a heading
+/// and text.
 pub fn without_file(
     directory: &Path,
     settings: Option<(&str, &str)>,
@@ -64,7 +64,7 @@ fn rows(directory: &Path, record: Option<&Record>, more: Vec<(&str, String)>) ->
     definitions(&rows)
 }
 
-/// The last part of the path, which says the same wherever the directory lies.
+/// The last part of the path, which does not depend on where the directory is.
 pub fn name(directory: &Path) -> String {
     let absolute = std::path::absolute(directory).unwrap_or_else(|_| directory.to_owned());
     absolute
@@ -82,10 +82,10 @@ fn ended_in_words(exit: &Exit) -> String {
     }
 }
 
-/// Why a run has not come to its end, as a sentence; `None` if it has.
+/// Why a run is not finished, as a sentence; `None` if it is.
 pub fn unfinished(record: Option<&Record>) -> Option<String> {
     let Some(record) = record else {
-        return Some("There is no run.json: the run did not come far enough to write one.".into());
+        return Some("There is no run.json: the run ended before it could write one.".into());
     };
     match &record.exit {
         Exit::Done => None,
@@ -95,12 +95,12 @@ pub fn unfinished(record: Option<&Record>) -> Option<String> {
                 .as_ref()
                 .map_or_else(String::new, |by| format!(" by {by}"));
             Some(format!(
-                "It was stopped{by} before its end; the same command continues it."
+                "It was stopped{by}; the same command continues it."
             ))
         }
         Exit::Running => Some(
-            "By its record it is still running. If no process works in the directory, it was \
-             killed; the same command continues it."
+            "According to its record it is still running. If no process works in the \
+             directory, it was killed; the same command continues it."
                 .into(),
         ),
     }
@@ -111,11 +111,11 @@ pub fn ended(record: Option<&Record>) -> &str {
     record.map_or("–", |record| record.exit.word())
 }
 
-/// What kept a part from its end, as in "50 mM, replica 1: *stopped by a signal after 3 of 9
-/// sweeps*"; `None` if it came to its end. `progress` says how far it is by its record.
+/// What stopped a part, as in "50 mM, replica 1: *stopped by a signal after 3 of 9
+/// sweeps*"; `None` if it is finished. `progress` is its progress according to its record.
 pub fn problem_of_part(record: Option<&Record>, progress: &str) -> Option<String> {
     let Some(record) = record else {
-        return Some("no record; it was not begun, or was killed before its end".into());
+        return Some("no record; it was not started, or was killed early".into());
     };
     match &record.exit {
         Exit::Done => None,
@@ -163,6 +163,6 @@ mod tests {
             let problem = problem_of_part(Some(&record(exit)), " after 3 of 9 sweeps");
             assert_eq!(problem.as_deref(), expected);
         }
-        assert!(problem_of_part(None, "").is_some_and(|problem| problem.contains("not begun")));
+        assert!(problem_of_part(None, "").is_some_and(|problem| problem.contains("not started")));
     }
 }

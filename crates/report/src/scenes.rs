@@ -1,7 +1,7 @@
-//! Which bodies of a sweep are shown, coloured by what, and where they stand.
+//! The bodies of a sweep that are shown, their colours and their positions.
 //!
-//! Body files have charges and residues, so that they come first; where they are gone, the
-//! trajectory has the shapes.
+//! Body files have charges and residues, so they are preferred. If they are missing, the
+//! shapes come from the trajectory.
 
 use super::html::millimolar;
 use super::mesh_view::{Colouring, Scene, Shown, ShownMesh};
@@ -24,30 +24,29 @@ use std::path::{Path, PathBuf};
 const MOST_VERTICES: usize = 400_000;
 /// Scenes with more bodies than this are slow to turn.
 const MOST_BODIES: usize = 256;
-/// So many ends are in the menu.
+/// Final states in the menu.
 const MOST_ENDS: usize = 8;
-/// Residues with an atom this near count for the hydropathy of a place, Å; the voxel channel's
-/// default.
+/// Range of the hydropathy: residues with an atom within this distance of a point count, Å;
+/// the default of the voxel channel.
 const HYDROPATHY_REACH_ANGSTROM: f64 = 5.0;
-/// Upper ends that a scale of potentials may have, kT/e.
+/// Possible upper limits of a potential scale, kT/e.
 const POTENTIAL_LIMITS: [f64; 6] = [0.5, 1.0, 2.0, 5.0, 10.0, 20.0];
 
-/// What is shown, and what has to be said of it.
+/// The shown bodies, and remarks.
 #[derive(Debug, Default)]
 pub struct Collected {
-    /// `None` where no shape is known.
+    /// `None` if no shapes are known.
     pub shown: Option<Shown>,
-    /// What is missing, or was left out, and why.
+    /// What is missing or omitted, and why.
     pub notes: Vec<String>,
-    /// The assembly, if it was found and is that of the results.
+    /// The assembly, if it was found and matches the results.
     pub assembly: Option<Assembly>,
 }
 
-/// The bodies of a directory; `assembly` is the file to take instead of the one that the record
-/// names.
+/// Collects the bodies of a directory; `assembly` replaces the file named in the record.
 ///
 /// # Errors
-/// If `assembly` is given and is not what the results were made from.
+/// If `assembly` is given and does not match the results.
 pub fn collect(
     directory: &Path,
     settings: &RunSettings,
@@ -60,8 +59,8 @@ pub fn collect(
         (Ok(found), _) => collected.assembly = Some(found),
         (Err(error), Some(_)) => return Err(error),
         (Err(error), None) => collected.notes.push(format!(
-            "The body files are not at hand ({error:#}): shapes are those of the trajectory, without charges and residues. \
-             --assembly FILE names them."
+            "The body files were not found ({error:#}): the shapes come from the trajectory, without charges and \
+             residues. Name the assembly with --assembly FILE."
         )),
     }
     let trajectories = trajectories(directory, settings);
@@ -81,34 +80,26 @@ pub fn collect(
             ));
         }
     };
-    let vertices: usize = shown
-        .meshes
-        .iter()
-        .map(|shown| shown.mesh.vertices.len())
-        .sum();
+    let meshes = shown.meshes.iter();
+    let vertices: usize = meshes.map(|shown| shown.mesh.vertices.len()).sum();
     if vertices > MOST_VERTICES {
         let note = format!(
             "The surfaces have {vertices} vertices, which is more than a page can show ({MOST_VERTICES})."
         );
         return Ok(without(collected, note));
     }
-    let alone = shown
-        .meshes
-        .iter()
-        .enumerate()
-        .map(|(number, shown)| Scene {
+    let mut scenes = Vec::new();
+    for (number, shown) in shown.meshes.iter().enumerate() {
+        scenes.push(Scene {
             name: format!("body {}", shown.name),
             bodies: vec![(number, Pose::identity())],
         });
-    let mut scenes: Vec<Scene> = alone.collect();
+    }
     let (states, unread) = states(collected.assembly.as_ref(), &trajectories, periodic_box);
     scenes.extend(states);
     collected.notes.extend(unread);
-    let many = scenes
-        .iter()
-        .map(|scene| scene.bodies.len())
-        .max()
-        .unwrap_or(0);
+    let numbers = scenes.iter().map(|scene| scene.bodies.len());
+    let many = numbers.max().unwrap_or(0);
     if many > MOST_BODIES {
         collected.notes.push(format!(
             "States of {many} bodies are not drawn; OVITO opens the trajectories."
@@ -120,11 +111,9 @@ pub fn collect(
     Ok(collected)
 }
 
-fn without(collected: Collected, note: String) -> Collected {
-    Collected {
-        notes: collected.notes.into_iter().chain([note]).collect(),
-        ..collected
-    }
+fn without(mut collected: Collected, note: String) -> Collected {
+    collected.notes.push(note);
+    collected
 }
 
 fn find_assembly(
@@ -132,18 +121,16 @@ fn find_assembly(
     record: Option<&Record>,
     given: Option<&Path>,
 ) -> Result<Assembly> {
-    let named = record.and_then(|record| {
-        record
-            .details
-            .get("assembly")?
-            .as_str()
-            .map(|path| directory.join(path))
-    });
-    let Some(path) = given.map(Path::to_owned).or(named) else {
-        bail!("run.json names no assembly")
+    let named = record.and_then(|record| record.details["assembly"].as_str());
+    let path = match (given, named) {
+        (Some(given), _) => given.to_owned(),
+        (None, Some(named)) => directory.join(named),
+        (None, None) => bail!("run.json names no assembly"),
     };
     let assembly = Assembly::read(&path)?;
-    if record.is_some_and(|record| record.input_sha256 != assembly.sha256) {
+    if let Some(record) = record
+        && record.input_sha256 != assembly.sha256
+    {
         bail!(
             "{} or a body of it is not what these results were made from",
             path.display()
@@ -154,40 +141,30 @@ fn find_assembly(
 
 /// The first replica's trajectory of each salt concentration that has one.
 fn trajectories(directory: &Path, settings: &RunSettings) -> Vec<(f64, PathBuf)> {
-    let of = |salt: &f64| {
-        (
-            *salt,
-            replica_directory(directory, *salt, 0).join("trajectory.gsd"),
-        )
-    };
-    settings
-        .salt_molar
-        .iter()
-        .map(of)
-        .filter(|(_, path)| path.is_file())
-        .collect()
+    let mut trajectories = Vec::new();
+    for salt in &settings.salt_molar {
+        let path = replica_directory(directory, *salt, 0).join("trajectory.gsd");
+        if path.is_file() {
+            trajectories.push((*salt, path));
+        }
+    }
+    trajectories
 }
 
-/// The start and the last frames, and what is wrong with those that cannot be read.
+/// The initial and the final states, with errors for those that cannot be read.
 fn states(
     assembly: Option<&Assembly>,
     trajectories: &[(f64, PathBuf)],
     periodic_box: Option<[f64; 3]>,
 ) -> (Vec<Scene>, Vec<String>) {
-    let start = assembly.iter().map(|assembly| {
-        let bodies = assembly
-            .kinds
-            .iter()
-            .copied()
-            .zip(assembly.poses.iter().copied())
-            .collect();
-        Scene {
+    let (mut scenes, mut unread) = (Vec::new(), Vec::new());
+    if let Some(assembly) = assembly {
+        let kinds = assembly.kinds.iter().copied();
+        scenes.push(Scene {
             name: "the start".into(),
-            bodies,
-        }
-    });
-    let mut scenes: Vec<Scene> = start.collect();
-    let mut unread = Vec::new();
+            bodies: kinds.zip(assembly.poses.iter().copied()).collect(),
+        });
+    }
     let step = trajectories.len().div_ceil(MOST_ENDS).max(1);
     for (salt, path) in trajectories.iter().step_by(step) {
         match last_frame(path) {
@@ -199,24 +176,23 @@ fn states(
         }
     }
     if let Some(lengths) = assembly.map_or(periodic_box, Assembly::box_angstrom) {
-        scenes
-            .iter_mut()
-            .for_each(|scene| gather(&mut scene.bodies, lengths));
+        for scene in &mut scenes {
+            gather(&mut scene.bodies, lengths);
+        }
     }
     (scenes, unread)
 }
 
-/// Puts bodies around their circular mean, so that a cluster across the border of the box is seen
-/// in one piece.
+/// Centres bodies on their circular mean, so that a cluster across the box boundary appears in
+/// one piece.
 fn gather(bodies: &mut [(usize, Pose)], lengths: [f64; 3]) {
     for (axis, length) in lengths.into_iter().enumerate() {
-        let angles = bodies
-            .iter()
-            .map(|(_, pose)| TAU * pose.position[axis] / length);
-        let (sine, cosine) = angles.fold((0.0, 0.0), |(s, c), angle| {
-            (s + angle.sin(), c + angle.cos())
-        });
-        let middle = sine.atan2(cosine) / TAU * length;
+        let (mut sine, mut cosine) = (0.0, 0.0);
+        for (_, pose) in bodies.iter() {
+            let angle = TAU * pose.position[axis] / length;
+            (sine, cosine) = (sine + angle.sin(), cosine + angle.cos());
+        }
+        let middle: f64 = sine.atan2(cosine) / TAU * length;
         for (_, pose) in bodies.iter_mut() {
             let offset = pose.position[axis] - middle;
             pose.position[axis] = middle + offset - length * (offset / length).round();
@@ -224,55 +200,43 @@ fn gather(bodies: &mut [(usize, Pose)], lengths: [f64; 3]) {
     }
 }
 
-/// Bodies with potentials at the first and the last salt concentration, and hydropathy.
+/// Colours bodies by the potentials at the first and the last salt concentration, and by
+/// hydropathy.
 fn coloured(bodies: &[std::sync::Arc<Body>], settings: &RunSettings) -> Shown {
     let mut shown = Shown::default();
-    shown.meshes.extend(bodies.iter().map(|body| ShownMesh {
-        name: body.name.clone(),
-        mesh: body.mesh.clone(),
-        values: Vec::new(),
-    }));
-    let mut salts: Vec<f64> = settings
-        .salt_molar
-        .first()
-        .into_iter()
-        .chain(settings.salt_molar.last())
-        .copied()
-        .collect();
+    for body in bodies {
+        shown.meshes.push(ShownMesh {
+            name: body.name.clone(),
+            mesh: body.mesh.clone(),
+            values: Vec::new(),
+        });
+    }
+    let mut salts: Vec<f64> = settings.salt_molar.first().copied().into_iter().collect();
+    salts.extend(settings.salt_molar.last());
     salts.dedup();
-    let potentials: Vec<(f64, Yukawa)> = salts
-        .iter()
-        .filter_map(|salt| Some((*salt, uncut(settings, *salt)?)))
-        .collect();
-    let values: Vec<Vec<Vec<f64>>> = potentials
-        .iter()
-        .map(|(_, yukawa)| {
-            bodies
-                .iter()
-                .map(|body| potential_at_vertices(body, yukawa))
-                .collect()
-        })
-        .collect();
-    let limit = limit_of(values.iter().flatten().flatten().copied());
-    for ((salt, _), of_bodies) in potentials.iter().zip(values) {
+    let mut potentials = Vec::new();
+    for salt in salts {
+        if let Some(yukawa) = uncut(settings, salt) {
+            let of_body = |body: &std::sync::Arc<Body>| potential_at_vertices(body, &yukawa);
+            potentials.push((salt, bodies.iter().map(of_body).collect::<Vec<_>>()));
+        }
+    }
+    let values = potentials.iter().flat_map(|(_, of_bodies)| of_bodies);
+    let limit = limit_of(values.flatten().copied());
+    for (salt, of_bodies) in potentials {
         shown.colourings.push(Colouring {
-            name: format!("potential at {} mM", millimolar(*salt)),
+            name: format!("potential at {} mM", millimolar(salt)),
             unit: "screened potential of the body's charges, kT/e; beyond the ends: as at the ends"
                 .into(),
             limit,
             colours: ["#c0282d", "#f7f7f7", "#2457b8"],
         });
-        shown
-            .meshes
-            .iter_mut()
-            .zip(of_bodies)
-            .for_each(|(mesh, values)| mesh.values.push(values));
+        for (mesh, values) in shown.meshes.iter_mut().zip(of_bodies) {
+            mesh.values.push(values);
+        }
     }
-    if bodies.iter().any(|body| {
-        body.residues
-            .iter()
-            .any(|residue| residue.hydropathy.is_some())
-    }) {
+    let mut residues = bodies.iter().flat_map(|body| &body.residues);
+    if residues.any(|residue| residue.hydropathy.is_some()) {
         shown.colourings.push(Colouring {
             name: "hydropathy".into(),
             unit: format!(
@@ -281,18 +245,15 @@ fn coloured(bodies: &[std::sync::Arc<Body>], settings: &RunSettings) -> Shown {
             limit: 4.5,
             colours: ["#1b8a9e", "#f7f7f7", "#b8741a"],
         });
-        let values = bodies.iter().map(|body| hydropathy_at_vertices(body));
-        shown
-            .meshes
-            .iter_mut()
-            .zip(values)
-            .for_each(|(mesh, values)| mesh.values.push(values));
+        for (mesh, body) in shown.meshes.iter_mut().zip(bodies) {
+            mesh.values.push(hydropathy_at_vertices(body));
+        }
     }
     shown
 }
 
-/// The interaction of the run, without its cut-off: bodies are coloured by what they are, however
-/// far it reaches.
+/// The interaction of the run without its cut-off, because colours should not depend on the
+/// cut-off.
 fn uncut(settings: &RunSettings, salt_molar: f64) -> Option<Yukawa> {
     let interaction = settings.medium.interaction(Some(salt_molar)).ok()?;
     let cut = interaction.yukawa().ok()?;
@@ -304,27 +265,22 @@ fn uncut(settings: &RunSettings, salt_molar: f64) -> Option<Yukawa> {
 
 /// φ(r) = λ_B Σ q exp(-κ d)/d over the charges at distance d, kT/e.
 fn potential_at_vertices(body: &Body, yukawa: &Yukawa) -> Vec<f64> {
-    let charged: Vec<(Vec3, f64)> = body
-        .sites
-        .iter()
-        .filter(|site| site.charge_e != 0.0)
-        .map(|site| (site.position, site.charge_e))
-        .collect();
-    let at = |vertex: &Vec3| -> f64 {
-        charged
-            .iter()
-            .map(|(place, charge)| charge * yukawa.energy_kt((vertex - place).norm()))
-            .sum()
+    let at = |vertex: &Vec3| {
+        let mut potential = 0.0;
+        for site in &body.sites {
+            if site.charge_e != 0.0 {
+                let distance = (vertex - site.position).norm();
+                potential += site.charge_e * yukawa.energy_kt(distance);
+            }
+        }
+        potential
     };
     body.mesh.vertices.par_iter().map(at).collect()
 }
 
 fn hydropathy_at_vertices(body: &Body) -> Vec<f64> {
-    let values: Vec<Option<f64>> = body
-        .residues
-        .iter()
-        .map(|residue| residue.hydropathy)
-        .collect();
+    let residues = body.residues.iter();
+    let values: Vec<Option<f64>> = residues.map(|residue| residue.hydropathy).collect();
     let places = body.sites.iter().map(|site| (site.position, site.residue));
     let map = HydropathyMap::new(places, &values, HYDROPATHY_REACH_ANGSTROM);
     body.mesh
@@ -334,7 +290,7 @@ fn hydropathy_at_vertices(body: &Body) -> Vec<f64> {
         .collect()
 }
 
-/// The smallest scale that 95 of 100 values fit on.
+/// The smallest scale that covers 95 % of the values.
 fn limit_of(values: impl Iterator<Item = f64>) -> f64 {
     let mut sizes: Vec<f64> = values
         .map(f64::abs)
@@ -352,7 +308,7 @@ fn limit_of(values: impl Iterator<Item = f64>) -> f64 {
         .unwrap_or(largest)
 }
 
-/// A mesh as HOOMD's schema has it.
+/// A mesh in HOOMD's schema.
 #[derive(Debug, Deserialize)]
 struct Shape {
     vertices: Vec<[f64; 3]>,
@@ -373,7 +329,7 @@ fn shapes(path: &Path) -> Result<Vec<ShownMesh>> {
             .any(|corner| *corner as usize >= vertices.len())
         {
             bail!(
-                "{}: the mesh of body '{name}' has a corner that is not there",
+                "{}: the mesh of body '{name}' refers to a vertex that does not exist",
                 path.display()
             );
         }
@@ -390,7 +346,7 @@ fn shapes(path: &Path) -> Result<Vec<ShownMesh>> {
     shown.collect()
 }
 
-/// Rows of text, each ended by a zero.
+/// Rows of text, each terminated by a zero byte.
 fn texts(file: &mut GsdFile, path: &Path, name: &str) -> Result<Vec<String>> {
     let Some(Chunk {
         columns,
@@ -411,7 +367,7 @@ fn texts(file: &mut GsdFile, path: &Path, name: &str) -> Result<Vec<String>> {
     Ok(letters.chunks(columns.max(1) as usize).map(text).collect())
 }
 
-/// Type and pose of each body in the last frame.
+/// Reads type and pose of each body in the last frame.
 fn last_frame(path: &Path) -> Result<Vec<(usize, Pose)>> {
     let mut file = GsdFile::open(path)?;
     let Some(last) = file.frames().checked_sub(1) else {
@@ -433,10 +389,7 @@ fn last_frame(path: &Path) -> Result<Vec<(usize, Pose)>> {
         ..
     }) = file.chunk(0, "particles/typeid")?
     else {
-        bail!(
-            "{} does not say which body is of which kind",
-            path.display()
-        )
+        bail!("{} does not record the kinds of the bodies", path.display())
     };
     let poses = positions
         .as_chunks::<3>()

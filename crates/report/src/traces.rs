@@ -9,11 +9,11 @@ use protomer_plot::{Axis, Figure, Panel, Series};
 use protomer_results::log;
 use std::path::Path;
 
-/// Colours that are told apart.
+/// Number of distinguishable colours.
 const MOST_SALTS: usize = 6;
-/// Rows of one log that are drawn.
+/// Maximum number of rows drawn per log.
 const MOST_ROWS: usize = 150;
-/// Rows that are drawn of all logs together, as long as each has a few.
+/// Target for the rows drawn of all logs together; each log keeps at least a few.
 const MOST_POINTS: usize = 6000;
 
 /// One log, thinned.
@@ -23,7 +23,7 @@ struct Trace {
     rows: Vec<LogRow>,
 }
 
-/// The figure and its table; `None` where no log has a row yet.
+/// The figure and its table; `None` if no log has rows yet.
 ///
 /// # Errors
 /// If a log is damaged.
@@ -84,9 +84,8 @@ fn figure(traces: &[Trace]) -> Figure {
         panel("energy (kT)", |row| row.energy_kt),
     ];
     Figure {
-        title: "How the simulations went".into(),
-        caption: "rows of the logs, thinned; all replicas of a salt concentration have its colour"
-            .into(),
+        title: "Course of the simulations".into(),
+        caption: "thinned rows of the logs; one colour per salt concentration".into(),
         x: Axis::linear("sweeps of production"),
         panels: panels
             .into_iter()

@@ -7,9 +7,9 @@ use anyhow::Result;
 use protomer::learning::train::{Metrics, Source, TrainSettings};
 use std::path::Path;
 
-/// Larger matrices are in metrics.json only.
+/// Larger matrices are only in metrics.json.
 const MOST_CLASSES: usize = 40;
-/// So many samples left out are named.
+/// Number of excluded samples that are listed.
 const MOST_NAMED: usize = 20;
 
 /// The page of a directory with these settings.
@@ -59,9 +59,7 @@ pub fn page(directory: &Path, settings: &TrainSettings) -> Result<Page> {
 
 fn problems(metrics: Option<&Metrics>) -> Vec<String> {
     let Some(metrics) = metrics else {
-        return vec![
-            "The training is not at its end; the same command goes on from where it is.".into(),
-        ];
+        return vec!["The training is not finished; the same command continues it.".into()];
     };
     let mut problems = Vec::new();
     if !metrics.quarantined.is_empty() {
@@ -105,7 +103,7 @@ fn scores(metrics: &Metrics) -> String {
         (
             "accuracy",
             format!(
-                "{} ({}); always naming the most frequent class gives {}",
+                "{} ({}); always predicting the most frequent class gives {}",
                 of(metrics.accuracy),
                 interval(&metrics.bootstrap_95.accuracy),
                 of(metrics.majority_accuracy)
@@ -180,7 +178,7 @@ fn table_of_baselines(metrics: &Metrics) -> String {
         .chain(baselines)
         .collect();
     format!(
-        "<h3>Beside what knows nothing of the voxels</h3>\n{}",
+        "<h3>Compared with predictions without voxels</h3>\n{}",
         table(&head, &rows)
     )
 }
@@ -226,7 +224,7 @@ fn confusion(metrics: &Metrics) -> String {
     )
 }
 
-/// What a control was expected to show, and whether it did.
+/// The expected outcome of a control, and whether it was met.
 fn verdict(metrics: &Metrics) -> Option<Section> {
     let control = metrics.control.as_ref()?;
     let head = [
@@ -254,7 +252,7 @@ fn verdict(metrics: &Metrics) -> Option<Section> {
     ))
 }
 
-/// The settings, as names and what they are.
+/// The settings, as names and values.
 pub fn describe(settings: &TrainSettings) -> Vec<(&'static str, String)> {
     let source = match &settings.source {
         Source::Set { path, digest } => {
@@ -308,7 +306,7 @@ fn conditions(settings: &TrainSettings, metrics: Option<&Metrics>) -> Section {
             parts.training, parts.validation, parts.test, parts.test_clusters
         );
         rows.push(("parts", text));
-        rows.push(("numbers fitted", metrics.parameters.to_string()));
+        rows.push(("fitted parameters", metrics.parameters.to_string()));
         if !metrics.quarantined.is_empty() {
             let named = metrics
                 .quarantined

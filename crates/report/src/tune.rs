@@ -1,6 +1,8 @@
 //! The page of a search for settings.
 
-use super::html::{definitions, escape, folded_text, paragraph, significant, table};
+use super::html::{
+    definitions, escape, folded_text, paragraph, significant, significant_or_dash, table,
+};
 use super::page::{Page, Section};
 use super::{data, figures, provenance, training};
 use anyhow::{Context, Result};
@@ -9,11 +11,11 @@ use protomer::learning::tune::TuneSettings;
 use protomer_io::csv::cells;
 use std::path::Path;
 
-/// Trials that are shown unfolded.
+/// Number of trials shown unfolded.
 const MOST_SHOWN: usize = 10;
 /// Digits of numbers in the table.
 const DIGITS: usize = 4;
-/// What a trial draws for itself.
+/// The settings drawn for each trial.
 const DRAWN: [&str; 3] = ["blocks (width × kernel)", "epochs at most", "learning rate"];
 
 /// `trials.csv`, best first.
@@ -59,9 +61,7 @@ pub fn page(directory: &Path, settings: &TuneSettings) -> Result<Page> {
     sections.push(provenance);
     let mut problems = Vec::new();
     if best.is_none() {
-        problems.push(
-            "The search is not at its end; the same command goes on from where it is.".into(),
-        );
+        problems.push("The search is not finished; the same command continues it.".into());
     }
     problems.extend(trials.as_ref().and_then(Trials::diverged));
     Ok(Page {
@@ -84,16 +84,14 @@ impl Trials {
         }
         let csv = std::fs::read_to_string(&path)
             .with_context(|| format!("cannot read {}", path.display()))?;
-        let lines = csv
-            .lines()
-            .enumerate()
-            .map(|(number, line)| cells("trials.csv", number + 1, line));
-        let mut rows = lines.collect::<Result<Vec<_>, _>>()?;
-        let columns = if rows.is_empty() {
-            Vec::new()
-        } else {
-            rows.remove(0)
-        };
+        let (mut columns, mut rows) = (Vec::new(), Vec::new());
+        for (number, line) in csv.lines().enumerate() {
+            let cells = cells("trials.csv", number + 1, line)?;
+            match number {
+                0 => columns = cells,
+                _ => rows.push(cells),
+            }
+        }
         Ok(Some(Self { csv, columns, rows }))
     }
 
@@ -103,17 +101,49 @@ impl Trials {
     }
 
     fn number(&self, row: usize, column: &str) -> Option<f64> {
-        self.cell(row, column)?
-            .parse()
-            .ok()
-            .filter(|value: &f64| value.is_finite())
+        let value: f64 = self.cell(row, column)?.parse().ok()?;
+        value.is_finite().then_some(value)
+    }
+
+    /// The text of a cell, or a dash.
+    fn text(&self, row: usize, column: &str) -> String {
+        self.cell(row, column).unwrap_or("–").to_owned()
+    }
+
+    /// The number in a cell, rounded, or a dash.
+    fn rounded(&self, row: usize, column: &str) -> String {
+        significant_or_dash(self.number(row, column), DIGITS)
+    }
+
+    /// The cells of a trial on the page.
+    fn cells(&self, row: usize) -> Vec<String> {
+        let loss = match self.number(row, "validation_loss_nats") {
+            Some(loss) => significant(loss, DIGITS),
+            None => "diverged".into(),
+        };
+        vec![
+            self.text(row, "trial"),
+            self.text(row, "epochs"),
+            loss,
+            self.rounded(row, "validation_balanced_accuracy"),
+            self.text(row, "widths"),
+            self.text(row, "kernels"),
+            self.text(row, "groups"),
+            self.rounded(row, "learning_rate"),
+            self.text(row, "channels").replace('+', ", "),
+        ]
     }
 
     fn diverged(&self) -> Option<String> {
-        let count = (0..self.rows.len())
-            .filter(|row| self.number(*row, "validation_loss_nats").is_none())
-            .count();
-        (count > 0).then(|| format!("{count} of {} trials diverged.", self.rows.len()))
+        let trials = self.rows.len();
+        let mut count = 0;
+        for row in 0..trials {
+            count += usize::from(self.number(row, "validation_loss_nats").is_none());
+        }
+        match count {
+            0 => None,
+            _ => Some(format!("{count} of {trials} trials diverged.")),
+        }
     }
 
     /// The best ones.
@@ -126,39 +156,21 @@ impl Trials {
             "widths",
             "kernels",
             "groups",
+            "learning rate",
+            "channels",
         ];
-        let head: Vec<String> = head
-            .iter()
-            .chain(&["learning rate", "channels"])
-            .map(ToString::to_string)
-            .collect();
-        let row = |row: usize| -> Vec<String> {
-            let text = |column: &str| self.cell(row, column).unwrap_or("–").to_owned();
-            let number = |column: &str| {
-                self.number(row, column)
-                    .map_or_else(|| "–".into(), |x| significant(x, DIGITS))
-            };
-            let loss = self.number(row, "validation_loss_nats");
-            vec![
-                text("trial"),
-                text("epochs"),
-                loss.map_or_else(|| "diverged".into(), |loss| significant(loss, DIGITS)),
-                number("validation_balanced_accuracy"),
-                text("widths"),
-                text("kernels"),
-                text("groups"),
-                number("learning_rate"),
-                text("channels").replace('+', ", "),
-            ]
-        };
         let count = self.rows.len();
         let title = if count > MOST_SHOWN {
             format!("The best {MOST_SHOWN} of {count}")
         } else {
             "Best first".into()
         };
-        let rows: Vec<Vec<String>> = (0..count.min(MOST_SHOWN)).map(row).collect();
-        format!("<h3>{}</h3>\n{}", escape(&title), table(&head, &rows))
+        let mut rows = Vec::new();
+        for row in 0..count.min(MOST_SHOWN) {
+            rows.push(self.cells(row));
+        }
+        let table = table(&head.map(str::to_owned), &rows);
+        format!("<h3>{}</h3>\n{table}", escape(&title))
     }
 }
 
@@ -166,33 +178,23 @@ fn best_settings(best: Option<&TrainSettings>, trials: Option<&Trials>) -> Secti
     let Some(best) = best else {
         return Section::new(
             "Best settings",
-            paragraph("They are written when the search is at its end."),
+            paragraph("They are written when the search is finished."),
         );
     };
     let mut rows = Vec::new();
     if let Some(trials) = trials {
-        let number = |column: &str| {
-            trials
-                .number(0, column)
-                .map_or_else(|| "–".into(), |x| significant(x, DIGITS))
-        };
-        rows.push(("trial", trials.cell(0, "trial").unwrap_or("–").to_owned()));
-        rows.push((
-            "validation loss",
-            format!("{} nats", number("validation_loss_nats")),
-        ));
-        rows.push((
-            "balanced accuracy on the validation part",
-            number("validation_balanced_accuracy"),
-        ));
+        let loss = trials.rounded(0, "validation_loss_nats");
+        let accuracy = trials.rounded(0, "validation_balanced_accuracy");
+        rows.push(("trial", trials.text(0, "trial")));
+        rows.push(("validation loss", format!("{loss} nats")));
+        rows.push(("balanced accuracy on the validation part", accuracy));
     }
-    let described = training::describe(best);
-    rows.extend(
-        described
-            .into_iter()
-            .filter(|(name, _)| DRAWN.contains(name) || *name == "channels"),
-    );
-    let note = "The validation part chose the best, so its scores there are too good. For scores on the test part: \
+    for (name, value) in training::describe(best) {
+        if DRAWN.contains(&name) || name == "channels" {
+            rows.push((name, value));
+        }
+    }
+    let note = "The best trial was chosen on the validation part, so its scores there are biased. For scores on the test part: \
                 protomer train SET --config best.toml -o DIRECTORY.";
     Section::new("Best settings", definitions(&rows) + &paragraph(note))
 }
@@ -205,7 +207,7 @@ fn conditions(settings: &TuneSettings) -> Result<Section> {
         (
             "rounds",
             format!(
-                "after {} epochs; a third of the trials goes on each time",
+                "after {} epochs; a third of the trials continues each time",
                 rounds.join(", ")
             ),
         ),

@@ -1,4 +1,4 @@
-//! What is in the channels of a set of voxels, and what a training makes of them.
+//! The content of the channels of a set of voxels, and how a training scales them.
 
 use super::html::{paragraph, significant, table};
 use super::page::Section;
@@ -9,10 +9,10 @@ use protomer_learn::scaling::{ChannelScaling, ScalingMode, Transform};
 use rayon::prelude::*;
 use serde_json::Value;
 
-/// Samples that are read: a page is to be made in seconds.
+/// Maximum number of samples read, so that a page takes seconds.
 const MOST_SAMPLES: usize = 200;
 
-/// Moments and ends of the values of a channel.
+/// Moments and extremes of the values of a channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Values {
     count: u64,
@@ -22,17 +22,17 @@ struct Values {
     high: f64,
 }
 
-/// The section; the samples that are read are evenly spread over the set.
+/// The section; the samples read are evenly spaced over the set.
 ///
 /// # Errors
-/// Names the file that is damaged.
+/// Names the damaged file.
 pub fn section(set: &VoxelSet) -> Result<Section> {
     let step = set.reader().len().div_ceil(MOST_SAMPLES).max(1);
     let read: Vec<usize> = (0..set.reader().len()).step_by(step).collect();
     if read.is_empty() {
         return Ok(Section::new(
             "Channels",
-            paragraph("There is no sample to look at."),
+            paragraph("The set has no samples."),
         ));
     }
     let of_sample = |sample: &usize| -> Result<Vec<Values>> {
@@ -94,8 +94,8 @@ pub fn section(set: &VoxelSet) -> Result<Section> {
         "all samples".into()
     };
     let note = format!(
-        "Numbers are over the occupied voxels of {of}. A training fits its scale to its own training part, so that it may \
-         differ in the last digits; 'train --scaling' says what else there is."
+        "Numbers are over the occupied voxels of {of}. A training fits its scale to its own training part, so it may \
+         differ in the last digits; 'train --scaling' lists the other scalings."
     );
     Ok(Section::new(
         "Channels",
@@ -105,7 +105,7 @@ pub fn section(set: &VoxelSet) -> Result<Section> {
 
 fn describe(transform: &Transform) -> String {
     match transform {
-        Transform::Unchanged => "as it is".into(),
+        Transform::Unchanged => "unchanged".into(),
         Transform::Divided { scale } => format!("x / {}", significant(*scale, 4)),
         Transform::Arcsinh { scale } => {
             format!("arcsinh(x / {}), at most ±4", significant(*scale, 4))

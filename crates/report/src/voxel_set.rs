@@ -15,9 +15,10 @@ use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// Labels with a colour of their own; where there are more, the figure shows all samples alike.
+/// Labels with individual colours; if there are more, the figure shows all samples alike.
 const MOST_COLOURS: usize = 6;
-/// Rows of the tables of labels, of clusters and of what was left out; the data below has all.
+/// Maximum number of rows in the tables of labels, clusters and exclusions; the data below have
+/// all.
 const MOST_ROWS: usize = 30;
 
 /// The page of a directory.
@@ -47,7 +48,7 @@ pub fn page(directory: &Path) -> Result<Page> {
         ("seed", settings.seed.to_string()),
     ];
     let written_down =
-        toml::to_string_pretty(&settings).context("the settings cannot be written down")?;
+        toml::to_string_pretty(&settings).context("the settings cannot be serialised")?;
     let mut sections = vec![
         overview(directory, &samples, &excluded)?,
         groups(&samples, &excluded),
@@ -61,14 +62,13 @@ pub fn page(directory: &Path) -> Result<Page> {
         more,
     ));
     let mut problems = problems(&samples, &excluded);
-    let missing = |of: &Missing| {
+    for of in Missing::of(&origins(reader)?) {
         let parts = of.parts.join(", ");
-        format!(
+        problems.push(format!(
             "{} of the {} structures of a manifest are missing; only its parts {parts} are here.",
             of.missing, of.structures
-        )
-    };
-    problems.extend(Missing::of(&origins(reader)?).iter().map(missing));
+        ));
+    }
     Ok(Page {
         title: format!("Set of voxels: {}", provenance::name(directory)),
         subtitle: format!(
@@ -83,24 +83,23 @@ pub fn page(directory: &Path) -> Result<Page> {
 }
 
 fn names(settings: &VoxelizeSettings) -> String {
-    settings
-        .channels
-        .iter()
-        .map(|channel| channel.name())
-        .collect::<Vec<_>>()
-        .join(", ")
+    let mut names = Vec::new();
+    for channel in &settings.channels {
+        names.push(channel.name());
+    }
+    names.join(", ")
 }
 
 fn problems(samples: &[SampleRecord], excluded: &[Exclusion]) -> Vec<String> {
     let mut problems = Vec::new();
     if samples.is_empty() {
-        problems.push("There is no sample in the set.".to_owned());
+        problems.push("The set has no samples.".to_owned());
     }
     if !excluded.is_empty() {
-        let counts: Vec<String> = by_reason(excluded)
-            .iter()
-            .map(|(reason, n)| format!("{reason}: {n}"))
-            .collect();
+        let mut counts = Vec::new();
+        for (reason, count) in by_reason(excluded) {
+            counts.push(format!("{reason}: {count}"));
+        }
         let of = samples.len() + excluded.len();
         problems.push(format!(
             "{} of {of} structures were left out ({}).",
@@ -111,37 +110,35 @@ fn problems(samples: &[SampleRecord], excluded: &[Exclusion]) -> Vec<String> {
     problems
 }
 
-/// The word that `excluded` has for it.
+/// The word for it in `excluded`.
 fn word(reason: Reason) -> String {
-    serde_json::to_value(reason)
-        .ok()
-        .and_then(|word| word.as_str().map(str::to_owned))
-        .unwrap_or_default()
+    match serde_json::to_value(reason) {
+        Ok(serde_json::Value::String(word)) => word,
+        _ => String::new(),
+    }
 }
 
 fn by_reason(excluded: &[Exclusion]) -> BTreeMap<String, usize> {
     let mut counts = BTreeMap::new();
-    excluded
-        .iter()
-        .for_each(|one| *counts.entry(word(one.reason)).or_insert(0) += 1);
+    for one in excluded {
+        *counts.entry(word(one.reason)).or_insert(0) += 1;
+    }
     counts
 }
 
 fn overview(directory: &Path, samples: &[SampleRecord], excluded: &[Exclusion]) -> Result<Section> {
-    let different = |word: fn(&SampleRecord) -> &String| {
-        samples
-            .iter()
-            .map(word)
-            .collect::<BTreeSet<_>>()
-            .len()
-            .to_string()
-    };
-    let voxels: usize = samples.iter().map(|sample| sample.voxels).sum();
+    let (mut labels, mut clusters) = (BTreeSet::new(), BTreeSet::new());
+    let mut voxels = 0;
+    for sample in samples {
+        labels.insert(&sample.label);
+        clusters.insert(&sample.cluster);
+        voxels += sample.voxels;
+    }
     let mut html = definitions(&[
         ("samples", samples.len().to_string()),
         ("structures left out", excluded.len().to_string()),
-        ("labels", different(|sample| &sample.label)),
-        ("clusters", different(|sample| &sample.cluster)),
+        ("labels", labels.len().to_string()),
+        ("clusters", clusters.len().to_string()),
         (
             "occupied voxels",
             format!("{voxels}, {} per sample", voxels / samples.len().max(1)),
@@ -199,40 +196,36 @@ fn samples_table(samples: &[SampleRecord]) -> Result<Table> {
     Ok(table)
 }
 
-/// How large the samples are, by label: how many of each size, and the voxels they occupy.
+/// Sizes of the samples, by label: a histogram, and the occupied voxels.
 fn figure(samples: &[SampleRecord]) -> Figure {
-    let labels: BTreeSet<&str> = samples.iter().map(|sample| sample.label.as_str()).collect();
-    let groups: Vec<(String, Vec<&SampleRecord>)> = if labels.len() > MOST_COLOURS {
-        vec![("all samples".into(), samples.iter().collect())]
-    } else {
-        let of = |label: &str| {
-            samples
-                .iter()
-                .filter(|sample| sample.label == label)
-                .collect()
-        };
-        labels
-            .iter()
-            .map(|label| ((*label).to_owned(), of(label)))
-            .collect()
-    };
-    let size = |sample: &SampleRecord| sample.properties.radius_of_gyration_angstrom;
-    let bins = Bins::new(samples.iter().map(size));
-    let counts = groups.iter().map(|(name, samples)| Series {
-        name: name.clone(),
-        points: bins.count(samples.iter().map(|sample| size(sample))),
-        replicas: Vec::new(),
-        line: true,
-    });
-    let occupied = groups.iter().map(|(name, samples)| Series {
-        name: name.clone(),
-        points: Vec::new(),
-        replicas: samples
-            .iter()
-            .map(|sample| [size(sample), sample.voxels as f64])
-            .collect(),
-        line: false,
-    });
+    // Radius of gyration and occupied voxels of the samples of each label.
+    let mut groups: BTreeMap<&str, Vec<[f64; 2]>> = BTreeMap::new();
+    let mut all = Vec::with_capacity(samples.len());
+    for sample in samples {
+        let size = sample.properties.radius_of_gyration_angstrom;
+        let point = [size, sample.voxels as f64];
+        groups.entry(&sample.label).or_default().push(point);
+        all.push(point);
+    }
+    let bins = Bins::new(all.iter().map(|[size, _]| *size));
+    if groups.len() > MOST_COLOURS {
+        groups = BTreeMap::from([("all samples", all)]);
+    }
+    let (mut counts, mut occupied) = (Vec::new(), Vec::new());
+    for (name, points) in groups {
+        counts.push(Series {
+            name: name.to_owned(),
+            points: bins.count(points.iter().map(|[size, _]| *size)),
+            replicas: Vec::new(),
+            line: true,
+        });
+        occupied.push(Series {
+            name: name.to_owned(),
+            points: Vec::new(),
+            replicas: points,
+            line: false,
+        });
+    }
     Figure {
         title: "Sizes of the samples".into(),
         caption: format!(
@@ -243,17 +236,17 @@ fn figure(samples: &[SampleRecord]) -> Figure {
         panels: vec![
             Panel {
                 y: Axis::linear("samples"),
-                series: counts.collect(),
+                series: counts,
             },
             Panel {
                 y: Axis::linear("occupied voxels"),
-                series: occupied.collect(),
+                series: occupied,
             },
         ],
     }
 }
 
-/// Equal steps over a range.
+/// Equal bins over a range.
 struct Bins {
     low: f64,
     width: f64,
@@ -275,7 +268,7 @@ impl Bins {
         }
     }
 
-    /// How many values are in each step, at its middle.
+    /// The number of values in each bin, at its centre.
     fn count(&self, values: impl Iterator<Item = f64>) -> Vec<Point> {
         let mut counts = vec![0usize; self.count];
         for value in values {
@@ -285,16 +278,15 @@ impl Bins {
                 *count += 1;
             }
         }
-        let middle = |step: usize| self.low + (step as f64 + 0.5) * self.width;
-        counts
-            .iter()
-            .enumerate()
-            .map(|(n, count)| Point {
-                x: middle(n),
-                y: *count as f64,
+        let mut points = Vec::with_capacity(counts.len());
+        for (step, count) in counts.into_iter().enumerate() {
+            points.push(Point {
+                x: self.low + (step as f64 + 0.5) * self.width,
+                y: count as f64,
                 error: None,
-            })
-            .collect()
+            });
+        }
+        points
     }
 }
 
@@ -340,7 +332,7 @@ fn groups(samples: &[SampleRecord], excluded: &[Exclusion]) -> Section {
     Section::new("Labels and clusters", html)
 }
 
-/// A table under a heading, cut where it is long.
+/// A table under a heading, truncated if it is long.
 fn counted(title: &str, head: &[&str], mut rows: Vec<Vec<String>>) -> String {
     let title = match rows.len() {
         many if many > MOST_ROWS => format!("{title}: {MOST_ROWS} of {many}"),
@@ -425,11 +417,11 @@ fn conditions(settings: &VoxelizeSettings) -> Section {
             ("pH", settings.ph.to_string()),
             ("probe radius", format!("{} Å", settings.probe_angstrom)),
             (
-                "reach of the hydropathy",
+                "range of the hydropathy",
                 format!("{} Å", settings.hydropathy_reach_angstrom),
             ),
             (
-                "left out where more residues lack heavy atoms",
+                "excluded if more residues lack heavy atoms",
                 format!("{} %", 100.0 * settings.most_incomplete),
             ),
         ]),

@@ -1,5 +1,5 @@
-//! Many runs that share a directory: all of them on all threads, or a part of them beside other
-//! processes; tables and figures at the end.
+//! Many runs that share a directory: all of them on all threads, or a part of them alongside
+//! other processes; tables and figures at the end.
 
 use crate::lock::lock;
 use crate::{
@@ -11,8 +11,8 @@ use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 /// Does a list of tasks on all threads. The first that fails asks the others to stop at their next
-/// step. A task that finds itself asked before it begins should say [`End::Stopped`], unless it was
-/// done earlier.
+/// step. A task that is asked to stop before it begins should return [`End::Stopped`], unless it
+/// was done earlier.
 ///
 /// ```
 /// use protomer_results::{End, Interrupt, each};
@@ -28,42 +28,42 @@ pub fn each<T: Sync, A: Send, E: Send>(
     one: impl Fn(&T) -> Result<End<A>, E> + Sync,
 ) -> Result<End<Vec<A>>, E> {
     let one = |task: &T| one(task).inspect_err(|_| interrupt.request_after_failure());
-    // Every task must have come to rest before the first error is looked at.
+    // All tasks must have ended before the first error is reported.
     let ends: Vec<Result<End<A>, E>> = tasks.par_iter().map(one).collect();
-    // An error counts more than a stop that it has caused.
+    // An error takes precedence over the stops it has caused.
     let ends: Vec<End<A>> = ends.into_iter().collect::<Result<_, E>>()?;
     Ok(ends.into_iter().collect())
 }
 
-/// Tasks with directories of their own within one directory.
+/// Tasks with their own subdirectories in one directory.
 pub trait Campaign: Sync {
     /// One task.
     type Task: Sync;
-    /// What a task comes to.
+    /// The result of a task.
     type Part: Send;
-    /// What all of them come to.
+    /// The combined result.
     type Answer;
-    /// What can go wrong.
+    /// The type of errors.
     type Error: From<Error> + Display + Send;
 
-    /// Which work it is.
+    /// The identity of the work.
     fn work(&self) -> Work;
 
-    /// What the record says besides.
+    /// Further details for the record.
     fn details(&self) -> Value {
         Value::Null
     }
 
-    /// The tasks, in an order that never changes: parts of the campaign are told by their numbers.
+    /// The tasks, in a fixed order: parts of the campaign are defined by task numbers.
     fn tasks(&self) -> &[Self::Task];
 
     /// The directory of a task.
     fn directory(&self, task: &Self::Task) -> PathBuf;
 
-    /// Does a task in its directory, or continues it.
+    /// Runs or continues a task in its directory.
     ///
     /// # Errors
-    /// What the task meets, with its name.
+    /// The errors of the task, with its name.
     fn run(
         &self,
         task: &Self::Task,
@@ -71,18 +71,18 @@ pub trait Campaign: Sync {
         execution: &Execution,
     ) -> Result<End<Self::Part>, Self::Error>;
 
-    /// Makes tables and figures of what all tasks came to, in their order, and writes them.
+    /// Writes tables and figures from the results of all tasks, in their order.
     ///
     /// # Errors
-    /// If a file of a task is damaged, or the disk refuses.
+    /// If a file of a task is damaged, or a file cannot be written.
     fn collect(&self, parts: Vec<Self::Part>) -> Result<Self::Answer, Self::Error>;
 }
 
-/// Does all tasks of a campaign, or what is left of them, and collects what they came to.
+/// Runs the remaining tasks of a campaign and collects their results.
 ///
 /// # Errors
-/// The first task that fails stops the others at their next step; what they did is kept, and
-/// `run.json` says what happened.
+/// If a task fails, the others stop at their next step and keep their progress, and
+/// `run.json` records the error.
 pub fn conduct<C: Campaign>(
     campaign: &C,
     directory: &ResultsDirectory,
@@ -94,10 +94,10 @@ pub fn conduct<C: Campaign>(
     recorded_with(&work, details, directory, &execution.interrupt, all)
 }
 
-/// Does some work and keeps the record of its directory: running, and then how it ended.
+/// Runs some work and keeps the record of its directory up to date: running, then how it ended.
 ///
 /// # Errors
-/// As the work; also if the disk refuses the record.
+/// The errors of the work; also if the record cannot be written.
 pub fn recorded<T, E: From<Error> + Display>(
     work: &Work,
     directory: &ResultsDirectory,
@@ -115,15 +115,12 @@ fn recorded_with<T, E: From<Error> + Display>(
     run: impl FnOnce() -> Result<End<T>, E>,
 ) -> Result<End<T>, E> {
     let path = directory.path();
-    let record = |exit| {
-        let details = details.clone();
-        Record {
-            details,
-            ..Record::new(work, exit)
-        }
+    let record = |exit| Record {
+        details: details.clone(),
+        ..Record::new(work, exit)
     };
-    // Finished work stays finished, whatever becomes of a second look at it. Work that is to be
-    // longer is no longer finished.
+    // Finished work stays finished, even if a later call fails. Work that has been extended is
+    // no longer finished.
     let present = Record::read(path)?;
     let was_done = !directory.settings_are_new() && present.is_some_and(|record| record.is_done());
     if !was_done {
@@ -134,7 +131,8 @@ fn recorded_with<T, E: From<Error> + Display>(
         Ok(End::Finished(_)) => record(Exit::Done).write(path)?,
         Ok(End::Stopped) => record(Exit::stopped_by(interrupt)).write(path)?,
         Err(_) if was_done => {}
-        // The error is what counts; on a full disk there may be no room for its record.
+        // The error of the work takes precedence over a failure to record it, for example on a full
+        // disk.
         Err(error) => drop(record(Exit::failed(error)).write(path)),
     }
     end
@@ -151,8 +149,8 @@ fn to_the_end<C: Campaign>(
     }
 }
 
-/// Does the tasks of one part of a campaign while other processes do other parts in the same
-/// directory, and returns their number. [`conduct`] finds them done and collects them.
+/// Runs the tasks of one part of a campaign while other processes run other parts in the same
+/// directory, and returns their number. [`conduct`] then finds them done and collects the results.
 ///
 /// # Errors
 /// As [`conduct`]; also if another process works on one of the tasks.
@@ -169,15 +167,16 @@ pub fn conduct_shard<C: Campaign>(
         };
         running.write(directory.path())?;
     }
-    let numbered = campaign.tasks().iter().enumerate();
-    let ours: Vec<&C::Task> = numbered
-        .filter(|(number, _)| shard.has(*number))
-        .map(|(_, task)| task)
-        .collect();
+    let mut ours = Vec::new();
+    for (number, task) in campaign.tasks().iter().enumerate() {
+        if shard.has(number) {
+            ours.push(task);
+        }
+    }
     let one = |task: &&C::Task| {
         let path = campaign.directory(task);
-        std::fs::create_dir_all(&path).map_err(Error::file("make the directory", &path))?;
-        // A process that was given up for lost may still be at work here.
+        std::fs::create_dir_all(&path).map_err(Error::file("create the directory", &path))?;
+        // A process that was presumed lost may still be at work here.
         let _alone = lock(&path, Hold::Alone)?;
         campaign.run(task, &path, execution)
     };

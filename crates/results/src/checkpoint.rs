@@ -1,4 +1,4 @@
-//! `checkpoint.bin`: the state from which a run goes on.
+//! `checkpoint.bin`: the state from which a run continues.
 
 use crate::{Error, Result};
 use protomer_io::atomic::write_atomically;
@@ -10,17 +10,34 @@ use std::path::Path;
 /// The name of the checkpoint in the directory of a run.
 pub const CHECKPOINT: &str = "checkpoint.bin";
 
-/// The key of a checkpoint that says which work it belongs to.
+/// The header key for the identity of the work.
 const IDENTITY: &str = "identity";
 
-/// A state in bytes. Every serialisable struct is a checkpoint: JSON in a container with a checksum,
-/// which also holds the identity of the work. An engine with a format of its own implements this
-/// trait.
+/// A state in bytes. Every serialisable struct is a checkpoint: JSON in a container with a
+/// checksum, which also holds the identity of the work. An engine with its own format
+/// implements this trait.
+///
+/// ```
+/// use protomer_results::checkpoint::{read, write};
+/// use serde::{Deserialize, Serialize};
+///
+/// #[derive(Debug, PartialEq, Serialize, Deserialize)]
+/// struct State {
+///     step: u64,
+/// }
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// let path = folder.path().join("checkpoint.bin");
+/// write(&path, "walk", "identity", &State { step: 7 })?;
+/// assert_eq!(read(&path, "walk", "identity")?, Some(State { step: 7 }));
+/// assert!(read::<State>(&path, "walk", "another identity").is_err());
+/// # Ok::<(), protomer_results::Error>(())
+/// ```
 pub trait Checkpoint: Sized {
     /// The bytes of a checkpoint of this kind, which belongs to the work of this identity.
     ///
     /// # Errors
-    /// If the state cannot be written down.
+    /// If the state cannot be serialised.
     fn to_bytes(&self, kind: &str, identity: &str) -> Result<Vec<u8>>;
 
     /// The state in these bytes.
@@ -67,10 +84,10 @@ impl<T: Serialize + DeserializeOwned> Checkpoint for T {
     }
 }
 
-/// The checkpoint in a file, if there is one.
+/// Reads the checkpoint in a file, if it exists.
 ///
 /// # Errors
-/// If there is one and it cannot be used.
+/// If it exists but cannot be used.
 pub fn read<C: Checkpoint>(path: &Path, kind: &str, identity: &str) -> Result<Option<C>> {
     match std::fs::read(path) {
         Ok(bytes) => C::from_bytes(path, kind, identity, &bytes).map(Some),
@@ -82,7 +99,7 @@ pub fn read<C: Checkpoint>(path: &Path, kind: &str, identity: &str) -> Result<Op
 /// Writes a checkpoint; the old one stays until the new one is complete.
 ///
 /// # Errors
-/// If the disk refuses.
+/// If the file cannot be written.
 pub fn write<C: Checkpoint>(path: &Path, kind: &str, identity: &str, checkpoint: &C) -> Result<()> {
     let bytes = checkpoint.to_bytes(kind, identity)?;
     write_atomically(path, |file| file.write_all(&bytes))?;

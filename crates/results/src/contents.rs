@@ -1,14 +1,14 @@
-//! What a directory holds.
+//! The kind of results in a directory.
 //!
-//! Every directory of results says it itself: in the key `kind` of `run.json`, or in the attributes
-//! of the zarr group that a voxel set is. This is the one place that reads it. Several verbs have
-//! files of the same names; by the kind, none writes into the results of another.
+//! Every directory of results states its kind: in the key `kind` of `run.json`, or in the
+//! attributes of the zarr group for a voxel set. Only this module reads it. Several verbs use the
+//! same file names; the kind prevents them from writing into each other's results.
 
 use crate::{Error, Result, ResultKind, record};
 use std::path::Path;
 
 impl ResultKind {
-    /// What a directory holds; `None` if it holds no results, or none that can be recognised.
+    /// The kind of results in a directory; `None` if there are none that can be recognised.
     pub fn of(directory: &Path) -> Option<Self> {
         recorded(directory).or_else(|| earlier::kind_of(directory))
     }
@@ -44,8 +44,8 @@ impl ResultKind {
         }
     }
 
-    /// Refuses a directory that is to be read and holds another kind of result. One without results
-    /// is left to the reader, who names the file that is missing.
+    /// Refuses to read a directory that holds another kind of result. One without results is left
+    /// to the reader, which names the missing file.
     ///
     /// # Errors
     /// [`Error::OtherKind`] says what it should hold.
@@ -61,24 +61,32 @@ impl ResultKind {
     }
 }
 
-/// The kind that a directory states. A file that cannot be read states none: whoever needs it says
-/// what is wrong with it.
+/// The kind that a directory states; `None` if the file cannot be read. The error is reported by
+/// the code that needs the file.
 fn recorded(directory: &Path) -> Option<ResultKind> {
-    let read = |name: &str| -> Option<serde_json::Value> {
-        serde_json::from_slice(&std::fs::read(directory.join(name)).ok()?).ok()
+    let record = read(directory, record::FILE).unwrap_or_default();
+    let kind = match record.get("kind") {
+        Some(kind) => kind.clone(),
+        None => read(directory, "zarr.json")?
+            .get("attributes")?
+            .get("kind")?
+            .clone(),
     };
-    let of_record = || read(record::FILE)?.get("kind").cloned();
-    let of_zarr = || read("zarr.json")?.get("attributes")?.get("kind").cloned();
-    serde_json::from_value(of_record().or_else(of_zarr)?).ok()
+    serde_json::from_value(kind).ok()
 }
 
-/// Directories of versions that did not state their kind, recognised by their files. Nothing that
-/// states its kind comes here.
+fn read(directory: &Path, name: &str) -> Option<serde_json::Value> {
+    let bytes = std::fs::read(directory.join(name)).ok()?;
+    serde_json::from_slice(&bytes).ok()
+}
+
+/// Recognises directories of earlier versions, which did not state their kind, by their files.
 mod earlier {
     use super::ResultKind;
     use std::path::Path;
 
-    /// Keys of `run.toml` and `settings.toml` that only one kind has, in the order to look for them.
+    /// Keys of `run.toml` and `settings.toml` that are unique to one kind, in the order to look for
+    /// them.
     const KEYS: [(&str, &str, ResultKind); 5] = [
         ("run.toml", "salt_M", ResultKind::Sweep),
         ("run.toml", "sweep", ResultKind::LatticeSweep),
@@ -87,7 +95,7 @@ mod earlier {
         ("settings.toml", "training", ResultKind::Training),
     ];
 
-    /// Files that only one kind has all of.
+    /// Sets of files that are unique to one kind.
     const FILES: [(&[&str], ResultKind); 4] = [
         (&["zarr.json"], ResultKind::VoxelSet),
         (
@@ -101,16 +109,24 @@ mod earlier {
     pub fn kind_of(directory: &Path) -> Option<ResultKind> {
         for file in ["run.toml", "settings.toml"] {
             if let Some(settings) = table(&directory.join(file)) {
-                let has_key = |(of, key, _): &&(&str, &str, ResultKind)| {
-                    *of == file && settings.contains_key(*key)
-                };
-                return KEYS.iter().find(has_key).map(|(.., kind)| kind.clone());
+                return kind_of_settings(file, &settings);
             }
         }
-        let has_all = |(files, _): &&(&[&str], ResultKind)| {
-            files.iter().all(|file| directory.join(file).is_file())
-        };
-        FILES.iter().find(has_all).map(|(_, kind)| kind.clone())
+        for (files, kind) in FILES {
+            if files.iter().all(|file| directory.join(file).is_file()) {
+                return Some(kind);
+            }
+        }
+        None
+    }
+
+    fn kind_of_settings(file: &str, settings: &toml::Table) -> Option<ResultKind> {
+        for (of, key, kind) in KEYS {
+            if of == file && settings.contains_key(key) {
+                return Some(kind);
+            }
+        }
+        None
     }
 
     fn table(path: &Path) -> Option<toml::Table> {
@@ -134,7 +150,7 @@ mod tests {
                 &[("zarr.json", r#"{"attributes": {"kind": "voxel set"}}"#)],
                 Some(ResultKind::VoxelSet),
             ),
-            // What is stated counts, whatever the files look like.
+            // The stated kind takes precedence over the files.
             (
                 &[
                     ("run.json", r#"{"kind": "sweep"}"#),

@@ -1,4 +1,4 @@
-//! A directory of results: whose it is, and what of it may be removed.
+//! A directory of results: its owner, and the files that may be removed.
 
 use crate::keys::{from_toml, to_toml};
 use crate::lock::{LOCK, lock};
@@ -9,20 +9,20 @@ use serde::de::DeserializeOwned;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-/// What a verb keeps in its directories.
+/// The files of a verb in its directories.
 #[derive(Debug, Clone)]
 pub struct Layout {
-    /// What the directory holds; other kinds are refused.
+    /// The kind of results; other kinds are refused.
     pub kind: ResultKind,
-    /// The file of the resolved settings.
+    /// The file with the resolved settings.
     pub settings: &'static str,
-    /// Every other file and folder that is written beside the settings.
+    /// All other files and folders that are written.
     pub results: &'static [&'static str],
-    /// Whether a file or folder that `results` does not name is a result too.
+    /// Whether a file or folder not listed in `results` is a result too.
     pub is_result: fn(&Path) -> bool,
 }
 
-/// A directory that this process works in, for as long as this lives.
+/// A directory that this process works in, for the lifetime of this value.
 ///
 /// ```
 /// use protomer_results::{Execution, Layout, ResultKind, ResultsDirectory, Settings};
@@ -59,12 +59,13 @@ pub struct ResultsDirectory {
 }
 
 impl ResultsDirectory {
-    /// Makes the directory, or enters one that holds the same work: equal essential settings and
-    /// equal identity. A new start removes earlier results first, and nothing else, because the
-    /// directory may hold its input as well.
+    /// Creates the directory, or enters one that holds the same work: equal essential settings and
+    /// equal identity. A new start removes earlier results first, and nothing else, because
+    /// the directory may contain input files.
     ///
     /// # Errors
-    /// If the directory holds something else, another process works in it, or the disk refuses.
+    /// If the directory holds something else, another process works in it, or a file cannot be
+    /// written.
     pub fn enter<S: Settings>(
         path: &Path,
         layout: &Layout,
@@ -84,11 +85,11 @@ impl ResultsDirectory {
         Self::claim(path, layout, settings, identity, lock)
     }
 
-    /// Enters beside other processes that do parts of the same work; each part locks what it works
-    /// on.
+    /// Enters alongside other processes that do parts of the same work; each part locks what it
+    /// works on.
     ///
     /// # Errors
-    /// As [`enter`](Self::enter); also while a process has the directory alone, and for a new start.
+    /// As [`enter`](Self::enter); also while a process has exclusive access, and for a new start.
     pub fn share<S: Settings>(
         path: &Path,
         layout: &Layout,
@@ -104,18 +105,17 @@ impl ResultsDirectory {
         Self::claim(path, layout, settings, identity, lock)
     }
 
-    /// Where it is.
+    /// Its directory.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Whether the settings were written by this entry: the work begins, or is to be longer than
-    /// before.
+    /// Whether the settings were written on entry: the work is new, or has been extended.
     pub fn settings_are_new(&self) -> bool {
         self.settings_are_new
     }
 
-    /// Writes down the settings, or checks those of the directory.
+    /// Writes the settings, or checks those of the directory.
     fn claim<S: Settings>(
         path: &Path,
         layout: &Layout,
@@ -157,8 +157,8 @@ fn present_settings<S: Settings>(path: &Path, layout: &Layout) -> Result<Option<
     Ok(Some(settings))
 }
 
-/// Refuses the directory of other work: other settings, other input, or settings that cannot
-/// continue those that are there.
+/// Refuses the directory of other work: other settings, other input, or settings that
+/// cannot continue the existing ones.
 fn require_same<S: Settings>(
     path: &Path,
     layout: &Layout,
@@ -186,18 +186,18 @@ fn require_same<S: Settings>(
     }
 }
 
-/// Makes the directory if need be. Nothing is put into one that holds another kind of result, not
-/// even a lock.
+/// Creates the directory if necessary. Nothing is written into one that holds another kind of
+/// result, not even a lock.
 fn make(path: &Path, layout: &Layout) -> Result<()> {
     if path.is_file() {
         return Err(Error::NotADirectory(path.to_owned()));
     }
     layout.kind.refuse_other(path)?;
-    std::fs::create_dir_all(path).map_err(Error::file("make the directory", path))
+    std::fs::create_dir_all(path).map_err(Error::file("create the directory", path))
 }
 
-/// Refuses a directory that holds something, but no results of this kind. Other kinds may have a
-/// settings file of that name.
+/// Refuses a directory that holds files but no results of this kind. Other kinds may have a
+/// settings file of the same name.
 fn require_ours<S: DeserializeOwned>(path: &Path, layout: &Layout) -> Result<()> {
     let file = path.join(layout.settings);
     let is_foreign = if file.exists() {
@@ -220,7 +220,7 @@ fn remove_results(path: &Path, layout: &Layout) -> Result<()> {
             remove(&entry)?;
         }
     }
-    // The settings go last: a removal that was cut short can be repeated.
+    // The settings are removed last, so that an interrupted removal can be repeated.
     for name in layout.results.iter().chain([&layout.settings]) {
         remove(&path.join(name))?;
     }
@@ -236,7 +236,7 @@ fn entries(path: &Path) -> Result<Vec<PathBuf>> {
     entries.map_err(Error::file("read the directory", path))
 }
 
-/// Removes a file or a folder if it is there.
+/// Removes a file or a folder if it exists.
 fn remove(path: &Path) -> Result<()> {
     let removed = if path.is_dir() {
         std::fs::remove_dir_all(path)
@@ -329,8 +329,8 @@ mod tests {
         let is_left = |name: &str| path.join(name).exists();
         assert!(!is_left("history.csv") && !is_left("sub") && !is_left("other"));
         assert!(is_left("mine.txt"));
-        assert!(refusal(enter(folder.path(), 1, 1, true)).contains("leaves it alone"));
+        assert!(refusal(enter(folder.path(), 1, 1, true)).contains("does not remove it"));
         std::fs::write(path.join("settings.toml"), "widths = [1, 2]").unwrap();
-        assert!(refusal(enter(&path, 2, 2, true)).contains("leaves it alone"));
+        assert!(refusal(enter(&path, 2, 2, true)).contains("does not remove it"));
     }
 }

@@ -1,6 +1,6 @@
-//! How work ends that may be asked to stop.
+//! How interruptible work ends.
 
-/// What came of a piece of work.
+/// How a piece of work ended.
 ///
 /// ```
 /// use protomer_results::End;
@@ -9,9 +9,9 @@
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End<T> {
-    /// All of it is done.
+    /// It is complete.
     Finished(T),
-    /// It was asked to stop; the same command goes on from there.
+    /// It was stopped on request; the same command continues it.
     Stopped,
 }
 

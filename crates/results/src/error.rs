@@ -7,20 +7,20 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The operating system refused.
+    /// The operating system reported an error.
     #[error("cannot {action} {}", path.display())]
     File {
-        /// What was tried, as a verb phrase ("read", "make the directory").
+        /// The attempted operation, as a verb phrase ("read", "create the directory").
         action: &'static str,
         /// The file or directory.
         path: PathBuf,
-        /// The operating system's answer.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// A file could not be written, or a container is damaged.
     #[error(transparent)]
     Io(#[from] protomer_io::IoError),
-    /// JSON or TOML that cannot be understood.
+    /// JSON or TOML that cannot be parsed.
     #[error("{}:{line}: {problem}", path.display())]
     Parse {
         /// The file.
@@ -30,12 +30,12 @@ pub enum Error {
         /// What is wrong with it, and what to do.
         problem: String,
     },
-    /// A value that JSON or TOML cannot hold.
-    #[error("{what} cannot be written down: {cause}")]
+    /// A value that cannot be represented in JSON or TOML.
+    #[error("{what} cannot be serialised: {cause}")]
     Unwritable {
-        /// What was to be written.
+        /// The value to be written.
         what: &'static str,
-        /// Why it cannot be.
+        /// Why it cannot be represented.
         cause: String,
     },
     /// A file was given where a directory is needed.
@@ -46,37 +46,37 @@ pub enum Error {
     OtherKind {
         /// The directory.
         path: PathBuf,
-        /// What it holds.
+        /// What the directory holds.
         holds: ResultKind,
         /// What it should hold; `None` if any directory but this one will do.
         wanted: Option<ResultKind>,
     },
     /// The directory holds the same kind of result with other settings.
     #[error(
-        "{} holds {kind} with other settings ({differences}); choose another directory, or start anew \
-         with --force",
+        "{} holds {kind} with other settings ({differences}); choose another directory, or start \
+         again with --force",
         path.display()
     )]
     OtherSettings {
         /// The directory.
         path: PathBuf,
-        /// What it holds.
+        /// What the directory holds.
         kind: ResultKind,
         /// The settings that differ, as in `seed: 1 there, 2 here`.
         differences: String,
     },
     /// The directory holds the same kind of result for other input or other settings.
     #[error(
-        "{} holds {kind} with other input; choose another directory, or start anew with --force",
+        "{} holds {kind} with other input; choose another directory, or start again with --force",
         path.display()
     )]
     OtherInput {
         /// The directory.
         path: PathBuf,
-        /// What it holds.
+        /// What the directory holds.
         kind: ResultKind,
     },
-    /// The settings fit, but what was begun cannot go on with them.
+    /// The settings match, but the existing run cannot be continued with them.
     #[error("{} {reason}, or choose another directory", path.display())]
     NoContinuation {
         /// The directory.
@@ -92,33 +92,33 @@ pub enum Error {
     OtherVersion {
         /// The directory.
         path: PathBuf,
-        /// What it should hold.
+        /// The expected kind.
         kind: ResultKind,
-        /// What is wrong with its settings.
+        /// The error in its settings.
         source: Box<Error>,
     },
     /// `--force` was given for a directory that holds no results of this kind.
     #[error(
-        "{} does not hold {kind}, so --force leaves it alone; choose another",
+        "{} does not hold {kind}, so --force does not remove it; choose another directory",
         path.display()
     )]
     Foreign {
         /// The directory.
         path: PathBuf,
-        /// What it should hold.
+        /// The expected kind.
         kind: ResultKind,
     },
     /// `--force` was given for a part of shared work.
     #[error(
-        "a part of {0} cannot start anew, other parts may be at work; remove the directory, or leave \
-         out --force"
+        "a part of {0} cannot start again, because other parts may be at work; remove the \
+         directory, or omit --force"
     )]
     SharedStart(ResultKind),
     /// Another process holds the directory.
     #[error("another process works in {}; wait for it, or choose another directory", .0.display())]
     Busy(PathBuf),
     /// A checkpoint is damaged.
-    #[error("cannot continue {}; restore it, or start anew with --force", path.display())]
+    #[error("cannot continue {}; restore it, or start again with --force", path.display())]
     DamagedCheckpoint {
         /// The checkpoint.
         path: PathBuf,
@@ -126,30 +126,30 @@ pub enum Error {
         source: protomer_io::IoError,
     },
     /// A checkpoint holds something else than this version expects.
-    #[error("{} was written by another version of protomer; start anew with --force", path.display())]
+    #[error("{} was written by another version of protomer; start again with --force", path.display())]
     OldCheckpoint {
         /// The checkpoint.
         path: PathBuf,
-        /// What does not fit.
+        /// What does not match.
         source: serde_json::Error,
     },
     /// A checkpoint belongs to other work.
     #[error(
-        "{} is the checkpoint of a run with other settings or other input; choose another directory, or \
-         start anew with --force",
+        "{} is the checkpoint of a run with other settings or other input; choose another directory, \
+         or start again with --force",
         .0.display()
     )]
     ForeignCheckpoint(PathBuf),
     /// A log that a checkpoint vouches for cannot be read.
-    #[error("cannot read the log {}; restore it, or start anew with --force", path.display())]
+    #[error("cannot read the log {}; restore it, or start again with --force", path.display())]
     LostLog {
         /// The log.
         path: PathBuf,
-        /// The operating system's answer.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// A log differs from what its checkpoint vouches for.
-    #[error("{} was changed since its checkpoint; restore it, or start anew with --force", .0.display())]
+    #[error("{} was changed since its checkpoint; restore it, or start again with --force", .0.display())]
     ChangedLog(PathBuf),
     /// A line of a log is not a row.
     #[error("{}:{line}: '{text}' is not a row of a log; run again with --force", path.display())]
@@ -158,7 +158,7 @@ pub enum Error {
         path: PathBuf,
         /// Line, counted from one.
         line: usize,
-        /// What it says.
+        /// The text of the line.
         text: String,
     },
     /// Text that does not name a part of some work.
@@ -170,7 +170,7 @@ pub enum Error {
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 impl Error {
-    /// Turns an operating system's error into one that names the file and what was tried.
+    /// Converts an operating system error to one that names the file and the attempted operation.
     pub(crate) fn file(action: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.to_owned();
         move |source| Error::File {

@@ -5,26 +5,26 @@ use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Is told how far long work has come.
+/// Receives the progress of long work.
 pub trait Progress: Send + Sync {
-    /// Work of so many units begins; 0 if their number is not known.
+    /// Work of `units` units begins; 0 if their number is not known.
     fn begin(&self, total: u64, unit: &'static str);
 
-    /// So many units more are done.
+    /// Further units are done.
     fn advance(&self, units: u64);
 
-    /// What is being done now.
+    /// The current activity.
     fn describe(&self, _what: &str) {}
 }
 
-/// Tells nobody.
+/// Ignores all progress.
 impl Progress for () {
     fn begin(&self, _total: u64, _unit: &'static str) {}
 
     fn advance(&self, _units: u64) {}
 }
 
-/// When to stop, how often to save, what to do with earlier results, and whom to tell.
+/// When to stop, how often to save, what to do with earlier results, and where to report progress.
 ///
 /// ```
 /// use protomer_results::Execution;
@@ -36,18 +36,18 @@ impl Progress for () {
 pub struct Execution {
     /// Asks the work to stop; the same work continues from there later.
     pub interrupt: Interrupt,
-    /// Time between two checkpoints: what a killed run loses at most.
+    /// Time between two checkpoints: the most that a killed run loses.
     pub checkpoint_interval: Duration,
-    /// Remove the results of earlier work in the same directory, once the new work is known to make
-    /// sense.
+    /// Remove the results of earlier work in the same directory, once the new settings have been
+    /// checked.
     pub start_anew: bool,
-    /// Is told how far the work has come.
+    /// Receives the progress of the work.
     pub progress: Arc<dyn Progress>,
 }
 
 impl Execution {
-    /// How a part of larger work is carried out: its directory was cleared with the whole, and its
-    /// progress is told in units of the whole.
+    /// The execution of a part of larger work: its directory was cleared with the whole, and its
+    /// progress is reported in units of the whole.
     #[must_use]
     pub fn of_part(&self) -> Self {
         Self {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// A request to stop, shared by all threads of a piece of work; cheap to ask.
+/// A request to stop, shared by all threads of a piece of work; cheap to check.
 ///
 /// ```
 /// use protomer_results::Interrupt;
@@ -30,7 +30,7 @@ impl Interrupt {
         }
     }
 
-    /// The same request, with a time limit of its own.
+    /// The same request, with an additional time limit.
     pub fn with_limit(mut self, limit: Option<Duration>) -> Self {
         self.deadline = limit.map(|limit| Instant::now() + limit);
         self
@@ -47,7 +47,7 @@ impl Interrupt {
         self.request();
     }
 
-    /// What asked, as in "stopped by *the time limit*".
+    /// The reason for the request, as in "stopped by *the time limit*".
     pub fn reason(&self) -> &'static str {
         if self.after_failure.load(Ordering::Relaxed) {
             "the failure of another part"

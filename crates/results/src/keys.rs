@@ -17,10 +17,10 @@ pub fn from_json<T: DeserializeOwned>(path: &Path, bytes: &[u8]) -> Result<T> {
         let cause = cause.split(" at line ").next().unwrap_or(&cause);
         let explained = match error.classify() {
             Category::Eof => {
-                format!("the file ends too early ({cause}); it is empty or cut: complete it")
+                format!("the file ends too early ({cause}); it is empty or truncated: complete it")
             }
             Category::Syntax => format!(
-                "this is not JSON ({cause} at column {}); mend the line",
+                "this is not JSON ({cause} at column {}); correct the line",
                 error.column()
             ),
             Category::Data | Category::Io => with_hint(cause),
@@ -37,6 +37,24 @@ pub fn from_json<T: DeserializeOwned>(path: &Path, bytes: &[u8]) -> Result<T> {
 ///
 /// # Errors
 /// Names the file, line, and key; for an unknown key the nearest valid one.
+///
+/// ```
+/// use protomer_results::keys::from_toml;
+/// use serde::Deserialize;
+/// use std::path::Path;
+///
+/// #[derive(Debug, Deserialize)]
+/// #[serde(deny_unknown_fields)]
+/// struct Walk {
+///     sweeps: u64,
+/// }
+///
+/// let path = Path::new("run.toml");
+/// assert_eq!(from_toml::<Walk>(path, "sweeps = 3")?.sweeps, 3);
+/// let error = from_toml::<Walk>(path, "sweps = 3").unwrap_err();
+/// assert!(error.to_string().ends_with("did you mean 'sweeps'?"));
+/// # Ok::<(), protomer_results::Error>(())
+/// ```
 pub fn from_toml<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T> {
     toml::from_str(text).map_err(|error| {
         let line = error.span().map_or(1, |span| {
@@ -44,7 +62,7 @@ pub fn from_toml<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T> {
         });
         let explained = match text.parse::<toml::Table>() {
             Ok(_) => with_hint(error.message()),
-            Err(_) => format!("this is not TOML ({}); mend the line", error.message()),
+            Err(_) => format!("this is not TOML ({}); correct the line", error.message()),
         };
         Error::Parse {
             path: path.to_owned(),
@@ -66,7 +84,7 @@ pub fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T> {
 /// Reads a JSON file that may be missing.
 ///
 /// # Errors
-/// As [`from_json`]; also if there is a file and it cannot be read.
+/// As [`from_json`]; also if it exists but cannot be read.
 pub fn read_json_if_present<T: DeserializeOwned>(path: &Path) -> Result<Option<T>> {
     match std::fs::read(path) {
         Ok(bytes) => from_json(path, &bytes).map(Some),
@@ -87,7 +105,7 @@ pub fn read_toml<T: DeserializeOwned>(path: &Path) -> Result<T> {
 /// The TOML text of a value, such as settings.
 ///
 /// # Errors
-/// [`Error::Unwritable`] if TOML cannot hold it.
+/// [`Error::Unwritable`] if it cannot be represented in TOML.
 pub fn to_toml<T: Serialize>(what: &'static str, value: &T) -> Result<String> {
     toml::to_string_pretty(value).map_err(|error| Error::Unwritable {
         what,
@@ -109,7 +127,13 @@ fn with_hint(message: &str) -> String {
     }
 }
 
-/// The known word nearest to a wrong one, unless none is near.
+/// The known word nearest to a misspelt one, if any is close.
+///
+/// ```
+/// use protomer_results::keys::nearest;
+/// assert_eq!(nearest("hexgon", ["square", "hexagon"]), Some("hexagon"));
+/// assert_eq!(nearest("circle", ["hexagon"]), None);
+/// ```
 pub fn nearest<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let nearest = known
         .into_iter()

@@ -37,7 +37,7 @@ pub enum ResultKind {
     Other(Cow<'static, str>),
 }
 
-/// Each kind, its word in JSON, and what it is called in a sentence.
+/// Each kind, its word in JSON, and its name in a sentence.
 const KINDS: [(ResultKind, &str, &str); 9] = [
     (ResultKind::Sweep, "sweep", "a sweep"),
     (

@@ -1,30 +1,30 @@
-//! A home for results: directories that know what they hold, and one driver for everything that can
-//! be begun, advanced, saved, continued and recorded.
+//! Directories of results that state their content, and one driver for everything that can be
+//! started, advanced, saved, continued and recorded.
 //!
 //! ```text
-//! settings --ResultsDirectory::enter--> a directory of one's own
+//! settings --ResultsDirectory::enter--> a directory that is ours alone
 //! Run      --drive-->   checkpoint.bin, run.json, its own files --> End::Finished(answer) or End::Stopped
 //! Campaign --conduct--> many runs in one directory              --> tables and figures
 //! ```
 //!
 //! | module | one idea |
 //! |---|---|
-//! | [`run`] | one run: begun or continued, saved every so often, recorded |
+//! | [`run`] | one run: started or continued, saved regularly, recorded |
 //! | [`campaign`] | many runs that share a directory, whole or in parts |
-//! | [`directory`] | whose a directory is, and what of it may be removed |
-//! | [`lock`] | who works in it |
-//! | [`settings`] | which settings continue which |
-//! | [`kind`], `contents` | the kinds of results; which of them a directory holds |
-//! | [`record`] | `run.json`: what was run, on what, and how it ended |
-//! | [`checkpoint`] | `checkpoint.bin`: the state from which a run goes on |
-//! | [`log`] | tables that grow by rows and can be cut back to a checkpoint |
+//! | [`directory`] | the owner of a directory, and the files that may be removed |
+//! | [`lock`] | which process works in it |
+//! | [`settings`] | which settings can continue which |
+//! | [`kind`], `contents` | the kinds of results; the kind in a directory |
+//! | [`record`] | `run.json`: the work, its input, and how it ended |
+//! | [`checkpoint`] | `checkpoint.bin`: the state from which a run continues |
+//! | [`log`] | tables that grow by rows and can be truncated to a checkpoint |
 //! | [`execution`], [`interrupt`], [`shard`], [`end`] | how a run is carried out, and how it ends |
-//! | [`keys`] | JSON and TOML with errors that help |
+//! | [`keys`] | JSON and TOML with helpful errors |
 //!
-//! Two promises hold for every run. The same command continues it, whatever ended it. A run that was
-//! cut anywhere and continued equals the uninterrupted one byte for byte.
+//! Two promises hold for every run. The same command continues it, whatever ended it. A run that
+//! was interrupted anywhere and continued equals an uninterrupted one byte for byte.
 //!
-//! `tests/walk/mod.rs` is a whole engine in a few dozen lines: a model for new ones.
+//! `tests/walk/mod.rs` is a complete engine in a few dozen lines, a template for new ones.
 
 pub mod campaign;
 pub mod checkpoint;

@@ -1,4 +1,4 @@
-//! Who works in a directory: locks against other processes.
+//! Locks a directory against other processes.
 
 use crate::{Error, Result};
 use std::fs::{File, TryLockError};
@@ -7,12 +7,12 @@ use std::path::Path;
 /// The file that is locked while a process works in a directory.
 pub const LOCK: &str = ".lock";
 
-/// Who else may work in a directory.
+/// Whether others may work in a directory too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Hold {
     /// Nobody.
     Alone,
-    /// Others that share it as well.
+    /// Others that share it too.
     Shared,
 }
 
@@ -29,12 +29,12 @@ pub enum Hold {
 /// ```
 ///
 /// # Errors
-/// [`Error::Busy`] if another process holds it; [`Error::File`] if the disk refuses.
+/// [`Error::Busy`] if another process holds it; [`Error::File`] if the file cannot be written.
 pub fn lock(directory: &Path, hold: Hold) -> Result<File> {
     lock_file(&directory.join(LOCK), hold)
 }
 
-/// Locks a part of a directory that a lock file of its own stands for.
+/// Locks a part of a directory, represented by its own lock file.
 ///
 /// # Errors
 /// As [`lock`].
@@ -47,7 +47,7 @@ pub fn lock_file(file: &Path, hold: Hold) -> Result<File> {
     };
     match held {
         Err(TryLockError::WouldBlock) => Err(Error::Busy(directory.to_owned())),
-        // Some network file systems have no locks. That is no reason not to work on them.
+        // Some network file systems have no locks; work on them proceeds without.
         Ok(()) | Err(TryLockError::Error(_)) => Ok(file),
     }
 }

@@ -1,4 +1,4 @@
-//! Tables that grow by rows, as CSV, and can be cut back to what a checkpoint vouches for.
+//! Tables that grow by rows, as CSV, and can be truncated to the length recorded in a checkpoint.
 
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
@@ -12,25 +12,57 @@ pub trait Row: Sized {
     /// The names of the columns, in order.
     fn columns() -> Vec<&'static str>;
 
-    /// The row as a line. Numbers must read back as the same numbers; Rust's own formatting of
-    /// floats does.
+    /// The row as a line. Numbers must read back exactly, as with Rust's formatting of floats.
     fn to_line(&self) -> String;
 
-    /// The row that a line holds, if it holds one.
+    /// Parses a line; `None` if it is not a row.
     fn from_line(line: &str) -> Option<Self>;
 }
 
-/// The part of a log that a checkpoint vouches for.
+/// The part of a log that belongs to a checkpoint.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LogMark {
-    /// Its length in bytes; zero for a log that is yet to be begun.
+    /// Its length in bytes; zero for a new log.
     pub bytes: u64,
     /// Its SHA-256.
     pub sha256: String,
 }
 
 /// A log that is being written.
+///
+/// ```
+/// use protomer_results::{Log, LogMark, Row, log};
+///
+/// #[derive(Debug, PartialEq)]
+/// struct Position(f64);
+///
+/// impl Row for Position {
+///     fn columns() -> Vec<&'static str> {
+///         vec!["position"]
+///     }
+///
+///     fn to_line(&self) -> String {
+///         self.0.to_string()
+///     }
+///
+///     fn from_line(line: &str) -> Option<Self> {
+///         line.parse().ok().map(Self)
+///     }
+/// }
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// let path = folder.path().join("log.csv");
+/// let mut log = Log::open::<Position>(&path, &LogMark::default())?;
+/// log.append(&Position(0.1))?;
+/// let mark = log.sync()?;
+/// log.append(&Position(0.2))?;
+/// log.sync()?;
+/// // A run that continues from the first mark drops the second row.
+/// Log::open::<Position>(&path, &mark)?.sync()?;
+/// assert_eq!(log::read::<Position>(&path)?, [Position(0.1)]);
+/// # Ok::<(), protomer_results::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct Log {
     path: PathBuf,
@@ -40,10 +72,12 @@ pub struct Log {
 }
 
 impl Log {
-    /// Opens a log and cuts it to what the checkpoint vouches for. An empty mark begins a new one.
+    /// Opens a log and truncates it to the part that belongs to the checkpoint. An empty mark
+    /// starts a new log.
     ///
     /// # Errors
-    /// If the file cannot be written, or was changed since the checkpoint; then it stays as it is.
+    /// If the file cannot be written, or was changed since the checkpoint; it is then left
+    /// unchanged.
     pub fn open<R: Row>(path: &Path, mark: &LogMark) -> Result<Self> {
         let hash = match mark.bytes {
             0 => Sha256::new(),
@@ -65,15 +99,15 @@ impl Log {
     /// Appends a row.
     ///
     /// # Errors
-    /// If the disk refuses.
+    /// If the file cannot be written.
     pub fn append(&mut self, row: &impl Row) -> Result<()> {
         self.write_line(&row.to_line())
     }
 
-    /// Forces everything written so far onto the disk and returns what a checkpoint can vouch for.
+    /// Flushes everything to disk and returns the mark for a checkpoint.
     ///
     /// # Errors
-    /// If the disk refuses.
+    /// If the file cannot be written.
     pub fn sync(&mut self) -> Result<LogMark> {
         let flushed = self.file.flush();
         flushed
@@ -95,7 +129,7 @@ impl Log {
     }
 }
 
-/// The file, cut to so many bytes, ready to be written at its end.
+/// Opens the file, truncated to `bytes` bytes, for appending.
 fn cut(path: &Path, bytes: u64) -> std::io::Result<File> {
     let mut file = OpenOptions::new()
         .create(true)
@@ -107,10 +141,11 @@ fn cut(path: &Path, bytes: u64) -> std::io::Result<File> {
     Ok(file)
 }
 
-/// Checks that a log begins with what a checkpoint vouches for.
+/// Checks that a log begins with the part that belongs to a checkpoint.
 ///
 /// # Errors
-/// [`Error::ChangedLog`] if it was changed or cut since; [`Error::LostLog`] if it cannot be read.
+/// [`Error::ChangedLog`] if it was changed or truncated since; [`Error::LostLog`] if it cannot be
+/// read.
 pub fn check(path: &Path, mark: &LogMark) -> Result<()> {
     hash_of_marked(path, mark).map(drop)
 }
@@ -143,7 +178,8 @@ pub fn read<R: Row>(path: &Path) -> Result<Vec<R>> {
     rows_of(path, &text_of(path)?)
 }
 
-/// Reads the log of a run that may still be working, or was killed: without an incomplete last line.
+/// Reads the log of a run that may still be working, or was killed: without an incomplete last
+/// line.
 ///
 /// # Errors
 /// As [`read`].

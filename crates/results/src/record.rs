@@ -1,4 +1,4 @@
-//! `run.json`: what was run, on what, by which version, how far it came, and how it ended.
+//! `run.json`: the work, its input, the version, the progress, and how it ended.
 
 use crate::keys;
 use crate::{Error, Interrupt, Result, ResultKind};
@@ -11,32 +11,37 @@ use std::path::Path;
 
 /// The name of the record in its directory.
 pub const FILE: &str = "run.json";
-/// The key of the details that says what stopped a run.
+/// The key in the details for the reason of a stop.
 const STOPPED_BY: &str = "stopped_by";
 
-/// Which work it is. Two works with the same identity give the same result.
+/// The identity of the work. Work with the same identity gives the same result.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Work {
-    /// What it leaves.
+    /// The kind of its results.
     pub kind: ResultKind,
-    /// The verb that does it.
+    /// The verb that runs it.
     pub verb: &'static str,
     /// SHA-256 of the settings and the input.
     pub identity: String,
-    /// SHA-256 of the input; empty if there is none beside the settings.
+    /// SHA-256 of the input; empty if there is none besides the settings.
     pub input_sha256: String,
 }
 
 /// How a run ended.
+///
+/// ```
+/// use protomer_results::Exit;
+/// assert_eq!(Exit::failed(&"the energy is NaN").word(), "failed");
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Exit {
-    /// It has not: a process works on it, or was killed.
+    /// Not ended: a process is working on it, or was killed.
     Running,
-    /// It came to its end.
+    /// It is complete.
     Done,
-    /// It was asked to stop.
+    /// It was stopped on request.
     Stopped {
-        /// What asked, as in "stopped by *the time limit*"; unknown in some older records.
+        /// The reason, as in "stopped by *the time limit*"; unknown in some older records.
         by: Option<String>,
     },
     /// An error ended it.
@@ -66,19 +71,19 @@ pub enum Exit {
 pub struct Record {
     /// Version of the program.
     pub version: String,
-    /// What the directory holds; `None` in records of versions that did not say.
+    /// The kind of results; `None` in records of earlier versions.
     pub kind: Option<ResultKind>,
     /// The verb.
     pub verb: String,
     /// SHA-256 of the settings and the input.
     pub identity: String,
-    /// SHA-256 of the input; empty if there is none beside the settings.
+    /// SHA-256 of the input; empty if there is none besides the settings.
     pub input_sha256: String,
     /// How it ended.
     pub exit: Exit,
-    /// How far it came, in the units of its length; `None` for work that is not counted.
+    /// Progress, in the units of its length; `None` for work without a length.
     pub done: Option<u64>,
-    /// Everything else worth knowing.
+    /// Further details.
     pub details: Value,
 }
 
@@ -97,12 +102,12 @@ impl Record {
         }
     }
 
-    /// Whether the work came to its end.
+    /// Whether the work is complete.
     pub fn is_done(&self) -> bool {
         self.exit == Exit::Done
     }
 
-    /// Whether the work came to its end at this length: a run that is to be longer has not.
+    /// Whether the work is complete at this length; a run that has been extended is not.
     pub fn is_done_at(&self, length: u64) -> bool {
         self.is_done() && self.done == Some(length)
     }
@@ -110,12 +115,12 @@ impl Record {
     /// The details as a value.
     ///
     /// # Errors
-    /// [`Error::Parse`] if they are those of something else.
+    /// [`Error::Parse`] if they do not have the expected form.
     pub fn read_details<T: DeserializeOwned>(&self, directory: &Path) -> Result<T> {
         serde_json::from_value(self.details.clone()).map_err(|error| Error::Parse {
             path: directory.join(FILE),
             line: 1,
-            problem: format!("the details are damaged ({error}); start anew with --force"),
+            problem: format!("the details are damaged ({error}); start again with --force"),
         })
     }
 
@@ -133,10 +138,10 @@ impl Record {
         })
     }
 
-    /// The record of a directory, if there is one.
+    /// Reads the record of a directory, if it exists.
     ///
     /// # Errors
-    /// If there is one and it cannot be read.
+    /// If it exists but cannot be read.
     pub fn read(directory: &Path) -> Result<Option<Self>> {
         keys::read_json_if_present(&directory.join(FILE))
     }
@@ -144,7 +149,7 @@ impl Record {
     /// Writes the record into a directory.
     ///
     /// # Errors
-    /// If the disk refuses.
+    /// If the file cannot be written.
     pub fn write(&self, directory: &Path) -> Result<()> {
         let text = serde_json::to_string_pretty(self).map_err(|error| Error::Unwritable {
             what: FILE,
@@ -181,7 +186,7 @@ impl Exit {
     }
 }
 
-/// A record as JSON has it.
+/// The JSON form of a record.
 #[derive(Serialize, Deserialize)]
 struct Form {
     version: String,
@@ -239,7 +244,7 @@ impl From<Form> for Record {
             "failed" => Exit::Failed {
                 error: form.error.unwrap_or_default(),
             },
-            // Earlier versions wrote the error in the place of the word.
+            // Earlier versions wrote the error in place of the word.
             error => Exit::Failed {
                 error: error.to_owned(),
             },
@@ -266,7 +271,7 @@ fn take_stopper(details: &mut Value) -> Option<String> {
     by.as_str().map(str::to_owned)
 }
 
-/// Where earlier versions wrote how far a run was.
+/// The progress in records of earlier versions.
 fn earlier_count(details: &Value) -> Option<u64> {
     ["sweeps_done", "steps"]
         .into_iter()

@@ -1,4 +1,4 @@
-//! One driver for everything that can be begun, advanced, saved, continued and recorded.
+//! One driver for everything that can be started, advanced, saved, continued and recorded.
 
 use crate::checkpoint::{self, CHECKPOINT, Checkpoint};
 use crate::{End, Error, Execution, Exit, Record, Work};
@@ -10,58 +10,58 @@ use std::fmt::Display;
 use std::path::Path;
 use std::time::Instant;
 
-/// A run: what is to be done, on what. Its state in memory, with open files, is a type of its own.
+/// A run: a task and its input. Its state in memory, with open files, is a separate type.
 ///
-/// A state is only ever saved between two calls of [`advance`](Self::advance), so a run that was cut
-/// anywhere continues from a state that an uninterrupted run passes through as well. An
-/// implementation keeps the promise of equal bytes if `open` cuts its own files back to what the
-/// checkpoint vouches for, as [`Log::open`](crate::Log::open) does.
+/// A state is only ever saved between two calls of [`advance`](Self::advance), so a run that was
+/// interrupted anywhere continues from a state that an uninterrupted run passes through too. An
+/// implementation guarantees equal bytes if `open` truncates its files to the part that belongs to
+/// the checkpoint, as [`Log::open`](crate::Log::open) does.
 pub trait Run {
     /// The state in memory, with its open files.
     type State;
-    /// What a state is restored from.
+    /// The checkpoint that a state is restored from.
     type Checkpoint: Checkpoint;
-    /// What the run comes to.
+    /// The result of the run.
     type Answer: Serialize + DeserializeOwned;
-    /// What can go wrong.
+    /// The type of errors.
     type Error: From<Error> + Display;
 
-    /// What the container of a checkpoint says it holds.
+    /// The kind declared in the container of a checkpoint.
     const CHECKPOINT_KIND: &'static str = "checkpoint";
 
-    /// Which work it is.
+    /// The identity of the work.
     fn work(&self) -> Work;
 
-    /// How long the run is, in units of its own: steps, sweeps, epochs.
+    /// The length of the run in its own units: steps, sweeps, epochs.
     fn length(&self) -> u64;
 
-    /// The state to begin with, or that of a checkpoint.
+    /// The initial state, or that of a checkpoint.
     ///
     /// # Errors
-    /// If the start makes no sense, or the files beside the checkpoint are not those it vouches for.
+    /// If the start is invalid, or the files beside the checkpoint do not match it.
     fn open(
         &self,
         directory: &Path,
         saved: Option<Self::Checkpoint>,
     ) -> Result<Self::State, Self::Error>;
 
-    /// How far the state has come, in the units of the length. A run that ends early says its
-    /// length.
+    /// The progress of the state, in the units of the length. A run that ends early returns
+    /// its length.
     fn done(&self, state: &Self::State) -> u64;
 
-    /// Goes on by at least one unit: to the next output, or until the turn is over.
+    /// Advances by at least one unit: to the next output, or until the time slice is over.
     ///
     /// # Errors
-    /// If a step fails, or the disk refuses.
+    /// If a step fails, or a file cannot be written.
     fn advance(&self, state: &mut Self::State, turn: &Turn<'_>) -> Result<(), Self::Error>;
 
-    /// Forces the outputs onto the disk and returns the checkpoint that vouches for them.
+    /// Flushes the outputs to disk and returns the matching checkpoint.
     ///
     /// # Errors
-    /// If the disk refuses.
+    /// If the file cannot be written.
     fn save(&self, state: &mut Self::State) -> Result<Self::Checkpoint, Self::Error>;
 
-    /// What the run has come to so far; at the end, what it came to.
+    /// The result so far; at the end, the final result.
     ///
     /// # Errors
     /// If it cannot be computed or written.
@@ -71,7 +71,7 @@ pub trait Run {
         directory: &Path,
     ) -> Result<Self::Answer, Self::Error>;
 
-    /// What the record says of a state: the answer so far, unless that takes long.
+    /// The details for the record: by default the result so far. Override it if that takes long.
     ///
     /// # Errors
     /// As [`answer`](Self::answer).
@@ -84,10 +84,10 @@ pub trait Run {
         Ok(value)
     }
 
-    /// The answer of a run that came to its end earlier, if the directory holds it.
+    /// The result of a finished run, if the directory holds it.
     ///
     /// # Errors
-    /// If the directory says so and the answer cannot be read.
+    /// If the result exists but cannot be read.
     fn finished(
         &self,
         directory: &Path,
@@ -101,19 +101,19 @@ pub trait Run {
     /// Checks the files of a finished run against its last checkpoint.
     ///
     /// # Errors
-    /// If one was changed or lost since.
+    /// If one was changed or lost since then.
     fn check(&self, _directory: &Path, _saved: &Self::Checkpoint) -> Result<(), Self::Error> {
         Ok(())
     }
 
-    /// The last good state after `advance` has failed, where there is one: the run can then be
-    /// looked at, or continued by a version that does not fail.
+    /// The last good state after `advance` has failed, if there is one, so that the run can
+    /// be inspected, or continued by a corrected version.
     fn rescue(&self, _state: &mut Self::State) -> Option<Self::Checkpoint> {
         None
     }
 }
 
-/// The time until a run has to look up from its work: to stop, or to save.
+/// A time slice: it ends when a run must stop or save.
 #[derive(Debug)]
 pub struct Turn<'a> {
     execution: &'a Execution,
@@ -121,12 +121,12 @@ pub struct Turn<'a> {
 }
 
 impl Turn<'_> {
-    /// Whether the run is asked to stop.
+    /// Whether the run has been asked to stop.
     pub fn must_stop(&self) -> bool {
         self.execution.interrupt.is_requested()
     }
 
-    /// Whether the run is asked to stop, or a checkpoint is due.
+    /// Whether the run has been asked to stop, or a checkpoint is due.
     pub fn is_over(&self) -> bool {
         self.must_stop() || self.is_save_due()
     }
@@ -136,13 +136,13 @@ impl Turn<'_> {
     }
 }
 
-/// Begins a run in a directory, or continues the one that is there, to its end or until it is asked
-/// to stop. The caller holds the directory.
+/// Starts or continues a run in a directory, until it is complete or asked to stop. The caller
+/// holds the lock of the directory.
 ///
 /// # Errors
-/// For a directory that belongs to other work, and what the run itself meets. `run.json` says what
-/// happened and how far the run had come; a start that fails leaves the files of an earlier process
-/// alone, because what is wrong with them can be seen nowhere else.
+/// For a directory that belongs to other work, and the errors of the run itself. `run.json` records
+/// the error and the progress. A start that fails leaves the files of an earlier process untouched,
+/// because they are the only evidence of what is wrong with them.
 pub fn drive<R: Run>(
     run: &R,
     directory: &Path,
@@ -165,11 +165,11 @@ pub fn drive<R: Run>(
         execution.progress.advance(run.length());
         return Ok(End::Finished(answer));
     }
-    // Neither begun nor touched; what is done already was found above.
+    // Nothing has been started or changed; finished work was handled above.
     if execution.interrupt.is_requested() {
         return Ok(End::Stopped);
     }
-    std::fs::create_dir_all(directory).map_err(Error::file("make the directory", directory))?;
+    std::fs::create_dir_all(directory).map_err(Error::file("create the directory", directory))?;
     let opened = read()
         .map_err(R::Error::from)
         .and_then(|saved| open(run, directory, saved));
@@ -181,7 +181,7 @@ pub fn drive<R: Run>(
                     done: Some(0),
                     ..Record::new(&work, Exit::failed(&error))
                 };
-                // The error is what counts, also where its record cannot be written.
+                // The error takes precedence, even if it cannot be recorded.
                 let _ = failed.write(directory);
             }
             return Err(error);
@@ -195,7 +195,7 @@ pub fn drive<R: Run>(
     .live(&mut state, execution)
 }
 
-/// Opens the run and refuses a state beyond its length.
+/// Opens the run; refuses a state beyond its length.
 fn open<R: Run>(
     run: &R,
     directory: &Path,
@@ -215,11 +215,11 @@ fn open<R: Run>(
     Ok(state)
 }
 
-/// Advances a state to the length of its run or until it is asked to stop, and keeps the checkpoint
-/// in `file`. This is [`drive`] without a record and a directory.
+/// Advances a state until the run is complete or asked to stop, and keeps the checkpoint in
+/// `file`. This is [`drive`] without a record and a directory.
 ///
 /// # Errors
-/// What the run meets; the last good state is then in the file if the run can tell it.
+/// The errors of the run; the last good state is then in the file, if the run provides it.
 pub fn proceed<R: Run>(
     run: &R,
     state: &mut R::State,
@@ -239,7 +239,7 @@ pub fn proceed<R: Run>(
         let before = run.done(state);
         if let Err(error) = run.advance(state, &turn) {
             if let Some(saved) = run.rescue(state) {
-                // The error is what counts, also where the state cannot be kept.
+                // The error takes precedence, even if the state cannot be saved.
                 let _ = write(&saved);
             }
             return Err(error);
@@ -262,7 +262,7 @@ pub fn proceed<R: Run>(
     })
 }
 
-/// A run whose record says how it stands.
+/// A run with its record.
 struct Recorded<'a, R> {
     run: &'a R,
     directory: &'a Path,
@@ -275,14 +275,15 @@ impl<R: Run> Recorded<'_, R> {
         state: &mut R::State,
         execution: &Execution,
     ) -> Result<End<R::Answer>, R::Error> {
-        // What an earlier process said of its end no longer holds.
+        // The end recorded by an earlier process is no longer valid.
         self.record(state, Exit::Running)?;
         execution.progress.advance(self.run.done(state));
         let end = self.to_the_end(state, execution);
         match &end {
             Ok(End::Finished(_)) => self.record(state, Exit::Done)?,
             Ok(End::Stopped) => self.record(state, Exit::stopped_by(&execution.interrupt))?,
-            // The error is what counts; on a full disk there may be no room for its record.
+            // The error of the work takes precedence over a failure to record it, for example on a
+            // full disk.
             Err(error) => drop(self.record(state, Exit::failed(error))),
         }
         end

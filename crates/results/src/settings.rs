@@ -1,4 +1,4 @@
-//! Which settings continue which: what identifies work, and what differs between two settings.
+//! Which settings can continue which: the identity of work, and the differences between settings.
 
 use crate::keys::to_toml;
 use crate::{Error, Result};
@@ -8,11 +8,11 @@ use serde::de::DeserializeOwned;
 use std::collections::BTreeSet;
 use toml::{Table, Value};
 
-/// A message names no more differing settings than this.
+/// Maximum number of differing settings in a message.
 const MOST_DIFFERENCES: usize = 6;
 
-/// The resolved settings of a piece of work, as the file of settings in its directory has them.
-/// Everything that can change a result is in them.
+/// The resolved settings of a piece of work, as stored in its directory. They contain
+/// everything that can change a result.
 ///
 /// ```
 /// use protomer_results::Settings;
@@ -42,8 +42,8 @@ pub trait Settings: Serialize + DeserializeOwned + PartialEq + Clone {
     }
 
     /// Why work that was begun with `present` cannot continue with these settings, although their
-    /// essential parts are equal: a phrase that follows the name of the directory, such as "is meant
-    /// to run to 200 steps, which is more than 100; ask for at least as many".
+    /// essential parts are equal: a phrase that follows the name of the directory, such as "is
+    /// meant to run to 200 steps, which is more than 100; ask for at least as many".
     fn objection(&self, _present: &Self) -> Option<String> {
         None
     }
@@ -52,17 +52,30 @@ pub trait Settings: Serialize + DeserializeOwned + PartialEq + Clone {
 /// SHA-256 of everything that shapes the result: the essential settings and the input.
 ///
 /// # Errors
-/// [`Error::Unwritable`] if TOML cannot hold the settings.
+/// [`Error::Unwritable`] if the settings cannot be represented in TOML.
 pub fn identity(settings: &impl Settings, input_sha256: &str) -> Result<String> {
     let text = to_toml("the settings", &settings.essential())?;
     Ok(sha256_hex(format!("{text}{input_sha256}").as_bytes()))
 }
 
-/// What differs between the settings of a directory and those asked for, as in
+/// The differences between the settings of a directory and the requested ones, as in
 /// `seed: 1 there, 2 here`.
 ///
 /// # Errors
-/// [`Error::Unwritable`] if TOML cannot hold one of them.
+/// [`Error::Unwritable`] if one of them cannot be represented in TOML.
+///
+/// ```
+/// use protomer_results::settings::differences;
+/// use serde::Serialize;
+///
+/// #[derive(Serialize)]
+/// struct Walk {
+///     seed: u64,
+/// }
+///
+/// assert_eq!(differences(&Walk { seed: 1 }, &Walk { seed: 2 })?, "seed: 1 there, 2 here");
+/// # Ok::<(), protomer_results::Error>(())
+/// ```
 pub fn differences<S: Serialize>(there: &S, here: &S) -> Result<String> {
     let (there, here) = (flat(there)?, flat(here)?);
     let keys: BTreeSet<&String> = there.keys().chain(here.keys()).collect();

@@ -1,13 +1,13 @@
-//! A part of work that many machines share.
+//! A part of work shared by many machines.
 
 use crate::{Error, Result};
 
-/// Every `of`-th item, beginning with item `index` - 1, counted from zero.
+/// Every `of`-th item, starting with item `index` - 1, counted from zero.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
-    /// Which part, from one.
+    /// The number of the part, counted from 1.
     pub index: usize,
-    /// Of how many.
+    /// The number of parts.
     pub of: usize,
 }
 
@@ -15,7 +15,7 @@ impl Shard {
     /// Everything.
     pub const WHOLE: Shard = Shard { index: 1, of: 1 };
 
-    /// A part written as `2/8`.
+    /// Parses a part written as `2/8`.
     ///
     /// ```
     /// use protomer_results::Shard;
@@ -24,7 +24,7 @@ impl Shard {
     /// ```
     ///
     /// # Errors
-    /// Says what was typed and how it should be.
+    /// Quotes the input and gives the accepted form.
     pub fn parse(text: &str) -> Result<Self> {
         let parts = text
             .split_once('/')

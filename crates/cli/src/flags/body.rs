@@ -1,4 +1,4 @@
-//! How a body is made of a structure: which atoms, which charges, which surface.
+//! How a body is made from a structure: atoms, charges and surface.
 
 use super::choices::{Charges, Missing};
 use anyhow::Result;
@@ -7,20 +7,20 @@ use protomer_body::chemistry::{SiteSettings, parse_mutations};
 use protomer_body::structure::SelectionSettings;
 use protomer_body::{BodySettings, SurfaceSettings};
 
-/// Which atoms.
+/// Selection of atoms.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Selection")]
 pub struct SelectionArgs {
-    /// Chains by the authors' names; all if left out.
+    /// Chains, by author name; all if omitted.
     #[arg(long, value_delimiter = ',')]
     chain: Vec<String>,
-    /// Model number; the first if left out.
+    /// Model number; the first if omitted.
     #[arg(long)]
     model: Option<i32>,
-    /// Biological assembly by its number; the deposited coordinates if left out.
+    /// Number of the biological assembly; the deposited coordinates if omitted.
     #[arg(long)]
     assembly: Option<String>,
-    /// Alternate location to prefer; the highest occupancy if left out.
+    /// Preferred alternate location; the highest occupancy if omitted.
     #[arg(long)]
     altloc: Option<char>,
     /// Keep ligands, ions and sugars.
@@ -40,7 +40,7 @@ pub struct SelectionArgs {
     missing: Missing,
 }
 
-/// Which charges.
+/// Model of the charges.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Charges")]
 pub struct ChargeArgs {
@@ -50,12 +50,12 @@ pub struct ChargeArgs {
     /// Where the charges sit.
     #[arg(long, value_enum, default_value_t = Charges::ForceField)]
     charges: Charges,
-    /// Residues exchanged in place: chain:from-number-to, such as A:K45E,B:N12D.
+    /// Point mutations, such as A:K45E,B:N12D; side chains are replaced in place.
     #[arg(long)]
     mutate: Option<String>,
 }
 
-/// Which surface.
+/// Parameters of the surface.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Surface")]
 pub struct SurfaceFlags {
@@ -68,8 +68,8 @@ pub struct SurfaceFlags {
     /// What to do with cavities inside the body.
     #[arg(long, value_enum, default_value_t = Cavities::Drop)]
     pub cavities: Cavities,
-    /// An enclosed interior is a cavity into which a ball of this radius fits, Å; it is never
-    /// filled, as other bodies may be in there.
+    /// A cavity is an enclosed interior if a ball of this radius fits into it, Å; interiors
+    /// are never filled, because other bodies may be inside.
     #[arg(long, default_value_t = SurfaceSettings::INTERIOR_RADIUS_ANGSTROM)]
     pub interior_radius: f64,
     /// Move the surface inward by this much, Å.
@@ -103,7 +103,7 @@ impl SelectionArgs {
 }
 
 impl SurfaceFlags {
-    /// The settings these flags describe.
+    /// Converts the flags to settings.
     pub fn settings(&self) -> SurfaceSettings {
         SurfaceSettings {
             density_per_angstrom2: self.density,
@@ -115,7 +115,7 @@ impl SurfaceFlags {
     }
 }
 
-/// The settings these flags describe.
+/// Converts the flags to settings.
 pub fn body_settings(
     selection: &SelectionArgs,
     charges: &ChargeArgs,

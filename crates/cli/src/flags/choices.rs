@@ -1,7 +1,6 @@
-//! Flags that choose from a list. Each list is that of a type of the library, with the words that
-//! the help shows.
+//! Flags that choose from a list. Each list mirrors an enum of the library and adds the help texts.
 
-/// Declares the names of a list, and what each stands for: a variant of the same name.
+/// Declares a list of names; each stands for the variant of the same name.
 macro_rules! choices {
     (
         $(#[$about:meta])*
@@ -26,13 +25,13 @@ macro_rules! choices {
 choices! {
     /// How pair energies are computed.
     Energy for protomer::stability::run::EnergyMode {
-        /// The plain sum over all pairs of charges.
+        /// The direct sum over all pairs of charges.
         Direct,
-        /// Bounds first, the plain sum where they leave the decision open: the decisions of the
-        /// plain sum.
+        /// Energy bounds first, and the direct sum only if they leave a decision open: the
+        /// same decisions as the direct sum.
         Certified,
-        /// The middle of the bounds, the plain sum for a pair of bodies whose bounds are wider than
-        /// a tolerance.
+        /// The midpoint of the bounds, or the direct sum for a pair of bodies whose bounds exceed
+        /// the tolerance.
         Approximate,
         /// Hard bodies without charges.
         None,
@@ -44,7 +43,7 @@ choices! {
     BenchPart for protomer::stability::bench::suite::Part {
         /// Moves per CPU-second of each energy mode against the number of charges.
         Charges,
-        /// What a move with certified energies is made of.
+        /// Breakdown of the cost of a move with certified energies.
         Parts,
         /// Cost of a move against the number of bodies, at the same density.
         Bodies,
@@ -61,27 +60,27 @@ choices! {
         Checkerboard,
         /// Every ω drawn evenly from -speed to speed.
         Random,
-        /// Nothing moves.
+        /// All velocities are zero.
         Rest,
-        /// As at the temperature of the heat bath.
+        /// Thermal velocities at the temperature of the heat bath.
         Thermal,
     }
 }
 
 choices! {
-    /// What the half-diagonal of the square of a body is.
+    /// Definition of the half-diagonal of the square of a body.
     SquareSize for protomer::lattice::square_of_body::Size {
-        /// The reach of the outline at the corners.
+        /// The distance from the centre to the outline at the corners.
         Corners,
-        /// Of the smallest square that holds the outline.
+        /// Half-diagonal of the smallest square that contains the outline.
         Outside,
-        /// Of the square with the area of the outline.
+        /// Half-diagonal of the square with the area of the outline.
         Area,
     }
 }
 
 choices! {
-    /// The axis along which to look at a body.
+    /// The axis of projection of a body.
     ViewAxis for protomer::lattice::square_of_body::Axis {
         /// Found from the moments of inertia.
         Auto,
@@ -95,11 +94,11 @@ choices! {
 }
 
 choices! {
-    /// How samples are dealt out to training, validation and test.
+    /// How samples are divided into training, validation and test parts.
     Split for protomer::learning::train::SplitBy {
-        /// Whole clusters: relatives never stand on both sides.
+        /// By whole clusters: relatives are never on both sides.
         Cluster,
-        /// One by one: what leaks is what it scores above a split by cluster.
+        /// One by one: scores above those of a split by cluster measure leakage.
         Sample,
     }
 }
@@ -129,24 +128,24 @@ choices! {
 }
 
 choices! {
-    /// Symmetry asked of an arrangement.
+    /// Symmetry required of an arrangement.
     AskedSymmetry for protomer_body::assembly::Symmetry {
-        /// None: every arrangement that differs in its contacts.
+        /// None: every arrangement with distinct contacts.
         None,
         /// All rotations about the axis.
         Cyclic,
-        /// The whole group, half turns included.
+        /// The full group, including half turns.
         Dihedral,
     }
 }
 
 choices! {
-    /// How a potential is found.
+    /// The model of the potential.
     Potential for protomer_field::PotentialModel {
         /// The linearised Poisson-Boltzmann equation.
         PoissonBoltzmann,
-        /// The sum of the atoms' Debye-Hückel potentials in a uniform solvent: quicker, and blind to
-        /// the dielectric boundary.
+        /// The sum of the atoms' Debye-Hückel potentials in a uniform solvent: faster, but
+        /// ignores the dielectric boundary.
         DebyeHueckel,
     }
 }
@@ -154,11 +153,11 @@ choices! {
 choices! {
     /// The dielectric boundary.
     DielectricSurface for protomer_field::SurfaceDefinition {
-        /// Where a probe that rolls over the atoms cannot get in.
+        /// The solvent-excluded surface, which a probe rolling over the atoms cannot enter.
         SolventExcluded,
-        /// The atoms themselves: crevices between them hold solvent.
+        /// The surface of the atoms: crevices between them contain solvent.
         VanDerWaals,
-        /// Where the centre of the probe gets: the atoms grown by its radius.
+        /// The solvent-accessible surface: the atoms enlarged by the probe radius.
         SolventAccessible,
     }
 }
@@ -168,43 +167,43 @@ choices! {
     BoundaryValues for protomer_field::BoundaryCondition {
         /// The sum of the atoms' Debye-Hückel potentials, each alone in the solvent.
         ScreenedAtoms,
-        /// From a solve on a coarse grid twice as large: hardly depends on the margin.
+        /// The solution on a coarse grid twice as large: almost independent of the margin.
         CoarseGrid,
     }
 }
 
 choices! {
-    /// What voxels carry.
+    /// Channels of voxels.
     VoxelChannel for protomer_field::voxels::Channel {
-        /// 1 where the solvent-excluded surface passes through.
+        /// 1 where the solvent-excluded surface passes through the voxel.
         Shape,
         /// 1 inside the surface.
         Solid,
         /// Electrostatic potential on the surface, kT/e.
         Potential,
-        /// Kyte-Doolittle index of the residues near by.
+        /// Kyte-Doolittle index of nearby residues.
         Hydropathy,
     }
 }
 
 choices! {
-    /// How structures are turned.
+    /// The orientation of structures.
     VoxelOrientation for protomer_field::voxels::Orientation {
-        /// By a random rotation, from the seed and the structure's name.
+        /// By a random rotation, derived from the seed and the structure's name.
         Random,
-        /// With the principal axes along x, y, z.
+        /// Principal axes along x, y, z.
         Principal,
-        /// Not at all.
+        /// None.
         Deposited,
     }
 }
 
 choices! {
-    /// What is to be predicted.
+    /// The quantity to predict.
     LearningTarget for protomer_learn::targets::Target {
-        /// The label of the set as it is.
+        /// The label of the set, unchanged.
         Label,
-        /// The space group, other settings of a group included.
+        /// The space group; all settings of a group count as one.
         SpaceGroup,
         /// The crystal system of the space group.
         CrystalSystem,
@@ -218,17 +217,18 @@ choices! {
 choices! {
     /// How channels are scaled.
     Scaling for protomer_learn::scaling::ScalingMode {
-        /// Potential through arcsinh of a robust scale over occupied voxels, hydropathy by 4.5.
+        /// Potential: arcsinh of the value over a robust scale of the occupied voxels; hydropathy:
+        /// divided by 4.5.
         Robust,
-        /// Not at all.
+        /// None.
         Raw,
-        /// Each sample to mean 0 and deviation 1 over the box; a control that does harm.
+        /// Each sample standardised to mean 0 and deviation 1 over the box; a harmful control.
         BoxStandardised,
     }
 }
 
 choices! {
-    /// What is at the edges of a lattice.
+    /// Boundary condition of a lattice.
     LatticeEdges for protomer_crystal::lattice::Edges {
         /// Nothing.
         Open,
@@ -238,11 +238,11 @@ choices! {
 }
 
 choices! {
-    /// What the stress on a network is referred to.
+    /// Reference area of the stress on a network.
     Stress for protomer_crystal::framework::StressKind {
-        /// Force per area before loading.
+        /// Force per undeformed area.
         Nominal,
-        /// Force per area under load.
+        /// Force per deformed area.
         Cauchy,
     }
 }

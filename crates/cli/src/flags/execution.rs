@@ -1,4 +1,4 @@
-//! How a run is carried out, shared by every verb that runs in a directory.
+//! Flags for the execution of a run, shared by every verb that runs in a directory.
 
 use crate::front::Front;
 use anyhow::{Result, bail};
@@ -6,7 +6,7 @@ use clap::Args;
 use protomer_results::Execution;
 use std::time::Duration;
 
-/// When to stop and what to keep.
+/// When to stop and how often to save.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Run")]
 pub struct ExecutionArgs {
@@ -17,13 +17,13 @@ pub struct ExecutionArgs {
         allow_negative_numbers = true
     )]
     time_limit: Option<f64>,
-    /// Seconds between checkpoints: what a killed run loses at most.
+    /// Seconds between checkpoints: the most that a killed run loses.
     #[arg(long, default_value_t = 20.0, allow_negative_numbers = true)]
     checkpoint_every: f64,
 }
 
 impl ExecutionArgs {
-    /// How the run is to be carried out. From here on, Ctrl-C stops it resumably.
+    /// The execution of the run. After this call, Ctrl-C stops the run resumably.
     pub fn execution(&self, front: &Front) -> Result<Execution> {
         let Ok(checkpoint_interval) = Duration::try_from_secs_f64(self.checkpoint_every) else {
             bail!(

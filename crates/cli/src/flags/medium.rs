@@ -12,7 +12,7 @@ pub struct MediumArgs {
     /// Temperature, K [default: 298.15].
     #[arg(long, allow_negative_numbers = true)]
     pub temperature: Option<f64>,
-    /// Relative permittivity; that of water at the temperature if left out.
+    /// Relative permittivity; that of water at the temperature if omitted.
     #[arg(long, allow_negative_numbers = true)]
     pub permittivity: Option<f64>,
     /// Bjerrum length (such as 7.0A), instead of temperature and permittivity.
@@ -21,20 +21,20 @@ pub struct MediumArgs {
     /// Debye length (such as 9.6A), instead of a salt concentration.
     #[arg(long, value_parser = quantity::length_angstrom, allow_hyphen_values = true)]
     pub debye: Option<f64>,
-    /// Distance at which the interaction is cut off; five Debye lengths if left out.
+    /// Cut-off distance of the interaction; five Debye lengths if omitted.
     #[arg(long, value_parser = quantity::length_angstrom, allow_hyphen_values = true)]
     pub cutoff: Option<f64>,
 }
 
 impl MediumArgs {
-    /// The medium these flags describe.
+    /// The medium described by the flags.
     pub fn medium(&self) -> InteractionSettings {
         let mut medium = InteractionSettings::default();
         self.override_in(&mut medium);
         medium
     }
 
-    /// Puts what these flags state in the place of what `medium` has.
+    /// Overrides `medium` with the given flags.
     pub fn override_in(&self, medium: &mut InteractionSettings) {
         medium.temperature_kelvin = self.temperature.unwrap_or(medium.temperature_kelvin);
         medium.relative_permittivity = self.permittivity.or(medium.relative_permittivity);
@@ -55,7 +55,7 @@ pub struct ConditionArgs {
 }
 
 impl ConditionArgs {
-    /// The interaction these flags describe.
+    /// The interaction described by the flags.
     pub fn interaction(&self) -> Result<ScreenedCoulomb> {
         self.medium.medium().interaction(self.salt)
     }

@@ -1,4 +1,4 @@
-//! Flags that several verbs share, and what they stand for.
+//! Flags shared by several verbs.
 
 pub mod body;
 pub mod choices;
@@ -10,7 +10,7 @@ pub mod space;
 pub mod tables;
 pub mod tolerance;
 
-/// A flag, if given, takes the place of what a configuration says.
+/// A flag, if given, overrides the configuration.
 pub fn override_with<T: Copy>(setting: &mut T, flag: Option<T>) {
     if let Some(value) = flag {
         *setting = value;

@@ -1,23 +1,23 @@
-//! The flag of verbs whose parts many machines may share. What understands it is the Python
-//! package.
+//! The scheduler flag, shared by verbs that can be distributed over machines. It is
+//! handled by the Python package.
 
 use anyhow::{Result, bail};
 use clap::Args;
 
-/// Who shares the work out.
+/// The scheduler of distributed work.
 #[derive(Debug, Clone, Args)]
 pub struct SchedulerArgs {
-    /// Have the work done by the workers of a Dask scheduler, such as tcp://host:8786; `local`, or
-    /// nothing: of this machine. Needs the Python package.
+    /// Run the work on the workers of a Dask scheduler, such as tcp://host:8786; `local`, the
+    /// default value, uses this machine. Needs the Python package.
     #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = "local")]
     scheduler: Option<String>,
 }
 
 impl SchedulerArgs {
-    /// Refuses an address: the Python package takes it out of the words before they come here.
+    /// Refuses an address: the Python package removes the flag before it calls the program.
     ///
     /// # Errors
-    /// If there is one.
+    /// If an address is given.
     pub fn check(&self) -> Result<()> {
         if let Some(address) = &self.scheduler {
             bail!(

@@ -6,20 +6,20 @@ use clap::Args;
 /// The space around the assembly.
 #[derive(Debug, Clone, Args)]
 pub struct SpaceArgs {
-    /// Edge of a cubic periodic box, or three edges, Å; open space if left out.
+    /// Edge of a cubic periodic box, or three edges, Å; open space if omitted.
     #[arg(long = "box", value_delimiter = ',')]
     box_angstrom: Vec<f64>,
 }
 
 impl SpaceArgs {
-    /// The box these flags describe.
+    /// The box described by the flags.
     pub fn box_angstrom(&self) -> Result<Option<[f64; 3]>> {
         let lengths = match self.box_angstrom.as_slice() {
             [] => return Ok(None),
             [edge] => [*edge; 3],
             [x, y, z] => [*x, *y, *z],
             other => bail!(
-                "--box takes one or three lengths, and {} are given",
+                "--box takes one or three lengths, but {} are given",
                 other.len()
             ),
         };

@@ -1,4 +1,4 @@
-//! The flags of the energy tables, shared by the verbs that make them.
+//! The flags of the energy tables, shared by the verbs that use them.
 
 use crate::front::Front;
 use clap::Args;
@@ -7,15 +7,15 @@ use protomer::stability::disk_cache::DiskCache;
 use protomer::stability::energy_tables::EnergyTables;
 use std::sync::Arc;
 
-/// What tables of certified energies may take.
+/// The resources of tables of certified energies.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Energy tables")]
 pub struct TablesArgs {
-    /// Memory that tables of certified energies may take together, such as 500MB.
+    /// Memory limit for all tables of certified energies, such as 500MB.
     #[arg(long, value_parser = quantity::memory_bytes, default_value = "4GB", allow_hyphen_values = true)]
     pub memory_limit: u64,
-    /// Neither look for tables of certified energies in the cache folder nor keep them there. The
-    /// folder is PROTOMER_CACHE_DIR (empty: none), else protomer in XDG_CACHE_HOME or ~/.cache; it
+    /// Do not read or write the cache of tables of certified energies. The cache folder is
+    /// PROTOMER_CACHE_DIR (empty: no cache), or else protomer in XDG_CACHE_HOME or ~/.cache; it
     /// holds at most 2 GB.
     #[arg(long)]
     pub no_cache: bool,

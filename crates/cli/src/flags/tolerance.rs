@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-/// How far an energy may be off.
+/// The tolerance of energies.
 #[derive(Debug, Clone, Args)]
 pub struct ToleranceArgs {
     /// Largest likely error of the energy of two bodies, kT, with --energy approximate [default:

@@ -1,4 +1,4 @@
-//! `protomer completions` and `protomer man`: made from the same table as the flags.
+//! `protomer completions` and `protomer man`, generated from the table of flags.
 
 use crate::Cli;
 use crate::reply::Reply;

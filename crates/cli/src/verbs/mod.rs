@@ -46,7 +46,7 @@ pub enum Verb {
 }
 
 impl Verb {
-    /// Does what the verb says.
+    /// Runs the verb.
     pub fn run(&self, front: &Front) -> Result<Reply> {
         match self {
             Verb::Ingest(args) => args.run(front),

@@ -14,18 +14,18 @@ use std::path::PathBuf;
 /// kT/e and solvation energy.
 #[derive(Debug, Args)]
 pub struct PotentialArgs {
-    /// Structure, PQR or body file, perhaps gzipped.
+    /// Structure, PQR or body file, optionally gzipped.
     input: PathBuf,
     /// Concentration of a 1:1 salt, such as 100mM or 0.1M.
     #[arg(long, value_parser = quantity::salt_molar, allow_hyphen_values = true)]
     salt: f64,
-    /// How the potential is found.
+    /// Model of the potential.
     #[arg(long, value_enum, default_value_t = Potential::PoissonBoltzmann)]
     model: Potential,
     /// Grid spacing, Å.
     #[arg(long, default_value_t = 0.5, allow_negative_numbers = true)]
     spacing: f64,
-    /// From the atoms to the faces of the grid at least, Å.
+    /// Minimum distance between the atoms and the faces of the grid, Å.
     #[arg(long, default_value_t = 10.0, allow_negative_numbers = true)]
     margin: f64,
     /// Potential on the faces of the grid.
@@ -37,10 +37,10 @@ pub struct PotentialArgs {
     /// Relative permittivity inside the surface.
     #[arg(long, default_value_t = 2.0, allow_negative_numbers = true)]
     inner_permittivity: f64,
-    /// Relative permittivity of the solvent; that of water at the temperature if left out.
+    /// Relative permittivity of the solvent; that of water at the temperature if omitted.
     #[arg(long, allow_negative_numbers = true)]
     outer_permittivity: Option<f64>,
-    /// Ions keep their centres this far from the atoms, Å; 0: up to the surface.
+    /// Minimum distance of ion centres from the atoms, Å; 0 lets ions reach the surface.
     #[arg(long, default_value_t = 2.0, allow_negative_numbers = true)]
     ion_radius: f64,
     /// The dielectric boundary.
@@ -52,7 +52,7 @@ pub struct PotentialArgs {
     /// File of points (x y z per line, Å) at which to print the potential.
     #[arg(long)]
     points: Option<PathBuf>,
-    /// Leave out the second solve that tells the error of the energy.
+    /// Omit the second solution, which estimates the error of the energy.
     #[arg(long)]
     no_error_estimate: bool,
     /// Volume file to write: .mrc, .map, .ccp4, .dx or .npz.

@@ -7,8 +7,8 @@ use clap::Args;
 use protomer_report::{Request, report};
 use std::path::PathBuf;
 
-/// Make one HTML page of a directory of results: figures with their numbers, bodies to turn,
-/// lattices that move. The page needs nothing else and loads nothing.
+/// Make a self-contained HTML page of a directory of results: figures with their numbers,
+/// rotatable bodies, animated lattices. The page loads nothing.
 #[derive(Debug, Args)]
 pub struct ReportArgs {
     /// Directory of a simulation, a sweep, a lattice run or sweep, a framework, a training or a
@@ -18,7 +18,7 @@ pub struct ReportArgs {
     /// voxels].
     #[arg(short, long)]
     output: Option<PathBuf>,
-    /// Assembly file of a sweep or simulation, if it is no longer where it was.
+    /// Assembly file of a sweep or simulation, if it has moved.
     #[arg(long)]
     assembly: Option<PathBuf>,
 }

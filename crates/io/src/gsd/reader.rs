@@ -38,7 +38,7 @@ impl GsdFile {
     /// that died leaves it, ends the index.
     ///
     /// # Errors
-    /// [`IoError::File`] if the system refuses, [`IoError::Parse`] if it is not a GSD 2 file.
+    /// [`IoError::File`] if the system call fails, [`IoError::Parse`] if it is not a GSD 2 file.
     pub fn open(path: &Path) -> Result<Self> {
         let file = File::open(path).map_err(IoError::at(path, "open"))?;
         let mut source = SizedFile {
@@ -50,7 +50,7 @@ impl GsdFile {
         let header = match Header::read(&mut Cursor::new(&start)) {
             Ok(Ok(header)) => header,
             Ok(Err(cause)) => return Err(source.error(cause)),
-            Err(_) => return Err(source.error("its header is cut".into())),
+            Err(_) => return Err(source.error("its header is truncated".into())),
         };
         let names_length = header.names_segments.saturating_mul(NAME_SEGMENT_BYTES);
         let names = source.read(header.names_location, names_length)?;
@@ -90,8 +90,8 @@ impl GsdFile {
     /// as in frame 0).
     ///
     /// # Errors
-    /// [`IoError::File`] if the system refuses, [`IoError::Parse`] for a type of values that this
-    /// program never writes.
+    /// [`IoError::File`] if the system call fails, [`IoError::Parse`] for a type of values that
+    /// this program never writes.
     pub fn chunk(&mut self, frame: u64, name: &str) -> Result<Option<Chunk>> {
         let Some(id) = self.names.iter().position(|known| known == name) else {
             return Ok(None);
@@ -192,7 +192,7 @@ impl SizedFile<'_> {
     fn read(&mut self, location: u64, count: u64) -> Result<Vec<u8>> {
         let end = location.checked_add(count);
         if end.is_none_or(|end| end > self.length) {
-            let cause = format!("it is cut: {count} bytes at {location} are missing");
+            let cause = format!("it is truncated: {count} bytes at {location} are missing");
             return Err(self.error(cause));
         }
         let mut bytes = vec![0; count as usize];

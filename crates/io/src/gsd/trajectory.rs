@@ -22,7 +22,7 @@ pub struct ParticleType {
     pub mesh: Option<TriangleMesh>,
 }
 
-/// What is the same in every frame.
+/// The data that is the same in every frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrajectoryHeader {
     /// The kinds of bodies.
@@ -33,7 +33,7 @@ pub struct TrajectoryHeader {
     pub charges_e: Vec<f64>,
 }
 
-/// What changes from frame to frame.
+/// The data that changes from frame to frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrajectoryFrame<'a> {
     /// Sweeps done.
@@ -87,11 +87,11 @@ pub struct TrajectoryWriter {
 }
 
 impl TrajectoryWriter {
-    /// Creates a trajectory without frames, replacing one that is there.
+    /// Creates a trajectory without frames, replacing an existing one.
     ///
     /// # Errors
-    /// [`IoError::Unwritable`] for a header that contradicts itself, [`IoError::File`] if the
-    /// system refuses.
+    /// [`IoError::Unwritable`] for an inconsistent header, [`IoError::File`] if
+    /// the system call fails.
     pub fn create(path: &Path, header: &TrajectoryHeader) -> Result<Self> {
         check_header(header)?;
         let writer = GsdWriter::create(path, APPLICATION, SCHEMA, SCHEMA_VERSION)?;
@@ -104,8 +104,8 @@ impl TrajectoryWriter {
     /// Continues a trajectory after its first `frames` frames; later ones, complete or not, are
     /// dropped.
     ///
-    /// The frames to keep are written to a new file, which then replaces the old one. So the file is
-    /// always, byte for byte, what an uninterrupted run would have made of the same frames.
+    /// The frames to keep are written to a new file, which then replaces the old one. So the
+    /// file always equals, byte for byte, that of an uninterrupted run with the same frames.
     ///
     /// # Errors
     /// [`IoError::Parse`] if the file has fewer frames or belongs to other bodies; else as
@@ -126,8 +126,8 @@ impl TrajectoryWriter {
     /// Appends a frame.
     ///
     /// # Errors
-    /// [`IoError::Unwritable`] unless there is a pose for each body; [`IoError::File`] if the
-    /// system refuses.
+    /// [`IoError::Unwritable`] unless there is a pose for each body; [`IoError::File`] if
+    /// the system call fails.
     pub fn append(&mut self, frame: &TrajectoryFrame) -> Result<()> {
         if frame.poses.len() != self.header.type_ids.len() {
             let cause = format!(
@@ -149,11 +149,11 @@ impl TrajectoryWriter {
         self.writer.frames()
     }
 
-    /// Returns when everything written is on disk. Call it before writing a checkpoint that counts
-    /// on it.
+    /// Returns when everything written is on disk. Call it before writing a checkpoint that
+    /// relies on it.
     ///
     /// # Errors
-    /// [`IoError::File`] if the system refuses.
+    /// [`IoError::File`] if the system call fails.
     pub fn sync(&mut self) -> Result<()> {
         self.writer.sync()
     }
@@ -256,7 +256,7 @@ fn chunk(name: &str, columns: u32, data: ChunkData) -> Chunk {
     }
 }
 
-/// Strings as rows of equal length, each ended by a zero.
+/// Strings as rows of equal length, each terminated by a zero byte.
 fn text_chunk(name: &str, rows: &[String]) -> Result<Chunk> {
     let longest = rows.iter().map(String::len).max().unwrap_or(0);
     let Ok(columns) = u32::try_from(longest + 1) else {
@@ -271,7 +271,7 @@ fn text_chunk(name: &str, rows: &[String]) -> Result<Chunk> {
     Ok(chunk(name, columns, ChunkData::I8(data)))
 }
 
-/// The shape definition that HOOMD and OVITO understand; `{}` for none.
+/// The shape definition understood by HOOMD and OVITO; `{}` for none.
 fn shape_json(mesh: Option<&TriangleMesh>) -> String {
     let Some(mesh) = mesh else {
         return "{}".to_owned();

@@ -13,8 +13,8 @@ const FIRST_NAME_SEGMENTS: u64 = 16;
 /// Appends frames to a GSD file.
 ///
 /// A frame's data are written first, its index entries second: a process that dies in between
-/// leaves a file that ends with its last complete frame. A full index moves to the end of the file
-/// at twice the size, a full name list as well.
+/// leaves a file that ends with its last complete frame. A full index moves to the end of the
+/// file at twice the size, and so does a full name list.
 ///
 /// ```
 /// use protomer_io::gsd::{Chunk, ChunkData, GsdWriter};
@@ -42,10 +42,10 @@ pub struct GsdWriter {
 }
 
 impl GsdWriter {
-    /// Creates a file without frames, replacing one that is there.
+    /// Creates a file without frames, replacing an existing one.
     ///
     /// # Errors
-    /// [`IoError::File`] if the system refuses.
+    /// [`IoError::File`] if the system call fails.
     pub fn create(
         path: &Path,
         application: &str,
@@ -89,9 +89,9 @@ impl GsdWriter {
     /// Appends a frame of these chunks.
     ///
     /// # Errors
-    /// [`IoError::File`] if the system refuses (disk full): the file then still ends with the frame
-    /// before. [`IoError::Unwritable`] for a chunk whose values do not fill its columns, a name
-    /// given twice, or an empty frame.
+    /// [`IoError::File`] if the system call fails (disk full): the file then still ends with the
+    /// frame before. [`IoError::Unwritable`] for a chunk whose values do not fill its columns, a
+    /// name given twice, or an empty frame.
     pub fn append_frame(&mut self, chunks: &[Chunk]) -> Result<()> {
         check_chunks(chunks)?;
         self.register_names(chunks)?;
@@ -119,14 +119,14 @@ impl GsdWriter {
     /// Returns when everything written is on disk.
     ///
     /// # Errors
-    /// [`IoError::File`] if the system refuses.
+    /// [`IoError::File`] if the system call fails.
     pub fn sync(&mut self) -> Result<()> {
         self.file
             .sync_all()
             .map_err(IoError::at(&self.path, "write"))
     }
 
-    /// Gives the file this name, replacing a file that has it.
+    /// Renames the file, replacing an existing file of this name.
     pub(super) fn rename(&mut self, path: &Path) -> Result<()> {
         std::fs::rename(&self.path, path).map_err(IoError::at(path, "write"))?;
         self.path = path.to_owned();
@@ -135,7 +135,7 @@ impl GsdWriter {
 
     fn append_entries(&mut self, entries: &[IndexEntry]) -> Result<()> {
         let total = (self.entries.len() + entries.len()) as u64;
-        // One entry stays zero, to end the list.
+        // One entry stays zero, to terminate the list.
         if total >= self.header.index_entries {
             self.move_index((total + 1).next_power_of_two() * 2)?;
         }
@@ -155,7 +155,7 @@ impl GsdWriter {
         self.write_header()
     }
 
-    /// Adds the names that are new to the name list; if that fails, they stay unknown.
+    /// Adds new names to the name list; if that fails, they remain unknown.
     fn register_names(&mut self, chunks: &[Chunk]) -> Result<()> {
         let known = self.names.len();
         let result = self.write_new_names(chunks);

@@ -4,7 +4,7 @@ use super::polygon;
 use crate::{IoError, Result};
 use protomer_kernel::{TriangleMesh, Vec3};
 
-/// Collects polygons into triangles, refusing faces that name vertices which do not exist.
+/// Collects polygons into triangles, refusing faces that refer to vertices that do not exist.
 pub(super) struct MeshBuilder<'a> {
     file: &'a str,
     mesh: TriangleMesh,
@@ -55,9 +55,9 @@ impl<'a> MeshBuilder<'a> {
                 Ok(index) if (index as usize) < count => indices.push(index),
                 _ => {
                     let cause = format!(
-                        "a face names vertex {corner} (counted from zero), but there are {count}"
+                        "a face refers to vertex {corner} (counted from zero), but there are {count}"
                     );
-                    let remedy = "the file is damaged or cut: make it again";
+                    let remedy = "the file is damaged or truncated: make it again";
                     return Err(self.error(line, &cause, remedy));
                 }
             }

@@ -1,7 +1,7 @@
 //! Triangle meshes: one module per format, and the choice between them by extension.
 //!
-//! Readers check that the file can be understood, that coordinates are finite and that faces name
-//! vertices that exist. Whether the surface is closed, [`TriangleMesh::topology`] says.
+//! Readers check that the file can be understood, that coordinates are finite and that faces refer
+//! to existing vertices. Use [`TriangleMesh::topology`] to check whether the surface is closed.
 
 mod builder;
 pub mod obj;
@@ -27,7 +27,7 @@ pub enum MeshFormat {
 }
 
 impl MeshFormat {
-    /// The format that the extension of a file name tells; `.gz` after it is ignored.
+    /// The format given by the extension of a file name; a final `.gz` is ignored.
     ///
     /// ```
     /// use protomer_io::mesh::MeshFormat;
@@ -36,7 +36,7 @@ impl MeshFormat {
     /// ```
     ///
     /// # Errors
-    /// [`IoError::Parse`] names the extensions there are.
+    /// [`IoError::Parse`] lists the known extensions.
     pub fn from_name(name: &str) -> Result<Self> {
         let lower = name.to_ascii_lowercase();
         let plain = lower.strip_suffix(".gz").unwrap_or(&lower);
@@ -54,7 +54,7 @@ impl MeshFormat {
     }
 }
 
-/// Reads a mesh in the format that the extension of its name tells.
+/// Reads a mesh in the format given by the extension of its name.
 ///
 /// ```
 /// let off = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";

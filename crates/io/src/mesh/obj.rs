@@ -25,7 +25,7 @@ pub fn read_obj(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
     let text = text::decode(name, bytes)?;
     let text = text.replace("\\\r\n", " ").replace("\\\n", " ");
     let mut builder = MeshBuilder::new(name);
-    // A face may only name vertices above it, so one pass is enough.
+    // A face may only refer to vertices above it, so one pass is enough.
     for line in Line::significant(name, &text) {
         let mut tokens = line.text.split_whitespace();
         match tokens.next() {
@@ -48,7 +48,7 @@ pub fn read_obj(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
 fn corner(line: &Line, token: &str, vertices: i64) -> Result<i64> {
     let index = line.integer(token.split('/').next(), "a vertex index")?;
     match index {
-        0 => Err(line.error("a face names vertex 0", "count vertices from one")),
+        0 => Err(line.error("a face refers to vertex 0", "count vertices from one")),
         negative if negative < 0 => Ok(vertices.saturating_add(negative)),
         positive => Ok(positive - 1),
     }

@@ -24,12 +24,12 @@ pub fn read_off(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
     let mut lines = Line::significant(name, &text);
     let cut = || {
         let cause = "the file ends before all its faces";
-        IoError::parse(name, 0, cause, "it is cut: make it again")
+        IoError::parse(name, 0, cause, "it is truncated: make it again")
     };
     let (vertices, faces) = counts(&mut lines)?.ok_or_else(cut)?;
     let mut builder = MeshBuilder::new(name);
-    // Counts only steer the loops: each turn takes a line, so a wrong header runs out of lines, not
-    // of memory.
+    // Counts only control the loops: each iteration consumes a line, so a wrong header runs out of
+    // lines, not of memory.
     for _ in 0..vertices {
         let line = lines.next().ok_or_else(cut)?;
         let position = line.point(&mut line.text.split_whitespace(), "a vertex")?;

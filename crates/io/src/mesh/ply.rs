@@ -8,7 +8,7 @@ use crate::{IoError, Result};
 use protomer_kernel::{TriangleMesh, Vec3};
 use std::fmt::Write;
 
-const REMEDY: &str = "the file is damaged, cut or not PLY: make it again";
+const REMEDY: &str = "the file is damaged, truncated or not PLY: make it again";
 
 /// Reads the vertices (`x`, `y`, `z`) and faces (`vertex_indices` or `vertex_index`) of a PLY file:
 /// ASCII, binary little-endian or binary big-endian. Other elements and properties are ignored;
@@ -47,8 +47,8 @@ pub fn read_ply(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
     let mut builder = MeshBuilder::new(name);
     let mut list = Vec::new();
     for element in &header.elements {
-        // The count only steers the loop: every row takes at least a byte, so a wrong header runs
-        // out of bytes.
+        // The count only controls the loop: every row consumes at least a byte, so a wrong
+        // header runs out of bytes.
         for _ in 0..element.count {
             read_row(name, element, values.as_mut(), &mut list, &mut builder)?;
         }
@@ -362,7 +362,7 @@ impl Property {
     }
 }
 
-/// A value, or what is wrong; the caller adds where.
+/// A value or an error message; the caller adds the location.
 type Scan<T> = std::result::Result<T, String>;
 
 /// A source of property values, row by row.

@@ -26,11 +26,11 @@ const TRIANGLE_BYTES: usize = 50;
 /// [`IoError::Parse`] names the line (ASCII) or the number of bytes missing (binary).
 pub fn read_stl(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
     let refuse = |cause: &str| {
-        let remedy = "it is cut or not STL: make it again";
+        let remedy = "it is truncated or not STL: make it again";
         Err(IoError::parse(name, 0, cause, remedy))
     };
     let promised = binary_triangles(bytes);
-    // Binary headers may begin with "solid" too; the length tells them apart.
+    // Binary headers may start with "solid" too; the length distinguishes them.
     if promised.is_some_and(|count| bytes.len() as u128 == binary_length(count)) {
         return read_binary(name, bytes);
     }
@@ -39,7 +39,7 @@ pub fn read_stl(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
     }
     match promised {
         Some(count) => refuse(&format!(
-            "its header promises {count} triangles in {} bytes, but the file has {} bytes",
+            "its header states {count} triangles in {} bytes, but the file has {} bytes",
             binary_length(count),
             bytes.len()
         )),
@@ -54,7 +54,7 @@ fn binary_triangles(bytes: &[u8]) -> Option<u32> {
     cursor.u32().ok()
 }
 
-/// Bytes of a binary file of so many triangles.
+/// Length of a binary file with `count` triangles.
 fn binary_length(triangles: u32) -> u128 {
     (HEADER_BYTES + 4) as u128 + u128::from(triangles) * TRIANGLE_BYTES as u128
 }
@@ -73,7 +73,7 @@ fn read_binary(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
     welder.builder.finish()
 }
 
-/// The corners of a triangle, after its normal, which their order states as well.
+/// The corners of a triangle; the normal before them is redundant and skipped.
 fn binary_corners(record: &[u8]) -> std::result::Result<[Vec3; 3], Ended> {
     let mut cursor = Cursor::new(record);
     cursor.take(12)?;
@@ -112,7 +112,12 @@ fn read_ascii(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
     }
     if !closed {
         let cause = "the file ends before `endsolid`";
-        return Err(IoError::parse(name, 0, cause, "it is cut: make it again"));
+        return Err(IoError::parse(
+            name,
+            0,
+            cause,
+            "it is truncated: make it again",
+        ));
     }
     welder.builder.finish()
 }
@@ -145,7 +150,7 @@ impl<'a> Welder<'a> {
     }
 
     fn vertex(&mut self, line: usize, corner: Vec3) -> Result<i64> {
-        // Adding zero turns -0 into 0, which is the same place.
+        // Adding zero turns -0 into 0, which is the same point.
         let key = [corner.x, corner.y, corner.z].map(|coordinate| (coordinate + 0.0).to_bits());
         if let Some(&known) = self.vertex_at.get(&key) {
             return Ok(known);

@@ -1,4 +1,4 @@
-//! Arrays, chunks, files: what writer and reader must agree on.
+//! The layout shared by writer and reader: arrays, chunks, files.
 
 use crate::{IoError, Result};
 use half::f16;
@@ -12,10 +12,10 @@ use zarrs::filesystem::FilesystemStore;
 
 /// Version of the layout that this program writes, and the newest it reads.
 pub const LAYOUT_VERSION: u64 = 1;
-/// Elements of a chunk, the least that is decompressed at once: about one sample.
+/// Elements of a chunk, the unit of decompression: about one sample.
 pub const CHUNK_ELEMENTS: u64 = 8192;
-/// A file of an array holds this many elements at most, which bounds the memory that writing takes:
-/// some 2000 samples.
+/// Upper limit for the elements in a file of an array, which limits the memory for writing: about
+/// 2000 samples.
 const MOST_ELEMENTS_PER_FILE: u64 = 1 << 24;
 /// Level of zstd.
 const COMPRESSION_LEVEL: u8 = 3;
@@ -24,7 +24,7 @@ const COMPRESSION_LEVEL: u8 = 3;
 pub const INDEX: &str = "index";
 /// Name of the array of the samples' first elements.
 pub const OFFSETS: &str = "offsets";
-/// Name of the table of numbers known of each sample.
+/// Name of the table of sample properties.
 pub const PROPERTIES: &str = "properties";
 
 /// Index of a chunk that was never written.

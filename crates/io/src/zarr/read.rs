@@ -1,4 +1,4 @@
-//! One sample out, checked.
+//! Reads and checks one sample.
 
 use super::layout::{self, INDEX, LAYOUT_VERSION, OFFSETS, PROPERTIES};
 use super::stored::Stored;
@@ -87,7 +87,7 @@ impl SetReader {
         self.offsets.len() - 1
     }
 
-    /// Whether there are none.
+    /// Whether there are no samples.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -107,13 +107,13 @@ impl SetReader {
         &self.attributes
     }
 
-    /// Names of the columns of numbers.
+    /// Names of the numeric columns.
     pub fn columns(&self) -> &[String] {
         &self.columns
     }
 
-    /// The numbers known of a sample, in the order of the columns; empty if there is no such
-    /// sample.
+    /// The numeric properties of a sample, in the order of the columns; empty if there is
+    /// no such sample.
     pub fn row(&self, sample: usize) -> &[f64] {
         let width = self.columns.len();
         self.rows
@@ -121,7 +121,7 @@ impl SetReader {
             .unwrap_or_default()
     }
 
-    /// The words known of each sample, by the name of the list.
+    /// The string properties of the samples, by the name of the list.
     pub fn words(&self, list: &str) -> Option<Vec<String>> {
         words(self.attributes.get("samples")?.get(list))
     }
@@ -141,8 +141,8 @@ impl SetReader {
     /// Reads a sample.
     ///
     /// # Errors
-    /// [`IoError::Parse`] for a sample that is not there; for a damaged or missing file it names
-    /// the file and all samples that lie in it.
+    /// [`IoError::Parse`] for a sample that does not exist; for a damaged or missing file,
+    /// names the file and all samples in it.
     pub fn sample(&self, sample: usize) -> Result<StoredSample> {
         let Some(range) = self.range(sample) else {
             let set = self.path.display().to_string();
@@ -176,12 +176,12 @@ impl SetReader {
         }
     }
 
-    /// The error for a file that a sample could not be read from.
+    /// The error if a sample cannot be read from a file.
     fn damaged(&self, stored: &Stored, range: &Range<u64>, sample: usize, cause: &str) -> IoError {
         let per_file = stored.per_file();
         let first = range.start / per_file;
         let last = range.end.saturating_sub(1).max(range.start) / per_file;
-        // Of the files that a sample lies in, the one that cannot be read, if one alone cannot.
+        // The unreadable file among those of the sample, if there is exactly one.
         let file = (first..=last)
             .find(|file| !stored.reads(*file))
             .unwrap_or(first);
@@ -209,7 +209,7 @@ impl SetReader {
     }
 }
 
-/// The values of a channel as single precision, none of them missing or not finite.
+/// The values of a channel in single precision; all must be present and finite.
 fn read_channel(stored: &Stored, range: Range<u64>) -> std::result::Result<Vec<f32>, String> {
     let halves: Vec<f16> = stored.read(range)?;
     let singles = halves.to_f32_vec();
@@ -239,7 +239,7 @@ fn not_a_set(path: &Path, cause: &str) -> IoError {
     IoError::parse(&file, 0, cause, remedy)
 }
 
-/// The attributes of a group that say what the set is.
+/// The attributes of a group that describe the set.
 struct Head<'a> {
     path: &'a Path,
     attributes: &'a Map<String, Value>,
@@ -279,7 +279,7 @@ impl Head<'_> {
         }
     }
 
-    /// The array of a channel, which has a value for each of the set's voxels.
+    /// The array of a channel, with a value for each voxel of the set.
     fn channel(&self, store: &Arc<FilesystemStore>, name: &str, voxels: u64) -> Result<Stored> {
         let stored = Stored::open(self.path, store, name)?;
         if stored.length() == voxels {

@@ -1,4 +1,4 @@
-//! An array on the disk, its chunks checked when they are first read.
+//! An array on disk, with chunks verified when first read.
 
 use crate::{IoError, Result};
 use serde_json::{Map, Value};
@@ -15,7 +15,7 @@ use zarrs::array::{
 };
 use zarrs::filesystem::FilesystemStore;
 
-/// Chunks remembered as verified: 16 million, a thousand times the largest set.
+/// Maximum number of chunks remembered as verified: 16 million, a thousand times the largest set.
 const MOST_CHUNKS: u64 = 1 << 24;
 
 /// An array of the layout.
@@ -25,7 +25,7 @@ pub(super) struct Stored {
     cache: ArrayShardedReadableExtCache,
     per_file: u64,
     per_chunk: u64,
-    /// Which chunks have been checked against their checksums already.
+    /// The chunks that have already been verified.
     verified: Vec<AtomicBool>,
 }
 
@@ -54,7 +54,7 @@ impl Stored {
             .first()
             .map_or(per_file, |length| length.get());
         let length = array.shape().first().copied().unwrap_or(0);
-        // A damaged length must not take memory: elements that are there take at least a bit each.
+        // A damaged length must not allocate memory: stored elements take at least a bit each.
         let chunks = length.div_ceil(per_chunk).min(MOST_CHUNKS);
         let mut verified = Vec::new();
         verified.resize_with(chunks as usize, AtomicBool::default);
@@ -99,7 +99,7 @@ impl Stored {
         }
         self.verify(&range)?;
         let subset = ArraySubset::new_with_ranges(&[range]);
-        // One sample is little work: threads belong to whoever asks for many.
+        // One sample is little work; parallelism is left to the caller.
         let options = CodecOptions::default().with_concurrent_target(1);
         self.array
             .retrieve_array_subset_sharded_opt::<Vec<T>>(&self.cache, &subset, &options)
@@ -113,8 +113,7 @@ impl Stored {
             .map_err(|cause| cause.to_string())
     }
 
-    /// Checks the chunks of a range against their checksums, once: reading a part of a chunk does
-    /// not.
+    /// Verifies the checksums of the chunks of a range, once: reading a part of a chunk does not.
     fn verify(&self, range: &Range<u64>) -> std::result::Result<(), String> {
         if !self.array.is_sharded() {
             return Ok(());
@@ -139,7 +138,7 @@ impl Stored {
             Ok(None) => return Err("a part is missing".into()),
             Err(cause) => return Err(cause.to_string()),
         };
-        // The checksum stands last: what is under it is left to the array's own codecs.
+        // The checksum is the outermost codec; the inner ones are left to the array.
         let size = BytesRepresentation::BoundedSize(bytes.len() as u64);
         let options = CodecOptions::default();
         match Crc32cCodec::new().decode(Cow::Owned(bytes), &size, &options) {
@@ -148,7 +147,7 @@ impl Stored {
         }
     }
 
-    /// Whether a file can be read from end to end.
+    /// Whether a file can be read completely.
     pub(super) fn reads(&self, file: u64) -> bool {
         self.array.retrieve_chunk::<ArrayBytes>(&[file]).is_ok()
     }

@@ -1,4 +1,4 @@
-//! Samples in, one after the other.
+//! Writes samples one after another.
 
 use super::layout::{self, INDEX, Kind, LAYOUT_VERSION, NO_INDEX, OFFSETS, PROPERTIES};
 use crate::{IoError, Result};
@@ -40,7 +40,7 @@ pub struct SetWriter {
     stored: Vec<Filling<f16>>,
 }
 
-/// An array and what waits until a file of it is full.
+/// An array, and the elements waiting for a full file.
 struct Filling<T: Element + Copy> {
     array: Array<FilesystemStore>,
     name: String,
@@ -51,7 +51,7 @@ struct Filling<T: Element + Copy> {
 }
 
 impl<T: Element + Copy> Filling<T> {
-    /// An array of one dimension with so many elements.
+    /// A one-dimensional array with `elements` elements.
     fn new(
         store: &Arc<FilesystemStore>,
         name: &str,
@@ -89,7 +89,7 @@ impl<T: Element + Copy> Filling<T> {
         Ok(())
     }
 
-    /// Stores the last file, filled up.
+    /// Stores the last file, padded.
     fn finish(mut self) -> Result<()> {
         if !self.waiting.is_empty() {
             let mut last = std::mem::take(&mut self.waiting);
@@ -100,7 +100,7 @@ impl<T: Element + Copy> Filling<T> {
     }
 }
 
-/// Chunks one after the other: several threads would put them into a file in the order in which
+/// Chunks are written sequentially: several threads would write them in the order in which
 /// they finish.
 fn in_order() -> CodecOptions {
     CodecOptions::default().with_concurrent_target(1)
@@ -116,7 +116,7 @@ fn succeeded<T, E: std::fmt::Display>(array: &str, result: std::result::Result<T
     })
 }
 
-/// The value that a set keeps for this one: rounded to half precision, infinite beyond ± 65504.
+/// The stored form of a value: rounded to half precision, infinite beyond ± 65504.
 ///
 /// ```
 /// use protomer_io::zarr::as_stored;
@@ -128,7 +128,7 @@ pub fn as_stored(value: f32) -> f32 {
 }
 
 impl SetWriter {
-    /// Begins a set in a folder that is new or empty, for grids of `size`³ voxels with `voxels`
+    /// Starts a set in a new or empty folder, for grids of `size`³ voxels with `voxels`
     /// occupied ones in all samples together. `implied` are those of the channels that are 1 in
     /// every occupied voxel and so need no array.
     ///
@@ -168,7 +168,7 @@ impl SetWriter {
     ///
     /// # Errors
     /// [`IoError::Unwritable`] for indices that do not ascend inside the grid, lengths that
-    /// disagree, values that half precision cannot hold, and a disk that takes no more.
+    /// disagree, values that half precision cannot hold, and a file that cannot be written.
     pub fn push(&mut self, index: &[u32], values: &[&[f32]]) -> Result<()> {
         if !layout::ascends_within(index, self.size) {
             let cause = "voxel numbers do not ascend inside the grid";
@@ -208,8 +208,8 @@ impl SetWriter {
         IoError::unwritable(format!("sample {sample}: {cause}"), remedy)
     }
 
-    /// Ends the set with a table of numbers for each sample (rows in the order of the samples) and
-    /// further attributes. Among them should be `samples`, words for each sample: an object of
+    /// Completes the set with a table of numbers for each sample (rows in the order of the samples)
+    /// and further attributes. Among them should be `samples`, words for each sample: an object of
     /// lists, of which `name` is used in messages.
     ///
     /// # Errors

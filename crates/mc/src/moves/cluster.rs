@@ -1,17 +1,17 @@
 //! Geometric cluster moves (Liu and Luijten, Phys. Rev. Lett. 92, 035504 (2004)) by proper
 //! rotations.
 //!
-//! A half turn T about an axis is carried out on a seed body. A partner j of a moved body i follows
-//! with probability 1 - exp(-max(0, Δ)), Δ = u(T i, j) - u(i, j), which is one when T i overlaps j;
-//! then j's partners are asked, and so on. The result is always accepted.
+//! A half turn T about an axis is applied to a seed body. A partner j of a moved body i follows
+//! with probability 1 - exp(-max(0, Δ)), Δ = u(T i, j) - u(i, j), which is 1 if T i overlaps j;
+//! then j's partners are tested, and so on. The result is always accepted.
 //!
 //! **Why this is exact.** T is an isometry of the space and its own inverse (Dress and Krauth, J.
-//! Phys. A 28, L597 (1995)), so the move back starts from the same seed with the same T, and every
-//! bond inside the cluster has the same Δ in both directions. Only the bonds that failed between
-//! the cluster and the rest differ, and the ratio of their probabilities is Π exp(-Δ) = exp(-ΔU):
-//! the Boltzmann factor. It remains that T must be as likely in the state after the move as before;
-//! see [`HalfTurn::random`]. A half turn is a proper rotation, so it does not turn a protein into
-//! its mirror image, as a point reflection would.
+//! Phys. A 28, L597 (1995)), so the reverse move starts from the same seed with the same T, and
+//! every bond inside the cluster has the same Δ in both directions. Only the bonds that failed
+//! between the cluster and the rest differ, and the ratio of their probabilities is Π exp(-Δ) =
+//! exp(-ΔU): the Boltzmann factor. It remains that T must be as likely in the state after the move
+//! as before; see [`HalfTurn::random`]. A half turn is a proper rotation, so it does not turn a
+//! protein into its mirror image, as a point reflection would.
 
 use crate::Result;
 use crate::energy::EnergyModel;
@@ -32,7 +32,7 @@ pub struct HalfTurn {
 }
 
 impl HalfTurn {
-    /// Draws a half turn for the body `seed` that carries this space into itself.
+    /// Draws a half turn for the body `seed` that maps the space to itself.
     ///
     /// * Open space: any axis at a distance d from the seed's origin, d uniform in 0..reach, in a
     ///   random direction.
@@ -41,11 +41,11 @@ impl HalfTurn {
     ///   distance below `reach_angstrom` from the seed, one time in two anywhere through the box.
     /// * A spherical wall: an axis through the wall's centre.
     ///
-    /// **Why T is as likely after the move as before.** The density with which an axis is drawn
+    /// **Why T is as likely after the move as before.** The probability density of an axis
     /// depends only on its direction and its distance from the seed's origin (or on neither). A
     /// half turn keeps the distance between the seed's origin and its own axis. On a periodic box
-    /// one and the same T has several axes, at half the box length from each other; T carries each
-    /// of them into itself up to images, so the sum over them is kept too.
+    /// one and the same T has several axes, at half the box length from each other; T maps each
+    /// of them to itself up to images, so the sum over them is conserved too.
     pub fn random(system: &System, seed: usize, reach_angstrom: f64, rng: &mut CounterRng) -> Self {
         let origin = system.pose(seed).position;
         match system.boundary() {
@@ -85,7 +85,7 @@ impl HalfTurn {
     }
 }
 
-/// A vector across `direction`, its length uniform in 0..reach.
+/// A vector perpendicular to `direction`, with length uniform in 0..reach.
 fn beside(direction: &Vec3, reach: f64, rng: &mut CounterRng) -> Vec3 {
     let length = reach * rng.uniform();
     loop {
@@ -96,8 +96,8 @@ fn beside(direction: &Vec3, reach: f64, rng: &mut CounterRng) -> Vec3 {
     }
 }
 
-/// Grows the cluster of `seed` under the half turn and returns its members, ascending. Energies are
-/// left proposed in the model, ready to be committed; the system is not changed.
+/// Grows the cluster of `seed` under the half turn and returns its members, ascending. The
+/// proposed energies remain in the model, ready to be committed; the system is not changed.
 ///
 /// # Errors
 /// [`McError::NonFiniteEnergy`](crate::McError::NonFiniteEnergy) names a pair whose energy is not
@@ -141,7 +141,7 @@ pub(crate) fn grow(
     Ok((0..system.len()).filter(|body| in_cluster[*body]).collect())
 }
 
-/// Adds what is only in `other`; both ascending.
+/// Adds the elements that are only in `other`; both are sorted in ascending order.
 fn merge(indices: &mut Vec<usize>, other: &[usize]) {
     indices.extend_from_slice(other);
     indices.sort_unstable();

@@ -5,7 +5,7 @@ use protomer_kernel::Pose;
 use protomer_kernel::random::CounterRng;
 use serde::{Deserialize, Serialize};
 
-/// What a trial move of one body does.
+/// The kinds of trial moves of one body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Kind {
     /// Moves the origin.

@@ -1,4 +1,4 @@
-//! How far a trial move goes, tuned during equilibration and then frozen.
+//! The step sizes of trial moves, tuned during equilibration and then frozen.
 
 use super::Kind;
 use serde::{Deserialize, Serialize};
@@ -6,17 +6,25 @@ use std::f64::consts::PI;
 
 /// Trials of one kind between two adjustments.
 const WINDOW_TRIALS: u64 = 100;
-/// The most an adjustment may change a step.
+/// The largest factor by which an adjustment may change a step.
 const LARGEST_FACTOR: f64 = 1.5;
-/// A step is never made smaller than this (Å or rad).
+/// Lower limit for a step (Å or rad).
 const SMALLEST_STEP: f64 = 1e-6;
 
 /// Trials and acceptances.
+///
+/// ```
+/// use protomer_mc::moves::Acceptance;
+/// let mut translations = Acceptance::default();
+/// translations.count(true);
+/// translations.count(false);
+/// assert_eq!(translations.rate(), Some(0.5));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Acceptance {
-    /// Moves tried.
+    /// Attempted moves.
     pub trials: u64,
-    /// Moves accepted.
+    /// Accepted moves.
     pub accepted: u64,
 }
 
@@ -64,7 +72,8 @@ impl Tuner {
         }
     }
 
-    /// Counts a trial and, every so many of a kind, moves that step towards the target acceptance.
+    /// Counts a trial. After a fixed number of trials of one kind, adjusts that step towards the
+    /// target acceptance.
     pub fn learn(&mut self, kind: Kind, accepted: bool, target_acceptance: f64) {
         let (step, largest, window) = match kind {
             Kind::Translation => (

@@ -11,7 +11,7 @@ use protomer_results::ResultKind;
 use serde::Serialize;
 use std::path::{Component, Path, PathBuf};
 
-/// Bodies with the file each was read from.
+/// Bodies with the files they were read from.
 #[derive(Debug)]
 pub struct BodyFiles {
     /// The files.
@@ -26,12 +26,13 @@ impl BodyFiles {
     /// Reads body files.
     ///
     /// # Errors
-    /// Names the file that cannot be used.
+    /// Names the file that cannot be read.
     pub fn read(paths: &[PathBuf]) -> Result<Self> {
-        let bodies = paths
-            .iter()
-            .map(|path| Ok(body_file::read(path)?.0))
-            .collect::<Result<Vec<Body>>>()?;
+        let mut bodies = Vec::with_capacity(paths.len());
+        for path in paths {
+            let (body, _) = body_file::read(path)?;
+            bodies.push(body);
+        }
         Self::new(paths.to_vec(), bodies)
     }
 
@@ -47,7 +48,7 @@ impl BodyFiles {
         })
     }
 
-    /// The assembly file of placements, with body files named relative to `path`.
+    /// Describes placements as an assembly file; the names of body files are relative to `path`.
     ///
     /// # Errors
     /// If a folder does not exist.
@@ -80,52 +81,53 @@ impl BodyFiles {
         Ok(file)
     }
 
-    /// Names by which placements call the bodies: their own, numbered where two share one.
+    /// The names by which placements refer to bodies: their own names, numbered where two share
+    /// one.
     fn names(&self) -> Vec<String> {
-        let own: Vec<&str> = self.bodies.iter().map(|body| body.name.as_str()).collect();
-        let numbered =
-            |(index, name): (usize, &&str)| match own.iter().filter(|other| *other == name).count()
-            {
-                1 => (*name).to_owned(),
+        let mut names = Vec::with_capacity(self.bodies.len());
+        for (index, body) in self.bodies.iter().enumerate() {
+            let name = &body.name;
+            let sharing = self.bodies.iter().filter(|other| other.name == *name);
+            names.push(match sharing.count() {
+                1 => name.clone(),
                 _ => format!("{name}-{}", index + 1),
-            };
-        own.iter().enumerate().map(numbered).collect()
+            });
+        }
+        names
     }
 }
 
 /// Writes an assembly file.
 ///
 /// # Errors
-/// If the disk does not take it.
+/// If the file cannot be written.
 pub fn write_assembly(path: &Path, file: &AssemblyFile) -> Result<()> {
-    let text = serde_json::to_string_pretty(file).context("the assembly cannot be written down")?;
+    let text = serde_json::to_string_pretty(file).context("the assembly cannot be serialised")?;
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder)
-            .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+            .with_context(|| format!("cannot create the folder {}", folder.display()))?;
     }
     write_atomically(path, |out| writeln!(out, "{text}"))?;
     Ok(())
 }
 
-/// The way from the folder of `from` to `file`.
+/// The path from the folder of `from` to `file`.
 fn relative_to(file: &Path, from: &Path) -> Result<PathBuf> {
-    let folder = from
-        .parent()
-        .filter(|parent| !parent.as_os_str().is_empty())
-        .unwrap_or(Path::new("."));
-    let absolute =
-        |path: &Path| std::path::absolute(path).with_context(|| path.display().to_string());
+    let folder = match from.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
     let (file, folder) = (absolute(file)?, absolute(folder)?);
-    let shared = file
-        .components()
-        .zip(folder.components())
-        .take_while(|(a, b)| a == b)
-        .count();
-    let up = folder
-        .components()
-        .skip(shared)
-        .map(|_| Component::ParentDir);
-    Ok(up.chain(file.components().skip(shared)).collect())
+    let both = file.components().zip(folder.components());
+    let shared = both.take_while(|(a, b)| a == b).count();
+    let levels_up = folder.components().count() - shared;
+    let mut relative: PathBuf = std::iter::repeat_n(Component::ParentDir, levels_up).collect();
+    relative.extend(file.components().skip(shared));
+    Ok(relative)
+}
+
+fn absolute(path: &Path) -> Result<PathBuf> {
+    std::path::absolute(path).with_context(|| path.display().to_string())
 }
 
 /// What [`assemble_structure`] found and did.
@@ -137,7 +139,7 @@ pub struct StructureAssembly {
     pub bodies: Vec<StructureBody>,
     /// Pairs of copies that overlap as hard bodies.
     pub overlaps: Vec<(usize, usize)>,
-    /// Factor of the uniform expansion that removed them; one for none.
+    /// Factor of the uniform expansion that removed the overlaps; 1 if there were none.
     pub expansion_factor: f64,
     /// The largest displacement of a body by the expansion, Å.
     pub largest_displacement_angstrom: f64,
@@ -178,22 +180,37 @@ pub struct StructureBody {
     pub rmsd_angstrom: Vec<f64>,
 }
 
-/// How a structure is taken apart.
+/// How a structure is decomposed into bodies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StructureSettings {
     /// How bodies are made.
     pub body: BodySettings,
-    /// Remove overlaps by the smallest uniform expansion.
+    /// Whether to remove overlaps by the smallest uniform expansion.
     pub relax: bool,
     /// Periodic box, Å.
     pub box_angstrom: Option<[f64; 3]>,
 }
 
-/// Takes a structure apart into bodies, one per kind of chain, and writes them with the assembly
+/// Decomposes a structure into bodies, one per kind of chain, and writes them with the assembly
 /// into a folder.
 ///
 /// # Errors
 /// Without `relax`, chains that overlap as hard bodies are an error that lists the pairs.
+///
+/// ```no_run
+/// use protomer::answer::Answer;
+/// use protomer::assemblies::assemble::{StructureSettings, assemble_structure};
+/// use protomer_body::BodySettings;
+/// use std::path::Path;
+/// let settings = StructureSettings {
+///     body: BodySettings::default(),
+///     relax: true,
+///     box_angstrom: Some([300.0; 3]),
+/// };
+/// let assembly = assemble_structure(Path::new("6mdr.cif.gz"), Path::new("6mdr"), &settings)?;
+/// println!("{}", assembly.text());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn assemble_structure(
     input: &Path,
     folder: &Path,
@@ -207,7 +224,7 @@ pub fn assemble_structure(
         .with_context(|| file.name.clone())?;
     let types = assembly::body_types(&selection).with_context(|| file.name.clone())?;
     std::fs::create_dir_all(folder)
-        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        .with_context(|| format!("cannot create the folder {}", folder.display()))?;
     let (mut paths, mut bodies, mut placements, mut chains) =
         (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let mut described = Vec::new();
@@ -220,22 +237,19 @@ pub fn assemble_structure(
         let built = build_body_of_selection(&name, source, body_type.selection, &settings.body)
             .with_context(|| format!("{}: chain {}", file.name, body_type.reference))?;
         let path = folder.join(format!("{name}.body"));
-        described.push(StructureBody {
+        let mut of_body = StructureBody {
             file: path.clone(),
             reference: body_type.reference,
-            chains: body_type
-                .copies
-                .iter()
-                .map(|copy| copy.chain.clone())
-                .collect(),
-            rmsd_angstrom: body_type
-                .copies
-                .iter()
-                .map(|copy| copy.rmsd_angstrom)
-                .collect(),
-        });
-        placements.extend(body_type.copies.iter().map(|copy| (kind, copy.pose)));
-        chains.extend(body_type.copies.into_iter().map(|copy| copy.chain));
+            chains: Vec::new(),
+            rmsd_angstrom: Vec::new(),
+        };
+        for copy in body_type.copies {
+            placements.push((kind, copy.pose));
+            chains.push(copy.chain.clone());
+            of_body.chains.push(copy.chain);
+            of_body.rmsd_angstrom.push(copy.rmsd_angstrom);
+        }
+        described.push(of_body);
         paths.push(path);
         bodies.push(built.body);
     }
@@ -250,15 +264,9 @@ pub fn assemble_structure(
         "source": file.name, "source_sha256": file.sha256, "chains": chains,
         "expansion_factor": expansion.factor,
     });
-    write_assembly(
-        &path,
-        &files.assembly_file(
-            &path,
-            &expansion.placements,
-            settings.box_angstrom,
-            provenance,
-        )?,
-    )?;
+    let edges = settings.box_angstrom;
+    let assembly = files.assembly_file(&path, &expansion.placements, edges, provenance)?;
+    write_assembly(&path, &assembly)?;
     Ok(StructureAssembly {
         assembly: path,
         bodies: described,
@@ -268,7 +276,8 @@ pub fn assemble_structure(
     })
 }
 
-/// Free placements: as they are, or expanded if that is wanted and needed.
+/// Placements without overlaps: the given ones, or expanded ones if `relax` is set and they
+/// overlap.
 fn relax(
     files: &BodyFiles,
     placements: Vec<assembly::Placement>,
@@ -282,10 +291,10 @@ fn relax(
         })?);
     }
     if !overlaps.is_empty() {
-        let pairs: Vec<String> = overlaps
-            .iter()
-            .map(|(i, j)| format!("{}-{}", chains[*i], chains[*j]))
-            .collect();
+        let mut pairs = Vec::new();
+        for (i, j) in overlaps {
+            pairs.push(format!("{}-{}", chains[*i], chains[*j]));
+        }
         bail!(
             "{} pairs of chains overlap as hard bodies: {}; expand the assembly with --relax, or shrink the \
              surfaces with --offset 0.5",

@@ -1,4 +1,4 @@
-//! Assembly files: which bodies stand where.
+//! Assembly files: which bodies there are and where they are placed.
 //!
 //! ```json
 //! {"box_angstrom": [600, 600, 600],
@@ -7,7 +7,7 @@
 //! ```
 //!
 //! File names are relative to the assembly file. A `null` box is open space; `wall_radius_angstrom`
-//! puts a spherical wall about the origin instead.
+//! puts a spherical wall around the origin instead.
 
 use crate::bodies::body_file;
 use anyhow::{Context, Result, bail};
@@ -19,21 +19,35 @@ use serde::{Deserialize, Serialize};
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
-/// An assembly as its file has it.
+/// An assembly as written in its file.
+///
+/// ```
+/// use protomer::assemblies::assembly_file::AssemblyFile;
+/// let text = r#"{
+///     "box_angstrom": [600, 600, 600],
+///     "bodies": [{"name": "a", "file": "a.body"}],
+///     "placements": [
+///         {"body": "a", "position_angstrom": [0, 0, 0], "orientation_wxyz": [1, 0, 0, 0]}
+///     ]
+/// }"#;
+/// let file: AssemblyFile = serde_json::from_str(text)?;
+/// assert_eq!(file.placements[0].body, "a");
+/// # Ok::<(), serde_json::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AssemblyFile {
     /// Edge lengths of the periodic box, Å; `None` for open space.
     #[serde(default)]
     pub box_angstrom: Option<[f64; 3]>,
-    /// Radius of a spherical wall about the origin, Å.
+    /// Radius of a spherical wall around the origin, Å.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wall_radius_angstrom: Option<f64>,
     /// The kinds of bodies.
     pub bodies: Vec<BodyEntry>,
-    /// The bodies themselves.
+    /// The placed bodies.
     pub placements: Vec<Placement>,
-    /// How the assembly was made; for people, ignored by the engines.
+    /// How the assembly was made; a note for readers, ignored by the engines.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub provenance: Option<serde_json::Value>,
 }
@@ -42,7 +56,7 @@ pub struct AssemblyFile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BodyEntry {
-    /// The name by which placements call it.
+    /// The name by which placements refer to it.
     pub name: String,
     /// The body file, relative to the assembly file.
     pub file: PathBuf,
@@ -72,6 +86,14 @@ impl Placement {
 }
 
 /// An assembly with its bodies loaded.
+///
+/// ```no_run
+/// use protomer::assemblies::assembly_file::Assembly;
+/// use std::path::Path;
+/// let assembly = Assembly::read(Path::new("6mdr/assembly.json"))?;
+/// println!("{} bodies of {} kinds", assembly.len(), assembly.bodies.len());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Assembly {
     /// The kinds of bodies.
@@ -80,7 +102,7 @@ pub struct Assembly {
     pub kinds: Vec<usize>,
     /// The pose of each body.
     pub poses: Vec<Pose>,
-    /// The space they live in.
+    /// The space that contains them.
     pub boundary: Boundary,
     /// SHA-256 over the assembly file and the body files, in hexadecimal: the identity of the
     /// input.
@@ -118,10 +140,10 @@ impl Assembly {
     /// Puts loaded bodies (in the order of `file.bodies`) at the placements of a file.
     ///
     /// # Errors
-    /// Names the placement that makes no sense.
+    /// Names the invalid placement.
     pub fn assemble(file: &AssemblyFile, bodies: Vec<Arc<Body>>) -> Result<Self> {
         if file.placements.is_empty() {
-            bail!("the assembly places no body; add entries to 'placements'");
+            bail!("the assembly contains no bodies; add entries to 'placements'");
         }
         for (index, entry) in file.bodies.iter().enumerate() {
             if file.bodies[..index]
@@ -129,7 +151,7 @@ impl Assembly {
                 .any(|earlier| earlier.name == entry.name)
             {
                 bail!(
-                    "two entries of 'bodies' are called '{}'; give each a name of its own",
+                    "two entries of 'bodies' are named '{}'; give each a unique name",
                     entry.name
                 );
             }
@@ -166,21 +188,21 @@ impl Assembly {
         })
     }
 
-    /// Number of bodies placed.
+    /// Number of placed bodies.
     pub fn len(&self) -> usize {
         self.poses.len()
     }
 
-    /// Whether nothing is placed.
+    /// Whether no body is placed.
     pub fn is_empty(&self) -> bool {
         self.poses.is_empty()
     }
 
-    /// The way from a directory to the assembly file, which stays right when a folder that holds
-    /// both is moved; `None` without a file, or where there is no such way.
+    /// The relative path from a directory to the assembly file. It stays valid when a folder
+    /// that holds both is moved. `None` without a file, or if there is no relative path.
     pub fn path_from(&self, directory: &Path) -> Option<PathBuf> {
         let file = self.path.as_ref()?.canonicalize().ok()?;
-        // The directory need not be there yet.
+        // The directory need not exist yet.
         let from = directory
             .canonicalize()
             .or_else(|_| std::path::absolute(directory))
@@ -227,7 +249,7 @@ fn checked_pose(placement: &Placement) -> Result<Pose> {
         );
     }
     if !(norm.is_finite() && (norm - 1.0).abs() < 1e-3) {
-        bail!("orientation_wxyz has the length {norm:.4}; give a unit quaternion, scalar first");
+        bail!("orientation_wxyz has length {norm:.4}; give a unit quaternion, scalar first");
     }
     Ok(Pose::from_wxyz(
         Vec3::from(placement.position_angstrom),

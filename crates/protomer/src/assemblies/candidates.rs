@@ -1,4 +1,4 @@
-//! The up/down arrangements of a ring or stack that are different under its symmetry.
+//! The up/down arrangements of a ring or stack that are distinct under its symmetry.
 
 use crate::answer::{Answer, columns, heading};
 use crate::assemblies::assemble::{BodyFiles, write_assembly};
@@ -8,22 +8,22 @@ use serde::Serialize;
 use serde_json::json;
 use std::path::PathBuf;
 
-/// What arrangements to look for.
+/// Which arrangements to enumerate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CandidatesSettings {
     /// Body files, in the order in which they alternate.
     pub bodies: Vec<PathBuf>,
     /// Bodies per ring.
     pub ring: usize,
-    /// Rings: one or two.
+    /// Number of rings: one or two.
     pub stack: usize,
-    /// Symmetry asked of an arrangement.
+    /// Symmetry required of an arrangement.
     pub symmetry: Symmetry,
-    /// How much further apart than at contact neighbours and rings are placed, Å.
+    /// Gap left between neighbours and between rings, beyond contact, Å.
     pub gap_angstrom: f64,
     /// Periodic box, Å.
     pub box_angstrom: Option<[f64; 3]>,
-    /// Folder for an assembly file of each; only counted where `None`.
+    /// Folder for one assembly file per arrangement; with `None` they are only counted.
     pub output: Option<PathBuf>,
 }
 
@@ -32,7 +32,7 @@ pub struct CandidatesSettings {
 pub struct CandidatesReport {
     /// The arrangements.
     pub candidates: Candidates,
-    /// Their assembly files, if they were written.
+    /// Their assembly files, if any were written.
     pub assemblies: Vec<PathBuf>,
     #[serde(skip)]
     ring: usize,
@@ -51,8 +51,8 @@ impl Answer for CandidatesReport {
             ]);
         }
         format!(
-            "{} arrangements, {} of the symmetry asked for, {} different under a group of order {}, \
-             {} in their contacts\n{}",
+            "{} arrangements, {} of the required symmetry, {} distinct under a group of order {}, \
+             {} with distinct contacts\n{}",
             found.total,
             found.symmetric,
             found.distinct,
@@ -67,12 +67,28 @@ fn letters(up: &[bool]) -> String {
     up.iter().map(|up| if *up { 'u' } else { 'd' }).collect()
 }
 
-/// Enumerates the arrangements and, if a folder is named, closes each to contact and writes it
-/// there.
+/// Enumerates the arrangements. If a folder is given, closes each to contact and writes it there.
 ///
 /// # Errors
-/// If the numbers describe no ring or stack, a recipe does not fit the bodies, or a file cannot be
-/// read or written.
+/// If the numbers do not describe a ring or stack, a recipe does not fit the bodies, or a file
+/// cannot be read or written.
+///
+/// ```no_run
+/// use protomer::answer::Answer;
+/// use protomer::assemblies::candidates::{CandidatesSettings, candidates};
+/// use protomer_body::assembly::Symmetry;
+/// let settings = CandidatesSettings {
+///     bodies: vec!["a.body".into(), "b.body".into()],
+///     ring: 6,
+///     stack: 2,
+///     symmetry: Symmetry::Dihedral,
+///     gap_angstrom: 0.5,
+///     box_angstrom: None,
+///     output: None,
+/// };
+/// println!("{}", candidates(&settings)?.text());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn candidates(settings: &CandidatesSettings) -> Result<CandidatesReport> {
     let gap = settings.gap_angstrom;
     if !(gap.is_finite() && gap >= 0.0) {

@@ -1,5 +1,4 @@
-//! A fluid: bodies at random places and in random orientations in a periodic box, none overlapping
-//! another.
+//! A fluid: bodies at random positions and orientations in a periodic box, without overlaps.
 
 use crate::answer::Answer;
 use crate::assemblies::assemble::{BodyFiles, write_assembly};
@@ -24,7 +23,7 @@ pub struct FluidAssembly {
 impl Answer for FluidAssembly {
     fn text(&self) -> String {
         format!(
-            "{}: {} bodies at random places, {:.3} mM",
+            "{}: {} bodies at random positions, {:.3} mM",
             self.assembly.display(),
             self.bodies,
             self.concentration_millimolar
@@ -36,6 +35,16 @@ impl Answer for FluidAssembly {
 ///
 /// # Errors
 /// As [`fluid`]; also if a file cannot be read or written.
+///
+/// ```no_run
+/// use protomer::assemblies::fluid::assemble_fluid;
+/// use std::path::{Path, PathBuf};
+/// let bodies = [PathBuf::from("a.body"), PathBuf::from("b.body")];
+/// let seed = 1;
+/// let fluid = assemble_fluid(&bodies, &[8, 8], [500.0; 3], seed, Path::new("fluid.json"))?;
+/// assert_eq!(fluid.bodies, 16);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn assemble_fluid(
     bodies: &[PathBuf],
     counts: &[usize],
@@ -58,12 +67,12 @@ pub fn assemble_fluid(
     })
 }
 
-/// Bodies inserted one after the other ([`protomer_body::assembly::insertion`]). `counts` has the
+/// Inserts bodies one after another ([`protomer_body::assembly::insertion`]). `counts` has the
 /// number of bodies of each kind, in the order of `files`. The same seed gives the same fluid.
 ///
 /// # Errors
-/// If `counts` does not fit `files`, the box is too small for a body beside its own image, or it is
-/// too full.
+/// If `counts` does not fit `files`, the box is too small for a body and its own image, or too
+/// full.
 pub fn fluid(
     files: &BodyFiles,
     counts: &[usize],
@@ -78,7 +87,7 @@ pub fn fluid(
         );
     }
     if counts.iter().all(|count| *count == 0) {
-        bail!("--counts asks for no body at all; give at least one");
+        bail!("--counts asks for no bodies; give at least one");
     }
     Ok(files.hard.insert_at_random(counts, box_angstrom, seed)?)
 }

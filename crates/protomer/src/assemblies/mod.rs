@@ -1,4 +1,4 @@
-//! Assemblies: bodies put together, and the files they are kept in.
+//! Assemblies of bodies, and the files that store them.
 
 pub mod assemble;
 pub mod assembly_file;

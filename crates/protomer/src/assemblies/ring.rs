@@ -8,16 +8,16 @@ use serde::Serialize;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
-/// What ring to make.
+/// Which ring or stack to build.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RingSettings {
     /// Bodies per ring.
     pub members: usize,
-    /// Rings: one, or two stacked with dihedral symmetry.
+    /// Number of rings: one, or two stacked with dihedral symmetry.
     pub stack: usize,
     /// One site per body file; they alternate around the ring.
     pub pattern: Vec<RecipeSite>,
-    /// How much further apart than at contact neighbours and rings are placed, Å.
+    /// Gap left between neighbours and between rings, beyond contact, Å.
     pub gap_angstrom: f64,
     /// Periodic box, Å.
     pub box_angstrom: Option<[f64; 3]>,
@@ -28,7 +28,7 @@ pub struct RingSettings {
 pub struct RingAssembly {
     /// The assembly file.
     pub assembly: PathBuf,
-    /// Bodies in all rings.
+    /// Number of bodies in all rings.
     pub bodies: usize,
     /// Radius of a ring, Å.
     pub radius_angstrom: f64,
@@ -51,8 +51,8 @@ impl Answer for RingAssembly {
 /// Closes a ring or a stack to contact and writes it to an assembly file.
 ///
 /// # Errors
-/// If the bodies do not alternate evenly, the recipe does not fit them, or a file cannot be read or
-/// written.
+/// If the bodies do not alternate evenly, the recipe does not fit them, or a file cannot be read
+/// or written.
 pub fn assemble_ring(
     bodies: &[PathBuf],
     settings: &RingSettings,
@@ -90,8 +90,8 @@ fn recipe(settings: &RingSettings) -> Result<Recipe> {
     };
     if !members.is_multiple_of(kinds) {
         bail!(
-            "{kinds} bodies do not alternate evenly in a ring of {members}; choose --members that the \
-             number of bodies divides"
+            "{kinds} bodies do not alternate evenly in a ring of {members}; choose a multiple of \
+             {kinds} for --members"
         );
     }
     Ok(recipe)

@@ -1,4 +1,4 @@
-//! Body files: everything an engine needs of a body in one versioned, checksummed file.
+//! Body files: everything an engine needs to know about a body, in one versioned, checksummed file.
 
 use anyhow::{Context, Result, bail};
 use protomer_body::{Body, Provenance, Residue, Site};
@@ -10,14 +10,14 @@ use serde::{Deserialize, Serialize};
 use std::io::Read;
 use std::path::Path;
 
-/// What the container says it holds.
+/// The kind of content that the container declares.
 const KIND: &str = "body";
-/// Larger than any body a mesh index can address.
+/// An upper limit for the file size, beyond any body that a mesh index can address.
 const LARGEST_FILE_BYTES: u64 = 8_000_000_000;
-/// Stands for "no residue" in the array of residue indices.
+/// Marks "no residue" in the array of residue indices.
 const NO_RESIDUE: u32 = u32::MAX;
 
-/// The part of a body that is not an array of numbers.
+/// The parts of a body that are not arrays of numbers.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct BodyHeader {
@@ -30,7 +30,7 @@ struct BodyHeader {
 /// Writes a body file.
 ///
 /// # Errors
-/// If the disk does not take it.
+/// If the file cannot be written.
 pub fn write(path: &Path, body: &Body) -> Result<()> {
     let bytes = to_bytes(body)?;
     write_atomically(path, |file| file.write_all(&bytes))?;
@@ -40,7 +40,14 @@ pub fn write(path: &Path, body: &Body) -> Result<()> {
 /// Reads a body file; returns the body and the SHA-256 of the file.
 ///
 /// # Errors
-/// If the file cannot be read, is damaged, or holds no valid body.
+/// If the file cannot be read, is damaged, or does not hold a valid body.
+///
+/// ```no_run
+/// use std::path::Path;
+/// let (body, sha256) = protomer::bodies::body_file::read(Path::new("bodies/5pti.body"))?;
+/// println!("{}: {} sites, {sha256}", body.name, body.sites.len());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn read(path: &Path) -> Result<(Body, String)> {
     let mut bytes = Vec::new();
     std::fs::File::open(path)
@@ -57,11 +64,11 @@ pub fn read(path: &Path) -> Result<(Body, String)> {
     ))
 }
 
-/// Whether a file is there that does not hold exactly this body. The same input with the same
-/// settings gives the same bytes, so that a repeated command finds its own work and goes on.
+/// Whether the file exists and holds anything but exactly this body. The same input with the
+/// same settings gives the same bytes, so a repeated command recognises its own output.
 ///
 /// # Errors
-/// If the file is there and cannot be read.
+/// If the file exists but cannot be read.
 pub fn is_another(path: &Path, body: &Body) -> Result<bool> {
     match std::fs::read(path) {
         Ok(present) => Ok(present != to_bytes(body)?),
@@ -71,35 +78,32 @@ pub fn is_another(path: &Path, body: &Body) -> Result<bool> {
 }
 
 fn to_bytes(body: &Body) -> Result<Vec<u8>> {
+    let (mut charges, mut radii) = (Vec::new(), Vec::new());
+    let (mut residues, mut atom_names) = (Vec::new(), Vec::new());
+    for site in &body.sites {
+        charges.push(site.charge_e);
+        radii.push(site.radius_angstrom);
+        residues.push(site.residue.unwrap_or(NO_RESIDUE));
+        atom_names.push(site.atom_name.clone());
+    }
     let header = BodyHeader {
         name: body.name.clone(),
-        atom_names: body
-            .sites
-            .iter()
-            .map(|site| site.atom_name.clone())
-            .collect(),
+        atom_names,
         residues: body.residues.clone(),
         provenance: body.provenance.clone(),
     };
-    let header = serde_json::to_value(header).context("the body cannot be written down")?;
+    let header = serde_json::to_value(header).context("the body cannot be serialised")?;
     let mut container = Container::new(KIND, header);
     let (triangles, sites) = (body.mesh.triangles.len(), body.sites.len());
-    let of_sites =
-        |value: fn(&Site) -> f64| Array::f64(body.sites.iter().map(value).collect(), [sites]);
     let corners = body.mesh.triangles.iter().flatten().copied().collect();
-    let residues = body
-        .sites
-        .iter()
-        .map(|site| site.residue.unwrap_or(NO_RESIDUE))
-        .collect();
     container.insert("vertices_angstrom", points(body.mesh.vertices.iter())?);
     container.insert("triangles", Array::u32(corners, [triangles, 3])?);
     container.insert(
         "positions_angstrom",
         points(body.sites.iter().map(|site| &site.position))?,
     );
-    container.insert("charges_e", of_sites(|site| site.charge_e)?);
-    container.insert("radii_angstrom", of_sites(|site| site.radius_angstrom)?);
+    container.insert("charges_e", Array::f64(charges, [sites])?);
+    container.insert("radii_angstrom", Array::f64(radii, [sites])?);
     container.insert("residues", Array::u32(residues, [sites])?);
     Ok(container.to_bytes()?)
 }
@@ -112,14 +116,15 @@ fn points<'a>(points: impl Iterator<Item = &'a Vec3>) -> Result<Array> {
     Ok(Array::f64(values, [count, 3])?)
 }
 
-/// A body from the bytes of a file named `file`.
+/// Decodes a body from the bytes of a file named `file`.
 ///
 /// # Errors
-/// If the bytes are damaged or hold no valid body. No input makes this panic or allocate more than
-/// it holds.
+/// If the bytes are damaged or do not hold a valid body. No input causes a panic or an allocation
+/// larger than the input.
 pub fn from_bytes(file: &str, bytes: &[u8]) -> Result<Body> {
     let container = Container::from_bytes(file, KIND, bytes)?;
-    decode(file, container).with_context(|| format!("{file} holds no valid body; make it again"))
+    decode(file, container)
+        .with_context(|| format!("{file} does not hold a valid body; make it again"))
 }
 
 fn decode(file: &str, container: Container) -> Result<Body> {
@@ -148,7 +153,7 @@ fn decode(file: &str, container: Container) -> Result<Body> {
         .iter()
         .any(|index| *index != NO_RESIDUE && *index as usize >= header.residues.len())
     {
-        bail!("a site names a residue that is not there");
+        bail!("a site refers to a residue that does not exist");
     }
     let mut sites = Vec::with_capacity(count);
     for (index, atom_name) in header.atom_names.into_iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Downloading an entry from the Protein Data Bank, only when asked to.
+//! Downloads entries from the Protein Data Bank, only on request.
 
 use crate::answer::Answer;
 use anyhow::{Context, Result, bail};
@@ -12,10 +12,10 @@ use std::time::Duration;
 /// Where the RCSB serves entry files.
 pub const RCSB_DOWNLOAD: &str = "https://files.rcsb.org/download";
 
-/// No entry file is larger than this, compressed.
+/// An upper limit for a compressed entry file.
 const LARGEST_DOWNLOAD_BYTES: u64 = 1 << 30;
 
-/// Entries that were downloaded, or were there already.
+/// Entries that were downloaded or already present.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Fetched {
     /// One per entry, in the order given.
@@ -25,7 +25,7 @@ pub struct Fetched {
 /// An entry and its file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct FetchedEntry {
-    /// The entry as it was asked for.
+    /// The entry as requested.
     pub entry: String,
     /// Its file.
     pub file: PathBuf,
@@ -38,10 +38,10 @@ impl Answer for Fetched {
     }
 }
 
-/// Downloads entries one after the other.
+/// Downloads entries one after another.
 ///
 /// # Errors
-/// As [`fetch`], for the first entry that fails; earlier ones are kept.
+/// As [`fetch`], for the first entry that fails; earlier downloads are kept.
 pub fn fetch_all(
     entries: &[String],
     base: &str,
@@ -61,12 +61,20 @@ pub fn fetch_all(
     Ok(Fetched { files })
 }
 
-/// Downloads `ENTRY.cif.gz` from `base` into `folder` and returns the file's path. A file that is
-/// already there is kept unless `force` is set.
+/// Downloads `ENTRY.cif.gz` from `base` into `folder` and returns the file's path. An existing
+/// file is kept unless `force` is set.
 ///
 /// # Errors
-/// For a malformed entry name, an entry the server does not have, a broken connection, and a full
-/// disk.
+/// For a malformed entry name, an entry unknown to the server, a broken connection, or a file
+/// that cannot be written.
+///
+/// ```no_run
+/// use protomer::bodies::fetch::{RCSB_DOWNLOAD, fetch};
+/// use std::path::Path;
+/// let file = fetch("6MDR", RCSB_DOWNLOAD, Path::new("structures"), false)?;
+/// assert!(file.ends_with("6MDR.cif.gz"));
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn fetch(entry: &str, base: &str, folder: &Path, force: bool) -> Result<PathBuf> {
     let entry = checked_entry(entry)?;
     ResultKind::VoxelSet.refuse_in(folder)?;
@@ -86,7 +94,7 @@ pub fn fetch(entry: &str, base: &str, folder: &Path, force: bool) -> Result<Path
         );
     }
     std::fs::create_dir_all(folder)
-        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        .with_context(|| format!("cannot create the folder {}", folder.display()))?;
     write_atomically(&path, |file| file.write_all(&body))?;
     Ok(path)
 }
@@ -138,7 +146,7 @@ fn download(url: &str) -> Result<Vec<u8>> {
         .read_to_end(&mut body)
         .with_context(|| {
             format!(
-                "the download of {url} broke off after {} bytes; try again",
+                "the download of {url} was interrupted after {} bytes; try again",
                 body.len()
             )
         })?;
@@ -151,7 +159,7 @@ mod tests {
     use std::io::{BufRead, BufReader, Write};
     use std::net::TcpListener;
 
-    /// Serves each response once, on loopback, and returns the base address.
+    /// Serves each response once on the loopback interface and returns the base address.
     fn serve(responses: Vec<Vec<u8>>) -> String {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let address = listener.local_addr().unwrap();
@@ -198,7 +206,7 @@ mod tests {
             (answer("404 Not Found", b"", 0), "does not exist"),
             (answer("503 Busy", b"", 0), "status 503"),
             (answer("200 OK", b"<html>", 6), "gzip"),
-            (answer("200 OK", &gzip, 1000), "broke off"),
+            (answer("200 OK", &gzip, 1000), "was interrupted"),
         ];
         for (response, expected) in cases {
             let base = serve(vec![response]);

@@ -1,5 +1,5 @@
-//! Structure files to body files, in parallel, each file on its own: a bad one is reported and the
-//! rest go on.
+//! Converts structure files to body files in parallel. A file that fails is reported; the others
+//! continue.
 
 use crate::answer::{Answer, columns, heading};
 use crate::bodies::body_file;
@@ -19,20 +19,20 @@ use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// What to make of each file.
+/// How each file is converted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct IngestSettings {
     /// How bodies are made.
     pub body: BodySettings,
     /// Name of the body, for a single file.
     pub name: Option<String>,
-    /// Endings of the formats that are written beside the body file.
+    /// File extensions of the formats to write beside the body file.
     pub exports: Vec<&'static str>,
-    /// Overwrite bodies that are already there.
+    /// Whether to overwrite existing bodies.
     pub force: bool,
 }
 
-/// What became of one file.
+/// The outcome for one file.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FileOutcome {
     /// The input file.
@@ -41,20 +41,20 @@ pub struct FileOutcome {
     pub status: &'static str,
     /// The body file.
     pub body: Option<PathBuf>,
-    /// What the body measures.
+    /// The size and charge of the body.
     #[serde(flatten)]
     pub measures: Option<BodyMeasures>,
     /// Atoms left out, by reason.
     pub skipped: BTreeMap<&'static str, usize>,
-    /// What a careful user should know.
+    /// Warnings.
     pub warnings: Vec<String>,
-    /// The full account of the selection.
+    /// The full report on the selection of atoms.
     pub selection: Option<SelectionReport>,
-    /// Why it failed.
+    /// The reason for the failure.
     pub error: Option<String>,
 }
 
-/// The figures of a body.
+/// Summary numbers of a body.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BodyMeasures {
     /// Atoms (charge sites).
@@ -71,7 +71,7 @@ pub struct BodyMeasures {
     pub mesh_area_angstrom2: f64,
     /// Volume of the mesh, Å³.
     pub mesh_volume_angstrom3: f64,
-    /// Radius about the origin that holds the mesh, Å.
+    /// Radius of the sphere around the origin that encloses the mesh, Å.
     pub radius_angstrom: f64,
 }
 
@@ -91,7 +91,7 @@ impl BodyMeasures {
     }
 }
 
-/// What became of several files.
+/// The outcomes for several files.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Ingested {
     /// One entry per file, in the order given.
@@ -99,7 +99,7 @@ pub struct Ingested {
 }
 
 impl Ingested {
-    /// Whether a file failed.
+    /// Whether any file failed.
     pub fn has_failures(&self) -> bool {
         self.files.iter().any(|outcome| outcome.error.is_some())
     }
@@ -128,10 +128,10 @@ impl FileOutcome {
         let Some(body) = &self.measures else {
             return cells;
         };
-        let skipped = self.skipped.iter();
-        let skipped: Vec<String> = skipped
-            .map(|(why, count)| format!("{count} {why}"))
-            .collect();
+        let mut skipped = Vec::new();
+        for (reason, count) in &self.skipped {
+            skipped.push(format!("{count} {reason}"));
+        }
         cells.extend([
             body.atoms.to_string(),
             body.residues.to_string(),
@@ -147,8 +147,24 @@ impl FileOutcome {
 /// Ingests every file into `folder`.
 ///
 /// # Errors
-/// Only if the folder cannot be made or two files would make the same body; what goes wrong with a
-/// file is in its outcome.
+/// If the folder cannot be created or two files would give the same body. An error in a single
+/// file is reported in its outcome.
+///
+/// ```no_run
+/// use protomer::bodies::ingest::{IngestSettings, ingest_files};
+/// use protomer_body::BodySettings;
+/// use std::path::{Path, PathBuf};
+/// let settings = IngestSettings {
+///     body: BodySettings::default(),
+///     name: None,
+///     exports: vec!["ply"],
+///     force: false,
+/// };
+/// let files = [PathBuf::from("5pti.cif.gz")];
+/// let ingested = ingest_files(&files, Path::new("bodies"), &settings, &())?;
+/// assert!(!ingested.has_failures());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn ingest_files(
     files: &[PathBuf],
     folder: &Path,
@@ -157,7 +173,7 @@ pub fn ingest_files(
 ) -> Result<Ingested> {
     ResultKind::VoxelSet.refuse_in(folder)?;
     std::fs::create_dir_all(folder)
-        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        .with_context(|| format!("cannot create the folder {}", folder.display()))?;
     let names = body_names(files, settings)?;
     let jobs: Vec<(&PathBuf, String)> = files.iter().zip(names).collect();
     progress.begin(jobs.len() as u64, "files");
@@ -171,30 +187,27 @@ pub fn ingest_files(
     })
 }
 
-/// One name per file. Files of the same stem (1crn.pdb and 1crn.cif) keep their endings to stay
-/// apart.
+/// One name per file. Files with the same stem (1crn.pdb and 1crn.cif) keep their extensions
+/// to remain distinct.
 fn body_names(files: &[PathBuf], settings: &IngestSettings) -> Result<Vec<String>> {
     if let Some(name) = &settings.name {
         return Ok(vec![name.clone()]);
     }
     let stems: Vec<String> = files.iter().map(|file| stem(file)).collect();
-    let names: Vec<String> = files
-        .iter()
-        .zip(&stems)
-        .map(
-            |(file, stem)| match stems.iter().filter(|other| *other == stem).count() {
-                1 => stem.clone(),
-                _ => full_name(file),
-            },
-        )
-        .collect();
+    let mut names = Vec::with_capacity(files.len());
     let mut seen = BTreeSet::new();
-    match names.iter().find(|name| !seen.insert(*name)) {
-        Some(name) => {
-            bail!("two input files are called {name}; ingest them into different folders")
+    for (file, stem) in files.iter().zip(&stems) {
+        let sharing = stems.iter().filter(|other| *other == stem);
+        let name = match sharing.count() {
+            1 => stem.clone(),
+            _ => full_name(file),
+        };
+        if !seen.insert(name.clone()) {
+            bail!("two input files are named {name}; ingest them into different folders");
         }
-        None => Ok(names),
+        names.push(name);
     }
+    Ok(names)
 }
 
 fn full_name(file: &Path) -> String {
@@ -223,26 +236,39 @@ fn ingest_file(
     }
     write_exports(&built.body, folder, name, &settings.exports)?;
     body_file::write(&path, &built.body)?;
+    let skipped = match &built.selection {
+        Some(report) => report.skipped.clone(),
+        None => BTreeMap::new(),
+    };
     Ok(FileOutcome {
         file: file.display().to_string(),
         status: "ok",
         body: Some(path),
         measures: Some(BodyMeasures::of(&built.body)),
-        skipped: built
-            .selection
-            .as_ref()
-            .map(|report| report.skipped.clone())
-            .unwrap_or_default(),
+        skipped,
         warnings: built.warnings,
         selection: built.selection,
         error: None,
     })
 }
 
-/// A body from a structure file.
+/// Makes a body from a structure file.
 ///
 /// # Errors
-/// Names the file, the line or residue, and the remedy.
+/// Names the file and the line or residue, and says what to do.
+///
+/// ```
+/// use protomer::bodies::ingest::read_and_build;
+/// use protomer_body::BodySettings;
+/// use std::path::Path;
+/// let mut settings = BodySettings::default();
+/// settings.surface.density_per_angstrom2 = 0.1;
+/// let file = Path::new("../../data/structures/5pti.cif.gz");
+/// let built = read_and_build(file, "bpti", &settings)?;
+/// assert_eq!(built.body.residues.len(), 58);
+/// assert!(built.body.net_charge_e() > 4.0);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn read_and_build(file: &Path, name: &str, settings: &BodySettings) -> Result<BuiltBody> {
     let input = InputFile::read(file)?;
     let source = Source {
@@ -260,7 +286,7 @@ pub fn read_and_build(file: &Path, name: &str, settings: &BodySettings) -> Resul
     }
 }
 
-/// The error with the file's name in front, where it does not have it already.
+/// Prefixes the error with the file name, unless it already contains it.
 fn named(file: &str, error: BodyError) -> anyhow::Error {
     match error {
         BodyError::Parse { .. } => error.into(),
@@ -283,32 +309,28 @@ fn write_exports(body: &Body, folder: &Path, name: &str, endings: &[&str]) -> Re
     Ok(())
 }
 
-/// The sites of a body as records of a PQR file.
+/// Converts the sites of a body to records of a PQR file.
 fn point_records(body: &Body) -> Vec<PointRecord> {
-    body.sites
-        .iter()
-        .map(|site| {
-            let residue = site
-                .residue
-                .and_then(|index| body.residues.get(index as usize));
-            PointRecord {
-                position: site.position,
-                charge_e: site.charge_e,
-                radius_angstrom: site.radius_angstrom,
-                atom_name: site.atom_name.clone(),
-                residue_name: residue
-                    .map(|residue| residue.name.clone())
-                    .unwrap_or_default(),
-                chain: residue
-                    .map(|residue| residue.chain.clone())
-                    .unwrap_or_default(),
-                residue_number: residue.map_or(0, |residue| residue.number),
-                insertion_code: residue
-                    .map(|residue| residue.insertion_code.clone())
-                    .unwrap_or_default(),
-            }
-        })
-        .collect()
+    let mut records = Vec::with_capacity(body.sites.len());
+    for site in &body.sites {
+        let mut record = PointRecord {
+            position: site.position,
+            charge_e: site.charge_e,
+            radius_angstrom: site.radius_angstrom,
+            atom_name: site.atom_name.clone(),
+            ..PointRecord::default()
+        };
+        if let Some(index) = site.residue
+            && let Some(residue) = body.residues.get(index as usize)
+        {
+            record.residue_name = residue.name.clone();
+            record.chain = residue.chain.clone();
+            record.residue_number = residue.number;
+            record.insertion_code = residue.insertion_code.clone();
+        }
+        records.push(record);
+    }
+    records
 }
 
 impl FileOutcome {

@@ -1,4 +1,4 @@
-//! Bodies: made from structures or from a mesh of one's own, kept in files.
+//! Bodies: made from structures or from a custom mesh, stored in files.
 
 pub mod body_file;
 pub mod fetch;

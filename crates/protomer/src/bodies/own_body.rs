@@ -1,4 +1,4 @@
-//! A body from a user's own mesh and charges.
+//! A body from a custom mesh and charges.
 
 use crate::answer::Answer;
 use crate::bodies::body_file;
@@ -13,7 +13,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// What to make a body of.
+/// The files a body is made from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OwnBody {
     /// Name of the body.
@@ -31,7 +31,7 @@ pub struct WrittenBody {
     pub body: PathBuf,
     /// Name of the body.
     pub name: String,
-    /// What the body measures.
+    /// The size and charge of the body.
     pub measures: BodyMeasures,
 }
 
@@ -52,7 +52,20 @@ impl Answer for WrittenBody {
 /// Makes a body and writes it to a file.
 ///
 /// # Errors
-/// As [`build`]; also if the disk refuses.
+/// As [`build`]; also if the file cannot be written.
+///
+/// ```no_run
+/// use protomer::bodies::own_body::{OwnBody, make};
+/// use std::path::Path;
+/// let own = OwnBody {
+///     name: "patchy".into(),
+///     mesh: "patchy.ply".into(),
+///     charges: Some("patchy.xyzq".into()),
+/// };
+/// let written = make(&own, Path::new("patchy.body"))?;
+/// assert_eq!(written.name, "patchy");
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn make(own: &OwnBody, output: &Path) -> Result<WrittenBody> {
     let body = build(own)?;
     body_file::write(output, &body)?;
@@ -66,7 +79,7 @@ pub fn make(own: &OwnBody, output: &Path) -> Result<WrittenBody> {
 /// Reads the files and checks that the mesh bounds a solid.
 ///
 /// # Errors
-/// Names the file, the line or the defect of the mesh.
+/// Names the file and the line, or the defect of the mesh.
 pub fn build(own: &OwnBody) -> Result<Body> {
     check_name(&own.name)?;
     let file = InputFile::read(&own.mesh)?;

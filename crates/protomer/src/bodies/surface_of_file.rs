@@ -14,7 +14,7 @@ use protomer_kernel::{TriangleMesh, Vec3};
 use serde::Serialize;
 use std::path::Path;
 
-/// The figures of a surface.
+/// Summary numbers of a surface.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SurfaceReport {
     /// The input file.
@@ -23,13 +23,13 @@ pub struct SurfaceReport {
     pub atoms: usize,
     /// Probe radius, Å.
     pub probe_radius_angstrom: f64,
-    /// Vertices asked for per Å².
+    /// Requested vertices per Å².
     pub density_per_angstrom2: f64,
     /// Exact area from the arrangement of the accessible surface, cavities included, Å².
     pub ses_area_angstrom2: f64,
     /// Exact volume, cavities excluded, Å³.
     pub ses_volume_angstrom3: f64,
-    /// Relative error of the exact figures, estimated.
+    /// Estimated relative error of the exact area and volume.
     pub relative_error_estimate: f64,
     /// Area of the mesh, Å².
     pub mesh_area_angstrom2: f64,
@@ -39,11 +39,11 @@ pub struct SurfaceReport {
     pub vertices: usize,
     /// Mesh triangles.
     pub triangles: usize,
-    /// Connected pieces of the surface, walls of cavities included.
+    /// Connected components of the surface, walls of cavities included.
     pub components: usize,
-    /// Sum of the genera of the pieces.
+    /// Sum of the genera of the components.
     pub genus: i64,
-    /// Pieces that are walls of cavities.
+    /// Components that are walls of cavities.
     pub cavities: usize,
 }
 
@@ -71,10 +71,11 @@ impl Answer for SurfaceReport {
     }
 }
 
-/// Computes a surface, and writes its mesh if a file is named, in the format of its ending.
+/// Computes a surface and, if an output file is given, writes its mesh in the format of the file's
+/// extension.
 ///
 /// # Errors
-/// As [`surface_of_file`]; also for an unknown ending, which is refused before the work.
+/// As [`surface_of_file`]; also for an unknown extension, which is refused before the computation.
 pub fn measure_surface(
     path: &Path,
     settings: &SurfaceSettings,
@@ -93,7 +94,16 @@ pub fn measure_surface(
 /// The surface of a structure, PQR, `.xyzr` or body file, in the coordinates of the file.
 ///
 /// # Errors
-/// Names the file, the line, and the remedy.
+/// Names the file and the line, and says what to do.
+///
+/// ```no_run
+/// use protomer::bodies::surface_of_file::surface_of_file;
+/// use protomer_body::SurfaceSettings;
+/// use std::path::Path;
+/// let (mesh, report) = surface_of_file(Path::new("5pti.cif.gz"), &SurfaceSettings::default())?;
+/// println!("{} triangles, {} cavities", mesh.triangles.len(), report.cavities);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn surface_of_file(
     path: &Path,
     settings: &SurfaceSettings,
@@ -129,8 +139,8 @@ pub fn surface_of_file(
     Ok((mesh.map_vertices(|vertex| vertex + origin), report))
 }
 
-/// The sites of a structure, PQR, `.xyzr` or body file about an origin, and that origin in the
-/// coordinates of the file (of a body: of the file that it was made from).
+/// Reads the sites of a structure, PQR, `.xyzr` or body file relative to an origin, and that
+/// origin in the coordinates of the file (for a body: of the file it was made from).
 pub(crate) fn read_sites(file: &InputFile) -> Result<(Vec<Site>, Vec3)> {
     let plain = file.name.strip_suffix(".gz").unwrap_or(&file.name);
     if plain.ends_with(".body") {

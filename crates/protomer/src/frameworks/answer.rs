@@ -1,5 +1,5 @@
-//! What `framework` answers: constants and curves as text, moduli against direction as a figure; and
-//! the verb itself.
+//! The verb `framework` and its answer: constants and curves as text, moduli against direction as a
+//! figure.
 
 use super::curve::{self, Curve};
 use super::figure::polar_figure;
@@ -15,20 +15,20 @@ use protomer_results::ResultKind;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// A network and what is wanted of it.
+/// A network and the analysis to perform.
 #[derive(Debug, Clone)]
 pub struct Analysis {
     /// The network.
     pub network: Framework,
-    /// What it is called in results.
+    /// Its name in the results.
     pub name: String,
-    /// The honeycomb that it is, for the closed formulas.
+    /// Its parameters if it is a honeycomb, for the closed formulas.
     pub honeycomb: Option<Honeycomb>,
     /// How it is analysed.
     pub settings: Settings,
-    /// The loads to put on it one after the other.
+    /// The loads to apply one after another.
     pub load: Option<LoadSettings>,
-    /// A file for the network as TOML.
+    /// Where to write the network as TOML.
     pub network_file: Option<PathBuf>,
     /// The directory of the results.
     pub output: Option<PathBuf>,
@@ -39,18 +39,17 @@ pub struct Analysis {
 pub struct LoadSettings {
     /// The axis: x, y or z.
     pub axis: String,
-    /// The stresses, GPa; negative ones push.
+    /// The stresses, GPa; negative values are compressive.
     pub stresses_gpa: Vec<f64>,
-    /// What the stress is referred to.
+    /// The reference area of the stress.
     pub kind: StressKind,
 }
 
 impl Analysis {
-    /// Analyses the network, loads it, and writes the files that are asked for; `force` replaces
-    /// files that are there.
+    /// Analyses the network, loads it, and writes the requested files; `force` allows overwriting.
     ///
     /// # Errors
-    /// If the network makes no sense or cannot bear a load, or a file cannot be written.
+    /// If the network is invalid, has no equilibrium under a load, or a file cannot be written.
     pub fn run(&self, force: bool) -> Result<Report> {
         if let Some(path) = &self.network_file {
             write_once(
@@ -113,10 +112,10 @@ pub struct PaperTables {
 }
 
 impl PaperTables {
-    /// Computes the tables, and writes them into a directory if one is named.
+    /// Computes the tables and, if a directory is given, writes them there.
     ///
     /// # Errors
-    /// If a file is there already and `force` is not given, or the disk refuses.
+    /// If a file already exists and `force` is not set, or cannot be written.
     pub fn compute(output: Option<&Path>, force: bool) -> Result<Self> {
         let tables = Self {
             rows: tables::rows()?,
@@ -144,10 +143,17 @@ impl Answer for PaperTables {
     }
 }
 
-/// `2x2`, or one number for all directions: cells along each cell vector.
+/// Parses the number of cells along each cell vector: `2x2`, or one number for all directions.
 ///
 /// # Errors
-/// If the text is neither, or the network has another number of dimensions.
+/// If the text is malformed, or does not match the dimension of the network.
+///
+/// ```
+/// use protomer::frameworks::answer::cell_counts;
+/// assert_eq!(cell_counts("2x3", 2)?, [2, 3]);
+/// assert_eq!(cell_counts("4", 3)?, [4, 4, 4]);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn cell_counts(text: &str, dimension: usize) -> Result<Vec<usize>> {
     let counts: Result<Vec<usize>, _> = text
         .split('x')

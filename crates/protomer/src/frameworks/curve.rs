@@ -1,11 +1,11 @@
-//! A network under growing loads along one axis.
+//! A network under increasing loads along one axis.
 
 use super::axes;
 use super::text::rounded;
 use anyhow::{Result, bail};
 use protomer_crystal::framework::load::{Loaded, stretch_curve};
 use protomer_crystal::framework::{Framework, Load, StressKind};
-use protomer_io::csv::Table;
+use protomer_io::csv::{Cell, Table};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -14,23 +14,23 @@ use std::collections::BTreeMap;
 pub struct Curve {
     /// The axis along which the load pulls.
     pub axis: &'static str,
-    /// What the stresses asked for are referred to.
+    /// The reference area of the requested stresses.
     pub stress_kind: StressKind,
     /// One per stress.
     pub points: Vec<CurvePoint>,
 }
 
-/// The network at rest under one stress.
+/// The equilibrium of the network under one stress.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CurvePoint {
-    /// Force per area before loading, GPa.
+    /// Nominal stress: force per undeformed area, GPa.
     pub nominal_gpa: f64,
-    /// Force per area under load, GPa.
+    /// Cauchy stress: force per deformed area, GPa.
     pub cauchy_gpa: f64,
-    /// `strain_y`, ...: length over length before loading, less one.
+    /// `strain_y`, ...: the relative change of length.
     #[serde(flatten)]
     pub strains: BTreeMap<String, f64>,
-    /// `nu_yz`, ...: minus the strain across over that along, both finite.
+    /// `nu_yz`, ...: minus the ratio of transverse to axial strain, both finite.
     #[serde(flatten)]
     pub ratios: BTreeMap<String, f64>,
     /// Energy of the cell, kcal/mol.
@@ -41,14 +41,14 @@ pub struct CurvePoint {
     pub cell_angstrom: Vec<Vec<f64>>,
     /// Newton steps.
     pub steps: usize,
-    /// Largest component of a force left on a node, kcal/mol/Å.
+    /// Largest residual force component on a node, kcal/mol/Å.
     pub largest_force_kcal_mol_angstrom: f64,
 }
 
 /// Stresses in GPa from a list such as `1GPa,2GPa,-500MPa`; a bare number is in GPa.
 ///
 /// # Errors
-/// Says what is not understood.
+/// Names the item that cannot be parsed.
 ///
 /// ```
 /// assert_eq!(protomer::frameworks::curve::stresses_gpa("1GPa, -500MPa,2")?, vec![1.0, -0.5, 2.0]);
@@ -70,10 +70,10 @@ pub fn stresses_gpa(text: &str) -> Result<Vec<f64>> {
     text.split(',').map(one).collect()
 }
 
-/// Loads a network step by step; also the network under the last load.
+/// Loads a network step by step; returns the curve and the network under the last load.
 ///
 /// # Errors
-/// If the network has no such axis, or cannot bear a load.
+/// If the network has no such axis, or no equilibrium under a load.
 pub fn load(
     network: &Framework,
     axis: &str,
@@ -82,37 +82,35 @@ pub fn load(
     gpa: f64,
 ) -> Result<(Curve, Framework)> {
     let names = axes(network.dimension());
-    let Some((index, name)) = names.iter().enumerate().find(|(_, name)| **name == axis) else {
+    let Some(index) = names.iter().position(|name| *name == axis) else {
         bail!(
             "--load is {axis}; the network has the axes {}",
             names.join(", ")
         );
     };
-    let loads: Vec<Load> = stresses_gpa
-        .iter()
-        .map(|stress| Load {
+    let mut loads = Vec::with_capacity(stresses_gpa.len());
+    for stress in stresses_gpa {
+        loads.push(Load {
             axis: index,
             stress_kcal_mol_angstrom3: stress / gpa,
             kind,
-        })
-        .collect();
+        });
+    }
     let loaded = stretch_curve(network, &loads)?;
-    let points = loaded
-        .iter()
-        .zip(stresses_gpa)
-        .map(|(at, stress)| point(network, at, index, *stress, kind))
-        .collect();
-    let last = loaded
-        .last()
-        .map_or_else(|| network.clone(), |at| at.configuration.place(network));
-    Ok((
-        Curve {
-            axis: name,
-            stress_kind: kind,
-            points,
-        },
-        last,
-    ))
+    let mut points = Vec::with_capacity(loaded.len());
+    for (at, stress) in loaded.iter().zip(stresses_gpa) {
+        points.push(point(network, at, index, *stress, kind));
+    }
+    let last = match loaded.last() {
+        Some(at) => at.configuration.place(network),
+        None => network.clone(),
+    };
+    let curve = Curve {
+        axis: names[index],
+        stress_kind: kind,
+        points,
+    };
+    Ok((curve, last))
 }
 
 fn point(
@@ -130,25 +128,19 @@ fn point(
         StressKind::Nominal => (stress_gpa, stress_gpa / area),
         StressKind::Cauchy => (stress_gpa * area, stress_gpa),
     };
-    let others = || {
-        names
-            .iter()
-            .zip(&at.stretch)
-            .enumerate()
-            .filter(|(index, _)| *index != axis)
-    };
-    let ratio = |strain: f64| -strain / at.stretch[axis];
+    let (mut strains, mut ratios) = (BTreeMap::new(), BTreeMap::new());
+    for (index, (name, strain)) in names.iter().zip(&at.stretch).enumerate() {
+        strains.insert(format!("strain_{name}"), *strain);
+        if index != axis {
+            let ratio = -strain / at.stretch[axis];
+            ratios.insert(format!("nu_{}{name}", names[axis]), ratio);
+        }
+    }
     CurvePoint {
         nominal_gpa,
         cauchy_gpa,
-        strains: names
-            .iter()
-            .zip(&at.stretch)
-            .map(|(name, strain)| (format!("strain_{name}"), *strain))
-            .collect(),
-        ratios: others()
-            .map(|(_, (name, strain))| (format!("nu_{}{name}", names[axis]), ratio(*strain)))
-            .collect(),
+        strains,
+        ratios,
         energy_kcal_mol: at.energy_kcal_mol,
         volume_angstrom3: placed.volume_angstrom3(),
         cell_angstrom: placed.cell_angstrom,
@@ -161,40 +153,39 @@ impl Curve {
     /// The curve as a table: the two stresses, strains, ratios, energy and volume.
     ///
     /// # Errors
-    /// Never in practice; rows of unequal length would be refused.
+    /// Never for the rows built here, which all have the same length.
     pub fn table(&self) -> Result<Table> {
-        let keys = |map: fn(&CurvePoint) -> &BTreeMap<String, f64>| {
-            self.points
-                .first()
-                .map_or_else(Vec::new, |point| map(point).keys().cloned().collect())
-        };
         let mut columns = vec!["nominal_gpa".to_owned(), "cauchy_gpa".to_owned()];
-        columns.extend(keys(|point| &point.strains));
-        columns.extend(keys(|point| &point.ratios));
+        if let Some(point) = self.points.first() {
+            columns.extend(point.strains.keys().cloned());
+            columns.extend(point.ratios.keys().cloned());
+        }
         columns.extend(["energy_kcal_mol", "volume_angstrom3"].map(str::to_owned));
         let mut table = Table::new(columns);
         for point in &self.points {
-            let middle = point.strains.values().chain(point.ratios.values());
-            let row = [point.nominal_gpa, point.cauchy_gpa]
-                .into_iter()
-                .chain(middle.copied());
-            let row = row.chain([point.energy_kcal_mol, point.volume_angstrom3]);
-            table.push(row.map(Into::into))?;
+            let mut row = vec![point.nominal_gpa, point.cauchy_gpa];
+            row.extend(point.strains.values());
+            row.extend(point.ratios.values());
+            row.extend([point.energy_kcal_mol, point.volume_angstrom3]);
+            table.push(row.into_iter().map(Cell::from))?;
         }
         Ok(table)
     }
 
-    /// Rows for people, the heading first.
+    /// Formatted rows, the heading first.
     pub fn rows(&self) -> Result<Vec<Vec<String>>> {
         let table = self.table()?;
         let mut rows = vec![table.columns().to_vec()];
-        rows.extend(table.rows().iter().map(|row| {
-            let show = |cell: &protomer_io::csv::Cell| match cell {
-                protomer_io::csv::Cell::Number(value) => rounded(*value, 5),
-                _ => String::new(),
-            };
-            row.iter().map(show).collect::<Vec<String>>()
-        }));
+        for cells in table.rows() {
+            let mut row = Vec::with_capacity(cells.len());
+            for cell in cells {
+                row.push(match cell {
+                    Cell::Number(value) => rounded(*value, 5),
+                    _ => String::new(),
+                });
+            }
+            rows.push(row);
+        }
         Ok(rows)
     }
 }

@@ -1,4 +1,4 @@
-//! The files of a result. None is overwritten unless that is asked for.
+//! The files of a result. Existing files are overwritten only on request.
 
 use super::curve::Curve;
 use super::drawing::{self, LoadedNetwork};
@@ -13,12 +13,12 @@ use protomer_io::csv::{Cell, Table};
 use protomer_results::{Exit, Record, ResultKind, Work};
 use std::path::Path;
 
-/// A file by its name in the directory, and what is in it.
+/// A file name in the directory, and the content.
 pub type NamedFile = (String, Vec<u8>);
 
 /// All files of a report: `result.json`, `network.toml`, `stiffness.csv`, `polar.csv`, `polar.svg`,
-/// `polar.png`, `drawing.svg`, `curve.csv`; those of polar plot and curve only where there are
-/// such.
+/// `polar.png`, `drawing.svg`, `curve.csv`; those of the polar plot and the curve only if
+/// they exist.
 ///
 /// # Errors
 /// If a figure cannot be drawn.
@@ -109,23 +109,23 @@ fn stiffness_table(report: &Report) -> Result<Table> {
     Ok(table)
 }
 
-/// Writes files into a folder, which is made if need be, and beside them the record that says what
-/// they are; each appears under its name only when complete.
+/// Writes files into a folder, which is created if necessary, together with the record of their
+/// kind. Each file is written atomically.
 ///
 /// # Errors
-/// If one of them is there already and `force` is not given, the folder holds another kind of
-/// result, or the disk refuses.
+/// If a file already exists and `force` is not set, the folder holds another kind of result,
+/// or a file cannot be written.
 pub fn write(folder: &Path, kind: ResultKind, files: &[NamedFile], force: bool) -> Result<()> {
     kind.refuse_other(folder)?;
     for (name, _) in files {
         refuse_to_overwrite(&folder.join(name), force)?;
     }
     std::fs::create_dir_all(folder)
-        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        .with_context(|| format!("cannot create the folder {}", folder.display()))?;
     for (name, bytes) in files {
         write_atomically(&folder.join(name), |file| file.write_all(bytes))?;
     }
-    // There is nothing to continue: the results identify themselves.
+    // Frameworks are never continued, so the hash of the results is their identity.
     let everything: Vec<u8> = files.iter().flat_map(|(_, bytes)| bytes.clone()).collect();
     let work = Work {
         kind,

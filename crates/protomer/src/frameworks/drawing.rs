@@ -1,7 +1,7 @@
 //! Several cells of a network as SVG, the loaded one drawn over the unloaded one.
 //!
-//! Two-dimensional networks are seen along x, with y to the right and z up. Three-dimensional ones
-//! are drawn in the oblique projection with x coming towards the reader.
+//! Two-dimensional networks are viewed along x, with y to the right and z up. Three-dimensional
+//! ones are drawn in the oblique projection with x coming towards the reader.
 
 use protomer_crystal::framework::{Framework, Neighbour};
 use std::fmt::Write;
@@ -13,21 +13,21 @@ const MARGIN: f64 = 50.0;
 const HEAD: f64 = 70.0;
 const BEFORE: &str = "#b4b4b4";
 const AFTER: &str = "#0072b2";
-/// Cells along the longer direction of the patch.
+/// Number of cells along the longer direction of the patch.
 const CELLS: f64 = 3.0;
-/// The most nodes that are drawn.
+/// Largest number of nodes drawn.
 const MOST_NODES: usize = 4000;
 
 /// A network under load.
 #[derive(Debug, Clone, Copy)]
 pub struct LoadedNetwork<'a> {
-    /// Its nodes and cell as they are under load.
+    /// The deformed nodes and cell.
     pub network: &'a Framework,
-    /// Index of the axis along which it is pulled.
+    /// Index of the loading axis.
     pub axis: usize,
-    /// Whether the load pushes.
+    /// Whether the load is compressive.
     pub pushed: bool,
-    /// What the load is, for the legend.
+    /// Description of the load for the legend.
     pub label: &'a str,
 }
 
@@ -46,9 +46,8 @@ pub fn svg(title: &str, unloaded: &Framework, loaded: Option<LoadedNetwork>) -> 
     let centre = [0, 1].map(|axis| 0.5 * (low[axis] + high[axis]));
     let half = [0, 1].map(|axis| 0.5 * (high[axis] - low[axis]));
     let room = [0.5 * WIDTH - MARGIN, 0.5 * (HEIGHT - HEAD) - MARGIN];
-    let scale = (0..2)
-        .map(|i| room[i] / half[i].max(1e-9))
-        .fold(f64::INFINITY, f64::min);
+    let [scale_x, scale_y] = [0, 1].map(|axis| room[axis] / half[axis].max(1e-9));
+    let scale = scale_x.min(scale_y);
     let place = |point: &[f64; 2]| {
         let [x, y] = [
             scale * (point[0] - centre[0]),
@@ -86,82 +85,81 @@ pub fn svg(title: &str, unloaded: &Framework, loaded: Option<LoadedNetwork>) -> 
     text
 }
 
-/// How many cells to draw along each vector: about as far in each direction.
+/// Number of cells to draw along each vector, so that the patch is about as long in each direction.
 fn cell_counts(network: &Framework) -> Vec<usize> {
-    let length = |vector: &Vec<f64>| vector.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let lengths: Vec<f64> = network.cell_angstrom.iter().map(length).collect();
+    let mut lengths = Vec::new();
+    for vector in &network.cell_angstrom {
+        lengths.push(vector.iter().map(|x| x * x).sum::<f64>().sqrt());
+    }
     let longest = lengths.iter().copied().fold(0.0, f64::max);
     let cells = if network.dimension() == 2 { CELLS } else { 2.0 };
-    let mut counts: Vec<usize> = lengths
-        .iter()
-        .map(|length| (cells * longest / length).round().clamp(1.0, 12.0) as usize)
-        .collect();
-    while counts.iter().product::<usize>() * network.nodes_angstrom.len() > MOST_NODES
-        && counts.iter().any(|c| *c > 1)
-    {
-        counts
-            .iter_mut()
-            .for_each(|count| *count = (*count / 2).max(1));
+    let mut counts = Vec::new();
+    for length in lengths {
+        let count: f64 = cells * longest / length;
+        counts.push(count.round().clamp(1.0, 12.0) as usize);
+    }
+    let nodes = network.nodes_angstrom.len();
+    while counts.iter().product::<usize>() * nodes > MOST_NODES && counts.iter().any(|c| *c > 1) {
+        for count in &mut counts {
+            *count = (*count / 2).max(1);
+        }
     }
     counts
 }
 
-/// Rods of several cells as lines of the drawing plane, about the middle of their ends.
+/// The rods of several cells as lines in the drawing plane, centred on the mean of their ends.
 struct Patch {
     lines: Vec<[[f64; 2]; 2]>,
 }
 
 impl Patch {
     fn new(network: &Framework, counts: &[usize]) -> Self {
-        let dimension = network.dimension();
-        let at = |neighbour: &Neighbour, cell: &[usize]| -> [f64; 2] {
-            let mut place = [0.0; 3];
-            for (component, x) in place.iter_mut().enumerate().take(dimension) {
-                *x = network.nodes_angstrom[neighbour.node][component];
-                for (axis, vector) in network.cell_angstrom.iter().enumerate() {
-                    let image = neighbour.image.get(axis).copied().unwrap_or(0);
-                    *x += (f64::from(image) + cell[axis] as f64) * vector[component];
-                }
-            }
-            // x comes down and to the left.
-            if dimension == 2 {
-                [place[0], place[1]]
-            } else {
-                [place[1] - 0.35 * place[0], place[2] - 0.22 * place[0]]
-            }
-        };
-        let total: usize = counts.iter().product();
-        let cells: Vec<Vec<usize>> = (0..total)
-            .map(|mut code| {
-                counts
-                    .iter()
-                    .map(|count| {
-                        let index = code % count;
-                        code /= count;
-                        index
-                    })
-                    .collect()
-            })
-            .collect();
         let mut lines = Vec::new();
-        for cell in &cells {
+        for number in 0..counts.iter().product() {
+            let cell = cell_of(number, counts);
             for rod in &network.rods {
-                lines.push([at(&Neighbour::here(rod.from), cell), at(&rod.to, cell)]);
+                let from = projected(network, &Neighbour::here(rod.from), &cell);
+                lines.push([from, projected(network, &rod.to, &cell)]);
             }
         }
+        let mut sum = [0.0; 2];
+        for point in lines.iter().flatten() {
+            sum = [sum[0] + point[0], sum[1] + point[1]];
+        }
         let ends = 2.0 * lines.len() as f64;
-        let middle = [0, 1].map(|axis| {
-            lines
-                .iter()
-                .flatten()
-                .map(|point: &[f64; 2]| point[axis])
-                .sum::<f64>()
-                / ends
-        });
+        let middle = sum.map(|sum| sum / ends);
         for point in lines.iter_mut().flatten() {
             *point = [point[0] - middle[0], point[1] - middle[1]];
         }
         Self { lines }
+    }
+}
+
+/// The indices of a cell from its number, the first index running fastest.
+fn cell_of(mut number: usize, counts: &[usize]) -> Vec<usize> {
+    let mut cell = Vec::with_capacity(counts.len());
+    for count in counts {
+        cell.push(number % count);
+        number /= count;
+    }
+    cell
+}
+
+/// A node of a cell in the drawing plane.
+fn projected(network: &Framework, neighbour: &Neighbour, cell: &[usize]) -> [f64; 2] {
+    let dimension = network.dimension();
+    let mut place = [0.0; 3];
+    for (component, x) in place.iter_mut().enumerate().take(dimension) {
+        *x = network.nodes_angstrom[neighbour.node][component];
+        for (axis, vector) in network.cell_angstrom.iter().enumerate() {
+            let image = neighbour.image.get(axis).copied().unwrap_or(0);
+            *x += (f64::from(image) + cell[axis] as f64) * vector[component];
+        }
+    }
+    match dimension {
+        2 => [place[0], place[1]],
+        // The x axis points down and to the left.
+        _ => [place[1] - 0.35 * place[0], place[2] - 0.22 * place[0]],
     }
 }
 
@@ -172,7 +170,7 @@ fn draw(
     colour: &str,
     width: f64,
 ) {
-    // Writing to a string does not fail.
+    // Writing to a string cannot fail.
     let _ = write!(
         text,
         "<g stroke=\"{colour}\" fill=\"{colour}\" stroke-width=\"{width}\" stroke-linecap=\"round\">\n<path d=\""
@@ -184,7 +182,7 @@ fn draw(
     text.push_str("\"/>\n</g>\n");
 }
 
-/// Two arrows outside the patch that say which way it is pulled or pushed.
+/// Two arrows outside the patch that show the direction of the load.
 fn arrows(text: &mut String, half: &[f64; 2], loaded: LoadedNetwork) {
     let direction = match (loaded.network.dimension(), loaded.axis) {
         (2, 0) | (3, 1) => [1.0, 0.0],
@@ -215,10 +213,7 @@ fn arrows(text: &mut String, half: &[f64; 2], loaded: LoadedNetwork) {
             at(tip, 0.0),
             at(back, -8.0),
         ];
-        let points: Vec<String> = points
-            .iter()
-            .map(|(x, y)| format!("{x:.1},{y:.1}"))
-            .collect();
+        let points = points.map(|(x, y)| format!("{x:.1},{y:.1}"));
         let _ = writeln!(
             text,
             "<polyline points=\"{}\" fill=\"none\" stroke=\"black\" stroke-width=\"3\"/>",

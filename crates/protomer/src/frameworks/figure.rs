@@ -1,46 +1,33 @@
-//! The figure of moduli against the direction of the load.
+//! The figure of moduli against loading direction.
 
-use super::report::{Direction, Report};
+use super::report::Report;
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
 
-/// E above ν against the direction; `None` if there is nothing to draw.
+/// E above ν against direction; `None` if there is nothing to draw.
 pub fn polar_figure(report: &Report) -> Option<Figure> {
-    let series = |name: &str, value: fn(&Direction) -> Option<f64>| Series {
-        name: name.into(),
-        // Half a turn closes the curve.
-        points: report
-            .polar
-            .iter()
-            .map(|direction| (direction.angle_deg, direction))
-            .chain(report.polar.first().map(|first| (180.0, first)))
-            .filter_map(|(x, direction)| {
-                value(direction)
-                    .filter(|y| y.is_finite())
-                    .map(|y| Point { x, y, error: None })
-            })
-            .collect(),
-        replicas: Vec::new(),
-        line: true,
-    };
-    let panels = [
-        (
-            Axis::linear("Young's modulus (GPa)"),
-            series("E", |direction| direction.e_gpa),
-        ),
-        (
-            Axis::linear("Poisson's ratio"),
-            series("ν", |direction| direction.nu),
-        ),
-    ];
-    let panels: Vec<Panel> = panels
-        .into_iter()
-        .filter(|(_, series)| !series.points.is_empty())
-        .map(|(axis, series)| Panel {
-            y: spread(axis, &series),
-            series: vec![series],
-        })
-        .collect();
-    (!panels.is_empty()).then(|| Figure {
+    let (mut youngs, mut poissons) = (Vec::new(), Vec::new());
+    for direction in &report.polar {
+        push(&mut youngs, direction.angle_deg, direction.e_gpa);
+        push(&mut poissons, direction.angle_deg, direction.nu);
+    }
+    // Half a turn closes the curve.
+    if let Some(first) = report.polar.first() {
+        push(&mut youngs, 180.0, first.e_gpa);
+        push(&mut poissons, 180.0, first.nu);
+    }
+    let mut panels = Vec::new();
+    for (label, name, points) in [
+        ("Young's modulus (GPa)", "E", youngs),
+        ("Poisson's ratio", "ν", poissons),
+    ] {
+        if !points.is_empty() {
+            panels.push(panel(label, name, points));
+        }
+    }
+    if panels.is_empty() {
+        return None;
+    }
+    Some(Figure {
         title: format!("Elastic constants of {}", report.network),
         caption: format!(
             "{} nodes, N_A = {:e} /mol",
@@ -51,16 +38,33 @@ pub fn polar_figure(report: &Report) -> Option<Figure> {
     })
 }
 
-/// A logarithmic axis for positive values over more than a decade.
-fn spread(axis: Axis, series: &Series) -> Axis {
-    let values = || series.points.iter().map(|point| point.y);
-    let (low, high) = (
-        values().fold(f64::INFINITY, f64::min),
-        values().fold(f64::NEG_INFINITY, f64::max),
-    );
-    if low > 0.0 && high > 10.0 * low {
-        Axis { log: true, ..axis }
-    } else {
-        axis
+/// Adds a point, unless the modulus is unknown.
+fn push(points: &mut Vec<Point>, x: f64, modulus: Option<f64>) {
+    if let Some(y) = modulus
+        && y.is_finite()
+    {
+        points.push(Point { x, y, error: None });
+    }
+}
+
+/// A panel with one curve. The axis is logarithmic for positive values that span more than a decade.
+fn panel(label: &str, name: &str, points: Vec<Point>) -> Panel {
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for point in &points {
+        (low, high) = (low.min(point.y), high.max(point.y));
+    }
+    let y = match low > 0.0 && high > 10.0 * low {
+        true => Axis::log(label),
+        false => Axis::linear(label),
+    };
+    let series = Series {
+        name: name.into(),
+        points,
+        replicas: Vec::new(),
+        line: true,
+    };
+    Panel {
+        y,
+        series: vec![series],
     }
 }

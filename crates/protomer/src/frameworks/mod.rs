@@ -1,15 +1,15 @@
-//! Networks of rods and hinges: their elastic constants, what they do under load, and how that is
-//! shown.
+//! Networks of rods and hinges: their elastic constants, their response to loads, and figures of
+//! both.
 //!
 //! | module | one idea |
 //! |---|---|
 //! | [`network_file`] | networks as TOML |
 //! | [`report`] | elastic constants with their units, closed formulas beside them |
-//! | [`curve`] | a network under growing loads |
+//! | [`curve`] | a network under increasing loads |
 //! | [`answer`] | the verb, and its answer as text and figure |
 //! | [`figure`], [`drawing`] | moduli against direction; the cells, unloaded and loaded |
 //! | [`directory`] | the files of a result |
-//! | `text` | numbers for people |
+//! | `text` | formatted numbers |
 //! | [`tables`] | tables 2 to 4 of Grima et al., Mol. Simul. 31, 925 (2005), printed and recomputed |
 
 pub mod answer;

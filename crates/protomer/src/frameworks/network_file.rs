@@ -1,4 +1,4 @@
-//! Networks as TOML: the keys are those of [`Framework`] and what it holds.
+//! Networks as TOML: the keys are the fields of [`Framework`] and its parts.
 
 use anyhow::{Context, Result};
 use protomer_crystal::framework::{Framework, Neighbour};
@@ -9,7 +9,7 @@ use std::path::Path;
 /// Reads a network and checks it.
 ///
 /// # Errors
-/// Names the file and the line or the node, rod or hinge that makes no sense; for an unknown key
+/// Names the file and the line, or the invalid node, rod or hinge. For an unknown key, suggests
 /// the nearest valid one.
 pub fn read(path: &Path) -> Result<Framework> {
     let text =
@@ -21,7 +21,7 @@ pub fn read(path: &Path) -> Result<Framework> {
     Ok(network)
 }
 
-/// The text of a network file; `about` goes into a comment at its head.
+/// The text of a network file; `about` becomes a comment at its head.
 ///
 /// ```
 /// use protomer::frameworks::network_file::to_toml;
@@ -33,8 +33,8 @@ pub fn read(path: &Path) -> Result<Framework> {
 pub fn to_toml(network: &Framework, about: &str) -> String {
     let mut text = format!(
         "# {about}\n# Lengths in Å, stiffnesses in kcal/mol/Å² (rods) and kcal/mol/rad² (hinges, torsions); an image counts \
-         cells along each cell vector.\n# Add rest_length_angstrom to a rod, or rest_angle_rad to a hinge, that is at rest \
-         elsewhere than as drawn.\n\n"
+         cells along each cell vector.\n# Add rest_length_angstrom to a rod, or rest_angle_rad to a hinge, whose rest \
+         state differs from the drawn geometry.\n\n"
     );
     text += &format!("cell_angstrom = {:?}\n", network.cell_angstrom);
     if network.dimension() == 2 {
@@ -85,7 +85,7 @@ pub fn to_toml(network: &Framework, about: &str) -> String {
 fn list(key: &str, items: impl Iterator<Item = String>) -> String {
     let mut text = String::new();
     for item in items {
-        // Writing to a string does not fail.
+        // Writing to a string cannot fail.
         let _ = writeln!(text, "  {item},");
     }
     if text.is_empty() {

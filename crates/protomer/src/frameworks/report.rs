@@ -1,5 +1,4 @@
-//! The elastic constants of a network, with units, and closed formulas beside them where there are
-//! any.
+//! The elastic constants of a network, with units, compared with closed formulas where they exist.
 
 use super::curve::Curve;
 use super::text::{fixed, rounded};
@@ -19,20 +18,20 @@ use std::collections::BTreeMap;
 
 /// Directions over half a turn in [`Report::polar`].
 const POLAR_DIRECTIONS: usize = 36;
-/// A force on a node (kcal/mol/Å) above which a network is not at rest: what the paper's
-/// minimisations stop at.
+/// Largest force on a node, kcal/mol/Å, of a network at rest: the stopping criterion of
+/// the paper's minimisations.
 const REST_FORCE: f64 = 1e-3;
-/// The most node coordinates whose Hessian is printed in full.
+/// Largest number of node coordinates for which the Hessian is printed in full.
 const MOST_PRINTED_COORDINATES: usize = 1500;
 
-/// What is asked of [`analyse`].
+/// Options of [`analyse`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// Value of Avogadro's number that converts kcal/mol/Å³ to GPa, 1/mol.
+    /// Value of the Avogadro constant that converts kcal/mol/Å³ to GPa, 1/mol.
     pub avogadro_per_mol: f64,
-    /// Find the minimum of the energy first.
+    /// How to relax the network first, if at all.
     pub relax: Option<Relax>,
-    /// Print energy, forces and Hessian.
+    /// Whether to report energy, forces and Hessian.
     pub derivatives: bool,
 }
 
@@ -49,9 +48,9 @@ pub enum Relax {
 /// A network's elastic constants.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
-    /// Builder or file.
+    /// Name of the builder or file.
     pub network: String,
-    /// 2 or 3.
+    /// Dimension: 2 or 3.
     pub dimension: usize,
     /// Names of the components of strain and stress, in the order of all matrices; shear strains
     /// are engineering strains.
@@ -71,39 +70,40 @@ pub struct Report {
     pub thickness_angstrom: Option<f64>,
     /// Volume of the cell, Å³.
     pub volume_angstrom3: f64,
-    /// Avogadro's number as used, 1/mol.
+    /// The value of the Avogadro constant used, 1/mol.
     pub avogadro_per_mol: f64,
-    /// What one kcal/mol/Å³ is worth with it.
+    /// The value of 1 kcal/mol/Å³ in GPa that follows from it.
     pub gpa_per_kcal_mol_angstrom3: f64,
     /// Stiffness with relaxed nodes, GPa.
     pub c_gpa: Vec<Vec<f64>>,
-    /// Stiffness with nodes that follow the strain as points of a homogeneous medium, GPa.
+    /// Stiffness with clamped nodes, which follow the strain affinely, GPa.
     pub c_clamped_gpa: Vec<Vec<f64>>,
-    /// `e_y_gpa`, `g_yz_gpa`, `nu_yz`, ...: null where a mechanism yields or decides.
+    /// `e_y_gpa`, `g_yz_gpa`, `nu_yz`, ...: null where a mechanism makes the modulus zero or
+    /// undefined.
     #[serde(flatten)]
     pub moduli: BTreeMap<String, Option<f64>>,
     /// Closed formulas.
     #[serde(flatten)]
     pub analytic: Option<Analytic>,
-    /// Stress of the network as it stands, GPa.
+    /// Stress of the network in its present state, GPa.
     pub stress_gpa: Vec<f64>,
-    /// Energy of the cell as it stands, kcal/mol.
+    /// Energy of the cell in its present state, kcal/mol.
     pub energy_kcal_mol: f64,
     /// Largest component of a force on a node, kcal/mol/Å.
     pub largest_force_kcal_mol_angstrom: f64,
     /// How the network was relaxed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub relaxed: Option<Relax>,
-    /// Coordinates against springs.
+    /// Maxwell count: coordinates against springs.
     pub maxwell: MaxwellCount,
-    /// Strains that cost nothing.
+    /// Strains that cost no energy (mechanisms).
     pub mechanisms: Vec<Mechanism>,
-    /// Floppy motions of the nodes at fixed cell, beyond translations; null for networks too large
-    /// to count them.
+    /// Zero-energy motions of the nodes at fixed cell, without translations; null for networks
+    /// too large to count them.
     pub internal_mechanisms: Option<usize>,
     /// E and ν against the direction of the load in the plane, from y; empty in three dimensions.
     pub polar: Vec<Direction>,
-    /// The network under growing loads.
+    /// The network under increasing loads.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub curve: Option<Curve>,
     /// Energy, forces and Hessian.
@@ -114,39 +114,40 @@ pub struct Report {
 /// One direction of [`Report::polar`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Direction {
-    /// Angle of the load from y, degrees.
+    /// Angle between the load and the y axis, degrees.
     pub angle_deg: f64,
-    /// E, GPa; null where a mechanism yields.
+    /// E, GPa; null where a mechanism makes it zero.
     pub e_gpa: Option<f64>,
-    /// ν in the plane; null where nothing decides it.
+    /// ν in the plane; null where it is undefined.
     pub nu: Option<f64>,
 }
 
-/// Closed formulas for a honeycomb.
+/// Closed-form moduli of a honeycomb.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Analytic {
     /// Hinging and stretching together, exact.
     pub analytic: AnalyticModuli,
     /// Rods of fixed length.
     pub analytic_hinging: AnalyticModuli,
-    /// Angles that do not change.
+    /// Hinges of fixed angle.
     pub analytic_stretching: AnalyticModuli,
 }
 
-/// Moduli from a closed formula.
+/// Closed-form moduli.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AnalyticModuli {
-    /// On the axes.
+    /// Moduli along the axes.
     #[serde(flatten)]
     pub axial: AxialModuli,
-    /// Stiffness, GPa; null where it has no end.
+    /// Stiffness, GPa; null where it is infinite.
     pub c_gpa: Option<[[f64; 3]; 3]>,
 }
 
-/// Energy and its derivatives over node coordinates, node after node, in the order of the axes.
+/// Energy and its derivatives with respect to the node coordinates, node by node, in the order of
+/// the axes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PrintedDerivatives {
-    /// Where the nodes are, Å.
+    /// Node positions, Å.
     pub nodes_angstrom: Vec<f64>,
     /// kcal/mol.
     pub energy_kcal_mol: f64,
@@ -154,15 +155,26 @@ pub struct PrintedDerivatives {
     pub forces_kcal_mol_angstrom: Vec<f64>,
     /// kcal/mol/Å².
     pub hessian_kcal_mol_angstrom2: Vec<Vec<f64>>,
-    /// Over the strain components, kcal/mol.
+    /// Derivatives with respect to the strain components, kcal/mol.
     pub strain_gradient_kcal_mol: Vec<f64>,
 }
 
-/// The network as it is analysed (relaxed if that was asked for, with all rest lengths written
-/// out), and its constants.
+/// Analyses a network. Returns the analysed network (relaxed if requested, with explicit rest
+/// lengths) and its constants.
 ///
 /// # Errors
-/// If the network makes no sense, or is not at a minimum of its energy.
+/// If the network is invalid, or not at a minimum of its energy.
+///
+/// ```
+/// use protomer::frameworks::report::{Settings, analyse};
+/// use protomer_crystal::framework::build::face_centred_cubic;
+/// let network = face_centred_cubic(3.0, 7.0)?;
+/// let settings = Settings { avogadro_per_mol: 6.02214076e23, relax: None, derivatives: false };
+/// let (_, report) = analyse(&network, "fcc", &settings)?;
+/// // A cubic crystal of central forces: c12 = c44.
+/// assert!((report.c_gpa[0][1] - report.c_gpa[3][3]).abs() < 1e-9 * report.c_gpa[0][0]);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn analyse(
     network: &Framework,
     name: &str,
@@ -182,21 +194,28 @@ pub fn analyse(
     let placed = at.place(&fixed);
     let derivatives = energy.derivatives(&at);
     let hint = if settings.relax.is_none() {
-        "elastic constants are those of a network at rest; add --relax"
+        "elastic constants are defined for a network at rest only; add --relax"
     } else {
         "the relaxed network has no elastic constants"
     };
     let elasticity = Elasticity::at(network, &energy, &at).context(hint)?;
     let dimension = placed.dimension();
-    let printed = settings
-        .derivatives
-        .then(|| print_derivatives(&energy, &at, &derivatives))
-        .transpose()?;
-    let direction = |d: protomer_crystal::framework::moduli::Direction| Direction {
-        angle_deg: d.angle_deg,
-        e_gpa: d.youngs_gpa,
-        nu: d.poissons,
+    let printed = match settings.derivatives {
+        true => Some(print_derivatives(&energy, &at, &derivatives)?),
+        false => None,
     };
+    let mut directions = Vec::with_capacity(POLAR_DIRECTIONS);
+    for direction in polar(&elasticity, gpa, POLAR_DIRECTIONS) {
+        directions.push(Direction {
+            angle_deg: direction.angle_deg,
+            e_gpa: direction.youngs_gpa,
+            nu: direction.poissons,
+        });
+    }
+    let mut largest_force = 0.0_f64;
+    for component in &derivatives.gradient {
+        largest_force = largest_force.max(component.abs());
+    }
     let report = Report {
         network: name.to_owned(),
         dimension,
@@ -214,24 +233,14 @@ pub fn analyse(
         c_clamped_gpa: rows(&(&elasticity.clamped_stiffness * gpa)),
         moduli: named_moduli(&Moduli::new(&elasticity, gpa), dimension),
         analytic: None,
-        stress_gpa: elasticity
-            .stress
-            .iter()
-            .map(|stress| stress * gpa)
-            .collect(),
+        stress_gpa: elasticity.stress.iter().map(|s| s * gpa).collect(),
         energy_kcal_mol: derivatives.energy,
-        largest_force_kcal_mol_angstrom: derivatives
-            .gradient
-            .iter()
-            .fold(0.0, |most: f64, g| most.max(g.abs())),
+        largest_force_kcal_mol_angstrom: largest_force,
         relaxed: settings.relax,
         maxwell: elasticity.maxwell,
         mechanisms: elasticity.mechanisms.clone(),
         internal_mechanisms: elasticity.internal_mechanisms,
-        polar: polar(&elasticity, gpa, POLAR_DIRECTIONS)
-            .into_iter()
-            .map(direction)
-            .collect(),
+        polar: directions,
         curve: None,
         derivatives: printed,
     };
@@ -241,15 +250,18 @@ pub fn analyse(
 impl Analytic {
     /// The formulas for this honeycomb.
     pub fn of(honeycomb: &Honeycomb, gpa: f64) -> Self {
-        let with_stiffness = |axial: AxialModuli| AnalyticModuli {
-            axial,
-            c_gpa: axial.stiffness_gpa(),
-        };
         Self {
-            analytic: with_stiffness(honeycomb.both(gpa)),
-            analytic_hinging: with_stiffness(honeycomb.hinging(gpa)),
-            analytic_stretching: with_stiffness(honeycomb.stretching(gpa)),
+            analytic: AnalyticModuli::new(honeycomb.both(gpa)),
+            analytic_hinging: AnalyticModuli::new(honeycomb.hinging(gpa)),
+            analytic_stretching: AnalyticModuli::new(honeycomb.stretching(gpa)),
         }
+    }
+}
+
+impl AnalyticModuli {
+    fn new(axial: AxialModuli) -> Self {
+        let c_gpa = axial.stiffness_gpa();
+        Self { axial, c_gpa }
     }
 }
 
@@ -278,46 +290,43 @@ fn print_derivatives(
 }
 
 fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
-    matrix
-        .row_iter()
-        .map(|row| row.iter().copied().collect())
-        .collect()
+    let mut rows = Vec::with_capacity(matrix.nrows());
+    for row in matrix.row_iter() {
+        rows.push(row.iter().copied().collect());
+    }
+    rows
 }
 
 fn named_moduli(moduli: &Moduli, dimension: usize) -> BTreeMap<String, Option<f64>> {
     let axes = axes(dimension);
     let mut named = BTreeMap::new();
     for (i, first) in axes.iter().enumerate() {
-        named.insert(
-            format!("e_{first}_gpa"),
-            moduli.youngs_gpa.get(i).copied().flatten(),
-        );
-        for (j, second) in axes.iter().enumerate().filter(|(j, _)| *j != i) {
-            let ratio = moduli
-                .poissons
-                .get(i)
-                .and_then(|row| row.get(j).copied().flatten());
-            named.insert(format!("nu_{first}{second}"), ratio);
+        let youngs = moduli.youngs_gpa.get(i).copied().flatten();
+        named.insert(format!("e_{first}_gpa"), youngs);
+        let Some(ratios) = moduli.poissons.get(i) else {
+            continue;
+        };
+        for (j, (second, ratio)) in axes.iter().zip(ratios).enumerate() {
+            if j != i {
+                named.insert(format!("nu_{first}{second}"), *ratio);
+            }
         }
     }
-    for (name, shear) in strain_names(dimension)
-        .iter()
-        .skip(dimension)
-        .zip(&moduli.shear_gpa)
-    {
+    let shears = strain_names(dimension).iter().skip(dimension);
+    for (name, shear) in shears.zip(&moduli.shear_gpa) {
         named.insert(format!("g_{name}_gpa"), *shear);
     }
     named
 }
 
 impl Report {
-    /// Whether no node feels a force to speak of.
+    /// Whether every node is free of forces, up to [`REST_FORCE`].
     pub fn at_rest(&self) -> bool {
         self.largest_force_kcal_mol_angstrom <= REST_FORCE
     }
 
-    /// The moduli as rows of name, this network and, where there are formulas, the formulas and the
-    /// deviation from them; the first row is the heading.
+    /// The moduli as rows: name, value and, where formulas exist, their values and the deviation;
+    /// the first row is the heading.
     pub fn moduli_rows(&self) -> Vec<Vec<String>> {
         let mut rows = vec![vec!["".to_owned(), "network".to_owned()]];
         if self.analytic.is_some() {
@@ -328,32 +337,36 @@ impl Report {
         for (key, value) in &self.moduli {
             let mut row = vec![label(key), number(*value)];
             if let Some(analytic) = &self.analytic {
-                let of = |moduli: &AnalyticModuli| field(&moduli.axial, key);
-                let formula = of(&analytic.analytic);
-                let deviation = value.zip(formula).map(|(a, b)| percent(a / b - 1.0));
+                let formula = field(&analytic.analytic.axial, key);
+                let deviation = match (value, formula) {
+                    (Some(value), Some(formula)) => percent(value / formula - 1.0),
+                    _ => "-".into(),
+                };
                 row.push(number(formula));
-                row.push(deviation.unwrap_or_else(|| "-".into()));
-                row.push(number(of(&analytic.analytic_hinging)));
-                row.push(number(of(&analytic.analytic_stretching)));
+                row.push(deviation);
+                row.push(number(field(&analytic.analytic_hinging.axial, key)));
+                row.push(number(field(&analytic.analytic_stretching.axial, key)));
             }
             rows.push(row);
         }
         rows
     }
 
-    /// The lines above and below the table of moduli, for people.
+    /// The lines above and below the table of moduli.
     pub fn describe(&self) -> [String; 2] {
-        let thickness = self
-            .thickness_angstrom
-            .map_or_else(String::new, |thickness| {
-                format!(" (thickness {thickness} Å)")
-            });
-        let vectors: Vec<String> = self
-            .cell_angstrom
-            .iter()
-            .map(|v| format!("({})", fixed(v, 4)))
-            .collect();
-        let head = format!(
+        [self.describe_network(), self.describe_elasticity()]
+    }
+
+    fn describe_network(&self) -> String {
+        let thickness = match self.thickness_angstrom {
+            Some(thickness) => format!(" (thickness {thickness} Å)"),
+            None => String::new(),
+        };
+        let mut vectors = Vec::new();
+        for vector in &self.cell_angstrom {
+            vectors.push(format!("({})", fixed(vector, 4)));
+        }
+        format!(
             "{}: {} nodes, {} rods, {} hinges, {} torsions\ncell: {} Å, volume {:.4} Å³{thickness}\nN_A: {:e} /mol, 1 \
              kcal/mol/Å³ = {:.7} GPa",
             self.network,
@@ -365,46 +378,54 @@ impl Report {
             self.volume_angstrom3,
             self.avogadro_per_mol,
             self.gpa_per_kcal_mol_angstrom3
-        );
-        let matrix = |c: &[Vec<f64>]| -> String {
-            let largest = c
-                .iter()
-                .flatten()
-                .fold(0.0_f64, |most, x| most.max(x.abs()));
-            // What is zero but for rounding is shown as zero.
-            let tidy = |x: f64| if x.abs() < 1e-9 * largest { 0.0 } else { x };
-            let line = |row: &Vec<f64>| {
-                row.iter()
-                    .map(|x| format!("{:>14}", rounded(tidy(*x), 4)))
-                    .collect::<String>()
-            };
-            c.iter().map(line).collect::<Vec<_>>().join("\n")
-        };
+        )
+    }
+
+    fn describe_elasticity(&self) -> String {
         let order = self.strain_order.join(", ");
         let m = &self.maxwell;
-        let mechanisms = match self.mechanisms.as_slice() {
+        let mut mechanisms = Vec::new();
+        for mechanism in &self.mechanisms {
+            mechanisms.push(format!("({})", fixed(&mechanism.strain, 4)));
+        }
+        let mechanisms = match mechanisms.as_slice() {
             [] => "none".to_owned(),
-            found => found
-                .iter()
-                .map(|m| format!("({})", fixed(&m.strain, 4)))
-                .collect::<Vec<_>>()
-                .join(" "),
+            found => found.join(" "),
         };
         let internal = match self.internal_mechanisms {
             Some(count) => format!("{count} floppy motions of the nodes at fixed cell"),
             None => "floppy motions of the nodes not counted".into(),
         };
-        let tail = format!(
+        format!(
             "C with relaxed nodes, GPa ({order}):\n{}\nC with clamped nodes, GPa:\n{}\nMaxwell: {} freedoms, {} springs, \
-             excess {:+}\nstrains that cost nothing ({order}): {mechanisms}; {internal}",
+             excess {:+}\nzero-energy strains ({order}): {mechanisms}; {internal}",
             matrix(&self.c_gpa),
             matrix(&self.c_clamped_gpa),
             m.freedoms,
             m.springs,
             m.excess
-        );
-        [head, tail]
+        )
     }
+}
+
+/// A matrix as lines of numbers.
+fn matrix(rows: &[Vec<f64>]) -> String {
+    let mut largest = 0.0_f64;
+    for value in rows.iter().flatten() {
+        largest = largest.max(value.abs());
+    }
+    let mut lines = Vec::with_capacity(rows.len());
+    for row in rows {
+        let mut line = String::new();
+        for value in row {
+            // Show values that are zero up to rounding as zero.
+            let is_zero = value.abs() < 1e-9 * largest;
+            let shown = if is_zero { 0.0 } else { *value };
+            line += &format!("{:>14}", rounded(shown, 4));
+        }
+        lines.push(line);
+    }
+    lines.join("\n")
 }
 
 fn field(moduli: &AxialModuli, key: &str) -> Option<f64> {
@@ -434,7 +455,7 @@ fn number(value: Option<f64>) -> String {
         None => "-".into(),
         Some(value) if value.abs() < 10.0 => rounded(value, 5),
         Some(value) if value.abs() < 1e7 => format!("{value:.3}"),
-        // What cannot yield at all.
+        // A modulus without a finite value.
         Some(value) if value.abs() > 1e20 => "unlimited".into(),
         Some(value) => format!("{value:.3e}"),
     }

@@ -11,16 +11,16 @@ use protomer_crystal::framework::{Elasticity, Moduli, build, gpa_per_kcal_mol_an
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
-/// N_A behind the simulated columns, 1/mol.
+/// N_A of the simulated columns, 1/mol.
 pub const AVOGADRO_OF_SIMULATION: f64 = 6.022e23;
-/// N_A behind the columns of formulas, 1/mol.
+/// N_A of the columns of formulas, 1/mol.
 pub const AVOGADRO_OF_FORMULAS: f64 = 6.023e23;
 
-/// How a computed value stands to the printed one.
+/// How a computed value compares with the printed one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Agreement {
-    /// The same to the last printed digit.
+    /// Equal to the last printed digit.
     Same,
     /// Off by at most one unit of the last printed digit.
     OneUnit,
@@ -28,19 +28,19 @@ pub enum Agreement {
     Off,
 }
 
-/// A number of the paper.
+/// A number from the paper.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Value {
     /// `e_y_gpa`, `e_z_gpa`, `nu_yz` or `nu_zy`.
     pub quantity: Cow<'static, str>,
-    /// As computed.
+    /// The computed value.
     pub computed: f64,
-    /// As printed.
+    /// The printed value.
     pub printed: Cow<'static, str>,
     /// How the two agree.
     pub agreement: Agreement,
-    /// Printed over computed, less one.
+    /// Printed / computed - 1.
     pub deviation: f64,
 }
 
@@ -62,7 +62,7 @@ pub struct Row {
     pub avogadro_per_mol: f64,
     /// The four numbers.
     pub values: Vec<Value>,
-    /// What is known of the printed row.
+    /// A remark on the printed row.
     pub note: Option<Cow<'static, str>>,
 }
 
@@ -210,7 +210,7 @@ fn honeycomb(mechanism: &str, theta_deg: f64) -> Honeycomb {
 /// Tables 2, 3 and 4, recomputed.
 ///
 /// # Errors
-/// None in practice: the networks are sound.
+/// None in practice: the networks are valid.
 pub fn rows() -> Result<Vec<Row>> {
     let mut rows = Vec::new();
     for (mechanism, printed) in [("hinging", CELLS_HINGING), ("stretching", CELLS_STRETCHING)] {
@@ -312,7 +312,7 @@ fn values(computed: [f64; 4], printed: &Printed) -> Vec<Value> {
         .collect()
 }
 
-/// The tables for people, each value with the printed one and a mark.
+/// The tables as text: each computed value with the printed one and a mark.
 pub fn describe(rows: &[Row]) -> Vec<(String, Vec<Vec<String>>)> {
     let heading = [
         "mechanism",
@@ -369,7 +369,7 @@ fn describe_value(value: &Value) -> String {
     format!("{:.decimals$} | {} {mark}", value.computed, value.printed)
 }
 
-/// What the marks of [`describe`] mean, and how many there are.
+/// Explains the marks of [`describe`], with their counts.
 pub fn legend(rows: &[Row]) -> String {
     let count = |agreement: Agreement| {
         rows.iter()

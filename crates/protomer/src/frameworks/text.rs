@@ -1,12 +1,12 @@
-//! Numbers for people.
+//! Formatted numbers.
 
-/// Several numbers with so many decimals.
+/// Several numbers with a fixed number of decimals.
 pub(super) fn fixed(values: &[f64], decimals: usize) -> String {
     let texts: Vec<String> = values.iter().map(|x| rounded(*x, decimals)).collect();
     texts.join(", ")
 }
 
-/// A number with so many decimals; what rounds to zero has no sign.
+/// A number with a fixed number of decimals; a value that rounds to zero has no sign.
 pub(super) fn rounded(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {

@@ -1,7 +1,7 @@
 //! The page that plays a run: one HTML file that needs nothing else, and its frames as SVG.
 //!
-//! Squares are coloured by their orientation, θ modulo 90°, on a wheel of colours: what turns
-//! together has one colour.
+//! Squares are coloured by orientation, θ modulo 90°, on a colour wheel: squares that turn
+//! together share a colour.
 
 use super::directory::read_settings;
 use super::start::network;
@@ -19,14 +19,14 @@ use std::path::{Path, PathBuf};
 const PAGE: &str = include_str!("animation.html");
 /// Style of [`PLAYER`].
 pub const PLAYER_STYLE: &str = include_str!("player.css");
-/// What is on the page: a canvas and its controls, which [`PLAYER_SCRIPT`] fills.
+/// The elements of the player: a canvas and controls, which [`PLAYER_SCRIPT`] fills.
 pub const PLAYER: &str = include_str!("player.html");
 /// Defines `playLattice(root, keys, data)`.
 pub const PLAYER_SCRIPT: &str = include_str!("player.js");
-/// Pixels of the longer edge of a frame.
+/// Length of the longer edge of a frame, pixels.
 const FRAME_PIXELS: f64 = 800.0;
 
-/// A run as it is to be played.
+/// The frames of a run, ready to be played.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Animation {
     network: Network,
@@ -50,23 +50,32 @@ impl Answer for WrittenAnimation {
     }
 }
 
-/// What is made of a run.
+/// Options of [`animate`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct AnimationSettings {
     /// The page; `lattice.html` in the directory of the run where `None`.
     pub page: Option<PathBuf>,
     /// A folder for the frames as SVG files.
     pub frames: Option<PathBuf>,
-    /// Frames to show at most, evenly spread.
+    /// Maximum number of frames, evenly spaced.
     pub most_frames: usize,
-    /// Replace files that are there.
+    /// Whether to overwrite existing files.
     pub force: bool,
 }
 
-/// Writes the page that plays a run, and its frames if a folder is named.
+/// Writes the page that plays a run and, if a folder is given, its frames.
 ///
 /// # Errors
-/// If the directory holds no run with frames, a file is there already, or the disk refuses.
+/// If the directory does not hold a run with frames, or a file already exists or cannot be written.
+///
+/// ```no_run
+/// use protomer::lattice::animation::{AnimationSettings, animate};
+/// use std::path::Path;
+/// let settings =
+///     AnimationSettings { page: None, frames: None, most_frames: 300, force: false };
+/// println!("{}", animate(Path::new("run"), &settings)?.page.display());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn animate(directory: &Path, settings: &AnimationSettings) -> Result<WrittenAnimation> {
     let animation = Animation::read(directory, settings.most_frames)?;
     let page = settings.page.clone();
@@ -75,7 +84,7 @@ pub fn animate(directory: &Path, settings: &AnimationSettings) -> Result<Written
     if let Some(folder) = &settings.frames {
         ResultKind::VoxelSet.refuse_in(folder)?;
         std::fs::create_dir_all(folder)
-            .with_context(|| format!("cannot make {}", folder.display()))?;
+            .with_context(|| format!("cannot create the folder {}", folder.display()))?;
         for frame in 0..animation.len() {
             let path = folder.join(format!("frame_{frame:05}.svg"));
             write_once(&path, &animation.to_svg(frame), settings.force)?;
@@ -88,18 +97,18 @@ pub fn animate(directory: &Path, settings: &AnimationSettings) -> Result<Written
 }
 
 impl Animation {
-    /// Reads the trajectory of a run directory, of which at most so many frames are kept, evenly
-    /// spread.
+    /// Reads the trajectory of a run directory and keeps at most `most_frames` frames, evenly
+    /// spaced.
     ///
     /// # Errors
-    /// If the directory holds no run of a lattice, or no frames.
+    /// If the directory does not hold a lattice run, or the run has no frames.
     pub fn read(directory: &Path, most_frames: usize) -> Result<Self> {
         if most_frames == 0 {
             bail!("--most-frames is 0; give at least 1");
         }
         let settings = read_settings(directory).with_context(|| {
             format!(
-                "{} is no directory of 'protomer lattice run'",
+                "{} is not a directory of 'protomer lattice run'",
                 directory.display()
             )
         })?;
@@ -128,44 +137,30 @@ impl Animation {
         self.frames.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no frames.
     pub fn is_empty(&self) -> bool {
         self.frames.is_empty()
     }
 
-    /// Left, lower, right and upper end of all frames.
+    /// Bounds of all frames: left, bottom, right and top.
     fn bounds(&self) -> [f64; 4] {
-        let margin = 1.05
-            * self
-                .network
-                .squares
-                .iter()
-                .map(|square| square.half_diagonal)
-                .fold(0.0, f64::max);
-        let centres = self
-            .frames
-            .iter()
-            .flat_map(|(_, positions)| positions.chunks_exact(3));
-        let [left, low, right, up] = centres.fold(
-            [
-                f64::INFINITY,
-                f64::INFINITY,
-                f64::NEG_INFINITY,
-                f64::NEG_INFINITY,
-            ],
-            |b, s| {
-                [
-                    b[0].min(s[0]),
-                    b[1].min(s[1]),
-                    b[2].max(s[0]),
-                    b[3].max(s[1]),
-                ]
-            },
-        );
+        let mut largest = 0.0_f64;
+        for square in &self.network.squares {
+            largest = largest.max(square.half_diagonal);
+        }
+        let margin = 1.05 * largest;
+        let [mut left, mut low] = [f64::INFINITY; 2];
+        let [mut right, mut up] = [f64::NEG_INFINITY; 2];
+        for (_, positions) in &self.frames {
+            for square in positions.chunks_exact(3) {
+                (left, right) = (left.min(square[0]), right.max(square[0]));
+                (low, up) = (low.min(square[1]), up.max(square[1]));
+            }
+        }
         [left - margin, low - margin, right + margin, up + margin]
     }
 
-    /// What the squares and rods are, in words.
+    /// Describes the lattice in one line.
     pub fn title(&self) -> &str {
         &self.title
     }
@@ -179,43 +174,33 @@ impl Animation {
             .replace("{{DATA}}", &self.to_json())
     }
 
-    /// The frames as JSON that may stand inside a script element.
+    /// The frames as JSON that is safe inside a script element.
     pub fn to_json(&self) -> String {
-        let rods = self.network.rods.iter().map(|rod| {
-            let [x, y] = shift(&self.network, rod);
-            serde_json::json!([
-                rod.from.square,
-                rod.from.vertex,
-                rod.to.square,
-                rod.to.vertex,
+        let mut rods = Vec::new();
+        for rod in &self.network.rods {
+            let ([x, y], from, to) = (shift(&self.network, rod), rod.from, rod.to);
+            rods.push(serde_json::json!([
+                from.square,
+                from.vertex,
+                to.square,
+                to.vertex,
                 x,
                 y
-            ])
-        });
-        let rods: Vec<serde_json::Value> = rods.collect();
-        let half_diagonals: Vec<f64> = self
-            .network
-            .squares
-            .iter()
-            .map(|square| square.half_diagonal)
-            .collect();
-        let frames: Vec<Vec<f64>> = self
-            .frames
-            .iter()
-            .map(|(_, positions)| rounded(positions))
-            .collect();
-        let times = rounded(
-            &self
-                .frames
-                .iter()
-                .map(|(time, _)| *time)
-                .collect::<Vec<_>>(),
-        );
+            ]));
+        }
+        let squares = self.network.squares.iter();
+        let half_diagonals: Vec<f64> = squares.map(|square| square.half_diagonal).collect();
+        let (mut times, mut frames) = (Vec::new(), Vec::new());
+        for (time, positions) in &self.frames {
+            times.push(*time);
+            frames.push(rounded(positions));
+        }
+        let times = rounded(&times);
         let data = serde_json::json!({
             "title": self.title, "bounds": self.bounds(), "size": half_diagonals, "rods": rods, "times": times,
             "frames": frames,
         });
-        // Inside a script element no text may look like its end.
+        // No text may look like the end of the script element.
         data.to_string().replace("</", "<\\/")
     }
 
@@ -243,7 +228,7 @@ impl Animation {
                 ));
                 format!("{x:.1},{y:.1}")
             };
-            // Writing into a string cannot fail.
+            // Writing to a string cannot fail.
             let _ = writeln!(
                 svg,
                 "<polygon points=\"{} {} {} {}\" fill=\"{}\" stroke=\"#333333\" stroke-width=\"0.7\"/>",
@@ -275,10 +260,10 @@ impl Animation {
     }
 }
 
-/// Below the picture.
+/// Height of the caption below the picture.
 const CAPTION_PIXELS: f64 = 30.0;
 
-/// Where the other end of a rod lies from where its corner is drawn: the periodic image.
+/// The end of a rod relative to the corner it is drawn at: the nearest periodic image.
 fn shift(network: &Network, rod: &Rod) -> [f64; 2] {
     let cell = network.cell.unwrap_or([0.0; 2]);
     [
@@ -287,12 +272,12 @@ fn shift(network: &Network, rod: &Rod) -> [f64; 2] {
     ]
 }
 
-/// A tenth of a pixel is enough to draw.
+/// A tenth of a pixel is precise enough.
 fn rounded(numbers: &[f64]) -> Vec<f64> {
     numbers.iter().map(|x| (x * 1e4).round() / 1e4).collect()
 }
 
-/// A wheel of colours over a quarter turn, as light in every place; the page has the same.
+/// A colour wheel over a quarter turn, of constant lightness; the player uses the same.
 fn colour(angle: f64) -> String {
     let turn = (angle / FRAC_PI_2).rem_euclid(1.0);
     let part = |phase: f64| (165.0 + 75.0 * (TAU * (turn - phase)).cos()).round() as u8;

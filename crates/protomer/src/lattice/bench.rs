@@ -1,9 +1,10 @@
-//! How many steps per CPU-second a lattice allows, and how exact they are.
+//! Steps per CPU-second of a lattice, and their accuracy.
 //!
 //! The start is half open, θ = ± 0.4, with random angular velocities, ω drawn evenly from -1 to 1;
-//! the time step is the one that `time_step = "auto"` stands for. There rods of every length and
-//! lattices of every size are well resolved: the open state is the largest extension, and squares
-//! that leave it each their own way pull at their rods, the more the larger the lattice is.
+//! the time step is the automatic one (`time_step = "auto"`). In this state rods of every length
+//! and lattices of every size are well resolved. The fully open state would be a poor start: it is
+//! the state of largest extension, and squares that leave it independently strain their rods, the
+//! more the larger the lattice.
 
 use super::settings::{LatticeSettings, Start, TimeStep, Velocities};
 use super::start::{begin, time_step};
@@ -14,7 +15,7 @@ use protomer_crystal::lattice::Mover;
 use serde::Serialize;
 use std::sync::Arc;
 
-/// What [`bench()`] measures.
+/// The result of [`bench()`].
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LatticeBench {
     /// Rows and columns.
@@ -25,21 +26,21 @@ pub struct LatticeBench {
     pub rods: usize,
     /// Length of the rods.
     pub r0: f64,
-    /// θ = ± this at the start.
+    /// Amplitude of the initial orientations, θ = ± this.
     pub start_angle: f64,
     /// Time step.
     pub time_step: f64,
     /// Steps.
     pub steps: u64,
-    /// Whether squares were impenetrable.
+    /// Whether squares collided.
     pub collisions: bool,
-    /// Steps per second of processor time of the thread, start-up not counted.
+    /// Steps per second of the thread's CPU time, without set-up.
     pub steps_per_cpu_second: f64,
-    /// Processor time before the first step, s.
+    /// CPU time of the set-up, s.
     pub setup_seconds: f64,
-    /// Largest deviation of a rod from its length, looked at a hundred times and at the end.
+    /// Largest deviation of a rod from its length, sampled a hundred times and at the end.
     pub max_rod_violation: f64,
-    /// Largest deviation of the energy, in parts of that of the start, looked at as often.
+    /// Largest relative deviation of the energy from its initial value, sampled as often.
     pub energy_error: f64,
     /// Collisions.
     pub events: u64,
@@ -64,15 +65,15 @@ impl Answer for LatticeBench {
 /// Between closed (0) and open (π/4).
 const START_ANGLE_RAD: f64 = 0.4;
 
-/// How often a bench looks.
+/// Number of samples per benchmark.
 const LOOKS: u64 = 100;
-/// The longest automatic step: that of the replays, at which the energy keeps to some 1e-5.
+/// The longest automatic step: that of the replays, which conserves the energy to about 1e-5.
 const LONGEST_AUTOMATIC_STEP: f64 = 1e-3;
 
-/// Makes the steps and measures them.
+/// Runs and measures the steps.
 ///
 /// # Errors
-/// For settings that make no sense, or a step that fails.
+/// For invalid settings, or a step that fails.
 pub fn bench(settings: &LatticeSettings, steps: u64) -> Result<LatticeBench> {
     if steps == 0 {
         bail!("--steps is 0; give at least 1");
@@ -104,7 +105,7 @@ pub fn bench(settings: &LatticeSettings, steps: u64) -> Result<LatticeBench> {
         max_rod_violation = max_rod_violation.max(mover.rod_violation(&state));
         energy_error = energy_error.max((mover.energy(&state) / first_energy - 1.0).abs());
     }
-    // This includes the looks at the state, which cost less than a step.
+    // This includes the samples, each of which costs less than a step.
     let seconds = clock.seconds();
     Ok(LatticeBench {
         ns: settings.rows,

@@ -1,11 +1,11 @@
-//! The settings in the directory of a run or a sweep of lattices.
+//! The settings in the directory of a lattice run or sweep.
 
 use super::settings::LatticeSettings;
 use anyhow::Result;
 use protomer_results::keys;
 use std::path::Path;
 
-/// The file of the resolved settings.
+/// The file with the resolved settings.
 pub const SETTINGS: &str = "run.toml";
 
 /// The settings of a directory or of a file.

@@ -1,6 +1,7 @@
-//! `lyapunov.json`: the maximal Lyapunov exponent of a run of a sweep.
+//! `lyapunov.json`: the maximal Lyapunov exponent of one run of a sweep.
 //!
-//! It is that of the trajectory from the start of the run, moved as the run is, with its time step.
+//! The exponent belongs to the trajectory from the start of the run, with the run's integrator and
+//! time step.
 
 use super::settings::LatticeSettings;
 use super::start::{begin, time_step};
@@ -17,7 +18,7 @@ use std::sync::Arc;
 
 const FILE: &str = "lyapunov.json";
 
-/// A maximal Lyapunov exponent, or why there is none.
+/// A maximal Lyapunov exponent, or the reason why it could not be measured.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Exponent {
@@ -27,15 +28,16 @@ pub struct Exponent {
     pub exponent: Option<f64>,
     /// Its standard error.
     pub standard_error: Option<f64>,
-    /// Why the trajectory or its neighbour could not be carried to the end.
+    /// Why the trajectory or its neighbour could not be completed.
     pub failure: Option<String>,
 }
 
-/// Measures the exponent of a run and writes it into its directory, or reads it from there.
+/// Measures the exponent of a run and writes it into the run's directory, or reads it if it is
+/// already there.
 ///
 /// # Errors
-/// For settings that make no sense, a damaged file, or a disk that takes no more. A trajectory that
-/// cannot be carried to the end is no error: the file says why.
+/// For invalid settings, a damaged file, or a file that cannot be written. A trajectory that cannot
+/// be completed is not an error; the file states the reason.
 pub fn measure(
     settings: &LatticeSettings,
     lyapunov: &LyapunovSettings,

@@ -1,4 +1,4 @@
-//! `log.csv`: what a run looks like from step to step.
+//! `log.csv`: observables of a run at regular steps.
 
 use protomer_crystal::analysis::modes::{ModeEnergies, Modes, OutOf, orientational_spread};
 use protomer_crystal::analysis::strain::{biot_strain, corners, deformation_gradient};
@@ -27,7 +27,7 @@ pub struct LogRow {
     /// Amplitude of (-1)^i.
     pub horizontal: f64,
     /// Share of the checkerboard mode in the rotational energy, without that of the uniform mode;
-    /// NaN where nothing turns.
+    /// NaN if nothing rotates.
     pub checkerboard_fraction: f64,
     /// The same of the energy as a whole.
     pub checkerboard_fraction_of_total: f64,
@@ -49,7 +49,7 @@ pub struct LogRow {
     pub events: u64,
 }
 
-/// A column: its name and its number in a row.
+/// A column: its name and its value in a row.
 type Column = (
     &'static str,
     fn(&LogRow) -> f64,
@@ -82,8 +82,8 @@ const NUMBERS: [Column; 17] = columns![
 ];
 
 impl LogRow {
-    /// What there is to say of a state; strains are against the positions of the start and of the
-    /// last row.
+    /// Computes the row of a state; strains are relative to the positions at the start and at
+    /// the last row.
     pub fn new(step: u64, mover: &mut Mover, state: &State, start: &[f64], last: &[f64]) -> Self {
         let network = mover.network().clone();
         let potential_energy = mover.potential_energy();
@@ -155,8 +155,7 @@ impl Row for LogRow {
     }
 }
 
-/// xx, yy and xy of the strain from one array of positions to another; NaN for squares that show
-/// none.
+/// xx, yy and xy of the strain from one array of positions to another; NaN where it is undefined.
 fn strain(network: &Network, from: &[f64], to: &[f64]) -> [f64; 3] {
     match deformation_gradient(&corners(network, from), &corners(network, to)) {
         Ok(gradient) => {

@@ -1,4 +1,4 @@
-//! Lattices of rigid squares on the disk: settings, run directories, sweeps, pictures.
+//! Lattices of rigid squares: settings, run directories, sweeps, figures.
 //!
 //! ```text
 //! LatticeSettings --start--> network, state --run--> directory (log, trajectory, checkpoint) --animation--> page
@@ -7,16 +7,16 @@
 //!
 //! | module | one idea |
 //! |---|---|
-//! | [`settings`] | what a run is asked to do |
-//! | [`start`] | from settings to a network, a state, a time step |
-//! | [`log`], [`trajectory`], [`directory`] | what a run writes |
+//! | [`settings`] | the settings of a run |
+//! | [`start`] | network, initial state and time step from the settings |
+//! | [`log`], [`trajectory`], [`directory`] | the files of a run |
 //! | [`run`] | one run in its directory |
-//! | [`replay`] | a state from a file, followed to the first contact and through it |
+//! | [`replay`] | the motion from a state in a file, up to the first contact and through it |
 //! | [`mod@bench`] | steps per CPU-second |
 //! | [`exponent`] | the Lyapunov exponent of a run of a sweep |
 //! | [`sweep`], [`sweep_table`], [`sweep_figures`] | many runs, their tables and figures |
 //! | [`animation`] | the page that plays a run |
-//! | [`square_of_body`] | the square that stands for a body |
+//! | [`square_of_body`] | the square that represents a body |
 
 pub mod animation;
 pub mod bench;

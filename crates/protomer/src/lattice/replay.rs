@@ -1,8 +1,7 @@
-//! A state from a file, followed without collisions, to the first contact, and through it.
+//! The motion from a state in a file: without collisions, up to the first contact, and through it.
 //!
 //! The file is JSON with `ns` (squares along an edge), `r0`, `s0` and `v0` (x, y, θ and their
-//! rates, square after square), `times`; `kappa`, `l` and `I` are optional, and what else it holds
-//! is left alone.
+//! rates, square after square), `times`; `kappa`, `l` and `I` are optional; other keys are ignored.
 
 use crate::answer::Answer;
 use anyhow::{Result, bail};
@@ -15,7 +14,7 @@ use std::f64::consts::FRAC_PI_4;
 use std::path::Path;
 use std::sync::Arc;
 
-/// A lattice, a state of it, and times to see it at.
+/// A lattice, its initial state, and the times to report.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct LatticeFile {
     /// Squares along an edge.
@@ -38,7 +37,7 @@ pub struct LatticeFile {
     /// Their rates.
     #[serde(default)]
     pub v0: Vec<f64>,
-    /// When to report.
+    /// Times to report.
     #[serde(default)]
     pub times: Vec<f64>,
     /// A state in which squares touch.
@@ -55,7 +54,7 @@ pub struct ContactState {
     pub s: Vec<f64>,
     /// Rates just before.
     pub v: Vec<f64>,
-    /// What touches; found from the state if left out.
+    /// The contacts; found from the state if omitted.
     #[serde(default)]
     pub contacts: Vec<[usize; 3]>,
 }
@@ -64,24 +63,24 @@ fn one() -> f64 {
     1.0
 }
 
-/// What [`replay()`] finds.
+/// The result of [`replay()`].
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Replay {
     /// The largest time step taken.
     pub time_step: f64,
     /// The times of the file.
     pub times: Vec<f64>,
-    /// x, y, θ at these times. Nothing collides here, after the first contact neither.
+    /// x, y, θ at these times. Collisions are ignored, even after the first contact.
     pub s: Vec<Vec<f64>>,
     /// Rates.
     pub v: Vec<Vec<f64>>,
-    /// Kinetic energy and that of the coherence potential.
+    /// Sum of the kinetic energy and the coherence potential.
     pub energy: Vec<f64>,
-    /// Where squares first touch; `None` if they do not before the limit.
+    /// The first contact; `None` if there is none before the limit.
     pub first_collision: Option<FirstCollision>,
 }
 
-/// The first contact and what becomes of it.
+/// The first contact and its outcome.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FirstCollision {
     /// When.
@@ -90,21 +89,21 @@ pub struct FirstCollision {
     pub s: Vec<f64>,
     /// Rates just before.
     pub v: Vec<f64>,
-    /// Square whose corner strikes, which corner (1 to 4), square that is struck.
+    /// The striking square, its corner (1 to 4), and the struck square.
     pub contacts: Vec<[usize; 3]>,
     /// Rates just after an elastic collision.
     pub v_after: Vec<f64>,
 }
 
-/// What [`respond`] finds.
+/// The result of [`respond`].
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Response {
     /// Rates just after an elastic collision.
     pub v_after: Vec<f64>,
-    /// Square whose corner strikes, which corner (1 to 4), square that is struck.
+    /// The striking square, its corner (1 to 4), and the struck square.
     pub contacts: Vec<[usize; 3]>,
-    /// Impulses along the normals; corners that meet head on are listed from either side and share
-    /// one.
+    /// Impulses along the normals; corners that meet head-on are listed from both sides and share
+    /// one impulse.
     pub impulses: Vec<f64>,
     /// Change of the kinetic energy.
     pub energy_change: f64,
@@ -192,11 +191,12 @@ impl LatticeFile {
     }
 }
 
-/// Follows the state of a file with steps of at most `time_step`, and to its first contact unless
-/// that is later than `longest`.
+/// Integrates the state of a file with steps of at most `time_step`, and up to its first contact
+/// if that comes before `longest`.
 ///
 /// # Errors
-/// For a state that does not fit the lattice, times that do not rise, or a step that is too large.
+/// For a state that does not fit the lattice, times that do not increase, or a step that is too
+/// large.
 pub fn replay(file: &LatticeFile, time_step: f64, longest: f64) -> Result<Replay> {
     for (name, value) in [("dt", time_step), ("longest", longest)] {
         if !(value.is_finite() && value > 0.0) {
@@ -224,13 +224,15 @@ pub fn replay(file: &LatticeFile, time_step: f64, longest: f64) -> Result<Replay
     Ok(replay)
 }
 
-/// Equal steps, as few as are no longer than `time_step`, that end at `time`.
+/// The smallest number of equal steps no longer than `time_step` that end at `time`.
 fn advance(dynamics: &mut Dynamics, state: &mut State, time: f64, time_step: f64) -> Result<()> {
     let (start, duration) = (state.time, time - state.time);
     if !(duration.is_finite() && duration >= 0.0) {
-        bail!("the time {time} comes after {start}; list the times in rising order, from 0 on");
+        bail!(
+            "the time {time} follows {start}; list the times in increasing order, starting from 0 or later"
+        );
     }
-    // A ratio that is a whole number but for its rounding is meant to be whole.
+    // A ratio that is an integer up to rounding is meant to be an integer.
     let steps = (duration / time_step - 1e-9).ceil().max(0.0) as u64;
     for _ in 0..steps {
         dynamics.step(state, duration / steps as f64)?;
@@ -266,10 +268,10 @@ fn first_collision(
     }))
 }
 
-/// The elastic impact at the state of contact of a file.
+/// Computes the elastic impact at the contact state of a file.
 ///
 /// # Errors
-/// If the file has no such state, it does not fit the lattice, or nothing touches.
+/// If the file has no contact state, the state does not fit the lattice, or no squares touch.
 pub fn respond(file: &LatticeFile) -> Result<Response> {
     let Some(contact) = &file.first_collision else {
         bail!(
@@ -291,7 +293,7 @@ pub fn respond(file: &LatticeFile) -> Result<Response> {
     };
     if contacts.is_empty() {
         bail!(
-            "no two squares of first_collision.s are within {TOUCHING} of each other; give a state of contact"
+            "no two squares of first_collision.s are within {TOUCHING} of each other; give a contact state"
         );
     }
     let response = replay::respond(

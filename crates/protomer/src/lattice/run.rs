@@ -1,4 +1,4 @@
-//! One run in its directory.
+//! One lattice run in its directory.
 //!
 //! ```text
 //! DIR/  run.toml  run.json  log.csv  trajectory.gsd  checkpoint.bin
@@ -38,7 +38,7 @@ const LAYOUT: Layout = Layout {
     is_result: |_| false,
 };
 
-/// What a run comes to.
+/// The result of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LatticeResult {
     /// Squares.
@@ -51,8 +51,8 @@ pub struct LatticeResult {
     pub time: f64,
     /// Time step.
     pub time_step: f64,
-    /// Standard deviation of the angles about the coherent state at the start: less than was asked
-    /// for where rods are short.
+    /// Standard deviation of the angles about the coherent state at the start: less than
+    /// requested where rods are short.
     pub start_angle_spread: f64,
     /// Random starts that were discarded because squares overlapped.
     #[serde(default)]
@@ -63,8 +63,8 @@ pub struct LatticeResult {
     pub start_energy: f64,
     /// Energy at the end.
     pub energy: f64,
-    /// Largest deviation of the energy from that of the start in the log, in parts of it; it says
-    /// nothing of a run with a heat bath, friction or inelastic collisions.
+    /// Largest relative deviation of the energy from its initial value in the log; meaningless
+    /// for a run with a heat bath, friction or inelastic collisions.
     pub energy_error: f64,
     /// Largest deviation of a rod from its length in the log.
     pub max_rod_violation: f64,
@@ -82,25 +82,38 @@ impl Answer for LatticeResult {
 /// Runs or continues a lattice in a directory.
 ///
 /// # Errors
-/// For settings or a start that make no sense, a directory that holds other work, a disk that
-/// refuses, and a step that failed: the last good state is then in the checkpoint, and `run.json`
-/// says what happened.
+/// For invalid settings or an impossible start, a directory that holds other work, a file that
+/// cannot be written, and a step that failed: the last good state is then in the checkpoint, and
+/// `run.json` records the error.
+///
+/// ```
+/// use protomer::lattice::{run::run_lattice, settings::LatticeSettings};
+/// use protomer_results::Execution;
+/// let settings = LatticeSettings { rows: 4, columns: 4, time: 0.1, ..LatticeSettings::default() };
+/// # let folder = tempfile::tempdir()?;
+/// let directory = folder.path().join("run");
+/// let end = run_lattice(&settings, &directory, &Execution::default())?;
+/// let result = end.finished().unwrap();
+/// assert_eq!(result.squares, 16);
+/// assert!(result.energy_error < 1e-3);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn run_lattice(
     settings: &LatticeSettings,
     path: &Path,
     execution: &Execution,
 ) -> Result<End<LatticeResult>> {
     if settings.sweep.is_some() {
-        bail!("the settings have a [sweep]; use 'protomer lattice sweep', or leave it out");
+        bail!("the settings have a [sweep]; use 'protomer lattice sweep', or remove it");
     }
-    // Before the directory is touched: a start that makes no sense leaves nothing behind.
+    // Checked before the directory is touched: an impossible start leaves nothing behind.
     let run = LatticeRun::new(settings)?;
     let _ours = ResultsDirectory::enter(path, &LAYOUT, settings, &run.identity, execution)?;
     execution.progress.begin(run.length(), "steps");
     drive(&run, path, execution)
 }
 
-/// A run that is known to make sense.
+/// A run whose settings have been checked.
 struct LatticeRun<'a> {
     settings: &'a LatticeSettings,
     identity: String,
@@ -118,11 +131,11 @@ struct Open {
     progress: Progress,
     log: Log,
     trajectory: Option<Trajectory>,
-    /// Whether every output that is due at this state was written.
+    /// Whether every output due at this state has been written.
     is_complete: bool,
 }
 
-/// How far a run is, and the worst it has met.
+/// Progress of a run, and the largest deviations so far.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Progress {
@@ -133,7 +146,7 @@ struct Progress {
     first_energy: f64,
 }
 
-/// A point from which a run continues bit for bit.
+/// A state from which a run continues bit for bit.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Saved {
@@ -161,7 +174,7 @@ impl<'a> LatticeRun<'a> {
         Ok(run)
     }
 
-    /// An engine at the first state.
+    /// An engine at the initial state.
     fn mover(&self) -> Result<Mover> {
         let network = Arc::new(self.begun.network.clone());
         Ok(Mover::new(
@@ -171,7 +184,7 @@ impl<'a> LatticeRun<'a> {
         )?)
     }
 
-    /// The row and the frame that are due at this step.
+    /// Writes the row and the frame due at this step.
     fn write_outputs(&self, open: &mut Open) -> Result<()> {
         let step = open.progress.steps;
         open.is_complete = false;
@@ -204,7 +217,7 @@ impl Progress {
         }
     }
 
-    /// Keeps the largest deviations that a row shows.
+    /// Updates the largest deviations with those of a row.
     fn note(&mut self, row: &LogRow) {
         let change = (row.energy - self.first_energy).abs();
         let scale = self.first_energy.abs();
@@ -293,7 +306,7 @@ impl Run for LatticeRun<'_> {
         }
         progress.steps += 1;
         progress.events = open.mover.events();
-        // Not by adding up, which would drift off round times.
+        // Multiplied, not accumulated: sums would drift away from round times.
         state.time = progress.steps as f64 * self.time_step;
         self.write_outputs(open)
     }
@@ -335,7 +348,7 @@ impl Run for LatticeRun<'_> {
         Ok(log::check(&directory.join(LOG), &saved.log)?)
     }
 
-    /// A step that fails leaves the state as it was.
+    /// A step that fails leaves the state unchanged.
     fn rescue(&self, open: &mut Open) -> Option<Saved> {
         open.is_complete.then(|| self.save(open).ok()).flatten()
     }

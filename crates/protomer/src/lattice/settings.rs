@@ -1,4 +1,4 @@
-//! What a run is asked to do: the resolved configuration, as `run.toml` has it.
+//! The settings of a run: the resolved configuration, as stored in `run.toml`.
 
 use anyhow::{Result, bail};
 use protomer_crystal::analysis::lyapunov::LyapunovSettings;
@@ -14,8 +14,16 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::f64::consts::FRAC_PI_4;
 
-/// Settings of a run. Everything that can change a result is here and nothing else. Reduced units:
-/// the half-diagonal of a square is 1, its mass is 1.
+/// Settings of a run. They contain everything that can change a result, and nothing else. Reduced
+/// units: the half-diagonal of a square is 1, its mass is 1.
+///
+/// ```
+/// use protomer::lattice::settings::LatticeSettings;
+/// let settings = LatticeSettings { rows: 4, columns: 6, kappa: 0.5, ..LatticeSettings::default() };
+/// settings.check()?;
+/// assert!(LatticeSettings { r0: 0.0, ..settings }.check().is_err());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LatticeSettings {
@@ -27,16 +35,15 @@ pub struct LatticeSettings {
     pub r0: f64,
     /// κ of the coherence potential, an inverse time squared.
     pub kappa: f64,
-    /// What is at the edges.
+    /// The boundary condition.
     pub edges: Edges,
     /// The orientation of the squares at the start.
     pub start: Start,
-    /// Standard deviation of random angles added to the start; the rods allow less where they are
-    /// short.
+    /// Standard deviation of random angles added to the start; short rods allow less.
     pub angle_spread: f64,
     /// The velocities at the start.
     pub velocities: Velocities,
-    /// Angular velocity at the start: of every square (checkerboard), or the largest that is drawn
+    /// Initial angular velocity: that of every square (checkerboard), or the largest drawn
     /// (random).
     pub speed: f64,
     /// Standard deviation of random numbers added to the angular velocities of a checkerboard
@@ -54,8 +61,8 @@ pub struct LatticeSettings {
     pub collisions: bool,
     /// Coefficient of restitution of the collisions: 1 is elastic.
     pub restitution: f64,
-    /// The collisions of the paper (one mean collision time per step, equalities) instead of one
-    /// event after the other.
+    /// Use the collisions of the paper (one mean collision time per step, equalities) instead
+    /// of one event after another.
     pub paper: bool,
     /// kT of a heat bath, in units of mass times (half-diagonal per time)²; needs a friction.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -68,31 +75,32 @@ pub struct LatticeSettings {
     pub log_every: u64,
     /// Steps between two frames of the trajectory; zero for no trajectory.
     pub trajectory_every: u64,
-    /// Length of one reduced unit in Å, where the lattice stands for real bodies; only screened
-    /// charges need it.
+    /// Length of one reduced unit in Å, where the lattice represents real bodies; only
+    /// screened charges need it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub half_diagonal_angstrom: Option<f64>,
-    /// Squares that are missing, with their rods: row and column, from 0 at the upper left.
+    /// Missing squares, whose rods are missing too: row and column, counted from 0 at the upper
+    /// left.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub removed_squares: Vec<[usize; 2]>,
-    /// Rods that are missing: row, column and vertex of either end.
+    /// Missing rods: row, column and vertex of each end.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub removed_rods: Vec<[usize; 3]>,
     /// The square.
     pub square: Square,
-    /// Squares that differ.
+    /// Squares that differ from it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub other_squares: Vec<OtherSquare>,
-    /// The rods, if they are not those of the lattice.
+    /// The rods, if they differ from those of the lattice.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rods: Option<Vec<ListedRod>>,
     /// Charges on every square, which act if there is a `screening`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub charges: Vec<SquareCharge>,
-    /// How the charges act on each other.
+    /// How the charges interact.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub screening: Option<Screening>,
-    /// What a sweep varies.
+    /// The parameters that a sweep varies.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sweep: Option<SweepAxes>,
 }
@@ -108,7 +116,7 @@ fn is_zero(value: &f64) -> bool {
     expecting = "start is 'open', 'closed', or the angle of the squares in radians"
 )]
 pub enum Start {
-    /// Open or closed.
+    /// A named state: open or closed.
     Named(NamedStart),
     /// An angle in radians.
     Angle(f64),
@@ -151,7 +159,7 @@ impl std::str::FromStr for Start {
     }
 }
 
-/// How the squares move at the start. Whatever the rods forbid is taken out.
+/// The initial velocities, projected onto those that the rods allow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Velocities {
@@ -160,9 +168,9 @@ pub enum Velocities {
     Checkerboard,
     /// Every ω drawn evenly from -speed to speed.
     Random,
-    /// Nothing moves.
+    /// All velocities are zero.
     Rest,
-    /// As at the temperature of the heat bath.
+    /// Thermal velocities at the temperature of the heat bath.
     Thermal,
 }
 
@@ -170,22 +178,22 @@ pub enum Velocities {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, expecting = "time_step is 'auto' or a number")]
 pub enum TimeStep {
-    /// Chosen.
+    /// An automatic step.
     Named(NamedTimeStep),
-    /// This long.
+    /// An explicit step.
     Fixed(f64),
 }
 
-/// A time step that is chosen.
+/// An automatic time step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum NamedTimeStep {
-    /// Short enough for the rod that turns fastest.
+    /// Short enough for the fastest-turning rod.
     Auto,
 }
 
 impl TimeStep {
-    /// The step that is chosen.
+    /// The automatic step.
     pub const AUTO: Self = TimeStep::Named(NamedTimeStep::Auto);
 }
 
@@ -202,17 +210,17 @@ impl std::str::FromStr for TimeStep {
     }
 }
 
-/// What a sweep varies: every r0 with every κ, as many times as there are seeds.
+/// The parameters that a sweep varies: every r0 with every κ, once per seed.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SweepAxes {
-    /// Lengths of the rods; that of the settings if empty.
+    /// Rod lengths; if empty, that of the settings.
     pub r0: Vec<f64>,
-    /// κ; that of the settings if empty.
+    /// κ; if empty, that of the settings.
     pub kappa: Vec<f64>,
-    /// Seeds; that of the settings if empty.
+    /// Seeds; if empty, that of the settings.
     pub seeds: Vec<u64>,
-    /// How the Lyapunov exponent of every run is measured; it is not if this is left out. The seed
+    /// How the Lyapunov exponent of every run is measured; if omitted, it is not measured. The seed
     /// of a run is added to the seed here.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lyapunov: Option<LyapunovSettings>,
@@ -255,11 +263,11 @@ impl Default for LatticeSettings {
     }
 }
 
-/// More squares than anyone waits for.
+/// Upper limit for the number of squares, beyond any practical run.
 const MOST_SQUARES: usize = 1_000_000;
 
 impl Settings for LatticeSettings {
-    /// Without the length: a run can be continued to a later time.
+    /// Excludes the length: a run can be continued to a later time.
     fn essential(&self) -> Self {
         Self {
             time: 0.0,
@@ -270,10 +278,10 @@ impl Settings for LatticeSettings {
 }
 
 impl LatticeSettings {
-    /// Checks what neither the types nor the engine do.
+    /// Checks everything that neither the types nor the engine check.
     ///
     /// # Errors
-    /// Names the setting and what it may be.
+    /// Names the setting and its valid range.
     pub fn check(&self) -> Result<()> {
         let finite_from_zero = [
             ("angle_spread", self.angle_spread),
@@ -320,18 +328,16 @@ impl LatticeSettings {
             bail!("log_every is 0; it must be at least 1");
         }
         if self.temperature.is_some() && self.friction == 0.0 {
-            bail!(
-                "a heat bath needs a friction to act; add friction = 1, or leave out temperature"
-            );
+            bail!("a heat bath needs friction; add friction = 1, or remove temperature");
         }
         if self.paper && (self.restitution != 1.0 || !self.collisions) {
             bail!(
-                "the paper's collisions are elastic; leave out restitution and collisions, or leave out paper"
+                "the paper's collisions are elastic; remove restitution and collisions, or remove paper"
             );
         }
         if self.screening.is_some() && self.half_diagonal_angstrom.is_none() {
             bail!(
-                "screened charges need a scale; add half_diagonal_angstrom, the length of one unit in Å"
+                "screened charges need a length scale; add half_diagonal_angstrom, the length of one unit in Å"
             );
         }
         if self.velocities == Velocities::Thermal && self.temperature.is_none() {
@@ -339,7 +345,7 @@ impl LatticeSettings {
         }
         if self.velocity_spread > 0.0 && self.velocities != Velocities::Checkerboard {
             bail!(
-                "velocity_spread disturbs a checkerboard start; leave it out, or set velocities = \
+                "velocity_spread perturbs a checkerboard start; remove it, or set velocities = \
                  \"checkerboard\""
             );
         }
@@ -347,7 +353,7 @@ impl LatticeSettings {
             lyapunov.check()?;
             if self.temperature.is_some() {
                 bail!(
-                    "the Lyapunov exponent is that of a motion without noise; leave out \
+                    "the Lyapunov exponent is defined for motion without noise; remove \
                      temperature or the exponent"
                 );
             }
@@ -412,10 +418,10 @@ impl LatticeSettings {
         }
     }
 
-    /// What moves the squares.
+    /// The integrator of the squares.
     ///
     /// # Errors
-    /// For a temperature or friction that makes no sense.
+    /// For a negative or non-finite temperature or friction.
     pub fn motion(&self) -> Result<Motion> {
         let kt = self.temperature.unwrap_or(0.0);
         let bath = Langevin::new(kt, self.friction, self.seed, 0)?;

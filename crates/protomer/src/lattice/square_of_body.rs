@@ -1,4 +1,4 @@
-//! The square that stands for a body, as part of a configuration.
+//! The square that represents a body, as part of a configuration.
 
 use super::settings::LatticeSettings;
 use crate::answer::Answer;
@@ -10,7 +10,7 @@ use protomer_crystal::lattice::square_of_body::{BodySquare, Solid};
 use protomer_results::keys::to_toml;
 use serde::Serialize;
 
-/// The keys of a configuration that stand for a body.
+/// The configuration keys that describe a body.
 const KEYS: [&str; 3] = ["half_diagonal_angstrom", "square", "charges"];
 
 /// A body and its square.
@@ -44,10 +44,10 @@ pub fn square_of_body(body: &Body, axis: Axis, size: Size) -> Result<NamedSquare
 }
 
 impl NamedSquare {
-    /// The part of a configuration that stands for the body.
+    /// The part of a configuration that describes the body.
     ///
     /// # Errors
-    /// If it cannot be written down.
+    /// If it cannot be serialised.
     pub fn to_toml(&self) -> Result<String> {
         let settings = LatticeSettings {
             half_diagonal_angstrom: Some(self.square.half_diagonal_angstrom),
@@ -70,7 +70,7 @@ impl NamedSquare {
 }
 
 impl Answer for NamedSquare {
-    /// The square in one line.
+    /// Describes the square in one line.
     fn text(&self) -> String {
         let square = &self.square;
         let [x, y, z] = square.axis;

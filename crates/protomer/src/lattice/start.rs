@@ -9,23 +9,31 @@ use protomer_crystal::lattice::{Network, Started, State};
 /// A lattice at its start.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Begun {
-    /// What is joined to what.
+    /// The topology: which corners the rods join.
     pub network: Network,
     /// The first state.
     pub state: State,
     /// Standard deviation about the coherent state of the random angles that were drawn.
     pub angle_spread_drawn: f64,
-    /// The same of the angles that the rods allowed.
+    /// The same for the angles that the rods allowed.
     pub angle_spread: f64,
     /// Random starts that were discarded because squares overlapped.
     pub discarded_draws: u32,
 }
 
-/// The network of these settings and its first state. Random angles are drawn again while squares
-/// that collide overlap.
+/// Builds the network of these settings and its initial state. Random angles are redrawn while
+/// squares that collide overlap.
 ///
 /// # Errors
-/// Names the setting that makes no sense, or says why the rods cannot be met.
+/// Names the invalid setting, or says why the rod lengths cannot be satisfied.
+///
+/// ```
+/// use protomer::lattice::{settings::LatticeSettings, start::begin};
+/// let settings = LatticeSettings { rows: 3, columns: 3, ..LatticeSettings::default() };
+/// let begun = begin(&settings)?;
+/// assert_eq!(begun.network.squares.len(), 9);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn begin(settings: &LatticeSettings) -> Result<Begun> {
     settings.check()?;
     let network = network(settings)?;
@@ -55,10 +63,10 @@ pub fn begin(settings: &LatticeSettings) -> Result<Begun> {
 fn with_advice(error: CrystalError, network: &Network) -> anyhow::Error {
     let advice = match error {
         CrystalError::OverConstrained { .. } if network.cell.is_some() => {
-            "straight rows and columns across periodic edges hold each other; leave out a rod of \
-             each with removed_rods"
+            "straight rows and columns across periodic edges constrain each other redundantly; \
+             remove one rod of each with removed_rods"
         }
-        // These say themselves what is wrong.
+        // These errors explain themselves.
         CrystalError::OverConstrained { .. } | CrystalError::Overlap { .. } => return error.into(),
         _ => {
             "the rods cannot have their lengths in this start; start from 'open', lower \
@@ -68,18 +76,18 @@ fn with_advice(error: CrystalError, network: &Network) -> anyhow::Error {
     anyhow::Error::from(error).context(advice)
 }
 
-/// What is joined to what.
+/// The topology: which corners the rods join.
 ///
 /// # Errors
-/// Names the square or rod that is not there.
+/// Names the square or rod that does not exist.
 pub fn network(settings: &LatticeSettings) -> Result<Network> {
     Ok(settings.plan().network()?)
 }
 
-/// The time step of a run: as given, or as long as keeps the energy.
+/// The time step of a run: the given one, or the longest that conserves the energy.
 ///
 /// # Errors
-/// For a network or state that makes no sense.
+/// For an invalid network or state.
 pub fn time_step(settings: &LatticeSettings, begun: &Begun) -> Result<f64> {
     match settings.time_step {
         TimeStep::Fixed(step) => Ok(step),
@@ -99,7 +107,7 @@ pub fn time_step(settings: &LatticeSettings, begun: &Begun) -> Result<f64> {
 }
 
 impl LatticeSettings {
-    /// Steps to do in all.
+    /// Total number of steps.
     pub fn total_steps(&self, time_step: f64) -> u64 {
         self.steps
             .unwrap_or_else(|| (self.time / time_step - 1e-9).ceil().max(0.0) as u64)

@@ -31,7 +31,7 @@ use serde::Serialize;
 use std::f64::consts::FRAC_PI_4;
 use std::path::{Path, PathBuf};
 
-/// A run directory with more folders than this serves nobody.
+/// Upper limit for the number of runs, each of which has a folder.
 const MOST_RUNS: usize = 100_000;
 /// The directory of a sweep.
 const LAYOUT: Layout = Layout {
@@ -48,7 +48,7 @@ const LAYOUT: Layout = Layout {
     is_result: is_condition,
 };
 
-/// What a sweep leaves behind.
+/// The result of a sweep.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LatticeSweep {
     /// Version of the program.
@@ -113,20 +113,20 @@ pub struct Task {
     pub condition: usize,
     /// The settings of the run.
     pub settings: LatticeSettings,
-    /// Where it is.
+    /// Its directory.
     pub directory: PathBuf,
 }
 
-/// What a run left behind.
+/// The result of one run of the sweep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunOutcome {
-    /// Its end.
+    /// Its result.
     pub result: LatticeResult,
-    /// Its Lyapunov exponent, if the sweep measures it.
+    /// Its Lyapunov exponent, if measured.
     pub exponent: Option<Exponent>,
 }
 
-/// The course of a run or, where several are merged, of all runs of a condition.
+/// The time series of a run or, once merged, of all runs of a condition.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
     /// Time, root mean square difference of two angles, averaged over runs.
@@ -139,40 +139,37 @@ pub struct Series {
     pub crossings: Vec<Vec<Crossing>>,
 }
 
-/// The axes with what the settings say where they are empty.
+/// The axes, with empty ones replaced by the value of the settings.
 pub fn axes(settings: &LatticeSettings) -> SweepAxes {
     let axes = settings.sweep.clone().unwrap_or_default();
-    let or = |values: Vec<f64>, value: f64| {
-        if values.is_empty() {
-            vec![value]
-        } else {
-            values
-        }
-    };
     SweepAxes {
-        r0: or(axes.r0, settings.r0),
-        kappa: or(axes.kappa, settings.kappa),
-        seeds: if axes.seeds.is_empty() {
-            vec![settings.seed]
-        } else {
-            axes.seeds
-        },
+        r0: values_or(axes.r0, settings.r0),
+        kappa: values_or(axes.kappa, settings.kappa),
+        seeds: values_or(axes.seeds, settings.seed),
         lyapunov: axes.lyapunov,
     }
 }
 
-/// Every run of the sweep, the first seed of every condition first: an interrupted sweep has
-/// something everywhere early.
+fn values_or<T>(values: Vec<T>, default: T) -> Vec<T> {
+    match values.is_empty() {
+        true => vec![default],
+        false => values,
+    }
+}
+
+/// All runs of the sweep, ordered by seed first, so that an interrupted sweep covers all
+/// conditions early.
 ///
 /// # Errors
-/// For too many runs, or settings of a run that make no sense.
+/// For too many runs, or invalid settings of a run.
 pub fn tasks(settings: &LatticeSettings, directory: &Path) -> Result<Vec<Task>> {
     let axes = axes(settings);
-    let conditions: Vec<(f64, f64)> = axes
-        .r0
-        .iter()
-        .flat_map(|r0| axes.kappa.iter().map(move |kappa| (*r0, *kappa)))
-        .collect();
+    let mut conditions = Vec::new();
+    for r0 in &axes.r0 {
+        for kappa in &axes.kappa {
+            conditions.push((*r0, *kappa));
+        }
+    }
     if conditions.len().saturating_mul(axes.seeds.len()) > MOST_RUNS {
         bail!(
             "{} conditions with {} seeds each are too many; ask for at most {MOST_RUNS} runs",
@@ -210,19 +207,20 @@ pub fn tasks(settings: &LatticeSettings, directory: &Path) -> Result<Vec<Task>> 
 /// Whether this is the folder of the runs of one condition: `r0_0.2_kappa_0`.
 fn is_condition(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let axes = name
-        .strip_prefix("r0_")
-        .and_then(|rest| rest.split_once("_kappa_"));
-    let is_number = |text: &str| text.parse::<f64>().is_ok();
-    path.is_dir() && axes.is_some_and(|(r0, kappa)| is_number(r0) && is_number(kappa))
+    let Some(axes) = name.strip_prefix("r0_") else {
+        return false;
+    };
+    let Some((r0, kappa)) = axes.split_once("_kappa_") else {
+        return false;
+    };
+    path.is_dir() && r0.parse::<f64>().is_ok() && kappa.parse::<f64>().is_ok()
 }
 
 /// Runs or continues a sweep in a directory.
 ///
 /// # Errors
-/// For settings that make no sense, a directory that holds other work, and the first run that
-/// fails; the others stop at their next step then, what they did is kept, and `run.json` says what
-/// happened.
+/// For invalid settings, a directory that holds other work, or a run that fails: the others
+/// then stop at their next step, keep their progress, and `run.json` records the error.
 pub fn run_sweep(
     settings: &LatticeSettings,
     path: &Path,
@@ -249,7 +247,7 @@ struct Sweep<'a> {
 }
 
 impl Sweep<'_> {
-    /// One run of the sweep, and its exponent if that is measured.
+    /// Does one run of the sweep, and measures its exponent if requested.
     fn run_task(
         &self,
         task: &Task,
@@ -364,7 +362,7 @@ impl Condition {
 }
 
 impl Series {
-    /// From the log and the trajectory of a run.
+    /// Reads the log and the trajectory of a run.
     fn of_run(task: &Task, rows: &[LogRow]) -> Result<Self> {
         let network = network(&task.settings)?;
         let mut synchronisation = Synchronisation::new(network.squares.len());
@@ -376,23 +374,23 @@ impl Series {
                 phase_differences.push([time, root_mean_square_difference(&angles)]);
             }
         }
-        let amplitudes: Vec<[f64; 2]> = rows
-            .iter()
-            .map(|row| [row.time, row.checkerboard])
-            .collect();
-        let strains = rows.iter().skip(1);
+        let (mut amplitudes, mut strains) = (Vec::new(), Vec::new());
+        for (number, row) in rows.iter().enumerate() {
+            amplitudes.push([row.time, row.checkerboard]);
+            if number > 0 {
+                strains.push([row.step_strain_xx, row.step_strain_yy]);
+            }
+        }
         Ok(Self {
             phase_differences,
-            strains: strains
-                .map(|row| [row.step_strain_xx, row.step_strain_yy])
-                .collect(),
+            strains,
             synchronisation,
             crossings: vec![crossings(&amplitudes, FRAC_PI_4)],
         })
     }
 
-    /// Adds a run to so many others. Phase differences are a running mean; frames of equal number
-    /// are compared, as time steps may differ a little.
+    /// Merges a run into the mean over `runs` others. Phase differences are a running mean over
+    /// frames of equal index, because time steps may differ slightly.
     fn merge(&mut self, other: Self, earlier_runs: usize) -> Result<()> {
         let runs = earlier_runs as f64 + 1.0;
         let frames = self.phase_differences.iter_mut();
@@ -407,7 +405,7 @@ impl Series {
 }
 
 fn write_results(sweep: &LatticeSweep, series: &[Series], directory: &Path) -> Result<()> {
-    let json = serde_json::to_string_pretty(sweep).context("the result cannot be written down")?;
+    let json = serde_json::to_string_pretty(sweep).context("the result cannot be serialised")?;
     let tables = [
         ("lattice.csv", conditions_to_csv(&sweep.conditions)?),
         ("runs.csv", runs_to_csv(&sweep.runs)?),

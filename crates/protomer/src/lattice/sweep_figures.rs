@@ -1,8 +1,8 @@
-//! The figures of a sweep, after those of the paper and its preprint.
+//! The figures of a sweep, modelled on those of the paper and its preprint.
 //!
 //! | file | against | what |
 //! |---|---|---|
-//! | `phase_differences` | time | how far the angles of two squares are apart |
+//! | `phase_differences` | time | differences between the angles of two squares |
 //! | `synchronisation` | r0 | leading eigenvalues of the synchronisation indices, whole and partial |
 //! | `indices` | squares | the matrices of both |
 //! | `strains` | ε_xx | -ε_yy between rows of the log |
@@ -13,104 +13,102 @@
 //! | `lyapunov` | r0 | maximal Lyapunov exponent |
 
 use super::sweep::{LatticeSweep, Series as Data, axes};
-use super::sweep_table::{ConditionRow, Estimate, RIDGE, RunRow};
+use super::sweep_table::{ConditionRow, RIDGE};
 use anyhow::Result;
+use nalgebra::{Complex, DMatrix};
 use protomer_plot::{Axis, Figure, HeatMap, Panel, Point, Series};
 use std::path::Path;
 
-/// A scatter plot of more points shows no more.
+/// Upper limit for points in a scatter plot; more would not be visible.
 const MOST_POINTS: usize = 2000;
 
-/// Writes every figure there is data for, as SVG and PNG.
+/// A quantity of a figure.
+struct Quantity {
+    /// Its column in the tables of conditions and of runs.
+    column: &'static str,
+    /// Its axis label.
+    label: &'static str,
+    /// Whether single runs are shown: the pooled ratios of the conditions have none.
+    of_runs: bool,
+    /// Whether its axis is logarithmic.
+    log: bool,
+}
+
+impl Quantity {
+    const fn new(column: &'static str, label: &'static str) -> Self {
+        Self {
+            column,
+            label,
+            of_runs: true,
+            log: false,
+        }
+    }
+
+    const fn pooled(column: &'static str, label: &'static str) -> Self {
+        let of_runs = false;
+        Self {
+            of_runs,
+            ..Self::new(column, label)
+        }
+    }
+
+    const fn logarithmic(column: &'static str, label: &'static str) -> Self {
+        let log = true;
+        Self {
+            log,
+            ..Self::new(column, label)
+        }
+    }
+}
+
+const LYAPUNOV: [Quantity; 1] = [Quantity::new("lyapunov_exponent", "λ_{max}")];
+const SYNCHRONISATION: [Quantity; 2] = [
+    Quantity::new("synchronisation", "λ(|R|) / squares"),
+    Quantity::new("partial_synchronisation", "λ(|P|) / squares"),
+];
+const POISSON: [Quantity; 3] = [
+    Quantity::pooled("poisson_ratio", "ν, total least squares"),
+    Quantity::pooled("poisson_ratio_ordinary", "ν, ordinary least squares"),
+    Quantity::new("r_squared", "r²"),
+];
+const CHECKERBOARD: [Quantity; 2] = [
+    Quantity::new("checkerboard_deviation", "σ of its share"),
+    Quantity::new("checkerboard_fraction", "mean share"),
+];
+const SPREAD: [Quantity; 2] = [
+    Quantity::logarithmic("largest_spread", "first maximum σ_{max} (rad)"),
+    Quantity::new("largest_spread_time", "its time"),
+];
+
+/// Writes every figure that has data, as SVG and PNG.
 ///
 /// # Errors
-/// If a figure cannot be drawn or the disk does not take it.
+/// If a figure cannot be drawn or written.
 pub fn write(sweep: &LatticeSweep, data: &[Data], directory: &Path) -> Result<()> {
-    let figures = [
-        ("phase_differences", Some(phase_differences(sweep, data))),
-        ("strains", Some(strains(sweep, data))),
-        ("crossings", Some(crossings(sweep, data))),
-        (
-            "lyapunov",
-            against_r0(
-                sweep,
-                "Maximal Lyapunov exponent against rod length",
-                &[(
-                    "",
-                    "λ_{max}",
-                    |row| row.lyapunov_exponent,
-                    |run| run.lyapunov_exponent,
-                )],
-            ),
-        ),
+    let lyapunov = "Maximal Lyapunov exponent against rod length";
+    let synchronisation = "Synchronisation against rod length";
+    let poisson = "Poisson's ratio against rod length";
+    let checkerboard = "The checkerboard mode against rod length";
+    let mut figures = vec![
+        ("phase_differences", phase_differences(sweep, data)),
+        ("strains", strains(sweep, data)),
+        ("crossings", crossings(sweep, data)),
+        ("lyapunov", against_r0(sweep, lyapunov, &LYAPUNOV)),
         (
             "synchronisation",
-            against_r0(
-                sweep,
-                "Synchronisation against rod length",
-                &[
-                    (
-                        "",
-                        "λ(|R|) / squares",
-                        |row| row.synchronisation,
-                        |run| run.synchronisation,
-                    ),
-                    (
-                        "",
-                        "λ(|P|) / squares",
-                        |row| row.partial_synchronisation,
-                        |run| run.partial_synchronisation,
-                    ),
-                ],
-            ),
+            against_r0(sweep, synchronisation, &SYNCHRONISATION),
         ),
-        (
-            "poisson",
-            against_r0(
-                sweep,
-                "Poisson's ratio against rod length",
-                &[
-                    (
-                        "total least squares",
-                        "ν",
-                        |row| row.poisson_ratio,
-                        |_| f64::NAN,
-                    ),
-                    (
-                        "ordinary least squares",
-                        "ν",
-                        |row| row.poisson_ratio_ordinary,
-                        |_| f64::NAN,
-                    ),
-                    ("", "r²", |row| row.r_squared, |run| run.r_squared),
-                ],
-            ),
-        ),
+        ("poisson", against_r0(sweep, poisson, &POISSON)),
         (
             "checkerboard",
-            against_r0(
-                sweep,
-                "The checkerboard mode against rod length",
-                &[
-                    (
-                        "",
-                        "σ of its share",
-                        |row| row.checkerboard_deviation,
-                        |run| run.checkerboard_deviation,
-                    ),
-                    (
-                        "",
-                        "mean share",
-                        |row| row.checkerboard_fraction,
-                        |run| run.checkerboard_fraction,
-                    ),
-                ],
-            ),
+            against_r0(sweep, checkerboard, &CHECKERBOARD),
         ),
-        ("spread", spread(sweep)),
     ];
+    if axes(&sweep.settings).kappa.len() > 1 {
+        figures.push(("spread", spread(sweep)));
+    }
     for (name, figure) in figures {
-        let Some(figure) = figure.and_then(drawable) else {
+        let Some(figure) = drawable(figure) else {
             continue;
         };
         figure.write_svg(&directory.join(format!("{name}.svg")))?;
@@ -119,21 +117,12 @@ pub fn write(sweep: &LatticeSweep, data: &[Data], directory: &Path) -> Result<()
     indices(sweep, data, directory)
 }
 
-/// The figure without the panels and series that hold nothing; `None` if nothing is left.
+/// Removes empty panels and series; `None` if nothing is left.
 fn drawable(mut figure: Figure) -> Option<Figure> {
     for panel in &mut figure.panels {
-        panel.series.iter_mut().for_each(|series| {
-            series
-                .points
-                .retain(|point| point.y.is_finite() && point.x.is_finite());
-            series
-                .replicas
-                .retain(|[x, y]| x.is_finite() && y.is_finite());
-            if panel.y.log {
-                series.points.retain(|point| point.y > 0.0);
-                series.replicas.retain(|[_, y]| *y > 0.0);
-            }
-        });
+        for series in &mut panel.series {
+            remove_undrawable(series, panel.y.log);
+        }
         panel
             .series
             .retain(|series| !(series.points.is_empty() && series.replicas.is_empty()));
@@ -142,7 +131,14 @@ fn drawable(mut figure: Figure) -> Option<Figure> {
     (!figure.panels.is_empty()).then_some(figure)
 }
 
-/// The conditions, without which a curve says nothing.
+/// Removes what is not finite, or not positive on a logarithmic axis.
+fn remove_undrawable(series: &mut Series, log: bool) {
+    let is_drawable = |x: f64, y: f64| x.is_finite() && y.is_finite() && (y > 0.0 || !log);
+    series.points.retain(|point| is_drawable(point.x, point.y));
+    series.replicas.retain(|[x, y]| is_drawable(*x, *y));
+}
+
+/// The conditions, which belong to every curve.
 fn caption(sweep: &LatticeSweep) -> String {
     let settings = &sweep.settings;
     format!(
@@ -162,56 +158,53 @@ fn name(row: &ConditionRow, sweep: &LatticeSweep) -> String {
     }
 }
 
-/// A line of text cannot hold more entries; the tables have them all.
+/// Most entries that fit into a legend; the tables have all of them.
 const MOST_SERIES: usize = 8;
-/// A page of matrices is long enough with these.
+/// Most matrices in one figure.
 const MOST_MATRICES: usize = 24;
 
-/// Where both vary, the rod lengths of the first κ.
-fn shown<'a>(
-    sweep: &'a LatticeSweep,
-    data: &'a [Data],
-) -> impl Iterator<Item = (&'a ConditionRow, &'a Data)> {
+/// The conditions whose time series are drawn. If both axes vary: the rod lengths of the first κ.
+fn shown<'a>(sweep: &'a LatticeSweep, data: &'a [Data]) -> Vec<(&'a ConditionRow, &'a Data)> {
     let axes = axes(&sweep.settings);
-    let first = (axes.r0.len() > 1)
-        .then(|| axes.kappa.first().copied())
-        .flatten();
-    let is_shown = move |row: &ConditionRow| first.is_none_or(|kappa| row.kappa == kappa);
-    sweep
-        .conditions
-        .iter()
-        .zip(data)
-        .filter(move |(row, _)| is_shown(row))
-        .take(MOST_SERIES)
+    let mut shown: Vec<_> = sweep.conditions.iter().zip(data).collect();
+    if let (true, Some(first)) = (axes.r0.len() > 1, axes.kappa.first()) {
+        shown.retain(|(row, _)| row.kappa == *first);
+    }
+    shown.truncate(MOST_SERIES);
+    shown
 }
 
 fn phase_differences(sweep: &LatticeSweep, data: &[Data]) -> Figure {
-    let series = shown(sweep, data).map(|(row, data)| Series {
-        name: name(row, sweep),
-        points: thinned(&data.phase_differences)
-            .map(|[x, y]| Point { x, y, error: None })
-            .collect(),
-        replicas: Vec::new(),
-        line: true,
-    });
+    let mut series = Vec::new();
+    for (row, data) in shown(sweep, data) {
+        let mut points = Vec::new();
+        for [x, y] in thinned(&data.phase_differences) {
+            points.push(Point { x, y, error: None });
+        }
+        series.push(Series {
+            name: name(row, sweep),
+            points,
+            replicas: Vec::new(),
+            line: true,
+        });
+    }
     Figure {
         title: "Phase differences".into(),
         caption: caption(sweep),
         x: Axis::linear("time"),
         panels: vec![Panel {
             y: Axis::linear("√⟨(Δθ)^{2}⟩ over pairs"),
-            series: series.collect(),
+            series,
         }],
     }
 }
 
 fn strains(sweep: &LatticeSweep, data: &[Data]) -> Figure {
-    let series = shown(sweep, data).map(|(row, data)| Series {
-        name: name(row, sweep),
-        points: Vec::new(),
-        replicas: thinned(&data.strains).map(|[x, y]| [x, -y]).collect(),
-        line: false,
-    });
+    let mut series = Vec::new();
+    for (row, data) in shown(sweep, data) {
+        let strains = thinned(&data.strains).map(|[x, y]| [x, -y]);
+        series.push(scatter(name(row, sweep), strains.collect()));
+    }
     Figure {
         title: "Strain against strain".into(),
         caption: format!(
@@ -221,22 +214,20 @@ fn strains(sweep: &LatticeSweep, data: &[Data]) -> Figure {
         x: Axis::linear("strain ε_{xx}"),
         panels: vec![Panel {
             y: Axis::linear("-ε_{yy}"),
-            series: series.collect(),
+            series,
         }],
     }
 }
 
 fn crossings(sweep: &LatticeSweep, data: &[Data]) -> Figure {
-    let series = shown(sweep, data).map(|(row, data)| {
-        let passages = data.crossings.iter().flatten();
-        let speeds: Vec<[f64; 2]> = passages.map(|at| [at.time, at.rate.abs()]).collect();
-        Series {
-            name: name(row, sweep),
-            points: Vec::new(),
-            replicas: thinned(&speeds).collect(),
-            line: false,
+    let mut series = Vec::new();
+    for (row, data) in shown(sweep, data) {
+        let mut speeds = Vec::new();
+        for crossing in data.crossings.iter().flatten() {
+            speeds.push([crossing.time, crossing.rate.abs()]);
         }
-    });
+        series.push(scatter(name(row, sweep), thinned(&speeds).collect()));
+    }
     Figure {
         title: "Passages through the open state".into(),
         caption: format!(
@@ -247,8 +238,18 @@ fn crossings(sweep: &LatticeSweep, data: &[Data]) -> Figure {
         x: Axis::linear("time"),
         panels: vec![Panel {
             y: Axis::linear("|ω_{c}| at θ_{c} = π/4"),
-            series: series.collect(),
+            series,
         }],
+    }
+}
+
+/// Small dots without a line.
+fn scatter(name: String, replicas: Vec<[f64; 2]>) -> Series {
+    Series {
+        name,
+        points: Vec::new(),
+        replicas,
+        line: false,
     }
 }
 
@@ -259,139 +260,129 @@ fn thinned(points: &[[f64; 2]]) -> impl Iterator<Item = [f64; 2]> + '_ {
         .step_by(points.len().div_ceil(MOST_POINTS).max(1))
 }
 
-/// What is said of it behind its label, the label, and the value of a condition and of a run.
-type Quantity = (
-    &'static str,
-    &'static str,
-    fn(&ConditionRow) -> Estimate,
-    fn(&RunRow) -> f64,
-);
+/// The parameter on the x axis; the other one distinguishes the series.
+#[derive(Clone, Copy)]
+enum Against {
+    RodLength,
+    Kappa,
+}
+
+impl Against {
+    /// The abscissa of a condition, and the parameter of its series.
+    fn split(self, r0: f64, kappa: f64) -> (f64, f64) {
+        match self {
+            Self::RodLength => (r0, kappa),
+            Self::Kappa => (kappa, r0),
+        }
+    }
+}
 
 /// A panel per quantity, a series per κ.
-fn against_r0(sweep: &LatticeSweep, title: &str, quantities: &[Quantity]) -> Option<Figure> {
+fn against_r0(sweep: &LatticeSweep, title: &str, quantities: &[Quantity]) -> Figure {
     let axes = axes(&sweep.settings);
-    let panels = quantities
-        .iter()
-        .map(|(what, label, of_row, of_run)| Panel {
-            y: Axis::linear(if what.is_empty() {
-                (*label).to_owned()
-            } else {
-                format!("{label}, {what}")
-            }),
-            series: axes
-                .kappa
-                .iter()
-                .take(MOST_SERIES)
-                .map(|kappa| Series {
-                    name: format!("κ = {kappa}"),
-                    points: points(sweep, |row| row.kappa == *kappa, |row| row.r0, of_row),
-                    replicas: replicas(sweep, |run| run.kappa == *kappa, |run| run.r0, of_run),
-                    line: true,
-                })
-                .collect(),
-        });
+    let label = "rod length r_{0} / l";
     let log = axes.r0.len() > 1;
-    Some(Figure {
+    let mut panels = Vec::new();
+    for quantity in quantities {
+        let mut series = Vec::new();
+        for kappa in axes.kappa.iter().take(MOST_SERIES) {
+            let name = format!("κ = {kappa}");
+            series.push(curve(sweep, quantity, Against::RodLength, *kappa, name));
+        }
+        panels.push(panel(quantity, series));
+    }
+    Figure {
         title: title.into(),
         caption: caption(sweep),
-        x: if log {
-            Axis::log("rod length r_{0} / l")
-        } else {
-            Axis::linear("rod length r_{0} / l")
-        },
-        panels: panels.collect(),
-    })
-}
-
-fn points(
-    sweep: &LatticeSweep,
-    is_meant: impl Fn(&ConditionRow) -> bool,
-    x: impl Fn(&ConditionRow) -> f64,
-    y: impl Fn(&ConditionRow) -> Estimate,
-) -> Vec<Point> {
-    let rows = sweep.conditions.iter().filter(|row| is_meant(row));
-    let mut points: Vec<Point> = rows
-        .map(|row| {
-            let Estimate { mean, error } = y(row);
-            Point {
-                x: x(row),
-                y: mean,
-                error: error.is_finite().then_some(error),
-            }
-        })
-        .collect();
-    points.sort_by(|a, b| a.x.total_cmp(&b.x));
-    points
-}
-
-fn replicas(
-    sweep: &LatticeSweep,
-    is_meant: impl Fn(&RunRow) -> bool,
-    x: impl Fn(&RunRow) -> f64,
-    y: impl Fn(&RunRow) -> f64,
-) -> Vec<[f64; 2]> {
-    sweep
-        .runs
-        .iter()
-        .filter(|run| is_meant(run))
-        .map(|run| [x(run), y(run)])
-        .collect()
-}
-
-/// Against κ, a series per r0; κ = 0 has no place on a logarithmic axis.
-fn spread(sweep: &LatticeSweep) -> Option<Figure> {
-    let axes = axes(&sweep.settings);
-    if axes.kappa.len() < 2 {
-        return None;
+        x: axis(label, log),
+        panels,
     }
+}
+
+/// Against κ, one series per r0; κ = 0 cannot be shown on a logarithmic axis.
+fn spread(sweep: &LatticeSweep) -> Figure {
+    let axes = axes(&sweep.settings);
     let log = axes.kappa.iter().filter(|kappa| **kappa > 0.0).count() > 1;
-    let shown = move |kappa: f64| !log || kappa > 0.0;
-    let panel =
-        |y: Axis, of_row: fn(&ConditionRow) -> Estimate, of_run: fn(&RunRow) -> f64| Panel {
-            y,
-            series: axes
-                .r0
-                .iter()
-                .take(MOST_SERIES)
-                .map(|r0| Series {
-                    name: format!("r_{{0}} = {r0:.4}"),
-                    points: points(
-                        sweep,
-                        |row| row.r0 == *r0 && shown(row.kappa),
-                        |row| row.kappa,
-                        of_row,
-                    ),
-                    replicas: replicas(
-                        sweep,
-                        |run| run.r0 == *r0 && shown(run.kappa),
-                        |run| run.kappa,
-                        of_run,
-                    ),
-                    line: true,
-                })
-                .collect(),
-        };
-    Some(Figure {
+    let mut panels = Vec::new();
+    for quantity in &SPREAD {
+        let mut series = Vec::new();
+        for r0 in axes.r0.iter().take(MOST_SERIES) {
+            let name = format!("r_{{0}} = {r0:.4}");
+            let mut curve = curve(sweep, quantity, Against::Kappa, *r0, name);
+            if log {
+                curve.points.retain(|point| point.x > 0.0);
+                curve.replicas.retain(|[x, _]| *x > 0.0);
+            }
+            series.push(curve);
+        }
+        panels.push(panel(quantity, series));
+    }
+    Figure {
         title: "Spread of the angles against κ".into(),
         caption: caption(sweep),
-        x: if log {
-            Axis::log("κ")
-        } else {
-            Axis::linear("κ")
-        },
-        panels: vec![
-            panel(
-                Axis::log("first maximum σ_{max} (rad)"),
-                |row| row.largest_spread,
-                |run| run.largest_spread,
-            ),
-            panel(
-                Axis::linear("its time"),
-                |row| row.largest_spread_time,
-                |run| run.largest_spread_time,
-            ),
-        ],
-    })
+        x: axis("κ", log),
+        panels,
+    }
+}
+
+fn axis(label: &str, log: bool) -> Axis {
+    match log {
+        true => Axis::log(label),
+        false => Axis::linear(label),
+    }
+}
+
+fn panel(quantity: &Quantity, series: Vec<Series>) -> Panel {
+    Panel {
+        y: axis(quantity.label, quantity.log),
+        series,
+    }
+}
+
+/// A quantity of the conditions of one series, with those of their runs.
+fn curve(
+    sweep: &LatticeSweep,
+    quantity: &Quantity,
+    against: Against,
+    parameter: f64,
+    name: String,
+) -> Series {
+    let mut points = Vec::new();
+    for row in &sweep.conditions {
+        let (x, of_series) = against.split(row.r0, row.kappa);
+        if let Some(estimate) = find(row.estimates(), quantity.column)
+            && of_series == parameter
+        {
+            points.push(Point {
+                x,
+                y: estimate.mean,
+                error: estimate.error.is_finite().then_some(estimate.error),
+            });
+        }
+    }
+    points.sort_by(|a, b| a.x.total_cmp(&b.x));
+    let mut replicas = Vec::new();
+    for run in &sweep.runs {
+        let (x, of_series) = against.split(run.r0, run.kappa);
+        if let Some(y) = find(run.values(), quantity.column)
+            && quantity.of_runs
+            && of_series == parameter
+        {
+            replicas.push([x, y]);
+        }
+    }
+    Series {
+        name,
+        points,
+        replicas,
+        line: true,
+    }
+}
+
+/// The value of a named column.
+fn find<T, const N: usize>(columns: [(&'static str, T); N], name: &str) -> Option<T> {
+    let mut columns = columns.into_iter();
+    columns.find_map(|(column, value)| (column == name).then_some(value))
 }
 
 /// |R| and |P| of every condition side by side.
@@ -402,22 +393,10 @@ fn indices(sweep: &LatticeSweep, data: &[Data], directory: &Path) -> Result<()> 
             return Ok(());
         }
         let whole = data.synchronisation.index()?;
-        let values = |matrix: &nalgebra::DMatrix<nalgebra::Complex<f64>>| {
-            matrix.transpose().iter().map(|x| x.norm()).collect()
-        };
-        let size = whole.nrows();
-        maps.push(HeatMap {
-            title: format!("whole, {}", name(row, sweep)),
-            size,
-            values: values(&whole),
-        });
-        // Squares that never part have no partial indices.
+        maps.push(heat_map(format!("whole, {}", name(row, sweep)), &whole));
+        // Squares that always move together have no partial indices.
         if let Ok(partial) = data.synchronisation.partial(RIDGE) {
-            maps.push(HeatMap {
-                title: format!("partial, {}", name(row, sweep)),
-                size,
-                values: values(&partial),
-            });
+            maps.push(heat_map(format!("partial, {}", name(row, sweep)), &partial));
         }
     }
     let title = "Synchronisation indices between squares";
@@ -427,4 +406,13 @@ fn indices(sweep: &LatticeSweep, data: &[Data], directory: &Path) -> Result<()> 
         2,
         &directory.join("indices.svg"),
     )?)
+}
+
+/// The absolute values of a matrix.
+fn heat_map(title: String, matrix: &DMatrix<Complex<f64>>) -> HeatMap {
+    HeatMap {
+        title,
+        size: matrix.nrows(),
+        values: matrix.transpose().map(|x| x.norm()).as_slice().to_vec(),
+    }
 }

@@ -1,4 +1,4 @@
-//! From the logs of a sweep to a row per run, and a row per r0 and κ.
+//! The tables of a sweep: one row per run, and one row per r0 and κ.
 
 use super::log::LogRow;
 use super::sweep::{RunOutcome, Series, Task};
@@ -10,13 +10,13 @@ use protomer_io::csv::{Cell, Table};
 use protomer_kernel::statistics::RunningMoments;
 use serde::Serialize;
 
-/// Blocks per run of the jackknife behind the errors of Poisson's ratio.
+/// Jackknife blocks per run for the errors of Poisson's ratio.
 const BLOCKS: usize = 10;
-/// R is mixed with this much of the identity before it is inverted: squares that never part leave
-/// it singular.
+/// Regularisation: R is mixed with this share of the identity before inversion, because squares
+/// that always move together make it singular.
 pub const RIDGE: f64 = 1e-6;
 
-/// The results of one run. What it could not tell is NaN.
+/// The results of one run. Undetermined values are NaN.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RunRow {
     /// Length of the rods.
@@ -43,7 +43,8 @@ pub struct RunRow {
     pub poisson_ratio_ordinary: f64,
     /// Squared correlation of the two strains.
     pub r_squared: f64,
-    /// Leading eigenvalue of the matrix of |R|, over the number of squares: 1 if all turn alike.
+    /// Leading eigenvalue of the matrix of |R|, over the number of squares: 1 if all squares turn
+    /// alike.
     pub synchronisation: f64,
     /// The same of the partial indices.
     pub partial_synchronisation: f64,
@@ -62,10 +63,10 @@ pub struct RunRow {
 }
 
 impl RunRow {
-    /// From the end of a run, its log and its course.
+    /// Computes the row from the result of a run, its log and its time series.
     ///
     /// # Errors
-    /// If the angles make no matrix.
+    /// If the synchronisation indices cannot be computed from the angles.
     pub fn new(
         task: &Task,
         outcome: &RunOutcome,
@@ -78,13 +79,12 @@ impl RunRow {
             MeanAndDeviation::of(rows.iter().map(|row| row.checkerboard_fraction_of_total));
         let speeds = series.crossings.iter().flatten().map(|at| at.rate.abs());
         let crossings = MeanAndDeviation::of(speeds);
-        let exponent = outcome.exponent.as_ref();
-        let mut first = FirstMaximum::new(0.0);
-        rows.iter()
-            .for_each(|row| first.push(row.time, row.angle_spread));
-        let largest = first.found();
-        let ratio = poisson_ratio(&series.strains, BLOCKS).ok();
-        let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
+        let (exponent, exponent_error) = match &outcome.exponent {
+            Some(found) => (found.exponent, found.standard_error),
+            None => (None, None),
+        };
+        let (largest_spread, largest_spread_time) = first_maximum_of_spread(rows);
+        let ratio = poisson_ratio(&series.strains, BLOCKS).unwrap_or(UNKNOWN_RATIO);
         let [whole, partial] = leading(&series.synchronisation)?;
         Ok(Self {
             r0: task.settings.r0,
@@ -94,20 +94,42 @@ impl RunRow {
             energy_error: result.energy_error,
             checkerboard_deviation: of_rotation.deviation,
             checkerboard_fraction: of_rotation.mean,
-            largest_spread: or_nan(largest.map(|maximum| maximum.value)),
-            largest_spread_time: or_nan(largest.map(|maximum| maximum.time)),
-            poisson_ratio: or_nan(ratio.map(|ratio| ratio.total)),
-            poisson_ratio_ordinary: or_nan(ratio.map(|ratio| ratio.ordinary)),
-            r_squared: or_nan(ratio.map(|ratio| ratio.r_squared)),
+            largest_spread,
+            largest_spread_time,
+            poisson_ratio: ratio.total,
+            poisson_ratio_ordinary: ratio.ordinary,
+            r_squared: ratio.r_squared,
             synchronisation: whole,
             partial_synchronisation: partial,
             checkerboard_deviation_of_total: of_total.deviation,
             checkerboard_fraction_of_total: of_total.mean,
             crossing_rate: crossings.count as f64 / result.time,
             crossing_speed: crossings.mean,
-            lyapunov_exponent: or_nan(exponent.and_then(|found| found.exponent)),
-            lyapunov_error: or_nan(exponent.and_then(|found| found.standard_error)),
+            lyapunov_exponent: exponent.unwrap_or(f64::NAN),
+            lyapunov_error: exponent_error.unwrap_or(f64::NAN),
         })
+    }
+}
+
+/// The ratio of strains that do not determine one.
+const UNKNOWN_RATIO: PoissonRatio = PoissonRatio {
+    total: f64::NAN,
+    total_error: f64::NAN,
+    ordinary: f64::NAN,
+    ordinary_error: f64::NAN,
+    r_squared: f64::NAN,
+    samples: 0,
+};
+
+/// The first maximum of the spread of the angles and its time; NaN if there is none.
+fn first_maximum_of_spread(rows: &[LogRow]) -> (f64, f64) {
+    let mut first = FirstMaximum::new(0.0);
+    for row in rows {
+        first.push(row.time, row.angle_spread);
+    }
+    match first.found() {
+        Some(maximum) => (maximum.value, maximum.time),
+        None => (f64::NAN, f64::NAN),
     }
 }
 
@@ -146,10 +168,10 @@ fn leading(angles: &Synchronisation) -> Result<[f64; 2]> {
     ])
 }
 
-/// A mean over runs with its standard error: NaN where there is one run only.
+/// A mean over runs with its standard error, which is NaN for a single run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Estimate {
-    /// Mean over the runs that could tell.
+    /// Mean over the runs with a finite value.
     pub mean: f64,
     /// Standard error of it.
     pub error: f64,
@@ -191,7 +213,7 @@ pub struct ConditionRow {
     pub largest_spread: Estimate,
     /// As in [`RunRow`].
     pub largest_spread_time: Estimate,
-    /// By total least squares from the strains of all runs together; the error is that of a
+    /// By total least squares from the strains of all runs together; the error is from a
     /// jackknife over blocks.
     pub poisson_ratio: Estimate,
     /// The same by ordinary least squares.
@@ -224,28 +246,38 @@ impl ConditionRow {
     /// Averages over runs.
     ///
     /// # Errors
-    /// If the angles make no matrix.
+    /// If the synchronisation indices cannot be computed from the angles.
     pub fn new(runs: &[RunRow], series: &Series) -> Result<Self> {
         let of = |value: fn(&RunRow) -> f64| Estimate::of(runs.iter().map(value));
-        let ratio = poisson_ratio(&series.strains, BLOCKS * runs.len()).ok();
-        let pooled = |value: fn(&PoissonRatio) -> (f64, f64)| {
-            let (mean, error) = ratio.as_ref().map_or((f64::NAN, f64::NAN), value);
-            Estimate { mean, error }
-        };
+        let blocks = BLOCKS * runs.len();
+        let ratio = poisson_ratio(&series.strains, blocks).unwrap_or(UNKNOWN_RATIO);
         let [pooled_synchronisation, pooled_partial_synchronisation] =
             leading(&series.synchronisation)?;
+        let (r0, kappa) = match runs {
+            [run, ..] => (run.r0, run.kappa),
+            [] => (f64::NAN, f64::NAN),
+        };
         Ok(Self {
-            r0: runs.first().map_or(f64::NAN, |run| run.r0),
-            kappa: runs.first().map_or(f64::NAN, |run| run.kappa),
+            r0,
+            kappa,
             runs: runs.len(),
             collision_rate: of(|run| run.collision_rate),
             checkerboard_deviation: of(|run| run.checkerboard_deviation),
             checkerboard_fraction: of(|run| run.checkerboard_fraction),
             largest_spread: of(|run| run.largest_spread),
             largest_spread_time: of(|run| run.largest_spread_time),
-            poisson_ratio: pooled(|ratio| (ratio.total, ratio.total_error)),
-            poisson_ratio_ordinary: pooled(|ratio| (ratio.ordinary, ratio.ordinary_error)),
-            r_squared: pooled(|ratio| (ratio.r_squared, f64::NAN)),
+            poisson_ratio: Estimate {
+                mean: ratio.total,
+                error: ratio.total_error,
+            },
+            poisson_ratio_ordinary: Estimate {
+                mean: ratio.ordinary,
+                error: ratio.ordinary_error,
+            },
+            r_squared: Estimate {
+                mean: ratio.r_squared,
+                error: f64::NAN,
+            },
             synchronisation: of(|run| run.synchronisation),
             partial_synchronisation: of(|run| run.partial_synchronisation),
             pooled_synchronisation,
@@ -260,108 +292,117 @@ impl ConditionRow {
     }
 }
 
-/// Columns of the table of conditions that are estimates.
-type EstimateColumn = (&'static str, fn(&ConditionRow) -> Estimate);
+impl ConditionRow {
+    /// The estimates by the names of their columns, in the order of the table.
+    pub(super) fn estimates(&self) -> [(&'static str, Estimate); 15] {
+        [
+            ("collision_rate", self.collision_rate),
+            ("checkerboard_deviation", self.checkerboard_deviation),
+            ("checkerboard_fraction", self.checkerboard_fraction),
+            ("largest_spread", self.largest_spread),
+            ("largest_spread_time", self.largest_spread_time),
+            ("poisson_ratio", self.poisson_ratio),
+            ("poisson_ratio_ordinary", self.poisson_ratio_ordinary),
+            ("r_squared", self.r_squared),
+            ("synchronisation", self.synchronisation),
+            ("partial_synchronisation", self.partial_synchronisation),
+            (
+                "checkerboard_deviation_of_total",
+                self.checkerboard_deviation_of_total,
+            ),
+            (
+                "checkerboard_fraction_of_total",
+                self.checkerboard_fraction_of_total,
+            ),
+            ("crossing_rate", self.crossing_rate),
+            ("crossing_speed", self.crossing_speed),
+            ("lyapunov_exponent", self.lyapunov_exponent),
+        ]
+    }
+}
 
-const ESTIMATES: [EstimateColumn; 15] = [
-    ("collision_rate", |row| row.collision_rate),
-    ("checkerboard_deviation", |row| row.checkerboard_deviation),
-    ("checkerboard_fraction", |row| row.checkerboard_fraction),
-    ("largest_spread", |row| row.largest_spread),
-    ("largest_spread_time", |row| row.largest_spread_time),
-    ("poisson_ratio", |row| row.poisson_ratio),
-    ("poisson_ratio_ordinary", |row| row.poisson_ratio_ordinary),
-    ("r_squared", |row| row.r_squared),
-    ("synchronisation", |row| row.synchronisation),
-    ("partial_synchronisation", |row| row.partial_synchronisation),
-    ("checkerboard_deviation_of_total", |row| {
-        row.checkerboard_deviation_of_total
-    }),
-    ("checkerboard_fraction_of_total", |row| {
-        row.checkerboard_fraction_of_total
-    }),
-    ("crossing_rate", |row| row.crossing_rate),
-    ("crossing_speed", |row| row.crossing_speed),
-    ("lyapunov_exponent", |row| row.lyapunov_exponent),
-];
-
-/// One row per r0 and κ; every estimate with its standard error, NaN where there is none.
+/// One row per r0 and κ; every estimate with its standard error, NaN if unavailable.
 ///
 /// # Errors
-/// Never for rows of this module; the table checks its own shape.
+/// Never for the rows built here, which all have the same length.
 pub fn conditions_to_csv(rows: &[ConditionRow]) -> Result<String> {
-    let head = ["r0", "kappa", "runs"].map(str::to_owned).into_iter();
-    let estimates = ESTIMATES
-        .iter()
-        .flat_map(|(name, _)| [(*name).to_owned(), format!("{name}_error")]);
-    let tail = [
-        "pooled_synchronisation",
-        "pooled_partial_synchronisation",
-        "energy_error",
-    ]
-    .map(str::to_owned);
-    let mut table = Table::new(head.chain(estimates).chain(tail));
+    let mut table = Table::new(heading_of_conditions(rows));
     for row in rows {
         let mut cells: Vec<Cell> = vec![row.r0.into(), row.kappa.into(), row.runs.into()];
-        for (_, estimate) in ESTIMATES {
-            let Estimate { mean, error } = estimate(row);
+        for (_, Estimate { mean, error }) in row.estimates() {
             cells.extend([Cell::from(mean), error.into()]);
         }
-        let pooled = [
-            row.pooled_synchronisation,
-            row.pooled_partial_synchronisation,
-            row.energy_error,
-        ];
-        cells.extend(pooled.map(Cell::from));
+        cells.push(row.pooled_synchronisation.into());
+        cells.push(row.pooled_partial_synchronisation.into());
+        cells.push(row.energy_error.into());
         table.push(cells)?;
     }
     Ok(table.to_csv())
 }
 
-/// Columns of the table of runs.
-type RunColumn = (&'static str, fn(&RunRow) -> f64);
+fn heading_of_conditions(rows: &[ConditionRow]) -> Vec<String> {
+    let mut heading = ["r0", "kappa", "runs"].map(str::to_owned).to_vec();
+    let estimates = rows.first().map(ConditionRow::estimates);
+    for (name, _) in estimates.into_iter().flatten() {
+        heading.extend([name.to_owned(), format!("{name}_error")]);
+    }
+    let pooled = [
+        "pooled_synchronisation",
+        "pooled_partial_synchronisation",
+        "energy_error",
+    ];
+    heading.extend(pooled.map(str::to_owned));
+    heading
+}
 
-const OF_RUNS: [RunColumn; 17] = [
-    ("collision_rate", |row| row.collision_rate),
-    ("energy_error", |row| row.energy_error),
-    ("checkerboard_deviation", |row| row.checkerboard_deviation),
-    ("checkerboard_fraction", |row| row.checkerboard_fraction),
-    ("largest_spread", |row| row.largest_spread),
-    ("largest_spread_time", |row| row.largest_spread_time),
-    ("poisson_ratio", |row| row.poisson_ratio),
-    ("poisson_ratio_ordinary", |row| row.poisson_ratio_ordinary),
-    ("r_squared", |row| row.r_squared),
-    ("synchronisation", |row| row.synchronisation),
-    ("partial_synchronisation", |row| row.partial_synchronisation),
-    ("checkerboard_deviation_of_total", |row| {
-        row.checkerboard_deviation_of_total
-    }),
-    ("checkerboard_fraction_of_total", |row| {
-        row.checkerboard_fraction_of_total
-    }),
-    ("crossing_rate", |row| row.crossing_rate),
-    ("crossing_speed", |row| row.crossing_speed),
-    ("lyapunov_exponent", |row| row.lyapunov_exponent),
-    ("lyapunov_error", |row| row.lyapunov_error),
-];
+impl RunRow {
+    /// The values by the names of their columns, in the order of the table.
+    pub(super) fn values(&self) -> [(&'static str, f64); 17] {
+        [
+            ("collision_rate", self.collision_rate),
+            ("energy_error", self.energy_error),
+            ("checkerboard_deviation", self.checkerboard_deviation),
+            ("checkerboard_fraction", self.checkerboard_fraction),
+            ("largest_spread", self.largest_spread),
+            ("largest_spread_time", self.largest_spread_time),
+            ("poisson_ratio", self.poisson_ratio),
+            ("poisson_ratio_ordinary", self.poisson_ratio_ordinary),
+            ("r_squared", self.r_squared),
+            ("synchronisation", self.synchronisation),
+            ("partial_synchronisation", self.partial_synchronisation),
+            (
+                "checkerboard_deviation_of_total",
+                self.checkerboard_deviation_of_total,
+            ),
+            (
+                "checkerboard_fraction_of_total",
+                self.checkerboard_fraction_of_total,
+            ),
+            ("crossing_rate", self.crossing_rate),
+            ("crossing_speed", self.crossing_speed),
+            ("lyapunov_exponent", self.lyapunov_exponent),
+            ("lyapunov_error", self.lyapunov_error),
+        ]
+    }
+}
 
 /// One row per run.
 ///
 /// # Errors
-/// Never for rows of this module; the table checks its own shape.
+/// Never for the rows built here, which all have the same length.
 pub fn runs_to_csv(rows: &[RunRow]) -> Result<String> {
-    let mut table = Table::new(
-        ["r0", "kappa", "seed"]
-            .into_iter()
-            .chain(OF_RUNS.iter().map(|(name, _)| *name)),
-    );
+    let mut heading = vec!["r0", "kappa", "seed"];
+    let values = rows.first().map(RunRow::values);
+    for (name, _) in values.into_iter().flatten() {
+        heading.push(name);
+    }
+    let mut table = Table::new(heading);
     for row in rows {
-        let mut cells: Vec<Cell> = vec![
-            row.r0.into(),
-            row.kappa.into(),
-            Cell::Integer(row.seed as i64),
-        ];
-        cells.extend(OF_RUNS.iter().map(|(_, value)| Cell::from(value(row))));
+        let seed = Cell::Integer(row.seed as i64);
+        let mut cells: Vec<Cell> = vec![row.r0.into(), row.kappa.into(), seed];
+        for (_, value) in row.values() {
+            cells.push(value.into());
+        }
         table.push(cells)?;
     }
     Ok(table.to_csv())
@@ -370,7 +411,7 @@ pub fn runs_to_csv(rows: &[RunRow]) -> Result<String> {
 /// One row per passage of the checkerboard mode through the open state.
 ///
 /// # Errors
-/// Never for rows of this module; the table checks its own shape.
+/// Never for the rows built here, which all have the same length.
 pub fn crossings_to_csv(conditions: &[ConditionRow], series: &[Series]) -> Result<String> {
     let mut table = Table::new(["r0", "kappa", "run", "time", "rate"]);
     for (condition, series) in conditions.iter().zip(series) {

@@ -14,7 +14,7 @@ use std::path::Path;
 const APPLICATION: &str = concat!("protomer ", env!("CARGO_PKG_VERSION"));
 const SCHEMA: &str = "hoomd";
 const SCHEMA_VERSION: (u16, u16) = (1, 4);
-/// Of the dots on the corners.
+/// Diameter of the dots on the corners.
 const DOT_DIAMETER: f64 = 0.04;
 
 /// A trajectory that is being written.
@@ -28,7 +28,7 @@ impl Trajectory {
     /// Opens the trajectory and cuts it to its first `frames` frames (zero starts a new one).
     ///
     /// # Errors
-    /// If the file cannot be written, or holds fewer frames than the checkpoint says.
+    /// If the file cannot be written, or holds fewer frames than the checkpoint records.
     pub fn open(path: &Path, network: &Network, frames: u64) -> Result<Self> {
         let header = header(network);
         if frames == 0 {
@@ -40,7 +40,7 @@ impl Trajectory {
         let mut old = GsdFile::open(path)?;
         if old.frames() < frames {
             bail!(
-                "{} holds {} frames where the checkpoint has written {frames}; restore it, or start anew with --force",
+                "{} holds {} frames where the checkpoint has written {frames}; restore it, or start again with --force",
                 path.display(),
                 old.frames()
             );
@@ -58,7 +58,7 @@ impl Trajectory {
     /// Appends a state.
     ///
     /// # Errors
-    /// If the disk does not take it.
+    /// If the file cannot be written.
     pub fn append(
         &mut self,
         step: u64,
@@ -73,17 +73,17 @@ impl Trajectory {
         Ok(self.writer.append_frame(&chunks)?)
     }
 
-    /// Forces everything onto the disk and returns the number of frames.
+    /// Flushes everything to disk and returns the number of frames.
     ///
     /// # Errors
-    /// If the disk does not take it.
+    /// If the file cannot be written.
     pub fn sync(&mut self) -> Result<u64> {
         self.writer.sync()?;
         Ok(self.writer.frames())
     }
 }
 
-/// Where a corner of a square is, from its x, y, θ.
+/// The position of a corner of a square with x, y, θ.
 pub fn corner_position(network: &Network, positions: &[f64], corner: Corner) -> [f64; 2] {
     let s = &positions[3 * corner.square..3 * corner.square + 3];
     let (sine, cosine) = (s[2] + corner_angle(corner.vertex)).sin_cos();
@@ -91,7 +91,7 @@ pub fn corner_position(network: &Network, positions: &[f64], corner: Corner) -> 
     [s[0] + half_diagonal * cosine, s[1] + half_diagonal * sine]
 }
 
-/// Of vertex 1 to 4 from θ, radians.
+/// Angle of vertices 1 to 4 relative to θ, radians.
 fn corner_angle(vertex: u8) -> f64 {
     match vertex {
         1 => 3.0 * FRAC_PI_4,
@@ -109,56 +109,46 @@ fn chunk(name: &str, columns: u32, data: ChunkData) -> Chunk {
     }
 }
 
-/// The sizes of squares, from the first to appear on, and for each square the index of its size.
+/// The distinct sizes of squares in order of first appearance, and the index of the size of each
+/// square.
 fn sizes(network: &Network) -> (Vec<f64>, Vec<u32>) {
     let mut sizes: Vec<f64> = Vec::new();
-    let kinds = network.squares.iter().map(|square| {
+    let mut kinds = Vec::with_capacity(network.squares.len());
+    for square in &network.squares {
         let known = sizes.iter().position(|size| *size == square.half_diagonal);
-        known.unwrap_or_else(|| {
+        kinds.push(known.unwrap_or(sizes.len()) as u32);
+        if known.is_none() {
             sizes.push(square.half_diagonal);
-            sizes.len() - 1
-        }) as u32
-    });
-    let kinds = kinds.collect();
+        }
+    }
     (sizes, kinds)
 }
 
-/// What is the same in every frame.
+/// The data that is the same in every frame.
 fn header(network: &Network) -> Vec<Chunk> {
     let (sizes, mut kinds) = sizes(network);
-    let polygon = |size: &f64| {
-        // Counter-clockwise, as readers want it.
-        let vertices = [2, 1, 3, 4].map(|vertex: u8| {
-            let (sine, cosine) = corner_angle(vertex).sin_cos();
-            [(size * cosine) as f32, (size * sine) as f32]
-        });
-        json!({ "type": "Polygon", "rounding_radius": 0.0, "vertices": vertices }).to_string()
-    };
-    let names: Vec<String> = (0..sizes.len())
-        .map(|kind| format!("square{}", kind + 1))
-        .collect();
-    let shapes: Vec<String> = sizes.iter().map(polygon).collect();
-    let dot = json!({ "type": "Sphere", "diameter": DOT_DIAMETER }).to_string();
-    kinds.extend(vec![sizes.len() as u32; 2 * network.rods.len()]);
+    let (mut names, mut shapes) = (Vec::new(), Vec::new());
+    for (kind, size) in sizes.iter().enumerate() {
+        names.push(format!("square{}", kind + 1));
+        shapes.push(polygon(*size));
+    }
+    names.push("rod_end".into());
+    shapes.push(json!({ "type": "Sphere", "diameter": DOT_DIAMETER }).to_string());
+    let number_of_ends = 2 * network.rods.len();
+    kinds.extend(vec![sizes.len() as u32; number_of_ends]);
     let squares = network.squares.len() as u32;
-    let ends = (0..2 * network.rods.len() as u32)
-        .map(|end| squares + end)
-        .collect();
-    let masses = network.squares.iter().map(|square| square.mass as f32);
+    let ends = (squares..squares + number_of_ends as u32).collect();
+    let mut masses = Vec::with_capacity(kinds.len());
+    for square in &network.squares {
+        masses.push(square.mass as f32);
+    }
+    masses.extend(vec![1e-6; number_of_ends]);
     vec![
         chunk("configuration/dimensions", 1, ChunkData::U8(vec![2])),
-        text_chunk("particles/types", &[names, vec!["rod_end".into()]].concat()),
-        text_chunk("particles/type_shapes", &[shapes, vec![dot]].concat()),
+        text_chunk("particles/types", &names),
+        text_chunk("particles/type_shapes", &shapes),
         chunk("particles/typeid", 1, ChunkData::U32(kinds)),
-        chunk(
-            "particles/mass",
-            1,
-            ChunkData::F32(
-                masses
-                    .chain(std::iter::repeat_n(1e-6, 2 * network.rods.len()))
-                    .collect(),
-            ),
-        ),
+        chunk("particles/mass", 1, ChunkData::F32(masses)),
         text_chunk("bonds/types", &["rod".into()]),
         chunk(
             "bonds/N",
@@ -174,51 +164,48 @@ fn header(network: &Network) -> Vec<Chunk> {
     ]
 }
 
-/// What changes from frame to frame.
+/// The shape of a square of this size.
+fn polygon(size: f64) -> String {
+    // Counter-clockwise, as readers of the format expect.
+    let vertices = [2, 1, 3, 4].map(|vertex: u8| {
+        let (sine, cosine) = corner_angle(vertex).sin_cos();
+        [(size * cosine) as f32, (size * sine) as f32]
+    });
+    json!({ "type": "Polygon", "rounding_radius": 0.0, "vertices": vertices }).to_string()
+}
+
+/// The data that changes from frame to frame.
 fn frame(step: u64, network: &Network, state: &State, energy: f64) -> Vec<Chunk> {
-    let mut places: Vec<[f64; 2]> = state
-        .positions
-        .chunks_exact(3)
-        .map(|s| [s[0], s[1]])
-        .collect();
-    let mut angles: Vec<f64> = state.positions.chunks_exact(3).map(|s| s[2]).collect();
+    let (mut places, mut angles) = (Vec::new(), Vec::new());
+    for square in state.positions.chunks_exact(3) {
+        places.push([square[0], square[1]]);
+        angles.push(square[2]);
+    }
     for corner in network.rods.iter().flat_map(|rod| [rod.from, rod.to]) {
         places.push(corner_position(network, &state.positions, corner));
         angles.push(0.0);
     }
-    let largest = network
-        .squares
-        .iter()
-        .map(|square| square.half_diagonal)
-        .fold(0.0, f64::max);
-    let lengths = network.cell.unwrap_or_else(|| {
-        [0, 1].map(|axis| {
-            2.0 * (places
-                .iter()
-                .map(|place| place[axis].abs())
-                .fold(0.0, f64::max)
-                + largest)
-        })
-    });
-    // Readers want particles inside the box.
-    let inside = |x: f64, length: f64| {
-        if network.cell.is_some() {
-            x - length * (x / length).round()
-        } else {
-            x
-        }
+    let lengths = match network.cell {
+        Some(cell) => cell,
+        None => enclosing(network, &places),
     };
-    let positions = places.iter().flat_map(|[x, y]| {
-        [
-            inside(*x, lengths[0]) as f32,
-            inside(*y, lengths[1]) as f32,
-            0.0,
-        ]
-    });
-    let orientations = angles.iter().flat_map(|angle| {
-        let (sine, cosine) = (0.5 * angle).sin_cos();
-        [cosine as f32, 0.0, 0.0, sine as f32]
-    });
+    let mut positions = Vec::with_capacity(3 * places.len());
+    for place in &places {
+        for (x, length) in place.iter().zip(lengths) {
+            // Readers of the format expect particles inside the box.
+            let images = match network.cell {
+                Some(_) => (x / length).round(),
+                None => 0.0,
+            };
+            positions.push((x - length * images) as f32);
+        }
+        positions.push(0.0);
+    }
+    let mut orientations = Vec::with_capacity(4 * angles.len());
+    for angle in angles {
+        let (sine, cosine) = (0.5_f64 * angle).sin_cos();
+        orientations.extend([cosine as f32, 0.0, 0.0, sine as f32]);
+    }
     vec![
         chunk("configuration/step", 1, ChunkData::U64(vec![step])),
         chunk(
@@ -234,19 +221,30 @@ fn frame(step: u64, network: &Network, state: &State, energy: f64) -> Vec<Chunk>
             ]),
         ),
         chunk("particles/N", 1, ChunkData::U32(vec![places.len() as u32])),
-        chunk("particles/position", 3, ChunkData::F32(positions.collect())),
-        chunk(
-            "particles/orientation",
-            4,
-            ChunkData::F32(orientations.collect()),
-        ),
+        chunk("particles/position", 3, ChunkData::F32(positions)),
+        chunk("particles/orientation", 4, ChunkData::F32(orientations)),
         chunk("log/time", 1, ChunkData::F64(vec![state.time])),
         chunk("log/energy", 1, ChunkData::F64(vec![energy])),
         chunk("log/positions", 3, ChunkData::F64(state.positions.clone())),
     ]
 }
 
-/// Strings as rows of equal length, each ended by a zero.
+/// Edge lengths of a box that contains all squares, for a lattice without a cell.
+fn enclosing(network: &Network, places: &[[f64; 2]]) -> [f64; 2] {
+    let mut largest = 0.0_f64;
+    for square in &network.squares {
+        largest = largest.max(square.half_diagonal);
+    }
+    let mut furthest = [0.0_f64; 2];
+    for place in places {
+        for (furthest, x) in furthest.iter_mut().zip(place) {
+            *furthest = furthest.max(x.abs());
+        }
+    }
+    furthest.map(|furthest| 2.0 * (furthest + largest))
+}
+
+/// Strings as rows of equal length, each terminated by a zero byte.
 fn text_chunk(name: &str, rows: &[String]) -> Chunk {
     let columns = rows.iter().map(String::len).max().unwrap_or(0) + 1;
     let mut data = Vec::with_capacity(columns * rows.len());
@@ -257,26 +255,26 @@ fn text_chunk(name: &str, rows: &[String]) -> Chunk {
     chunk(name, columns as u32, ChunkData::I8(data))
 }
 
-/// The states of a trajectory: time, and x, y, θ of square after square.
+/// Reads the states of a trajectory: time, and x, y, θ of every square.
 ///
 /// # Errors
-/// If the file cannot be read, or is no trajectory of a lattice.
+/// If the file cannot be read, or is not the trajectory of a lattice.
 pub fn read_states(path: &Path) -> Result<Vec<(f64, Vec<f64>)>> {
     let mut file = GsdFile::open(path)?;
-    (0..file.frames())
-        .map(|frame| {
-            let mut numbers = |name: &str| match file.chunk(frame, name)? {
-                Some(Chunk {
-                    data: ChunkData::F64(values),
-                    ..
-                }) => Ok(values),
-                _ => bail!(
-                    "{}: frame {frame} has no {name}; is it the trajectory of a lattice?",
-                    path.display()
-                ),
-            };
-            let time = numbers("log/time")?.first().copied().unwrap_or(f64::NAN);
-            Ok((time, numbers("log/positions")?))
-        })
-        .collect()
+    let mut states = Vec::new();
+    for frame in 0..file.frames() {
+        let mut numbers = |name: &str| match file.chunk(frame, name)? {
+            Some(Chunk {
+                data: ChunkData::F64(values),
+                ..
+            }) => Ok(values),
+            _ => bail!(
+                "{}: frame {frame} has no {name}; is it the trajectory of a lattice?",
+                path.display()
+            ),
+        };
+        let time = numbers("log/time")?.first().copied().unwrap_or(f64::NAN);
+        states.push((time, numbers("log/positions")?));
+    }
+    Ok(states)
 }

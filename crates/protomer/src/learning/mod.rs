@@ -1,4 +1,4 @@
-//! Networks: trained, searched for, applied.
+//! Networks: training, search for settings, prediction.
 
 pub mod predict;
 pub mod train;

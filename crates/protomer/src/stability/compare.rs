@@ -1,4 +1,4 @@
-//! Several sweeps in one figure: which arrangement stays together over the larger range of salt?
+//! Several sweeps in one figure: which arrangement is stable over the wider range of salt?
 
 use crate::answer::Answer;
 use anyhow::{Context, Result, bail};
@@ -8,7 +8,7 @@ use serde::Serialize;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// What a comparison came to.
+/// The result of a comparison.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CompareReport {
     /// The figure.
@@ -25,42 +25,34 @@ impl Answer for CompareReport {
     }
 
     fn figure(&self) -> Option<Figure> {
-        let panel = |y: Axis, value: Column, deviation: Column| Panel {
-            y,
-            series: self
-                .sweeps
-                .iter()
-                .map(|sweep| sweep.series(value, deviation))
-                .collect(),
-        };
-        let mut salts = self.sweeps.iter().flat_map(|sweep| &sweep.salt_molar);
-        // Zero salt has no place on a logarithmic axis.
-        let x = match salts.all(|salt| *salt > 0.0) {
+        let (mut r_g, mut native) = (Vec::new(), Vec::new());
+        let mut all_have_salt = true;
+        for sweep in &self.sweeps {
+            r_g.push(sweep.series(&sweep.r_g_mean_angstrom, &sweep.r_g_sd_angstrom));
+            native.push(sweep.series(&sweep.native_contacts_mean, &sweep.native_contacts_sd));
+            all_have_salt &= sweep.salt_molar.iter().all(|salt| *salt > 0.0);
+        }
+        // Zero salt cannot be shown on a logarithmic axis.
+        let x = match all_have_salt {
             true => Axis::log("salt (mM)"),
             false => Axis::linear("salt (mM)"),
+        };
+        let r_g = Panel {
+            y: Axis::linear("radius of gyration (Å)"),
+            series: r_g,
+        };
+        let native = Panel {
+            y: Axis::linear("native contacts left").with_range(0.0, 1.05),
+            series: native,
         };
         Some(Figure {
             title: self.title.clone(),
             caption: "mean and standard deviation over replicas".into(),
             x,
-            panels: vec![
-                panel(
-                    Axis::linear("radius of gyration (Å)"),
-                    |sweep| &sweep.r_g_mean_angstrom,
-                    |sweep| &sweep.r_g_sd_angstrom,
-                ),
-                panel(
-                    Axis::linear("native contacts left").with_range(0.0, 1.05),
-                    |sweep| &sweep.native_contacts_mean,
-                    |sweep| &sweep.native_contacts_sd,
-                ),
-            ],
+            panels: vec![r_g, native],
         })
     }
 }
-
-/// A column of a sweep.
-type Column = fn(&ComparedSweep) -> &Vec<f64>;
 
 /// A sweep of a comparison, a list entry per salt concentration.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -74,24 +66,26 @@ pub struct ComparedSweep {
     pub r_g_mean_angstrom: Vec<f64>,
     /// Standard deviation over replicas, Å.
     pub r_g_sd_angstrom: Vec<f64>,
-    /// Mean surviving fraction of the contacts of the start; NaN where it had none.
+    /// Mean surviving fraction of the initial contacts; NaN if there were none.
     pub native_contacts_mean: Vec<f64>,
     /// Standard deviation over replicas.
     pub native_contacts_sd: Vec<f64>,
 }
 
 impl ComparedSweep {
-    fn series(&self, value: Column, deviation: Column) -> Series {
-        let points = self.salt_molar.iter().zip(value(self)).zip(deviation(self));
+    /// The curve of a column with its standard deviations.
+    fn series(&self, means: &[f64], deviations: &[f64]) -> Series {
+        let mut points = Vec::new();
+        for ((salt, mean), deviation) in self.salt_molar.iter().zip(means).zip(deviations) {
+            points.push(Point {
+                x: 1e3 * salt,
+                y: *mean,
+                error: Some(*deviation),
+            });
+        }
         Series {
             name: self.name.clone(),
-            points: points
-                .map(|((salt, mean), deviation)| Point {
-                    x: 1e3 * salt,
-                    y: *mean,
-                    error: Some(*deviation),
-                })
-                .collect(),
+            points,
             replicas: Vec::new(),
             line: true,
         }
@@ -101,7 +95,16 @@ impl ComparedSweep {
 /// Draws several finished sweeps in one figure, a PNG or SVG file.
 ///
 /// # Errors
-/// Without sweeps, if one is not finished, or for another ending of the figure.
+/// If there are no sweeps, one is not finished, or the figure has another extension.
+///
+/// ```no_run
+/// use protomer::stability::compare::compare;
+/// use std::path::Path;
+/// let sweeps = ["dimer".into(), "ring".into()];
+/// let report = compare(&sweeps, "Stability against salt", Path::new("compare.svg"))?;
+/// assert_eq!(report.sweeps.len(), 2);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn compare(directories: &[PathBuf], title: &str, output: &Path) -> Result<CompareReport> {
     if directories.is_empty() {
         bail!("name at least one sweep directory");
@@ -116,7 +119,10 @@ pub fn compare(directories: &[PathBuf], title: &str, output: &Path) -> Result<Co
     match output.extension().and_then(|ending| ending.to_str()) {
         Some("png") => figure.write_png(output)?,
         Some("svg") => figure.write_svg(output)?,
-        _ => bail!("{} ends in neither .png nor .svg", output.display()),
+        _ => bail!(
+            "{} ends in neither .png nor .svg; choose one of them",
+            output.display()
+        ),
     }
     Ok(report)
 }
@@ -130,20 +136,23 @@ fn read_sweep(directory: &Path) -> Result<ComparedSweep> {
     let sweep: Value = keys::from_json(&path, text.as_bytes())?;
     let salts = sweep["salts"].as_array();
     let salts = salts.with_context(|| format!("{} lists no salts", path.display()))?;
-    let column = |key: &str| -> Vec<f64> {
-        salts
-            .iter()
-            .map(|row| row[key].as_f64().unwrap_or(f64::NAN))
-            .collect()
-    };
     let absolute = std::path::absolute(directory)?;
     let name = absolute.file_name().unwrap_or_default().to_string_lossy();
     Ok(ComparedSweep {
         name: name.replace('_', " "),
-        salt_molar: column("salt_M"),
-        r_g_mean_angstrom: column("r_g_mean_angstrom"),
-        r_g_sd_angstrom: column("r_g_sd_angstrom"),
-        native_contacts_mean: column("native_contacts_mean"),
-        native_contacts_sd: column("native_contacts_sd"),
+        salt_molar: column(salts, "salt_M"),
+        r_g_mean_angstrom: column(salts, "r_g_mean_angstrom"),
+        r_g_sd_angstrom: column(salts, "r_g_sd_angstrom"),
+        native_contacts_mean: column(salts, "native_contacts_mean"),
+        native_contacts_sd: column(salts, "native_contacts_sd"),
     })
+}
+
+/// A column of the rows; NaN for null.
+fn column(rows: &[Value], key: &str) -> Vec<f64> {
+    let mut values = Vec::with_capacity(rows.len());
+    for row in rows {
+        values.push(row[key].as_f64().unwrap_or(f64::NAN));
+    }
+    values
 }

@@ -1,4 +1,4 @@
-//! One state of an assembly, looked at: overlaps, pair energies, radius of gyration.
+//! The state of an assembly: overlaps, pair energies, radius of gyration.
 
 use crate::answer::Answer;
 use crate::stability::interaction::ScreenedCoulomb;
@@ -9,7 +9,7 @@ use protomer_mc::hard::overlapping_pairs;
 use protomer_mc::observables::{contacts, r_g_angstrom};
 use serde::Serialize;
 
-/// What [`inspect`] finds.
+/// The result of [`inspect`].
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Inspection {
     /// Number of bodies.
@@ -24,7 +24,7 @@ pub struct Inspection {
     pub energy_kilojoule_per_mol: f64,
     /// Energies of the pairs in range: first body, second body, kT.
     pub pair_energies: Vec<(usize, usize, f64)>,
-    /// The largest bound of the error of one of these energies, kT; zero for sums.
+    /// The largest error bound of one of these energies, kT; zero for direct sums.
     pub error_bound_kt_per_pair: f64,
     /// Pairs whose surfaces are closer than the contact gap.
     pub contacts: Vec<(usize, usize)>,
@@ -38,11 +38,25 @@ pub struct Inspection {
     pub interaction: ScreenedCoulomb,
 }
 
-/// Looks at an assembly as it stands.
+/// Inspects the present state of an assembly.
 ///
 /// # Errors
-/// If a setting makes no sense, the interaction reaches further than the box allows, or an energy
-/// is not finite.
+/// If a setting is invalid, the interaction reaches further than the box allows, or an energy is
+/// not finite.
+///
+/// ```no_run
+/// use protomer::answer::Answer;
+/// use protomer::assemblies::assembly_file::Assembly;
+/// use protomer::stability::inspect::{inspect, inspection_settings};
+/// use protomer::stability::interaction::InteractionSettings;
+/// use protomer::stability::run::{EnergyMode, Engine};
+/// use std::path::Path;
+/// let engine = Engine::new(Assembly::read(Path::new("6mdr/assembly.json"))?)?;
+/// let settings = inspection_settings(EnergyMode::Direct, None, 5.0);
+/// let interaction = InteractionSettings::default().interaction(Some(0.1))?;
+/// println!("{}", inspect(&engine, &settings, interaction)?.text());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn inspect(
     engine: &Engine,
     settings: &RunSettings,
@@ -100,7 +114,7 @@ impl Answer for Inspection {
     }
 }
 
-/// What is said of an error bound (kT for each pair of bodies) after an energy; nothing of a sum's.
+/// The error bound (kT per pair of bodies) in words, to follow an energy; empty for a direct sum.
 pub(crate) fn error_bound(error_bound_kt_per_pair: f64) -> String {
     match error_bound_kt_per_pair > 0.0 {
         true => format!(", each to within {error_bound_kt_per_pair:.2e} kT"),
@@ -108,7 +122,7 @@ pub(crate) fn error_bound(error_bound_kt_per_pair: f64) -> String {
     }
 }
 
-/// Settings that matter to [`inspect`]: how energies are computed, and the contact gap.
+/// The settings relevant to [`inspect`]: the energy mode and the contact gap.
 pub fn inspection_settings(
     energy: EnergyMode,
     tolerance_kt: Option<f64>,

@@ -1,4 +1,4 @@
-//! What assemblies do in salt water: simulations, sweeps over salt, and what they are compared by.
+//! The behaviour of assemblies in salt water: simulations, sweeps over salt, comparisons.
 
 pub mod bench;
 pub mod compare;

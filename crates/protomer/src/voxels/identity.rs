@@ -1,4 +1,4 @@
-//! What sets and samples depend on, hashed: equal hashes, equal content.
+//! Hashes of everything that sets and samples depend on: equal hashes mean equal content.
 
 use super::manifest::Entry;
 use super::row::Row;
@@ -10,11 +10,11 @@ use protomer_field::voxels::{Channel, PotentialModel, VoxelSettings};
 use protomer_io::atomic::sha256_hex;
 use serde_json::{Value, json};
 
-/// How the Poisson-Boltzmann equation is solved where settings leave no choice; nothing where it is
-/// not solved.
+/// The fixed conditions of the Poisson-Boltzmann solution, which the settings cannot change; null
+/// if it is not solved.
 ///
 /// # Errors
-/// For conditions that no solvent has.
+/// For unphysical solvent conditions.
 pub(super) fn fixed_conditions(settings: &VoxelizeSettings) -> Result<Value> {
     if !settings.channels.contains(&Channel::Potential)
         || settings.potential != PotentialModel::PoissonBoltzmann
@@ -39,7 +39,7 @@ pub(super) fn fixed_conditions(settings: &VoxelizeSettings) -> Result<Value> {
     }))
 }
 
-/// What all samples of a set depend on.
+/// Everything that all samples of a set depend on.
 fn making(settings: &VoxelizeSettings) -> Result<Value> {
     Ok(json!([
         env!("CARGO_PKG_VERSION"),
@@ -49,20 +49,20 @@ fn making(settings: &VoxelizeSettings) -> Result<Value> {
     ]))
 }
 
-/// A set's identity: a hash of its settings, its structures and what the manifest says of them.
+/// The identity of a set: a hash of its settings, its structures and their manifest entries.
 ///
 /// # Errors
-/// If the settings cannot be written down.
+/// If the settings cannot be serialised.
 pub fn identity(settings: &VoxelizeSettings, rows: &[Row]) -> Result<String> {
     let text = serde_json::to_string(&json!([making(settings)?, rows]))?;
     Ok(sha256_hex(text.as_bytes()))
 }
 
-/// What a sample depends on, hashed: settings, name and the file's bytes; and what a record of it
-/// holds.
+/// The key of a sample: a hash of the settings, the name, the bytes of the file, and the record
+/// format.
 ///
 /// # Errors
-/// If the settings cannot be written down.
+/// If the settings cannot be serialised.
 pub fn key(settings: &VoxelizeSettings, entry: &Entry, sha256: Option<&str>) -> Result<String> {
     let text = serde_json::to_string(&json!([making(settings)?, entry.name, sha256]))?;
     Ok(sha256_hex(text.as_bytes()))
@@ -98,7 +98,7 @@ mod tests {
         ] {
             assert_eq!(fixed_conditions(&settings).unwrap(), Value::Null);
         }
-        // Samples and sets are of their format and of these conditions.
+        // The hashes depend on the format and on the fixed conditions.
         assert!(
             making(&solved)
                 .unwrap()

@@ -1,5 +1,5 @@
-//! Which structures, and what is known of them: CSV with the columns `file`, `label`, `cluster` and
-//! perhaps `family`, `name`.
+//! Manifests list structures with their labels: CSV with the columns `file`, `label`, `cluster`
+//! and optionally `family`, `name`.
 
 use crate::input::{InputFile, stem};
 use anyhow::{Context, Result, bail};
@@ -7,23 +7,23 @@ use protomer_io::csv::cells;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-/// A line of a manifest.
+/// An entry of a manifest.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Entry {
     /// Position among the entries, from zero.
     pub number: usize,
-    /// A name of its own: that of the file without folder and endings, unless given.
+    /// A unique name; by default that of the file without folder and extensions.
     pub name: String,
-    /// The file as the manifest names it.
+    /// The file as named in the manifest.
     pub file: String,
-    /// The file as this process finds it.
+    /// The path of the file for this process.
     pub path: PathBuf,
     /// The class.
     pub label: String,
-    /// Related structures share a cluster; a cluster of its own, named like the entry, if left
-    /// empty.
+    /// Related structures share a cluster. If left empty, the entry has its own cluster, with
+    /// the name of the entry.
     pub cluster: String,
-    /// Copies of one crystal form share a family; perhaps empty.
+    /// Copies of one crystal form share a family; may be empty.
     pub family: String,
 }
 
@@ -39,7 +39,7 @@ pub struct Manifest {
 const KNOWN: [&str; 5] = ["file", "label", "cluster", "family", "name"];
 
 impl Manifest {
-    /// Reads a manifest. Relative paths in it start from its folder.
+    /// Reads a manifest. Relative paths in it refer to its folder.
     ///
     /// # Errors
     /// Names the line and the column.
@@ -77,13 +77,13 @@ fn entries(file: &str, text: &str, folder: &Path) -> Result<Vec<Entry>> {
         if !KNOWN.contains(&column.as_str()) {
             let known = KNOWN.join(", ");
             bail!(
-                "{file}:{number}, column {}: '{column}' is not known; remove it, known are {known}",
+                "{file}:{number}, column {}: '{column}' is not a known column; remove it, or use one of {known}",
                 place + 1
             );
         }
         if columns[..place].contains(column) {
             bail!(
-                "{file}:{number}, column {}: '{column}' is there twice; remove one",
+                "{file}:{number}, column {}: '{column}' appears twice; remove one",
                 place + 1
             );
         }
@@ -92,7 +92,7 @@ fn entries(file: &str, text: &str, folder: &Path) -> Result<Vec<Entry>> {
     for needed in ["file", "label", "cluster"] {
         if place_of(needed).is_none() {
             bail!(
-                "{file}:{number}: there is no column '{needed}'; the heading is to have file, label and cluster"
+                "{file}:{number}: there is no column '{needed}'; the heading must have file, label and cluster"
             );
         }
     }
@@ -115,14 +115,14 @@ fn entries(file: &str, text: &str, folder: &Path) -> Result<Vec<Entry>> {
         };
         for needed in ["file", "label"] {
             if cell(needed).is_empty() {
-                bail!("{file}:{line}, column {needed}: it is empty; give one");
+                bail!("{file}:{line}, column {needed}: the cell is empty; fill it in");
             }
         }
         let name = Some(cell("name")).filter(|name| !name.is_empty());
         let name = name.unwrap_or_else(|| stem(Path::new(&cell("file"))));
         if let Some(earlier) = seen.insert(name.clone(), line) {
             bail!(
-                "{file}:{line}, column file: '{name}' is the name of line {earlier} too; tell them apart by a column name"
+                "{file}:{line}, column file: line {earlier} has the name '{name}' too; distinguish them with a column 'name'"
             );
         }
         entries.push(Entry {
@@ -138,7 +138,7 @@ fn entries(file: &str, text: &str, folder: &Path) -> Result<Vec<Entry>> {
         });
     }
     if entries.is_empty() {
-        bail!("{file} has a heading and nothing else; give a line per structure");
+        bail!("{file} has a heading but no entries; give a line per structure");
     }
     Ok(entries)
 }
@@ -189,9 +189,9 @@ mod tests {
             ("file,label,cluster,colour\n", "m.csv:1, column 4: 'colour'"),
             (
                 "file,label,cluster,label\n",
-                "m.csv:1, column 4: 'label' is there twice",
+                "m.csv:1, column 4: 'label' appears twice",
             ),
-            ("file,label,cluster\n", "nothing else"),
+            ("file,label,cluster\n", "no entries"),
             ("file,label,cluster\na,b\n", "m.csv:2: 2 columns"),
             (
                 "file,label,cluster\na.pdb,x,y\n\nb.pdb,,y\n",
@@ -199,7 +199,7 @@ mod tests {
             ),
             (
                 "file,label,cluster\na.pdb,x,y\nd/a.pdb,x,y\n",
-                "m.csv:3, column file: 'a' is the name of line 2",
+                "m.csv:3, column file: line 2 has the name 'a'",
             ),
             (
                 "file,label,cluster\na.pdb,\"x,y\n",

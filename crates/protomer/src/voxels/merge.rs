@@ -1,4 +1,4 @@
-//! Several sets to one.
+//! Merges several sets into one.
 
 use super::identity::identity;
 use super::origin::{Missing, Origin, joined, origins};
@@ -14,12 +14,12 @@ use serde::Serialize;
 use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
-/// What became of several sets.
+/// The result of a merge.
 #[derive(Debug, Clone, Serialize)]
 pub struct MergeReport {
     /// The set.
     pub set: PathBuf,
-    /// Sets joined.
+    /// Number of merged sets.
     pub sets: usize,
     /// Samples in the set.
     pub samples: usize,
@@ -29,11 +29,11 @@ pub struct MergeReport {
     pub voxels: u64,
     /// Bytes of the set's files.
     pub bytes: u64,
-    /// Manifests of which parts are missing.
+    /// Manifests with missing parts.
     pub missing: Vec<Missing>,
-    /// Relatives that are in different clusters; ten lines at most.
+    /// Relatives in different clusters; ten lines at most.
     pub manifest_warnings: Vec<String>,
-    /// Whether the set was there already.
+    /// Whether the set already existed.
     pub nothing_to_do: bool,
 }
 
@@ -54,52 +54,154 @@ impl Answer for MergeReport {
     }
 }
 
-/// Joins sets of the same settings. Parts of one manifest are sorted as the manifest is, so that
-/// all parts together give the set that one run would have made, file by file; sets of different
-/// manifests follow each other as given. That parts are missing is in the report.
+/// Merges sets with the same settings. Parts of one manifest are sorted like the manifest, so that
+/// all parts together give the same files as a single run. Sets of different manifests follow each
+/// other in the given order. The report lists missing parts.
 ///
 /// # Errors
-/// For sets of different settings, names that are in two of them, and files that cannot be read.
+/// If settings differ, a name appears in two sets, or a file cannot be read.
+///
+/// ```no_run
+/// use std::path::Path;
+/// let parts = ["part_1.zarr".into(), "part_2.zarr".into()];
+/// let report = protomer::voxels::merge::merge(&parts, Path::new("set.zarr"), false)?;
+/// assert_eq!(report.sets, 2);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn merge(inputs: &[PathBuf], output: &Path, force: bool) -> Result<MergeReport> {
-    let readers = inputs
-        .iter()
-        .map(|path| open_set(path))
-        .collect::<Result<Vec<SetReader>>>()?;
-    let (Some(first), Some(first_path)) = (readers.first(), inputs.first()) else {
-        bail!("there are no sets; give some")
+    let sources = Sources::read(inputs)?;
+    let rows = sources.rows();
+    let identity = identity(&sources.settings, &rows)?;
+    let nothing_to_do = match set::state_of(output, &identity)? {
+        set::OnDisk::Same(_) => true,
+        set::OnDisk::Other if !force => {
+            bail!(
+                "{} holds another set; overwrite it with --force or name another output",
+                output.display()
+            )
+        }
+        set::OnDisk::Other | set::OnDisk::Nothing => {
+            sources.write(output, &identity)?;
+            false
+        }
     };
-    let settings = set::settings_of(first).with_context(|| first_path.display().to_string())?;
-    let of_each = readers
-        .iter()
-        .zip(inputs)
-        .map(|(reader, path)| origins(reader).with_context(|| path.display().to_string()));
-    let of_each = of_each.collect::<Result<Vec<Vec<Origin>>>>()?;
-    // A set that was merged from several manifests has no order that entries could follow.
-    let parts_of_one = of_each.iter().all(|of_one| of_one.len() == 1);
-    let manifests = joined(of_each.into_iter().flatten());
-    let one_manifest = parts_of_one && manifests.len() == 1;
-    let mut samples: Vec<(usize, usize, SampleRecord)> = Vec::new();
+    let content = &sources.content;
+    Ok(MergeReport {
+        set: output.to_owned(),
+        sets: inputs.len(),
+        samples: content.samples.len(),
+        excluded: content.excluded.len(),
+        voxels: content.voxels(),
+        bytes: set::bytes_on_disk(output),
+        missing: Missing::of(&sources.manifests),
+        manifest_warnings: relatives::in_several_clusters(&rows),
+        nothing_to_do,
+    })
+}
+
+/// The sets to merge, and the content of the merged set.
+struct Sources {
+    readers: Vec<SetReader>,
+    settings: VoxelizeSettings,
+    manifests: Vec<Origin>,
+    content: SetContent,
+    /// For each sample, the number of its set and its index there.
+    places: Vec<(usize, usize)>,
+    /// Whether the sets are parts of one manifest, which then determines the order.
+    one_manifest: bool,
+}
+
+impl Sources {
+    fn read(inputs: &[PathBuf]) -> Result<Self> {
+        let mut readers = Vec::with_capacity(inputs.len());
+        let mut of_each = Vec::with_capacity(inputs.len());
+        for path in inputs {
+            readers.push(open_set(path)?);
+        }
+        let settings = common_settings(&readers, inputs)?;
+        for (reader, path) in readers.iter().zip(inputs) {
+            of_each.push(origins(reader).context(path.display().to_string())?);
+        }
+        // A set merged from several manifests has no common order of entries.
+        let parts_of_one = of_each.iter().all(|of_one| of_one.len() == 1);
+        let manifests = joined(of_each.into_iter().flatten());
+        let one_manifest = parts_of_one && manifests.len() == 1;
+        let (content, places) = joined_content(&readers, inputs, one_manifest)?;
+        Ok(Self {
+            readers,
+            settings,
+            manifests,
+            content,
+            places,
+            one_manifest,
+        })
+    }
+
+    fn rows(&self) -> Vec<Row<'_>> {
+        let mut rows = Row::of_content(&self.content);
+        if self.one_manifest {
+            rows.sort_by_key(|row| row.entry);
+        }
+        rows
+    }
+
+    fn write(&self, output: &Path, identity: &str) -> Result<()> {
+        let (settings, content) = (&self.settings, &self.content);
+        let attributes = set::attributes(settings, &self.manifests, identity, content)?;
+        set::replace(output, |folder| {
+            let mut voxels = |sample| self.voxels(sample);
+            set::write(folder, settings, content, attributes, &mut voxels)
+        })
+    }
+
+    fn voxels(&self, sample: usize) -> Result<Voxels> {
+        if let Some((set, place)) = self.places.get(sample)
+            && let Some(reader) = self.readers.get(*set)
+        {
+            let stored = reader.sample(*place)?;
+            return Ok(Voxels {
+                index: stored.index,
+                values: stored.values,
+            });
+        }
+        bail!("there is no sample {sample}")
+    }
+}
+
+/// The settings that all sets have in common.
+fn common_settings(readers: &[SetReader], inputs: &[PathBuf]) -> Result<VoxelizeSettings> {
+    let (Some(first), Some(first_path)) = (readers.first(), inputs.first()) else {
+        bail!("no sets are given; give at least one")
+    };
+    let settings = set::settings_of(first).context(first_path.display().to_string())?;
+    for (reader, path) in readers.iter().zip(inputs) {
+        let theirs = set::settings_of(reader).context(path.display().to_string())?;
+        if theirs != settings {
+            let how = differences(&settings, &theirs)?;
+            let (a, b) = (first_path.display(), path.display());
+            bail!("{a} and {b} have different settings: {how}; voxelize them alike");
+        }
+    }
+    Ok(settings)
+}
+
+/// The content of all sets, and the origin of each sample. It is sorted by entry if the sets are
+/// parts of one manifest.
+fn joined_content(
+    readers: &[SetReader],
+    inputs: &[PathBuf],
+    one_manifest: bool,
+) -> Result<(SetContent, Vec<(usize, usize)>)> {
+    let mut samples: Vec<(SampleRecord, (usize, usize))> = Vec::new();
     let mut excluded = Vec::new();
     let mut seen: HashMap<String, &PathBuf> = HashMap::new();
     for ((number, reader), path) in readers.iter().enumerate().zip(inputs) {
-        let shown = || path.display().to_string();
-        let theirs = set::settings_of(reader).with_context(shown)?;
-        if theirs != settings {
-            let (a, b, how) = (
-                first_path.display(),
-                path.display(),
-                differences(&settings, &theirs)?,
-            );
-            bail!("{a} and {b} have different settings: {how}; voxelize them alike");
-        }
-        let ours = set::samples_of(reader).with_context(shown)?;
-        let theirs = set::exclusions(reader).with_context(shown)?;
-        let names = ours
-            .iter()
-            .map(|sample| &sample.name)
-            .chain(theirs.iter().map(|excluded| &excluded.name));
-        // Sorted, so that of several the message names always the same.
-        let names: BTreeSet<String> = names.cloned().collect();
+        let of_set = set::samples_of(reader).context(path.display().to_string())?;
+        let exclusions = set::exclusions(reader).context(path.display().to_string())?;
+        // Sorted, so that the message is always about the same name.
+        let mut names = BTreeSet::new();
+        names.extend(of_set.iter().map(|sample| sample.name.clone()));
+        names.extend(exclusions.iter().map(|excluded| excluded.name.clone()));
         for name in names {
             if let Some(earlier) = seen.insert(name.clone(), path) {
                 bail!(
@@ -109,79 +211,28 @@ pub fn merge(inputs: &[PathBuf], output: &Path, force: bool) -> Result<MergeRepo
                 );
             }
         }
-        samples.extend(
-            ours.into_iter()
-                .enumerate()
-                .map(|(place, sample)| (number, place, sample)),
-        );
-        excluded.extend(theirs);
+        for (index, sample) in of_set.into_iter().enumerate() {
+            samples.push((sample, (number, index)));
+        }
+        excluded.extend(exclusions);
     }
     if one_manifest {
-        samples.sort_by_key(|(_, _, sample)| sample.entry);
+        samples.sort_by_key(|(sample, _)| sample.entry);
         excluded.sort_by_key(|excluded| excluded.entry);
     }
-    let places: Vec<(usize, usize)> = samples
-        .iter()
-        .map(|(set, place, _)| (*set, *place))
-        .collect();
-    let content = SetContent {
-        samples: samples.into_iter().map(|(_, _, sample)| sample).collect(),
-        excluded,
-    };
-    let mut rows = Row::of_content(&content);
-    if one_manifest {
-        rows.sort_by_key(|row| row.entry);
-    }
-    let identity = identity(&settings, &rows)?;
-    let report = |nothing_to_do| MergeReport {
-        set: output.to_owned(),
-        sets: inputs.len(),
-        samples: content.samples.len(),
-        excluded: content.excluded.len(),
-        voxels: content.voxels(),
-        bytes: set::bytes_on_disk(output),
-        missing: Missing::of(&manifests),
-        manifest_warnings: relatives::in_several_clusters(&rows),
-        nothing_to_do,
-    };
-    match set::state_of(output, &identity)? {
-        set::OnDisk::Same(_) => return Ok(report(true)),
-        set::OnDisk::Other if !force => {
-            bail!(
-                "{} holds another set; overwrite it with --force or name another output",
-                output.display()
-            )
-        }
-        set::OnDisk::Other | set::OnDisk::Nothing => {}
-    }
-    let attributes = set::attributes(&settings, &manifests, &identity, &content)?;
-    set::replace(output, |folder| {
-        set::write(folder, &settings, &content, attributes, &mut |sample| {
-            let Some((reader, place)) = places
-                .get(sample)
-                .and_then(|(set, place)| Some((readers.get(*set)?, *place)))
-            else {
-                bail!("there is no sample {sample}");
-            };
-            let stored = reader.sample(place)?;
-            Ok(Voxels {
-                index: stored.index,
-                values: stored.values,
-            })
-        })
-    })?;
-    Ok(report(false))
+    let (samples, places) = samples.into_iter().unzip();
+    Ok((SetContent { samples, excluded }, places))
 }
 
-/// `seed 0 and 3, size 32 and 64`: what differs between two settings.
+/// The differences between two settings, such as `seed 0 and 3, size 32 and 64`.
 fn differences(first: &VoxelizeSettings, second: &VoxelizeSettings) -> Result<String> {
     let (first, second) = (serde_json::to_value(first)?, serde_json::to_value(second)?);
-    let keys = first
-        .as_object()
-        .into_iter()
-        .flat_map(|settings| settings.keys());
-    let differing = keys.filter(|key| first.get(key) != second.get(key));
-    let shown =
-        differing.map(|key| format!("{key} {} and {}", first[key.as_str()], second[key.as_str()]));
-    Ok(shown.collect::<Vec<_>>().join(", "))
+    let mut shown = Vec::new();
+    for (key, value) in first.as_object().into_iter().flatten() {
+        let other = &second[key.as_str()];
+        if value != other {
+            shown.push(format!("{key} {value} and {other}"));
+        }
+    }
+    Ok(shown.join(", "))
 }

@@ -1,4 +1,4 @@
-//! Structures to a set of sparse voxel grids.
+//! Converts structures to a set of sparse voxel grids.
 //!
 //! ```text
 //! manifest --each structure, in parallel--> work file SET.zarr.work --all done--> SET.zarr
@@ -6,17 +6,17 @@
 //!
 //! | module | one idea |
 //! |---|---|
-//! | [`manifest`] | which structures, and what is known of them |
-//! | [`settings`] | what to make of each |
-//! | [`structure`] | one structure to one sample, or the reason why not |
-//! | [`work`] | finished samples, kept until all are done |
-//! | [`set`] | samples to a zarr group |
-//! | [`identity`] | what sets and samples depend on, hashed |
-//! | [`origin`] | what a set has of its manifests, and what it lacks |
+//! | [`manifest`] | the list of structures and labels |
+//! | [`settings`] | the settings of the grids |
+//! | [`structure`] | one structure to one sample, or the reason for its exclusion |
+//! | [`work`] | finished samples, stored until all are done |
+//! | [`set`] | writes samples to a zarr group |
+//! | [`identity`] | hashes of what sets and samples depend on |
+//! | [`origin`] | the parts of manifests that a set contains or lacks |
 //! | [`relatives`] | relatives in different clusters |
-//! | [`row`] | a line of a manifest, wherever it stands by now |
-//! | [`statistics`] | what values its channels have in the training part |
-//! | [`mod@merge`] | several sets to one |
+//! | [`row`] | a manifest entry with the hash of its file |
+//! | [`statistics`] | statistics of the channels in the training part |
+//! | [`mod@merge`] | merges several sets into one |
 
 pub mod identity;
 pub mod manifest;

@@ -1,4 +1,4 @@
-//! What a set has of its manifests, and what it lacks.
+//! The parts of manifests that a set contains or lacks.
 
 use super::set::exclusions;
 use anyhow::{Context, Result};
@@ -7,22 +7,23 @@ use protomer_results::Shard;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// What a set has of a manifest.
+/// The part of a manifest that a set contains.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Origin {
     /// SHA-256 of the manifest.
     pub manifest_sha256: String,
-    /// Structures of the manifest; none if an earlier version made the set, which did not say.
+    /// Number of structures in the manifest; `None` for sets of earlier versions, which did not
+    /// record it.
     pub structures: Option<usize>,
-    /// Those of them that are in the set or were left out of it.
+    /// Number of these in the set or excluded from it.
     pub present: usize,
-    /// The parts that are here, such as `2/8`; `1/1` where all are.
+    /// The parts in this set, such as `2/8`; `1/1` for all.
     pub parts: Vec<String>,
 }
 
 impl Origin {
-    /// A part of a manifest with so many structures.
+    /// A part of a manifest with `structures` entries.
     pub fn new(manifest_sha256: &str, structures: usize, shard: Shard, present: usize) -> Self {
         let parts = vec![format!("{}/{}", shard.index, shard.of)];
         Self {
@@ -33,7 +34,7 @@ impl Origin {
         }
     }
 
-    /// Structures of the manifest that are not here.
+    /// Number of structures of the manifest that are missing here.
     pub fn missing(&self) -> usize {
         self.structures
             .map_or(0, |structures| structures.saturating_sub(self.present))
@@ -66,7 +67,7 @@ pub fn origins(reader: &SetReader) -> Result<Vec<Origin>> {
     }])
 }
 
-/// The manifests of several sets together, each once, in the order in which they come.
+/// The manifests of several sets, each once, in order of appearance.
 pub fn joined(all: impl Iterator<Item = Origin>) -> Vec<Origin> {
     let mut manifests: Vec<Origin> = Vec::new();
     for next in all {
@@ -94,21 +95,21 @@ pub fn joined(all: impl Iterator<Item = Origin>) -> Vec<Origin> {
     manifests
 }
 
-/// A manifest of which parts are missing.
+/// A manifest with missing parts.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Missing {
     /// SHA-256 of the manifest.
     pub manifest_sha256: String,
     /// Structures of the manifest.
     pub structures: usize,
-    /// Those of them that are in none of the sets.
+    /// Number of these that are in none of the sets.
     pub missing: usize,
-    /// The parts that are there.
+    /// The parts present.
     pub parts: Vec<String>,
 }
 
 impl Missing {
-    /// What is missing of some manifests.
+    /// Lists the manifests with missing parts.
     pub fn of(manifests: &[Origin]) -> Vec<Self> {
         let incomplete = manifests.iter().filter(|manifest| manifest.missing() > 0);
         let missing = incomplete.map(|manifest| Self {
@@ -120,12 +121,12 @@ impl Missing {
         missing.collect()
     }
 
-    /// In words.
+    /// A description in words.
     pub fn line(&self) -> String {
         let short: String = self.manifest_sha256.chars().take(12).collect();
         format!(
-            "parts of the manifest with SHA-256 {short}... are missing: {} of {} structures; there are the parts {}; \
-             merge all of them",
+            "parts of the manifest with SHA-256 {short}... are missing: {} of {} structures; the parts present are \
+             {}; merge all parts",
             self.missing,
             self.structures,
             self.parts.join(", ")
@@ -153,8 +154,8 @@ mod tests {
                 && lines[0].contains("0123456789ab... are missing: 34 of 40 structures"),
             "{lines:?}"
         );
-        // A set of an earlier version does not say how many there are: nothing can be missing of
-        // it.
+        // A set of an earlier version does not record how many there are, so nothing counts as
+        // missing.
         let unknown = Origin {
             structures: None,
             parts: Vec::new(),

@@ -1,13 +1,13 @@
-//! Relatives that stand in different clusters: no split by cluster can then keep them on one side.
+//! Finds relatives in different clusters, which no split by cluster can keep on one side.
 
 use super::row::Row;
 use super::structure::at_most;
 use std::collections::BTreeMap;
 
-/// Lines that are kept.
+/// Maximum number of lines.
 const MOST_LINES: usize = 10;
 
-/// A line for each file and each family that is in several clusters, the first few of them.
+/// One line for each file and each family that is in several clusters, up to the maximum.
 pub fn in_several_clusters(rows: &[Row]) -> Vec<String> {
     let mut files: BTreeMap<&str, Vec<Row>> = BTreeMap::new();
     let mut families: BTreeMap<&str, Vec<Row>> = BTreeMap::new();
@@ -24,12 +24,12 @@ pub fn in_several_clusters(rows: &[Row]) -> Vec<String> {
         .iter()
         .filter_map(|(family, group)| Some(of_family(family, apart(group)?)));
     let remedy = |line: String| {
-        format!("{line}; give relatives one cluster, or no split keeps them on one side")
+        format!("{line}; put relatives into one cluster, or no split can keep them on one side")
     };
     at_most(MOST_LINES, files.chain(families).map(remedy).collect())
 }
 
-/// The first two of a group whose clusters differ, in words.
+/// Describes the first two members of a group whose clusters differ.
 fn apart(group: &[Row]) -> Option<String> {
     let first = group.first()?;
     let other = group.iter().find(|row| row.cluster != first.cluster)?;

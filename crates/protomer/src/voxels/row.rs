@@ -1,24 +1,24 @@
-//! A line of a manifest with the hash of its file, wherever it stands by now: in a manifest, in a
-//! set, or left out of one.
+//! A manifest entry with the hash of its file, read from a manifest, from a set, or from the
+//! list of excluded structures.
 
 use super::manifest::Entry;
 use super::set::{Exclusion, SampleRecord, SetContent};
 use serde::Serialize;
 
-/// What a set's identity and the search for relatives look at.
+/// The data used for a set's identity and for finding relatives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Row<'a> {
     /// Position in the manifest, from zero.
     pub entry: usize,
     /// Its name.
     pub name: &'a str,
-    /// The file as the manifest names it.
+    /// The file as named in the manifest.
     pub file: &'a str,
     /// Its class.
     pub label: &'a str,
     /// Its cluster.
     pub cluster: &'a str,
-    /// Its family; perhaps empty.
+    /// Its family; may be empty.
     pub family: &'a str,
     /// SHA-256 of its file; empty if it could not be read.
     pub sha256: &'a str,
@@ -91,7 +91,7 @@ impl<'a> Row<'a> {
         }
     }
 
-    /// The rows of a set: samples, then what was left out.
+    /// The rows of a set: samples, then excluded structures.
     pub fn of_content(content: &'a SetContent) -> Vec<Self> {
         let excluded = content.excluded.iter().map(Self::of_exclusion);
         content

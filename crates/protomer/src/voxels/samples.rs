@@ -1,4 +1,4 @@
-//! Voxel sets on the disk as samples for training.
+//! Voxel sets on disk as samples for training.
 
 use crate::voxels::{open_set, set};
 use anyhow::{Context, Result};
@@ -6,7 +6,15 @@ use protomer_io::zarr::SetReader;
 use protomer_learn::{Description, LearnError, SampleSource, SparseGrid};
 use std::path::Path;
 
-/// A set that `protomer voxelize` has written; samples are decoded when asked for, on any thread.
+/// A set written by `protomer voxelize`; samples are decoded on demand, on any thread.
+///
+/// ```no_run
+/// use protomer::voxels::samples::VoxelSet;
+/// use std::path::Path;
+/// let set = VoxelSet::open(Path::new("set.zarr"))?;
+/// println!("{} samples", set.reader().len());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub struct VoxelSet {
     reader: SetReader,
     descriptions: Vec<Description>,
@@ -18,7 +26,7 @@ impl VoxelSet {
     /// Opens a set.
     ///
     /// # Errors
-    /// Names the file that is missing or damaged.
+    /// Names the missing or damaged file.
     pub fn open(path: &Path) -> Result<Self> {
         let reader = open_set(path)?;
         let samples = set::samples_of(&reader).with_context(|| path.display().to_string())?;
@@ -43,12 +51,12 @@ impl VoxelSet {
         })
     }
 
-    /// The file of each sample, as the manifest names it.
+    /// The file of each sample, as named in the manifest.
     pub fn files(&self) -> &[String] {
         &self.files
     }
 
-    /// The reader below, with attributes and columns.
+    /// The underlying reader, with attributes and columns.
     pub fn reader(&self) -> &SetReader {
         &self.reader
     }

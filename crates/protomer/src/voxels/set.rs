@@ -1,4 +1,4 @@
-//! Samples to a zarr group.
+//! Writes samples to a zarr group and reads them back.
 
 use super::identity::fixed_conditions;
 use super::manifest::Entry;
@@ -6,7 +6,7 @@ use super::origin::Origin;
 use super::settings::VoxelizeSettings;
 use super::statistics::Gathering;
 use super::structure::{Properties, Reason, Sample, letters};
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, bail};
 use protomer_field::voxels::{Channel, Voxels};
 use protomer_io::zarr::{SetReader, SetWriter};
 use protomer_results::ResultKind;
@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 
-/// A structure that is not in the set.
+/// A structure that was excluded from the set.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Exclusion {
@@ -24,7 +24,7 @@ pub struct Exclusion {
     pub entry: usize,
     /// Its name.
     pub name: String,
-    /// The file as the manifest names it.
+    /// The file as named in the manifest.
     pub file: String,
     /// Its class.
     pub label: String,
@@ -36,7 +36,7 @@ pub struct Exclusion {
     pub sha256: String,
     /// Why.
     pub reason: Reason,
-    /// In words.
+    /// A description in words.
     pub detail: String,
 }
 
@@ -74,7 +74,7 @@ pub struct SampleRecord {
     pub entry: usize,
     /// Its name.
     pub name: String,
-    /// The file as the manifest names it.
+    /// The file as named in the manifest.
     pub file: String,
     /// Its class.
     pub label: String,
@@ -84,13 +84,13 @@ pub struct SampleRecord {
     pub family: String,
     /// SHA-256 of the file.
     pub sha256: String,
-    /// Where its voxels are kept.
+    /// The key of its voxels in the work file.
     pub key: String,
     /// Occupied voxels.
     pub voxels: usize,
-    /// What is known of it.
+    /// Its properties.
     pub properties: Properties,
-    /// What of its file a careful user should know.
+    /// Warnings about its file.
     pub warnings: Vec<String>,
 }
 
@@ -122,12 +122,12 @@ impl SampleRecord {
     }
 }
 
-/// Everything in a set but the voxels.
+/// The content of a set, except for the voxels.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SetContent {
     /// Samples in order.
     pub samples: Vec<SampleRecord>,
-    /// Structures left out, in order.
+    /// Excluded structures, in order.
     pub excluded: Vec<Exclusion>,
 }
 
@@ -138,7 +138,7 @@ impl SetContent {
     }
 }
 
-/// What is where a set is to be written.
+/// The current content of the output path of a set.
 pub enum OnDisk {
     /// Nothing.
     Nothing,
@@ -148,26 +148,22 @@ pub enum OnDisk {
     Other,
 }
 
-/// Looks at where a set is to be written.
+/// Checks the output path of a set.
 ///
 /// # Errors
-/// If there is something that is no set.
+/// If the path exists and is not a voxel set.
 pub fn state_of(output: &Path, identity: &str) -> Result<OnDisk> {
     if !output.exists() {
         return Ok(OnDisk::Nothing);
     }
-    let reader = SetReader::open(output).with_context(|| {
-        format!(
-            "{} is there and no voxel set; name another output",
-            output.display()
-        )
-    })?;
-    let same = reader.attributes().get("identity").and_then(Value::as_str) == Some(identity);
-    Ok(if same {
-        OnDisk::Same(Box::new(reader))
-    } else {
-        OnDisk::Other
-    })
+    let reader = SetReader::open(output).context(format!(
+        "{} exists and is not a voxel set; choose another output",
+        output.display()
+    ))?;
+    match reader.attributes().get("identity").and_then(Value::as_str) {
+        Some(present) if present == identity => Ok(OnDisk::Same(Box::new(reader))),
+        _ => Ok(OnDisk::Other),
+    }
 }
 
 /// The structures left out of a set.
@@ -175,12 +171,11 @@ pub fn state_of(output: &Path, identity: &str) -> Result<OnDisk> {
 /// # Errors
 /// If the attribute is damaged.
 pub fn exclusions(reader: &SetReader) -> Result<Vec<Exclusion>> {
-    let value = reader
-        .attributes()
-        .get("excluded")
-        .cloned()
-        .unwrap_or_else(|| json!([]));
-    serde_json::from_value(value).context("the attribute 'excluded' is damaged; make the set again")
+    let Some(value) = reader.attributes().get("excluded") else {
+        return Ok(Vec::new());
+    };
+    serde_json::from_value(value.clone())
+        .context("the attribute 'excluded' is damaged; make the set again")
 }
 
 /// The settings of a set.
@@ -200,37 +195,17 @@ pub fn settings_of(reader: &SetReader) -> Result<VoxelizeSettings> {
 /// The attributes of a set.
 ///
 /// # Errors
-/// If the settings cannot be written down.
+/// If the settings cannot be serialised.
 pub fn attributes(
     settings: &VoxelizeSettings,
     origins: &[Origin],
     identity: &str,
     content: &SetContent,
 ) -> Result<Map<String, Value>> {
-    let words = |word: fn(&SampleRecord) -> &String| {
-        content.samples.iter().map(word).collect::<Vec<&String>>()
-    };
-    let channel = |channel: &Channel| match channel {
-        Channel::Shape => (
-            channel.name(),
-            "1 where the surface passes through: centres at most half an edge from it",
-        ),
-        Channel::Solid => (channel.name(), "1 where the centre is inside the surface"),
-        Channel::Potential => (
-            channel.name(),
-            "kT/e, at the point of the surface nearest to the centre",
-        ),
-        Channel::Hydropathy => (
-            channel.name(),
-            "Kyte-Doolittle index, averaged over the residues near by",
-        ),
-    };
-    let meanings: Map<String, Value> = settings
-        .channels
-        .iter()
-        .map(channel)
-        .map(|(name, meaning)| (name.to_owned(), json!(meaning)))
-        .collect();
+    let mut meanings = Map::new();
+    for channel in &settings.channels {
+        meanings.insert(channel.name().to_owned(), meaning(*channel).into());
+    }
     let manifest_sha256 = match origins {
         [only] => only.manifest_sha256.as_str(),
         _ => "",
@@ -250,32 +225,63 @@ pub fn attributes(
             "poisson_boltzmann": fixed_conditions(settings)?,
         },
         "channel_meanings": meanings,
-        "samples": {
-            "name": words(|sample| &sample.name),
-            "label": words(|sample| &sample.label),
-            "cluster": words(|sample| &sample.cluster),
-            "family": words(|sample| &sample.family),
-            "file": words(|sample| &sample.file),
-            "sha256": words(|sample| &sample.sha256),
-        },
+        "samples": lists_of(&content.samples),
         "excluded": serde_json::to_value(&content.excluded)?,
         "warnings": warnings_of(&content.samples),
     });
     match value {
         Value::Object(map) => Ok(map),
-        _ => bail!("the attributes are no object"),
+        _ => bail!("the attributes are not an object"),
     }
 }
 
-/// The warnings of each sample that has any, by its name.
-pub fn warnings_of(samples: &[SampleRecord]) -> BTreeMap<String, Vec<String>> {
-    let warned = samples.iter().filter(|sample| !sample.warnings.is_empty());
-    warned
-        .map(|sample| (sample.name.clone(), sample.warnings.clone()))
-        .collect()
+/// What the values of a channel mean.
+fn meaning(channel: Channel) -> &'static str {
+    match channel {
+        Channel::Shape => {
+            "1 where the surface passes through: centres at most half an edge from it"
+        }
+        Channel::Solid => "1 where the centre is inside the surface",
+        Channel::Potential => "kT/e, at the point of the surface nearest to the centre",
+        Channel::Hydropathy => "Kyte-Doolittle index, averaged over nearby residues",
+    }
 }
 
-/// Names of the columns of numbers.
+/// The string properties of the samples, a list for each.
+fn lists_of(samples: &[SampleRecord]) -> Value {
+    let mut lists: [Vec<&str>; 6] = Default::default();
+    for sample in samples {
+        let words = [
+            &sample.name,
+            &sample.label,
+            &sample.cluster,
+            &sample.family,
+            &sample.file,
+            &sample.sha256,
+        ];
+        for (list, word) in lists.iter_mut().zip(words) {
+            list.push(word);
+        }
+    }
+    let [name, label, cluster, family, file, sha256] = lists;
+    json!({
+        "name": name, "label": label, "cluster": cluster, "family": family, "file": file,
+        "sha256": sha256,
+    })
+}
+
+/// The warnings of the samples that have any, by name.
+pub fn warnings_of(samples: &[SampleRecord]) -> BTreeMap<String, Vec<String>> {
+    let mut warnings = BTreeMap::new();
+    for sample in samples {
+        if !sample.warnings.is_empty() {
+            warnings.insert(sample.name.clone(), sample.warnings.clone());
+        }
+    }
+    warnings
+}
+
+/// Names of the numeric columns.
 pub fn columns() -> Vec<String> {
     let mut columns: Vec<String> = [
         "entry",
@@ -296,11 +302,9 @@ pub fn columns() -> Vec<String> {
     ]
     .map(str::to_owned)
     .to_vec();
-    columns.extend(
-        letters()
-            .iter()
-            .map(|letter| format!("composition_{letter}")),
-    );
+    for letter in letters() {
+        columns.push(format!("composition_{letter}"));
+    }
     columns
 }
 
@@ -322,39 +326,26 @@ fn row(sample: &SampleRecord) -> Vec<f64> {
 /// The samples of a set without their voxels.
 ///
 /// # Errors
-/// If columns or words are missing.
+/// If columns or string lists are missing.
 pub fn samples_of(reader: &SetReader) -> Result<Vec<SampleRecord>> {
     if reader.columns() != columns() {
         bail!("the columns of the properties are of another version; make the set again");
     }
-    let words = |list: &str| {
-        let words = reader
-            .words(list)
-            .filter(|words| words.len() == reader.len());
-        words.ok_or_else(|| {
-            anyhow!(
-                "the attribute 'samples' has no list '{list}' of {} words",
-                reader.len()
-            )
-        })
+    let (names, files) = (words(reader, "name")?, words(reader, "file")?);
+    let (labels, hashes) = (words(reader, "label")?, words(reader, "sha256")?);
+    let (clusters, families) = (words(reader, "cluster")?, words(reader, "family")?);
+    let mut warnings: BTreeMap<String, Vec<String>> = match reader.attributes().get("warnings") {
+        Some(warnings) => serde_json::from_value(warnings.clone())
+            .context("the attribute 'warnings' is damaged; make the set again")?,
+        None => BTreeMap::new(),
     };
-    let (names, files, hashes) = (words("name")?, words("file")?, words("sha256")?);
-    let (labels, clusters, families) = (words("label")?, words("cluster")?, words("family")?);
-    let warnings = reader
-        .attributes()
-        .get("warnings")
-        .cloned()
-        .unwrap_or_else(|| json!({}));
-    let mut warnings: BTreeMap<String, Vec<String>> = serde_json::from_value(warnings)
-        .context("the attribute 'warnings' is damaged; make the set again")?;
     let mut samples = Vec::with_capacity(reader.len());
     for sample in 0..reader.len() {
-        let row = reader.row(sample);
         let word = |list: &[String]| list.get(sample).cloned().unwrap_or_default();
-        let at = |place: usize| row.get(place).copied().unwrap_or(f64::NAN);
+        let (entry, properties) = properties(reader.row(sample));
+        let name = word(&names);
         samples.push(SampleRecord {
-            entry: at(0) as usize,
-            name: word(&names),
+            entry,
             file: word(&files),
             label: word(&labels),
             cluster: word(&clusters),
@@ -362,29 +353,46 @@ pub fn samples_of(reader: &SetReader) -> Result<Vec<SampleRecord>> {
             sha256: word(&hashes),
             key: String::new(),
             voxels: reader.voxels(sample),
-            properties: Properties {
-                residues: at(1) as usize,
-                radius_of_gyration_angstrom: at(2),
-                extents_angstrom: std::array::from_fn(|n| at(3 + n)),
-                net_charge_e: at(6),
-                spacing_angstrom: at(7),
-                rotation_wxyz: std::array::from_fn(|n| at(8 + n)),
-                middle_angstrom: std::array::from_fn(|n| at(12 + n)),
-                composition: std::array::from_fn(|n| at(15 + n)),
-            },
-            warnings: warnings
-                .remove(names.get(sample).map_or("", String::as_str))
-                .unwrap_or_default(),
+            properties,
+            warnings: warnings.remove(&name).unwrap_or_default(),
+            name,
         });
     }
     Ok(samples)
 }
 
-/// Writes a set into an empty folder; `voxels` gives those of each sample in turn, with a list per
-/// channel.
+/// A string property of all samples.
+fn words(reader: &SetReader, list: &str) -> Result<Vec<String>> {
+    match reader.words(list) {
+        Some(words) if words.len() == reader.len() => Ok(words),
+        _ => bail!(
+            "the attribute 'samples' has no list '{list}' of {} words",
+            reader.len()
+        ),
+    }
+}
+
+/// The entry and the properties in a row of the table; the inverse of [`row`].
+fn properties(row: &[f64]) -> (usize, Properties) {
+    let at = |column: usize| row.get(column).copied().unwrap_or(f64::NAN);
+    let properties = Properties {
+        residues: at(1) as usize,
+        radius_of_gyration_angstrom: at(2),
+        extents_angstrom: std::array::from_fn(|n| at(3 + n)),
+        net_charge_e: at(6),
+        spacing_angstrom: at(7),
+        rotation_wxyz: std::array::from_fn(|n| at(8 + n)),
+        middle_angstrom: std::array::from_fn(|n| at(12 + n)),
+        composition: std::array::from_fn(|n| at(15 + n)),
+    };
+    (at(0) as usize, properties)
+}
+
+/// Writes a set into an empty folder; `voxels` returns the voxels of each sample in turn, with
+/// one list per channel.
 ///
 /// # Errors
-/// If the disk takes no more, and what `voxels` says.
+/// If a file cannot be written, and the errors of `voxels`.
 pub fn write(
     folder: &Path,
     settings: &VoxelizeSettings,
@@ -392,11 +400,10 @@ pub fn write(
     mut attributes: Map<String, Value>,
     voxels: &mut dyn FnMut(usize) -> Result<Voxels>,
 ) -> Result<()> {
-    let channels: Vec<String> = settings
-        .channels
-        .iter()
-        .map(|channel| channel.name().to_owned())
-        .collect();
+    let mut channels = Vec::new();
+    for channel in &settings.channels {
+        channels.push(channel.name().to_owned());
+    }
     let implied = settings.implied_channels();
     let mut writer =
         SetWriter::create(folder, settings.size, &channels, &implied, content.voxels())?;
@@ -405,15 +412,14 @@ pub fn write(
         let voxels = voxels(number)?;
         statistics.add(number, &voxels);
         let Voxels { index, values } = voxels;
-        let stored: Vec<&[f32]> = channels
-            .iter()
-            .zip(&values)
-            .filter(|(channel, _)| !implied.contains(channel))
-            .map(|(_, values)| values.as_slice())
-            .collect();
-        writer
-            .push(&index, &stored)
-            .with_context(|| sample.name.clone())?;
+        let mut stored: Vec<&[f32]> = Vec::new();
+        for (channel, values) in channels.iter().zip(&values) {
+            if !implied.contains(channel) {
+                stored.push(values);
+            }
+        }
+        let written = writer.push(&index, &stored);
+        written.with_context(|| sample.name.clone())?;
     }
     attributes.insert(
         "statistics".into(),
@@ -423,7 +429,7 @@ pub fn write(
     Ok(writer.finish(&columns(), &rows, attributes)?)
 }
 
-/// Reads every sample of a set once; the mean time that takes, ms.
+/// Reads every sample of a set once and returns the mean time per sample, ms.
 ///
 /// # Errors
 /// Names the file that cannot be read.
@@ -436,7 +442,7 @@ pub fn read_back(folder: &Path) -> Result<f64> {
     Ok(1e3 * start.elapsed().as_secs_f64() / reader.len().max(1) as f64)
 }
 
-/// Makes a folder in one step: `fill` fills a new one beside it, which then takes its name.
+/// Creates a folder atomically: `fill` fills a temporary one beside it, which is then renamed.
 ///
 /// # Errors
 /// Names the folder.
@@ -461,10 +467,13 @@ pub fn bytes_on_disk(folder: &Path) -> u64 {
     let Ok(entries) = folder.read_dir() else {
         return 0;
     };
-    let bytes = |entry: std::fs::DirEntry| match entry.metadata() {
-        Ok(metadata) if metadata.is_dir() => bytes_on_disk(&entry.path()),
-        Ok(metadata) => metadata.len(),
-        Err(_) => 0,
-    };
-    entries.flatten().map(bytes).sum()
+    let mut bytes = 0;
+    for entry in entries.flatten() {
+        bytes += match entry.metadata() {
+            Ok(metadata) if metadata.is_dir() => bytes_on_disk(&entry.path()),
+            Ok(metadata) => metadata.len(),
+            Err(_) => 0,
+        };
+    }
+    bytes
 }

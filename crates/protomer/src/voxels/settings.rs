@@ -1,4 +1,4 @@
-//! What to make of each structure.
+//! The settings of voxel grids.
 
 use anyhow::{Result, bail};
 use protomer_field::DielectricModel;
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Spacing {
-    /// The same for all, Å.
+    /// The same for all structures, Å.
     Angstrom(f64),
     /// Each structure scaled to fill the grid.
     Fit(Fit),
@@ -25,10 +25,10 @@ pub enum Fit {
 }
 
 impl Spacing {
-    /// A length in Å, or `fit`.
+    /// Parses a length in Å, or `fit`.
     ///
     /// # Errors
-    /// Says what was typed and how it should be.
+    /// Quotes the input and gives the accepted form.
     pub fn parse(text: &str) -> Result<Self> {
         match text {
             "fit" => Ok(Spacing::Fit(Fit::Fit)),
@@ -40,7 +40,18 @@ impl Spacing {
     }
 }
 
-/// Everything that shapes a sample besides the structure and its name.
+/// Everything that determines a sample besides the structure and its name.
+///
+/// ```
+/// use protomer::voxels::{Spacing, VoxelizeSettings};
+/// let settings = VoxelizeSettings {
+///     size: 32,
+///     spacing: Spacing::parse("2.0")?,
+///     ..VoxelizeSettings::default()
+/// };
+/// settings.check()?;
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct VoxelizeSettings {
@@ -50,11 +61,11 @@ pub struct VoxelizeSettings {
     pub spacing: Spacing,
     /// Channels in order.
     pub channels: Vec<Channel>,
-    /// How structures are turned.
+    /// The orientation of structures.
     pub orientation: Orientation,
     /// Seed of random orientations.
     pub seed: u64,
-    /// Which potential.
+    /// The model of the potential.
     pub potential: PotentialModel,
     /// Salt, mol/L.
     pub salt_molar: f64,
@@ -64,9 +75,9 @@ pub struct VoxelizeSettings {
     pub ph: f64,
     /// Probe radius of the surface, Å.
     pub probe_angstrom: f64,
-    /// Residues with an atom this near count for a voxel's hydropathy, Å.
+    /// Range of the hydropathy: residues with an atom within this distance of a voxel count, Å.
     pub hydropathy_reach_angstrom: f64,
-    /// Structures of which a larger part of the residues lacks heavy atoms are left out.
+    /// Structures are excluded if a larger share of their residues lacks heavy atoms.
     pub most_incomplete: f64,
 }
 
@@ -90,7 +101,7 @@ impl Default for VoxelizeSettings {
 }
 
 impl VoxelizeSettings {
-    /// Whether they make sense.
+    /// Checks the settings.
     ///
     /// # Errors
     /// Names the setting and its range.
@@ -101,12 +112,12 @@ impl VoxelizeSettings {
         };
         Lattice::new(self.size, spacing)?;
         if self.channels.is_empty() {
-            bail!("there are no channels; give at least one");
+            bail!("no channels are given; give at least one");
         }
         for (place, channel) in self.channels.iter().enumerate() {
             if self.channels[..place].contains(channel) {
                 bail!(
-                    "the channel {} is given twice; name it once",
+                    "the channel {} is given twice; give it once",
                     channel.name()
                 );
             }
@@ -114,7 +125,7 @@ impl VoxelizeSettings {
         let ranges = [
             ("the probe radius", self.probe_angstrom, 0.1, 20.0, " Å"),
             (
-                "the hydropathy reach",
+                "the range of the hydropathy",
                 self.hydropathy_reach_angstrom,
                 0.1,
                 50.0,
@@ -138,10 +149,10 @@ impl VoxelizeSettings {
         Ok(())
     }
 
-    /// For the voxels of one structure.
+    /// Converts them to the settings for the voxels of one structure.
     ///
     /// # Errors
-    /// For conditions that no solvent has.
+    /// For unphysical solvent conditions.
     pub fn voxel_settings(&self) -> Result<VoxelSettings> {
         let electrolyte = Electrolyte::in_water(self.temperature_kelvin, self.salt_molar)?;
         let dielectric = DielectricModel {
@@ -156,8 +167,7 @@ impl VoxelizeSettings {
         })
     }
 
-    /// Channels that are 1 in every occupied voxel: the shape, where nothing but the shell is
-    /// occupied.
+    /// Channels that are 1 in every occupied voxel: the shape, if only the shell is occupied.
     pub fn implied_channels(&self) -> Vec<String> {
         let has = |channel| self.channels.contains(&channel);
         match has(Channel::Shape) && !has(Channel::Solid) {

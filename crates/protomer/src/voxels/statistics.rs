@@ -1,9 +1,9 @@
-//! What values a channel has in occupied voxels of the training part: what a user needs to bring it
-//! to a usual size.
+//! Statistics of the channels over the occupied voxels of the training part, for users who scale
+//! the channels themselves.
 //!
-//! The training part is that of the split by cluster with the set's seed and the usual shares, so
-//! it has nothing of the validation and test parts. `protomer train` splits by its own seed and
-//! target, and takes the statistics of its own training part.
+//! The training part comes from a split by cluster with the set's seed and the default shares,
+//! so it excludes the validation and test parts. `protomer train` splits by its own seed and
+//! target, and uses the statistics of its own training part.
 
 use super::set::SampleRecord;
 use super::settings::VoxelizeSettings;
@@ -18,10 +18,10 @@ use std::collections::{BTreeMap, BTreeSet};
 /// The attribute `statistics` of a set.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Statistics {
-    /// Which samples they are over: `training part`, or `all samples` where clusters are too few to
+    /// The samples they cover: `training part`, or `all samples` if there are too few clusters to
     /// split.
     pub over: &'static str,
-    /// These samples, counted from 0.
+    /// Indices of these samples, from 0.
     pub samples: Vec<usize>,
     /// Seed of the split.
     pub split_seed: u64,
@@ -29,8 +29,8 @@ pub struct Statistics {
     pub channels: BTreeMap<String, ChannelStatistics>,
 }
 
-/// Values of a channel over occupied voxels (of channels of the surface: over its voxels), in its
-/// unit; none of them if there is no voxel.
+/// Statistics of a channel over occupied voxels (for surface channels: over surface voxels), in
+/// its unit; null without voxels.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct ChannelStatistics {
     /// Occupied voxels.
@@ -49,12 +49,12 @@ pub struct ChannelStatistics {
     pub maximum: Option<f64>,
 }
 
-/// Statistics in the making: samples are shown one by one.
+/// Accumulates statistics, one sample at a time.
 pub struct Gathering {
     over: &'static str,
     samples: BTreeSet<usize>,
     split_seed: u64,
-    /// Values kept of each sample and channel for the medians.
+    /// Values kept per sample and channel for the medians.
     most: usize,
     channels: Vec<(String, Gathered)>,
 }
@@ -62,8 +62,8 @@ pub struct Gathering {
 #[derive(Default)]
 struct Gathered {
     voxels: u64,
-    /// Of squares of differences from the first value, which loses no digits where values differ
-    /// little.
+    /// Sum of squared differences from the first value, which avoids cancellation where values
+    /// differ little.
     squares: f64,
     first: f64,
     shifted: f64,
@@ -72,7 +72,7 @@ struct Gathered {
 }
 
 impl Gathering {
-    /// Statistics of a set with these samples.
+    /// Starts the statistics of a set with these samples.
     pub fn new(settings: &VoxelizeSettings, samples: &[SampleRecord]) -> Self {
         let describe = |sample: &SampleRecord| Description {
             label: sample.label.clone(),
@@ -102,7 +102,7 @@ impl Gathering {
         }
     }
 
-    /// Looks at a sample, if it is of the training part.
+    /// Adds a sample, if it belongs to the training part.
     pub fn add(&mut self, sample: usize, voxels: &Voxels) {
         if !self.samples.contains(&sample) {
             return;
@@ -133,7 +133,7 @@ impl Gathering {
 
 impl Gathered {
     fn add(&mut self, values: &[f32], most: usize) {
-        // As a reader of the set finds them.
+        // The values as stored, in half precision.
         let stored = || values.iter().map(|value| as_stored(*value));
         for value in stored() {
             let (low, high) = self.range.unwrap_or((value, value));

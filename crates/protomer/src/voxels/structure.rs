@@ -21,15 +21,15 @@ use protomer_io::zarr::as_stored;
 use protomer_kernel::Vec3;
 use serde::{Deserialize, Serialize};
 
-/// Why a structure is left out.
+/// Why a structure is excluded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Reason {
-    /// The file is missing, damaged, or no structure file.
+    /// The file is missing, damaged, or not a structure file.
     Unreadable,
     /// Too many residues lack heavy atoms, or the file was cut off.
     Truncated,
-    /// There is no amino acid in it.
+    /// It contains no amino acids.
     NoProtein,
     /// It does not fit in the grid.
     TooLarge,
@@ -39,7 +39,7 @@ pub enum Reason {
     Failed,
 }
 
-/// What became of a structure.
+/// The outcome for a structure.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outcome {
     /// A sample.
@@ -48,7 +48,7 @@ pub enum Outcome {
     Excluded {
         /// Why.
         reason: Reason,
-        /// In words.
+        /// A description in words.
         detail: String,
     },
 }
@@ -56,21 +56,21 @@ pub enum Outcome {
 /// A sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sample {
-    /// What is known of it.
+    /// Its properties.
     pub properties: Properties,
     /// Its voxels.
     pub voxels: Voxels,
-    /// What of the file a careful user should know: residues nobody knows, atoms that are missing.
+    /// Warnings about the file, such as unknown residues or missing atoms.
     pub warnings: Vec<String>,
 }
 
-/// What is known of a structure besides its voxels.
+/// Properties of a structure besides its voxels.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Properties {
-    /// Residues that are one of the twenty amino acids or a modification of one.
+    /// Number of residues that are one of the twenty amino acids or a modification of one.
     pub residues: usize,
-    /// Radius of gyration of the atoms, each counted alike, Å.
+    /// Radius of gyration of the atoms, equally weighted, Å.
     pub radius_of_gyration_angstrom: f64,
     /// Extents of the spheres along the principal axes, Å, largest first.
     pub extents_angstrom: [f64; 3],
@@ -78,15 +78,15 @@ pub struct Properties {
     pub net_charge_e: f64,
     /// Edge of a voxel, Å.
     pub spacing_angstrom: f64,
-    /// How the structure was turned.
+    /// The rotation R of the structure.
     pub rotation_wxyz: [f64; 4],
-    /// A place p of the file lies at R p - middle, Å.
+    /// A point p of the file is mapped to R p - middle, Å.
     pub middle_angstrom: [f64; 3],
     /// Share of each amino acid, by the one-letter codes in alphabetical order.
     pub composition: [f64; 20],
 }
 
-/// Warnings of one structure that are kept.
+/// Maximum number of warnings kept per structure.
 const MOST_WARNINGS: usize = 10;
 
 /// An error that excludes a structure.
@@ -106,62 +106,24 @@ pub fn voxelize_structure(entry: &Entry, settings: &VoxelizeSettings) -> Outcome
 }
 
 fn sample(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Sample> {
+    let content = read(entry, settings)?;
+    let amino_acids = amino_acids_of(&content, settings)?;
     let Content {
-        sites,
-        incomplete,
-        warnings,
-    } = read(entry, settings)?;
-    let amino_acids: Vec<AminoAcid> = sites
-        .residues
-        .iter()
-        .filter_map(|residue| amino_acid(&residue.name))
-        .collect();
-    if amino_acids.is_empty() {
-        let error = anyhow!(
-            "none of the {} residues is an amino acid",
-            sites.residues.len()
-        );
-        return Err(Excluded(Reason::NoProtein, error));
-    }
-    if incomplete as f64 > settings.most_incomplete * amino_acids.len() as f64 {
-        let count = amino_acids.len();
-        let error =
-            anyhow!("{incomplete} of {count} residues lack heavy atoms, as in a trace of Cα atoms");
-        return Err(Excluded(Reason::Truncated, error));
-    }
-    let sphere = |site: &protomer_body::Site| ChargedSphere {
-        centre: site.position + sites.origin_angstrom,
-        radius_angstrom: site.radius_angstrom,
-        charge_e: site.charge_e,
-    };
-    let mut atoms: Vec<VoxelAtom> = sites
-        .sites
-        .iter()
-        .map(|site| VoxelAtom {
-            sphere: sphere(site),
-            residue: site.residue,
-        })
-        .collect();
+        sites, warnings, ..
+    } = content;
+    let mut atoms = atoms_of(&sites);
     let positions: Vec<Vec3> = atoms.iter().map(|atom| atom.sphere.centre).collect();
     let rotation = settings
         .orientation
         .rotation(&positions, settings.seed, key_of(&entry.name));
     let middle = pose(&mut atoms, &rotation);
     let lattice = lattice(&atoms, settings).map_err(|error| Excluded(Reason::TooLarge, error))?;
-    let failed = |error: anyhow::Error| Excluded(Reason::Failed, error);
-    let voxel_settings = settings.voxel_settings().map_err(failed)?;
-    let hydropathy: Vec<Option<f64>> = sites
-        .residues
-        .iter()
-        .map(|residue| residue.hydropathy)
-        .collect();
-    let voxels = voxelise(&atoms, &hydropathy, &lattice, &voxel_settings).map_err(|error| {
-        let reason = match error {
-            FieldError::NotConverged { .. } | FieldError::ChargeOutside { .. } => Reason::Potential,
-            _ => Reason::Failed,
-        };
-        Excluded(reason, error.into())
-    })?;
+    let voxel_settings = settings.voxel_settings();
+    let voxel_settings = voxel_settings.map_err(|error| Excluded(Reason::Failed, error))?;
+    let residues = sites.residues.iter();
+    let hydropathy: Vec<Option<f64>> = residues.map(|residue| residue.hydropathy).collect();
+    let voxels = voxelise(&atoms, &hydropathy, &lattice, &voxel_settings);
+    let voxels = voxels.map_err(no_voxels)?;
     check_values(&voxels, &settings.channels)
         .map_err(|error| Excluded(Reason::Potential, error))?;
     let properties = Properties {
@@ -181,6 +143,51 @@ fn sample(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Sample> {
     })
 }
 
+/// The amino acids of a structure, if it has any and enough of them are complete.
+fn amino_acids_of(content: &Content, settings: &VoxelizeSettings) -> Checked<Vec<AminoAcid>> {
+    let residues = &content.sites.residues;
+    let mut amino_acids = Vec::with_capacity(residues.len());
+    for residue in residues {
+        amino_acids.extend(amino_acid(&residue.name));
+    }
+    if amino_acids.is_empty() {
+        let error = anyhow!("none of the {} residues is an amino acid", residues.len());
+        return Err(Excluded(Reason::NoProtein, error));
+    }
+    let (incomplete, count) = (content.incomplete, amino_acids.len());
+    if incomplete as f64 > settings.most_incomplete * count as f64 {
+        let error =
+            anyhow!("{incomplete} of {count} residues lack heavy atoms, as in a trace of Cα atoms");
+        return Err(Excluded(Reason::Truncated, error));
+    }
+    Ok(amino_acids)
+}
+
+/// The atoms in the coordinates of the file.
+fn atoms_of(sites: &ChargedSites) -> Vec<VoxelAtom> {
+    let mut atoms = Vec::with_capacity(sites.sites.len());
+    for site in &sites.sites {
+        let sphere = ChargedSphere {
+            centre: site.position + sites.origin_angstrom,
+            radius_angstrom: site.radius_angstrom,
+            charge_e: site.charge_e,
+        };
+        atoms.push(VoxelAtom {
+            sphere,
+            residue: site.residue,
+        });
+    }
+    atoms
+}
+
+fn no_voxels(error: FieldError) -> Excluded {
+    let reason = match error {
+        FieldError::NotConverged { .. } | FieldError::ChargeOutside { .. } => Reason::Potential,
+        _ => Reason::Failed,
+    };
+    Excluded(reason, error.into())
+}
+
 /// Whether a set can keep the values.
 fn check_values(voxels: &Voxels, channels: &[Channel]) -> Result<()> {
     for (channel, values) in channels.iter().zip(&voxels.values) {
@@ -194,7 +201,7 @@ fn check_values(voxels: &Voxels, channels: &[Channel]) -> Result<()> {
     Ok(())
 }
 
-/// What a file holds.
+/// The content of a structure file.
 struct Content {
     sites: ChargedSites,
     /// Residues that lack heavy atoms.
@@ -203,12 +210,10 @@ struct Content {
 }
 
 fn read(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Content> {
-    let unreadable = |error: anyhow::Error| Excluded(Reason::Unreadable, error);
     let file = InputFile::read(&entry.path).map_err(unreadable)?;
     if Format::of_name(&file.name) == Some(Format::Pqr) {
-        let points =
-            read_points(&file.name, &file.bytes).map_err(|error| unreadable(error.into()))?;
-        let sites = sites_of_points(&points).map_err(|error| unreadable(error.into()))?;
+        let points = read_points(&file.name, &file.bytes).map_err(unreadable)?;
+        let sites = sites_of_points(&points).map_err(unreadable)?;
         let warnings = of_ending(&Ending::of_pqr(&String::from_utf8_lossy(&file.bytes)))?;
         return Ok(Content {
             sites,
@@ -216,11 +221,10 @@ fn read(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Content> {
             warnings,
         });
     }
-    let structure =
-        Structure::read(&file.name, &file.bytes).map_err(|error| unreadable(error.into()))?;
+    let structure = Structure::read(&file.name, &file.bytes).map_err(unreadable)?;
     let mut warnings = of_ending(&structure.ending)?;
-    // With these settings a selection fails only if nothing is left without nucleic acids, ligands
-    // and water.
+    // With these settings the selection fails only if nothing remains without nucleic acids,
+    // ligands and water.
     let selection = structure.select(&SelectionSettings::default());
     let selection = selection.map_err(|error| Excluded(Reason::NoProtein, error.into()))?;
     let site_settings = SiteSettings {
@@ -239,7 +243,12 @@ fn read(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Content> {
     })
 }
 
-/// Half a protein is no sample; where nothing is known of the end, the user hears of it.
+fn unreadable(error: impl Into<anyhow::Error>) -> Excluded {
+    Excluded(Reason::Unreadable, error.into())
+}
+
+/// Refuses a file that was cut off, because half a protein is not a valid sample. Warns if the file
+/// does not show whether it is complete.
 fn of_ending(ending: &Ending) -> Checked<Vec<String>> {
     match ending {
         Ending::Whole => Ok(Vec::new()),
@@ -248,7 +257,7 @@ fn of_ending(ending: &Ending) -> Checked<Vec<String>> {
     }
 }
 
-/// The first warnings, and how many more there are.
+/// The first warnings, and the number of the others.
 pub(super) fn at_most(most: usize, mut warnings: Vec<String>) -> Vec<String> {
     if let Some(more @ 1..) = warnings.len().checked_sub(most) {
         warnings.truncate(most);
@@ -261,7 +270,7 @@ fn amino_acid(name: &str) -> Option<AminoAcid> {
     AminoAcid::of_residue(name).or_else(|| modified_residue(name)?.parent)
 }
 
-/// A number that is the name's own.
+/// A number derived from the name.
 fn key_of(name: &str) -> u64 {
     u64::from_str_radix(&sha256_hex(name.as_bytes())[..16], 16).unwrap_or(0)
 }
@@ -272,7 +281,7 @@ fn lattice(atoms: &[VoxelAtom], settings: &VoxelizeSettings) -> Result<Lattice> 
     let intervals = settings.size as f64 - 1.0;
     let spacing = match settings.spacing {
         Spacing::Angstrom(spacing) => spacing,
-        // A little more, so that rounding does not push an atom off the lattice.
+        // A margin, so that rounding does not push an atom off the lattice.
         Spacing::Fit(_) => (extent / intervals * (1.0 + 1e-9)).max(SPACING_RANGE_ANGSTROM.0),
     };
     let needed = (extent / spacing).ceil() as usize + 1;
@@ -294,27 +303,20 @@ fn lattice(atoms: &[VoxelAtom], settings: &VoxelizeSettings) -> Result<Lattice> 
 fn radius_of_gyration(positions: &[Vec3]) -> f64 {
     let count = positions.len().max(1) as f64;
     let middle = positions.iter().sum::<Vec3>() / count;
-    (positions
-        .iter()
-        .map(|position| (position - middle).norm_squared())
-        .sum::<f64>()
-        / count)
-        .sqrt()
+    let mut squares = 0.0;
+    for position in positions {
+        squares += (position - middle).norm_squared();
+    }
+    (squares / count).sqrt()
 }
 
 fn extents(atoms: &[VoxelAtom]) -> [f64; 3] {
     let positions: Vec<Vec3> = atoms.iter().map(|atom| atom.sphere.centre).collect();
     let (rotation, _) = principal_axes(&positions);
-    let turned: Vec<VoxelAtom> = atoms
-        .iter()
-        .map(|atom| VoxelAtom {
-            sphere: ChargedSphere {
-                centre: rotation * atom.sphere.centre,
-                ..atom.sphere
-            },
-            ..*atom
-        })
-        .collect();
+    let mut turned = atoms.to_vec();
+    for atom in &mut turned {
+        atom.sphere.centre = rotation * atom.sphere.centre;
+    }
     let (low, high) = bounds(&turned);
     let mut extents: [f64; 3] = (high - low).into();
     extents.sort_by(|a, b| b.total_cmp(a));
@@ -325,10 +327,7 @@ fn composition(amino_acids: &[AminoAcid]) -> [f64; 20] {
     let letters = letters();
     let mut shares = [0.0; 20];
     for amino_acid in amino_acids {
-        if let Some(place) = letters
-            .iter()
-            .position(|letter| *letter == amino_acid.letter())
-        {
+        if let Ok(place) = letters.binary_search(&amino_acid.letter()) {
             shares[place] += 1.0 / amino_acids.len() as f64;
         }
     }
@@ -336,6 +335,11 @@ fn composition(amino_acids: &[AminoAcid]) -> [f64; 20] {
 }
 
 /// One-letter codes in alphabetical order.
+///
+/// ```
+/// let letters: String = protomer::voxels::structure::letters().into_iter().collect();
+/// assert_eq!(letters, "ACDEFGHIKLMNPQRSTVWY");
+/// ```
 pub fn letters() -> Vec<char> {
     let mut letters: Vec<char> = AminoAcid::all().map(AminoAcid::letter).collect();
     letters.sort_unstable();

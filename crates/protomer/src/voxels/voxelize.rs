@@ -1,4 +1,5 @@
-//! The structures of a manifest to a set, on all threads; stopped and continued.
+//! Voxelises the structures of a manifest into a set, on all threads, with interruption and
+//! continuation.
 
 use super::manifest::{Entry, Manifest};
 use super::origin::Origin;
@@ -25,13 +26,13 @@ use std::time::Instant;
 pub enum State {
     /// The set was written.
     Written,
-    /// The set was there already, from the same inputs and settings.
+    /// The set already existed, from the same inputs and settings.
     NothingToDo,
-    /// It was asked to stop; the same command continues it.
+    /// It was stopped on request; the same command continues it.
     Stopped,
 }
 
-/// What became of a manifest.
+/// The result of voxelising a manifest.
 #[derive(Debug, Clone, Serialize)]
 pub struct VoxelizeReport {
     /// The set.
@@ -42,13 +43,13 @@ pub struct VoxelizeReport {
     pub structures: usize,
     /// Structures that were voxelised in an earlier run.
     pub taken_over: usize,
-    /// Samples in the set, or so far.
+    /// Number of samples in the set (so far, if stopped).
     pub samples: usize,
     /// Occupied voxels of all samples.
     pub voxels: u64,
     /// Bytes of the set's files.
     pub bytes: u64,
-    /// Time to read one sample back, as done once to check what was written, ms.
+    /// Mean time to read a sample back, ms; measured in the check after writing.
     pub read_ms_per_sample: Option<f64>,
     /// Structures left out.
     pub excluded: Vec<Exclusion>,
@@ -89,9 +90,22 @@ impl Answer for VoxelizeReport {
 /// Voxelises the structures of a manifest, or a part of them, into a set.
 ///
 /// # Errors
-/// For settings or a manifest that make no sense, an output that holds something else, another
-/// process working on it, and a disk that refuses. What is wrong with a structure excludes it and
-/// is in the report.
+/// For invalid settings or manifest, an output that holds something else or is in use by another
+/// process, or a file that cannot be written. An error in a structure only excludes it, and is
+/// reported.
+///
+/// ```no_run
+/// use protomer::answer::Answer;
+/// use protomer::voxels::{VoxelizeSettings, manifest::Manifest, voxelize};
+/// use protomer_results::{Execution, Shard};
+/// use std::path::Path;
+/// let manifest = Manifest::read(Path::new("set.csv"))?;
+/// let settings = VoxelizeSettings { size: 32, ..VoxelizeSettings::default() };
+/// let (output, execution) = (Path::new("set.zarr"), Execution::default());
+/// let report = voxelize(&manifest, Shard::WHOLE, &settings, output, &execution)?;
+/// println!("{}", report.text());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn voxelize(
     manifest: &Manifest,
     shard: Shard,
@@ -124,7 +138,7 @@ struct Part<'a> {
     shard: Shard,
     settings: &'a VoxelizeSettings,
     entries: Vec<&'a Entry>,
-    /// SHA-256 of each file that can be read.
+    /// SHA-256 of each readable file.
     hashes: Vec<Option<String>>,
     identity: String,
 }
@@ -153,13 +167,14 @@ impl<'a> Part<'a> {
     }
 
     fn rows(&self) -> Vec<Row<'_>> {
-        let structures = self.entries.iter().zip(&self.hashes);
-        structures
-            .map(|(entry, hash)| Row::of_entry(entry, hash.as_deref()))
-            .collect()
+        let mut rows = Vec::with_capacity(self.entries.len());
+        for (entry, hash) in self.entries.iter().zip(&self.hashes) {
+            rows.push(Row::of_entry(entry, hash.as_deref()));
+        }
+        rows
     }
 
-    /// The report of a set that is yet to be made.
+    /// The initial report of a set.
     fn report(&self, output: &Path) -> VoxelizeReport {
         VoxelizeReport {
             set: output.to_owned(),
@@ -177,7 +192,7 @@ impl<'a> Part<'a> {
         }
     }
 
-    /// Voxelises what no earlier run has, and writes the set once everything is there.
+    /// Voxelises the structures that no earlier run has done, and writes the set once all are done.
     fn make(
         &self,
         output: &Path,
@@ -186,7 +201,7 @@ impl<'a> Part<'a> {
     ) -> Result<()> {
         if let Some(folder) = output.parent() {
             std::fs::create_dir_all(folder)
-                .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+                .with_context(|| format!("cannot create the folder {}", folder.display()))?;
         }
         let work = WorkFile::open(&work_path(output))?;
         let keys = self.keys()?;
@@ -206,12 +221,13 @@ impl<'a> Part<'a> {
         Ok(())
     }
 
-    /// What each sample depends on, hashed.
+    /// The key of each sample.
     fn keys(&self) -> Result<Vec<String>> {
-        let structures = self.entries.iter().zip(&self.hashes);
-        structures
-            .map(|(entry, hash)| identity::key(self.settings, entry, hash.as_deref()))
-            .collect()
+        let mut keys = Vec::with_capacity(self.entries.len());
+        for (entry, hash) in self.entries.iter().zip(&self.hashes) {
+            keys.push(identity::key(self.settings, entry, hash.as_deref())?);
+        }
+        Ok(keys)
     }
 
     fn voxelize_missing(
@@ -220,9 +236,12 @@ impl<'a> Part<'a> {
         work: &WorkFile,
         execution: &Execution,
     ) -> Result<End<()>> {
-        let structures = self.entries.iter().copied().zip(keys);
-        let missing: Vec<(&Entry, &String)> =
-            structures.filter(|(_, key)| !work.has(key)).collect();
+        let mut missing: Vec<(&Entry, &String)> = Vec::new();
+        for (entry, key) in self.entries.iter().zip(keys) {
+            if !work.has(key) {
+                missing.push((entry, key));
+            }
+        }
         let progress = &execution.progress;
         progress.begin(missing.len() as u64, "structures");
         let one = |(entry, key): &(&Entry, &String)| -> Result<End<()>> {
@@ -236,7 +255,7 @@ impl<'a> Part<'a> {
         Ok(each(&missing, &execution.interrupt, one)?.map(drop))
     }
 
-    /// Writes the set, and returns how long it takes to read a sample back, ms.
+    /// Writes the set, and returns the mean time to read a sample back, ms.
     fn write(&self, output: &Path, content: &SetContent, work: &WorkFile) -> Result<f64> {
         let origin = Origin::new(
             &self.manifest.sha256,
@@ -265,13 +284,14 @@ impl<'a> Part<'a> {
 }
 
 impl VoxelizeReport {
-    /// Tells of the set that is there already.
+    /// Reports on the existing set.
     fn describe_present(&mut self, reader: &SetReader) -> Result<()> {
-        let voxels = (0..reader.len()).map(|sample| reader.voxels(sample) as u64);
         self.state = State::NothingToDo;
         self.taken_over = self.structures;
         self.samples = reader.len();
-        self.voxels = voxels.sum();
+        for sample in 0..reader.len() {
+            self.voxels += reader.voxels(sample) as u64;
+        }
         self.warnings = set::warnings_of(&set::samples_of(reader)?);
         self.excluded = set::exclusions(reader)?;
         Ok(())
@@ -285,7 +305,7 @@ pub fn work_path(output: &Path) -> PathBuf {
     output.with_file_name(name)
 }
 
-/// Everything about the set but its voxels.
+/// The content of the set, except for its voxels.
 fn collect(
     entries: &[&Entry],
     hashes: &[Option<String>],
@@ -310,7 +330,7 @@ fn collect(
     Ok(content)
 }
 
-/// Opens a set that must be there.
+/// Opens an existing set.
 ///
 /// # Errors
 /// Names the file.

@@ -1,12 +1,12 @@
-//! Finished samples, kept until all are done.
+//! Finished samples, stored until all are done.
 //!
 //! One file, to which each finished structure appends a record: its length (8 bytes, little-endian)
-//! and a checksummed container. What a killed process left half-written at the end is cut off when
-//! the file is opened again. A whole record of another version is passed over: its key has another
+//! and a checksummed container. An incomplete record, left by a killed process, is cut off when the
+//! file is opened again. A complete record of another version is ignored: its key has another
 //! [`FORMAT`], so the sample is made again.
 
 use super::structure::{Outcome, Properties, Reason, Sample};
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, bail};
 use protomer_field::voxels::Voxels;
 use protomer_io::container::{Array, Container};
 use serde::{Deserialize, Serialize};
@@ -16,10 +16,10 @@ use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Number of what a record holds. Raise it with every change of the header or of the arrays.
+/// Version of the record format. Increase it with every change of the header or the arrays.
 pub const FORMAT: u32 = 2;
 const KIND: &str = "voxel sample";
-/// A record is never longer: 512³ voxels of four channels.
+/// Upper limit for a record: 512³ voxels of four channels.
 const LONGEST_RECORD_BYTES: u64 = 1 << 32;
 
 /// Samples by their keys, on disk.
@@ -28,7 +28,7 @@ pub struct WorkFile {
     inner: Mutex<Inner>,
 }
 
-/// Where the record of each key begins and how long it is.
+/// Offset and length of the record of each key.
 type Records = HashMap<String, (u64, u64)>;
 
 struct Inner {
@@ -48,7 +48,7 @@ struct Header {
 }
 
 impl WorkFile {
-    /// Opens or makes a work file; no other process may have it open.
+    /// Opens or creates a work file; no other process may have it open.
     ///
     /// # Errors
     /// Names the file.
@@ -71,7 +71,7 @@ impl WorkFile {
         }
         let (records, end) = scan(&mut file).with_context(|| format!("cannot read {name}"))?;
         file.set_len(end)
-            .with_context(|| format!("cannot cut the end off {name}"))?;
+            .with_context(|| format!("cannot truncate {name}"))?;
         Ok(Self {
             path: path.to_owned(),
             inner: Mutex::new(Inner { file, records, end }),
@@ -79,11 +79,11 @@ impl WorkFile {
     }
 
     fn inner(&self) -> MutexGuard<'_, Inner> {
-        // A thread that panicked cannot have left a record that is counted but not whole.
+        // A thread that panicked cannot have left an incomplete record in the index.
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Whether there is a record of this key.
+    /// Whether there is a record for this key.
     pub fn has(&self, key: &str) -> bool {
         self.inner().records.contains_key(key)
     }
@@ -98,11 +98,11 @@ impl WorkFile {
         record.extend(bytes);
         let mut inner = self.inner();
         let begin = inner.end;
-        let written = inner
-            .file
-            .seek(SeekFrom::Start(begin))
-            .and_then(|_| inner.file.write_all(&record));
-        written.with_context(|| format!("cannot write {}", self.path.display()))?;
+        let cannot_write = || format!("cannot write {}", self.path.display());
+        let position = inner.file.seek(SeekFrom::Start(begin));
+        position.with_context(cannot_write)?;
+        let written = inner.file.write_all(&record);
+        written.with_context(cannot_write)?;
         inner.end += record.len() as u64;
         inner
             .records
@@ -117,16 +117,15 @@ impl WorkFile {
     pub fn get(&self, key: &str) -> Result<Outcome> {
         let name = self.path.display().to_string();
         let mut inner = self.inner();
-        let (begin, length) = *inner
-            .records
-            .get(key)
-            .ok_or_else(|| anyhow!("{name} has no record {key}"))?;
+        let Some((begin, length)) = inner.records.get(key).copied() else {
+            bail!("{name} has no record {key}");
+        };
         let mut bytes = vec![0; length as usize];
-        let read = inner
-            .file
-            .seek(SeekFrom::Start(begin))
-            .and_then(|_| inner.file.read_exact(&mut bytes));
-        read.with_context(|| format!("cannot read {name}"))?;
+        let cannot_read = || format!("cannot read {name}");
+        let position = inner.file.seek(SeekFrom::Start(begin));
+        position.with_context(cannot_read)?;
+        let read = inner.file.read_exact(&mut bytes);
+        read.with_context(cannot_read)?;
         drop(inner);
         Ok(decode(&name, &Container::from_bytes(&name, KIND, &bytes)?)?.1)
     }
@@ -141,7 +140,7 @@ impl WorkFile {
     }
 }
 
-/// The whole records of a file, and where they end.
+/// Finds the complete records of a file, and their end.
 fn scan(file: &mut File) -> Result<(Records, u64)> {
     let mut records = HashMap::new();
     let length = file.metadata()?.len();
@@ -173,18 +172,21 @@ fn encode(key: &str, outcome: &Outcome) -> Result<Vec<u8>> {
         Outcome::Sample(sample) => (Some(sample), None),
         Outcome::Excluded { reason, detail } => (None, Some((*reason, detail.clone()))),
     };
-    let voxels = sample.map(|sample| &sample.voxels);
-    let header = Header {
+    let mut header = Header {
         key: key.to_owned(),
-        properties: sample.map(|sample| sample.properties.clone()),
+        properties: None,
         excluded,
-        channels: voxels.map_or(0, |voxels| voxels.values.len()),
-        warnings: sample
-            .map(|sample| sample.warnings.clone())
-            .unwrap_or_default(),
+        channels: 0,
+        warnings: Vec::new(),
     };
+    if let Some(sample) = sample {
+        header.properties = Some(sample.properties.clone());
+        header.channels = sample.voxels.values.len();
+        header.warnings = sample.warnings.clone();
+    }
     let mut container = Container::new(KIND, serde_json::to_value(header)?);
-    if let Some(voxels) = voxels {
+    if let Some(sample) = sample {
+        let voxels = &sample.voxels;
         let count = voxels.index.len();
         container.insert("index", Array::u32(voxels.index.clone(), [count])?);
         for (channel, values) in voxels.values.iter().enumerate() {
@@ -203,10 +205,12 @@ fn decode(name: &str, container: &Container) -> Result<(String, Outcome)> {
     let outcome = match (header.properties, header.excluded) {
         (Some(properties), None) => {
             let index = container.u32(name, "index", &[None])?.to_vec();
-            let channel =
-                |channel| container.f32(name, &format!("channel_{channel}"), &[Some(index.len())]);
-            let values = (0..header.channels).map(|number| Ok(channel(number)?.to_vec()));
-            let values = values.collect::<Result<Vec<_>>>()?;
+            let mut values = Vec::new();
+            for channel in 0..header.channels {
+                let shape = [Some(index.len())];
+                let of_channel = container.f32(name, &format!("channel_{channel}"), &shape)?;
+                values.push(of_channel.to_vec());
+            }
             let voxels = Voxels { index, values };
             Outcome::Sample(Box::new(Sample {
                 properties,
@@ -274,7 +278,7 @@ mod tests {
             work.keep("c", &sample(3.0)).unwrap();
             assert_eq!(work.get("c").unwrap(), sample(3.0));
         }
-        // A damaged record and all after it are made again.
+        // A damaged record and all later ones are made again.
         let mut damaged = bytes.clone();
         damaged[20] ^= 1;
         std::fs::write(&path, &damaged).unwrap();

@@ -1,5 +1,4 @@
-//! `protomer assemble`: assemblies from a structure's own copies, from a ring or stack recipe, or
-//! as a fluid.
+//! `protomer assemble`: assemblies from a structure, from a ring or stack recipe, or as a fluid.
 
 use crate::flags::body::{ChargeArgs, SelectionArgs, SurfaceFlags, body_settings};
 use crate::flags::space::SpaceArgs;
@@ -12,7 +11,7 @@ use protomer::assemblies::ring::{RingSettings, assemble_ring};
 use protomer_body::assembly::RecipeSite;
 use std::path::PathBuf;
 
-/// Put bodies together: from a structure's own copies, as a ring or a stack of two rings, or at
+/// Build assemblies: from the chains of a structure, as a ring or a stack of two rings, or at
 /// random.
 #[derive(Debug, Args)]
 pub struct AssembleArgs {
@@ -27,7 +26,7 @@ enum From {
     Fluid(FluidArgs),
 }
 
-/// Take a structure apart: identical chains become one body, each copy a pose.
+/// Decompose a structure: identical chains become one body, and each copy a pose.
 #[derive(Debug, Args)]
 pub struct StructureArgs {
     /// Structure file.
@@ -57,21 +56,20 @@ pub struct RingArgs {
     /// Bodies per ring.
     #[arg(long)]
     members: usize,
-    /// Rings: one, or two stacked with dihedral symmetry.
+    /// Number of rings: one, or two stacked with dihedral symmetry.
     #[arg(long, default_value_t = 1)]
     stack: usize,
-    /// Direction of each body of the pattern: u for up, d for down, such as ud; all up if left out.
+    /// Direction of each body of the pattern: u for up, d for down, such as ud; all up if omitted.
     #[arg(long)]
     directions: Option<String>,
-    /// Lean of each body's axis about the outward direction, degrees, such as 0,40; upright if left
-    /// out.
+    /// Tilt of each body's axis about the outward direction, degrees, such as 0,40; upright if
+    /// omitted.
     #[arg(long, value_delimiter = ',', allow_hyphen_values = true)]
     tilt: Vec<f64>,
-    /// Turn of each body about its own axis, degrees.
+    /// Rotation of each body about its own axis, degrees.
     #[arg(long, value_delimiter = ',', allow_hyphen_values = true)]
     spin: Vec<f64>,
-    /// How much further apart than at contact neighbours around the ring, and the rings, are
-    /// placed, Å.
+    /// Gap between neighbours in the ring, and between the rings, beyond contact, Å.
     #[arg(long, default_value_t = 0.5, allow_negative_numbers = true)]
     gap: f64,
     #[command(flatten)]
@@ -81,13 +79,13 @@ pub struct RingArgs {
     output: PathBuf,
 }
 
-/// Bodies at random places and in random orientations in a periodic box, none overlapping another.
+/// Bodies at random positions and orientations in a periodic box, without overlaps.
 #[derive(Debug, Args)]
 pub struct FluidArgs {
     /// Body files.
     #[arg(required = true)]
     bodies: Vec<PathBuf>,
-    /// How many of each body, in the order of the files, such as 8,8.
+    /// Number of copies of each body, in the order of the files, such as 8,8.
     #[arg(long, required = true, value_delimiter = ',')]
     counts: Vec<usize>,
     /// Seed of the random numbers.

@@ -9,8 +9,8 @@ use clap::Args;
 use protomer::assemblies::candidates::{CandidatesSettings, candidates};
 use std::path::PathBuf;
 
-/// Enumerate the up/down arrangements of bodies in a ring or a stack of two rings that are
-/// different under the stack's own symmetry, and write each as an assembly closed to contact.
+/// Enumerate the distinct up/down arrangements of bodies in a ring or a stack of two
+/// rings, up to the symmetry of the stack, and write each as an assembly closed to contact.
 #[derive(Debug, Args)]
 pub struct CandidatesArgs {
     /// Body files, in the order in which they alternate.
@@ -19,19 +19,18 @@ pub struct CandidatesArgs {
     /// Bodies per ring.
     #[arg(long)]
     ring: usize,
-    /// Rings: one or two.
+    /// Number of rings: one or two.
     #[arg(long, default_value_t = 1)]
     stack: usize,
-    /// Symmetry asked of an arrangement.
+    /// Symmetry required of an arrangement.
     #[arg(long, value_enum, default_value_t = AskedSymmetry::Dihedral)]
     symmetry: AskedSymmetry,
-    /// How much further apart than at contact neighbours around the ring, and the rings, are
-    /// placed, Å.
+    /// Gap between neighbours in the ring, and between the rings, beyond contact, Å.
     #[arg(long, default_value_t = 0.5)]
     gap: f64,
     #[command(flatten)]
     space: SpaceArgs,
-    /// Folder for the assemblies; only counted if left out.
+    /// Folder for the assemblies; if omitted, they are only counted.
     #[arg(short, long)]
     output: Option<PathBuf>,
 }

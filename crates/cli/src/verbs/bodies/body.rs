@@ -1,4 +1,4 @@
-//! `protomer body`: a body from a user's own mesh and charges.
+//! `protomer body`: a body from a custom mesh and charges.
 
 use crate::reply::Reply;
 use anyhow::{Result, bail};
@@ -13,13 +13,13 @@ pub struct BodyArgs {
     /// Closed, outward mesh, Å.
     #[arg(long)]
     mesh: PathBuf,
-    /// Charges; without them the body is hard and neutral.
+    /// Charges; if omitted, the body is hard and neutral.
     #[arg(long)]
     charges: Option<PathBuf>,
     /// Body file to write.
     #[arg(short, long)]
     output: PathBuf,
-    /// Name of the body; that of the output file if left out.
+    /// Name of the body; that of the output file if omitted.
     #[arg(long)]
     name: Option<String>,
 }

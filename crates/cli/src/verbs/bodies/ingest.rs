@@ -13,13 +13,13 @@ use std::path::PathBuf;
 /// hydropathy.
 #[derive(Debug, Args)]
 pub struct IngestArgs {
-    /// Structure files, or folders of them.
+    /// Structure files, or folders that contain them.
     #[arg(required = true)]
     inputs: Vec<PathBuf>,
     /// Folder for the bodies.
     #[arg(short, long)]
     output: PathBuf,
-    /// Name of the body, for a single file; that of the file if left out.
+    /// Name of the body, for a single file; that of the file if omitted.
     #[arg(long)]
     name: Option<String>,
     #[command(flatten)]
@@ -69,7 +69,7 @@ impl IngestArgs {
             bail!("--name is the name of the body, not a path; use --output for the folder");
         }
         if files > 1 {
-            bail!("--name names one body, and {files} files are given");
+            bail!("--name applies to a single file, but {files} files are given");
         }
         Ok(())
     }

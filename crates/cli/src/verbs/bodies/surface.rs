@@ -9,10 +9,10 @@ use protomer_body::SurfaceSettings;
 use std::path::PathBuf;
 
 /// Compute the solvent-excluded surface of a structure, a PQR, a body, or an .xyzr file (x y z
-/// radius per line): mesh, exact area and volume. Cavities are kept unless told otherwise.
+/// radius per line): mesh, exact area and volume. Cavities are kept by default.
 #[derive(Debug, Args)]
 pub struct SurfaceArgs {
-    /// Structure, PQR, body or .xyzr file, perhaps gzipped.
+    /// Structure, PQR, body or .xyzr file, optionally gzipped.
     input: PathBuf,
     /// Mesh vertices per Å².
     #[arg(long, default_value_t = 1.0)]
@@ -20,11 +20,11 @@ pub struct SurfaceArgs {
     /// Probe radius, Å.
     #[arg(long, default_value_t = 1.4)]
     probe: f64,
-    /// What to do with cavities inside.
+    /// What to do with cavities.
     #[arg(long, value_enum, default_value_t = Cavities::Keep)]
     cavities: Cavities,
-    /// An enclosed interior is a cavity into which a ball of this radius fits, Å; it is never
-    /// filled.
+    /// A cavity is an enclosed interior if a ball of this radius fits into it, Å; interiors
+    /// are never filled.
     #[arg(long, default_value_t = SurfaceSettings::INTERIOR_RADIUS_ANGSTROM)]
     interior_radius: f64,
     /// Move the surface inward by this much, Å.

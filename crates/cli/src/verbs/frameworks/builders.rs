@@ -6,7 +6,7 @@ use protomer::quantity::length_angstrom;
 use protomer_crystal::framework::analytic::Honeycomb;
 use protomer_crystal::framework::{Framework, build};
 
-/// A number of Å, with or without a unit.
+/// A length in Å, with or without a unit.
 fn length(text: &str) -> Result<f64, String> {
     length_angstrom(text).map_err(|error| error.to_string())
 }
@@ -14,9 +14,9 @@ fn length(text: &str) -> Result<f64, String> {
 #[derive(Debug, Subcommand)]
 pub enum Builder {
     Honeycomb(HoneycombArgs),
-    /// Squares that touch at corners, turned by turns.
+    /// Squares that share corners and rotate alternately.
     RotatingSquares(PolygonArgs),
-    /// Equilateral triangles that touch at corners, turned by turns.
+    /// Equilateral triangles that share corners and rotate alternately.
     RotatingTriangles(PolygonArgs),
     Arrowhead(ArrowheadArgs),
     RodLattice(RodLatticeArgs),
@@ -37,7 +37,7 @@ pub struct HoneycombArgs {
     /// Length of the inclined ribs, Å.
     #[arg(long, default_value = "1A", value_parser = length, allow_hyphen_values = true)]
     l: f64,
-    /// Angle between them, degrees.
+    /// Angle between the two kinds of ribs, degrees.
     #[arg(long, allow_negative_numbers = true)]
     theta: f64,
     /// Stiffness of each hinge between an h and an l rib, kcal/mol/rad².
@@ -54,10 +54,10 @@ pub struct PolygonArgs {
     /// Side of a polygon, Å.
     #[arg(long, default_value = "1A", value_parser = length, allow_hyphen_values = true)]
     side: f64,
-    /// Turn of each polygon from the open position, degrees.
+    /// Rotation of each polygon from the open position, degrees.
     #[arg(long, allow_negative_numbers = true)]
     angle: f64,
-    /// Stiffness of the rods that keep a polygon in shape, kcal/mol/Å².
+    /// Stiffness of the rods that make a polygon rigid, kcal/mol/Å².
     #[arg(long, allow_negative_numbers = true)]
     ks: f64,
     /// K_h: stiffness of the hinge between two polygons, one at every shared corner, as in the
@@ -82,8 +82,7 @@ pub struct ArrowheadArgs {
     /// Stiffness of each rib, kcal/mol/Å².
     #[arg(long, allow_negative_numbers = true)]
     ks: f64,
-    /// Stiffness of each hinge, one between any two ribs next to each other around a node,
-    /// kcal/mol/rad².
+    /// Stiffness of each hinge, one between any two adjacent ribs at a node, kcal/mol/rad².
     #[arg(long, allow_negative_numbers = true)]
     kh: f64,
 }
@@ -98,17 +97,16 @@ pub struct RodLatticeArgs {
     /// Length of the rods between squares, Å.
     #[arg(long, value_parser = length, allow_hyphen_values = true)]
     r0: f64,
-    /// Turn of each square, degrees; 45 is open.
+    /// Rotation of each square, degrees; 45 is open.
     #[arg(long, allow_negative_numbers = true)]
     angle: f64,
-    /// Stiffness of the rods that keep a square in shape, kcal/mol/Å².
+    /// Stiffness of the rods that make a square rigid, kcal/mol/Å².
     #[arg(long, allow_negative_numbers = true)]
     square_ks: f64,
     /// Stiffness of the rods between squares, kcal/mol/Å².
     #[arg(long, allow_negative_numbers = true)]
     ks: f64,
-    /// Stiffness of each hinge, one between any two rods next to each other around a node,
-    /// kcal/mol/rad².
+    /// Stiffness of each hinge, one between any two adjacent rods at a node, kcal/mol/rad².
     #[arg(long, allow_negative_numbers = true)]
     kh: f64,
 }
@@ -141,7 +139,7 @@ pub struct DiamondArgs {
 }
 
 impl HoneycombArgs {
-    /// What the honeycomb is made of.
+    /// Parameters of the honeycomb.
     pub fn made_of(&self, thickness_angstrom: f64) -> Honeycomb {
         Honeycomb {
             h_angstrom: self.h,
@@ -155,7 +153,7 @@ impl HoneycombArgs {
 }
 
 impl Builder {
-    /// What the network is called in results; `None` for the tables.
+    /// The name of the network in results; `None` for the tables.
     pub fn describe(&self) -> Option<String> {
         Some(match self {
             Builder::Honeycomb(a) => {

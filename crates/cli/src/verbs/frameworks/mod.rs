@@ -19,7 +19,7 @@ use protomer_crystal::framework::{AVOGADRO_PER_MOL, Framework, StressKind};
 use protomer_results::keys::nearest;
 use std::path::{Path, PathBuf};
 
-/// What `framework` builds, besides files.
+/// The builders of `framework`.
 const BUILDERS: [&str; 8] = [
     "honeycomb",
     "rotating-squares",
@@ -31,12 +31,11 @@ const BUILDERS: [&str; 8] = [
     "tables",
 ];
 
-/// More nodes than can be analysed in reasonable time and memory.
+/// Upper limit for the number of nodes, set by time and memory.
 const MOST_NODES: usize = 1_000_000;
 
-/// Elastic constants, mechanisms and deformation of a periodic network of rods and hinges: one that
-/// is built from a few numbers, or one of your own in a TOML file (--write shows what that looks
-/// like).
+/// Elastic constants, mechanisms and deformation of a periodic network of rods and hinges: from a
+/// builder, or custom, from a TOML file (--write gives an example).
 #[derive(Debug, Args)]
 #[command(
     args_conflicts_with_subcommands = false,
@@ -46,42 +45,42 @@ const MOST_NODES: usize = 1_000_000;
 pub struct FrameworkArgs {
     #[command(subcommand)]
     builder: Option<Builder>,
-    /// Network file, in place of a builder.
+    /// Network file (TOML), instead of a builder.
     #[arg(value_name = "NET.toml")]
     file: Option<PathBuf>,
     #[command(flatten)]
     analysis: AnalysisArgs,
 }
 
-/// What is done with the network.
+/// The analysis of the network.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Analysis")]
 pub struct AnalysisArgs {
-    /// Avogadro's number that converts kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23].
+    /// Avogadro constant for the conversion of kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23].
     #[arg(long, global = true, allow_negative_numbers = true)]
     na: Option<f64>,
     /// Cells along each cell vector, such as 2x2.
     #[arg(long, global = true)]
     cells: Option<String>,
-    /// Extent of a two-dimensional network along x [default: 1A, or what the file says].
+    /// Thickness of a two-dimensional network, along x [default: 1A, or that of the file].
     #[arg(long, global = true, allow_hyphen_values = true)]
     thickness: Option<String>,
-    /// Find the minimum of the energy first, nodes and cell.
+    /// First minimise the energy over nodes and cell.
     #[arg(long, global = true)]
     relax: bool,
-    /// With --relax: keep the cell.
+    /// With --relax: keep the cell fixed.
     #[arg(long, global = true, requires = "relax")]
     fixed_cell: bool,
     /// Axis along which to load the network: x, y or z.
     #[arg(long, global = true, requires = "stress")]
     load: Option<String>,
-    /// Stresses to apply one after the other, such as 1GPa,2GPa; negative ones push.
+    /// Stresses to apply one after another, such as 1GPa,2GPa; negative values are compressive.
     #[arg(long, global = true, requires = "load", allow_hyphen_values = true)]
     stress: Option<String>,
-    /// What the stress is referred to [default: nominal].
+    /// Reference area of the stress [default: nominal].
     #[arg(long, global = true, value_enum)]
     stress_kind: Option<Stress>,
-    /// Print energy, forces and Hessian (with --json or -o).
+    /// Report energy, forces and Hessian (with --json or -o).
     #[arg(long, global = true)]
     derivatives: bool,
     /// Write the network as TOML.
@@ -99,12 +98,12 @@ impl FrameworkArgs {
         let (network, name) = match (&self.builder, &self.file) {
             (Some(_), Some(file)) => {
                 bail!(
-                    "{} and a builder are both named; give one of them",
+                    "both {} and a builder are given; give only one",
                     file.display()
                 )
             }
             (None, None) => bail!(
-                "name a network: a TOML file or one of {}",
+                "give a network: a TOML file or one of {}",
                 BUILDERS.join(", ")
             ),
             (None, Some(file)) => {
@@ -125,7 +124,7 @@ impl FrameworkArgs {
     fn analyse(&self, network: Framework, name: String, front: &Front) -> Result<Reply> {
         let args = &self.analysis;
         if args.derivatives && !front.flags().json && args.output.is_none() {
-            bail!("--derivatives go into the JSON; add --json or -o DIR");
+            bail!("--derivatives only affects the JSON; add --json or -o DIR");
         }
         let analysis = Analysis {
             honeycomb: self.honeycomb(network.thickness_angstrom),
@@ -141,7 +140,7 @@ impl FrameworkArgs {
         Ok(Reply::of(report).with_notes(notes))
     }
 
-    /// The honeycomb that is built, if one is.
+    /// The parameters of the honeycomb, if it is one.
     fn honeycomb(&self, thickness_angstrom: f64) -> Option<Honeycomb> {
         match &self.builder {
             Some(Builder::Honeycomb(honeycomb)) => Some(honeycomb.made_of(thickness_angstrom)),
@@ -162,14 +161,14 @@ impl FrameworkArgs {
             ("--write", args.write.is_some()),
         ];
         if let Some((flag, _)) = unused.iter().find(|(_, is_given)| *is_given) {
-            bail!("tables are those of the paper and take no {flag}");
+            bail!("the tables are those of the paper and do not accept {flag}");
         }
         let tables = PaperTables::compute(args.output.as_deref(), front.force())?;
         Ok(Reply::of(tables))
     }
 }
 
-/// A word that is neither a file nor ends like one is a misspelt builder.
+/// A word that is neither a file nor has an extension is a misspelt builder.
 fn refuse_unknown(file: &Path) -> Result<()> {
     if !file.exists() && file.extension().is_none() {
         bail!("{}", unknown(&file.to_string_lossy()));
@@ -186,7 +185,7 @@ fn unknown(word: &str) -> String {
     )
 }
 
-/// Where an unknown flag follows a misspelt builder, the builder is what is wrong.
+/// If an unknown flag follows a misspelt builder, the error is about the builder.
 pub fn explain_usage(error: clap::Error) -> clap::Error {
     if error.kind() != ErrorKind::UnknownArgument {
         return error;
@@ -211,7 +210,7 @@ impl AnalysisArgs {
     fn settings(&self) -> Result<Settings> {
         let avogadro_per_mol = self.na.unwrap_or(AVOGADRO_PER_MOL);
         if !(avogadro_per_mol.is_finite() && avogadro_per_mol > 0.0) {
-            bail!("--na is {avogadro_per_mol}; Avogadro's number is about 6.022e23 /mol");
+            bail!("--na is {avogadro_per_mol}; the Avogadro constant is about 6.022e23 /mol");
         }
         let relax = match (self.relax, self.fixed_cell) {
             (false, _) => None,
@@ -225,7 +224,7 @@ impl AnalysisArgs {
         })
     }
 
-    /// The network with the thickness and the cells that were asked for.
+    /// The network with the requested thickness and cells.
     fn shape(&self, mut network: Framework, thickness: Option<f64>) -> Result<Framework> {
         if let Some(thickness) = thickness {
             if network.dimension() == 3 {
@@ -251,7 +250,7 @@ impl AnalysisArgs {
         let (Some(axis), Some(stress)) = (&self.load, &self.stress) else {
             if self.stress_kind.is_some() {
                 bail!(
-                    "--stress-kind says what --stress is referred to; add --load y --stress 1GPa"
+                    "--stress-kind is the reference area of --stress; add --load y --stress 1GPa"
                 );
             }
             return Ok(None);
@@ -263,7 +262,7 @@ impl AnalysisArgs {
         }))
     }
 
-    /// Where files are, and what to beware of.
+    /// The paths of written files, and warnings.
     fn notes(&self, report: &Report) -> Vec<String> {
         let mut lines = Vec::new();
         if let Some(path) = &self.write {

@@ -7,7 +7,7 @@ use clap::Args;
 use protomer::lattice::animation::{AnimationSettings, animate};
 use std::path::PathBuf;
 
-/// Make a page that plays a run in any browser: one HTML file that needs nothing else.
+/// Make a self-contained HTML page that plays a run in any browser.
 #[derive(Debug, Args)]
 pub struct AnimateArgs {
     /// Directory of a run.
@@ -15,10 +15,10 @@ pub struct AnimateArgs {
     /// The page [default: lattice.html in the directory].
     #[arg(short, long)]
     output: Option<PathBuf>,
-    /// Write the frames as SVG files into this directory as well.
+    /// Also write the frames as SVG files into this directory.
     #[arg(long)]
     frames: Option<PathBuf>,
-    /// Frames to show at most, spread evenly over the run.
+    /// Maximum number of frames, evenly spaced over the run.
     #[arg(long, default_value_t = 1000)]
     most_frames: usize,
 }

@@ -14,8 +14,7 @@ use anyhow::{Result, bail};
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
 
-/// Two-dimensional crystals of rigid squares whose corners are joined by rigid rods: run, sweep,
-/// animate.
+/// Two-dimensional crystals of rigid squares whose corners are joined by rigid rods.
 #[derive(Debug, Args)]
 #[command(args_conflicts_with_subcommands = true, arg_required_else_help = true)]
 pub struct LatticeArgs {
@@ -52,7 +51,7 @@ impl LatticeArgs {
                 square::square(body, axis, size, None, front)
             }
             (None, None) => bail!(
-                "say what to do: lattice run, sweep, animate, square, replay, respond or bench"
+                "give a subcommand: lattice run, sweep, animate, square, replay, respond or bench"
             ),
         }
     }

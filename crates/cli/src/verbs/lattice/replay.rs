@@ -6,16 +6,16 @@ use clap::Args;
 use protomer::lattice::replay::{LatticeFile, replay, respond};
 use std::path::PathBuf;
 
-/// Follow the state of a file (JSON: ns, r0, kappa, s0, v0, times), without collisions at the
-/// listed times, and to the first contact and through it.
+/// Integrate the state of a file (JSON: ns, r0, kappa, s0, v0, times): without collisions to
+/// the listed times, and up to the first contact and through it.
 #[derive(Debug, Args)]
 pub struct ReplayArgs {
     /// The file.
     file: PathBuf,
-    /// Time step; it shrinks a little where times ask for it.
+    /// Time step; reduced slightly to match the listed times.
     #[arg(long = "dt", default_value_t = 1e-3, allow_negative_numbers = true)]
     time_step: f64,
-    /// How long to look for a contact.
+    /// Time limit of the search for a contact.
     #[arg(long, default_value_t = 20.0, allow_negative_numbers = true)]
     longest: f64,
 }
@@ -27,8 +27,7 @@ impl ReplayArgs {
     }
 }
 
-/// The elastic impact at the state of contact of a file (JSON: ns, r0, first_collision with s and
-/// v).
+/// The elastic impact at the contact state of a file (JSON: ns, r0, first_collision with s and v).
 #[derive(Debug, Args)]
 pub struct RespondArgs {
     /// The file.

@@ -14,7 +14,7 @@ use protomer::lattice::start::{begin, time_step};
 use protomer_results::Execution;
 use std::path::PathBuf;
 
-/// Settings. What is left out comes from the configuration file, or else from the defaults.
+/// Settings. Omitted settings come from the configuration file, or else from the defaults.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Lattice")]
 pub struct SettingsArgs {
@@ -30,10 +30,10 @@ pub struct SettingsArgs {
     /// Length of the rods; the half-diagonal of a square is 1 [default: 3/22].
     #[arg(long, allow_negative_numbers = true)]
     r0: Option<f64>,
-    /// κ of the potential that draws the squares to one coherent motion [default: 0].
+    /// κ of the potential that favours coherent motion of the squares [default: 0].
     #[arg(long, allow_negative_numbers = true)]
     kappa: Option<f64>,
-    /// What is at the edges [default: open].
+    /// Boundary condition [default: open].
     #[arg(long, value_enum)]
     edges: Option<LatticeEdges>,
     /// Orientation at the start: open, closed, or an angle in radians [default: open].
@@ -87,7 +87,7 @@ pub struct SettingsArgs {
     trajectory_every: Option<u64>,
 }
 
-/// Where results go, and when to stop.
+/// Output directory and execution.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Run")]
 pub struct DirectoryArgs {
@@ -101,7 +101,7 @@ pub struct DirectoryArgs {
 }
 
 impl SettingsArgs {
-    /// The configuration file with the flags on top.
+    /// The settings of the configuration file, overridden by the flags.
     pub fn settings(&self, directory: &DirectoryArgs) -> Result<LatticeSettings> {
         let mut settings = match &directory.config {
             None => LatticeSettings::default(),
@@ -137,7 +137,7 @@ impl SettingsArgs {
 }
 
 impl DirectoryArgs {
-    /// How the run is to be carried out.
+    /// The execution of the run.
     pub fn execution(&self, front: &Front) -> Result<Execution> {
         self.execution.execution(front)
     }

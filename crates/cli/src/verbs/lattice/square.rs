@@ -1,4 +1,4 @@
-//! `protomer lattice square`: the square that stands for a body.
+//! `protomer lattice square`: the square that represents a body.
 
 use crate::flags::choices::{SquareSize, ViewAxis};
 use crate::front::Front;
@@ -10,15 +10,15 @@ use protomer::lattice::square_of_body::{Axis, Size, square_of_body};
 use protomer::output_file::write_once;
 use std::path::{Path, PathBuf};
 
-/// The square that stands for a body with a symmetry axis, as part of a configuration.
+/// The square that represents a body with a symmetry axis, as part of a configuration.
 #[derive(Debug, Args)]
 pub struct SquareArgs {
     /// Body file.
     body: PathBuf,
-    /// The axis to look along.
+    /// Axis of projection.
     #[arg(long, value_enum, default_value_t = ViewAxis::Auto)]
     axis: ViewAxis,
-    /// What the half-diagonal is.
+    /// Definition of the half-diagonal.
     #[arg(long, value_enum, default_value_t = SquareSize::Corners)]
     size: SquareSize,
     /// Write the configuration to this file instead of stdout.

@@ -10,8 +10,8 @@ use protomer::lattice::settings::LatticeSettings;
 use protomer::lattice::sweep::{axes, run_sweep, tasks};
 use protomer_results::End;
 
-/// Run lattices of several rod lengths and κ, once per seed, on all threads: tables with error bars
-/// and figures. The same command continues a sweep that was stopped.
+/// Run lattices of several rod lengths and κ, once per seed, on all threads, with tables and
+/// figures. The same command continues a sweep that was stopped.
 #[derive(Debug, Args)]
 pub struct SweepArgs {
     #[command(flatten)]
@@ -35,7 +35,7 @@ pub struct SweepArgs {
     settings: SettingsArgs,
 }
 
-/// As many as anyone needs.
+/// Upper limit for the number of seeds.
 const MOST_SEEDS: u64 = 10_000;
 
 impl SweepArgs {
@@ -65,7 +65,7 @@ impl SweepArgs {
         })
     }
 
-    /// The settings of the configuration and the flags, with what is varied.
+    /// The settings of the configuration and the flags, with the varied parameters.
     fn settings(&self) -> Result<LatticeSettings> {
         let mut settings = self.settings.settings(&self.directory)?;
         let mut sweep = settings.sweep.clone().unwrap_or_default();

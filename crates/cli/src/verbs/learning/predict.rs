@@ -11,15 +11,15 @@ use protomer::output_file::{require_writable, write_once};
 use protomer_results::End;
 use std::path::PathBuf;
 
-/// Apply a network that 'protomer train' has made to every sample of a set of voxels: class and
+/// Apply a network trained by 'protomer train' to every sample of a set of voxels: class,
 /// probabilities, and scores where the labels are known.
 #[derive(Debug, Args)]
 pub struct PredictArgs {
     /// Directory of a finished training.
     run: PathBuf,
-    /// Set of voxels (zarr), made by 'protomer voxelize' like the one of the training.
+    /// Set of voxels (zarr), made by 'protomer voxelize' with the settings of the training set.
     set: PathBuf,
-    /// Table to write (CSV); left out, it goes to the standard output.
+    /// Table to write (CSV); standard output if omitted.
     #[arg(short, long)]
     output: Option<PathBuf>,
     #[command(flatten)]
@@ -59,7 +59,7 @@ fn notes(report: &PredictReport) -> Vec<String> {
     let left_out = left_out.map(|sample| format!("left out: {}: {}", sample.name, sample.reason));
     let differences = report.differences.iter().map(|difference| {
         format!(
-            "warning: the voxels were made otherwise: {}",
+            "warning: the voxels were made with other settings: {}",
             difference.line()
         )
     });

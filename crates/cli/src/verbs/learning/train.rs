@@ -19,21 +19,20 @@ use protomer_learn::{BlockSettings, Device};
 use protomer_results::{End, Execution};
 use std::path::{Path, PathBuf};
 
-/// What is learnt from what. What is left out comes from the defaults, for a control from the
-/// control.
+/// The task. Omitted settings come from the defaults, or from the control.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Task")]
 pub struct TaskArgs {
-    /// What is to be predicted [default: label].
+    /// The quantity to predict [default: label].
     #[arg(long, value_enum)]
     target: Option<LearningTarget>,
     /// Classes with fewer samples become one class, "other" [default: 10].
     #[arg(long)]
     least_samples: Option<usize>,
-    /// Channels the network sees, separated by commas [default: all].
+    /// Input channels of the network, separated by commas [default: all].
     #[arg(long, value_delimiter = ',')]
     channels: Option<Vec<String>>,
-    /// What stays together in the split [default: cluster].
+    /// Unit of the split [default: cluster].
     #[arg(long, value_enum)]
     split_by: Option<Split>,
     /// Seed of the split [default: that of --seed, or the one a configuration names].
@@ -48,13 +47,13 @@ pub struct TaskArgs {
     /// Exchanges of labels in the permutation test [default: 1000].
     #[arg(long)]
     permutations: Option<usize>,
-    /// Average predictions over the 24 rotations of the cube: 24 times the work.
+    /// Average predictions over the 24 rotations of the cube, at 24 times the cost.
     #[arg(long)]
     rotations: bool,
 }
 
 impl TaskArgs {
-    /// Puts the flags on top of settings.
+    /// Overrides settings with the flags.
     pub fn override_in(&self, settings: &mut TrainSettings) -> Result<()> {
         override_with(&mut settings.target, self.target.map(Into::into));
         override_with(&mut settings.least_samples, self.least_samples);
@@ -83,10 +82,10 @@ impl TaskArgs {
     }
 }
 
-/// Every seed is a training of each subset.
+/// Upper limit: each seed trains every subset once.
 const MOST_ABLATION_SEEDS: u64 = 1000;
 
-/// The network and how it is fitted.
+/// The network and its optimisation.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Network")]
 struct NetworkArgs {
@@ -99,18 +98,17 @@ struct NetworkArgs {
     /// Groups of the group normalisation; 0 for none [default: 8].
     #[arg(long)]
     groups: Option<usize>,
-    /// Average only at the end, instead of average and maximum.
+    /// Pool by the average only at the end, instead of average and maximum.
     #[arg(long)]
     average_only: bool,
-    /// Passes over the training part, at most [default: 50].
+    /// Maximum number of passes over the training part [default: 50].
     #[arg(long)]
     epochs: Option<usize>,
-    /// Epochs without a smaller validation loss after which training ends; 0 for never [default:
-    /// 10].
+    /// Stop after this many epochs without a smaller validation loss; 0 for never [default: 10].
     #[arg(long)]
     patience: Option<usize>,
-    /// τ: 0 learns the classes as common as they are; 1 as if all were equally common, with their
-    /// shares put back into the predictions [default: 0].
+    /// Logit adjustment τ: 0 learns with the observed class frequencies; 1 as if all classes
+    /// were equally frequent, with the frequencies restored in the predictions [default: 0].
     #[arg(long, allow_negative_numbers = true)]
     logit_adjustment: Option<f64>,
     /// Samples per step [default: 8].
@@ -148,7 +146,7 @@ impl NetworkArgs {
         }
         override_with(&mut settings.training.epochs, self.epochs);
         if let Some(patience) = self.patience {
-            // TOML knows no null: a number that is never reached stands for never.
+            // TOML has no null, so a number that is never reached means never.
             settings.training.patience = Some(if patience > 0 { patience } else { 1_000_000 });
         }
         override_with(&mut settings.training.batch, self.batch);
@@ -165,7 +163,7 @@ impl NetworkArgs {
 /// Train a network on a set of voxels, or on a control. The same command continues it.
 #[derive(Debug, Args)]
 pub struct TrainArgs {
-    /// Set of voxels (zarr), as 'protomer voxelize' makes it.
+    /// Set of voxels (zarr), made by 'protomer voxelize'.
     #[arg(required_unless_present = "control", conflicts_with = "control")]
     set: Option<PathBuf>,
     /// Synthetic set with a known answer: shapes, charge, patch, xor, assemblies, permuted,
@@ -179,10 +177,10 @@ pub struct TrainArgs {
     /// flags override them.
     #[arg(long, conflicts_with = "control")]
     config: Option<PathBuf>,
-    /// Train every subset of the channels as well.
+    /// Also train on every subset of the channels.
     #[arg(long)]
     ablate: bool,
-    /// Seeds each subset is trained with.
+    /// Number of seeds per subset.
     #[arg(long, default_value_t = 3, requires = "ablate")]
     ablation_seeds: u64,
     /// Directory of the results.
@@ -232,11 +230,9 @@ impl TrainArgs {
     }
 
     fn check(&self) -> Result<()> {
-        // With a set in the place of a control, clap does not look at what --short requires.
+        // With a set instead of a control, clap does not check what --short requires.
         if self.short && self.control.is_none() {
-            bail!(
-                "--short is the short form of a control; give --control NAME as well, or leave --short out"
-            );
+            bail!("--short is the short form of a control; add --control NAME, or omit --short");
         }
         if !(1..=MOST_ABLATION_SEEDS).contains(&self.ablation_seeds) {
             bail!(
@@ -247,7 +243,7 @@ impl TrainArgs {
         Ok(())
     }
 
-    /// Seeds every subset of the channels is trained with; 0 for no ablation.
+    /// Number of seeds per subset of the channels; 0 for no ablation.
     fn seeds(&self) -> u64 {
         if self.ablate { self.ablation_seeds } else { 0 }
     }
@@ -263,7 +259,7 @@ impl TrainArgs {
         let seed = self.network.seed.unwrap_or(1);
         let mut is_main = true;
         let adjust = |settings: &mut TrainSettings| {
-            // The channels of the other experiments are what they are about.
+            // The other experiments have fixed channels.
             let channels = settings.training.channels.clone();
             self.task.override_in(settings)?;
             if !std::mem::take(&mut is_main) {

@@ -1,5 +1,5 @@
-//! `protomer tune`: a random search for the shape of the network, with early stopping of the
-//! losers.
+//! `protomer tune`: a random search for the shape of the network, with early stopping of
+//! the worst trials.
 
 use super::train::TaskArgs;
 use crate::flags::device::DeviceArgs;
@@ -19,25 +19,25 @@ use std::path::PathBuf;
 /// command continues it.
 #[derive(Debug, Args)]
 pub struct TuneArgs {
-    /// Set of voxels (zarr), as 'protomer voxelize' makes it.
+    /// Set of voxels (zarr), made by 'protomer voxelize'.
     set: PathBuf,
-    /// Networks to try.
+    /// Number of networks to try.
     #[arg(long, default_value_t = 27)]
     trials: usize,
-    /// Passes over the training part for those that are never stopped.
+    /// Passes over the training part for networks that are not stopped early.
     #[arg(long, default_value_t = 27)]
     epochs: usize,
-    /// Seed of draws, split, weights, order and rotations.
+    /// Seed of the drawn settings, split, weights, order and rotations.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Try subsets of the channels as well.
+    /// Also try subsets of the channels.
     #[arg(long)]
     vary_channels: bool,
     /// Directory of the results.
     #[arg(short, long)]
     output: PathBuf,
-    /// Only a part of the trials, such as 2/8, beside other processes in the same directory, until
-    /// other parts have to come as far; the command without it collects them.
+    /// Run only a part of the trials, such as 2/8, alongside other processes in the same directory,
+    /// until it has to wait for other parts; the command without this flag collects the results.
     #[arg(long, value_parser = Shard::parse, default_value = "1/1")]
     shard: Shard,
     #[command(flatten)]

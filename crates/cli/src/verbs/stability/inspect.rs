@@ -1,4 +1,4 @@
-//! `protomer inspect`: overlaps, energies and size of an assembly as it stands.
+//! `protomer inspect`: overlaps, energies and size of an assembly.
 
 use crate::flags::choices::Energy;
 use crate::flags::medium::ConditionArgs;
@@ -13,12 +13,12 @@ use protomer::stability::inspect::{inspect, inspection_settings};
 use protomer::stability::run::Engine;
 use std::path::PathBuf;
 
-/// Look at an assembly as it stands: overlaps, pair energies, radius of gyration.
+/// Inspect an assembly: overlaps, pair energies, radius of gyration.
 #[derive(Debug, Args)]
 pub struct InspectArgs {
     /// Assembly file.
     assembly: PathBuf,
-    /// How energies are computed.
+    /// Energy model.
     #[arg(long, value_enum, default_value_t = Energy::Direct)]
     energy: Energy,
     #[command(flatten)]

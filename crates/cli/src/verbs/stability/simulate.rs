@@ -16,7 +16,7 @@ use protomer::stability::sweep::simulate;
 use protomer_results::keys;
 use std::path::PathBuf;
 
-/// Flags of every run. What is left out comes from the configuration file, or else from the
+/// Flags of every run. Omitted settings come from the configuration file, or else from the
 /// defaults.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Run")]
@@ -27,8 +27,8 @@ pub struct RunArgs {
     /// Configuration (TOML), such as the run.toml of another run; flags override it.
     #[arg(long)]
     pub config: Option<PathBuf>,
-    /// Production sweeps to run to (one trial move per body, and the cluster moves) [default:
-    /// 2000].
+    /// Total number of production sweeps (each one trial move per body, plus the cluster
+    /// moves) [default: 2000].
     #[arg(long)]
     pub sweeps: Option<u64>,
     /// Sweeps before production, in which step sizes are tuned and then frozen [default: 500].
@@ -49,7 +49,7 @@ pub struct RunArgs {
     /// Sweeps between frames of the trajectory; 0 for none [default: 100].
     #[arg(long)]
     pub trajectory_every: Option<u64>,
-    /// How energies are computed [default: direct].
+    /// Energy model [default: direct].
     #[arg(long, value_enum)]
     pub energy: Option<Energy>,
     #[command(flatten)]
@@ -61,7 +61,7 @@ pub struct RunArgs {
 }
 
 impl RunArgs {
-    /// The configuration file with the flags on top.
+    /// The settings of the configuration file, overridden by the flags.
     pub fn settings(&self, medium: &MediumArgs) -> Result<RunSettings> {
         let mut settings = match &self.config {
             None => RunSettings::default(),
@@ -76,12 +76,11 @@ impl RunArgs {
         override_with(&mut settings.trajectory_every, self.trajectory_every);
         let energy = self.energy.map(Into::into);
         if let Some(energy) = energy.filter(|energy| *energy != settings.energy) {
-            // The tolerance of a configuration belongs to its own way of computing energies.
+            // The tolerance of a configuration applies only to its own energy mode.
             settings.energy = energy;
             settings.tolerance_kt = None;
         }
-        // Written down also where it is the usual one, so that a run keeps it whatever will be
-        // usual later.
+        // Stored even if it is the default, so that a run keeps it if the default changes.
         settings.tolerance_kt = settings
             .energy
             .tolerance_kt(self.tolerance.tolerance.or(settings.tolerance_kt))?;
@@ -131,7 +130,7 @@ impl SimulateArgs {
         }
         if settings.salt_molar.len() != 1 {
             bail!(
-                "simulate takes one salt concentration, and {} are given; use sweep",
+                "simulate takes one salt concentration, but {} are given; use sweep",
                 settings.salt_molar.len()
             );
         }

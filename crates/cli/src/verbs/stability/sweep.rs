@@ -26,8 +26,8 @@ pub struct SweepArgs {
     /// Independent replicas per salt concentration.
     #[arg(long)]
     replicas: Option<u32>,
-    /// Only a part of the simulations, such as 2/8, beside other processes in the same directory;
-    /// the command without it collects the parts.
+    /// Run only a part of the simulations, such as 2/8, alongside other processes in the same
+    /// directory; the command without this flag collects the parts.
     #[arg(long, value_parser = Shard::parse, default_value = "1/1")]
     shard: Shard,
     #[command(flatten)]
@@ -77,7 +77,7 @@ impl SweepArgs {
         )
     }
 
-    /// The settings of the configuration file, if there is one, with those of the flags on top.
+    /// The settings of the configuration file, if any, overridden by the flags.
     fn settings(&self) -> Result<RunSettings> {
         let mut settings = self.run.settings(&self.medium)?;
         if let Some(salt) = &self.salt {

@@ -1,4 +1,4 @@
-//! `protomer merge`: several sets of voxel grids to one.
+//! `protomer merge`: merges several sets of voxel grids.
 
 use crate::front::Front;
 use crate::reply::Reply;
@@ -8,11 +8,11 @@ use protomer::voxels::merge::merge;
 use protomer::voxels::origin::Missing;
 use std::path::PathBuf;
 
-/// Join sets of voxel grids of the same settings; the parts of one manifest become the set that one
-/// run would have made.
+/// Merge sets of voxel grids with the same settings; the parts of one manifest give the same set
+/// as a single run.
 #[derive(Debug, Args)]
 pub struct MergeArgs {
-    /// Sets to join.
+    /// Sets to merge.
     #[arg(required = true)]
     inputs: Vec<PathBuf>,
     /// The set to write.

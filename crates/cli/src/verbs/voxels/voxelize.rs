@@ -16,8 +16,8 @@ use std::path::PathBuf;
 /// potential, hydropathy.
 #[derive(Debug, Args)]
 pub struct VoxelizeArgs {
-    /// CSV with the columns file, label, cluster and perhaps family, name; paths start from its
-    /// folder.
+    /// CSV with the columns file, label, cluster and optionally family, name; paths are
+    /// relative to its folder.
     #[arg(long)]
     manifest: PathBuf,
     /// The set to write, such as SET.zarr.
@@ -26,10 +26,10 @@ pub struct VoxelizeArgs {
     /// Voxels along each edge of a grid.
     #[arg(long, default_value_t = 64)]
     size: usize,
-    /// Edge of a voxel, Å; `fit`: each structure scaled to fill the grid.
+    /// Edge of a voxel, Å; `fit` scales each structure to fill the grid.
     #[arg(long, default_value = "1.0", value_parser = Spacing::parse, allow_hyphen_values = true)]
     spacing: Spacing,
-    /// What the voxels carry.
+    /// Channels of the voxels.
     #[arg(
         long,
         value_enum,
@@ -37,13 +37,13 @@ pub struct VoxelizeArgs {
         default_value = "shape,potential,hydropathy"
     )]
     channels: Vec<VoxelChannel>,
-    /// How structures are turned.
+    /// The orientation of structures.
     #[arg(long, value_enum, default_value_t = VoxelOrientation::Random)]
     orientation: VoxelOrientation,
     /// Seed of the random orientations.
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// How the potential is found; the equation is solved at 1 Å.
+    /// Model of the potential; the equation is solved on a grid of 1 Å.
     #[arg(long, value_enum, default_value_t = Potential::PoissonBoltzmann)]
     potential: Potential,
     /// Concentration of a 1:1 salt, such as 100mM or 0.1M.
@@ -58,23 +58,24 @@ pub struct VoxelizeArgs {
     /// Probe radius of the surface, Å.
     #[arg(long, default_value_t = 1.4, allow_negative_numbers = true)]
     probe: f64,
-    /// Residues with an atom this near to a voxel's centre count for its hydropathy, Å.
+    /// Range of the hydropathy: residues with an atom within this distance of a voxel's centre
+    /// count, Å.
     #[arg(long, default_value_t = 5.0, allow_negative_numbers = true)]
     hydropathy_reach: f64,
-    /// Structures of which a larger part of the residues lacks heavy atoms are left out.
+    /// Structures are excluded if a larger share of their residues lacks heavy atoms.
     #[arg(long, default_value_t = 0.25, allow_negative_numbers = true)]
     most_incomplete: f64,
-    /// Only a part of the manifest, such as 2/8; `protomer merge` joins the parts.
+    /// Process only a part of the manifest, such as 2/8; `protomer merge` joins the parts.
     #[arg(long, value_parser = Shard::parse, default_value = "1/1")]
     shard: Shard,
     #[command(flatten)]
     scheduler: SchedulerArgs,
-    /// Stop after this many minutes; the same command goes on from there.
+    /// Stop after this many minutes; the same command continues it.
     #[arg(long, allow_negative_numbers = true)]
     time_limit: Option<f64>,
 }
 
-/// Lines of warnings on the terminal; all are in the set.
+/// Maximum number of warnings on the terminal; the set contains all.
 const SHOWN_WARNINGS: usize = 10;
 
 impl VoxelizeArgs {
@@ -83,7 +84,7 @@ impl VoxelizeArgs {
         let settings = self.settings();
         settings.check()?;
         let manifest = Manifest::read(&self.manifest)?;
-        let what = "finishing the structures at hand; the same command continues";
+        let what = "finishing the current structures; the same command continues";
         let execution = front.execution(what, self.time_limit)?;
         let report = voxelize(&manifest, self.shard, &settings, &self.output, &execution)?;
         let notes = notes(&report);
@@ -92,8 +93,8 @@ impl VoxelizeArgs {
         }
         let complaint = complaint(&report);
         let reply = Reply::of(report).with_notes(notes);
-        // A set without samples is of no use to anyone; a part without samples may be, and
-        // `protomer merge` looks again.
+        // A set without samples is useless; a part without samples may be fine, and
+        // `protomer merge` checks again.
         Ok(match complaint {
             Some(error) if self.shard.is_whole() => {
                 reply.failing(Some(anyhow!("{error}; correct the manifest or the files")))
@@ -121,19 +122,19 @@ impl VoxelizeArgs {
     }
 }
 
-/// What is wrong with a set without samples.
+/// The error of a set without samples.
 fn complaint(report: &VoxelizeReport) -> Option<Error> {
     let is_empty = report.samples == 0 && report.structures > 0;
     is_empty.then(|| {
         anyhow!(
-            "none of the {} structures could be used; the attribute 'excluded' of {} says why of each",
+            "none of the {} structures could be used; the attribute 'excluded' of {} gives the reasons",
             report.structures,
             report.set.display()
         )
     })
 }
 
-/// What a careful user should know.
+/// Warnings.
 fn notes(report: &VoxelizeReport) -> Vec<String> {
     let mut lines = Vec::new();
     if report.state == State::Written {
@@ -146,7 +147,7 @@ fn notes(report: &VoxelizeReport) -> Vec<String> {
     lines
 }
 
-/// The first warnings, and how many there are.
+/// The first warnings, and the total number.
 fn warnings(report: &VoxelizeReport) -> Vec<String> {
     let mut lines = Vec::new();
     for (name, warnings) in &report.warnings {
@@ -157,7 +158,7 @@ fn warnings(report: &VoxelizeReport) -> Vec<String> {
     if count > SHOWN_WARNINGS {
         lines.truncate(SHOWN_WARNINGS);
         lines.push(format!(
-            "{count} warnings of {} structures in all; the set's attribute 'warnings' has them",
+            "{count} warnings for {} structures in total; all are in the set's attribute 'warnings'",
             report.warnings.len()
         ));
     }

@@ -1,4 +1,4 @@
-//! Whether a set has the voxels that a network was trained on.
+//! Whether the voxels of a set match those that a network was trained on.
 
 use anyhow::{Result, bail};
 use protomer_learn::SampleSource;
@@ -7,8 +7,8 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 use std::path::Path;
 
-/// Settings that do not change the meaning of a voxel: the seed of the random rotations, and which
-/// structures are left out.
+/// Settings that do not change the meaning of a voxel: the seed of the random rotations, and the
+/// criterion for excluding structures.
 const INDIFFERENT: [&str; 2] = ["seed", "most_incomplete"];
 
 /// A setting in which the voxels of a set differ from those of the training.
@@ -16,14 +16,15 @@ const INDIFFERENT: [&str; 2] = ["seed", "most_incomplete"];
 pub struct Difference {
     /// The setting of `protomer voxelize`.
     pub setting: String,
-    /// Its value for the training.
+    /// Its value in the training.
     pub trained_on: Value,
-    /// Its value for this set.
+    /// Its value in this set.
     pub set: Value,
 }
 
-/// How the voxels of a set differ from those of the training, where a network can still be applied.
-/// For a model that does not say how its voxels were made, only channels and size are compared.
+/// Lists how the voxels of a set differ from those of the training, if the network can still be
+/// applied. If the model does not record how its voxels were made, only channels and size are
+/// compared.
 ///
 /// # Errors
 /// If channels, size or spacing differ.
@@ -36,8 +37,8 @@ pub fn differences(
     let trained_channels = &card.scaling.channels;
     if set.channels() != trained_channels {
         bail!(
-            "the network was trained on voxels with the channels {}, {shown} has {}; make the set \
-             anew with voxelize --channels {}",
+            "the network was trained on voxels with the channels {}, {shown} has {}; make the \
+             set again with voxelize --channels {}",
             trained_channels.join(", "),
             set.channels().join(", "),
             trained_channels.join(",")
@@ -46,8 +47,8 @@ pub fn differences(
     if set.size() != card.size {
         let (trained, size) = (card.size, set.size());
         bail!(
-            "the network was trained on grids of {trained}³ voxels, {shown} has {size}³; make the \
-             set anew with voxelize --size {trained}"
+            "the network was trained on grids of {trained}³ voxels, {shown} has {size}³; make \
+             the set again with voxelize --size {trained}"
         );
     }
     let (Some(Value::Object(trained)), Some(Value::Object(present))) =
@@ -68,8 +69,8 @@ pub fn differences(
             )
         };
         bail!(
-            "the network was trained on voxels with the spacing {}, {shown} has {}; make the set \
-             anew with voxelize --spacing {}",
+            "the network was trained on voxels with the spacing {}, {shown} has {}; make the \
+             set again with voxelize --spacing {}",
             with_unit(trained_on),
             with_unit(set),
             plain(trained_on)
@@ -94,7 +95,7 @@ fn between(trained: &Map<String, Value>, present: &Map<String, Value>) -> Vec<Di
     keys.into_iter().filter(differ).map(of_key).collect()
 }
 
-/// Text without its quotes.
+/// The text of a JSON value, without quotes.
 fn plain(value: &Value) -> String {
     value
         .as_str()
@@ -102,7 +103,7 @@ fn plain(value: &Value) -> String {
 }
 
 impl Difference {
-    /// A line for a reader.
+    /// Describes the difference in one line.
     pub fn line(&self) -> String {
         format!(
             "{}: {} here, {} in the training",

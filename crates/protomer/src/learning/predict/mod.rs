@@ -8,7 +8,7 @@
 //! | module | one idea |
 //! |---|---|
 //! | `trained` | the network of a directory |
-//! | `fit` | whether a set has the voxels a network is for |
+//! | `fit` | whether the voxels of a set fit the network |
 //! | `truth` | the true class of each sample, and whether training has seen it |
 //! | `report` | a row per sample, and scores |
 
@@ -30,14 +30,27 @@ use protomer_learn::{Device, SampleSource};
 use protomer_results::{End, Execution};
 use std::path::Path;
 
-/// Samples between two questions whether to stop: a multiple of the grids at a time.
+/// Samples between two checks for an interrupt: a multiple of the batch size.
 const CHUNK: usize = 64;
 
 /// Predicts the class of every sample of a set, on a device.
 ///
 /// # Errors
-/// If the directory holds no finished training on a set, the set has other voxels than the network
-/// is for, or no sample can be read.
+/// If the directory does not hold a finished training on a set, the voxels do not fit the
+/// network, or no sample can be read.
+///
+/// ```no_run
+/// use protomer::learning::predict::predict;
+/// use protomer_learn::device::DeviceChoice;
+/// use protomer_results::Execution;
+/// use std::path::Path;
+/// let device = DeviceChoice::Cpu.open()?;
+/// let end = predict(Path::new("run"), Path::new("set.zarr"), &device, &Execution::default())?;
+/// if let Some(report) = end.finished() {
+///     println!("{} samples predicted", report.samples.len());
+/// }
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn predict(
     run: &Path,
     set_path: &Path,
@@ -78,7 +91,7 @@ pub fn predict(
     Ok(End::Finished(report))
 }
 
-/// All samples, a chunk at a time; the predictions are those of all at once.
+/// Predicts all samples, a chunk at a time, with the same results as all at once.
 fn in_chunks(
     model: &Model,
     set: &dyn SampleSource,

@@ -1,22 +1,22 @@
-//! The report of a prediction: a row per sample, and scores where the truth is known.
+//! The report of a prediction: a row per sample, and scores where the true class is known.
 
 use super::fit::Difference;
 use super::trained::Trained;
 use super::truth::{Part, Truth, Unscored};
 use crate::answer::Answer;
 use crate::voxels::samples::VoxelSet;
-use anyhow::{Result, anyhow};
+use anyhow::{Result, bail};
 use protomer_io::csv::{Cell, Table};
+use protomer_learn::SampleSource;
 use protomer_learn::scaling::Quarantined;
 use protomer_learn::scores::{Scores, most_probable};
 use protomer_learn::split::family_weights;
 use protomer_learn::training::Predictions;
-use protomer_learn::{Description, SampleSource};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// What a network says of one sample.
+/// The prediction for one sample.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SamplePrediction {
     /// Its name.
@@ -27,9 +27,9 @@ pub struct SamplePrediction {
     pub label: String,
     /// Its true class; `None` if the label is not a class of the network.
     pub class: Option<String>,
-    /// The part of the training it belonged to; `None` in another set than that of the training.
+    /// The part of the training that it belonged to; `None` if this is not the set of the training.
     pub part: Option<Part>,
-    /// Why it is not scored, in another set than that of the training.
+    /// Why it is not scored, if this is not the set of the training.
     pub unscored: Option<Unscored>,
     /// The most probable class.
     pub predicted: String,
@@ -37,28 +37,28 @@ pub struct SamplePrediction {
     pub probabilities: Vec<f64>,
 }
 
-/// Scores of the samples whose class is known, those that training has seen left out.
+/// Scores of the samples of known class that training has not seen.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SetScores {
     /// Samples scored.
     pub samples: usize,
-    /// Share of samples predicted right; copies of one crystal form count once together.
+    /// Share of correct predictions; copies of one crystal form count once together.
     pub accuracy: f64,
-    /// The accuracy of always naming the most frequent class of the training part.
+    /// The accuracy of always predicting the most frequent class of the training part.
     pub majority_accuracy: f64,
     /// Mean recall over the classes present.
     pub balanced_accuracy: f64,
-    /// The balanced accuracy of always naming the most frequent class of the training part.
+    /// The balanced accuracy of always predicting the most frequent class of the training part.
     pub majority_balanced_accuracy: f64,
     /// Cross entropy, nats.
     pub log_loss_nats: f64,
     /// Cross entropy of the shares of the classes in the training part, nats.
     pub prior_log_loss_nats: f64,
-    /// `prior_log_loss_nats` - `log_loss_nats`: what the network knows, per sample.
+    /// `prior_log_loss_nats` - `log_loss_nats`: the information gained per sample.
     pub nats_gained_over_prior: f64,
 }
 
-/// Samples that are not scored for one reason.
+/// The number of samples that are not scored for one reason.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct NotScored {
     /// Why.
@@ -76,29 +76,29 @@ pub struct PredictReport {
     pub run: PathBuf,
     /// The set.
     pub set: PathBuf,
-    /// Whether it is the set of the training; then scores are of its test part only.
+    /// Whether it is the set of the training; if so, only its test part is scored.
     pub is_training_set: bool,
     /// Names of the classes, in the order of the probabilities.
     pub classes: Vec<String>,
-    /// Names of the channels the network sees.
+    /// Names of the network's input channels.
     pub channels: Vec<String>,
     /// One entry per sample that could be read, in the order of the set.
     pub samples: Vec<SamplePrediction>,
-    /// Scores, where samples with a known class are left to score.
+    /// Scores, if any samples of known class remain to be scored.
     pub scores: Option<SetScores>,
-    /// Samples that are predicted and not scored, in another set than that of the training.
+    /// Samples that are predicted but not scored, if this is not the set of the training.
     pub not_scored: Vec<NotScored>,
     /// Samples left out, and why.
     pub left_out: Vec<Quarantined>,
-    /// Conditions under which the voxels were made otherwise than those of the training.
+    /// Settings in which the voxels differ from those of the training.
     pub differences: Vec<Difference>,
 }
 
 impl PredictReport {
-    /// Puts together what is known and what was predicted.
+    /// Combines the known classes with the predictions.
     ///
     /// # Errors
-    /// If the predictions do not fit the set, or hold a number that is not a probability.
+    /// If the predictions do not fit the set, or contain a number that is not a probability.
     pub(super) fn of(
         run: &Path,
         path: &Path,
@@ -111,15 +111,11 @@ impl PredictReport {
         let card = &trained.model.card;
         let class = |number: usize| card.classes.get(number).cloned().unwrap_or_default();
         let mut samples = Vec::with_capacity(predictions.samples.len());
-        for (sample, p) in predictions
-            .samples
-            .iter()
-            .zip(predictions.probabilities.chunks(card.classes.len().max(1)))
-        {
-            let known = set
-                .descriptions()
-                .get(*sample)
-                .ok_or_else(|| anyhow!("there is no sample {sample}"))?;
+        let probabilities = predictions.probabilities.chunks(card.classes.len().max(1));
+        for (sample, p) in predictions.samples.iter().zip(probabilities) {
+            let Some(known) = set.descriptions().get(*sample) else {
+                bail!("there is no sample {sample}");
+            };
             samples.push(SamplePrediction {
                 name: known.name.clone(),
                 file: set.files().get(*sample).cloned().unwrap_or_default(),
@@ -152,34 +148,32 @@ impl PredictReport {
     /// # Errors
     /// If rows and classes disagree.
     pub fn table(&self) -> Result<Table> {
-        let fixed = ["name", "file", "label", "class", "part", "predicted"].map(str::to_owned);
-        let mut table = Table::new(
-            fixed
-                .into_iter()
-                .chain(self.classes.iter().map(|class| format!("p_{class}"))),
-        );
+        let fixed = ["name", "file", "label", "class", "part", "predicted"];
+        let mut heading = fixed.map(str::to_owned).to_vec();
+        for class in &self.classes {
+            heading.push(format!("p_{class}"));
+        }
+        let mut table = Table::new(heading);
         for sample in &self.samples {
-            let text = |text: &String| Cell::from(text.as_str());
-            let fixed = [
-                text(&sample.name),
-                text(&sample.file),
-                text(&sample.label),
+            let mut cells = vec![
+                Cell::from(sample.name.as_str()),
+                Cell::from(sample.file.as_str()),
+                Cell::from(sample.label.as_str()),
                 Cell::from(sample.class.as_deref()),
                 Cell::from(sample.part.map(Part::name)),
-                text(&sample.predicted),
+                Cell::from(sample.predicted.as_str()),
             ];
-            table.push(
-                fixed
-                    .into_iter()
-                    .chain(sample.probabilities.iter().map(|p| Cell::from(*p))),
-            )?;
+            for probability in &sample.probabilities {
+                cells.push(Cell::from(*probability));
+            }
+            table.push(cells)?;
         }
         Ok(table)
     }
 }
 
 impl Answer for PredictReport {
-    /// The accuracy never stands without the majority's.
+    /// The accuracy is never shown without that of the majority class.
     fn text(&self) -> String {
         let mut lines = vec![format!(
             "{} samples predicted, {} left out",
@@ -215,31 +209,33 @@ impl Answer for PredictReport {
             None if self.is_training_set => {
                 lines.push("no scores: no sample of the test part can be read".into())
             }
-            None => lines.push("no scores: no sample is left to score".into()),
+            None => lines.push("no scores: no sample remains to be scored".into()),
         }
-        let not_scored = self.not_scored.iter();
-        lines.extend(
-            not_scored.map(|these| format!("not scored: {} {}", these.samples, these.why.words())),
-        );
+        for NotScored { why, samples } in &self.not_scored {
+            lines.push(format!("not scored: {samples} {}", why.words()));
+        }
         lines.join("\n")
     }
 }
 
-/// Samples by the reason for which they are not scored.
+/// Counts samples by the reason why they are not scored.
 fn count(samples: &[SamplePrediction]) -> Vec<NotScored> {
     let mut counts: BTreeMap<Unscored, usize> = BTreeMap::new();
-    samples
-        .iter()
-        .filter_map(|sample| sample.unscored)
-        .for_each(|why| *counts.entry(why).or_default() += 1);
-    counts
-        .into_iter()
-        .map(|(why, samples)| NotScored { why, samples })
-        .collect()
+    for sample in samples {
+        if let Some(why) = sample.unscored {
+            *counts.entry(why).or_default() += 1;
+        }
+    }
+    let mut not_scored = Vec::new();
+    for (why, samples) in counts {
+        not_scored.push(NotScored { why, samples });
+    }
+    not_scored
 }
 
-/// Scores with weights as in training. A sample counts one over the size of its family: the samples
-/// with a class in the set of the training, the samples that are scored in another set.
+/// Computes scores with the weights of training: a sample counts 1 / (size of its family). Families
+/// are counted over all samples with a class in the set of the training, and over the scored
+/// samples in any other set.
 fn scores(
     log_prior: &[f64],
     set: &VoxelSet,
@@ -247,32 +243,25 @@ fn scores(
     predictions: &Predictions,
 ) -> Result<Option<SetScores>> {
     let count = log_prior.len();
-    let counts = |sample: &usize| {
-        truth.classes[*sample].is_some() && (truth.is_training_set || truth.may_be_scored(*sample))
-    };
-    let labelled: Vec<usize> = (0..truth.classes.len()).filter(counts).collect();
-    let descriptions: Vec<Description> = labelled
-        .iter()
-        .map(|sample| set.descriptions()[*sample].clone())
-        .collect();
-    let weight_of = |sample: usize| labelled.binary_search(&sample).ok();
+    let (mut labelled, mut descriptions) = (Vec::new(), Vec::new());
+    for (sample, class) in truth.classes.iter().enumerate() {
+        if class.is_some() && (truth.is_training_set || truth.may_be_scored(sample)) {
+            labelled.push(sample);
+            descriptions.push(set.descriptions()[sample].clone());
+        }
+    }
     let all_weights = family_weights(&descriptions);
     let (mut probabilities, mut labels, mut weights) = (Vec::new(), Vec::new(), Vec::new());
-    for (sample, p) in predictions
-        .samples
-        .iter()
-        .zip(predictions.probabilities.chunks(count.max(1)))
-    {
-        let (true, Some(class), Some(place)) = (
-            truth.may_be_scored(*sample),
-            truth.classes[*sample],
-            weight_of(*sample),
-        ) else {
-            continue;
-        };
-        probabilities.extend_from_slice(p);
-        labels.push(class);
-        weights.push(all_weights[place]);
+    let of_samples = predictions.probabilities.chunks(count.max(1));
+    for (sample, p) in predictions.samples.iter().zip(of_samples) {
+        if let Some(class) = truth.classes[*sample]
+            && let Ok(place) = labelled.binary_search(sample)
+            && truth.may_be_scored(*sample)
+        {
+            probabilities.extend_from_slice(p);
+            labels.push(class);
+            weights.push(all_weights[place]);
+        }
     }
     if labels.is_empty() {
         return Ok(None);

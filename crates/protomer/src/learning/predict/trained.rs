@@ -1,4 +1,4 @@
-//! The network of a directory, or what to do if there is none.
+//! Loads the network of a directory, or says what to do if there is none.
 
 use crate::learning::train::{MODEL, Metrics, SETTINGS, Source, TrainSettings, TrainedOn};
 use anyhow::{Context, Result, bail};
@@ -8,12 +8,12 @@ use std::path::{Path, PathBuf};
 /// A finished training on a set.
 #[derive(Debug)]
 pub struct Trained {
-    /// What was trained on what.
+    /// The settings of the training.
     pub settings: TrainSettings,
     /// The network with its scaling and classes.
     pub model: Model,
-    /// The structures it has seen; `None` if an earlier version trained it and did not write them
-    /// down.
+    /// The structures it has seen; `None` if it was trained by an earlier version, which did not
+    /// record them.
     pub seen: Option<TrainedOn>,
 }
 
@@ -21,7 +21,7 @@ impl Trained {
     /// The training of a directory.
     ///
     /// # Errors
-    /// If it holds something else, a control, or a training that is not finished.
+    /// If it holds something else, a control, or an unfinished training.
     pub fn read(directory: &Path) -> Result<Self> {
         let shown = directory.display();
         let is_there = |name: &str| directory.join(name).exists();
@@ -33,15 +33,15 @@ impl Trained {
         }
         if is_there("trials.csv") || is_there("trials") {
             bail!(
-                "{shown} holds a search, which keeps no network; train what it found with protomer \
+                "{shown} holds a search, which keeps no network; train the best settings with protomer \
                  train SET.zarr --config {shown}/best.toml -o RUN, and give RUN"
             );
         }
         if !is_there(SETTINGS) {
             return Err(match training_below(directory, 2) {
                 Some(below) => anyhow::anyhow!(
-                    "{shown} is not the directory of a training, but holds some; give one of them, \
-                     such as {}",
+                    "{shown} is not the directory of a training, but contains some; give one of \
+                     them, such as {}",
                     below.display()
                 ),
                 None => anyhow::anyhow!(
@@ -51,8 +51,8 @@ impl Trained {
         }
         let settings = TrainSettings::read(&directory.join(SETTINGS)).with_context(|| {
             format!(
-                "{shown} does not hold a training of this version; give the directory of another, \
-                 or train anew"
+                "{shown} does not hold a training of this version; give another directory, or \
+                 train again"
             )
         })?;
         if let Source::Control { name, .. } = settings.source {
@@ -78,19 +78,25 @@ impl Trained {
     }
 }
 
-/// The first training at most so many levels below, such as those of an ablation
+/// The first training at most `levels` levels below, such as those of an ablation
 /// (`ablation/CHANNELS/seed_N`).
 fn training_below(directory: &Path, levels: usize) -> Option<PathBuf> {
-    let mut folders: Vec<PathBuf> = std::fs::read_dir(directory)
-        .ok()?
-        .flatten()
-        .map(|entry| entry.path())
-        .collect();
-    folders.retain(|path| path.is_dir());
+    let mut folders = Vec::new();
+    for entry in std::fs::read_dir(directory).ok()?.flatten() {
+        let path = entry.path();
+        if path.is_dir() {
+            folders.push(path);
+        }
+    }
     folders.sort();
-    let is_training = |path: &&PathBuf| path.join(SETTINGS).is_file() && path.join(MODEL).is_file();
-    folders.iter().find(is_training).cloned().or_else(|| {
-        let below = levels.checked_sub(1).filter(|levels| *levels > 0)?;
-        folders.iter().find_map(|path| training_below(path, below))
-    })
+    for path in &folders {
+        if path.join(SETTINGS).is_file() && path.join(MODEL).is_file() {
+            return Some(path.clone());
+        }
+    }
+    if levels < 2 {
+        return None;
+    }
+    let mut below = folders.iter().map(|path| training_below(path, levels - 1));
+    below.find_map(|found| found)
 }

@@ -5,7 +5,6 @@ use crate::learning::train::{Prepared, Source, TrainedOn};
 use anyhow::Result;
 use protomer_learn::SampleSource;
 use protomer_learn::novelty::{Familiar, Seen};
-use protomer_learn::split::Split;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -13,56 +12,56 @@ use std::collections::BTreeMap;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Part {
-    /// Weights were fitted to it.
+    /// The weights were fitted to it.
     Training,
     /// Epoch and temperature were chosen on it.
     Validation,
-    /// It was kept for the scores.
+    /// It was reserved for the scores.
     Test,
 }
 
-/// Why a sample of another set than that of the training is not scored.
+/// Why a sample is not scored in a set other than that of the training.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Unscored {
     /// Its label is not a class of the network.
     NoClass,
-    /// Its very file was in the training or the validation part.
+    /// Its file was in the training or the validation part.
     SameFile,
-    /// Others of its cluster were.
+    /// Its cluster was in the training or the validation part.
     SameCluster,
-    /// The set does not say which file it was made of.
+    /// The set does not record the file it was made from.
     FileUnknown,
-    /// What the network has seen was not written down.
+    /// The training did not record the structures it used.
     TrainingUnknown,
 }
 
 impl Unscored {
-    /// In words, after a number of samples.
+    /// The reason in words, to follow a number of samples.
     pub fn words(self) -> &'static str {
         match self {
-            Self::NoClass => "with a label that is no class of the network",
+            Self::NoClass => "whose label is not a class of the network",
             Self::SameFile => "whose file was in the training or validation part",
             Self::SameCluster => "whose cluster was in the training or validation part",
-            Self::FileUnknown => "of which the set does not say from which file they were made",
+            Self::FileUnknown => "whose source files the set does not record",
             Self::TrainingUnknown => {
-                "that may have been trained on: an earlier version did not write down on what; \
-                 repeat the train command, which does it now"
+                "that the network may have been trained on: an earlier version did not record \
+                 this; repeat the train command to add the record"
             }
         }
     }
 }
 
-/// What is known of the samples of a set besides what a network says.
+/// What is known about the samples of a set, apart from predictions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Truth {
-    /// Whether the network was trained on this very set.
+    /// Whether this is the set of the training.
     pub is_training_set: bool,
-    /// The number of the class of each sample; `None` if its label is not a class of the network.
+    /// The class index of each sample; `None` if its label is not a class of the network.
     pub classes: Vec<Option<usize>>,
-    /// The part each sample belonged to; `None` in another set than that of the training.
+    /// The part that each sample belonged to; `None` if this is not the set of the training.
     pub parts: Vec<Option<Part>>,
-    /// In another set: why a sample is not scored.
+    /// Why a sample is not scored, if this is not the set of the training.
     pub unscored: Vec<Option<Unscored>>,
 }
 
@@ -78,10 +77,10 @@ impl Part {
 }
 
 impl Truth {
-    /// What is known of a set that settings would call `source`.
+    /// Collects what is known about the set described by `source`.
     ///
     /// # Errors
-    /// If the set of the training no longer gives the classes it gave.
+    /// If the set of the training no longer yields the same classes.
     pub fn of(trained: &Trained, source: &Source, set: &dyn SampleSource) -> Result<Self> {
         if is_same(&trained.settings.source, source) {
             Self::of_training_set(trained, set)
@@ -90,46 +89,41 @@ impl Truth {
         }
     }
 
-    /// Classes and split as the training made them, rare classes joined.
+    /// Classes and split as in the training, rare classes merged.
     fn of_training_set(trained: &Trained, set: &dyn SampleSource) -> Result<Self> {
         let prepared = Prepared::new(&trained.settings, set)?;
-        let Split {
-            training,
-            validation,
-            test,
-        } = &prepared.split;
-        let parts = [
-            (training, Part::Training),
-            (validation, Part::Validation),
-            (test, Part::Test),
-        ];
-        let part_of: BTreeMap<usize, Part> = parts
-            .into_iter()
-            .flat_map(|(samples, part)| samples.iter().map(move |sample| (*sample, part)))
-            .collect();
-        // Samples without a class are not among those prepared; names are unique.
-        let known: BTreeMap<&str, usize> = prepared
-            .descriptions
-            .iter()
-            .enumerate()
-            .map(|(place, known)| (known.name.as_str(), place))
-            .collect();
-        let place = |name: &str| known.get(name).copied();
-        let names = || set.descriptions().iter().map(|known| known.name.as_str());
+        let mut part_of = vec![None; prepared.descriptions.len()];
+        for (samples, part) in [
+            (&prepared.split.training, Part::Training),
+            (&prepared.split.validation, Part::Validation),
+            (&prepared.split.test, Part::Test),
+        ] {
+            for sample in samples {
+                part_of[*sample] = Some(part);
+            }
+        }
+        // Prepared samples are those with a class, found by their unique names.
+        let mut place_of = BTreeMap::new();
+        for (place, known) in prepared.descriptions.iter().enumerate() {
+            place_of.insert(known.name.as_str(), place);
+        }
+        let (mut classes, mut parts) = (Vec::new(), Vec::new());
+        for sample in set.descriptions() {
+            let place = place_of.get(sample.name.as_str()).copied();
+            let labels = &prepared.classes.labels;
+            classes.push(place.and_then(|place| labels.get(place)).copied());
+            parts.push(place.and_then(|place| part_of[place]));
+        }
         Ok(Self {
             is_training_set: true,
-            classes: names()
-                .map(|name| prepared.classes.labels.get(place(name)?).copied())
-                .collect(),
-            parts: names()
-                .map(|name| part_of.get(&place(name)?).copied())
-                .collect(),
-            unscored: vec![None; set.descriptions().len()],
+            unscored: vec![None; classes.len()],
+            classes,
+            parts,
         })
     }
 
-    /// Labels that are a class under the target of the training. Samples that the training has seen
-    /// are not scored.
+    /// Keeps the labels that are classes under the target of the training. Samples seen in
+    /// training are not scored.
     fn of_other(trained: &Trained, set: &dyn SampleSource) -> Self {
         let names = &trained.model.card.classes;
         let seen = trained.seen.as_ref().map(seen);
@@ -154,7 +148,7 @@ impl Truth {
         }
     }
 
-    /// Whether a sample may be scored: its class is known and training has not seen it.
+    /// Whether a sample may be scored: its class is known and it was not seen in training.
     pub fn may_be_scored(&self, sample: usize) -> bool {
         let part = self.parts.get(sample).copied().flatten();
         let why_not = self.unscored.get(sample).copied().flatten();
@@ -186,7 +180,7 @@ fn seen(trained_on: &TrainedOn) -> Seen {
     seen
 }
 
-/// A set that was moved is still the same.
+/// A set that has been moved is still the same set.
 fn is_same(trained: &Source, present: &Source) -> bool {
     match (trained, present) {
         (

@@ -1,4 +1,4 @@
-//! The table of an ablation: lines for a reader, and `ablation.csv`.
+//! The table of an ablation, as text and as `ablation.csv`.
 
 use anyhow::Result;
 use protomer_io::atomic::write_atomically;
@@ -6,7 +6,7 @@ use protomer_io::csv::{Cell, Table};
 use protomer_learn::ablation::{Ablation, Mean};
 use std::path::Path;
 
-/// Lines for a reader.
+/// The table as lines of text.
 pub(crate) fn summary(ablation: &Ablation) -> String {
     let mut lines = Vec::with_capacity(ablation.rows.len());
     for row in &ablation.rows {
@@ -31,7 +31,7 @@ fn with_error(mean: &Mean) -> String {
 /// Writes `ablation.csv`, one row per subset and seed.
 ///
 /// # Errors
-/// If the disk does not take it.
+/// If the file cannot be written.
 pub(super) fn write_csv(ablation: &Ablation, directory: &Path) -> Result<()> {
     let columns = [
         "channels",

@@ -1,4 +1,4 @@
-//! What a control was expected to show, and what it showed.
+//! The expected and the actual outcome of a control.
 
 use super::metrics::Metrics;
 use protomer_learn::controls::{Control, Experiment, Form, Verdict};
@@ -10,17 +10,17 @@ use serde::{Deserialize, Serialize};
 pub struct ExperimentReport {
     /// Its name.
     pub name: String,
-    /// The channels the network saw.
+    /// The network's input channels.
     pub channels: Vec<String>,
-    /// Smallest balanced accuracy that is accepted.
+    /// Lower bound of the expected balanced accuracy.
     pub at_least: f64,
-    /// Largest balanced accuracy that is accepted.
+    /// Upper bound of the expected balanced accuracy.
     pub at_most: f64,
     /// Balanced accuracy on the test part.
     pub balanced_accuracy: f64,
-    /// Accuracy there if always the most frequent class is named.
+    /// Accuracy on the test part of always predicting the most frequent class.
     pub majority_accuracy: f64,
-    /// Nats gained over the prior there.
+    /// Nats gained over the prior on the test part.
     pub nats_gained_over_prior: f64,
     /// Whether the balanced accuracy lies between the bounds.
     pub reached: bool,
@@ -32,18 +32,18 @@ pub struct ExperimentReport {
 pub struct ControlReport {
     /// The control.
     pub name: Control,
-    /// Short or full.
+    /// The form of the control: short or full.
     pub form: Form,
-    /// What it is meant to show.
+    /// The purpose of the control.
     pub shows: String,
     /// Its experiments, the main one first.
     pub experiments: Vec<ExperimentReport>,
-    /// Whether all of them came out as expected.
+    /// Whether all of them met the expectation.
     pub reached: bool,
 }
 
 impl ExperimentReport {
-    /// Judges the metrics of an experiment.
+    /// Compares the metrics of an experiment with the expectation.
     pub fn of(experiment: &Experiment, metrics: &Metrics) -> Self {
         let clusters = if experiment.split_by_cluster {
             metrics.samples.test_clusters
@@ -84,7 +84,7 @@ impl ControlReport {
         }
     }
 
-    /// Lines for a reader.
+    /// The table as lines of text.
     pub fn summary(&self) -> String {
         let line = |experiment: &ExperimentReport| {
             let ExperimentReport {

@@ -1,4 +1,4 @@
-//! `learning_curve.svg`: loss and balanced accuracy against epochs, with what guessing gives.
+//! `learning_curve.svg`: loss and balanced accuracy against epochs, with the values of guessing.
 
 use protomer_learn::training::EpochRecord;
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
@@ -76,7 +76,7 @@ mod tests {
         for word in ["prior", "guessing", "validation", "epoch"] {
             assert!(svg.contains(word), "{word}");
         }
-        // A single epoch can be drawn as well.
+        // A single epoch can be drawn too.
         assert!(
             learning_curve("", "", &[point(1)], 0.69, 2)
                 .to_svg()

@@ -13,17 +13,17 @@ use protomer_learn::sample::SampleSource;
 use protomer_results::{End, Execution};
 use std::path::Path;
 
-/// A training, perhaps with an ablation.
+/// A training, optionally with an ablation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Job {
     /// The training.
     pub settings: TrainSettings,
-    /// Seeds every subset of the channels is trained with; 0 for no ablation.
+    /// Number of seeds per subset of the channels; 0 for no ablation.
     pub ablation_seeds: u64,
 }
 
 impl Job {
-    /// The trainings of the ablation with their folders, without the one that equals the main
+    /// The trainings of the ablation with their folders, except the one that equals the main
     /// training.
     fn ablation(&self) -> Result<Vec<(String, TrainSettings)>> {
         if self.ablation_seeds == 0 {
@@ -45,7 +45,7 @@ impl Job {
         Ok(trainings)
     }
 
-    /// Epochs of everything together.
+    /// Total number of epochs.
     pub fn epochs(&self) -> u64 {
         let trainings = self.ablation().map_or(0, |trainings| trainings.len()) + 1;
         (trainings * self.settings.training.epochs) as u64
@@ -55,7 +55,20 @@ impl Job {
 /// Runs or continues a training and its ablation in a directory.
 ///
 /// # Errors
-/// For settings that make no sense, a directory that holds something else, and a full disk.
+/// For invalid settings, a directory that holds something else, or a file that cannot be written.
+///
+/// ```no_run
+/// use protomer::learning::train::{Job, TrainSettings, channels_of, open_set, run_job};
+/// use protomer_learn::device::DeviceChoice;
+/// use protomer_results::Execution;
+/// use std::path::Path;
+/// let (source, set) = open_set(Path::new("set.zarr"))?;
+/// let settings = TrainSettings::of_set(source, channels_of(&set))?;
+/// let job = Job { settings, ablation_seeds: 0 };
+/// let device = DeviceChoice::Cpu.open()?;
+/// run_job(&job, &set, Path::new("run"), &device, &Execution::default())?;
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn run_job(
     job: &Job,
     set: &dyn SampleSource,
@@ -106,7 +119,7 @@ pub struct ControlRun {
 }
 
 impl ControlRun {
-    /// A control; `adjust` may change the settings of each experiment.
+    /// Builds a control; `adjust` may change the settings of each experiment.
     ///
     /// # Errors
     /// As `adjust`.
@@ -141,7 +154,7 @@ impl ControlRun {
         })
     }
 
-    /// Epochs of everything together.
+    /// Total number of epochs.
     pub fn epochs(&self) -> u64 {
         self.experiments.iter().map(|(_, job)| job.epochs()).sum()
     }

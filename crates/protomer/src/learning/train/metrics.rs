@@ -1,5 +1,5 @@
-//! `metrics.json`: how well a network predicts the test part, beside what can be predicted without
-//! it.
+//! `metrics.json`: how well a network predicts the test part, compared with predictions without a
+//! network.
 
 use anyhow::{Context, Result};
 use protomer_io::atomic::write_atomically;
@@ -21,21 +21,21 @@ use std::path::Path;
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Parts {
-    /// Samples that weights were fitted to.
+    /// Samples that the weights were fitted to.
     pub training: usize,
-    /// Samples that the epoch and the temperature were chosen on.
+    /// Samples on which the epoch and the temperature were chosen.
     pub validation: usize,
-    /// Samples that all scores here are of.
+    /// Samples of the test part, to which all scores refer.
     pub test: usize,
     /// Clusters of the test part.
     pub test_clusters: usize,
 }
 
-/// What is predicted without a network.
+/// Scores of a prediction without a network.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BaselineScores {
-    /// Share of samples predicted right.
+    /// Share of correct predictions.
     pub accuracy: f64,
     /// Mean recall.
     pub balanced_accuracy: f64,
@@ -55,13 +55,13 @@ pub struct Metrics {
     pub version: String,
     /// Names of the classes, in the order of every list and matrix below.
     pub classes: Vec<String>,
-    /// Names of the channels the network saw.
+    /// Names of the network's input channels.
     pub channels: Vec<String>,
     /// Samples in each part.
     pub samples: Parts,
-    /// Share of samples predicted right; it means nothing without `majority_accuracy`.
+    /// Share of correct predictions; compare it with `majority_accuracy`.
     pub accuracy: f64,
-    /// The accuracy of always naming the most frequent class of the training part.
+    /// The accuracy of always predicting the most frequent class of the training part.
     pub majority_accuracy: f64,
     /// Mean recall over the classes.
     pub balanced_accuracy: f64,
@@ -75,7 +75,7 @@ pub struct Metrics {
     pub log_loss_nats: f64,
     /// Cross entropy of the shares of the classes in the training part, nats.
     pub prior_log_loss_nats: f64,
-    /// `prior_log_loss_nats` - `log_loss_nats`: what was learnt, per sample.
+    /// `prior_log_loss_nats` - `log_loss_nats`: the information learnt per sample.
     pub nats_gained_over_prior: f64,
     /// Brier score.
     pub brier: f64,
@@ -87,7 +87,7 @@ pub struct Metrics {
     pub confusion_matrix: Vec<Vec<f64>>,
     /// Confidence and accuracy, bin by bin.
     pub reliability: Vec<ReliabilityBin>,
-    /// What is predicted without a network, by name.
+    /// Scores of predictions without a network, by name.
     pub baselines: BTreeMap<String, BaselineScores>,
     /// 95 % intervals.
     pub bootstrap_95: Intervals,
@@ -107,26 +107,26 @@ pub struct Metrics {
     pub best_epoch: usize,
     /// Epochs done.
     pub epochs: usize,
-    /// Numbers that training fits.
+    /// Number of fitted parameters.
     pub parameters: usize,
     /// Samples left out, and why.
     pub quarantined: Vec<Quarantined>,
-    /// Labels that were too rare for a class of their own and became "other".
+    /// Labels too rare for a separate class, merged into "other".
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub other_labels: Vec<LabelCount>,
     /// Classes whose samples all belong to one cluster: a split by cluster cannot both train and
     /// test them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub single_cluster_classes: Vec<String>,
-    /// All subsets of the channels, where asked for.
+    /// All subsets of the channels, if requested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ablation: Option<Ablation>,
-    /// What was expected, for a control.
+    /// The verdict, for a control.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub control: Option<super::control::ControlReport>,
 }
 
-/// What the scores are made from.
+/// The data that the scores are computed from.
 #[derive(Debug)]
 pub struct Predictions<'a> {
     /// All samples of the set.
@@ -141,19 +141,19 @@ pub struct Predictions<'a> {
     pub split: &'a Split,
     /// Probabilities of the test part, in its order, samples x classes.
     pub probabilities: &'a [f64],
-    /// Temperature they have.
+    /// Temperature of these probabilities.
     pub temperature: f64,
     /// Samples left out.
     pub quarantined: &'a [Quarantined],
-    /// Labels that became "other".
+    /// Labels that were merged into "other".
     pub other_labels: &'a [LabelCount],
-    /// Classes that live in one cluster, where clusters stay together.
+    /// Classes confined to one cluster, if clusters stay together.
     pub single_cluster_classes: &'a [String],
     /// Epochs done.
     pub epochs: usize,
     /// The epoch whose weights were kept.
     pub best_epoch: usize,
-    /// Numbers that training fits.
+    /// Number of fitted parameters.
     pub parameters: usize,
     /// Exchanges of labels for the permutation test.
     pub permutations: usize,
@@ -162,10 +162,10 @@ pub struct Predictions<'a> {
 }
 
 impl Predictions<'_> {
-    /// Scores everything.
+    /// Computes all scores.
     ///
     /// # Errors
-    /// If there is nothing to score, or a description is not finite.
+    /// If there is nothing to score, or a descriptor is not finite.
     pub fn metrics(&self) -> Result<Metrics> {
         let predictions = TestPredictions {
             descriptions: self.descriptions,
@@ -233,7 +233,7 @@ impl Predictions<'_> {
     /// `predictions.csv`: one row per sample of the test part.
     ///
     /// # Errors
-    /// If the disk does not take it.
+    /// If the file cannot be written.
     pub fn write_csv(&self, path: &Path) -> Result<()> {
         let fixed = ["name", "cluster", "label", "predicted"].map(str::to_owned);
         let mut table = Table::new(
@@ -280,7 +280,7 @@ impl BaselineScores {
 }
 
 impl Metrics {
-    /// What a training of this seed brings to an ablation.
+    /// The contribution of a training with this seed to an ablation.
     pub(super) fn ablation_run(&self, seed: u64) -> AblationRun {
         AblationRun {
             channels: self.channels.clone(),
@@ -295,17 +295,17 @@ impl Metrics {
     /// Writes `metrics.json` into a directory.
     ///
     /// # Errors
-    /// If the disk does not take it.
+    /// If the file cannot be written.
     pub fn write(&self, directory: &Path) -> Result<()> {
         let text = serde_json::to_string_pretty(self).context("metrics.json")?;
         write_atomically(&directory.join(FILE_NAME), |file| writeln!(file, "{text}"))?;
         Ok(())
     }
 
-    /// The metrics of a directory, if its training is done.
+    /// Reads the metrics of a directory, if its training is done.
     ///
     /// # Errors
-    /// If there are some and they cannot be read.
+    /// If the file exists but cannot be read.
     pub fn read(directory: &Path) -> Result<Option<Self>> {
         Ok(read_json_if_present(&directory.join(FILE_NAME))?)
     }

@@ -1,5 +1,4 @@
-//! Training a network in a directory: start or continue, evaluate beside baselines, write the
-//! results.
+//! Training a network in a directory: start or continue, compare with baselines, write the results.
 //!
 //! ```text
 //! DIR/settings.toml  metrics.json  model.safetensors  history.csv  learning_curve.svg
@@ -10,13 +9,13 @@
 //!
 //! | module | one idea |
 //! |---|---|
-//! | `settings` | what is trained, on what, and how |
-//! | `source` | where samples come from |
+//! | `settings` | the settings of a training |
+//! | `source` | the source of the samples |
 //! | `run` | one training: the loop, checkpoints, results |
 //! | `trained_on` | which structures a network has seen |
 //! | `job` | a training with its ablation; a control with its experiments |
-//! | `metrics` | scores beside baselines |
-//! | `summary` | the scores as lines for a reader |
+//! | `metrics` | scores compared with baselines |
+//! | `summary` | the scores as text |
 //! | `ablation`, `control`, `figure` | tables of channels, verdicts on controls, the learning curve |
 
 mod ablation;

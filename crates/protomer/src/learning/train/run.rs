@@ -1,4 +1,4 @@
-//! One training in its directory: start or continue, save every so often, write the results.
+//! One training in its directory: start or continue, save regularly, write the results.
 
 use super::figure::learning_curve;
 use super::metrics::{Metrics, Predictions};
@@ -30,7 +30,7 @@ use std::path::{Path, PathBuf};
 
 /// The trained network, with its scaling and its classes.
 pub const MODEL: &str = "model.safetensors";
-/// What was trained on what.
+/// The settings of the training.
 pub const SETTINGS: &str = "settings.toml";
 const HISTORY: &str = "history.csv";
 const PREDICTIONS: &str = "predictions.csv";
@@ -68,9 +68,9 @@ pub struct Prepared<'a> {
     pub split: Split,
     /// Samples left out.
     pub quarantined: Vec<Quarantined>,
-    /// Labels that were too rare and became "other".
+    /// Labels too rare for a separate class, merged into "other".
     pub other_labels: Vec<LabelCount>,
-    /// Where clusters stay together: classes that live in one cluster.
+    /// If clusters stay together: classes confined to one cluster.
     pub single_cluster_classes: Vec<String>,
 }
 
@@ -78,7 +78,7 @@ impl<'a> Prepared<'a> {
     /// Applies target and split to a set.
     ///
     /// # Errors
-    /// If fewer than two classes are left, or clusters are too few for the split.
+    /// If fewer than two classes remain, or there are too few clusters for the split.
     pub fn new(settings: &TrainSettings, set: &'a dyn SampleSource) -> Result<Self> {
         let target = settings.target;
         let mut quarantined = Vec::new();
@@ -184,10 +184,10 @@ impl<'a> Prepared<'a> {
     }
 }
 
-/// Whether a training of these settings can begin.
+/// Checks that a training with these settings can begin.
 ///
 /// # Errors
-/// Says what does not fit together.
+/// Says which settings are inconsistent.
 pub fn check(settings: &TrainSettings, prepared: &Prepared) -> Result<()> {
     if settings.training.epochs == 0 {
         bail!("epochs is 0; give 1 or more");
@@ -218,7 +218,7 @@ fn training<'a>(
     }
 }
 
-/// A training of a set to its last epoch.
+/// A training on a set, up to its last epoch.
 pub struct TrainingRun<'a> {
     settings: &'a TrainSettings,
     prepared: &'a Prepared<'a>,
@@ -228,7 +228,7 @@ pub struct TrainingRun<'a> {
     identity: String,
 }
 
-/// How far a training has come.
+/// The state of a training.
 #[derive(Debug, Default)]
 pub struct Epochs {
     /// The state after the last epoch.
@@ -238,11 +238,11 @@ pub struct Epochs {
     has_ended_early: bool,
 }
 
-/// A checkpoint of the engine: a format of its own, which knows what it belongs to.
+/// A checkpoint of the engine, in the engine's own format, which identifies its training.
 #[derive(Debug, Clone)]
 pub struct EngineCheckpoint {
     bytes: Vec<u8>,
-    /// The file it was read from, for messages.
+    /// The file it was read from, for error messages.
     origin: Option<PathBuf>,
 }
 
@@ -265,10 +265,10 @@ impl Checkpoint for EngineCheckpoint {
 }
 
 impl<'a> TrainingRun<'a> {
-    /// A training to the epoch of the settings.
+    /// A training up to the epoch of the settings.
     ///
     /// # Errors
-    /// If the settings cannot be written down.
+    /// If the settings cannot be serialised.
     pub fn new(
         settings: &'a TrainSettings,
         prepared: &'a Prepared<'a>,
@@ -284,7 +284,7 @@ impl<'a> TrainingRun<'a> {
         })
     }
 
-    /// The same training, to another epoch.
+    /// The same training, up to another epoch.
     pub fn until_epoch(mut self, epoch: usize) -> Self {
         self.training.epochs = epoch;
         self
@@ -295,10 +295,10 @@ impl<'a> TrainingRun<'a> {
         training(self.prepared, &self.network, &self.training, device)
     }
 
-    /// The network after the best epoch so far, and how it came about.
+    /// The network after the best epoch so far, with the history of its training.
     ///
     /// # Errors
-    /// If the checkpoint is that of another training.
+    /// If the checkpoint belongs to another training.
     pub fn trained(&self, epochs: &Epochs) -> Result<Trained> {
         self.train(epochs, &mut ())
     }
@@ -360,8 +360,8 @@ impl Run for TrainingRun<'_> {
         }
     }
 
-    /// One epoch. The engine picks up its own checkpoint again each time, which costs next to
-    /// nothing beside an epoch.
+    /// Trains one epoch. The engine resumes from its checkpoint every time, at negligible
+    /// cost compared with an epoch.
     fn advance(&self, epochs: &mut Epochs, turn: &Turn<'_>) -> Result<()> {
         let mut one = OneEpoch {
             turn,
@@ -395,18 +395,19 @@ impl Run for TrainingRun<'_> {
         Ok(Value::Null)
     }
 
-    /// The metrics are written last: they say that everything is done, whatever the record says.
+    /// The metrics are written last: their presence marks a finished training, whatever the record
+    /// states.
     fn finished(&self, directory: &Path, _record: Option<&Record>) -> Result<Option<Metrics>> {
         Metrics::read(directory)
     }
 
-    /// What was reached is kept, also where training failed.
+    /// Progress is kept even if training failed.
     fn rescue(&self, epochs: &mut Epochs) -> Option<EngineCheckpoint> {
         epochs.checkpoint.clone()
     }
 }
 
-/// Ends a training after one epoch, or when asked in the middle of it.
+/// Ends a training after one epoch, or on request in the middle of it.
 struct OneEpoch<'a> {
     turn: &'a Turn<'a>,
     checkpoint: Option<Vec<u8>>,
@@ -433,7 +434,7 @@ impl Observer for OneEpoch<'_> {
 /// Trains or continues in a directory and scores the result.
 ///
 /// # Errors
-/// For settings that make no sense, a directory that holds something else, and a full disk.
+/// For invalid settings, a directory that holds something else, or a file that cannot be written.
 pub fn train_in(
     settings: &TrainSettings,
     set: &dyn SampleSource,
@@ -446,14 +447,14 @@ pub fn train_in(
     let run = TrainingRun::new(settings, &prepared, device.clone())?;
     let _ours = ResultsDirectory::enter(path, &LAYOUT, settings, &run.identity, execution)?;
     let end = drive(&run, path, execution)?;
-    // Earlier versions did not write it.
+    // Earlier versions did not write this file.
     if matches!(end, End::Finished(_)) && TrainedOn::read(path)?.is_none() {
         note_samples(settings, &prepared, path)?;
     }
     Ok(end)
 }
 
-/// Writes down which structures the network has seen. A control has none.
+/// Records the structures that the network has seen. A control has none.
 fn note_samples(settings: &TrainSettings, prepared: &Prepared, path: &Path) -> Result<()> {
     match settings.source {
         Source::Set { .. } => TrainedOn::of(prepared).write(path),
@@ -528,7 +529,7 @@ fn write_results(
     Ok(metrics)
 }
 
-/// `learning_curve.svg`, with what the prior gives on the validation part.
+/// `learning_curve.svg`, with the loss of the prior on the validation part.
 fn write_curve(
     settings: &TrainSettings,
     prepared: &Prepared,

@@ -1,4 +1,4 @@
-//! What is trained, on what, and how: `settings.toml`.
+//! The settings of a training: `settings.toml`.
 
 use anyhow::Result;
 use protomer_learn::block::BlockSettings;
@@ -11,24 +11,24 @@ use protomer_results::{Settings, keys};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// Where samples come from.
+/// The source of the samples.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Source {
-    /// A set on the disk.
+    /// A set on disk.
     Set {
         /// The zarr group.
         path: PathBuf,
-        /// Digest of what it holds, so that a changed set is noticed.
+        /// Digest of the content, to detect changes.
         digest: String,
     },
     /// A synthetic set.
     Control {
         /// Which.
         name: Control,
-        /// How its samples are placed.
+        /// Form of the control.
         variant: Variant,
-        /// Samples in all.
+        /// Total number of samples.
         samples: usize,
         /// Voxels along each edge.
         size: usize,
@@ -37,8 +37,8 @@ pub enum Source {
     },
 }
 
-/// Sets with the same content are equal, wherever they lie. So a training continues after its set
-/// has moved, or on a machine that mounts it elsewhere.
+/// Sets with the same content are equal, whatever their path. So a training continues after its
+/// set has been moved, or on a machine that mounts it elsewhere.
 impl PartialEq for Source {
     fn eq(&self, other: &Self) -> bool {
         let control = |source: &Self| match source {
@@ -67,7 +67,7 @@ impl Source {
         }
     }
 
-    /// Where a set lies; empty for a synthetic one.
+    /// The path of a set; empty for a synthetic one.
     pub fn path(&self) -> &Path {
         match self {
             Self::Set { path, .. } => path,
@@ -86,38 +86,38 @@ impl Source {
     }
 }
 
-/// How samples are dealt out to training, validation and test.
+/// How samples are divided into training, validation and test parts.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SplitBy {
-    /// Whole clusters: relatives never stand on both sides.
+    /// By whole clusters: relatives are never on both sides.
     #[default]
     Cluster,
-    /// One by one: what leaks is what it scores above a split by cluster.
+    /// One by one: scores above those of a split by cluster measure leakage.
     Sample,
 }
 
-/// Settings of one training. The same settings give the same weights, on any number of threads.
+/// Settings of one training. The same settings give the same weights on any number of threads.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrainSettings {
-    /// What is to be predicted.
+    /// The quantity to predict.
     pub target: Target,
-    /// Classes with fewer samples become one class together.
+    /// Classes with fewer samples are merged into one class.
     pub least_samples: usize,
-    /// What stays together in the split.
+    /// The unit of the split.
     pub split_by: SplitBy,
-    /// Seed of the split; without it, that of the training. Settings that a search has found keep
-    /// the split of the search: another split could test samples on which they were chosen.
+    /// Seed of the split; by default that of the training. Settings found by a search keep the
+    /// split of the search: another split could test samples on which they were chosen.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub split_seed: Option<u64>,
     /// Exchanges of labels in the permutation test.
     pub permutations: usize,
     /// Whether predictions are averaged over the 24 rotations of the cube.
     pub rotations: bool,
-    /// What follows the last block.
+    /// The pooling after the last block.
     pub pooling: GlobalPooling,
-    /// Where samples come from.
+    /// The source of the samples.
     pub source: Source,
     /// Shares of the parts.
     pub fractions: Fractions,
@@ -128,7 +128,7 @@ pub struct TrainSettings {
 }
 
 impl Settings for TrainSettings {
-    /// Without the path of the set: a set is what it holds, wherever it lies.
+    /// Excludes the path of the set: a set is identified by its content.
     fn essential(&self) -> Self {
         Self {
             source: self.source.without_path(),
@@ -146,7 +146,7 @@ impl TrainSettings {
         Ok(keys::read_toml(path)?)
     }
 
-    /// The network for so many classes.
+    /// The network for a number of classes.
     pub fn network(&self, classes: usize) -> NetworkSettings {
         let blocks = self.blocks.clone();
         NetworkSettings {
@@ -157,10 +157,10 @@ impl TrainSettings {
         }
     }
 
-    /// The usual settings for a set on the disk with these channels.
+    /// The default settings for a set on disk with these channels.
     ///
     /// # Errors
-    /// Never as they are.
+    /// Never for the default settings.
     pub fn of_set(source: Source, channels: Vec<String>) -> Result<Self> {
         Ok(Self {
             target: Target::Label,

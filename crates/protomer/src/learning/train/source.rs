@@ -1,4 +1,4 @@
-//! Where samples come from: a set on the disk, or a control.
+//! The source of samples: a set on disk, or a control.
 
 use super::settings::Source;
 use crate::voxels::samples::VoxelSet;
@@ -10,7 +10,7 @@ use std::path::Path;
 /// The samples that settings name.
 ///
 /// # Errors
-/// If a set on the disk cannot be read, or is not the one of the settings.
+/// If a set on disk cannot be read, or is not the one in the settings.
 pub fn samples_of(source: &Source) -> Result<Box<dyn SampleSource>> {
     match source {
         Source::Control {
@@ -35,8 +35,8 @@ pub fn samples_of(source: &Source) -> Result<Box<dyn SampleSource>> {
     }
 }
 
-/// A set on the disk, and what settings say of it. The digest covers what is known of each sample,
-/// how many voxels it has, and how the set was made; not every value.
+/// Opens a set on disk and describes it for settings. The digest covers the metadata of each
+/// sample, its number of voxels, and how the set was made, but not every value.
 ///
 /// # Errors
 /// If it cannot be read, or has no samples.
@@ -59,7 +59,7 @@ pub fn open_set(path: &Path) -> Result<(Source, VoxelSet)> {
         set.descriptions(),
         voxels,
     );
-    let digest = sha256_hex(&serde_json::to_vec(&known).context("the set cannot be summed up")?);
+    let digest = sha256_hex(&serde_json::to_vec(&known).context("the set cannot be described")?);
     let path = path
         .canonicalize()
         .with_context(|| format!("cannot read {}", path.display()))?;

@@ -1,5 +1,5 @@
-//! The scores of a training as lines for a reader: the network beside what is predicted without
-//! one, on the same split.
+//! The scores of a training as text: the network compared with predictions without one, on the
+//! same split.
 
 use super::ablation_summary;
 use super::metrics::{BaselineScores, Metrics};
@@ -8,11 +8,11 @@ use protomer_learn::bootstrap::Interval;
 use protomer_learn::evaluation::Intervals;
 use protomer_learn::targets::{LabelCount, OTHER};
 
-/// Classes up to which the confusion matrix is shown.
+/// Largest number of classes for which the confusion matrix is shown.
 const MOST_CLASSES_SHOWN: usize = 12;
 
 impl Answer for Metrics {
-    /// The accuracy never stands without the majority's.
+    /// The accuracy is never shown without that of the majority class.
     fn text(&self) -> String {
         let mut parts = vec![head(self), scores(self), intervals(self), calibration(self)];
         parts.extend((self.classes.len() <= MOST_CLASSES_SHOWN).then(|| confusion(self)));
@@ -84,7 +84,8 @@ fn scores(metrics: &Metrics) -> String {
         ];
         let mut row = vec![name.replace('_', " ")];
         row.extend(shares.map(|share| format!("{share:.3}")));
-        // Naming always one class gives the others probability 0: its log-loss has no meaning.
+        // Always predicting one class gives the others probability 0, so its log-loss is
+        // meaningless.
         let (loss, gained) = if name == "majority" {
             ("-".into(), "-".into())
         } else {
@@ -124,7 +125,7 @@ fn intervals(metrics: &Metrics) -> String {
     } else {
         format!("{:.3}", metrics.permutation_p)
     };
-    // Each score stands beside the majority's on the same scale.
+    // Each score is shown beside that of the majority class.
     let majority = metrics.baselines.get("majority");
     let majority_balanced = majority.map_or(f64::NAN, |majority| majority.balanced_accuracy);
     format!(
@@ -155,7 +156,7 @@ fn confusion(metrics: &Metrics) -> String {
     let mut rows = vec![head];
     for (class, counts) in metrics.classes.iter().zip(&metrics.confusion_matrix) {
         let mut row = vec![class.clone()];
-        // Weights of copies of one crystal form make parts of samples.
+        // Copies of one crystal form share a weight of 1, so counts can be fractional.
         row.extend(
             counts
                 .iter()

@@ -1,5 +1,5 @@
-//! `trained_on.json`: which structures a network has seen, so that none of them is scored as if it
-//! were new.
+//! `trained_on.json`: the structures that a network has seen, so that none of them is scored as
+//! new.
 
 use super::run::Prepared;
 use anyhow::{Context, Result};
@@ -11,17 +11,17 @@ use std::path::Path;
 /// The file's name in the directory of a training.
 pub const TRAINED_ON: &str = "trained_on.json";
 
-/// The samples from which a network was made.
+/// The samples that a network was trained on.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrainedOn {
-    /// Weights were fitted to these.
+    /// The samples that the weights were fitted to.
     pub training: Vec<Seen>,
-    /// Epoch and temperature were chosen on these.
+    /// The samples on which epoch and temperature were chosen.
     pub validation: Vec<Seen>,
 }
 
-/// A structure that a network has seen.
+/// A structure seen by a network.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Seen {
@@ -54,10 +54,11 @@ impl TrainedOn {
         }
     }
 
-    /// Reads them from the directory of a training. `None` if an earlier version trained there.
+    /// Reads the file from the directory of a training. `None` if an earlier version ran the
+    /// training.
     ///
     /// # Errors
-    /// Names the file that is damaged.
+    /// Names the damaged file.
     pub fn read(directory: &Path) -> Result<Option<Self>> {
         let path = directory.join(TRAINED_ON);
         let bytes = match std::fs::read(&path) {
@@ -70,7 +71,7 @@ impl TrainedOn {
         let damaged = || {
             let name = path.display();
             format!(
-                "{name} is damaged; remove it and repeat the train command, which writes it anew"
+                "{name} is damaged; remove it and repeat the train command, which writes it again"
             )
         };
         serde_json::from_slice(&bytes)
@@ -78,19 +79,19 @@ impl TrainedOn {
             .with_context(damaged)
     }
 
-    /// Writes them into the directory of a training.
+    /// Writes the file into the directory of a training.
     ///
     /// # Errors
-    /// If the disk is full.
+    /// If the file cannot be written.
     pub fn write(&self, directory: &Path) -> Result<()> {
-        let bytes =
-            serde_json::to_vec(self).context("what was trained on cannot be written down")?;
+        let bytes = serde_json::to_vec(self)
+            .context("the list of training samples cannot be serialised")?;
         Ok(write_atomically(&directory.join(TRAINED_ON), |file| {
             file.write_all(&bytes)
         })?)
     }
 
-    /// All of both parts.
+    /// The samples of both parts.
     pub fn samples(&self) -> impl Iterator<Item = &Seen> {
         self.training.iter().chain(&self.validation)
     }

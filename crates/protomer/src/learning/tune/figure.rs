@@ -1,11 +1,11 @@
-//! `trials.svg`: what each trial of a search came to against its learning rate, by the epochs it
-//! was given.
+//! `trials.svg`: the result of each trial of a search against its learning rate, by number of
+//! epochs.
 
 use crate::learning::tune::Trial;
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
 use std::collections::BTreeSet;
 
-/// The figure of a search; trials that diverged are not in it.
+/// The figure of a search, without diverged trials.
 pub fn figure(trials: &[Trial], channels: &[String]) -> Figure {
     let finite: Vec<&Trial> = trials
         .iter()

@@ -1,12 +1,12 @@
-//! A search for settings in its directory: many trials with settings drawn at random, and early
-//! stopping of the losers by successive halving ([`protomer_learn::halving`]).
+//! A search for settings in its directory: many trials with random settings, and early
+//! stopping of the worst by successive halving ([`protomer_learn::halving`]).
 //!
 //! Trials are compared by their smallest validation loss. No trial looks at the test part.
 //!
 //! ```text
 //! DIR/settings.toml  trials.csv  trials.svg  best.toml
 //! DIR/trials/0007.bin     the checkpoint of trial 7
-//! DIR/trials/0007-3.toml  what it had reached at the rung of 3 epochs
+//! DIR/trials/0007-3.toml  its result at the rung of 3 epochs
 //! ```
 
 pub mod figure;
@@ -38,7 +38,7 @@ const BEST: &str = "best.toml";
 /// The figure of a search.
 const FIGURE: &str = "trials.svg";
 
-/// Files and folders of a search.
+/// The files and folders of a search.
 const LAYOUT: Layout = Layout {
     kind: ResultKind::Search,
     settings: "settings.toml",
@@ -53,19 +53,19 @@ const LAYOUT: Layout = Layout {
     is_result: |_| false,
 };
 
-/// What is searched.
+/// The settings of a search.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TuneSettings {
     /// Trials.
     pub trials: usize,
-    /// Epochs of a trial that is never stopped.
+    /// Epochs of a trial that is not stopped early.
     pub epochs: usize,
-    /// Seed of the draws.
+    /// Seed of the random settings.
     pub seed: u64,
-    /// Whether subsets of the channels are tried as well.
+    /// Whether subsets of the channels are tried too.
     pub vary_channels: bool,
-    /// What all trials share; what is drawn replaces it.
+    /// The settings shared by all trials, apart from those drawn at random.
     pub base: TrainSettings,
 }
 
@@ -74,7 +74,7 @@ pub struct TuneSettings {
 pub struct Trial {
     /// Its number.
     pub number: usize,
-    /// How far it came.
+    /// Its progress.
     #[serde(flatten)]
     pub reached: Reached,
     /// Its settings.
@@ -88,14 +88,14 @@ pub struct TuneReport {
     pub best: PathBuf,
     /// All trials, best first.
     pub trials: Vec<Trial>,
-    /// The set as the user named it, for the command that follows.
+    /// The set as named by the user, for the suggested command.
     #[serde(skip)]
     pub set: PathBuf,
     #[serde(skip)]
     channels: Vec<String>,
 }
 
-/// Trials shown to a reader.
+/// Number of trials shown in the text.
 const SHOWN: usize = 10;
 
 impl Answer for TuneReport {
@@ -117,8 +117,8 @@ impl Answer for TuneReport {
             ));
         }
         lines.push(format!(
-            "the validation part chose the best, so its scores there are too good; for scores on the \
-             test part:\nprotomer train {} --config {} -o DIRECTORY",
+            "the best trial was chosen on the validation part, so its scores there are biased; for \
+             scores on the test part:\nprotomer train {} --config {} -o DIRECTORY",
             self.set.display(),
             self.best.display()
         ));
@@ -130,34 +130,34 @@ impl Answer for TuneReport {
     }
 }
 
-/// How far the trials of a part of a search came.
+/// The progress of one part of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct TunePart {
-    /// Which part, from one.
+    /// The number of the part, counted from 1.
     pub shard: usize,
-    /// Of how many.
+    /// The number of parts.
     pub of: usize,
-    /// Whether no trial of the search is left to be trained. Otherwise other parts have to train
-    /// theirs before it is known who goes on.
+    /// Whether all trials of the search are done. Otherwise the other parts must reach the rung
+    /// before the survivors are known.
     pub finished: bool,
 }
 
 impl Answer for TunePart {
     fn text(&self) -> String {
         let state = match self.finished {
-            true => "all trials are done; without --shard: the table",
-            false => "waits for the others; then the same command continues it",
+            true => "all trials are done; run without --shard for the table",
+            false => "waiting for the other parts; run the same command again after them",
         };
         format!("part {} of {}: {state}", self.shard, self.of)
     }
 }
 
-/// How far the trials of a part came.
+/// The progress of the trials of a part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum ShardState {
-    /// No trial of the search is left to be trained.
+    /// All trials of the search are done.
     Complete,
-    /// Other parts have to train theirs before it is known who goes on.
+    /// Other parts must reach the rung before the survivors are known.
     Waiting,
 }
 
@@ -179,7 +179,7 @@ impl TuneSettings {
         Ok(Halving::new(self.trials, self.epochs)?)
     }
 
-    /// All trials before the first epoch.
+    /// All trials, before the first epoch.
     fn draw(&self, size: usize) -> Result<Vec<Trial>> {
         self.halving()?;
         let mut trials = Vec::with_capacity(self.trials);
@@ -207,7 +207,7 @@ impl TuneSettings {
         Ok(settings)
     }
 
-    /// Epochs of all trials together, at most.
+    /// Upper limit for the epochs of all trials together.
     ///
     /// # Errors
     /// For no trials, no epochs, or too many trials.
@@ -216,10 +216,29 @@ impl TuneSettings {
     }
 }
 
-/// Searches or continues in a directory.
+/// Runs or continues a search in a directory.
 ///
 /// # Errors
-/// For settings that make no sense, a directory that holds other work, and a full disk.
+/// For invalid settings, a directory that holds other work, or a file that cannot be written.
+///
+/// ```no_run
+/// use protomer::learning::train::{TrainSettings, channels_of, open_set};
+/// use protomer::learning::tune::{TuneSettings, tune_in};
+/// use protomer_learn::device::DeviceChoice;
+/// use protomer_results::Execution;
+/// use std::path::Path;
+/// let (source, set) = open_set(Path::new("set.zarr"))?;
+/// let settings = TuneSettings {
+///     trials: 27,
+///     epochs: 27,
+///     seed: 1,
+///     vary_channels: false,
+///     base: TrainSettings::of_set(source, channels_of(&set))?,
+/// };
+/// let device = DeviceChoice::Cpu.open()?;
+/// tune_in(&settings, &set, Path::new("search"), &device, &Execution::default())?;
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn tune_in(
     settings: &TuneSettings,
     set: &dyn SampleSource,
@@ -246,8 +265,8 @@ pub fn tune_in(
 }
 
 /// Trains the trials of one part, while other processes train those of other parts in the same
-/// directory. It returns when other parts must finish before it is known who goes on. Call it for
-/// all parts until all are finished; then [`tune_in`] has nothing left to train.
+/// directory. Returns when the other parts must catch up before the survivors of a rung are known.
+/// Call it for all parts until all are finished; then [`tune_in`] has nothing left to train.
 ///
 /// # Errors
 /// As for [`tune_in`].
@@ -278,7 +297,7 @@ pub fn tune_shard(
     if standing.rung.is_none() {
         return Ok(End::Finished(part(ShardState::Complete)));
     }
-    // Preparing a set reads all of it: not if there is nothing to train.
+    // Preparing a set reads all of it, so skip it if there is nothing to train.
     if !standing.behind.iter().any(|place| shard.has(*place)) {
         return Ok(End::Finished(part(ShardState::Waiting)));
     }
@@ -297,7 +316,7 @@ fn work(settings: &TuneSettings) -> Result<Work> {
     })
 }
 
-/// The set as all trials see it, after a check that each can begin.
+/// Prepares the set for all trials and checks that each of them can begin.
 fn prepare<'a>(
     settings: &TuneSettings,
     trials: &[Trial],
@@ -352,8 +371,8 @@ impl Search<'_> {
         Ok(End::Finished(report))
     }
 
-    /// Trains the trials of a part rung after rung, until others have to reach one. Calls
-    /// `after_rung` after each.
+    /// Trains the trials of a part rung by rung, until it has to wait for other parts.
+    /// Calls `after_rung` after each rung.
     fn train(
         &self,
         prepared: &Prepared,
@@ -394,7 +413,7 @@ impl Search<'_> {
         epochs: Range<usize>,
         hold: Hold,
     ) -> Result<End<()>> {
-        // Where the search is shared, a process that counts as lost may still be at work.
+        // In a shared search, a process presumed lost may still be at work.
         let _alone = match hold {
             Hold::Shared => Some(self.records.hold(trial)?),
             Hold::Alone => None,
@@ -406,7 +425,7 @@ impl Search<'_> {
         let reached = match self.train_to(trial, prepared, epochs) {
             Ok(End::Finished(history)) => Reached::at(&history, rung),
             Ok(End::Stopped) => return Ok(End::Stopped),
-            // Settings under which training diverges have lost; the search goes on.
+            // Settings for which training diverges are out; the search continues.
             Err(error) if matches!(error.downcast_ref(), Some(LearnError::Diverged(_))) => {
                 Reached {
                     epochs: trial.reached.epochs,

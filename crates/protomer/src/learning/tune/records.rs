@@ -1,11 +1,11 @@
-//! Where a search stands: a record of each trial at each rung that it reached.
+//! The state of a search: a record of each trial at each rung it has reached.
 //!
-//! Who goes on follows from the records alone. So processes that train different trials share
-//! nothing but the folder.
+//! The survivors follow from the records alone, so processes that train different trials
+//! share nothing but the folder.
 //!
 //! ```text
 //! DIR/trials/0007.bin      checkpoint
-//! DIR/trials/0007-3.toml   what trial 7 had reached after 3 epochs
+//! DIR/trials/0007-3.toml   the result of trial 7 after 3 epochs
 //! ```
 
 use crate::learning::tune::{Trial, TuneSettings};
@@ -23,35 +23,35 @@ pub(crate) struct Records {
     folder: PathBuf,
 }
 
-/// Where a search stands.
+/// The state of a search.
 pub(crate) struct Standing {
-    /// Trials that are still in, best first; in their order before the first rung.
+    /// Trials still in the running, best first; in their original order before the first rung.
     pub running: Vec<Trial>,
-    /// Trials that are out, best first.
+    /// Eliminated trials, best first.
     pub ended: Vec<Trial>,
-    /// The epochs to the rung that some have not reached; `None` at the end.
+    /// The epochs of the next rung; `None` at the end.
     pub rung: Option<Range<usize>>,
-    /// Places in `running` of those who have not.
+    /// Indices into `running` of the trials that have not reached it.
     pub behind: Vec<usize>,
-    /// Epochs of all records.
+    /// Total epochs of all records.
     pub epochs: u64,
 }
 
 impl Records {
-    /// The records of a search in a directory. Makes their folder.
+    /// Opens the records of a search in a directory, and creates their folder.
     pub fn open(path: &Path) -> Result<Self> {
         let folder = path.join("trials");
         std::fs::create_dir_all(&folder)
-            .with_context(|| format!("cannot make the directory {}", folder.display()))?;
+            .with_context(|| format!("cannot create the directory {}", folder.display()))?;
         Ok(Self { folder })
     }
 
-    /// Removes what killed processes left half written. No other process may be at work.
+    /// Removes incomplete files left by killed processes. No other process may be at work.
     pub fn tidy(&self) -> Result<()> {
         Ok(remove_abandoned(&self.folder)?)
     }
 
-    /// Where they are.
+    /// The folder of the records.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
@@ -61,7 +61,7 @@ impl Records {
         self.folder.join(format!("{:04}.bin", trial.number))
     }
 
-    /// Holds a trial, for as long as the file lives.
+    /// Locks a trial for as long as the file is open.
     pub fn hold(&self, trial: &Trial) -> Result<File> {
         let file = self.folder.join(format!(".{:04}.lock", trial.number));
         Ok(lock_file(&file, Hold::Alone)?)
@@ -71,7 +71,7 @@ impl Records {
         self.folder.join(format!("{:04}-{rung}.toml", trial.number))
     }
 
-    /// Writes down what a trial has reached at a rung.
+    /// Records the result of a trial at a rung.
     pub fn keep(&self, trial: &Trial, reached: &Reached, rung: usize) -> Result<()> {
         let text = toml::to_string(reached).context("cannot write the record of a trial")?;
         Ok(write_atomically(&self.path(trial, rung), |out| {
@@ -79,7 +79,7 @@ impl Records {
         })?)
     }
 
-    /// What a trial had reached at a rung, if it came so far.
+    /// The result of a trial at a rung, if it got that far.
     pub fn of(&self, trial: &Trial, rung: usize) -> Result<Option<Reached>> {
         let path = self.path(trial, rung);
         let text = match std::fs::read_to_string(&path) {
@@ -92,7 +92,7 @@ impl Records {
         Ok(Some(keys::from_toml(&path, &text)?))
     }
 
-    /// Where the search of these trials stands.
+    /// The state of the search over these trials.
     pub fn standing(&self, settings: &TuneSettings, trials: &[Trial]) -> Result<Standing> {
         let plan = settings.halving()?;
         let standing = plan.standing(|number, rung| self.of(&trials[number], rung))?;

@@ -1,15 +1,15 @@
-//! `log.csv` of a simulation: one row of observables every so many sweeps of production.
+//! `log.csv` of a simulation: one row of observables at regular intervals of production.
 
 use protomer_results::Row;
 
 /// One row of the log.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LogRow {
-    /// Sweeps of production done.
+    /// Production sweeps done.
     pub sweep: u64,
     /// Radius of gyration of the body positions, Å.
     pub r_g_angstrom: f64,
-    /// Fraction of the contacts of the start that are still there; NaN where the start had none.
+    /// Fraction of the initial contacts that persist; NaN if there were none initially.
     pub native_contacts: f64,
     /// Bodies in the largest cluster.
     pub largest_cluster: usize,
@@ -31,7 +31,7 @@ impl Row for LogRow {
         ]
     }
 
-    // Rust prints the shortest decimal that reads back as the same number, so nothing is lost.
+    // Rust prints the shortest decimal that reads back as the same number, so no precision is lost.
     fn to_line(&self) -> String {
         format!(
             "{},{},{},{},{},{}",

@@ -1,4 +1,4 @@
-//! Simulations of an assembly: what they share, their settings, and one of them in its directory.
+//! Simulations of an assembly: their engine, their settings, and one simulation in its directory.
 
 mod engine;
 mod log;

@@ -28,8 +28,8 @@ pub struct Replica<'a> {
     pub settings: &'a RunSettings,
     /// The medium at this salt concentration.
     pub interaction: ScreenedCoulomb,
-    /// Index of the salt concentration: part of the random stream, so that no two simulations share
-    /// one.
+    /// Index of the salt concentration. Part of the random stream, which is thus unique to a
+    /// simulation.
     pub salt_index: u32,
     /// Index of the replica.
     pub replica: u32,
@@ -37,22 +37,22 @@ pub struct Replica<'a> {
     pub identity: &'a str,
 }
 
-/// Accepted fractions of the trial moves of production.
+/// Acceptance ratios of the trial moves of production.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct AcceptedFractions {
-    /// Of the translations.
+    /// Acceptance ratio of translations.
     pub translation_acceptance: f64,
-    /// Of the rotations.
+    /// Acceptance ratio of rotations.
     pub rotation_acceptance: f64,
 }
 
-/// What of the record's details makes the answer.
+/// The details of the record that are part of the answer.
 #[derive(Deserialize)]
 struct Details {
     acceptance: AcceptedFractions,
 }
 
-/// A point from which a simulation continues bit for bit.
+/// A state from which a simulation continues bit for bit.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Saved {
@@ -182,7 +182,7 @@ impl Run for Replica<'_> {
 impl Replica<'_> {
     fn start(&self) -> Result<Simulation> {
         let (engine, settings) = (self.engine, self.settings);
-        // Every simulation of a sweep has a stream of random numbers of its own.
+        // Every simulation of a sweep has its own stream of random numbers.
         let stream = self.salt_index * settings.replicas + self.replica;
         Ok(Simulation::with_model(
             engine.system()?,
@@ -193,7 +193,7 @@ impl Replica<'_> {
         )?)
     }
 
-    /// Writes the row and the frame that are due. Equilibration leaves neither.
+    /// Writes the row and the frame that are due. Equilibration writes neither.
     fn write_outputs(&self, state: &mut State) -> Result<()> {
         let sweep = state.simulation.sweep();
         let production = sweep.saturating_sub(self.settings.equilibration_sweeps);
@@ -227,7 +227,7 @@ impl State {
         }
     }
 
-    /// Mean number of bodies that a cluster move has moved since the last row.
+    /// Mean number of bodies moved per cluster move since the last row.
     fn bodies_per_cluster_move(&mut self) -> f64 {
         let statistics = self.simulation.statistics();
         let counted = (statistics.cluster_moves, statistics.cluster_bodies);
@@ -250,7 +250,7 @@ impl AcceptedFractions {
     }
 }
 
-/// The accepted fraction over all kinds of bodies; zero if nothing was tried.
+/// The acceptance ratio over all kinds of bodies; zero without trials.
 fn accepted_fraction(counts: &[Acceptance]) -> f64 {
     let accepted: u64 = counts.iter().map(|count| count.accepted).sum();
     let trials: u64 = counts.iter().map(|count| count.trials).sum();

@@ -1,13 +1,26 @@
-//! What a run is asked to do: the resolved configuration, as `run.toml` has it.
+//! The settings of a run: the resolved configuration, as stored in `run.toml`.
 
 use crate::stability::interaction::InteractionSettings;
 use anyhow::{Result, bail};
 use protomer_results::Settings;
 use serde::{Deserialize, Serialize};
 
-/// Settings of a simulation or of each simulation of a sweep. Everything that can change a result
-/// is here and nothing else: two runs with equal settings on equal input give equal results on any
-/// number of threads.
+/// Settings of a simulation or of each simulation of a sweep. They contain everything that can
+/// change a result, and nothing else: two runs with equal settings on equal input give equal
+/// results on any number of threads.
+///
+/// ```
+/// use protomer::stability::run::{EnergyMode, RunSettings};
+/// let settings = RunSettings {
+///     salt_molar: vec![0.01, 0.1],
+///     replicas: 3,
+///     energy: EnergyMode::Certified,
+///     ..RunSettings::default()
+/// };
+/// assert_eq!(settings.simulations(), 6);
+/// settings.check()?;
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct RunSettings {
@@ -31,31 +44,30 @@ pub struct RunSettings {
     pub log_every: u64,
     /// Sweeps between two frames of the trajectory; zero for no trajectory.
     pub trajectory_every: u64,
-    /// How energies are computed.
+    /// Energy model.
     pub energy: EnergyMode,
-    /// Largest error of the energy of two bodies, kT, of approximate energies, and of no others;
-    /// [`DEFAULT_TOLERANCE_KT`] where `None`.
+    /// Largest error of the energy of two bodies, kT, for approximate energies only;
+    /// [`DEFAULT_TOLERANCE_KT`] if `None`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerance_kt: Option<f64>,
     /// The medium between the bodies.
     pub medium: InteractionSettings,
 }
 
-/// Largest error of the energy of two bodies, kT, where approximate energies are asked for without
-/// a tolerance.
+/// Default of the largest error of the energy of two bodies, kT, for approximate energies.
 pub const DEFAULT_TOLERANCE_KT: f64 = 1e-3;
 
 /// How pair energies are computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum EnergyMode {
-    /// The plain sum over all pairs of charges.
+    /// The direct sum over all pairs of charges.
     Direct,
-    /// Bounds first, the plain sum where they leave the decision open: the decisions of the plain
-    /// sum.
+    /// Energy bounds first, and the direct sum only if they leave a decision open: the same
+    /// decisions as the direct sum.
     Certified,
-    /// The middle of the bounds, the plain sum for a pair of bodies whose bounds are wider than a
-    /// tolerance.
+    /// The midpoint of the bounds, or the direct sum for a pair of bodies whose bounds exceed
+    /// the tolerance.
     Approximate,
     /// Hard bodies without charges.
     None,
@@ -72,8 +84,8 @@ impl EnergyMode {
         }
     }
 
-    /// The tolerance (kT for each pair of bodies) that energies of this mode are computed to, from
-    /// the one that was asked for, if any; `None` for modes without one.
+    /// The tolerance of energies in this mode, kT per pair of bodies: the requested one or the
+    /// default; `None` for modes without a tolerance.
     ///
     /// # Errors
     /// For a tolerance that is not positive, or given to a mode without one.
@@ -92,8 +104,8 @@ impl EnergyMode {
             }
             (_, None) => Ok(None),
             (mode, Some(tolerance)) => bail!(
-                "a tolerance ({tolerance} kT) is given, and energies are {}; add --energy approximate, or leave the \
-                 tolerance out",
+                "a tolerance ({tolerance} kT) applies to approximate energies only, but energies are {}; add \
+                 --energy approximate, or omit the tolerance",
                 mode.name()
             ),
         }
@@ -119,18 +131,22 @@ impl Default for RunSettings {
     }
 }
 
-/// The name of a salt concentration in a path.
+/// The folder name of a salt concentration.
+///
+/// ```
+/// assert_eq!(protomer::stability::run::salt_label(0.1), "salt_0.100000M");
+/// ```
 pub fn salt_label(salt_molar: f64) -> String {
     format!("salt_{salt_molar:.6}M")
 }
 
-/// A run directory with more folders than this serves nobody.
+/// Upper limit for the number of runs, each of which has a folder.
 const LARGEST_NUMBER_OF_SIMULATIONS: u64 = 100_000;
-/// Runs stop between sweeps, so that a sweep must not last for ever.
+/// Runs stop between sweeps only, so a sweep must not be too long.
 const MOST_CLUSTER_MOVES: u32 = 100_000;
 
 impl Settings for RunSettings {
-    /// Without the number of sweeps: a run of 1000 sweeps can be continued to 2000.
+    /// Excludes the number of sweeps: a run of 1000 sweeps can be continued to 2000.
     fn essential(&self) -> Self {
         Self {
             sweeps: 0,
@@ -177,17 +193,17 @@ impl RunSettings {
             .min(self.total_sweeps())
     }
 
-    /// Checks what the types cannot.
+    /// Checks what the types cannot express.
     ///
     /// # Errors
-    /// Names the setting that makes no sense.
+    /// Names the invalid setting.
     pub fn check(&self) -> Result<()> {
         if self.salt_molar.is_empty() {
             bail!("no salt concentration is given; add --salt 10mM,100mM,300mM");
         }
         if self.medium.debye_length_angstrom.is_some() && self.salt_molar.len() > 1 {
             bail!(
-                "a stated Debye length makes all salt concentrations the same; leave out --debye, or give one salt"
+                "a given Debye length makes all salt concentrations equivalent; omit --debye, or give one salt concentration"
             );
         }
         if let Some(salt) = self
@@ -201,8 +217,8 @@ impl RunSettings {
             let same = |near: &f64| salt_label(*near) == salt_label(*salt);
             if let Some(first) = self.salt_molar[..index].iter().position(same) {
                 bail!(
-                    "salt concentrations {} and {} of the list are the same to 1 µM; list each once, and raise \
-                     --replicas for more simulations of one",
+                    "salt concentrations {} and {} of the list are the same to 1 µM; list each once, and \
+                     raise --replicas for more simulations of it",
                     first + 1,
                     index + 1
                 );
@@ -233,7 +249,7 @@ impl RunSettings {
         }
         if self.sweeps < self.log_every {
             bail!(
-                "sweeps is {} and log_every {}, so the log would have no row; raise --sweeps, or lower --log-every",
+                "sweeps is {} and log_every {}, so the log would have no rows; raise --sweeps, or lower --log-every",
                 self.sweeps,
                 self.log_every
             );

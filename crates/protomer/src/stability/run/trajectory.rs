@@ -1,4 +1,4 @@
-//! `trajectory.gsd`: where every body was, with the meshes to draw.
+//! `trajectory.gsd`: the poses of all bodies, with their meshes.
 
 use crate::assemblies::assembly_file::Assembly;
 use anyhow::Result;
@@ -19,7 +19,7 @@ impl Trajectory {
     /// Opens the trajectory and cuts it to its first `frames` frames (zero starts a new one).
     ///
     /// # Errors
-    /// If the file cannot be written, or holds fewer frames than the checkpoint says.
+    /// If the file cannot be written, or holds fewer frames than the checkpoint records.
     pub fn open(path: &Path, assembly: &Assembly, frames: u64) -> Result<Self> {
         let header = header(assembly);
         let writer = match frames {
@@ -38,10 +38,10 @@ impl Trajectory {
         })
     }
 
-    /// Appends the present state.
+    /// Appends the current state.
     ///
     /// # Errors
-    /// If the disk does not take it.
+    /// If the file cannot be written.
     pub fn append(&mut self, sweep: u64, simulation: &Simulation) -> Result<()> {
         let poses = simulation.system().poses();
         let observables = simulation.observables();
@@ -60,10 +60,10 @@ impl Trajectory {
         })?)
     }
 
-    /// Forces everything onto the disk and returns the number of frames.
+    /// Flushes everything to disk and returns the number of frames.
     ///
     /// # Errors
-    /// If the disk does not take it.
+    /// If the file cannot be written.
     pub fn sync(&mut self) -> Result<u64> {
         self.writer.sync()?;
         Ok(self.writer.frames())

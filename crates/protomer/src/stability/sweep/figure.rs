@@ -1,7 +1,7 @@
-//! The figure of a sweep: radius of gyration and surviving contacts against salt, with every
-//! replica.
+//! The figure of a sweep: radius of gyration and surviving contacts against salt, with
+//! individual replicas.
 
-use super::table::{ReplicaResult, SaltRow, SweepResult};
+use super::table::SweepResult;
 use anyhow::Result;
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
 use std::path::Path;
@@ -9,7 +9,7 @@ use std::path::Path;
 /// Writes `sweep.svg` and `sweep.png` into a directory.
 ///
 /// # Errors
-/// If a figure cannot be drawn or the disk does not take it.
+/// If a figure cannot be drawn or written.
 pub fn write(result: &SweepResult, directory: &Path) -> Result<()> {
     let figure = figure(result);
     figure.write_svg(&directory.join("sweep.svg"))?;
@@ -19,48 +19,65 @@ pub fn write(result: &SweepResult, directory: &Path) -> Result<()> {
 
 /// The figure of a sweep.
 pub fn figure(result: &SweepResult) -> Figure {
-    let r_g = Panel {
+    let mut r_g = named("mean over replicas ± standard deviation");
+    let mut native = named("fraction of the contacts of the start");
+    let (mut all_have_contacts, mut all_have_salt) = (true, true);
+    for (row, replicas) in result.salts.iter().zip(&result.replicas) {
+        let x = 1e3 * row.salt_molar;
+        let has_spread = row.replicas > 1;
+        r_g.points.push(Point {
+            x,
+            y: row.r_g_mean_angstrom,
+            error: has_spread.then_some(row.r_g_sd_angstrom),
+        });
+        native.points.push(Point {
+            x,
+            y: row.native_contacts_mean,
+            error: has_spread.then_some(row.native_contacts_sd),
+        });
+        for replica in replicas {
+            r_g.replicas.push([x, replica.r_g_angstrom.mean]);
+            if let Some(fraction) = &replica.native_contacts {
+                native.replicas.push([x, fraction.mean]);
+            }
+        }
+        all_have_contacts &= row.native_contacts_mean.is_finite();
+        all_have_salt &= row.salt_molar > 0.0;
+    }
+    let mut panels = vec![Panel {
         y: Axis::linear("radius of gyration (Å)"),
-        series: vec![series(
-            result,
-            "mean over replicas ± standard deviation",
-            |row| (row.r_g_mean_angstrom, row.r_g_sd_angstrom),
-            |replica| Some(replica.r_g_angstrom.mean),
-        )],
-    };
-    let native = Panel {
-        y: Axis::linear("native contacts left").with_range(0.0, 1.05),
-        series: vec![series(
-            result,
-            "fraction of the contacts of the start",
-            |row| (row.native_contacts_mean, row.native_contacts_sd),
-            |replica| replica.native_contacts.as_ref().map(|summary| summary.mean),
-        )],
-    };
-    let has_contacts = result
-        .salts
-        .iter()
-        .all(|row| row.native_contacts_mean.is_finite());
-    // Zero salt has no place on a logarithmic axis.
-    let log = result.salts.len() > 1 && result.salts.iter().all(|row| row.salt_molar > 0.0);
-    let x = if log {
-        Axis::log("salt (mM)")
-    } else {
-        Axis::linear("salt (mM)")
+        series: vec![r_g],
+    }];
+    if all_have_contacts {
+        panels.push(Panel {
+            y: Axis::linear("native contacts left").with_range(0.0, 1.05),
+            series: vec![native],
+        });
+    }
+    // Zero salt cannot be shown on a logarithmic axis.
+    let x = match all_have_salt && result.salts.len() > 1 {
+        true => Axis::log("salt (mM)"),
+        false => Axis::linear("salt (mM)"),
     };
     Figure {
         title: "Stability against salt".into(),
         caption: caption(result),
         x,
-        panels: if has_contacts {
-            vec![r_g, native]
-        } else {
-            vec![r_g]
-        },
+        panels,
     }
 }
 
-/// The conditions, without which the curve says nothing.
+/// A line without points.
+fn named(name: &str) -> Series {
+    Series {
+        name: name.into(),
+        points: Vec::new(),
+        replicas: Vec::new(),
+        line: true,
+    }
+}
+
+/// The conditions, which belong to the curve.
 fn caption(result: &SweepResult) -> String {
     let space = match result.box_angstrom {
         Some([x, y, z]) => {
@@ -79,37 +96,4 @@ fn caption(result: &SweepResult) -> String {
         result.settings.sweeps,
         result.settings.seed
     )
-}
-
-fn series(
-    result: &SweepResult,
-    name: &str,
-    mean: fn(&SaltRow) -> (f64, f64),
-    of_replica: fn(&ReplicaResult) -> Option<f64>,
-) -> Series {
-    let millimolar = |row: &SaltRow| 1e3 * row.salt_molar;
-    let points = result.salts.iter().map(|row| {
-        let (y, deviation) = mean(row);
-        Point {
-            x: millimolar(row),
-            y,
-            error: (row.replicas > 1).then_some(deviation),
-        }
-    });
-    let replicas = result
-        .salts
-        .iter()
-        .zip(&result.replicas)
-        .flat_map(|(row, replicas)| {
-            replicas
-                .iter()
-                .filter_map(of_replica)
-                .map(move |y| [millimolar(row), y])
-        });
-    Series {
-        name: name.into(),
-        points: points.collect(),
-        replicas: replicas.collect(),
-        line: true,
-    }
 }

@@ -67,12 +67,12 @@ impl Answer for SweepResult {
     }
 }
 
-/// A part of a sweep that is done.
+/// A completed part of a sweep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct SweepPart {
-    /// Which part, from one.
+    /// The number of the part, counted from 1.
     pub shard: usize,
-    /// Of how many.
+    /// The number of parts.
     pub of: usize,
     /// Its simulations.
     pub simulations: usize,
@@ -81,7 +81,7 @@ pub struct SweepPart {
 impl Answer for SweepPart {
     fn text(&self) -> String {
         format!(
-            "part {} of {}: {} simulations done; without --shard: the table",
+            "part {} of {}: {} simulations done; run without --shard for the table",
             self.shard, self.of, self.simulations
         )
     }
@@ -96,9 +96,25 @@ fn is_simulation(path: &Path) -> bool {
 /// Runs or continues a sweep in a directory.
 ///
 /// # Errors
-/// For settings or a start that make no sense, a directory that holds other work or that another
-/// process works in, and a disk that refuses. The first simulation that fails stops the others at
-/// their next sweep; what they did is kept, and `run.json` says what happened.
+/// For invalid settings or an impossible start, a directory that holds other work or is in use by
+/// another process, or a file that cannot be written. If a simulation fails, the others stop at
+/// their next sweep and keep their progress, and `run.json` records the error.
+///
+/// ```no_run
+/// use protomer::answer::Answer;
+/// use protomer::assemblies::assembly_file::Assembly;
+/// use protomer::stability::{run::{Engine, RunSettings}, sweep::run_sweep};
+/// use protomer_results::{End, Execution};
+/// use std::path::Path;
+/// let engine = Engine::new(Assembly::read(Path::new("6mdr/assembly.json"))?)?;
+/// let salt_molar = protomer::quantity::salt_list("10mM..300mM/8")?;
+/// let settings = RunSettings { salt_molar, ..RunSettings::default() };
+/// match run_sweep(&engine, &settings, Path::new("sweep"), &Execution::default())? {
+///     End::Finished(sweep) => println!("{}", sweep.text()),
+///     End::Stopped => println!("the same call continues it"),
+/// }
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn run_sweep(
     engine: &Engine,
     settings: &RunSettings,
@@ -116,7 +132,7 @@ pub fn run_sweep(
 /// replica.
 ///
 /// # Errors
-/// As [`run_sweep`]; also for settings of several simulations.
+/// As [`run_sweep`]; also if the settings describe several simulations.
 pub fn simulate(
     engine: &Engine,
     settings: &RunSettings,
@@ -124,7 +140,7 @@ pub fn simulate(
     execution: &Execution,
 ) -> Result<End<ReplicaResult>> {
     if settings.simulations() != 1 {
-        bail!("these are the settings of several simulations; sweep over them");
+        bail!("the settings describe several simulations; use 'protomer sweep'");
     }
     let End::Finished(result) = run_sweep(engine, settings, directory, execution)? else {
         return Ok(End::Stopped);
@@ -166,7 +182,7 @@ struct Task {
     replica: u32,
 }
 
-/// A sweep that is known to make sense.
+/// A sweep whose settings have been checked.
 struct Sweep<'a> {
     engine: &'a Engine,
     settings: &'a RunSettings,
@@ -217,7 +233,7 @@ impl Campaign for Sweep<'_> {
         }
     }
 
-    /// Where a report finds the shapes of the bodies.
+    /// Tells a report where to find the shapes of the bodies.
     fn details(&self) -> Value {
         json!({ "assembly": self.engine.assembly().path_from(self.directory) })
     }
@@ -283,8 +299,8 @@ impl Campaign for Sweep<'_> {
     }
 }
 
-/// Every simulation of the sweep, the first replica of every salt first: an interrupted sweep has a
-/// whole curve early.
+/// All simulations of the sweep, ordered by replica first, so that an interrupted sweep has a
+/// complete curve early.
 fn tasks(settings: &RunSettings) -> Vec<Task> {
     let salts = 0..settings.salt_molar.len();
     let of_replica = |replica| {
@@ -305,7 +321,7 @@ pub fn replica_directory(directory: &Path, salt_molar: f64, replica: u32) -> Pat
 
 fn write_results(result: &SweepResult, directory: &Path) -> Result<()> {
     let csv = to_csv(&result.salts)?;
-    let json = serde_json::to_string_pretty(result).context("the result cannot be written down")?;
+    let json = serde_json::to_string_pretty(result).context("the result cannot be serialised")?;
     write_atomically(&directory.join("sweep.csv"), |file| {
         file.write_all(csv.as_bytes())
     })?;

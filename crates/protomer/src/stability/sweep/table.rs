@@ -1,4 +1,4 @@
-//! What a sweep leaves: from the logs of its replicas to one row per salt concentration.
+//! The result of a sweep: one row per salt concentration, from the logs of its replicas.
 
 use crate::answer::Answer;
 use crate::stability::interaction::ScreenedCoulomb;
@@ -8,7 +8,7 @@ use protomer_io::csv::{Cell, Table};
 use protomer_kernel::statistics::{Summary, summarize};
 use serde::Serialize;
 
-/// What a sweep leaves behind.
+/// The result of a sweep.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SweepResult {
     /// Version of the program.
@@ -30,24 +30,24 @@ pub struct SweepResult {
     pub replicas: Vec<Vec<ReplicaResult>>,
 }
 
-/// What one replica gave.
+/// The result of one replica.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ReplicaResult {
     /// Index of the replica.
     pub replica: u32,
     /// Observables averaged over production.
     pub r_g_angstrom: Summary,
-    /// Surviving fraction of the native contacts; `None` where the start had no contact.
+    /// Surviving fraction of the native contacts; `None` if there were no contacts initially.
     pub native_contacts: Option<Summary>,
     /// Bodies in the largest cluster.
     pub largest_cluster: Summary,
     /// Total energy, kT.
     #[serde(rename = "energy_kT")]
     pub energy_kt: Summary,
-    /// Accepted fractions in production.
+    /// Acceptance ratios in production.
     #[serde(flatten)]
     pub accepted: AcceptedFractions,
-    /// Mean number of bodies that a cluster move moved.
+    /// Mean number of bodies moved per cluster move.
     pub cluster_moved_mean: f64,
 }
 
@@ -65,20 +65,29 @@ impl Answer for ReplicaResult {
 }
 
 impl ReplicaResult {
-    /// Averages of a log, with errors corrected for autocorrelation.
+    /// Averages a log, with errors corrected for autocorrelation.
     pub fn new(replica: u32, rows: &[LogRow], accepted: AcceptedFractions) -> Self {
-        let series = |column: fn(&LogRow) -> f64| rows.iter().map(column).collect::<Vec<f64>>();
-        let native = series(|row| row.native_contacts);
-        let cluster_moved = series(|row| row.cluster_moved);
+        let mut series: [Vec<f64>; 5] = Default::default();
+        for row in rows {
+            let values = [
+                row.r_g_angstrom,
+                row.native_contacts,
+                row.largest_cluster as f64,
+                row.energy_kt,
+                row.cluster_moved,
+            ];
+            for (series, value) in series.iter_mut().zip(values) {
+                series.push(value);
+            }
+        }
+        let [r_g, native, largest_cluster, energy, cluster_moved] = series;
+        let had_contacts = native.iter().all(|fraction| fraction.is_finite());
         Self {
             replica,
-            r_g_angstrom: summarize(&series(|row| row.r_g_angstrom)),
-            native_contacts: native
-                .iter()
-                .all(|x| x.is_finite())
-                .then(|| summarize(&native)),
-            largest_cluster: summarize(&series(|row| row.largest_cluster as f64)),
-            energy_kt: summarize(&series(|row| row.energy_kt)),
+            r_g_angstrom: summarize(&r_g),
+            native_contacts: had_contacts.then(|| summarize(&native)),
+            largest_cluster: summarize(&largest_cluster),
+            energy_kt: summarize(&energy),
             accepted,
             cluster_moved_mean: mean(&cluster_moved),
         }
@@ -86,7 +95,7 @@ impl ReplicaResult {
 }
 
 /// One salt concentration, averaged over its replicas. The standard deviation is over replicas, as
-/// in the thesis' figure 3.3; the standard error combines the replicas' own, which are corrected
+/// in figure 3.3 of the thesis; the standard error combines the replicas' own, which are corrected
 /// for autocorrelation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SaltRow {
@@ -103,7 +112,7 @@ pub struct SaltRow {
     pub r_g_sd_angstrom: f64,
     /// Standard error of the mean from the correlated series, Å.
     pub r_g_se_angstrom: f64,
-    /// Mean surviving fraction of native contacts; NaN where the start had none.
+    /// Mean surviving fraction of native contacts; NaN if there were none initially.
     pub native_contacts_mean: f64,
     /// Standard deviation over replicas.
     pub native_contacts_sd: f64,
@@ -117,11 +126,11 @@ pub struct SaltRow {
     /// Standard deviation over replicas, kT.
     #[serde(rename = "energy_sd_kT")]
     pub energy_sd_kt: f64,
-    /// Accepted fraction of translations.
+    /// Acceptance ratio of translations.
     pub translation_acceptance: f64,
-    /// Accepted fraction of rotations.
+    /// Acceptance ratio of rotations.
     pub rotation_acceptance: f64,
-    /// Mean number of bodies that a cluster move moved.
+    /// Mean number of bodies moved per cluster move.
     pub cluster_moved_mean: f64,
     /// Number of replicas.
     pub replicas: usize,
@@ -130,76 +139,94 @@ pub struct SaltRow {
 impl SaltRow {
     /// Averages over replicas.
     pub fn new(salt_molar: f64, interaction: &ScreenedCoulomb, replicas: &[ReplicaResult]) -> Self {
-        let of =
-            |value: fn(&ReplicaResult) -> f64| replicas.iter().map(value).collect::<Vec<f64>>();
-        let r_g = of(|r| r.r_g_angstrom.mean);
-        let native = of(|r| {
-            r.native_contacts
-                .as_ref()
-                .map_or(f64::NAN, |summary| summary.mean)
-        });
-        let largest = of(|r| r.largest_cluster.mean);
-        let energy = of(|r| r.energy_kt.mean);
-        let squared_errors = of(|r| r.r_g_angstrom.standard_error.powi(2));
+        let mut columns: [Vec<f64>; 7] = Default::default();
+        let mut squared_errors = 0.0;
+        for replica in replicas {
+            let native = replica.native_contacts.as_ref();
+            let values = [
+                replica.r_g_angstrom.mean,
+                native.map_or(f64::NAN, |summary| summary.mean),
+                replica.largest_cluster.mean,
+                replica.energy_kt.mean,
+                replica.accepted.translation_acceptance,
+                replica.accepted.rotation_acceptance,
+                replica.cluster_moved_mean,
+            ];
+            for (column, value) in columns.iter_mut().zip(values) {
+                column.push(value);
+            }
+            squared_errors += replica.r_g_angstrom.standard_error.powi(2);
+        }
+        let [
+            r_g,
+            native,
+            largest,
+            energy,
+            translation,
+            rotation,
+            cluster_moved,
+        ] = columns;
         Self {
             salt_molar,
             debye_length_angstrom: interaction.electrolyte.debye_length_angstrom(),
             cutoff_angstrom: interaction.cutoff_angstrom,
             r_g_mean_angstrom: mean(&r_g),
             r_g_sd_angstrom: standard_deviation(&r_g),
-            r_g_se_angstrom: squared_errors.iter().sum::<f64>().sqrt() / replicas.len() as f64,
+            r_g_se_angstrom: squared_errors.sqrt() / replicas.len() as f64,
             native_contacts_mean: mean(&native),
             native_contacts_sd: standard_deviation(&native),
             largest_cluster_mean: mean(&largest),
             largest_cluster_sd: standard_deviation(&largest),
             energy_mean_kt: mean(&energy),
             energy_sd_kt: standard_deviation(&energy),
-            translation_acceptance: mean(&of(|r| r.accepted.translation_acceptance)),
-            rotation_acceptance: mean(&of(|r| r.accepted.rotation_acceptance)),
-            cluster_moved_mean: mean(&of(|r| r.cluster_moved_mean)),
+            translation_acceptance: mean(&translation),
+            rotation_acceptance: mean(&rotation),
+            cluster_moved_mean: mean(&cluster_moved),
             replicas: replicas.len(),
         }
     }
 }
 
-/// The columns of the table: name and value.
-type Column = (&'static str, fn(&SaltRow) -> Cell);
-
-const COLUMNS: [Column; 16] = [
-    ("salt_M", |row| row.salt_molar.into()),
-    ("debye_length_angstrom", |row| {
-        row.debye_length_angstrom.into()
-    }),
-    ("cutoff_angstrom", |row| row.cutoff_angstrom.into()),
-    ("replicas", |row| Cell::Integer(row.replicas as i64)),
-    ("r_g_mean_angstrom", |row| row.r_g_mean_angstrom.into()),
-    ("r_g_sd_angstrom", |row| row.r_g_sd_angstrom.into()),
-    ("r_g_se_angstrom", |row| row.r_g_se_angstrom.into()),
-    ("native_contacts_mean", |row| {
-        row.native_contacts_mean.into()
-    }),
-    ("native_contacts_sd", |row| row.native_contacts_sd.into()),
-    ("largest_cluster_mean", |row| {
-        row.largest_cluster_mean.into()
-    }),
-    ("largest_cluster_sd", |row| row.largest_cluster_sd.into()),
-    ("energy_mean_kT", |row| row.energy_mean_kt.into()),
-    ("energy_sd_kT", |row| row.energy_sd_kt.into()),
-    ("translation_acceptance", |row| {
-        row.translation_acceptance.into()
-    }),
-    ("rotation_acceptance", |row| row.rotation_acceptance.into()),
-    ("cluster_moved_mean", |row| row.cluster_moved_mean.into()),
-];
+impl SaltRow {
+    /// The cells by the names of their columns, in the order of the table.
+    fn cells(&self) -> [(&'static str, Cell); 16] {
+        [
+            ("salt_M", self.salt_molar.into()),
+            ("debye_length_angstrom", self.debye_length_angstrom.into()),
+            ("cutoff_angstrom", self.cutoff_angstrom.into()),
+            ("replicas", Cell::Integer(self.replicas as i64)),
+            ("r_g_mean_angstrom", self.r_g_mean_angstrom.into()),
+            ("r_g_sd_angstrom", self.r_g_sd_angstrom.into()),
+            ("r_g_se_angstrom", self.r_g_se_angstrom.into()),
+            ("native_contacts_mean", self.native_contacts_mean.into()),
+            ("native_contacts_sd", self.native_contacts_sd.into()),
+            ("largest_cluster_mean", self.largest_cluster_mean.into()),
+            ("largest_cluster_sd", self.largest_cluster_sd.into()),
+            ("energy_mean_kT", self.energy_mean_kt.into()),
+            ("energy_sd_kT", self.energy_sd_kt.into()),
+            ("translation_acceptance", self.translation_acceptance.into()),
+            ("rotation_acceptance", self.rotation_acceptance.into()),
+            ("cluster_moved_mean", self.cluster_moved_mean.into()),
+        ]
+    }
+}
 
 /// The table as CSV, one row per salt concentration.
 ///
 /// # Errors
-/// Never for rows of this module; the table checks its own shape.
+/// Never for the rows built here, which all have the same length.
 pub fn to_csv(rows: &[SaltRow]) -> Result<String> {
-    let mut table = Table::new(COLUMNS.map(|(name, _)| name));
+    let mut heading = Vec::new();
+    for (name, _) in rows.first().map(SaltRow::cells).into_iter().flatten() {
+        heading.push(name);
+    }
+    let mut table = Table::new(heading);
     for row in rows {
-        table.push(COLUMNS.map(|(_, value)| value(row)))?;
+        let mut cells = Vec::new();
+        for (_, cell) in row.cells() {
+            cells.push(cell);
+        }
+        table.push(cells)?;
     }
     Ok(table.to_csv())
 }
