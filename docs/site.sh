@@ -27,6 +27,8 @@ gather_pages() {
     cp python/README.md $pages/python
     cp notebooks/*.ipynb $pages/notebooks
     cp docs/api.html $pages/api/rust/index.html
+    # MkDocs knows no second word after the language of a block.
+    sed -i 's/^```console approximate$/```console/' $pages/docs/*/*.md
     cat > $pages/api.md <<'API'
 # Programming interfaces
 
@@ -46,7 +48,7 @@ fi
 install_tools
 gather_pages
 $python -m pdoc protomer --output-directory $pages/api/python
-$python -m mkdocs build --quiet --strict
+NO_MKDOCS_2_WARNING=1 $python -m mkdocs build --strict
 cp -R target/doc/. target/site/api/rust
 cp docs/api.html target/site/api/rust/index.html
 echo "The site: target/site/index.html"
