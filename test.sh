@@ -21,6 +21,12 @@ python_checks() {
     CARGO_TARGET_DIR="$PWD/target" .venv/bin/python -m pip install --quiet --disable-pip-version-check \
         --config-settings=build-args=--profile=dev ./python
     .venv/bin/python -m pip install --quiet --disable-pip-version-check -r python/checks/requirements.txt
+    # The Rust checks have built target/doc; without them the site builds it.
+    if [ -e target/doc/protomer/index.html ]; then
+        bash docs/site.sh --no-rust
+    else
+        bash docs/site.sh
+    fi
     .venv/bin/python -m mypy --config-file python/pyproject.toml
     .venv/bin/python -m pytest -q -rs python/tests
     .venv/bin/python -m pytest -q -rs python/checks

@@ -1,7 +1,7 @@
 //! The documentation shows what the program does: `docs/reference/cli.md` holds the help of every
-//! verb, and the commands in the `console` blocks of `docs/guide/*.md` give the output printed
-//! below them. The blocks of a page run in order in one folder of their own, which holds a link to
-//! `data`.
+//! verb, and the commands in the `console` blocks of `docs/guide/*.md` and `docs/tutorial/*.md` give
+//! the output printed below them. The blocks of a page run in order in one folder of their own, which
+//! holds a link to `data`. In a block marked `console approximate` only the words must agree.
 //!
 //! `python/protomer/_verbs.py` holds the verbs as Python functions.
 //!
@@ -219,10 +219,9 @@ fn run(line: &str, folder: &Path) -> String {
         .collect()
 }
 
-#[test]
-fn the_guide_shows_what_its_commands_print() {
-    let guide = root().join("docs/guide");
-    let mut pages: Vec<PathBuf> = std::fs::read_dir(guide)
+/// Every page of a folder of `docs` shows what its commands print.
+fn check_pages(folder: &str) {
+    let mut pages: Vec<PathBuf> = std::fs::read_dir(root().join("docs").join(folder))
         .unwrap()
         .map(|entry| entry.unwrap().path())
         .collect();
@@ -232,4 +231,14 @@ fn the_guide_shows_what_its_commands_print() {
         |path: &PathBuf| check_or_update(path, &replay(&std::fs::read_to_string(path).unwrap()));
     let wrong: Vec<String> = pages.iter().filter_map(|path| check(path).err()).collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn the_guide_shows_what_its_commands_print() {
+    check_pages("guide");
+}
+
+#[test]
+fn the_tutorials_show_what_their_commands_print() {
+    check_pages("tutorial");
 }
