@@ -1,55 +1,13 @@
 //! The interface of a verb to its caller: the global flags, messages, progress, and interruption.
 
+use crate::global::Global;
 use crate::host::{Bar, Host};
-use crate::reply::note;
-use anyhow::{Context, Result, anyhow, bail};
-use clap::Args;
+use crate::stderr::note;
+use anyhow::{Context, Result, anyhow};
 use protomer_results::{Execution, Interrupt, Progress};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
-
-/// Upper limit for the number of threads.
-const MOST_THREADS: usize = 1024;
-
-/// Global options.
-#[derive(Debug, Clone, Args)]
-pub struct Global {
-    /// Print one JSON object on stdout instead of text.
-    #[arg(long, global = true)]
-    pub json: bool,
-    /// Threads to use; 0 means all.
-    #[arg(
-        short = 'j',
-        long,
-        global = true,
-        default_value_t = 0,
-        env = "PROTOMER_THREADS"
-    )]
-    pub threads: usize,
-    /// Print errors only.
-    #[arg(short, long, global = true)]
-    pub quiet: bool,
-    /// Also print settings and timings.
-    #[arg(short, long, global = true)]
-    pub verbose: bool,
-    /// Do not draw progress bars.
-    #[arg(long, global = true)]
-    pub no_progress: bool,
-    /// Overwrite existing results.
-    #[arg(long, global = true)]
-    pub force: bool,
-}
-
-impl Global {
-    /// The thread pool requested by the flags.
-    pub fn thread_pool(&self) -> Result<rayon::ThreadPoolBuilder> {
-        if self.threads > MOST_THREADS {
-            bail!("--threads is {}; give at most {MOST_THREADS}", self.threads);
-        }
-        Ok(rayon::ThreadPoolBuilder::new().num_threads(self.threads))
-    }
-}
 
 /// The caller of a verb: a person at a terminal, or a program.
 pub struct Front {

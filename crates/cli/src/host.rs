@@ -1,7 +1,7 @@
 //! A program that calls a verb, and the progress of the verb.
 
-use crate::front::Global;
-use crate::reply::note;
+use crate::global::Global;
+use crate::stderr::note;
 use indicatif::{ProgressBar, ProgressStyle};
 use protomer_results::{Interrupt, Progress};
 use std::fmt;

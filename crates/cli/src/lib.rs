@@ -17,14 +17,17 @@
 mod command;
 mod flags;
 mod front;
+mod global;
 mod host;
 mod python_source;
 mod reply;
+mod stderr;
 mod verbs;
 
 use anyhow::{Context, Result, anyhow};
 use clap::Parser;
-use front::{Front, Global};
+use front::Front;
+use global::Global;
 use std::ffi::OsString;
 use std::fmt;
 use std::time::Instant;
@@ -82,7 +85,7 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
         Ok(code) => code,
         Err(error) if reply::is_broken_pipe(&error) => 0,
         Err(error) => {
-            reply::note(&format!("error: {error:#}"));
+            stderr::note(&format!("error: {error:#}"));
             1
         }
     }

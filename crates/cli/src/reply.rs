@@ -1,6 +1,7 @@
 //! The reply of a verb, and the only place that prints: data on stdout, notes on stderr.
 
-use crate::front::Global;
+use crate::global::Global;
+use crate::stderr::note;
 use anyhow::{Error, Result};
 use protomer::answer::{Answer, AnyAnswer};
 use protomer_results::End;
@@ -177,6 +178,11 @@ impl Reply {
 
     /// Prints the reply and returns the exit code.
     pub(crate) fn print(self, flags: &Global) -> Result<u8> {
+        if let Some(text) = self.printed(flags)? {
+            let mut stdout = std::io::stdout().lock();
+            writeln!(stdout, "{text}")?;
+            stdout.flush()?;
+        }
         for line in &self.notes {
             match line {
                 Note::Error(line) => note(line),
@@ -184,11 +190,6 @@ impl Reply {
                 Note::Summary(line) if !flags.quiet && !flags.json => note(line),
                 Note::Remark(_) | Note::Summary(_) => {}
             }
-        }
-        if let Some(text) = self.printed(flags)? {
-            let mut stdout = std::io::stdout().lock();
-            writeln!(stdout, "{text}")?;
-            stdout.flush()?;
         }
         match self.failure {
             Some(error) => Err(error),
@@ -210,11 +211,6 @@ impl Reply {
         let own_text = || self.answer.as_ref().map(|answer| answer.text());
         Ok(self.text.clone().or_else(own_text))
     }
-}
-
-/// Prints a line on stderr. A closed stderr is not an error.
-pub fn note(line: &str) {
-    let _ = writeln!(std::io::stderr().lock(), "{line}");
 }
 
 /// Whether the reader of our output has closed it, as in `protomer ... | head`.

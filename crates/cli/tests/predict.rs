@@ -6,7 +6,8 @@
 
 use protomer::learning::train::TrainSettings;
 use protomer::voxels::VoxelizeSettings;
-use protomer::voxels::set::{SampleRecord, SetContent, attributes, write};
+use protomer::voxels::records::{SampleRecord, SetContent};
+use protomer::voxels::set::{attributes, write};
 use protomer::voxels::structure::Properties;
 use protomer_field::voxels::Voxels;
 use protomer_learn::controls::{Control, Form, Variant};

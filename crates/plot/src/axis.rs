@@ -1,7 +1,7 @@
 //! The axes of a panel: scales, grid, frame, ticks and labels.
 
 use super::canvas::{Align, Canvas, Rgb, Shape, TextStyle};
-use super::layout::{CAPITALS, INK, LINE, MARGIN, y_values};
+use super::measures::{CAPITALS, INK, LINE, MARGIN, y_values};
 use super::text::{Fitted, fit};
 use super::ticks::{self, Tick};
 use super::typeface::text_width;

@@ -1,6 +1,6 @@
 //! The shapes that every output can draw, in units of the figure, y downward.
 
-use super::text::runs;
+use super::runs::runs;
 use super::typeface::text_width;
 
 pub(crate) type Rgb = [u8; 3];

@@ -2,11 +2,11 @@
 
 use super::axis::{self, Area, Scale};
 use super::canvas::{Align, Canvas, Marker, Nowhere, Rgb, Shape, Style, TextStyle};
+use super::measures::{CAPITALS, INK, LINE, MARGIN};
 use super::text::{Fitted, fit};
 use super::typeface::text_width;
-use super::{Figure, Panel, Series};
+use super::{Figure, Series};
 
-pub(crate) const INK: Rgb = [0x22, 0x22, 0x22];
 const PALE_INK: Rgb = [0x60, 0x60, 0x60];
 const WHITE: Rgb = [0xFF; 3];
 
@@ -15,7 +15,6 @@ const CAPTION_SIZE: f64 = 17.0;
 const LABEL_SIZE: f64 = 23.0;
 const LEGEND_SIZE: f64 = 20.0;
 
-pub(crate) const MARGIN: f64 = 28.0;
 const PANEL_GAP: f64 = 22.0;
 const MARKER_RADIUS: f64 = 6.5;
 /// Width of the white rim that separates a point from the line.
@@ -32,10 +31,6 @@ const LEGEND_SAMPLE: f64 = 46.0;
 const LEGEND_SPACE: f64 = 10.0;
 /// Distance between two entries of the legend.
 const LEGEND_GAP: f64 = 34.0;
-/// Height of capital letters in em, to centre text on a line.
-pub(crate) const CAPITALS: f64 = 0.73;
-/// From line to line of a text, in em.
-pub(crate) const LINE: f64 = 1.2;
 
 /// Draws the whole figure.
 pub(crate) fn draw(figure: &Figure, shape: Shape, canvas: &mut dyn Canvas) {
@@ -216,9 +211,4 @@ fn draw_error_bar(ends: [[f64; 2]; 2], colour: Rgb, canvas: &mut dyn Canvas) {
 fn draw_point(marker: Marker, place: [f64; 2], colour: Rgb, canvas: &mut dyn Canvas) {
     canvas.marker(marker, place, MARKER_RADIUS + RIM, WHITE);
     canvas.marker(marker, place, MARKER_RADIUS, colour);
-}
-
-/// All values of a panel along y, with the ends of the error bars.
-pub(crate) fn y_values(panel: &Panel) -> impl Iterator<Item = f64> {
-    panel.values().map(|[_, y]| y).chain(panel.error_ends())
 }

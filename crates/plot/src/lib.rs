@@ -9,7 +9,10 @@
 //! | [`figure`](Figure) | the content of a figure |
 //! | `layout` | the layout of the figure |
 //! | `axis` | frame, grid, ticks and labels of a panel |
-//! | `text` | subscripts, superscripts, and texts that are too long |
+//! | `measures` | lengths and colours that axes and layout share |
+//! | `runs` | subscripts and superscripts |
+//! | `text` | texts that are too long for their room |
+//! | `output` | figures as SVG and PNG |
 //! | `ticks` | the ticks of an axis, and their labels |
 //! | `typeface` | the built-in typeface: widths and outlines |
 //! | `canvas` | the shapes that every output can draw |
@@ -23,7 +26,10 @@ mod error;
 mod figure;
 mod heat_map;
 mod layout;
+mod measures;
+mod output;
 mod pixels;
+mod runs;
 mod source;
 mod svg;
 mod text;
@@ -31,5 +37,6 @@ mod ticks;
 mod typeface;
 
 pub use error::{PlotError, Result};
-pub use figure::{Axis, Figure, HEIGHT, Panel, Point, Series, WIDTH};
+pub use figure::{Axis, Figure, Panel, Point, Series};
 pub use heat_map::HeatMap;
+pub use output::{HEIGHT, WIDTH};

@@ -1,6 +1,6 @@
 //! The built-in typeface: widths for the layout, outlines for pixels.
 
-use super::text::runs;
+use super::runs::runs;
 use ab_glyph::{Font, FontRef, GlyphId, OutlineCurve};
 use std::sync::LazyLock;
 

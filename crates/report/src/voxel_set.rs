@@ -5,8 +5,9 @@ use super::page::{Page, Section};
 use super::{data, figures, provenance, voxel_channels};
 use anyhow::{Context, Result};
 use protomer::voxels::origin::{Missing, origins};
+use protomer::voxels::records::{Exclusion, SampleRecord};
 use protomer::voxels::samples::VoxelSet;
-use protomer::voxels::set::{self, Exclusion, SampleRecord};
+use protomer::voxels::set;
 use protomer::voxels::structure::Reason;
 use protomer::voxels::{Fit, Spacing, VoxelizeSettings};
 use protomer_io::csv::Table;
@@ -29,7 +30,7 @@ pub fn page(directory: &Path) -> Result<Page> {
     let opened = VoxelSet::open(directory)?;
     let reader = opened.reader();
     let settings = set::settings_of(reader)?;
-    let excluded = set::exclusions(reader)?;
+    let excluded = protomer::voxels::records::exclusions(reader)?;
     let samples = set::samples_of(reader)?;
     let channels = voxel_channels::section(&opened)?;
     let text = |key: &str| {

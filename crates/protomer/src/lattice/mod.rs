@@ -14,7 +14,7 @@
 //! | [`replay`] | the motion from a state in a file, up to the first contact and through it |
 //! | [`mod@bench`] | steps per CPU-second |
 //! | [`exponent`] | the Lyapunov exponent of a run of a sweep |
-//! | [`sweep`], [`sweep_table`], [`sweep_figures`] | many runs, their tables and figures |
+//! | [`sweep`] | many runs, their tables and figures |
 //! | [`animation`] | the page that plays a run |
 //! | [`square_of_body`] | the square that represents a body |
 
@@ -29,6 +29,4 @@ pub mod settings;
 pub mod square_of_body;
 pub mod start;
 pub mod sweep;
-pub mod sweep_figures;
-pub mod sweep_table;
 pub mod trajectory;

@@ -2,8 +2,9 @@
 
 use super::identity::identity;
 use super::origin::{Missing, Origin, joined, origins};
+use super::records::{SampleRecord, SetContent, exclusions};
 use super::row::Row;
-use super::set::{self, SampleRecord, SetContent};
+use super::set;
 use super::settings::VoxelizeSettings;
 use super::{open_set, relatives};
 use crate::answer::Answer;
@@ -197,7 +198,7 @@ fn joined_content(
     let mut seen: HashMap<String, &PathBuf> = HashMap::new();
     for ((number, reader), path) in readers.iter().enumerate().zip(inputs) {
         let of_set = set::samples_of(reader).context(path.display().to_string())?;
-        let exclusions = set::exclusions(reader).context(path.display().to_string())?;
+        let exclusions = exclusions(reader).context(path.display().to_string())?;
         // Sorted, so that the message is always about the same name.
         let mut names = BTreeSet::new();
         names.extend(of_set.iter().map(|sample| sample.name.clone()));

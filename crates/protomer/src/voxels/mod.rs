@@ -22,6 +22,7 @@ pub mod identity;
 pub mod manifest;
 pub mod merge;
 pub mod origin;
+pub mod records;
 pub mod relatives;
 pub mod row;
 pub mod samples;

@@ -1,6 +1,6 @@
 //! The parts of manifests that a set contains or lacks.
 
-use super::set::exclusions;
+use super::records::exclusions;
 use anyhow::{Context, Result};
 use protomer_io::zarr::SetReader;
 use protomer_results::Shard;

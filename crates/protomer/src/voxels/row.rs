@@ -2,7 +2,7 @@
 //! list of excluded structures.
 
 use super::manifest::Entry;
-use super::set::{Exclusion, SampleRecord, SetContent};
+use super::records::{Exclusion, SampleRecord, SetContent};
 use serde::Serialize;
 
 /// The data used for a set's identity and for finding relatives.

@@ -1,5 +1,6 @@
 //! Voxel sets on disk as samples for training.
 
+use crate::voxels::records::SampleRecord;
 use crate::voxels::{open_set, set};
 use anyhow::{Context, Result};
 use protomer_io::zarr::SetReader;
@@ -32,7 +33,7 @@ impl VoxelSet {
         let samples = set::samples_of(&reader).with_context(|| path.display().to_string())?;
         let files = samples.iter().map(|sample| sample.file.clone()).collect();
         let hashes = samples.iter().map(|sample| sample.sha256.clone()).collect();
-        let describe = |sample: set::SampleRecord| Description {
+        let describe = |sample: SampleRecord| Description {
             name: sample.name,
             label: sample.label,
             cluster: sample.cluster,

@@ -5,7 +5,7 @@
 //! so it excludes the validation and test parts. `protomer train` splits by its own seed and
 //! target, and uses the statistics of its own training part.
 
-use super::set::SampleRecord;
+use super::records::SampleRecord;
 use super::settings::VoxelizeSettings;
 use protomer_field::voxels::{Channel, Voxels};
 use protomer_io::zarr::as_stored;

@@ -3,8 +3,8 @@
 
 use super::manifest::{Entry, Manifest};
 use super::origin::Origin;
+use super::records::{Exclusion, SampleRecord, SetContent, exclusions};
 use super::row::Row;
-use super::set::{Exclusion, SetContent};
 use super::settings::VoxelizeSettings;
 use super::structure::Outcome;
 use super::work::WorkFile;
@@ -293,7 +293,7 @@ impl VoxelizeReport {
             self.voxels += reader.voxels(sample) as u64;
         }
         self.warnings = set::warnings_of(&set::samples_of(reader)?);
-        self.excluded = set::exclusions(reader)?;
+        self.excluded = exclusions(reader)?;
         Ok(())
     }
 }
@@ -318,7 +318,7 @@ fn collect(
             Outcome::Sample(sample) => {
                 content
                     .samples
-                    .push(set::SampleRecord::new(entry, hash.as_deref(), key, &sample))
+                    .push(SampleRecord::new(entry, hash.as_deref(), key, &sample))
             }
             Outcome::Excluded { reason, detail } => {
                 content

@@ -1,7 +1,7 @@
 //! A training with the ablation of its channels, and a control with all its experiments.
 
 use super::ablation;
-use super::control::{ControlReport, ExperimentReport};
+use super::control_report::{ControlReport, ExperimentReport};
 use super::metrics::Metrics;
 use super::run::train_in;
 use super::settings::{Source, TrainSettings};

@@ -123,7 +123,7 @@ pub struct Metrics {
     pub ablation: Option<Ablation>,
     /// The verdict, for a control.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub control: Option<super::control::ControlReport>,
+    pub control: Option<super::control_report::ControlReport>,
 }
 
 /// The data that the scores are computed from.

@@ -11,18 +11,21 @@
 //! |---|---|
 //! | `settings` | the settings of a training |
 //! | `source` | the source of the samples |
+//! | `prepared` | a set ready for training |
 //! | `run` | one training: the loop, checkpoints, results |
 //! | `trained_on` | which structures a network has seen |
 //! | `job` | a training with its ablation; a control with its experiments |
 //! | `metrics` | scores compared with baselines |
 //! | `summary` | the scores as text |
-//! | `ablation`, `control`, `figure` | tables of channels, verdicts on controls, the learning curve |
+//! | `ablation`, `control`, `control_report`, `figure` | tables of channels, verdicts on controls, the learning curve |
 
 mod ablation;
 mod control;
+mod control_report;
 mod figure;
 mod job;
 mod metrics;
+mod prepared;
 mod run;
 mod settings;
 mod source;
@@ -30,12 +33,13 @@ mod summary;
 mod trained_on;
 
 pub(crate) use ablation::summary as ablation_summary;
-pub use control::{ControlReport, ExperimentReport};
+pub use control_report::{ControlReport, ExperimentReport};
 pub use figure::learning_curve;
 pub use job::{ControlRun, Job, run_control, run_job};
 pub use metrics::{BaselineScores, Metrics, Parts, Predictions};
+pub use prepared::Prepared;
 pub(crate) use run::{Epochs, TrainingRun};
-pub use run::{MODEL, Prepared, SETTINGS, check, train_in};
+pub use run::{MODEL, SETTINGS, check, train_in};
 pub use settings::{Source, SplitBy, TrainSettings};
 pub use source::{channels_of, open_set, samples_of};
 pub use trained_on::{Seen, TRAINED_ON, TrainedOn};

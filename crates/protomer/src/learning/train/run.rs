@@ -2,7 +2,8 @@
 
 use super::figure::learning_curve;
 use super::metrics::{Metrics, Predictions};
-use super::settings::{Source, SplitBy, TrainSettings};
+use super::prepared::Prepared;
+use super::settings::{Source, TrainSettings};
 use super::trained_on::{TRAINED_ON, TrainedOn};
 use anyhow::{Context, Error, Result, bail};
 use protomer_io::atomic::write_atomically;
@@ -10,16 +11,13 @@ use protomer_io::csv::{Cell, Table};
 use protomer_learn::Device;
 use protomer_learn::logistic::prior;
 use protomer_learn::network::NetworkSettings;
-use protomer_learn::sample::{Description, SampleSource};
-use protomer_learn::scaling::{Quarantined, screen};
+use protomer_learn::sample::SampleSource;
 use protomer_learn::scores::Scores;
-use protomer_learn::split::{Split, family_weights, labels_in_one_cluster};
-use protomer_learn::targets::{Classes, LabelCount};
+use protomer_learn::split::family_weights;
 use protomer_learn::training::{
     EpochRecord, Observer, Outcome, PredictionSettings, StepReport, Trained, Training,
     TrainingSettings, epochs_done,
 };
-use protomer_learn::view::View;
 use protomer_results::{
     CHECKPOINT, Checkpoint, End, Execution, Layout, Record, ResultKind, ResultsDirectory, Run,
     Turn, Work, drive, settings,
@@ -54,135 +52,6 @@ const LAYOUT: Layout = Layout {
     ],
     is_result: |_| false,
 };
-
-/// A set ready for training: samples with a class, classes, split.
-#[derive(Debug)]
-pub struct Prepared<'a> {
-    /// The samples that have a class.
-    pub view: View<'a>,
-    /// Their descriptions, with the class as label.
-    pub descriptions: Vec<Description>,
-    /// Their classes.
-    pub classes: Classes,
-    /// The split, without samples that cannot be read.
-    pub split: Split,
-    /// Samples left out.
-    pub quarantined: Vec<Quarantined>,
-    /// Labels too rare for a separate class, merged into "other".
-    pub other_labels: Vec<LabelCount>,
-    /// If clusters stay together: classes confined to one cluster.
-    pub single_cluster_classes: Vec<String>,
-}
-
-impl<'a> Prepared<'a> {
-    /// Applies target and split to a set.
-    ///
-    /// # Errors
-    /// If fewer than two classes remain, or there are too few clusters for the split.
-    pub fn new(settings: &TrainSettings, set: &'a dyn SampleSource) -> Result<Self> {
-        let target = settings.target;
-        let mut quarantined = Vec::new();
-        for (sample, description) in set.descriptions().iter().enumerate() {
-            let reason = match target.of(&description.label) {
-                Ok(class) if class.is_empty() => "it has no label".to_owned(),
-                Ok(_) => continue,
-                Err(error) => error.to_string(),
-            };
-            quarantined.push(Quarantined {
-                sample,
-                name: description.name.clone(),
-                reason,
-            });
-        }
-        let view = View::new(set).relabelled(|description| {
-            target
-                .of(&description.label)
-                .ok()
-                .filter(|class| !class.is_empty())
-        });
-        let labels: Vec<&str> = view
-            .descriptions()
-            .iter()
-            .map(|description| description.label.as_str())
-            .collect();
-        let classes = Classes::of(
-            &labels,
-            protomer_learn::targets::Target::Label,
-            settings.least_samples,
-        )?;
-        if classes.names.len() < 2 {
-            let example = quarantined
-                .first()
-                .map(|bad| format!(" ({} has none: {})", bad.name, bad.reason));
-            bail!(
-                "{} of {} samples have a class{}, and there are {} classes of at least {} samples; \
-                 two are needed: take more samples, another --target, or a smaller --least-samples",
-                labels.len(),
-                set.descriptions().len(),
-                example.unwrap_or_default(),
-                classes.names.len(),
-                settings.least_samples
-            );
-        }
-        let other_labels = classes.joined(&labels);
-        let mut descriptions = view.descriptions().to_vec();
-        for (known, class) in descriptions.iter_mut().zip(&classes.labels) {
-            known.label.clone_from(&classes.names[*class]);
-        }
-        let single_cluster_classes = match settings.split_by {
-            SplitBy::Cluster => labels_in_one_cluster(&descriptions),
-            SplitBy::Sample => Vec::new(),
-        };
-        let single_cluster_classes = single_cluster_classes
-            .into_iter()
-            .map(String::from)
-            .collect();
-        let seed = settings.split_seed.unwrap_or(settings.training.seed);
-        let split = match settings.split_by {
-            SplitBy::Cluster => Split::grouped(&descriptions, seed, settings.fractions)?,
-            SplitBy::Sample => Split::random(&descriptions, seed, settings.fractions)?,
-        };
-        let mut part = |samples: &[usize]| {
-            let (good, bad) = screen(&view, samples);
-            quarantined.extend(bad);
-            good
-        };
-        let split = Split {
-            training: part(&split.training),
-            validation: part(&split.validation),
-            test: part(&split.test),
-        };
-        for (part, samples) in [
-            ("training", &split.training),
-            ("validation", &split.validation),
-            ("test", &split.test),
-        ] {
-            if samples.is_empty() {
-                let why = quarantined.first().map_or_else(
-                    || "give it a share with --fractions, or take more clusters".to_owned(),
-                    |bad| {
-                        format!(
-                            "{} samples cannot be used, such as {}: {}",
-                            quarantined.len(),
-                            bad.name,
-                            bad.reason
-                        )
-                    },
-                );
-                bail!("the {part} part has no samples: {why}");
-            }
-        }
-        Ok(Self {
-            view,
-            descriptions,
-            classes,
-            split,
-            quarantined,
-            other_labels,
-            single_cluster_classes,
-        })
-    }
-}
 
 /// Checks that a training with these settings can begin.
 ///

@@ -1,7 +1,7 @@
 //! `trained_on.json`: the structures that a network has seen, so that none of them is scored as
 //! new.
 
-use super::run::Prepared;
+use super::prepared::Prepared;
 use anyhow::{Context, Result};
 use protomer_io::atomic::write_atomically;
 use protomer_learn::SampleSource;

@@ -1,7 +1,8 @@
 //! The tables of a sweep: one row per run, and one row per r0 and κ.
 
-use super::log::LogRow;
-use super::sweep::{RunOutcome, Series, Task};
+use super::plan::Task;
+use super::series::{RunOutcome, Series};
+use crate::lattice::log::LogRow;
 use anyhow::Result;
 use protomer_crystal::analysis::spread::FirstMaximum;
 use protomer_crystal::analysis::strain::{PoissonRatio, poisson_ratio};

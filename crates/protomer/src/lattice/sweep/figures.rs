@@ -12,8 +12,10 @@
 //! | `crossings` | time | angular velocity of the checkerboard mode where it passes the open state |
 //! | `lyapunov` | r0 | maximal Lyapunov exponent |
 
-use super::sweep::{LatticeSweep, Series as Data, axes};
-use super::sweep_table::{ConditionRow, RIDGE};
+use super::answer::LatticeSweep;
+use super::plan::axes;
+use super::series::Series as Data;
+use super::table::{ConditionRow, RIDGE};
 use anyhow::Result;
 use nalgebra::{Complex, DMatrix};
 use protomer_plot::{Axis, Figure, HeatMap, Panel, Point, Series};

@@ -1,0 +1,100 @@
+//! Figures as SVG and PNG, in memory and as files.
+
+use super::canvas::Shape;
+use super::error::Result;
+use super::{Figure, layout, pixels, source, svg};
+use protomer_io::atomic::write_atomically;
+use std::path::Path;
+
+/// Width of a figure in pixels of the PNG and units of the SVG.
+pub const WIDTH: u32 = 1200;
+/// Height of a figure in pixels of the PNG and units of the SVG.
+pub const HEIGHT: u32 = 800;
+
+/// Height of a panel on a narrow screen.
+const NARROW_PANEL_HEIGHT: f64 = 210.0;
+/// Width of a figure for a narrow screen.
+const NARROW_WIDTH: f64 = 520.0;
+/// For files, and for screens that are wide enough.
+const WIDE: Shape = Shape {
+    width: WIDTH as f64,
+    height: HEIGHT as f64,
+    least_shrunk: 0.8,
+};
+
+impl Figure {
+    /// The text of an SVG file. The file also holds the figure itself, for [`Figure::from_svg`].
+    ///
+    /// # Errors
+    /// If a value cannot be drawn: an x or a range that is not finite, a value outside a stated
+    /// range or at or below zero on a logarithmic axis, no point at all.
+    pub fn to_svg(&self) -> Result<String> {
+        self.check()?;
+        let svg = svg::draw(WIDE, |canvas| layout::draw(self, WIDE, canvas));
+        source::within(&svg, self)
+    }
+
+    /// The same as [`Figure::to_svg`] for a narrow screen, with larger letters relative to the
+    /// width, and without the embedded figure.
+    ///
+    /// # Errors
+    /// As [`Figure::to_svg`].
+    pub fn to_narrow_svg(&self) -> Result<String> {
+        self.check()?;
+        let shape = Shape {
+            width: NARROW_WIDTH,
+            height: 0.0,
+            least_shrunk: 1.0,
+        };
+        let height = layout::height_for(self, shape, NARROW_PANEL_HEIGHT).round();
+        let shape = Shape { height, ..shape };
+        Ok(svg::draw(shape, |canvas| layout::draw(self, shape, canvas)))
+    }
+
+    /// The figure embedded in an SVG file, and the file without it; `None` if there is none.
+    ///
+    /// # Errors
+    /// If it is damaged.
+    ///
+    /// ```
+    /// use protomer_plot::{Axis, Figure, Panel, Series};
+    /// let series = Series { replicas: vec![[1.0, 2.0], [3.0, 4.0]], ..Series::default() };
+    /// let panels = vec![Panel { y: Axis::linear("y"), series: vec![series] }];
+    /// let figure = Figure { x: Axis::linear("x"), panels, ..Figure::default() };
+    /// let (embedded, _) = Figure::from_svg(&figure.to_svg()?)?.unwrap();
+    /// assert_eq!(embedded, figure);
+    /// # Ok::<(), protomer_plot::PlotError>(())
+    /// ```
+    pub fn from_svg(svg: &str) -> Result<Option<(Self, String)>> {
+        source::take(svg)
+    }
+
+    /// The bytes of a PNG file of [`WIDTH`] x [`HEIGHT`] pixels.
+    ///
+    /// # Errors
+    /// As [`Figure::to_svg`].
+    pub fn to_png(&self) -> Result<Vec<u8>> {
+        self.check()?;
+        pixels::draw(WIDE, |canvas| layout::draw(self, WIDE, canvas))
+    }
+
+    /// Writes an SVG file atomically.
+    ///
+    /// # Errors
+    /// As [`Figure::to_svg`], and if the file cannot be written.
+    pub fn write_svg(&self, path: &Path) -> Result<()> {
+        let svg = self.to_svg()?;
+        Ok(write_atomically(path, |file| {
+            file.write_all(svg.as_bytes())
+        })?)
+    }
+
+    /// Writes a PNG file atomically.
+    ///
+    /// # Errors
+    /// As [`Figure::to_png`], and if the file cannot be written.
+    pub fn write_png(&self, path: &Path) -> Result<()> {
+        let png = self.to_png()?;
+        Ok(write_atomically(path, |file| file.write_all(&png))?)
+    }
+}

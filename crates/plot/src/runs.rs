@@ -1,0 +1,92 @@
+//! Texts in parts: subscripts and superscripts.
+
+/// Where a part of a text stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Level {
+    Base,
+    Subscript,
+    Superscript,
+}
+
+impl Level {
+    /// Size and height above the baseline, in terms of the base text.
+    pub fn scale_and_raise(self) -> (f64, f64) {
+        match self {
+            Level::Base => (1.0, 0.0),
+            Level::Subscript => (0.72, -0.2),
+            Level::Superscript => (0.72, 0.36),
+        }
+    }
+}
+
+/// A part of a text that is drawn in one go.
+pub(crate) struct Run {
+    pub text: String,
+    pub level: Level,
+}
+
+/// `R_g` and `10^{-3}`: `_` and `^` lower and raise the next character or the next group in braces.
+pub(crate) fn runs(text: &str) -> Vec<Run> {
+    let mut runs: Vec<Run> = vec![Run {
+        text: String::new(),
+        level: Level::Base,
+    }];
+    let mut characters = text.chars().peekable();
+    while let Some(character) = characters.next() {
+        let level = match character {
+            '_' => Level::Subscript,
+            '^' => Level::Superscript,
+            other => {
+                match runs.last_mut().filter(|run| run.level == Level::Base) {
+                    Some(run) => run.text.push(other),
+                    None => runs.push(Run {
+                        text: other.into(),
+                        level: Level::Base,
+                    }),
+                }
+                continue;
+            }
+        };
+        let text = match characters.next() {
+            Some('{') => characters.by_ref().take_while(|c| *c != '}').collect(),
+            Some(single) => single.into(),
+            None => character.into(),
+        };
+        runs.push(Run { text, level });
+    }
+    runs.retain(|run| !run.text.is_empty());
+    runs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn subscripts_and_superscripts_are_found() {
+        let found = |text: &str| {
+            runs(text)
+                .into_iter()
+                .map(|run| (run.text, run.level))
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(
+            found("R_g / Å"),
+            [
+                ("R".into(), Level::Base),
+                ("g".into(), Level::Subscript),
+                (" / Å".into(), Level::Base)
+            ]
+        );
+        assert_eq!(
+            found("10^{−3}"),
+            [
+                ("10".into(), Level::Base),
+                ("−3".into(), Level::Superscript)
+            ]
+        );
+        assert_eq!(found("plain"), [("plain".into(), Level::Base)]);
+        assert_eq!(found("_{}^"), [("^".into(), Level::Superscript)]);
+        assert!(found("").is_empty());
+    }
+}
