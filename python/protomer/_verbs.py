@@ -68,6 +68,7 @@ def ingest(
     density: Number | None = None,
     probe: Number | None = None,
     cavities: Literal["drop", "keep"] | None = None,
+    interior_radius: Number | None = None,
     offset: Number | None = None,
     export: Text | None = None,
     threads: Integer | None = None,
@@ -79,19 +80,19 @@ def ingest(
     Parameters
     ----------
     inputs
-        Structure files, or folders of them
+        Structure files, or folders that contain them
     output
         Folder for the bodies
     name
-        Name of the body, for a single file; that of the file if left out
+        Name of the body, for a single file; that of the file if omitted
     chain
-        Chains by the authors' names; all if left out
+        Chains, by author name; all if omitted
     model
-        Model number; the first if left out
+        Model number; the first if omitted
     assembly
-        Biological assembly by its number; the deposited coordinates if left out
+        Number of the biological assembly; the deposited coordinates if omitted
     altloc
-        Alternate location to prefer; the highest occupancy if left out
+        Preferred alternate location; the highest occupancy if omitted
     keep_ligands
         Keep ligands, ions and sugars
     keep_waters
@@ -107,13 +108,16 @@ def ingest(
     charges
         Where the charges sit [default: force-field]
     mutate
-        Residues exchanged in place: chain:from-number-to, such as A:K45E,B:N12D
+        Point mutations, such as A:K45E,B:N12D; side chains are replaced in place
     density
         Mesh vertices per Å² [default: 1]
     probe
         Probe radius, Å [default: 1.4]
     cavities
         What to do with cavities inside the body [default: drop]
+    interior_radius
+        A cavity is an enclosed interior if a ball of this radius fits into it, Å; interiors are never filled,
+        because other bodies may be inside [default: 10]
     offset
         Move the surface inward by this much, Å [default: 0]
     export
@@ -121,9 +125,9 @@ def ingest(
     threads
         Threads to use; 0 means all [default: 0]
     force
-        Overwrite results that are already there
+        Overwrite existing results
     progress
-        Called as progress(done, total, unit) while the work goes on.
+        Called as progress(done, total, unit) during the work.
     """
     return call(
         Result,
@@ -147,6 +151,7 @@ def ingest(
             "--density": density,
             "--probe": probe,
             "--cavities": cavities,
+            "--interior-radius": interior_radius,
             "--offset": offset,
             "--export": export,
             "--threads": threads,
@@ -179,9 +184,9 @@ def fetch(
     threads
         Threads to use; 0 means all [default: 0]
     force
-        Overwrite results that are already there
+        Overwrite existing results
     progress
-        Called as progress(done, total, unit) while the work goes on.
+        Called as progress(done, total, unit) during the work.
     """
     return call(
         Result,
@@ -203,6 +208,7 @@ def surface(
     density: Number | None = None,
     probe: Number | None = None,
     cavities: Literal["drop", "keep"] | None = None,
+    interior_radius: Number | None = None,
     offset: Number | None = None,
     output: Path | None = None,
     threads: Integer | None = None,
@@ -210,18 +216,21 @@ def surface(
     progress: Progress | None = None,
 ) -> Result:
     """Compute the solvent-excluded surface of a structure, a PQR, a body, or an .xyzr file (x y z radius per
-    line): mesh, exact area and volume. Cavities are kept unless told otherwise.
+    line): mesh, exact area and volume. Cavities are kept by default.
 
     Parameters
     ----------
     input
-        Structure, PQR, body or .xyzr file, perhaps gzipped
+        Structure, PQR, body or .xyzr file, optionally gzipped
     density
         Mesh vertices per Å² [default: 1]
     probe
         Probe radius, Å [default: 1.4]
     cavities
-        What to do with cavities inside [default: keep]
+        What to do with cavities [default: keep]
+    interior_radius
+        A cavity is an enclosed interior if a ball of this radius fits into it, Å; interiors are never filled
+        [default: 10]
     offset
         Move the surface inward by this much, Å [default: 0]
     output
@@ -229,9 +238,9 @@ def surface(
     threads
         Threads to use; 0 means all [default: 0]
     force
-        Overwrite results that are already there
+        Overwrite existing results
     progress
-        Called as progress(done, total, unit) while the work goes on.
+        Called as progress(done, total, unit) during the work.
     """
     return call(
         Result,
@@ -241,6 +250,7 @@ def surface(
             "--density": density,
             "--probe": probe,
             "--cavities": cavities,
+            "--interior-radius": interior_radius,
             "--offset": offset,
             "--output": output,
             "--threads": threads,
@@ -277,15 +287,15 @@ def potential(
     Parameters
     ----------
     input
-        Structure, PQR or body file, perhaps gzipped
+        Structure, PQR or body file, optionally gzipped
     salt
         Concentration of a 1:1 salt, such as 100mM or 0.1M
     model
-        How the potential is found [default: poisson-boltzmann]
+        Model of the potential [default: poisson-boltzmann]
     spacing
         Grid spacing, Å [default: 0.5]
     margin
-        From the atoms to the faces of the grid at least, Å [default: 10]
+        Minimum distance between the atoms and the faces of the grid, Å [default: 10]
     boundary
         Potential on the faces of the grid [default: screened-atoms]
     temperature
@@ -293,9 +303,9 @@ def potential(
     inner_permittivity
         Relative permittivity inside the surface [default: 2]
     outer_permittivity
-        Relative permittivity of the solvent; that of water at the temperature if left out
+        Relative permittivity of the solvent; that of water at the temperature if omitted
     ion_radius
-        Ions keep their centres this far from the atoms, Å; 0: up to the surface [default: 2]
+        Minimum distance of ion centres from the atoms, Å; 0 lets ions reach the surface [default: 2]
     surface
         The dielectric boundary [default: solvent-excluded]
     probe
@@ -303,15 +313,15 @@ def potential(
     points
         File of points (x y z per line, Å) at which to print the potential
     no_error_estimate
-        Leave out the second solve that tells the error of the energy
+        Omit the second solution, which estimates the error of the energy
     output
         Volume file to write: .mrc, .map, .ccp4, .dx or .npz
     threads
         Threads to use; 0 means all [default: 0]
     force
-        Overwrite results that are already there
+        Overwrite existing results
     progress
-        Called as progress(done, total, unit) while the work goes on.
+        Called as progress(done, total, unit) during the work.
     """
     return call(
         PotentialResult,
@@ -359,15 +369,15 @@ def body(
     output
         Body file to write
     charges
-        Charges; without them the body is hard and neutral
+        Charges; if omitted, the body is hard and neutral
     name
-        Name of the body; that of the output file if left out
+        Name of the body; that of the output file if omitted
     threads
         Threads to use; 0 means all [default: 0]
     force
-        Overwrite results that are already there
+        Overwrite existing results
     progress
-        Called as progress(done, total, unit) while the work goes on.
+        Called as progress(done, total, unit) during the work.
     """
     return call(
         Result,
@@ -386,7 +396,7 @@ def body(
 
 
 class _Assemble:
-    """Put bodies together: from a structure's own copies, as a ring or a stack of two rings, or at random."""
+    """Build assemblies: from the chains of a structure, as a ring or a stack of two rings, or at random."""
 
     def structure(
         self,
@@ -408,6 +418,7 @@ class _Assemble:
         density: Number | None = None,
         probe: Number | None = None,
         cavities: Literal["drop", "keep"] | None = None,
+        interior_radius: Number | None = None,
         offset: Number | None = None,
         relax: bool = False,
         box: Numbers | None = None,
@@ -415,7 +426,7 @@ class _Assemble:
         force: bool = False,
         progress: Progress | None = None,
     ) -> Result:
-        """Take a structure apart: identical chains become one body, each copy a pose.
+        """Decompose a structure: identical chains become one body, and each copy a pose.
 
         Parameters
         ----------
@@ -424,13 +435,13 @@ class _Assemble:
         output
             Folder for the bodies and assembly.json
         chain
-            Chains by the authors' names; all if left out
+            Chains, by author name; all if omitted
         model
-            Model number; the first if left out
+            Model number; the first if omitted
         assembly
-            Biological assembly by its number; the deposited coordinates if left out
+            Number of the biological assembly; the deposited coordinates if omitted
         altloc
-            Alternate location to prefer; the highest occupancy if left out
+            Preferred alternate location; the highest occupancy if omitted
         keep_ligands
             Keep ligands, ions and sugars
         keep_waters
@@ -446,25 +457,28 @@ class _Assemble:
         charges
             Where the charges sit [default: force-field]
         mutate
-            Residues exchanged in place: chain:from-number-to, such as A:K45E,B:N12D
+            Point mutations, such as A:K45E,B:N12D; side chains are replaced in place
         density
             Mesh vertices per Å² [default: 1]
         probe
             Probe radius, Å [default: 1.4]
         cavities
             What to do with cavities inside the body [default: drop]
+        interior_radius
+            A cavity is an enclosed interior if a ball of this radius fits into it, Å; interiors are never
+            filled, because other bodies may be inside [default: 10]
         offset
             Move the surface inward by this much, Å [default: 0]
         relax
             Remove overlaps of the hard surfaces by the smallest uniform expansion
         box
-            Edge of a cubic periodic box, or three edges, Å; open space if left out
+            Edge of a cubic periodic box, or three edges, Å; open space if omitted
         threads
             Threads to use; 0 means all [default: 0]
         force
-            Overwrite results that are already there
+            Overwrite existing results
         progress
-            Called as progress(done, total, unit) while the work goes on.
+            Called as progress(done, total, unit) during the work.
         """
         return call(
             Result,
@@ -487,6 +501,7 @@ class _Assemble:
                 "--density": density,
                 "--probe": probe,
                 "--cavities": cavities,
+                "--interior-radius": interior_radius,
                 "--offset": offset,
                 "--relax": relax,
                 "--box": box,
@@ -523,24 +538,23 @@ class _Assemble:
         output
             Assembly file to write
         stack
-            Rings: one, or two stacked with dihedral symmetry [default: 1]
+            Number of rings: one, or two stacked with dihedral symmetry [default: 1]
         directions
-            Direction of each body of the pattern: u for up, d for down, such as ud; all up if left out
+            Direction of each body of the pattern: u for up, d for down, such as ud; all up if omitted
         tilt
-            Lean of each body's axis about the outward direction, degrees, such as 0,40; upright if left out
+            Tilt of each body's axis about the outward direction, degrees, such as 0,40; upright if omitted
         spin
-            Turn of each body about its own axis, degrees
+            Rotation of each body about its own axis, degrees
         gap
-            How much further apart than at contact neighbours around the ring, and the rings, are placed, Å
-            [default: 0.5]
+            Gap between neighbours in the ring, and between the rings, beyond contact, Å [default: 0.5]
         box
-            Edge of a cubic periodic box, or three edges, Å; open space if left out
+            Edge of a cubic periodic box, or three edges, Å; open space if omitted
         threads
             Threads to use; 0 means all [default: 0]
         force
-            Overwrite results that are already there
+            Overwrite existing results
         progress
-            Called as progress(done, total, unit) while the work goes on.
+            Called as progress(done, total, unit) during the work.
         """
         return call(
             Result,
@@ -573,26 +587,26 @@ class _Assemble:
         force: bool = False,
         progress: Progress | None = None,
     ) -> Result:
-        """Bodies at random places and in random orientations in a periodic box, none overlapping another.
+        """Bodies at random positions and orientations in a periodic box, without overlaps.
 
         Parameters
         ----------
         bodies
             Body files
         counts
-            How many of each body, in the order of the files, such as 8,8
+            Number of copies of each body, in the order of the files, such as 8,8
         output
             Assembly file to write
         seed
             Seed of the random numbers [default: 1]
         box
-            Edge of a cubic periodic box, or three edges, Å; open space if left out
+            Edge of a cubic periodic box, or three edges, Å; open space if omitted
         threads
             Threads to use; 0 means all [default: 0]
         force
-            Overwrite results that are already there
+            Overwrite existing results
         progress
-            Called as progress(done, total, unit) while the work goes on.
+            Called as progress(done, total, unit) during the work.
         """
         return call(
             Result,
@@ -626,8 +640,8 @@ def candidates(
     force: bool = False,
     progress: Progress | None = None,
 ) -> Result:
-    """Enumerate the up/down arrangements of bodies in a ring or a stack of two rings that are different under
-    the stack's own symmetry, and write each as an assembly closed to contact.
+    """Enumerate the distinct up/down arrangements of bodies in a ring or a stack of two rings, up to the
+    symmetry of the stack, and write each as an assembly closed to contact.
 
     Parameters
     ----------
@@ -636,22 +650,21 @@ def candidates(
     ring
         Bodies per ring
     stack
-        Rings: one or two [default: 1]
+        Number of rings: one or two [default: 1]
     symmetry
-        Symmetry asked of an arrangement [default: dihedral]
+        Symmetry required of an arrangement [default: dihedral]
     gap
-        How much further apart than at contact neighbours around the ring, and the rings, are placed, Å
-        [default: 0.5]
+        Gap between neighbours in the ring, and between the rings, beyond contact, Å [default: 0.5]
     box
-        Edge of a cubic periodic box, or three edges, Å; open space if left out
+        Edge of a cubic periodic box, or three edges, Å; open space if omitted
     output
-        Folder for the assemblies; only counted if left out
+        Folder for the assemblies; if omitted, they are only counted
     threads
         Threads to use; 0 means all [default: 0]
     force
-        Overwrite results that are already there
+        Overwrite existing results
     progress
-        Called as progress(done, total, unit) while the work goes on.
+        Called as progress(done, total, unit) during the work.
     """
     return call(
         Result,
@@ -693,9 +706,9 @@ def compare(
     threads
         Threads to use; 0 means all [default: 0]
     force
-        Overwrite results that are already there
+        Overwrite existing results
     progress
-        Called as progress(done, total, unit) while the work goes on.
+        Called as progress(done, total, unit) during the work.
     """
     return call(
         CompareResult,
@@ -712,8 +725,8 @@ def compare(
 
 
 class _Framework:
-    """Elastic constants, mechanisms and deformation of a periodic network of rods and hinges: one that is built
-    from a few numbers, or one of your own in a TOML file (--write shows what that looks like).
+    """Elastic constants, mechanisms and deformation of a periodic network of rods and hinges: from a builder, or
+    custom, from a TOML file (--write gives an example).
     """
 
     def __call__(
@@ -735,31 +748,31 @@ class _Framework:
         force: bool = False,
         progress: Progress | None = None,
     ) -> FrameworkResult:
-        """Elastic constants, mechanisms and deformation of a periodic network of rods and hinges: one that is
-        built from a few numbers, or one of your own in a TOML file (--write shows what that looks like).
+        """Elastic constants, mechanisms and deformation of a periodic network of rods and hinges: from a
+        builder, or custom, from a TOML file (--write gives an example).
 
         Parameters
         ----------
         file
-            Network file, in place of a builder
+            Network file (TOML), instead of a builder
         na
-            Avogadro's number that converts kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
+            Avogadro constant for the conversion of kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
         cells
             Cells along each cell vector, such as 2x2
         thickness
-            Extent of a two-dimensional network along x [default: 1A, or what the file says]
+            Thickness of a two-dimensional network, along x [default: 1A, or that of the file]
         relax
-            Find the minimum of the energy first, nodes and cell
+            First minimise the energy over nodes and cell
         fixed_cell
-            With --relax: keep the cell
+            With --relax: keep the cell fixed
         load
             Axis along which to load the network: x, y or z
         stress
-            Stresses to apply one after the other, such as 1GPa,2GPa; negative ones push
+            Stresses to apply one after another, such as 1GPa,2GPa; negative values are compressive
         stress_kind
-            What the stress is referred to [default: nominal]
+            Reference area of the stress [default: nominal]
         derivatives
-            Print energy, forces and Hessian (with --json or -o)
+            Report energy, forces and Hessian (with --json or -o)
         write
             Write the network as TOML
         output
@@ -767,9 +780,9 @@ class _Framework:
         threads
             Threads to use; 0 means all [default: 0]
         force
-            Overwrite results that are already there
+            Overwrite existing results
         progress
-            Called as progress(done, total, unit) while the work goes on.
+            Called as progress(done, total, unit) during the work.
         """
         return call(
             FrameworkResult,
@@ -821,7 +834,7 @@ class _Framework:
         Parameters
         ----------
         theta
-            Angle between them, degrees
+            Angle between the two kinds of ribs, degrees
         kh
             Stiffness of each hinge between an h and an l rib, kcal/mol/rad²
         ks
@@ -831,23 +844,23 @@ class _Framework:
         l
             Length of the inclined ribs, Å [default: 1A]
         na
-            Avogadro's number that converts kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
+            Avogadro constant for the conversion of kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
         cells
             Cells along each cell vector, such as 2x2
         thickness
-            Extent of a two-dimensional network along x [default: 1A, or what the file says]
+            Thickness of a two-dimensional network, along x [default: 1A, or that of the file]
         relax
-            Find the minimum of the energy first, nodes and cell
+            First minimise the energy over nodes and cell
         fixed_cell
-            With --relax: keep the cell
+            With --relax: keep the cell fixed
         load
             Axis along which to load the network: x, y or z
         stress
-            Stresses to apply one after the other, such as 1GPa,2GPa; negative ones push
+            Stresses to apply one after another, such as 1GPa,2GPa; negative values are compressive
         stress_kind
-            What the stress is referred to [default: nominal]
+            Reference area of the stress [default: nominal]
         derivatives
-            Print energy, forces and Hessian (with --json or -o)
+            Report energy, forces and Hessian (with --json or -o)
         write
             Write the network as TOML
         output
@@ -855,9 +868,9 @@ class _Framework:
         threads
             Threads to use; 0 means all [default: 0]
         force
-            Overwrite results that are already there
+            Overwrite existing results
         progress
-            Called as progress(done, total, unit) while the work goes on.
+            Called as progress(done, total, unit) during the work.
         """
         return call(
             FrameworkResult,
@@ -908,36 +921,37 @@ class _Framework:
         force: bool = False,
         progress: Progress | None = None,
     ) -> FrameworkResult:
-        """Squares that touch at corners and are turned by turns.
+        """Squares that share corners and rotate alternately.
 
         Parameters
         ----------
         angle
-            Turn of each polygon from the open position, degrees
+            Rotation of each polygon from the open position, degrees
         ks
-            Stiffness of the rods that keep a polygon in shape, kcal/mol/Å²
+            Stiffness of the rods that make a polygon rigid, kcal/mol/Å²
         kh
-            Stiffness of the hinges between neighbouring rods, kcal/mol/rad²
+            K_h: stiffness of the hinge between two polygons, one at every shared corner, as in the published
+            formulas, kcal/mol/rad²
         side
             Side of a polygon, Å [default: 1A]
         na
-            Avogadro's number that converts kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
+            Avogadro constant for the conversion of kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
         cells
             Cells along each cell vector, such as 2x2
         thickness
-            Extent of a two-dimensional network along x [default: 1A, or what the file says]
+            Thickness of a two-dimensional network, along x [default: 1A, or that of the file]
         relax
-            Find the minimum of the energy first, nodes and cell
+            First minimise the energy over nodes and cell
         fixed_cell
-            With --relax: keep the cell
+            With --relax: keep the cell fixed
         load
             Axis along which to load the network: x, y or z
         stress
-            Stresses to apply one after the other, such as 1GPa,2GPa; negative ones push
+            Stresses to apply one after another, such as 1GPa,2GPa; negative values are compressive
         stress_kind
-            What the stress is referred to [default: nominal]
+            Reference area of the stress [default: nominal]
         derivatives
-            Print energy, forces and Hessian (with --json or -o)
+            Report energy, forces and Hessian (with --json or -o)
         write
             Write the network as TOML
         output
@@ -945,9 +959,9 @@ class _Framework:
         threads
             Threads to use; 0 means all [default: 0]
         force
-            Overwrite results that are already there
+            Overwrite existing results
         progress
-            Called as progress(done, total, unit) while the work goes on.
+            Called as progress(done, total, unit) during the work.
         """
         return call(
             FrameworkResult,
@@ -997,36 +1011,37 @@ class _Framework:
         force: bool = False,
         progress: Progress | None = None,
     ) -> FrameworkResult:
-        """Equilateral triangles that touch at corners and are turned by turns.
+        """Equilateral triangles that share corners and rotate alternately.
 
         Parameters
         ----------
         angle
-            Turn of each polygon from the open position, degrees
+            Rotation of each polygon from the open position, degrees
         ks
-            Stiffness of the rods that keep a polygon in shape, kcal/mol/Å²
+            Stiffness of the rods that make a polygon rigid, kcal/mol/Å²
         kh
-            Stiffness of the hinges between neighbouring rods, kcal/mol/rad²
+            K_h: stiffness of the hinge between two polygons, one at every shared corner, as in the published
+            formulas, kcal/mol/rad²
         side
             Side of a polygon, Å [default: 1A]
         na
-            Avogadro's number that converts kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
+            Avogadro constant for the conversion of kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
         cells
             Cells along each cell vector, such as 2x2
         thickness
-            Extent of a two-dimensional network along x [default: 1A, or what the file says]
+            Thickness of a two-dimensional network, along x [default: 1A, or that of the file]
         relax
-            Find the minimum of the energy first, nodes and cell
+            First minimise the energy over nodes and cell
         fixed_cell
-            With --relax: keep the cell
+            With --relax: keep the cell fixed
         load
             Axis along which to load the network: x, y or z
         stress
-            Stresses to apply one after the other, such as 1GPa,2GPa; negative ones push
+            Stresses to apply one after another, such as 1GPa,2GPa; negative values are compressive
         stress_kind
-            What the stress is referred to [default: nominal]
+            Reference area of the stress [default: nominal]
         derivatives
-            Print energy, forces and Hessian (with --json or -o)
+            Report energy, forces and Hessian (with --json or -o)
         write
             Write the network as TOML
         output
@@ -1034,9 +1049,9 @@ class _Framework:
         threads
             Threads to use; 0 means all [default: 0]
         force
-            Overwrite results that are already there
+            Overwrite existing results
         progress
-            Called as progress(done, total, unit) while the work goes on.
+            Called as progress(done, total, unit) during the work.
         """
         return call(
             FrameworkResult,
@@ -1098,27 +1113,27 @@ class _Framework:
         ks
             Stiffness of each rib, kcal/mol/Å²
         kh
-            Stiffness of each hinge, kcal/mol/rad²
+            Stiffness of each hinge, one between any two adjacent ribs at a node, kcal/mol/rad²
         width
             Extent of a cell along y, Å [default: 2A]
         na
-            Avogadro's number that converts kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
+            Avogadro constant for the conversion of kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
         cells
             Cells along each cell vector, such as 2x2
         thickness
-            Extent of a two-dimensional network along x [default: 1A, or what the file says]
+            Thickness of a two-dimensional network, along x [default: 1A, or that of the file]
         relax
-            Find the minimum of the energy first, nodes and cell
+            First minimise the energy over nodes and cell
         fixed_cell
-            With --relax: keep the cell
+            With --relax: keep the cell fixed
         load
             Axis along which to load the network: x, y or z
         stress
-            Stresses to apply one after the other, such as 1GPa,2GPa; negative ones push
+            Stresses to apply one after another, such as 1GPa,2GPa; negative values are compressive
         stress_kind
-            What the stress is referred to [default: nominal]
+            Reference area of the stress [default: nominal]
         derivatives
-            Print energy, forces and Hessian (with --json or -o)
+            Report energy, forces and Hessian (with --json or -o)
         write
             Write the network as TOML
         output
@@ -1126,9 +1141,9 @@ class _Framework:
         threads
             Threads to use; 0 means all [default: 0]
         force
-            Overwrite results that are already there
+            Overwrite existing results
         progress
-            Called as progress(done, total, unit) while the work goes on.
+            Called as progress(done, total, unit) during the work.
         """
         return call(
             FrameworkResult,
@@ -1188,33 +1203,33 @@ class _Framework:
         r0
             Length of the rods between squares, Å
         angle
-            Turn of each square, degrees; 45 is open
+            Rotation of each square, degrees; 45 is open
         square_ks
-            Stiffness of the rods that keep a square in shape, kcal/mol/Å²
+            Stiffness of the rods that make a square rigid, kcal/mol/Å²
         ks
             Stiffness of the rods between squares, kcal/mol/Å²
         kh
-            Stiffness of each hinge, kcal/mol/rad²
+            Stiffness of each hinge, one between any two adjacent rods at a node, kcal/mol/rad²
         l
             Half-diagonal of a square, Å [default: 1A]
         na
-            Avogadro's number that converts kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
+            Avogadro constant for the conversion of kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
         cells
             Cells along each cell vector, such as 2x2
         thickness
-            Extent of a two-dimensional network along x [default: 1A, or what the file says]
+            Thickness of a two-dimensional network, along x [default: 1A, or that of the file]
         relax
-            Find the minimum of the energy first, nodes and cell
+            First minimise the energy over nodes and cell
         fixed_cell
-            With --relax: keep the cell
+            With --relax: keep the cell fixed
         load
             Axis along which to load the network: x, y or z
         stress
-            Stresses to apply one after the other, such as 1GPa,2GPa; negative ones push
+            Stresses to apply one after another, such as 1GPa,2GPa; negative values are compressive
         stress_kind
-            What the stress is referred to [default: nominal]
+            Reference area of the stress [default: nominal]
         derivatives
-            Print energy, forces and Hessian (with --json or -o)
+            Report energy, forces and Hessian (with --json or -o)
         write
             Write the network as TOML
         output
@@ -1222,9 +1237,9 @@ class _Framework:
         threads
             Threads to use; 0 means all [default: 0]
         force
-            Overwrite results that are already there
+            Overwrite existing results
         progress
-            Called as progress(done, total, unit) while the work goes on.
+            Called as progress(done, total, unit) during the work.
         """
         return call(
             FrameworkResult,
@@ -1283,23 +1298,23 @@ class _Framework:
         edge
             Edge of the cubic cell, Å [default: 1A]
         na
-            Avogadro's number that converts kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
+            Avogadro constant for the conversion of kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
         cells
             Cells along each cell vector, such as 2x2
         thickness
-            Extent of a two-dimensional network along x [default: 1A, or what the file says]
+            Thickness of a two-dimensional network, along x [default: 1A, or that of the file]
         relax
-            Find the minimum of the energy first, nodes and cell
+            First minimise the energy over nodes and cell
         fixed_cell
-            With --relax: keep the cell
+            With --relax: keep the cell fixed
         load
             Axis along which to load the network: x, y or z
         stress
-            Stresses to apply one after the other, such as 1GPa,2GPa; negative ones push
+            Stresses to apply one after another, such as 1GPa,2GPa; negative values are compressive
         stress_kind
-            What the stress is referred to [default: nominal]
+            Reference area of the stress [default: nominal]
         derivatives
-            Print energy, forces and Hessian (with --json or -o)
+            Report energy, forces and Hessian (with --json or -o)
         write
             Write the network as TOML
         output
@@ -1307,9 +1322,9 @@ class _Framework:
         threads
             Threads to use; 0 means all [default: 0]
         force
-            Overwrite results that are already there
+            Overwrite existing results
         progress
-            Called as progress(done, total, unit) while the work goes on.
+            Called as progress(done, total, unit) during the work.
         """
         return call(
             FrameworkResult,
@@ -1363,27 +1378,27 @@ class _Framework:
         ks
             Stiffness of each rod, kcal/mol/Å²
         kh
-            Stiffness of each hinge, kcal/mol/rad²
+            Stiffness of each hinge, one between every two rods at a node, kcal/mol/rad²
         edge
             Edge of the cubic cell, Å [default: 1A]
         na
-            Avogadro's number that converts kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
+            Avogadro constant for the conversion of kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
         cells
             Cells along each cell vector, such as 2x2
         thickness
-            Extent of a two-dimensional network along x [default: 1A, or what the file says]
+            Thickness of a two-dimensional network, along x [default: 1A, or that of the file]
         relax
-            Find the minimum of the energy first, nodes and cell
+            First minimise the energy over nodes and cell
         fixed_cell
-            With --relax: keep the cell
+            With --relax: keep the cell fixed
         load
             Axis along which to load the network: x, y or z
         stress
-            Stresses to apply one after the other, such as 1GPa,2GPa; negative ones push
+            Stresses to apply one after another, such as 1GPa,2GPa; negative values are compressive
         stress_kind
-            What the stress is referred to [default: nominal]
+            Reference area of the stress [default: nominal]
         derivatives
-            Print energy, forces and Hessian (with --json or -o)
+            Report energy, forces and Hessian (with --json or -o)
         write
             Write the network as TOML
         output
@@ -1391,9 +1406,9 @@ class _Framework:
         threads
             Threads to use; 0 means all [default: 0]
         force
-            Overwrite results that are already there
+            Overwrite existing results
         progress
-            Called as progress(done, total, unit) while the work goes on.
+            Called as progress(done, total, unit) during the work.
         """
         return call(
             FrameworkResult,
@@ -1443,23 +1458,23 @@ class _Framework:
         Parameters
         ----------
         na
-            Avogadro's number that converts kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
+            Avogadro constant for the conversion of kcal/mol/Å³ to GPa, 1/mol [default: 6.02214076e23]
         cells
             Cells along each cell vector, such as 2x2
         thickness
-            Extent of a two-dimensional network along x [default: 1A, or what the file says]
+            Thickness of a two-dimensional network, along x [default: 1A, or that of the file]
         relax
-            Find the minimum of the energy first, nodes and cell
+            First minimise the energy over nodes and cell
         fixed_cell
-            With --relax: keep the cell
+            With --relax: keep the cell fixed
         load
             Axis along which to load the network: x, y or z
         stress
-            Stresses to apply one after the other, such as 1GPa,2GPa; negative ones push
+            Stresses to apply one after another, such as 1GPa,2GPa; negative values are compressive
         stress_kind
-            What the stress is referred to [default: nominal]
+            Reference area of the stress [default: nominal]
         derivatives
-            Print energy, forces and Hessian (with --json or -o)
+            Report energy, forces and Hessian (with --json or -o)
         write
             Write the network as TOML
         output
@@ -1467,9 +1482,9 @@ class _Framework:
         threads
             Threads to use; 0 means all [default: 0]
         force
-            Overwrite results that are already there
+            Overwrite existing results
         progress
-            Called as progress(done, total, unit) while the work goes on.
+            Called as progress(done, total, unit) during the work.
         """
         return call(
             Result,
@@ -1515,14 +1530,14 @@ def inspect(
     force: bool = False,
     progress: Progress | None = None,
 ) -> Result:
-    """Look at an assembly as it stands: overlaps, pair energies, radius of gyration.
+    """Inspect an assembly: overlaps, pair energies, radius of gyration.
 
     Parameters
     ----------
     assembly
         Assembly file
     energy
-        How energies are computed [default: direct]
+        Energy model [default: direct]
     tolerance
         Largest likely error of the energy of two bodies, kT, with --energy approximate [default: 0.001]
     contact_gap
@@ -1532,24 +1547,24 @@ def inspect(
     temperature
         Temperature, K [default: 298.15]
     permittivity
-        Relative permittivity; that of water at the temperature if left out
+        Relative permittivity; that of water at the temperature if omitted
     bjerrum
         Bjerrum length (such as 7.0A), instead of temperature and permittivity
     debye
         Debye length (such as 9.6A), instead of a salt concentration
     cutoff
-        Distance at which the interaction is cut off; five Debye lengths if left out
+        Cut-off distance of the interaction; five Debye lengths if omitted
     memory_limit
-        Memory that tables of certified energies may take together, such as 500MB [default: 4GB]
+        Memory limit for all tables of certified energies, such as 500MB [default: 4GB]
     no_cache
-        Neither look for tables of certified energies in the cache folder nor keep them there. The folder is
-        PROTOMER_CACHE_DIR (empty: none), else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
+        Do not read or write the cache of tables of certified energies. The cache folder is PROTOMER_CACHE_DIR
+        (empty: no cache), or else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
     threads
         Threads to use; 0 means all [default: 0]
     force
-        Overwrite results that are already there
+        Overwrite existing results
     progress
-        Called as progress(done, total, unit) while the work goes on.
+        Called as progress(done, total, unit) during the work.
     """
     return call(
         Result,
@@ -1615,17 +1630,18 @@ def simulate(
     temperature
         Temperature, K [default: 298.15]
     permittivity
-        Relative permittivity; that of water at the temperature if left out
+        Relative permittivity; that of water at the temperature if omitted
     bjerrum
         Bjerrum length (such as 7.0A), instead of temperature and permittivity
     debye
         Debye length (such as 9.6A), instead of a salt concentration
     cutoff
-        Distance at which the interaction is cut off; five Debye lengths if left out
+        Cut-off distance of the interaction; five Debye lengths if omitted
     config
         Configuration (TOML), such as the run.toml of another run; flags override it
     sweeps
-        Production sweeps to run to (one trial move per body, and the cluster moves) [default: 2000]
+        Total number of production sweeps (each one trial move per body, plus the cluster moves) [default:
+        2000]
     equilibration
         Sweeps before production, in which step sizes are tuned and then frozen [default: 500]
     cluster_moves
@@ -1639,24 +1655,24 @@ def simulate(
     trajectory_every
         Sweeps between frames of the trajectory; 0 for none [default: 100]
     energy
-        How energies are computed [default: direct]
+        Energy model [default: direct]
     tolerance
         Largest likely error of the energy of two bodies, kT, with --energy approximate [default: 0.001]
     time_limit
         Stop (resumably, exit code 3) after this many minutes
     checkpoint_every
-        Seconds between checkpoints: what a killed run loses at most [default: 20]
+        Seconds between checkpoints: the most that a killed run loses [default: 20]
     memory_limit
-        Memory that tables of certified energies may take together, such as 500MB [default: 4GB]
+        Memory limit for all tables of certified energies, such as 500MB [default: 4GB]
     no_cache
-        Neither look for tables of certified energies in the cache folder nor keep them there. The folder is
-        PROTOMER_CACHE_DIR (empty: none), else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
+        Do not read or write the cache of tables of certified energies. The cache folder is PROTOMER_CACHE_DIR
+        (empty: no cache), or else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
     threads
         Threads to use; 0 means all [default: 0]
     force
-        Overwrite results that are already there
+        Overwrite existing results
     progress
-        Called as progress(done, total, unit) while the work goes on.
+        Called as progress(done, total, unit) during the work.
     """
     return call(
         SimulationResult,
@@ -1737,12 +1753,13 @@ def sweep(
     replicas
         Independent replicas per salt concentration
     shard
-        Only a part of the simulations, such as 2/8, beside other processes in the same directory; the command
-        without it collects the parts [default: 1/1]
+        Run only a part of the simulations, such as 2/8, alongside other processes in the same directory; the
+        command without this flag collects the parts [default: 1/1]
     config
         Configuration (TOML), such as the run.toml of another run; flags override it
     sweeps
-        Production sweeps to run to (one trial move per body, and the cluster moves) [default: 2000]
+        Total number of production sweeps (each one trial move per body, plus the cluster moves) [default:
+        2000]
     equilibration
         Sweeps before production, in which step sizes are tuned and then frozen [default: 500]
     cluster_moves
@@ -1756,39 +1773,39 @@ def sweep(
     trajectory_every
         Sweeps between frames of the trajectory; 0 for none [default: 100]
     energy
-        How energies are computed [default: direct]
+        Energy model [default: direct]
     tolerance
         Largest likely error of the energy of two bodies, kT, with --energy approximate [default: 0.001]
     time_limit
         Stop (resumably, exit code 3) after this many minutes
     checkpoint_every
-        Seconds between checkpoints: what a killed run loses at most [default: 20]
+        Seconds between checkpoints: the most that a killed run loses [default: 20]
     memory_limit
-        Memory that tables of certified energies may take together, such as 500MB [default: 4GB]
+        Memory limit for all tables of certified energies, such as 500MB [default: 4GB]
     no_cache
-        Neither look for tables of certified energies in the cache folder nor keep them there. The folder is
-        PROTOMER_CACHE_DIR (empty: none), else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
+        Do not read or write the cache of tables of certified energies. The cache folder is PROTOMER_CACHE_DIR
+        (empty: no cache), or else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
     temperature
         Temperature, K [default: 298.15]
     permittivity
-        Relative permittivity; that of water at the temperature if left out
+        Relative permittivity; that of water at the temperature if omitted
     bjerrum
         Bjerrum length (such as 7.0A), instead of temperature and permittivity
     debye
         Debye length (such as 9.6A), instead of a salt concentration
     cutoff
-        Distance at which the interaction is cut off; five Debye lengths if left out
+        Cut-off distance of the interaction; five Debye lengths if omitted
     threads
         Threads to use; 0 means all [default: 0]
     force
-        Overwrite results that are already there
+        Overwrite existing results
     client
         A `distributed.Client`, the address of a Dask scheduler such as "tcp://host:8786", or "local" for
-        workers on this machine: they do the work, and must see files and folders under the same paths
+        workers on this machine. The workers must see all files and folders under the same paths
     parts
-        Parts to make of it with a client [default: four for each thread of the workers]
+        Number of parts with a client [default: four per worker thread]
     progress
-        Called as progress(done, total, unit) while the work goes on.
+        Called as progress(done, total, unit) during the work.
     """
     return call(
         SweepResult,
@@ -1828,7 +1845,7 @@ def sweep(
 
 
 class _Lattice:
-    """Two-dimensional crystals of rigid squares whose corners are joined by rigid rods: run, sweep, animate."""
+    """Two-dimensional crystals of rigid squares whose corners are joined by rigid rods."""
 
     def __call__(
         self,
@@ -1838,7 +1855,7 @@ class _Lattice:
         force: bool = False,
         progress: Progress | None = None,
     ) -> Result:
-        """Two-dimensional crystals of rigid squares whose corners are joined by rigid rods: run, sweep, animate.
+        """Two-dimensional crystals of rigid squares whose corners are joined by rigid rods.
 
         Parameters
         ----------
@@ -1847,9 +1864,9 @@ class _Lattice:
         threads
             Threads to use; 0 means all [default: 0]
         force
-            Overwrite results that are already there
+            Overwrite existing results
         progress
-            Called as progress(done, total, unit) while the work goes on.
+            Called as progress(done, total, unit) during the work.
         """
         return call(
             Result,
@@ -1880,6 +1897,7 @@ class _Lattice:
         angle_spread: Number | None = None,
         velocities: Literal["checkerboard", "random", "rest", "thermal"] | None = None,
         speed: Number | None = None,
+        velocity_spread: Number | None = None,
         time: Number | None = None,
         steps: Integer | None = None,
         dt: Text | None = None,
@@ -1906,7 +1924,7 @@ class _Lattice:
         time_limit
             Stop (resumably, exit code 3) after this many minutes
         checkpoint_every
-            Seconds between checkpoints: what a killed run loses at most [default: 20]
+            Seconds between checkpoints: the most that a killed run loses [default: 20]
         ns
             Squares along an edge: rows and columns at once
         rows
@@ -1916,9 +1934,9 @@ class _Lattice:
         r0
             Length of the rods; the half-diagonal of a square is 1 [default: 3/22]
         kappa
-            κ of the potential that draws the squares to one coherent motion [default: 0]
+            κ of the potential that favours coherent motion of the squares [default: 0]
         edges
-            What is at the edges [default: open]
+            Boundary condition [default: open]
         start
             Orientation at the start: open, closed, or an angle in radians [default: open]
         angle_spread
@@ -1927,6 +1945,9 @@ class _Lattice:
             Velocities at the start [default: checkerboard]
         speed
             Angular velocity of every square (checkerboard), or the largest drawn (random) [default: 1]
+        velocity_spread
+            Standard deviation of random numbers added to the angular velocities of a checkerboard start
+            [default: 0]
         time
             Run to this time [default: 10]
         steps
@@ -1952,9 +1973,9 @@ class _Lattice:
         threads
             Threads to use; 0 means all [default: 0]
         force
-            Overwrite results that are already there
+            Overwrite existing results
         progress
-            Called as progress(done, total, unit) while the work goes on.
+            Called as progress(done, total, unit) during the work.
         """
         return call(
             LatticeResult,
@@ -1974,6 +1995,7 @@ class _Lattice:
                 "--angle-spread": angle_spread,
                 "--velocities": velocities,
                 "--speed": speed,
+                "--velocity-spread": velocity_spread,
                 "--time": time,
                 "--steps": steps,
                 "--dt": dt,
@@ -2001,6 +2023,8 @@ class _Lattice:
         r0_list: Numbers | None = None,
         kappa_list: Numbers | None = None,
         seeds: Integer | None = None,
+        lyapunov: bool = False,
+        lyapunov_intervals: Integer | None = None,
         ns: Integer | None = None,
         rows: Integer | None = None,
         columns: Integer | None = None,
@@ -2011,6 +2035,7 @@ class _Lattice:
         angle_spread: Number | None = None,
         velocities: Literal["checkerboard", "random", "rest", "thermal"] | None = None,
         speed: Number | None = None,
+        velocity_spread: Number | None = None,
         time: Number | None = None,
         steps: Integer | None = None,
         dt: Text | None = None,
@@ -2026,8 +2051,8 @@ class _Lattice:
         force: bool = False,
         progress: Progress | None = None,
     ) -> LatticeSweepResult:
-        """Run lattices of several rod lengths and κ, once per seed, on all threads: tables with error bars and
-        figures. The same command continues a sweep that was stopped.
+        """Run lattices of several rod lengths and κ, once per seed, on all threads, with tables and figures. The
+        same command continues a sweep that was stopped.
 
         Parameters
         ----------
@@ -2038,13 +2063,17 @@ class _Lattice:
         time_limit
             Stop (resumably, exit code 3) after this many minutes
         checkpoint_every
-            Seconds between checkpoints: what a killed run loses at most [default: 20]
+            Seconds between checkpoints: the most that a killed run loses [default: 20]
         r0_list
             Rod lengths, separated by commas [default: the [sweep] of the configuration]
         kappa_list
             κ, separated by commas
         seeds
             Runs per rod length and κ: seeds 1, 2, ...
+        lyapunov
+            Measure the maximal Lyapunov exponent of every run
+        lyapunov_intervals
+            Intervals over which the exponent is averaged [default: 200]
         ns
             Squares along an edge: rows and columns at once
         rows
@@ -2054,9 +2083,9 @@ class _Lattice:
         r0
             Length of the rods; the half-diagonal of a square is 1 [default: 3/22]
         kappa
-            κ of the potential that draws the squares to one coherent motion [default: 0]
+            κ of the potential that favours coherent motion of the squares [default: 0]
         edges
-            What is at the edges [default: open]
+            Boundary condition [default: open]
         start
             Orientation at the start: open, closed, or an angle in radians [default: open]
         angle_spread
@@ -2065,6 +2094,9 @@ class _Lattice:
             Velocities at the start [default: checkerboard]
         speed
             Angular velocity of every square (checkerboard), or the largest drawn (random) [default: 1]
+        velocity_spread
+            Standard deviation of random numbers added to the angular velocities of a checkerboard start
+            [default: 0]
         time
             Run to this time [default: 10]
         steps
@@ -2090,9 +2122,9 @@ class _Lattice:
         threads
             Threads to use; 0 means all [default: 0]
         force
-            Overwrite results that are already there
+            Overwrite existing results
         progress
-            Called as progress(done, total, unit) while the work goes on.
+            Called as progress(done, total, unit) during the work.
         """
         return call(
             LatticeSweepResult,
@@ -2105,6 +2137,8 @@ class _Lattice:
                 "--r0-list": r0_list,
                 "--kappa-list": kappa_list,
                 "--seeds": seeds,
+                "--lyapunov": lyapunov,
+                "--lyapunov-intervals": lyapunov_intervals,
                 "--ns": ns,
                 "--rows": rows,
                 "--columns": columns,
@@ -2115,6 +2149,7 @@ class _Lattice:
                 "--angle-spread": angle_spread,
                 "--velocities": velocities,
                 "--speed": speed,
+                "--velocity-spread": velocity_spread,
                 "--time": time,
                 "--steps": steps,
                 "--dt": dt,
@@ -2143,7 +2178,7 @@ class _Lattice:
         force: bool = False,
         progress: Progress | None = None,
     ) -> Result:
-        """Make a page that plays a run in any browser: one HTML file that needs nothing else.
+        """Make a self-contained HTML page that plays a run in any browser.
 
         Parameters
         ----------
@@ -2152,15 +2187,15 @@ class _Lattice:
         output
             The page [default: lattice.html in the directory]
         frames
-            Write the frames as SVG files into this directory as well
+            Also write the frames as SVG files into this directory
         most_frames
-            Frames to show at most, spread evenly over the run [default: 1000]
+            Maximum number of frames, evenly spaced over the run [default: 1000]
         threads
             Threads to use; 0 means all [default: 0]
         force
-            Overwrite results that are already there
+            Overwrite existing results
         progress
-            Called as progress(done, total, unit) while the work goes on.
+            Called as progress(done, total, unit) during the work.
         """
         return call(
             Result,
@@ -2187,24 +2222,24 @@ class _Lattice:
         force: bool = False,
         progress: Progress | None = None,
     ) -> Result:
-        """The square that stands for a body with a symmetry axis, as part of a configuration.
+        """The square that represents a body with a symmetry axis, as part of a configuration.
 
         Parameters
         ----------
         body
             Body file
         axis
-            The axis to look along [default: auto]
+            Axis of projection [default: auto]
         size
-            What the half-diagonal is [default: corners]
+            Definition of the half-diagonal [default: corners]
         output
             Write the configuration to this file instead of stdout
         threads
             Threads to use; 0 means all [default: 0]
         force
-            Overwrite results that are already there
+            Overwrite existing results
         progress
-            Called as progress(done, total, unit) while the work goes on.
+            Called as progress(done, total, unit) during the work.
         """
         return call(
             Result,
@@ -2230,23 +2265,23 @@ class _Lattice:
         force: bool = False,
         progress: Progress | None = None,
     ) -> Result:
-        """Follow the state of a file (JSON: ns, r0, kappa, s0, v0, times), without collisions at the listed
-        times, and to the first contact and through it.
+        """Integrate the state of a file (JSON: ns, r0, kappa, s0, v0, times): without collisions to the listed
+        times, and up to the first contact and through it.
 
         Parameters
         ----------
         file
             The file
         dt
-            Time step; it shrinks a little where times ask for it [default: 0.001]
+            Time step; reduced slightly to match the listed times [default: 0.001]
         longest
-            How long to look for a contact [default: 20]
+            Time limit of the search for a contact [default: 20]
         threads
             Threads to use; 0 means all [default: 0]
         force
-            Overwrite results that are already there
+            Overwrite existing results
         progress
-            Called as progress(done, total, unit) while the work goes on.
+            Called as progress(done, total, unit) during the work.
         """
         return call(
             Result,
@@ -2269,7 +2304,7 @@ class _Lattice:
         force: bool = False,
         progress: Progress | None = None,
     ) -> Result:
-        """The elastic impact at the state of contact of a file (JSON: ns, r0, first_collision with s and v).
+        """The elastic impact at the contact state of a file (JSON: ns, r0, first_collision with s and v).
 
         Parameters
         ----------
@@ -2278,9 +2313,9 @@ class _Lattice:
         threads
             Threads to use; 0 means all [default: 0]
         force
-            Overwrite results that are already there
+            Overwrite existing results
         progress
-            Called as progress(done, total, unit) while the work goes on.
+            Called as progress(done, total, unit) during the work.
         """
         return call(
             Result,
@@ -2326,9 +2361,9 @@ class _Lattice:
         threads
             Threads to use; 0 means all [default: 0]
         force
-            Overwrite results that are already there
+            Overwrite existing results
         progress
-            Called as progress(done, total, unit) while the work goes on.
+            Called as progress(done, total, unit) during the work.
         """
         return call(
             Result,
@@ -2360,8 +2395,8 @@ def report(
     force: bool = False,
     progress: Progress | None = None,
 ) -> Result:
-    """Make one HTML page of a directory of results: figures with their numbers, bodies to turn, lattices that
-    move. The page needs nothing else and loads nothing.
+    """Make a self-contained HTML page of a directory of results: figures with their numbers, rotatable bodies,
+    animated lattices. The page loads nothing.
 
     Parameters
     ----------
@@ -2371,13 +2406,13 @@ def report(
     output
         The page [default: report.html in the directory; SET.zarr.report.html beside a set of voxels]
     assembly
-        Assembly file of a sweep or simulation, if it is no longer where it was
+        Assembly file of a sweep or simulation, if it has moved
     threads
         Threads to use; 0 means all [default: 0]
     force
-        Overwrite results that are already there
+        Overwrite existing results
     progress
-        Called as progress(done, total, unit) while the work goes on.
+        Called as progress(done, total, unit) during the work.
     """
     return call(
         Result,
@@ -2433,7 +2468,7 @@ def train(
     Parameters
     ----------
     set
-        Set of voxels (zarr), as 'protomer voxelize' makes it
+        Set of voxels (zarr), made by 'protomer voxelize'
     output
         Directory of the results
     control
@@ -2445,17 +2480,17 @@ def train(
         Settings (TOML), such as the best.toml of a search or the settings.toml of another training; flags
         override them
     ablate
-        Train every subset of the channels as well
+        Also train on every subset of the channels
     ablation_seeds
-        Seeds each subset is trained with [default: 3]
+        Number of seeds per subset [default: 3]
     target
-        What is to be predicted [default: label]
+        The quantity to predict [default: label]
     least_samples
         Classes with fewer samples become one class, "other" [default: 10]
     channels
-        Channels the network sees, separated by commas [default: all]
+        Input channels of the network, separated by commas [default: all]
     split_by
-        What stays together in the split [default: cluster]
+        Unit of the split [default: cluster]
     split_seed
         Seed of the split [default: that of --seed, or the one a configuration names]
     fractions
@@ -2465,7 +2500,7 @@ def train(
     permutations
         Exchanges of labels in the permutation test [default: 1000]
     rotations
-        Average predictions over the 24 rotations of the cube: 24 times the work
+        Average predictions over the 24 rotations of the cube, at 24 times the cost
     widths
         Channels of each block, separated by commas [default: 16,32,64]
     kernels
@@ -2473,14 +2508,14 @@ def train(
     groups
         Groups of the group normalisation; 0 for none [default: 8]
     average_only
-        Average only at the end, instead of average and maximum
+        Pool by the average only at the end, instead of average and maximum
     epochs
-        Passes over the training part, at most [default: 50]
+        Maximum number of passes over the training part [default: 50]
     patience
-        Epochs without a smaller validation loss after which training ends; 0 for never [default: 10]
+        Stop after this many epochs without a smaller validation loss; 0 for never [default: 10]
     logit_adjustment
-        τ: 0 learns the classes as common as they are; 1 as if all were equally common, with their shares put
-        back into the predictions [default: 0]
+        Logit adjustment τ: 0 learns with the observed class frequencies; 1 as if all classes were equally
+        frequent, with the frequencies restored in the predictions [default: 0]
     batch
         Samples per step [default: 8]
     learning_rate
@@ -2488,18 +2523,18 @@ def train(
     seed
         Seed of weights, order and rotations, and of the split without --split-seed [default: 1]
     device
-        Where the network is computed: cpu, cuda, or cuda:1 for the second NVIDIA device. CUDA needs a build
+        Device that runs the network: cpu, cuda, or cuda:1 for the second NVIDIA device. CUDA needs a build
         with --features cuda [default: cpu]
     time_limit
         Stop (resumably, exit code 3) after this many minutes
     checkpoint_every
-        Seconds between checkpoints: what a killed run loses at most [default: 20]
+        Seconds between checkpoints: the most that a killed run loses [default: 20]
     threads
         Threads to use; 0 means all [default: 0]
     force
-        Overwrite results that are already there
+        Overwrite existing results
     progress
-        Called as progress(done, total, unit) while the work goes on.
+        Called as progress(done, total, unit) during the work.
     """
     return call(
         TrainResult,
@@ -2551,26 +2586,26 @@ def predict(
     force: bool = False,
     progress: Progress | None = None,
 ) -> PredictResult:
-    """Apply a network that 'protomer train' has made to every sample of a set of voxels: class and
-    probabilities, and scores where the labels are known.
+    """Apply a network trained by 'protomer train' to every sample of a set of voxels: class, probabilities, and
+    scores where the labels are known.
 
     Parameters
     ----------
     run
         Directory of a finished training
     set
-        Set of voxels (zarr), made by 'protomer voxelize' like the one of the training
+        Set of voxels (zarr), made by 'protomer voxelize' with the settings of the training set
     output
-        Table to write (CSV); left out, it goes to the standard output
+        Table to write (CSV); standard output if omitted
     device
-        Where the network is computed: cpu, cuda, or cuda:1 for the second NVIDIA device. CUDA needs a build
+        Device that runs the network: cpu, cuda, or cuda:1 for the second NVIDIA device. CUDA needs a build
         with --features cuda [default: cpu]
     threads
         Threads to use; 0 means all [default: 0]
     force
-        Overwrite results that are already there
+        Overwrite existing results
     progress
-        Called as progress(done, total, unit) while the work goes on.
+        Called as progress(done, total, unit) during the work.
     """
     return call(
         PredictResult,
@@ -2619,28 +2654,28 @@ def tune(
     Parameters
     ----------
     set
-        Set of voxels (zarr), as 'protomer voxelize' makes it
+        Set of voxels (zarr), made by 'protomer voxelize'
     output
         Directory of the results
     trials
-        Networks to try [default: 27]
+        Number of networks to try [default: 27]
     epochs
-        Passes over the training part for those that are never stopped [default: 27]
+        Passes over the training part for networks that are not stopped early [default: 27]
     seed
-        Seed of draws, split, weights, order and rotations [default: 1]
+        Seed of the drawn settings, split, weights, order and rotations [default: 1]
     vary_channels
-        Try subsets of the channels as well
+        Also try subsets of the channels
     shard
-        Only a part of the trials, such as 2/8, beside other processes in the same directory, until other
-        parts have to come as far; the command without it collects them [default: 1/1]
+        Run only a part of the trials, such as 2/8, alongside other processes in the same directory, until it
+        has to wait for other parts; the command without this flag collects the results [default: 1/1]
     target
-        What is to be predicted [default: label]
+        The quantity to predict [default: label]
     least_samples
         Classes with fewer samples become one class, "other" [default: 10]
     channels
-        Channels the network sees, separated by commas [default: all]
+        Input channels of the network, separated by commas [default: all]
     split_by
-        What stays together in the split [default: cluster]
+        Unit of the split [default: cluster]
     split_seed
         Seed of the split [default: that of --seed, or the one a configuration names]
     fractions
@@ -2650,25 +2685,25 @@ def tune(
     permutations
         Exchanges of labels in the permutation test [default: 1000]
     rotations
-        Average predictions over the 24 rotations of the cube: 24 times the work
+        Average predictions over the 24 rotations of the cube, at 24 times the cost
     device
-        Where the network is computed: cpu, cuda, or cuda:1 for the second NVIDIA device. CUDA needs a build
+        Device that runs the network: cpu, cuda, or cuda:1 for the second NVIDIA device. CUDA needs a build
         with --features cuda [default: cpu]
     time_limit
         Stop (resumably, exit code 3) after this many minutes
     checkpoint_every
-        Seconds between checkpoints: what a killed run loses at most [default: 20]
+        Seconds between checkpoints: the most that a killed run loses [default: 20]
     threads
         Threads to use; 0 means all [default: 0]
     force
-        Overwrite results that are already there
+        Overwrite existing results
     client
         A `distributed.Client`, the address of a Dask scheduler such as "tcp://host:8786", or "local" for
-        workers on this machine: they do the work, and must see files and folders under the same paths
+        workers on this machine. The workers must see all files and folders under the same paths
     parts
-        Parts to make of it with a client [default: four for each thread of the workers]
+        Number of parts with a client [default: four per worker thread]
     progress
-        Called as progress(done, total, unit) while the work goes on.
+        Called as progress(done, total, unit) during the work.
     """
     return call(
         TuneResult,
@@ -2732,21 +2767,22 @@ def voxelize(
     Parameters
     ----------
     manifest
-        CSV with the columns file, label, cluster and perhaps family, name; paths start from its folder
+        CSV with the columns file, label, cluster and optionally family, name; paths are relative to its
+        folder
     output
         The set to write, such as SET.zarr
     size
         Voxels along each edge of a grid [default: 64]
     spacing
-        Edge of a voxel, Å; `fit`: each structure scaled to fill the grid [default: 1.0]
+        Edge of a voxel, Å; `fit` scales each structure to fill the grid [default: 1.0]
     channels
-        What the voxels carry [default: shape,potential,hydropathy]
+        Channels of the voxels [default: shape,potential,hydropathy]
     orientation
-        How structures are turned [default: random]
+        The orientation of structures [default: random]
     seed
         Seed of the random orientations [default: 0]
     potential
-        How the potential is found; the equation is solved at 1 Å [default: poisson-boltzmann]
+        Model of the potential; the equation is solved on a grid of 1 Å [default: poisson-boltzmann]
     salt
         Concentration of a 1:1 salt, such as 100mM or 0.1M [default: 150mM]
     temperature
@@ -2756,24 +2792,25 @@ def voxelize(
     probe
         Probe radius of the surface, Å [default: 1.4]
     hydropathy_reach
-        Residues with an atom this near to a voxel's centre count for its hydropathy, Å [default: 5]
+        Range of the hydropathy: residues with an atom within this distance of a voxel's centre count, Å
+        [default: 5]
     most_incomplete
-        Structures of which a larger part of the residues lacks heavy atoms are left out [default: 0.25]
+        Structures are excluded if a larger share of their residues lacks heavy atoms [default: 0.25]
     shard
-        Only a part of the manifest, such as 2/8; `protomer merge` joins the parts [default: 1/1]
+        Process only a part of the manifest, such as 2/8; `protomer merge` joins the parts [default: 1/1]
     time_limit
-        Stop after this many minutes; the same command goes on from there
+        Stop after this many minutes; the same command continues it
     threads
         Threads to use; 0 means all [default: 0]
     force
-        Overwrite results that are already there
+        Overwrite existing results
     client
         A `distributed.Client`, the address of a Dask scheduler such as "tcp://host:8786", or "local" for
-        workers on this machine: they do the work, and must see files and folders under the same paths
+        workers on this machine. The workers must see all files and folders under the same paths
     parts
-        Parts to make of it with a client [default: four for each thread of the workers]
+        Number of parts with a client [default: four per worker thread]
     progress
-        Called as progress(done, total, unit) while the work goes on.
+        Called as progress(done, total, unit) during the work.
     """
     return call(
         VoxelizeResult,
@@ -2813,21 +2850,21 @@ def merge(
     force: bool = False,
     progress: Progress | None = None,
 ) -> Result:
-    """Join sets of voxel grids of the same settings; the parts of one manifest become the set that one run would
-    have made.
+    """Merge sets of voxel grids with the same settings; the parts of one manifest give the same set as a single
+    run.
 
     Parameters
     ----------
     inputs
-        Sets to join
+        Sets to merge
     output
         The set to write
     threads
         Threads to use; 0 means all [default: 0]
     force
-        Overwrite results that are already there
+        Overwrite existing results
     progress
-        Called as progress(done, total, unit) while the work goes on.
+        Called as progress(done, total, unit) during the work.
     """
     return call(
         Result,
@@ -2889,24 +2926,24 @@ def bench(
     temperature
         Temperature, K [default: 298.15]
     permittivity
-        Relative permittivity; that of water at the temperature if left out
+        Relative permittivity; that of water at the temperature if omitted
     bjerrum
         Bjerrum length (such as 7.0A), instead of temperature and permittivity
     debye
         Debye length (such as 9.6A), instead of a salt concentration
     cutoff
-        Distance at which the interaction is cut off; five Debye lengths if left out
+        Cut-off distance of the interaction; five Debye lengths if omitted
     memory_limit
-        Memory that tables of certified energies may take together, such as 500MB [default: 4GB]
+        Memory limit for all tables of certified energies, such as 500MB [default: 4GB]
     no_cache
-        Neither look for tables of certified energies in the cache folder nor keep them there. The folder is
-        PROTOMER_CACHE_DIR (empty: none), else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
+        Do not read or write the cache of tables of certified energies. The cache folder is PROTOMER_CACHE_DIR
+        (empty: no cache), or else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
     threads
         Threads to use; 0 means all [default: 0]
     force
-        Overwrite results that are already there
+        Overwrite existing results
     progress
-        Called as progress(done, total, unit) while the work goes on.
+        Called as progress(done, total, unit) during the work.
     """
     return call(
         BenchResult,

@@ -29,6 +29,19 @@ pub fn length_angstrom(text: &str) -> Result<f64> {
     parse(text, "a length", &UNITS, "48A or 4.8nm")
 }
 
+/// Parses an absolute temperature in K from `298.15K` or a bare number in K.
+///
+/// # Errors
+/// Quotes the input and gives the accepted forms.
+///
+/// ```
+/// assert_eq!(protomer::quantity::temperature_kelvin("298.15K")?, 298.15);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+pub fn temperature_kelvin(text: &str) -> Result<f64> {
+    parse(text, "a temperature", &[("K", 0), ("", 0)], "298.15K")
+}
+
 /// Parses a number of bytes from `500MB` or `2GB`, in powers of 1000, or a bare number.
 ///
 /// # Errors

@@ -10,7 +10,7 @@ use protomer::stability::interaction::{InteractionSettings, ScreenedCoulomb};
 #[command(next_help_heading = "Medium")]
 pub struct MediumArgs {
     /// Temperature, K [default: 298.15].
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long, value_parser = quantity::temperature_kelvin, allow_hyphen_values = true)]
     pub temperature: Option<f64>,
     /// Relative permittivity; that of water at the temperature if omitted.
     #[arg(long, allow_negative_numbers = true)]

@@ -32,7 +32,7 @@ pub struct PotentialArgs {
     #[arg(long, value_enum, default_value_t = BoundaryValues::ScreenedAtoms)]
     boundary: BoundaryValues,
     /// Temperature, K.
-    #[arg(long, default_value_t = 298.15, allow_negative_numbers = true)]
+    #[arg(long, value_parser = quantity::temperature_kelvin, default_value = "298.15", allow_hyphen_values = true)]
     temperature: f64,
     /// Relative permittivity inside the surface.
     #[arg(long, default_value_t = 2.0, allow_negative_numbers = true)]

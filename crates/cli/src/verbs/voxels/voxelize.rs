@@ -50,7 +50,7 @@ pub struct VoxelizeArgs {
     #[arg(long, value_parser = quantity::salt_molar, default_value = "150mM", allow_hyphen_values = true)]
     salt: f64,
     /// Temperature, K.
-    #[arg(long, default_value_t = 298.15, allow_negative_numbers = true)]
+    #[arg(long, value_parser = quantity::temperature_kelvin, default_value = "298.15", allow_hyphen_values = true)]
     temperature: f64,
     /// pH of the protonation.
     #[arg(long, default_value_t = 7.4, allow_negative_numbers = true)]
