@@ -98,7 +98,7 @@ fn the_same_command_finds_its_own_results() {
     for ((_, words), (kind, directory)) in VERBS.into_iter().zip(&directories) {
         let again = place.run(&format!("{words} {directory}"));
         // The files of networks are not made anew unasked.
-        let refused = words.starts_with("framework") && message(&again).contains("already there");
+        let refused = words.starts_with("framework") && message(&again).contains("already exists");
         assert!(
             refused || again.status.success(),
             "{kind}: {}",
