@@ -13,6 +13,7 @@ pub struct ChargeCloud {
     groups: Vec<ChargeGroup>,
     count: usize,
     net_charge_e: f64,
+    sum_of_magnitudes_e: f64,
     radius_angstrom: f64,
 }
 
@@ -51,6 +52,7 @@ impl ChargeCloud {
         Self {
             count: charged.len(),
             net_charge_e: charges.iter().map(|(_, charge)| charge).sum(),
+            sum_of_magnitudes_e: charges.iter().map(|(_, charge)| charge.abs()).sum(),
             groups,
             radius_angstrom,
         }
@@ -74,6 +76,11 @@ impl ChargeCloud {
     /// Sum of the charges, e.
     pub fn net_charge_e(&self) -> f64 {
         self.net_charge_e
+    }
+
+    /// Sum of the magnitudes of the charges, e.
+    pub fn sum_of_magnitudes_e(&self) -> f64 {
+        self.sum_of_magnitudes_e
     }
 
     /// Radius of the sphere about the body's origin that holds every charge, Å.

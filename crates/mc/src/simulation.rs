@@ -9,7 +9,7 @@ use crate::observables::{Observables, cluster_sizes, contacts, r_g_angstrom, sur
 use crate::statistics::Statistics;
 use crate::system::{System, Trial};
 use crate::{McError, Result, Settings};
-use protomer_kernel::cells::CellList;
+use protomer_kernel::cells::{CellList, require_minimum_image};
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Boundary, Pose, Vec3};
 use std::ops::ControlFlow;
@@ -369,13 +369,25 @@ impl Simulation {
     }
 }
 
+/// Checks that the box is large enough: no body may touch two images of another, and the energy
+/// model has its own say.
+///
+/// # Errors
+/// [`KernelError::BoxTooSmall`](protomer_kernel::KernelError::BoxTooSmall);
+/// [`McError::UnscreenedInBox`] and [`McError::ReachesTooFar`].
+pub fn require_room(system: &System, energy: &dyn EnergyModel) -> Result<()> {
+    require_minimum_image(system.boundary(), system.hard_range_angstrom())?;
+    energy.require_room(system)
+}
+
 /// Cells wide enough for surfaces and charges alike.
 fn neighbour_cells(system: &System, energy: &dyn EnergyModel) -> Result<CellList> {
+    require_room(system, energy)?;
     let range = system
         .hard_range_angstrom()
         .max(energy.range_angstrom(system));
     let positions: Vec<Vec3> = system.poses().iter().map(|pose| pose.position).collect();
-    Ok(CellList::new(system.boundary(), range, &positions)?)
+    Ok(CellList::new(system.boundary(), range, &positions))
 }
 
 /// A translation beyond half of the space, or where it has no end beyond two diameters, gains

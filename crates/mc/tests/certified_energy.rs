@@ -11,7 +11,7 @@ use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Boundary, Pose, Vec3};
 use protomer_mc::charges::ChargeCloud;
 use protomer_mc::energy::certified::{CertifiedSum, ChargeTable};
-use protomer_mc::energy::{DirectSum, EnergyModel, yukawa_energy_kt};
+use protomer_mc::energy::{DirectSum, EnergyModel, pair_energy_kt};
 use protomer_mc::{BodyType, Interaction, Settings, Simulation, System};
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -61,7 +61,7 @@ fn intervals_contain_the_direct_sum_from_contact_to_beyond_the_cutoff() {
                 rotation: rng.rotation(),
             };
             let relative = RelativePose::new(&Pose::identity(), &pose, &pose.position);
-            let direct = yukawa_energy_kt(&yukawa, &clouds[a], &clouds[b], &relative);
+            let direct = pair_energy_kt(&yukawa, &clouds[a], &clouds[b], &relative);
             let Some(interval) = tables[a].energy_interval(&tables[b], &relative) else {
                 assert!(
                     cutoff < 30.0,
@@ -106,7 +106,7 @@ fn a_pair_at_the_very_cutoff_is_inside_the_interval() {
         if relative.translation.norm() < 2.0 * RADIUS {
             continue;
         }
-        let direct = yukawa_energy_kt(&yukawa, &cloud, &cloud, &relative);
+        let direct = pair_energy_kt(&yukawa, &cloud, &cloud, &relative);
         let interval = table.energy_interval(&table, &relative).unwrap();
         assert!(
             interval.low_kt() <= direct && direct <= interval.high_kt(),
@@ -233,7 +233,7 @@ fn intervals_of_large_bodies_contain_the_direct_sum() {
             },
             &position,
         );
-        let direct = yukawa_energy_kt(&yukawa, &clouds[0], &clouds[1], &relative);
+        let direct = pair_energy_kt(&yukawa, &clouds[0], &clouds[1], &relative);
         let interval = tables[0].energy_interval(&tables[1], &relative).unwrap();
         assert!(
             interval.low_kt() <= direct && direct <= interval.high_kt(),

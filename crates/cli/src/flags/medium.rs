@@ -21,7 +21,8 @@ pub struct MediumArgs {
     /// Debye length (such as 9.6A), instead of a salt concentration.
     #[arg(long, value_parser = quantity::length_angstrom, allow_hyphen_values = true)]
     pub debye: Option<f64>,
-    /// Distance at which the interaction is cut off; five Debye lengths if left out.
+    /// Distance at which the interaction is cut off, for comparison with calculations that have a
+    /// cut-off; energies are then summed directly. Without it there is no cut-off.
     #[arg(long, value_parser = quantity::length_angstrom, allow_hyphen_values = true)]
     pub cutoff: Option<f64>,
 }

@@ -8,11 +8,14 @@
 pub mod certified;
 mod direct;
 mod none;
-mod yukawa_sum;
+mod pair_sum;
+mod potential;
+mod reach;
 
 pub use direct::DirectSum;
 pub use none::NoCharges;
-pub use yukawa_sum::yukawa_energy_kt;
+pub use pair_sum::pair_energy_kt;
+pub use potential::SitePotential;
 
 use crate::sparse_rows::PairTable;
 use crate::system::{Pair, System, Trial};
@@ -58,6 +61,14 @@ pub trait EnergyModel: Send {
     /// The largest distance (Å) of two origins at which bodies of this system interact; zero if
     /// they never do.
     fn range_angstrom(&self, system: &System) -> f64;
+
+    /// Whether the box, if there is one, suits the interaction.
+    ///
+    /// # Errors
+    /// Says which box would do.
+    fn require_room(&self, _system: &System) -> Result<()> {
+        Ok(())
+    }
 
     /// Forgets everything and computes the energies of this system.
     ///

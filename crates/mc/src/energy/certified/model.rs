@@ -2,7 +2,8 @@
 
 use super::pair::{ChargeTable, EnergyInterval};
 use crate::Result;
-use crate::energy::{EnergyModel, PairEnergy, all_pairs, finite, yukawa_energy_kt};
+use crate::energy::reach::Reach;
+use crate::energy::{EnergyModel, PairEnergy, all_pairs, finite, pair_energy_kt};
 use crate::sparse_rows::PairTable;
 use crate::system::{Pair, System, Trial};
 use protomer_kernel::pose::RelativePose;
@@ -148,7 +149,7 @@ impl CertifiedSum {
     fn exactly(&mut self, pair: &Pair<'_>, relative: &RelativePose) -> Result<EnergyInterval> {
         self.counts.direct_sums += 1;
         let (first, second) = pair.types();
-        let energy = yukawa_energy_kt(&self.yukawa, &first.charges, &second.charges, relative);
+        let energy = pair_energy_kt(&self.yukawa, &first.charges, &second.charges, relative);
         let middle_kt = finite(pair.first, pair.second, energy)?;
         Ok(EnergyInterval {
             middle_kt,
@@ -268,14 +269,14 @@ fn compare_middles(terms: &[Term], threshold_kt: f64, above: bool) -> bool {
 
 impl EnergyModel for CertifiedSum {
     fn range_angstrom(&self, system: &System) -> f64 {
-        let mut range = 0.0_f64;
-        for kind in system.placed_types() {
-            if !kind.charges.is_empty() {
-                let reach = 2.0 * kind.charge_radius_angstrom();
-                range = range.max(reach + self.yukawa.cutoff_angstrom);
-            }
-        }
-        range
+        Reach::new(system, &self.yukawa).largest_angstrom()
+    }
+
+    fn require_room(&self, system: &System) -> Result<()> {
+        Ok(protomer_kernel::cells::require_minimum_image(
+            system.boundary(),
+            self.range_angstrom(system),
+        )?)
     }
 
     fn reset(&mut self, system: &System) -> Result<()> {

@@ -12,9 +12,9 @@ use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::{DEFAULT_TOLERANCE_KT, EnergyMode};
 use anyhow::{Context, Result};
 use protomer_io::atomic::sha256_hex;
-use protomer_kernel::cells::require_minimum_image;
 use protomer_kernel::potential::Yukawa;
 use protomer_mc::energy::{DirectSum, EnergyModel};
+use protomer_mc::simulation::require_room;
 use protomer_mc::{BodyType, Simulation, System};
 use protomer_results::Execution;
 use rayon::prelude::*;
@@ -217,9 +217,8 @@ impl Suite<'_> {
     /// Before anything is measured.
     fn check_room(&self) -> Result<()> {
         let system = self.cluster(self.settings.few_charges)?;
-        let range = DirectSum::new(self.yukawa).range_angstrom(&system);
-        require_minimum_image(system.boundary(), range)
-            .context("the interaction reaches too far; state a shorter --cutoff")
+        require_room(&system, &DirectSum::new(self.yukawa))
+            .context("the interaction reaches too far for the benchmark's states")
     }
 
     fn rates(&self) -> Result<Vec<RateRow>> {

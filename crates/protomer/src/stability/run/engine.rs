@@ -6,7 +6,6 @@ use crate::stability::energy_tables::EnergyTables;
 use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::{DEFAULT_TOLERANCE_KT, EnergyMode, RunSettings};
 use anyhow::{Context, Result};
-use protomer_kernel::cells::require_minimum_image;
 use protomer_kernel::potential::Yukawa;
 use protomer_mc::energy::EnergyModel;
 use protomer_mc::energy::certified::CertifiedSum;
@@ -142,7 +141,7 @@ impl Engine {
     }
 }
 
-/// Checks that no body meets two images of another.
+/// Checks that the box is large enough for the bodies and for the interaction.
 ///
 /// # Errors
 /// Says how large the box must be, and for which interaction.
@@ -151,12 +150,9 @@ pub fn require_room(
     model: &dyn EnergyModel,
     interaction: &ScreenedCoulomb,
 ) -> Result<()> {
-    let range = model
-        .range_angstrom(system)
-        .max(system.hard_range_angstrom());
-    require_minimum_image(system.boundary(), range).with_context(|| {
+    protomer_mc::simulation::require_room(system, model).with_context(|| {
         format!(
-            "the box is too small: enlarge box_angstrom or state a shorter --cutoff ({})",
+            "the box does not suit the interaction ({})",
             interaction.describe()
         )
     })
