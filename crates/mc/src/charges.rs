@@ -88,6 +88,13 @@ impl ChargeCloud {
         self.radius_angstrom
     }
 
+    /// The corners of the box that holds every charge, Å; the origin without charges.
+    pub fn bounds_angstrom(&self) -> (Vec3, Vec3) {
+        let mut sites = self.iter().map(|(position, _)| position);
+        let first = sites.next().unwrap_or_else(Vec3::zeros);
+        sites.fold((first, first), |(low, high), x| (low.inf(&x), high.sup(&x)))
+    }
+
     /// The charges one by one: position (Å) and charge (e).
     pub fn iter(&self) -> impl Iterator<Item = (Vec3, f64)> + '_ {
         let sites = self

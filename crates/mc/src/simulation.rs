@@ -1,6 +1,7 @@
 //! The loop: sweeps of trial moves.
 
 use crate::checkpoint::{Checkpoint, type_names};
+use crate::energy::levels::LevelReport;
 use crate::energy::{EnergyModel, PairEnergy};
 use crate::hard::{HardBodies, overlapping_pairs};
 use crate::moves::step_sizes::Tuner;
@@ -51,13 +52,8 @@ impl Simulation {
     /// [`McError::NonFiniteEnergy`];
     /// [`KernelError::BoxTooSmall`](protomer_kernel::KernelError::BoxTooSmall).
     pub fn new(system: System, settings: Settings, seed: u64, replica: u32) -> Result<Self> {
-        Self::with_model(
-            system,
-            settings,
-            settings.interaction.model(),
-            seed,
-            replica,
-        )
+        let model = settings.interaction.model(&system);
+        Self::with_model(system, settings, model, seed, replica)
     }
 
     /// As [`Simulation::new`], with an energy model of the caller's in the place of the one the
@@ -110,7 +106,7 @@ impl Simulation {
     /// # Errors
     /// [`McError::ForeignCheckpoint`] if the checkpoint was written from another system.
     pub fn resume(system: System, checkpoint: Checkpoint) -> Result<Self> {
-        let model = checkpoint.settings.interaction.model();
+        let model = checkpoint.settings.interaction.model(&system);
         Self::resume_with_model(system, checkpoint, model)
     }
 
@@ -331,6 +327,11 @@ impl Simulation {
     /// continued simulation counts from where it was continued.
     pub fn energy_error_bound_kt(&self) -> f64 {
         self.energy.error_bound_kt()
+    }
+
+    /// What decisions rest on, of an energy model that makes them by levels.
+    pub fn energy_levels(&self) -> Option<LevelReport> {
+        self.energy.levels()
     }
 
     /// The bodies and where they are.

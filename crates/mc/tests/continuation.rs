@@ -109,12 +109,11 @@ fn a_continued_run_equals_the_uninterrupted_one() {
     }
 }
 
-/// Energies that are intervals: a continued run finds the same ones, although groups that moved
-/// rigidly have kept energies of relative poses that are no more theirs to the last bit.
+/// Energies by levels: a continued run finds the same ones, although groups that moved rigidly have
+/// kept energies of relative poses that are no longer theirs to the last bit.
 #[test]
-fn continued_runs_with_interval_energies_equal_the_uninterrupted_ones() {
-    // Long enough a range for tables, and room for it.
-    let yukawa = Yukawa::new(7.0, 0.1, 25.0).unwrap();
+fn continued_runs_with_energies_by_levels_equal_the_uninterrupted_ones() {
+    let yukawa = Yukawa::uncut(7.0, 0.1).unwrap();
     let (system, sweeps) = (system(4), 80);
     let approximate = |tolerance_kt| Interaction::YukawaApproximate {
         yukawa,
@@ -123,7 +122,7 @@ fn continued_runs_with_interval_energies_equal_the_uninterrupted_ones() {
     let mut direct = start_with(system.clone(), Interaction::YukawaDirect(yukawa), 0);
     run(&mut direct, sweeps);
     for interaction in [
-        Interaction::YukawaCertified(yukawa),
+        Interaction::YukawaCalibrated(yukawa),
         approximate(1e-3),
         approximate(1e-9),
     ] {
@@ -147,7 +146,7 @@ fn continued_runs_with_interval_energies_equal_the_uninterrupted_ones() {
                 assert!(bound <= tolerance_kt, "{bound}")
             }
             _ => {
-                assert!(bound > 0.0, "intervals were used");
+                assert!(bound > 0.0, "tables were used");
                 assert_eq!(
                     parts.system().poses(),
                     direct.system().poses(),
@@ -156,11 +155,9 @@ fn continued_runs_with_interval_energies_equal_the_uninterrupted_ones() {
             }
         }
         for (sum, kept) in direct.pair_energies().iter().zip(whole.pair_energies()) {
-            if matches!(interaction, Interaction::YukawaCertified(_)) {
-                assert!(
-                    (sum.energy_kt - kept.energy_kt).abs() <= bound,
-                    "{sum:?} {kept:?}"
-                );
+            if matches!(interaction, Interaction::YukawaCalibrated(_)) {
+                let difference = (sum.energy_kt - kept.energy_kt).abs();
+                assert!(difference < 1e-3, "{sum:?} {kept:?}");
             }
         }
     }
@@ -168,7 +165,7 @@ fn continued_runs_with_interval_energies_equal_the_uninterrupted_ones() {
 
 /// Cells may miss no partner.
 fn assert_energies_are_those_of_all_pairs(simulation: &Simulation) {
-    let mut model = simulation.settings().interaction.model();
+    let mut model = simulation.settings().interaction.model(simulation.system());
     model.reset(simulation.system()).unwrap();
     let (fresh, kept) = (model.pairs(), simulation.pair_energies());
     assert_eq!(fresh.len(), kept.len());

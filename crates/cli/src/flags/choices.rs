@@ -28,11 +28,11 @@ choices! {
     Energy for protomer::stability::run::EnergyMode {
         /// The plain sum over all pairs of charges.
         Direct,
-        /// Bounds first, the plain sum where they leave the decision open: the decisions of the
-        /// plain sum.
-        Certified,
-        /// The middle of the bounds, the plain sum for a pair of bodies whose bounds are wider than
-        /// a tolerance.
+        /// Levels of rising accuracy, the plain sum last: the decisions of the plain sum, by a
+        /// variance model of the errors that is calibrated at the start.
+        Calibrated,
+        /// The same levels, for each pair of bodies the first whose error is likely below a
+        /// tolerance.
         Approximate,
         /// Hard bodies without charges.
         None,
@@ -44,7 +44,7 @@ choices! {
     BenchPart for protomer::stability::bench::suite::Part {
         /// Moves per CPU-second of each energy mode against the number of charges.
         Charges,
-        /// What a move with certified energies is made of.
+        /// What a move with energies by levels is made of.
         Parts,
         /// Cost of a move against the number of bodies, at the same density.
         Bodies,

@@ -5,10 +5,10 @@
 //! budget?". The direct sum answers by summing; a model with bounds may stop as soon as the answer
 //! is certain.
 
-pub mod certified;
 mod direct;
 mod none;
 mod pair_sum;
+pub mod levels;
 mod potential;
 mod reach;
 
@@ -113,6 +113,11 @@ pub trait EnergyModel: Send {
         0.0
     }
 
+    /// What decisions rest on, of a model that makes them by levels.
+    fn levels(&self) -> Option<levels::LevelReport> {
+        None
+    }
+
     /// Memory of what was prepared for this model, bytes; shared tables count once per model.
     fn memory_bytes(&self) -> usize {
         0
@@ -133,7 +138,7 @@ pub trait EnergyModel: Send {
 }
 
 /// What `energy` says of every pair of a system.
-fn all_pairs<T: Copy>(
+fn all_pairs<T: Clone>(
     system: &System,
     mut energy: impl FnMut(&Pair<'_>) -> Result<Option<T>>,
 ) -> Result<PairTable<T>> {

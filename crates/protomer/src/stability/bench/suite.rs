@@ -28,7 +28,7 @@ use std::time::Instant;
 pub enum Part {
     /// Moves per CPU-second of each energy mode against the number of charges.
     Charges,
-    /// What a move with certified energies is made of.
+    /// What a move with energies by levels is made of.
     Parts,
     /// Cost of a move against the number of bodies, at the same density.
     Bodies,
@@ -57,7 +57,7 @@ pub struct SuiteSettings {
     /// Trial moves that the direct sum makes and that are hashed; by the number of charges where
     /// `None`.
     pub moves: Option<u64>,
-    /// Moves of a replica in the part on threads: hard bodies, certified energies, approximate
+    /// Moves of a replica in the part on threads: hard bodies, calibrated energies, approximate
     /// energies.
     pub replica_moves: [u64; 3],
     /// Largest error of the energy of two bodies in the rows of approximate energies, kT.
@@ -100,14 +100,14 @@ fn affordable_moves(charges: usize) -> u64 {
 const MODES: [EnergyMode; 4] = [
     EnergyMode::None,
     EnergyMode::Direct,
-    EnergyMode::Certified,
+    EnergyMode::Calibrated,
     EnergyMode::Approximate,
 ];
 
 /// Energy modes where moves must be cheap.
 const CHEAP_MODES: [EnergyMode; 3] = [
     EnergyMode::None,
-    EnergyMode::Certified,
+    EnergyMode::Calibrated,
     EnergyMode::Approximate,
 ];
 
@@ -275,10 +275,10 @@ impl Suite<'_> {
             if !self.goes_on(&format!("{charges} charges, parts of a move")) {
                 return Ok(rows);
             }
-            let prepared = self.prepared(charges, EnergyMode::Certified)?;
+            let prepared = self.prepared(charges, EnergyMode::Calibrated)?;
             let readings = Arc::new(Mutex::new(Readings::default()));
             let mut model = || -> Box<dyn EnergyModel> {
-                Box::new(Metered::new(prepared.certified(), Arc::clone(&readings)))
+                Box::new(Metered::new(prepared.levels(), Arc::clone(&readings)))
             };
             let moves = self.settings.moves.unwrap_or(affordable_moves(charges));
             let seconds = self.settings.seconds_per_rate;
@@ -342,11 +342,13 @@ impl Suite<'_> {
     /// for the interaction and for [`VOLUME_FRACTION`]; the others have its density.
     fn box_angstrom(&self, kinds: &[Arc<BodyType>], energy: EnergyMode, bodies: usize) -> f64 {
         const ROOM: f64 = 2.05;
+        const DEBYE_LENGTHS: f64 = 5.0;
         let largest = |length: fn(&BodyType) -> f64| {
             kinds.iter().map(|kind| length(kind)).fold(0.0, f64::max)
         };
         let hard = 2.0 * largest(BodyType::hard_radius_angstrom);
-        let charged = 2.0 * largest(BodyType::charge_radius_angstrom) + self.yukawa.cutoff_angstrom;
+        let charged = 2.0 * largest(BodyType::charge_radius_angstrom)
+            + DEBYE_LENGTHS / self.yukawa.inverse_debye_length_per_angstrom;
         let range = if energy == EnergyMode::None {
             hard
         } else {
@@ -398,20 +400,19 @@ fn parts_row(charges: usize, timing: &Timing, readings: &Readings) -> PartsRow {
     };
     let (settled, refined) = (readings.settled, readings.refined);
     let decisions = settled.count + refined.count;
-    let [bounds, refinement, keeping] =
-        [readings.bounds(), readings.refinement(), readings.keeping].map(per_move);
+    let [coarse, refinement, keeping] =
+        [readings.coarse(), readings.refinement(), readings.keeping].map(per_move);
     PartsRow {
         charges,
         moves: timing.moves,
         move_microseconds,
-        overlap_microseconds: (move_microseconds - bounds - refinement - keeping).max(0.0),
-        bounds_microseconds: bounds,
+        overlap_microseconds: (move_microseconds - coarse - refinement - keeping).max(0.0),
+        coarse_microseconds: coarse,
         refinement_microseconds: refinement,
         keeping_microseconds: keeping,
         decided_by_energy: decisions as f64 / moves,
-        intervals_per_move: (settled.intervals + refined.intervals) as f64 / moves,
+        coarse_energies_per_move: (settled.coarse + refined.coarse) as f64 / moves,
         refined: refined.count as f64 / decisions.max(1) as f64,
-        direct_sums_per_move: readings.direct_sums as f64 / moves,
     }
 }
 
