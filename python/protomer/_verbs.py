@@ -68,6 +68,7 @@ def ingest(
     density: Number | None = None,
     probe: Number | None = None,
     cavities: Literal["drop", "keep"] | None = None,
+    interior_radius: Number | None = None,
     offset: Number | None = None,
     export: Text | None = None,
     threads: Integer | None = None,
@@ -114,6 +115,9 @@ def ingest(
         Probe radius, Å [default: 1.4]
     cavities
         What to do with cavities inside the body [default: drop]
+    interior_radius
+        An enclosed interior is a cavity into which a ball of this radius fits, Å; it is never filled, as
+        other bodies may be in there [default: 10]
     offset
         Move the surface inward by this much, Å [default: 0]
     export
@@ -147,6 +151,7 @@ def ingest(
             "--density": density,
             "--probe": probe,
             "--cavities": cavities,
+            "--interior-radius": interior_radius,
             "--offset": offset,
             "--export": export,
             "--threads": threads,
@@ -203,6 +208,7 @@ def surface(
     density: Number | None = None,
     probe: Number | None = None,
     cavities: Literal["drop", "keep"] | None = None,
+    interior_radius: Number | None = None,
     offset: Number | None = None,
     output: Path | None = None,
     threads: Integer | None = None,
@@ -222,6 +228,9 @@ def surface(
         Probe radius, Å [default: 1.4]
     cavities
         What to do with cavities inside [default: keep]
+    interior_radius
+        An enclosed interior is a cavity into which a ball of this radius fits, Å; it is never filled
+        [default: 10]
     offset
         Move the surface inward by this much, Å [default: 0]
     output
@@ -241,6 +250,7 @@ def surface(
             "--density": density,
             "--probe": probe,
             "--cavities": cavities,
+            "--interior-radius": interior_radius,
             "--offset": offset,
             "--output": output,
             "--threads": threads,
@@ -408,6 +418,7 @@ class _Assemble:
         density: Number | None = None,
         probe: Number | None = None,
         cavities: Literal["drop", "keep"] | None = None,
+        interior_radius: Number | None = None,
         offset: Number | None = None,
         relax: bool = False,
         box: Numbers | None = None,
@@ -453,6 +464,9 @@ class _Assemble:
             Probe radius, Å [default: 1.4]
         cavities
             What to do with cavities inside the body [default: drop]
+        interior_radius
+            An enclosed interior is a cavity into which a ball of this radius fits, Å; it is never filled, as
+            other bodies may be in there [default: 10]
         offset
             Move the surface inward by this much, Å [default: 0]
         relax
@@ -487,6 +501,7 @@ class _Assemble:
                 "--density": density,
                 "--probe": probe,
                 "--cavities": cavities,
+                "--interior-radius": interior_radius,
                 "--offset": offset,
                 "--relax": relax,
                 "--box": box,
@@ -908,7 +923,7 @@ class _Framework:
         force: bool = False,
         progress: Progress | None = None,
     ) -> FrameworkResult:
-        """Squares that touch at corners and are turned by turns.
+        """Squares that touch at corners, turned by turns.
 
         Parameters
         ----------
@@ -917,7 +932,8 @@ class _Framework:
         ks
             Stiffness of the rods that keep a polygon in shape, kcal/mol/Å²
         kh
-            Stiffness of the hinges between neighbouring rods, kcal/mol/rad²
+            K_h: stiffness of the hinge between two polygons, one at every shared corner, as in the published
+            formulas, kcal/mol/rad²
         side
             Side of a polygon, Å [default: 1A]
         na
@@ -997,7 +1013,7 @@ class _Framework:
         force: bool = False,
         progress: Progress | None = None,
     ) -> FrameworkResult:
-        """Equilateral triangles that touch at corners and are turned by turns.
+        """Equilateral triangles that touch at corners, turned by turns.
 
         Parameters
         ----------
@@ -1006,7 +1022,8 @@ class _Framework:
         ks
             Stiffness of the rods that keep a polygon in shape, kcal/mol/Å²
         kh
-            Stiffness of the hinges between neighbouring rods, kcal/mol/rad²
+            K_h: stiffness of the hinge between two polygons, one at every shared corner, as in the published
+            formulas, kcal/mol/rad²
         side
             Side of a polygon, Å [default: 1A]
         na
@@ -1098,7 +1115,7 @@ class _Framework:
         ks
             Stiffness of each rib, kcal/mol/Å²
         kh
-            Stiffness of each hinge, kcal/mol/rad²
+            Stiffness of each hinge, one between any two ribs next to each other around a node, kcal/mol/rad²
         width
             Extent of a cell along y, Å [default: 2A]
         na
@@ -1194,7 +1211,7 @@ class _Framework:
         ks
             Stiffness of the rods between squares, kcal/mol/Å²
         kh
-            Stiffness of each hinge, kcal/mol/rad²
+            Stiffness of each hinge, one between any two rods next to each other around a node, kcal/mol/rad²
         l
             Half-diagonal of a square, Å [default: 1A]
         na
@@ -1363,7 +1380,7 @@ class _Framework:
         ks
             Stiffness of each rod, kcal/mol/Å²
         kh
-            Stiffness of each hinge, kcal/mol/rad²
+            Stiffness of each hinge, one between every two rods at a node, kcal/mol/rad²
         edge
             Edge of the cubic cell, Å [default: 1A]
         na
@@ -1500,7 +1517,7 @@ framework = _Framework()
 def inspect(
     assembly: Path,
     *,
-    energy: Literal["direct", "certified", "approximate", "none"] | None = None,
+    energy: Literal["direct", "calibrated", "approximate", "none"] | None = None,
     tolerance: Number | None = None,
     contact_gap: Number | None = None,
     salt: Number | None = None,
@@ -1538,11 +1555,12 @@ def inspect(
     debye
         Debye length (such as 9.6A), instead of a salt concentration
     cutoff
-        Distance at which the interaction is cut off; five Debye lengths if left out
+        Distance at which the interaction is cut off, for comparison with calculations that have a cut-off;
+        energies are then summed directly. Without it there is no cut-off
     memory_limit
-        Memory that tables of certified energies may take together, such as 500MB [default: 4GB]
+        Memory that tables of energies by levels may take together, such as 500MB [default: 4GB]
     no_cache
-        Neither look for tables of certified energies in the cache folder nor keep them there. The folder is
+        Neither look for tables of energies by levels in the cache folder nor keep them there. The folder is
         PROTOMER_CACHE_DIR (empty: none), else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
     threads
         Threads to use; 0 means all [default: 0]
@@ -1592,7 +1610,7 @@ def simulate(
     contact_gap: Number | None = None,
     log_every: Integer | None = None,
     trajectory_every: Integer | None = None,
-    energy: Literal["direct", "certified", "approximate", "none"] | None = None,
+    energy: Literal["direct", "calibrated", "approximate", "none"] | None = None,
     tolerance: Number | None = None,
     time_limit: Number | None = None,
     checkpoint_every: Number | None = None,
@@ -1621,7 +1639,8 @@ def simulate(
     debye
         Debye length (such as 9.6A), instead of a salt concentration
     cutoff
-        Distance at which the interaction is cut off; five Debye lengths if left out
+        Distance at which the interaction is cut off, for comparison with calculations that have a cut-off;
+        energies are then summed directly. Without it there is no cut-off
     config
         Configuration (TOML), such as the run.toml of another run; flags override it
     sweeps
@@ -1647,9 +1666,9 @@ def simulate(
     checkpoint_every
         Seconds between checkpoints: what a killed run loses at most [default: 20]
     memory_limit
-        Memory that tables of certified energies may take together, such as 500MB [default: 4GB]
+        Memory that tables of energies by levels may take together, such as 500MB [default: 4GB]
     no_cache
-        Neither look for tables of certified energies in the cache folder nor keep them there. The folder is
+        Neither look for tables of energies by levels in the cache folder nor keep them there. The folder is
         PROTOMER_CACHE_DIR (empty: none), else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
     threads
         Threads to use; 0 means all [default: 0]
@@ -1706,7 +1725,7 @@ def sweep(
     contact_gap: Number | None = None,
     log_every: Integer | None = None,
     trajectory_every: Integer | None = None,
-    energy: Literal["direct", "certified", "approximate", "none"] | None = None,
+    energy: Literal["direct", "calibrated", "approximate", "none"] | None = None,
     tolerance: Number | None = None,
     time_limit: Number | None = None,
     checkpoint_every: Number | None = None,
@@ -1764,9 +1783,9 @@ def sweep(
     checkpoint_every
         Seconds between checkpoints: what a killed run loses at most [default: 20]
     memory_limit
-        Memory that tables of certified energies may take together, such as 500MB [default: 4GB]
+        Memory that tables of energies by levels may take together, such as 500MB [default: 4GB]
     no_cache
-        Neither look for tables of certified energies in the cache folder nor keep them there. The folder is
+        Neither look for tables of energies by levels in the cache folder nor keep them there. The folder is
         PROTOMER_CACHE_DIR (empty: none), else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
     temperature
         Temperature, K [default: 298.15]
@@ -1777,7 +1796,8 @@ def sweep(
     debye
         Debye length (such as 9.6A), instead of a salt concentration
     cutoff
-        Distance at which the interaction is cut off; five Debye lengths if left out
+        Distance at which the interaction is cut off, for comparison with calculations that have a cut-off;
+        energies are then summed directly. Without it there is no cut-off
     threads
         Threads to use; 0 means all [default: 0]
     force
@@ -1880,6 +1900,7 @@ class _Lattice:
         angle_spread: Number | None = None,
         velocities: Literal["checkerboard", "random", "rest", "thermal"] | None = None,
         speed: Number | None = None,
+        velocity_spread: Number | None = None,
         time: Number | None = None,
         steps: Integer | None = None,
         dt: Text | None = None,
@@ -1927,6 +1948,9 @@ class _Lattice:
             Velocities at the start [default: checkerboard]
         speed
             Angular velocity of every square (checkerboard), or the largest drawn (random) [default: 1]
+        velocity_spread
+            Standard deviation of random numbers added to the angular velocities of a checkerboard start
+            [default: 0]
         time
             Run to this time [default: 10]
         steps
@@ -1974,6 +1998,7 @@ class _Lattice:
                 "--angle-spread": angle_spread,
                 "--velocities": velocities,
                 "--speed": speed,
+                "--velocity-spread": velocity_spread,
                 "--time": time,
                 "--steps": steps,
                 "--dt": dt,
@@ -2001,6 +2026,8 @@ class _Lattice:
         r0_list: Numbers | None = None,
         kappa_list: Numbers | None = None,
         seeds: Integer | None = None,
+        lyapunov: bool = False,
+        lyapunov_intervals: Integer | None = None,
         ns: Integer | None = None,
         rows: Integer | None = None,
         columns: Integer | None = None,
@@ -2011,6 +2038,7 @@ class _Lattice:
         angle_spread: Number | None = None,
         velocities: Literal["checkerboard", "random", "rest", "thermal"] | None = None,
         speed: Number | None = None,
+        velocity_spread: Number | None = None,
         time: Number | None = None,
         steps: Integer | None = None,
         dt: Text | None = None,
@@ -2045,6 +2073,10 @@ class _Lattice:
             κ, separated by commas
         seeds
             Runs per rod length and κ: seeds 1, 2, ...
+        lyapunov
+            Measure the maximal Lyapunov exponent of every run
+        lyapunov_intervals
+            Intervals over which the exponent is averaged [default: 200]
         ns
             Squares along an edge: rows and columns at once
         rows
@@ -2065,6 +2097,9 @@ class _Lattice:
             Velocities at the start [default: checkerboard]
         speed
             Angular velocity of every square (checkerboard), or the largest drawn (random) [default: 1]
+        velocity_spread
+            Standard deviation of random numbers added to the angular velocities of a checkerboard start
+            [default: 0]
         time
             Run to this time [default: 10]
         steps
@@ -2105,6 +2140,8 @@ class _Lattice:
                 "--r0-list": r0_list,
                 "--kappa-list": kappa_list,
                 "--seeds": seeds,
+                "--lyapunov": lyapunov,
+                "--lyapunov-intervals": lyapunov_intervals,
                 "--ns": ns,
                 "--rows": rows,
                 "--columns": columns,
@@ -2115,6 +2152,7 @@ class _Lattice:
                 "--angle-spread": angle_spread,
                 "--velocities": velocities,
                 "--speed": speed,
+                "--velocity-spread": velocity_spread,
                 "--time": time,
                 "--steps": steps,
                 "--dt": dt,
@@ -2846,7 +2884,7 @@ def bench(
     assembly: Path | None = None,
     *,
     moves: Integer | None = None,
-    energy: Literal["direct", "certified", "approximate", "none"] | None = None,
+    energy: Literal["direct", "calibrated", "approximate", "none"] | None = None,
     tolerance: Number | None = None,
     part: Text | None = None,
     charges: Integers | None = None,
@@ -2875,7 +2913,8 @@ def bench(
     moves
         Trial moves [default: 10000; without an assembly, as many as the direct sum makes in a few seconds]
     energy
-        How energies are computed [default: direct; without an assembly, each way]
+        How energies are computed [default: the fastest way that decides as the direct sum; without an
+        assembly, each way]
     tolerance
         Largest likely error of the energy of two bodies, kT, with --energy approximate [default: 0.001]
     part
@@ -2895,11 +2934,12 @@ def bench(
     debye
         Debye length (such as 9.6A), instead of a salt concentration
     cutoff
-        Distance at which the interaction is cut off; five Debye lengths if left out
+        Distance at which the interaction is cut off, for comparison with calculations that have a cut-off;
+        energies are then summed directly. Without it there is no cut-off
     memory_limit
-        Memory that tables of certified energies may take together, such as 500MB [default: 4GB]
+        Memory that tables of energies by levels may take together, such as 500MB [default: 4GB]
     no_cache
-        Neither look for tables of certified energies in the cache folder nor keep them there. The folder is
+        Neither look for tables of energies by levels in the cache folder nor keep them there. The folder is
         PROTOMER_CACHE_DIR (empty: none), else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
     threads
         Threads to use; 0 means all [default: 0]

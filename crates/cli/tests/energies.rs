@@ -9,11 +9,11 @@ use common::{CHARGES, TemporaryFolder, is_ok, message};
 use std::path::Path;
 
 #[test]
-fn certified_energies_hold_the_sum() {
+fn calibrated_energies_hold_the_sum() {
     let place = TemporaryFolder::new();
     let inspect = |energy: &str| -> (f64, f64) {
         let output = place.run(&format!(
-            "inspect ring.json --debye 9.6A --cutoff 30A --json --energy {energy}"
+            "inspect ring.json --debye 9.6A --json --energy {energy}"
         ));
         is_ok(&output);
         let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -28,7 +28,7 @@ fn certified_energies_hold_the_sum() {
         "{direct:?} {none:?}"
     );
     for (energy, tolerance) in [
-        ("certified", 0.05),
+        ("calibrated", 0.05),
         ("approximate", 1e-3),
         ("approximate --tolerance 1e-7", 1e-7),
     ] {
@@ -49,7 +49,7 @@ fn certified_energies_hold_the_sum() {
 fn a_tolerance_without_approximate_energies_is_refused() {
     let place = TemporaryFolder::new();
     for verb in ["inspect", "bench"] {
-        for energy in ["direct", "certified", "none"] {
+        for energy in ["direct", "calibrated", "none"] {
             let output = place.run(&format!(
                 "{verb} ring.json --debye 3A --tolerance 1e-3 --energy {energy}"
             ));

@@ -14,6 +14,8 @@ mod common;
 use common::*;
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::{Boundary, Pose, Rotation, Vec3};
+use protomer_mc::energy::EnergyModel;
+use protomer_mc::energy::levels::{Levels, Table};
 use protomer_mc::{BodyType, Checkpoint, Interaction, McError, Outcome, Simulation, System};
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -113,27 +115,43 @@ fn a_continued_run_equals_the_uninterrupted_one() {
 /// kept energies of relative poses that are no longer theirs to the last bit.
 #[test]
 fn continued_runs_with_energies_by_levels_equal_the_uninterrupted_ones() {
-    let yukawa = Yukawa::uncut(7.0, 0.1).unwrap();
-    let (system, sweeps) = (system(4), 80);
+    // So short that few images count in this small box.
+    let yukawa = Yukawa::uncut(7.0, 0.3).unwrap();
+    let (system, sweeps) = (system(2), 80);
     let approximate = |tolerance_kt| Interaction::YukawaApproximate {
         yukawa,
         tolerance_kt,
     };
     let mut direct = start_with(system.clone(), Interaction::YukawaDirect(yukawa), 0);
     run(&mut direct, sweeps);
+    let table = |kind: &Arc<BodyType>| Arc::new(Table::new(&kind.charges, &yukawa, 150.0));
+    let tables: Vec<_> = system.types().iter().map(table).collect();
     for interaction in [
         Interaction::YukawaCalibrated(yukawa),
         approximate(1e-3),
         approximate(1e-9),
     ] {
-        let mut whole = start_with(system.clone(), interaction, 0);
+        let model = || -> Box<dyn EnergyModel> {
+            let levels = Levels::with_tables(yukawa, &system, tables.clone());
+            match interaction {
+                Interaction::YukawaApproximate { tolerance_kt, .. } => {
+                    Box::new(levels.with_tolerance(tolerance_kt))
+                }
+                _ => Box::new(levels),
+            }
+        };
+        let start = || {
+            let settings = *direct.settings();
+            Simulation::with_model(system.clone(), settings, model(), 99, 0).unwrap()
+        };
+        let mut whole = start();
         run(&mut whole, sweeps);
-        let mut parts = start_with(system.clone(), interaction, 0);
+        let mut parts = start();
         for cut in [1, sweeps / 4, sweeps / 2, sweeps - 1, sweeps] {
             run(&mut parts, cut);
             let text = serde_json::to_string(&parts.checkpoint()).unwrap();
-            parts =
-                Simulation::resume(system.clone(), serde_json::from_str(&text).unwrap()).unwrap();
+            let checkpoint = serde_json::from_str(&text).unwrap();
+            parts = Simulation::resume_with_model(system.clone(), checkpoint, model()).unwrap();
         }
         assert_eq!(trace(&parts), trace(&whole));
         assert!(

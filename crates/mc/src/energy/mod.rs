@@ -6,9 +6,9 @@
 //! is certain.
 
 mod direct;
+pub mod levels;
 mod none;
 mod pair_sum;
-pub mod levels;
 mod potential;
 mod reach;
 
@@ -24,7 +24,7 @@ use protomer_kernel::pose::RelativePose;
 use serde::{Deserialize, Serialize};
 
 /// The energy of one pair of bodies.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PairEnergy {
     /// Index of the first body, the smaller.
     pub first: usize,
@@ -37,6 +37,9 @@ pub struct PairEnergy {
     /// poses drift by rounding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub computed_at: Option<RelativePose>,
+    /// The same of the images beyond the first that count.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub images_at: Vec<RelativePose>,
 }
 
 impl PairEnergy {
@@ -47,6 +50,7 @@ impl PairEnergy {
             second,
             energy_kt,
             computed_at: None,
+            images_at: Vec::new(),
         }
     }
 }

@@ -4,8 +4,8 @@
 use crate::stability::disk_cache::DiskCache;
 use anyhow::{Result, bail};
 use protomer_kernel::potential::Yukawa;
-use protomer_mc::{BodyType, System};
 use protomer_mc::energy::levels::{Levels, Table, table_reach_angstrom};
+use protomer_mc::{BodyType, System};
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -170,8 +170,9 @@ impl Disk {
         yukawa: &Yukawa,
         reach: f64,
     ) -> Option<PotentialTable> {
-        let read =
-            |file: &mut dyn std::io::Read| PotentialTable::read_from(file, &kind.charges, yukawa, reach);
+        let read = |file: &mut dyn std::io::Read| {
+            PotentialTable::read_from(file, &kind.charges, yukawa, reach)
+        };
         self.cache.load(key, read).unwrap_or_else(|error| {
             (self.warn)(&format!("warning: {error:#}; they are computed"));
             None
@@ -304,7 +305,10 @@ mod tests {
             .sum();
         let tables = EnergyTables::new(size as u64);
         let in_use = tables.of(&types, &yukawa(9.6), 40.0).unwrap();
-        let message = tables.of(&types, &yukawa(9.5), 40.0).unwrap_err().to_string();
+        let message = tables
+            .of(&types, &yukawa(9.5), 40.0)
+            .unwrap_err()
+            .to_string();
         assert!(
             message.contains("--memory-limit") && message.contains("--energy direct"),
             "{message}"

@@ -25,7 +25,7 @@ const STEP_RADIAN: f64 = 0.03;
 pub struct Calibration {
     /// Of a coarse energy.
     pub energy_scale: f64,
-    /// Of the change of a coarse energy when the pair moves by 1 Å.
+    /// Of the change of a coarse energy when the pair moves by 1 Å near contact.
     pub change_scale_per_angstrom: f64,
     /// Of a fine energy.
     pub fine_scale: f64,
@@ -79,16 +79,18 @@ impl Ratios {
             };
             let [here, there] = [here, there].map(|pose| relative(&pose));
             let list = List::new(first, second, &here, COARSE_OPENING);
-            let fine = [&here, &there].map(|pose| first.fine_energy(second, pose));
+            let fine = [&here, &there].map(|pose| first.fine_energy(second, &list, pose));
             let coarse = [&here, &there].map(|pose| list.energy(first, pose));
-            let ([Some(fine), Some(fine_there)], [Some(coarse), Some(coarse_there)]) = (fine, coarse)
+            let ([Some(fine), Some(fine_there)], [Some(coarse), Some(coarse_there)]) =
+                (fine, coarse)
             else {
                 continue;
             };
             let deviation = list.variance.sqrt().max(f64::MIN_POSITIVE);
             self.energy.push((coarse - fine.energy_kt) / deviation);
             let change = (coarse_there - coarse) - (fine_there.energy_kt - fine.energy_kt);
-            self.change.push(change / (deviation * list.shift(&here, &there)));
+            self.change
+                .push(change / (deviation * list.shift(&here, &there)));
             if pose < DIRECT_POSES {
                 let direct = pair_energy_kt(potential, &first.charges, &second.charges, &here);
                 self.fine.push((fine.energy_kt - direct) / fine.deviation());
@@ -99,12 +101,18 @@ impl Ratios {
     fn finish(&self) -> Calibration {
         let scale = |ratios: &[f64], least: f64| {
             let squares: f64 = ratios.iter().map(|ratio| ratio * ratio).sum();
-            let largest = ratios.iter().fold(0.0_f64, |most, ratio| most.max(ratio.abs()));
+            let largest = ratios
+                .iter()
+                .fold(0.0_f64, |most, ratio| most.max(ratio.abs()));
             let typical = (squares / ratios.len().max(1) as f64).sqrt();
             // Half of the multiple is left for what the comparison did not meet.
             typical.max(2.0 * largest / MULTIPLE).max(least)
         };
-        let scales = [scale(&self.energy, 0.1), scale(&self.change, 0.02), scale(&self.fine, 0.12)];
+        let scales = [
+            scale(&self.energy, 0.1),
+            scale(&self.change, 0.02),
+            scale(&self.fine, 0.12),
+        ];
         let all = [&self.energy, &self.change, &self.fine];
         let in_deviations = all.into_iter().zip(scales);
         let in_deviations: Vec<f64> = in_deviations
@@ -116,7 +124,10 @@ impl Ratios {
             change_scale_per_angstrom,
             fine_scale,
             poses: self.energy.len() as u32,
-            exceeded: in_deviations.iter().filter(|ratio| **ratio > MULTIPLE).count() as u32,
+            exceeded: in_deviations
+                .iter()
+                .filter(|ratio| **ratio > MULTIPLE)
+                .count() as u32,
             largest: in_deviations.into_iter().fold(0.0, f64::max),
         }
     }
@@ -135,7 +146,10 @@ fn near_contact<P: SitePotential>(
     let rotation = rng.rotation();
     let direction = rng.unit_vector();
     let wanted = 0.5 + 7.5 * rng.uniform().powi(2);
-    let at = |distance: f64| Pose { position: direction * distance, rotation };
+    let at = |distance: f64| Pose {
+        position: direction * distance,
+        rotation,
+    };
     let gap = |distance: f64| {
         let pose = at(distance);
         let gap = |(x, _): (Vec3, f64)| first.distance_bound(&pose.transform_point(&x));
@@ -147,7 +161,11 @@ fn near_contact<P: SitePotential>(
     }
     for _ in 0..12 {
         let middle = (low + high) / 2.0;
-        if gap(middle) < wanted { low = middle } else { high = middle }
+        if gap(middle) < wanted {
+            low = middle
+        } else {
+            high = middle
+        }
     }
     at(high)
 }

@@ -17,8 +17,9 @@ pub(super) const FINE: usize = 6;
 /// Coefficients of a coarse series: x and y run within a row of 16, z from row to row.
 const COARSE_ROW: usize = COARSE * COARSE;
 pub(super) const COARSE_SIZE: usize = COARSE_ROW * COARSE;
-/// Of a fine series; its rows of 36 are filled up to a multiple of 16.
-const FINE_ROW: usize = 48;
+/// Of a fine series; its rows of 6 are filled up to 8.
+const FINE_STRIDE: usize = 8;
+const FINE_ROW: usize = FINE * FINE_STRIDE;
 const FINE_SIZE: usize = FINE_ROW * FINE;
 /// The near part ends this many innermost cells from a charge.
 const CELLS_PER_NEAR_RADIUS: f64 = 2.0;
@@ -71,7 +72,11 @@ pub(super) struct Spots {
 
 impl Field {
     /// The table of these charges out to `reach_angstrom` from them.
-    pub fn new<P: SitePotential>(charges: &ChargeCloud, split: &Split<P>, reach_angstrom: f64) -> Self {
+    pub fn new<P: SitePotential>(
+        charges: &ChargeCloud,
+        split: &Split<P>,
+        reach_angstrom: f64,
+    ) -> Self {
         let mut field = Self::boxes(charges, split.radius_angstrom, reach_angstrom);
         let sampler = Sampler::new();
         let sites = Sites::new(charges);
@@ -81,8 +86,8 @@ impl Field {
             field.distance.push(nearest as f32);
             let series = sampler.series(&values);
             field.errors.push(truncation_errors(&series));
-            field.coarse.push(rows(&series, COARSE, COARSE_ROW));
-            field.fine.push(rows(&series, FINE, FINE_ROW));
+            field.coarse.push(rows(&series, COARSE, COARSE));
+            field.fine.push(rows(&series, FINE, FINE_STRIDE));
         }
         field
     }
@@ -132,14 +137,18 @@ impl Field {
             for place in 0..nx * ny * nz {
                 let cell = [place % nx, place / nx % ny, place / (nx * ny)];
                 let corner = |axis: usize, side: u32| {
-                    f64::from(shell.low[axis]) + f64::from(cell[axis] + side) * f64::from(shell.edge)
+                    f64::from(shell.low[axis])
+                        + f64::from(cell[axis] + side) * f64::from(shell.edge)
                 };
                 let corners = [0, 1, 2].map(|axis| [corner(axis, 0), corner(axis, 1)]);
                 if k > 0 && self.covers(k - 1, &corners) {
                     continue;
                 }
                 self.index[(shell.first + place) as usize] = centres.len() as u32;
-                centres.push((corners.map(|[low, high]| (low + high) / 2.0), f64::from(shell.edge)));
+                centres.push((
+                    corners.map(|[low, high]| (low + high) / 2.0),
+                    f64::from(shell.edge),
+                ));
             }
         }
         centres
@@ -165,7 +174,11 @@ impl Field {
             let (centre, half) = (self.centre[axis], self.half[axis]);
             for lane in 0..BLOCK {
                 let outside = ((x[axis][lane] - centre).abs() - half) * self.inverse_margin;
-                excess[lane] = if outside > excess[lane] { outside } else { excess[lane] };
+                excess[lane] = if outside > excess[lane] {
+                    outside
+                } else {
+                    excess[lane]
+                };
             }
         }
         let number = excess.map(power_of_two_above);
@@ -278,13 +291,14 @@ impl Field {
                     value[lane] += row[lane] * tz;
                 }
             }
-            let mut sum = 0.0;
-            for (y, ty) in ty.iter().enumerate() {
-                for (x, tx) in tx.iter().enumerate() {
-                    sum += value[FINE * y + x] * (tx * ty);
+            let mut sum = [0.0; FINE_STRIDE];
+            for (row, ty) in value.chunks_exact(FINE_STRIDE).zip(ty) {
+                for lane in 0..FINE_STRIDE {
+                    sum[lane] += row[lane] * ty;
                 }
             }
-            total += f64::from(sum) * f64::from(charge[point]);
+            let potential: f32 = (0..FINE).map(|x| sum[x] * tx[x]).sum();
+            total += f64::from(potential) * f64::from(charge[point]);
         }
         total
     }
@@ -337,12 +351,12 @@ fn truncation_errors(series: &[f64]) -> [f32; 2] {
 }
 
 /// The first `points` coefficients along each axis, in rows of x and y filled up with zeros.
-fn rows<const SIZE: usize>(series: &[f64], points: usize, row: usize) -> Aligned<SIZE> {
+fn rows<const SIZE: usize>(series: &[f64], points: usize, stride: usize) -> Aligned<SIZE> {
     let mut rows = [0.0; SIZE];
     for k in 0..points {
         for j in 0..points {
             for i in 0..points {
-                rows[k * row + j * points + i] = series[(k * FINE + j) * FINE + i] as f32;
+                rows[(k * points + j) * stride + i] = series[(k * FINE + j) * FINE + i] as f32;
             }
         }
     }
@@ -358,7 +372,9 @@ fn power_of_two_above(x: f32) -> u32 {
 
 #[inline(always)]
 fn lowest(numbers: &[u32; BLOCK]) -> u32 {
-    numbers.iter().fold(u32::MAX, |least, number| least.min(*number))
+    numbers
+        .iter()
+        .fold(u32::MAX, |least, number| least.min(*number))
 }
 
 #[inline(always)]
@@ -436,7 +452,9 @@ impl Sampler {
             for (place, to) in to.iter_mut().enumerate() {
                 let n = place / stride % FINE;
                 let start = place - n * stride;
-                *to = (0..FINE).map(|i| self.transform[n][i] * from[start + i * stride]).sum();
+                *to = (0..FINE)
+                    .map(|i| self.transform[n][i] * from[start + i * stride])
+                    .sum();
             }
             from = to;
         }
@@ -458,7 +476,11 @@ impl Sites {
                 // Empty lanes repeat the last place without a charge.
                 let (x, charge) = sites[lane.min(sites.len() - 1)];
                 (0..3).for_each(|axis| block[axis][lane] = x[axis] as f32);
-                block[3][lane] = if lane < sites.len() { charge as f32 } else { 0.0 };
+                block[3][lane] = if lane < sites.len() {
+                    charge as f32
+                } else {
+                    0.0
+                };
             }
             block
         };
@@ -480,7 +502,9 @@ impl Sites {
         let mut values = Vec::with_capacity(FINE * FINE * FINE);
         for place in 0..FINE * FINE * FINE {
             let [i, j, k] = [place % FINE, place / FINE % FINE, place / (FINE * FINE)];
-            values.push(f64::from(self.potential(split, [at(0, i), at(1, j), at(2, k)])));
+            values.push(f64::from(
+                self.potential(split, [at(0, i), at(1, j), at(2, k)]),
+            ));
         }
         (values, self.nearest(centre.map(|x| x as f32)))
     }

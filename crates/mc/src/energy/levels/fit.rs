@@ -51,7 +51,10 @@ pub(super) fn fit<P: SitePotential>(
             damping *= 6.0;
         }
     }
-    let near = problem.residual(&present).rows(0, NEAR_POINTS).norm_squared();
+    let near = problem
+        .residual(&present)
+        .rows(0, NEAR_POINTS)
+        .norm_squared();
     Equivalent {
         charges: present,
         error: (near / NEAR_POINTS as f64).sqrt(),
@@ -72,7 +75,9 @@ impl<'a, P: SitePotential> Problem<'a, P> {
         let near = sphere(NEAR_POINTS, f64::from(FIT_DISTANCE) * radius, 1.0);
         let far = sphere(FAR_POINTS, FAR_DISTANCE * radius, FAR_WEIGHT);
         let points: Vec<(Vec3, f64)> = near.chain(far).map(|(x, w)| (centre + x, w)).collect();
-        let wanted = points.iter().map(|(x, weight)| weight * field(charges, x, potential));
+        let wanted = points
+            .iter()
+            .map(|(x, weight)| weight * field(charges, x, potential));
         Self {
             potential,
             centre: *centre,
@@ -86,7 +91,10 @@ impl<'a, P: SitePotential> Problem<'a, P> {
     fn start(&self, charges: &[(Vec3, f64)], count: usize) -> Vec<(Vec3, f64)> {
         let mut chosen: Vec<(Vec3, f64)> = vec![(charges[0].0, 0.0)];
         let gap = |x: &Vec3, chosen: &[(Vec3, f64)]| {
-            chosen.iter().map(|(y, _)| (x - y).norm_squared()).fold(f64::INFINITY, f64::min)
+            chosen
+                .iter()
+                .map(|(y, _)| (x - y).norm_squared())
+                .fold(f64::INFINITY, f64::min)
         };
         while chosen.len() < count.min(charges.len()) {
             let farthest = charges
@@ -96,7 +104,9 @@ impl<'a, P: SitePotential> Problem<'a, P> {
         }
         for (x, q) in charges {
             let near = |a: &&mut (Vec3, f64), b: &&mut (Vec3, f64)| {
-                (a.0 - x).norm_squared().total_cmp(&(b.0 - x).norm_squared())
+                (a.0 - x)
+                    .norm_squared()
+                    .total_cmp(&(b.0 - x).norm_squared())
             };
             if let Some(nearest) = chosen.iter_mut().min_by(near) {
                 nearest.1 += q;
@@ -106,7 +116,10 @@ impl<'a, P: SitePotential> Problem<'a, P> {
     }
 
     fn residual(&self, charges: &[(Vec3, f64)]) -> DVector<f64> {
-        let found = self.points.iter().map(|(x, weight)| weight * field(charges, x, self.potential));
+        let found = self
+            .points
+            .iter()
+            .map(|(x, weight)| weight * field(charges, x, self.potential));
         DVector::from_iterator(self.points.len(), found) - &self.wanted
     }
 
@@ -161,6 +174,9 @@ fn sphere(count: usize, radius: f64, weight: f64) -> impl Iterator<Item = (Vec3,
         let z = 1.0 - (2 * i + 1) as f64 / count as f64;
         let across = (1.0 - z * z).sqrt();
         let angle = golden * i as f64;
-        (Vec3::new(across * angle.cos(), across * angle.sin(), z) * radius, weight)
+        (
+            Vec3::new(across * angle.cos(), across * angle.sin(), z) * radius,
+            weight,
+        )
     })
 }

@@ -7,6 +7,7 @@ use super::field::BLOCK;
 use super::table::Table;
 use super::tree::{FIT_DISTANCE, Node};
 use crate::energy::SitePotential;
+use protomer_kernel::Vec3;
 use protomer_kernel::pose::RelativePose;
 
 /// How far (Å) points near the other body may have moved before new ones are chosen; charges that
@@ -14,6 +15,9 @@ use protomer_kernel::pose::RelativePose;
 pub(super) const SKIN_ANGSTROM: f32 = 1.3;
 /// Points farther away may move by this part of their distance.
 const PART_OF_DISTANCE: f32 = 0.4;
+
+/// Errors of a table at points of one cell add up: so much more variance than if they did not.
+const TABLE_WEIGHT: f32 = 10.0;
 
 /// Charges farther than this behind the nearest ones hardly see a node's error, Å.
 const SEEN_ANGSTROM: f32 = 8.0;
@@ -48,6 +52,7 @@ struct Guard {
     centre: [f32; 3],
     radius: f32,
     limit: f32,
+    length: f32,
 }
 
 /// A relative pose in single precision.
@@ -68,7 +73,11 @@ impl Motion {
     pub fn apply(&self, x: [f32; 3]) -> [f32; 3] {
         let [a, b, c] = self.r;
         let along = |row: [f32; 3], t: f32| row[0] * x[0] + row[1] * x[1] + row[2] * x[2] + t;
-        [along(a, self.t[0]), along(b, self.t[1]), along(c, self.t[2])]
+        [
+            along(a, self.t[0]),
+            along(b, self.t[1]),
+            along(c, self.t[2]),
+        ]
     }
 
     #[inline(always)]
@@ -87,7 +96,11 @@ impl Motion {
             }
             moved
         };
-        [along(self.r[0], self.t[0]), along(self.r[1], self.t[1]), along(self.r[2], self.t[2])]
+        [
+            along(self.r[0], self.t[0]),
+            along(self.r[1], self.t[1]),
+            along(self.r[2], self.t[2]),
+        ]
     }
 }
 
@@ -129,12 +142,14 @@ impl List {
         shift.norm() + turned <= f64::from(self.guard.limit)
     }
 
-    /// How far the part near the other body moves between two poses, Å.
+    /// How far the part near the other body moves between two poses, in units of the length over
+    /// which the errors of its points vary: 1 Å near the other body, more farther away.
     pub fn shift(&self, from: &RelativePose, to: &RelativePose) -> f64 {
         let turn = to.rotation - from.rotation;
         let centre = nalgebra::Vector3::from(self.guard.centre.map(f64::from));
         let shift = turn * centre + to.translation - from.translation;
-        shift.norm() + turn.norm() * std::f64::consts::FRAC_1_SQRT_2 * f64::from(self.guard.radius)
+        let turned = turn.norm() * std::f64::consts::FRAC_1_SQRT_2 * f64::from(self.guard.radius);
+        (shift.norm() + turned) / f64::from(self.guard.length)
     }
 
     /// The energy at this pose, kT; `None` where the table of the first body ends before.
@@ -183,10 +198,28 @@ impl List {
         }
         Some(sum.iter().map(|part| f64::from(*part)).sum())
     }
+}
 
-    #[cfg(test)]
-    pub fn sizes(&self) -> (usize, usize, usize) {
-        (self.points.len() * BLOCK, self.near.len(), self.sources.len())
+impl List {
+    /// The near part of the energy at this pose in double precision, kT.
+    #[inline(always)]
+    pub fn near_energy<P: SitePotential>(&self, first: &Table<P>, pose: &RelativePose) -> f64 {
+        let mut sum = [0.0_f64; BLOCK];
+        for near in &self.near {
+            let [x, y, z, charge] = near.at.map(f64::from);
+            let at = pose.transform_point(&Vec3::new(x, y, z));
+            let range = near.first as usize..(near.first + near.count) as usize;
+            for [sx, sy, sz, source] in &self.sources[range] {
+                for lane in 0..BLOCK {
+                    let dx = at.x - f64::from(sx[lane]);
+                    let dy = at.y - f64::from(sy[lane]);
+                    let dz = at.z - f64::from(sz[lane]);
+                    let near = first.split.near(dx * dx + dy * dy + dz * dz);
+                    sum[lane] += charge * f64::from(source[lane]) * near;
+                }
+            }
+        }
+        sum.iter().sum()
     }
 }
 
@@ -236,7 +269,10 @@ impl<P: SitePotential> Maker<'_, P> {
             let Some(node) = self.second.tree.nodes.get(number as usize).copied() else {
                 return;
             };
-            let distance = self.first.field.distance_bound(self.motion.apply(node.centre));
+            let distance = self
+                .first
+                .field
+                .distance_bound(self.motion.apply(node.centre));
             let is_far = distance > self.opening * node.radius
                 && distance > node.radius + 0.7 * self.first.split.radius_angstrom as f32;
             if node.second == 0 || is_far {
@@ -291,14 +327,18 @@ impl<P: SitePotential> Maker<'_, P> {
         }
         let count = self.sources.len() - first;
         if count > 0 {
-            self.near.push(Near { at: point, first: first as u32, count: count as u32 });
+            self.near.push(Near {
+                at: point,
+                first: first as u32,
+                count: count as u32,
+            });
         }
     }
 
     fn finish(mut self, reference: &RelativePose) -> List {
         let guard = self.guard();
         let blocks = blocks(&self.points);
-        self.variance += self.table_variance(&blocks);
+        self.variance += TABLE_WEIGHT * self.table_variance(&blocks);
         List {
             reference: *reference,
             points: blocks,
@@ -311,7 +351,10 @@ impl<P: SitePotential> Maker<'_, P> {
 
     /// What must not move far: the charges near the first body; where there are none, everything.
     fn guard(&self) -> Guard {
-        let near = self.near.iter().map(|near| [near.at[0], near.at[1], near.at[2]]);
+        let near = self
+            .near
+            .iter()
+            .map(|near| [near.at[0], near.at[1], near.at[2]]);
         let mut low = [f32::INFINITY; 3];
         let mut high = [f32::NEG_INFINITY; 3];
         for at in near {
@@ -325,6 +368,7 @@ impl<P: SitePotential> Maker<'_, P> {
                 centre: root.map_or([0.0; 3], |root| root.centre),
                 radius: root.map_or(0.0, |root| root.radius),
                 limit: SKIN_ANGSTROM.max(PART_OF_DISTANCE * self.least_distance),
+                length: (self.least_distance / 3.0).max(1.0),
             };
         }
         let half = [0, 1, 2].map(|axis| (high[axis] - low[axis]) / 2.0);
@@ -332,6 +376,7 @@ impl<P: SitePotential> Maker<'_, P> {
             centre: [0, 1, 2].map(|axis| (low[axis] + high[axis]) / 2.0),
             radius: (half[0] * half[0] + half[1] * half[1] + half[2] * half[2]).sqrt(),
             limit: SKIN_ANGSTROM,
+            length: 1.0,
         }
     }
 

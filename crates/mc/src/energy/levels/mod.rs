@@ -33,4 +33,3 @@ mod tree;
 pub use calibration::{Calibration, MULTIPLE};
 pub use model::{Decided, LevelReport, Levels, table_reach_angstrom};
 pub use table::Table;
-

@@ -47,7 +47,6 @@ pub struct Levels<P> {
     proposed: Vec<(usize, usize, Arc<Known>)>,
     decided: Decided,
     coarse_energies: u64,
-    largest_error_kt: f64,
 }
 
 /// What is known of one pair of bodies at one pose.
@@ -101,7 +100,6 @@ impl<P: SitePotential> Levels<P> {
             proposed: Vec::new(),
             decided: Decided::default(),
             coarse_energies: 0,
-            largest_error_kt: 0.0,
         }
     }
 
@@ -186,40 +184,67 @@ impl<P: SitePotential> Levels<P> {
 
     /// The change of the energy of a pair at one level, kT, with its standard deviation.
     fn change(&self, trial: &Trial<'_>, change: &Change, level: usize) -> Result<(f64, f64)> {
-        let pair = trial.pair(change.partner);
-        let both = [change.new.as_deref(), change.old.as_deref()];
-        let of = |known: Option<&Known>| known.map_or(Ok((0.0, 0.0)), |known| self.energy(&pair, known, level));
-        let (new, new_variance) = of(both[0])?;
-        let (old, old_variance) = of(both[1])?;
-        let variance = match (level, both) {
-            (COARSE, [Some(new), Some(old)]) => self.coarse_change_variance(new, old),
+        let (new, old) = (change.new.as_deref(), change.old.as_deref());
+        let of =
+            |known: Option<&Known>| known.map_or((0.0, 0.0), |known| self.energy(known, level));
+        let ((new_kt, new_variance), (old_kt, old_variance)) = (of(new), of(old));
+        let variance = match (level, new, old) {
+            (COARSE, Some(new), Some(old)) => self.coarse_change_variance(new, old),
             _ => new_variance + old_variance,
         };
-        Ok((new - old, variance.sqrt()))
+        let (first, second) = (
+            trial.body.min(change.partner),
+            trial.body.max(change.partner),
+        );
+        let change_kt = finite(first, second, new_kt - old_kt)?;
+        Ok((change_kt, variance.sqrt()))
     }
 
     /// The energy of a pair at one level, kT, and its variance.
-    fn energy(&self, pair: &Pair<'_>, known: &Known, level: usize) -> Result<(f64, f64)> {
-        let (energy_kt, variance) = match level {
+    fn energy(&self, known: &Known, level: usize) -> (f64, f64) {
+        match level {
             COARSE => {
                 let model: f64 = known.images.iter().map(|image| image.list.variance).sum();
-                (known.coarse_kt, model * self.calibration.energy_scale.powi(2))
+                let scale = self.calibration.energy_scale;
+                (known.coarse_kt, model * scale.powi(2))
             }
             FINE => {
                 let estimate = self.fine(known);
-                (estimate.energy_kt, estimate.variance * self.calibration.fine_scale.powi(2))
+                let scale = self.calibration.fine_scale;
+                (estimate.energy_kt, estimate.variance * scale.powi(2))
             }
             _ => (self.direct_kt(known), 0.0),
+        }
+    }
+
+    /// The energy of a pair that is reported: a function of its pose alone. With the level and the
+    /// error it is likely within, kT.
+    fn reported(&self, known: &Known) -> (f64, usize, f64) {
+        let first = if self.tolerance_kt.is_some() {
+            COARSE
+        } else {
+            FINE
         };
-        Ok((finite(pair.first, pair.second, energy_kt)?, variance))
+        let tolerance_kt = self.tolerance_kt.unwrap_or(f64::INFINITY);
+        for level in first..DIRECT {
+            let (energy_kt, variance) = self.energy(known, level);
+            let error_kt = MULTIPLE * variance.sqrt();
+            if error_kt <= tolerance_kt {
+                return (energy_kt, level, error_kt);
+            }
+        }
+        (self.direct_kt(known), DIRECT, 0.0)
     }
 
     fn fine(&self, known: &Known) -> Estimate {
         *known.fine.get_or_init(|| {
             let (first, second) = self.tables_of(known.types);
-            let mut sum = Estimate { energy_kt: 0.0, variance: 0.0 };
+            let mut sum = Estimate {
+                energy_kt: 0.0,
+                variance: 0.0,
+            };
             for image in &known.images {
-                let Some(estimate) = first.fine_energy(second, &image.relative) else {
+                let Some(estimate) = first.fine_energy(second, &image.list, &image.relative) else {
                     return self.beyond_tables(known);
                 };
                 sum.energy_kt += estimate.energy_kt;
@@ -233,14 +258,22 @@ impl<P: SitePotential> Levels<P> {
         *known.direct_kt.get_or_init(|| {
             let (first, second) = self.tables_of(known.types);
             let energy = |image: &Image| {
-                pair_energy_kt(&self.potential, &first.charges, &second.charges, &image.relative)
+                pair_energy_kt(
+                    &self.potential,
+                    &first.charges,
+                    &second.charges,
+                    &image.relative,
+                )
             };
             known.images.iter().map(energy).sum()
         })
     }
 
     fn beyond_tables(&self, known: &Known) -> Estimate {
-        Estimate { energy_kt: self.direct_kt(known), variance: 0.0 }
+        Estimate {
+            energy_kt: self.direct_kt(known),
+            variance: 0.0,
+        }
     }
 
     /// Errors from the same points cancel, the more so the less the pair has moved.
@@ -286,7 +319,14 @@ impl<P: SitePotential> Levels<P> {
         if new.is_none() && old.is_none() {
             return Ok(None);
         }
-        let mut change = Change { partner, new, old, level: COARSE, change_kt: 0.0, deviation_kt: 0.0 };
+        let mut change = Change {
+            partner,
+            new,
+            old,
+            level: COARSE,
+            change_kt: 0.0,
+            deviation_kt: 0.0,
+        };
         (change.change_kt, change.deviation_kt) = self.change(trial, &change, COARSE)?;
         Ok(Some(change))
     }
@@ -299,64 +339,53 @@ impl<P: SitePotential> Levels<P> {
         changes: &mut [Change],
         threshold_kt: f64,
     ) -> Result<bool> {
-        if let Some(tolerance_kt) = self.tolerance_kt {
-            return self.rises_less_within(trial, changes, threshold_kt, tolerance_kt);
+        if self.tolerance_kt.is_some() {
+            return Ok(self.rises_less_within(changes, threshold_kt));
         }
         loop {
             let rise: f64 = changes.iter().map(|change| change.change_kt).sum();
-            let variance: f64 = changes.iter().map(|change| change.deviation_kt.powi(2)).sum();
+            let variance: f64 = changes
+                .iter()
+                .map(|change| change.deviation_kt.powi(2))
+                .sum();
             let error = MULTIPLE * variance.sqrt();
             let open = |change: &&mut Change| change.level < DIRECT;
             let widest = changes.iter_mut().filter(open);
             let widest = widest.max_by(|a, b| a.deviation_kt.total_cmp(&b.deviation_kt));
             let Some(widest) = widest.filter(|_| (rise - threshold_kt).abs() <= error) else {
-                self.largest_error_kt = self.largest_error_kt.max(error);
                 self.count(changes);
                 return Ok(rise < threshold_kt);
             };
             let level = widest.level + 1;
             let (change_kt, deviation_kt) = self.change(trial, widest, level)?;
-            (widest.level, widest.change_kt, widest.deviation_kt) = (level, change_kt, deviation_kt);
+            (widest.level, widest.change_kt, widest.deviation_kt) =
+                (level, change_kt, deviation_kt);
         }
     }
 
     /// The same by energies to within a tolerance for each pair.
-    fn rises_less_within(
-        &mut self,
-        trial: &Trial<'_>,
-        changes: &mut [Change],
-        threshold_kt: f64,
-        tolerance_kt: f64,
-    ) -> Result<bool> {
+    fn rises_less_within(&mut self, changes: &mut [Change], threshold_kt: f64) -> bool {
         let mut rise = 0.0;
         for change in changes.iter_mut() {
-            let pair = trial.pair(change.partner);
             for (known, sign) in [(&change.new, 1.0), (&change.old, -1.0)] {
                 if let Some(known) = known {
-                    let (energy_kt, level) = self.energy_within(&pair, known, tolerance_kt)?;
+                    let (energy_kt, level, _) = self.reported(known);
                     rise += sign * energy_kt;
                     change.level = change.level.max(level);
                 }
             }
         }
-        self.largest_error_kt = tolerance_kt;
         self.count(changes);
-        Ok(rise < threshold_kt)
-    }
-
-    /// The energy from the first level that is likely good enough, kT, and that level.
-    fn energy_within(&self, pair: &Pair<'_>, known: &Known, tolerance_kt: f64) -> Result<(f64, usize)> {
-        for level in [COARSE, FINE] {
-            let (energy_kt, variance) = self.energy(pair, known, level)?;
-            if MULTIPLE * variance.sqrt() <= tolerance_kt {
-                return Ok((energy_kt, level));
-            }
-        }
-        Ok((self.energy(pair, known, DIRECT)?.0, DIRECT))
+        rise < threshold_kt
     }
 
     fn count(&mut self, changes: &[Change]) {
-        match changes.iter().map(|change| change.level).max().unwrap_or(COARSE) {
+        match changes
+            .iter()
+            .map(|change| change.level)
+            .max()
+            .unwrap_or(COARSE)
+        {
             COARSE => self.decided.coarse += 1,
             FINE => self.decided.fine += 1,
             _ => self.decided.direct += 1,
@@ -365,8 +394,12 @@ impl<P: SitePotential> Levels<P> {
 
     fn propose(&mut self, trial: &Trial<'_>, changes: Vec<Change>) {
         for change in changes {
-            let (first, second) = (trial.body.min(change.partner), trial.body.max(change.partner));
-            self.proposed.extend(change.new.map(|known| (first, second, known)));
+            let (first, second) = (
+                trial.body.min(change.partner),
+                trial.body.max(change.partner),
+            );
+            self.proposed
+                .extend(change.new.map(|known| (first, second, known)));
         }
     }
 }
@@ -399,11 +432,15 @@ impl<P: SitePotential> EnergyModel for Levels<P> {
     /// Energies from fine tables, whatever decisions asked for: functions of the poses alone.
     fn pairs(&self) -> Vec<PairEnergy> {
         let pairs = self.energies.pairs();
-        let reported = |(first, second, known): (usize, usize, Arc<Known>)| {
-            PairEnergy {
-                computed_at: known.images.first().map(|image| image.relative),
-                ..PairEnergy::new(first, second, self.fine(&known).energy_kt)
-            }
+        let reported = |(first, second, known): (usize, usize, Arc<Known>)| PairEnergy {
+            computed_at: known.images.first().map(|image| image.relative),
+            images_at: known
+                .images
+                .iter()
+                .skip(1)
+                .map(|image| image.relative)
+                .collect(),
+            ..PairEnergy::new(first, second, self.reported(&known).0)
         };
         pairs.map(reported).collect()
     }
@@ -414,19 +451,20 @@ impl<P: SitePotential> EnergyModel for Levels<P> {
         self.energies = PairTable::new(system.len());
         for saved in pairs {
             let pair = system.pair(saved.first, saved.second);
-            let images = self.reach.images(&pair);
-            let mut poses: Vec<_> = images.map(|image| pair.relative_image(&image)).collect();
-            if let (Some(nearest), Some(computed_at)) = (poses.first_mut(), saved.computed_at) {
-                *nearest = computed_at;
-            }
-            let known = self.known_at(&pair, poses, None)?;
+            let nearest = saved.computed_at.unwrap_or_else(|| pair.relative());
+            let poses = std::iter::once(nearest).chain(saved.images_at.iter().copied());
+            let known = self.known_at(&pair, poses.collect(), None)?;
             self.energies.set(saved.first, saved.second, known);
         }
         Ok(())
     }
 
     fn accept(&mut self, trial: &Trial<'_>, partners: &[usize], budget_kt: f64) -> Result<bool> {
-        let mut both: Vec<usize> = self.energies.row(trial.body).map(|(partner, _)| partner).collect();
+        let mut both: Vec<usize> = self
+            .energies
+            .row(trial.body)
+            .map(|(partner, _)| partner)
+            .collect();
         both.extend_from_slice(partners);
         both.sort_unstable();
         both.dedup();
@@ -455,7 +493,9 @@ impl<P: SitePotential> EnergyModel for Levels<P> {
     }
 
     fn error_bound_kt(&self) -> f64 {
-        self.largest_error_kt
+        let pairs = self.energies.pairs();
+        let errors = pairs.map(|(_, _, known)| self.reported(&known).2);
+        errors.fold(0.0, f64::max)
     }
 
     fn levels(&self) -> Option<LevelReport> {

@@ -23,7 +23,12 @@ impl Neighbours {
         let cells = ((high - low) / edge).map(|cells| cells.ceil().max(1.0) as i32);
         let mut members = vec![Vec::new(); cells.map(|n| n as usize).product()];
         for (place, charge) in charges.iter() {
-            let site = [place.x as f32, place.y as f32, place.z as f32, charge as f32];
+            let site = [
+                place.x as f32,
+                place.y as f32,
+                place.z as f32,
+                charge as f32,
+            ];
             let first = ((place - low).add_scalar(-distance) / edge).map(|x| x.floor() as i32);
             let last = ((place - low).add_scalar(distance) / edge).map(|x| x.floor() as i32);
             let range = |axis: usize| first[axis].max(0)..=last[axis].min(cells[axis] - 1);

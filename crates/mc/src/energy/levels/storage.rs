@@ -3,7 +3,7 @@
 //!
 //! | bytes | |
 //! |---|---|
-//! | 17 | `protomer table 2` and a line feed |
+//! | 17 | `protomer table 3` and a line feed |
 //! | 64 | the [fingerprint](Table::fingerprint) of charges and potential |
 //! | 4, then 36 each | number of nodes of the tree, and the nodes |
 //! | 4, then 16 each | number of points of the tree, and the points |
@@ -23,7 +23,7 @@ use std::io::{BufWriter, Read, Write};
 
 /// The first line; its number is raised when the layout changes, or when equal charges give other
 /// tables.
-const FIRST_LINE: &[u8; 17] = b"protomer table 2\n";
+const FIRST_LINE: &[u8; 17] = b"protomer table 3\n";
 const FINGERPRINT_LENGTH: usize = 64;
 
 impl<P: SitePotential> Table<P> {
@@ -39,7 +39,12 @@ impl<P: SitePotential> Table<P> {
         }
         let charges = charges.iter();
         let charges = charges.flat_map(|(place, charge)| [place.x, place.y, place.z, charge]);
-        for number in potential.parameters().into_iter().chain([reach_angstrom]).chain(charges) {
+        for number in potential
+            .parameters()
+            .into_iter()
+            .chain([reach_angstrom])
+            .chain(charges)
+        {
             hash.update(number.to_le_bytes());
         }
         hexadecimal(hash)
@@ -50,13 +55,17 @@ impl<P: SitePotential> Table<P> {
     /// # Errors
     /// If the writer fails.
     pub fn write_to(&self, writer: impl Write, fingerprint: &str) -> std::io::Result<()> {
-        let hashing = Hashing { inner: writer, hash: Sha256::new() };
+        let hashing = Hashing {
+            inner: writer,
+            hash: Sha256::new(),
+        };
         let mut writer = BufWriter::with_capacity(1 << 16, hashing);
         writer.write_all(FIRST_LINE)?;
         writer.write_all(fingerprint.as_bytes())?;
         self.tree.write_to(&mut writer)?;
         self.field.write_to(&mut writer)?;
-        let Hashing { mut inner, hash } = writer.into_inner().map_err(|error| error.into_error())?;
+        let Hashing { mut inner, hash } =
+            writer.into_inner().map_err(|error| error.into_error())?;
         inner.write_all(&hash.finalize())?;
         inner.flush()
     }
@@ -78,7 +87,10 @@ impl<P: SitePotential> Table<P> {
             std::io::ErrorKind::UnexpectedEof => unusable("they end too early"),
             _ => McError::UnusableTable(error.to_string()),
         };
-        let mut reader = Hashing { inner: reader, hash: Sha256::new() };
+        let mut reader = Hashing {
+            inner: reader,
+            hash: Sha256::new(),
+        };
         if bytes::<17>(&mut reader).map_err(failed)? != *FIRST_LINE {
             return Err(unusable("they are of another kind or version"));
         }
@@ -121,7 +133,14 @@ impl Tree {
         for _ in 0..number(reader)? {
             let (centre, [radius, error]) = (numbers(reader)?, numbers(reader)?);
             let [first, count, second] = [number(reader)?, number(reader)?, number(reader)?];
-            tree.nodes.push(Node { centre, radius, first, count, second, error });
+            tree.nodes.push(Node {
+                centre,
+                radius,
+                first,
+                count,
+                second,
+                error,
+            });
         }
         for _ in 0..number(reader)? {
             tree.points.push(numbers(reader)?);
@@ -154,7 +173,9 @@ impl Field {
 }
 
 fn put(writer: &mut impl Write, numbers: &[f32]) -> std::io::Result<()> {
-    numbers.iter().try_for_each(|number| writer.write_all(&number.to_le_bytes()))
+    numbers
+        .iter()
+        .try_for_each(|number| writer.write_all(&number.to_le_bytes()))
 }
 
 fn bytes<const N: usize>(reader: &mut impl Read) -> std::io::Result<[u8; N]> {
@@ -229,4 +250,3 @@ impl<T: Read> Read for Hashing<T> {
         Ok(read)
     }
 }
-

@@ -1,7 +1,7 @@
 //! All that is prepared for one body type under one potential.
 
 use super::field::Field;
-use super::list::{Block, Motion, SKIN_ANGSTROM, blocks};
+use super::list::{Block, List, Motion, SKIN_ANGSTROM, blocks};
 use super::neighbours::Neighbours;
 use super::split::Split;
 use super::tree::Tree;
@@ -61,25 +61,35 @@ impl<P: SitePotential> Table<P> {
         Field::boxes(charges, near_radius(charges), reach_angstrom)
     }
 
-    /// The energy with another body at this pose: all of its charges in the fine table, near pairs
-    /// one by one. `None` where the table ends before.
-    pub(super) fn fine_energy(&self, other: &Self, pose: &RelativePose) -> Option<Estimate> {
+    /// The energy with another body at this pose: all of its charges in the fine table, the near pairs
+    /// of a list that serves here one by one. `None` where the table ends before.
+    pub(super) fn fine_energy(
+        &self,
+        other: &Self,
+        near: &List,
+        pose: &RelativePose,
+    ) -> Option<Estimate> {
         #[cfg(target_arch = "x86_64")]
         if super::list::has_wide_vectors() {
             // SAFETY: the processor has the features the function is compiled for.
-            return unsafe { self.fine_energy_avx512(other, pose) };
+            return unsafe { self.fine_energy_avx512(other, near, pose) };
         }
-        self.fine_sum(other, pose)
+        self.fine_sum(other, near, pose)
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,fma")]
-    fn fine_energy_avx512(&self, other: &Self, pose: &RelativePose) -> Option<Estimate> {
-        self.fine_sum(other, pose)
+    fn fine_energy_avx512(
+        &self,
+        other: &Self,
+        near: &List,
+        pose: &RelativePose,
+    ) -> Option<Estimate> {
+        self.fine_sum(other, near, pose)
     }
 
     #[inline(always)]
-    fn fine_sum(&self, other: &Self, pose: &RelativePose) -> Option<Estimate> {
+    fn fine_sum(&self, other: &Self, near: &List, pose: &RelativePose) -> Option<Estimate> {
         let motion = Motion::new(pose);
         let (mut energy_kt, mut variance) = (0.0, 0.0);
         for block in &other.blocks {
@@ -88,14 +98,11 @@ impl<P: SitePotential> Table<P> {
             energy_kt += self.field.fine(&spots, &block[3]);
             variance += f64::from(self.field.fine_variance(&spots, &block[3]));
         }
-        for (place, charge) in other.charges.iter() {
-            let at = pose.transform_point(&place);
-            for [x, y, z, source] in self.neighbours.of(at.map(|x| x as f32).into()) {
-                let apart = at - Vec3::new(f64::from(*x), f64::from(*y), f64::from(*z));
-                energy_kt += charge * f64::from(*source) * self.split.near(apart.norm_squared());
-            }
-        }
-        Some(Estimate { energy_kt, variance })
+        energy_kt += near.near_energy(self, pose);
+        Some(Estimate {
+            energy_kt,
+            variance,
+        })
     }
 
     /// A lower bound on the distance of a point from the nearest charge, Å.

@@ -64,11 +64,21 @@ impl Tree {
     fn grow<P: SitePotential>(&mut self, charges: &mut [(Vec3, f64)], potential: &P) -> u32 {
         let (low, high) = bounds(charges);
         let centre = (low + high) / 2.0;
-        let farthest = charges.iter().map(|(x, _)| (x - centre).norm()).fold(0.0, f64::max);
+        let farthest = charges
+            .iter()
+            .map(|(x, _)| (x - centre).norm())
+            .fold(0.0, f64::max);
         let is_leaf = charges.len() <= LEAF;
-        let wanted = if charges.len() < SMALL { FEW_EQUIVALENT } else { EQUIVALENT };
+        let wanted = if charges.len() < SMALL {
+            FEW_EQUIVALENT
+        } else {
+            EQUIVALENT
+        };
         let equivalent = match is_leaf {
-            true => Equivalent { charges: charges.to_vec(), error: 0.0 },
+            true => Equivalent {
+                charges: charges.to_vec(),
+                error: 0.0,
+            },
             false => fit(charges, &centre, farthest, wanted, potential),
         };
         let number = self.nodes.len();
@@ -81,7 +91,8 @@ impl Tree {
             error: equivalent.error as f32,
         });
         let rows = equivalent.charges.iter();
-        self.points.extend(rows.map(|(x, q)| [x.x as f32, x.y as f32, x.z as f32, *q as f32]));
+        self.points
+            .extend(rows.map(|(x, q)| [x.x as f32, x.y as f32, x.z as f32, *q as f32]));
         if !is_leaf {
             let axis = (high - low).imax();
             let middle = charges.len() / 2;
@@ -100,7 +111,9 @@ impl Tree {
 
 fn bounds(charges: &[(Vec3, f64)]) -> (Vec3, Vec3) {
     let none = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
-    charges.iter().fold(none, |(low, high), (x, _)| (low.inf(x), high.sup(x)))
+    charges
+        .iter()
+        .fold(none, |(low, high), (x, _)| (low.inf(x), high.sup(x)))
 }
 
 fn density(charges: &[(Vec3, f64)]) -> f32 {

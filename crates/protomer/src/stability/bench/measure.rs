@@ -71,9 +71,11 @@ impl Prepared {
     ) -> Result<Self> {
         let clock = ProcessClock::start();
         let tables = match energy {
-            EnergyMode::Calibrated | EnergyMode::Approximate => {
-                tables.of(system.types(), &yukawa, table_reach_angstrom(&yukawa, system))?
-            }
+            EnergyMode::Calibrated | EnergyMode::Approximate => tables.of(
+                system.types(),
+                &yukawa,
+                table_reach_angstrom(&yukawa, system),
+            )?,
             EnergyMode::None | EnergyMode::Direct => Vec::new(),
         };
         let setup_seconds = clock.seconds();

@@ -60,7 +60,10 @@ impl Metered {
         change(&mut self.readings.lock().unwrap_or_else(PoisonError::into_inner));
     }
 
-    fn watched(&mut self, decide: impl FnOnce(&mut Levels<Yukawa>) -> Result<bool>) -> Result<bool> {
+    fn watched(
+        &mut self,
+        decide: impl FnOnce(&mut Levels<Yukawa>) -> Result<bool>,
+    ) -> Result<bool> {
         let (before, start) = (Counts::of(&self.inner), Instant::now());
         let decision = decide(&mut self.inner);
         let (time, after) = (start.elapsed(), Counts::of(&self.inner));

@@ -130,7 +130,9 @@ pub fn bench(
 ) -> Result<BenchResult> {
     let clock = ProcessClock::start();
     let engine = Engine::new(assembly)?.with_tables(Arc::clone(&tables));
-    let energy = settings.energy.unwrap_or(engine.fastest_energy(&interaction));
+    let energy = settings
+        .energy
+        .unwrap_or(engine.fastest_energy(&interaction));
     let run = RunSettings {
         energy,
         tolerance_kt: settings.tolerance_kt,

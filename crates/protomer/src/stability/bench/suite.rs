@@ -307,10 +307,7 @@ impl Suite<'_> {
                 let box_angstrom = self.box_angstrom(&kinds, energy, bodies);
                 let system = spread(&kinds, bodies, box_angstrom, self.settings.seed)?;
                 let prepared = self.prepared_from(&system, energy)?;
-                let range = prepared
-                    .model()
-                    .range_angstrom(&system)
-                    .max(system.hard_range_angstrom());
+                let range = self.neighbour_range_angstrom(&kinds, energy);
                 let neighbours = mean_neighbours(&system, range);
                 // Every body moves some times in each run, so that gaps are remembered as in a long
                 // simulation.
@@ -342,21 +339,31 @@ impl Suite<'_> {
     /// for the interaction and for [`VOLUME_FRACTION`]; the others have its density.
     fn box_angstrom(&self, kinds: &[Arc<BodyType>], energy: EnergyMode, bodies: usize) -> f64 {
         const ROOM: f64 = 2.05;
+        let range = self.neighbour_range_angstrom(kinds, energy);
+        let largest_volume = kinds
+            .iter()
+            .map(|kind| kind.volume_angstrom3)
+            .fold(0.0, f64::max);
+        let first = self.settings.bodies.first().copied().unwrap_or(1).max(1) as f64;
+        let full = (first * largest_volume / VOLUME_FRACTION).cbrt();
+        (ROOM * range).max(full) * (bodies as f64 / first).cbrt()
+    }
+
+    /// The distance of origins within which bodies count as neighbours, Å: surfaces that may touch, or
+    /// charges within five Debye lengths.
+    fn neighbour_range_angstrom(&self, kinds: &[Arc<BodyType>], energy: EnergyMode) -> f64 {
         const DEBYE_LENGTHS: f64 = 5.0;
         let largest = |length: fn(&BodyType) -> f64| {
             kinds.iter().map(|kind| length(kind)).fold(0.0, f64::max)
         };
         let hard = 2.0 * largest(BodyType::hard_radius_angstrom);
-        let charged = 2.0 * largest(BodyType::charge_radius_angstrom)
-            + DEBYE_LENGTHS / self.yukawa.inverse_debye_length_per_angstrom;
-        let range = if energy == EnergyMode::None {
-            hard
-        } else {
-            charged.max(hard)
-        };
-        let first = self.settings.bodies.first().copied().unwrap_or(1).max(1) as f64;
-        let full = (first * largest(|kind| kind.volume_angstrom3) / VOLUME_FRACTION).cbrt();
-        (ROOM * range).max(full) * (bodies as f64 / first).cbrt()
+        let debye_length = 1.0 / self.yukawa.inverse_debye_length_per_angstrom;
+        let charged =
+            2.0 * largest(BodyType::charge_radius_angstrom) + DEBYE_LENGTHS * debye_length;
+        match energy {
+            EnergyMode::None => hard,
+            _ => charged.max(hard),
+        }
     }
 
     fn threads(&self) -> Result<Vec<ThreadsRow>> {
