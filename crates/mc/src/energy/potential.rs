@@ -58,8 +58,8 @@ impl SitePotential for Yukawa {
         let g_0 = self.bjerrum_length_angstrom * (-kappa * t.sqrt()).exp();
         let (mut f, mut g) = ([0.0; N], g_0);
         let mut coefficient = g_0 / t.sqrt();
-        for n in 0..N {
-            f[n] = coefficient;
+        for (n, f) in f.iter_mut().enumerate() {
+            *f = coefficient;
             // Of (t + s): 2 (n+1) t f_{n+1} + 2 n f_n = -f_n - κ g_n.
             let next = -((2 * n + 1) as f64 * coefficient + kappa * g) / (2.0 * (n + 1) as f64 * t);
             g = -kappa * coefficient / (2.0 * (n + 1) as f64);

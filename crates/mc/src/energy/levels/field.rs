@@ -103,7 +103,7 @@ impl Field {
             let edge = edge * f64::from(1_u32 << k);
             let margin = MARGIN_CELLS * edge;
             let cells = half.map(|half| (2.0 * (half + margin) / edge).ceil() as u32);
-            let low = centre - cells.map(|cells| f64::from(cells)) * (edge / 2.0);
+            let low = centre - cells.map(f64::from) * (edge / 2.0);
             shells.push(Shell {
                 first,
                 cells: cells.into(),
