@@ -116,8 +116,8 @@ def ingest(
     cavities
         What to do with cavities inside the body [default: drop]
     interior_radius
-        A cavity is an enclosed interior if a ball of this radius fits into it, Å; interiors are never filled,
-        because other bodies may be inside [default: 10]
+        An enclosed interior is a cavity into which a ball of this radius fits, Å; it is never filled, as
+        other bodies may be in there [default: 10]
     offset
         Move the surface inward by this much, Å [default: 0]
     export
@@ -227,9 +227,9 @@ def surface(
     probe
         Probe radius, Å [default: 1.4]
     cavities
-        What to do with cavities [default: keep]
+        What to do with cavities inside [default: keep]
     interior_radius
-        A cavity is an enclosed interior if a ball of this radius fits into it, Å; interiors are never filled
+        An enclosed interior is a cavity into which a ball of this radius fits, Å; it is never filled
         [default: 10]
     offset
         Move the surface inward by this much, Å [default: 0]
@@ -465,8 +465,8 @@ class _Assemble:
         cavities
             What to do with cavities inside the body [default: drop]
         interior_radius
-            A cavity is an enclosed interior if a ball of this radius fits into it, Å; interiors are never
-            filled, because other bodies may be inside [default: 10]
+            An enclosed interior is a cavity into which a ball of this radius fits, Å; it is never filled, as
+            other bodies may be in there [default: 10]
         offset
             Move the surface inward by this much, Å [default: 0]
         relax
@@ -921,7 +921,7 @@ class _Framework:
         force: bool = False,
         progress: Progress | None = None,
     ) -> FrameworkResult:
-        """Squares that share corners and rotate alternately.
+        """Squares that touch at corners, turned by turns.
 
         Parameters
         ----------
@@ -1011,7 +1011,7 @@ class _Framework:
         force: bool = False,
         progress: Progress | None = None,
     ) -> FrameworkResult:
-        """Equilateral triangles that share corners and rotate alternately.
+        """Equilateral triangles that touch at corners, turned by turns.
 
         Parameters
         ----------
@@ -1113,7 +1113,7 @@ class _Framework:
         ks
             Stiffness of each rib, kcal/mol/Å²
         kh
-            Stiffness of each hinge, one between any two adjacent ribs at a node, kcal/mol/rad²
+            Stiffness of each hinge, one between any two ribs next to each other around a node, kcal/mol/rad²
         width
             Extent of a cell along y, Å [default: 2A]
         na
@@ -1209,7 +1209,7 @@ class _Framework:
         ks
             Stiffness of the rods between squares, kcal/mol/Å²
         kh
-            Stiffness of each hinge, one between any two adjacent rods at a node, kcal/mol/rad²
+            Stiffness of each hinge, one between any two rods next to each other around a node, kcal/mol/rad²
         l
             Half-diagonal of a square, Å [default: 1A]
         na
@@ -1515,7 +1515,7 @@ framework = _Framework()
 def inspect(
     assembly: Path,
     *,
-    energy: Literal["direct", "certified", "approximate", "none"] | None = None,
+    energy: Literal["direct", "calibrated", "approximate", "none"] | None = None,
     tolerance: Number | None = None,
     contact_gap: Number | None = None,
     salt: Number | None = None,
@@ -1553,12 +1553,13 @@ def inspect(
     debye
         Debye length (such as 9.6A), instead of a salt concentration
     cutoff
-        Cut-off distance of the interaction; five Debye lengths if omitted
+        Distance at which the interaction is cut off, for comparison with calculations that have a cut-off;
+        energies are then summed directly. Without it there is no cut-off
     memory_limit
-        Memory limit for all tables of certified energies, such as 500MB [default: 4GB]
+        Memory that tables of energies by levels may take together, such as 500MB [default: 4GB]
     no_cache
-        Do not read or write the cache of tables of certified energies. The cache folder is PROTOMER_CACHE_DIR
-        (empty: no cache), or else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
+        Neither look for tables of energies by levels in the cache folder nor keep them there. The folder is
+        PROTOMER_CACHE_DIR (empty: none), else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
     threads
         Threads to use; 0 means all [default: 0]
     force
@@ -1607,7 +1608,7 @@ def simulate(
     contact_gap: Number | None = None,
     log_every: Integer | None = None,
     trajectory_every: Integer | None = None,
-    energy: Literal["direct", "certified", "approximate", "none"] | None = None,
+    energy: Literal["direct", "calibrated", "approximate", "none"] | None = None,
     tolerance: Number | None = None,
     time_limit: Number | None = None,
     checkpoint_every: Number | None = None,
@@ -1636,7 +1637,8 @@ def simulate(
     debye
         Debye length (such as 9.6A), instead of a salt concentration
     cutoff
-        Cut-off distance of the interaction; five Debye lengths if omitted
+        Distance at which the interaction is cut off, for comparison with calculations that have a cut-off;
+        energies are then summed directly. Without it there is no cut-off
     config
         Configuration (TOML), such as the run.toml of another run; flags override it
     sweeps
@@ -1663,10 +1665,10 @@ def simulate(
     checkpoint_every
         Seconds between checkpoints: the most that a killed run loses [default: 20]
     memory_limit
-        Memory limit for all tables of certified energies, such as 500MB [default: 4GB]
+        Memory that tables of energies by levels may take together, such as 500MB [default: 4GB]
     no_cache
-        Do not read or write the cache of tables of certified energies. The cache folder is PROTOMER_CACHE_DIR
-        (empty: no cache), or else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
+        Neither look for tables of energies by levels in the cache folder nor keep them there. The folder is
+        PROTOMER_CACHE_DIR (empty: none), else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
     threads
         Threads to use; 0 means all [default: 0]
     force
@@ -1722,7 +1724,7 @@ def sweep(
     contact_gap: Number | None = None,
     log_every: Integer | None = None,
     trajectory_every: Integer | None = None,
-    energy: Literal["direct", "certified", "approximate", "none"] | None = None,
+    energy: Literal["direct", "calibrated", "approximate", "none"] | None = None,
     tolerance: Number | None = None,
     time_limit: Number | None = None,
     checkpoint_every: Number | None = None,
@@ -1781,10 +1783,10 @@ def sweep(
     checkpoint_every
         Seconds between checkpoints: the most that a killed run loses [default: 20]
     memory_limit
-        Memory limit for all tables of certified energies, such as 500MB [default: 4GB]
+        Memory that tables of energies by levels may take together, such as 500MB [default: 4GB]
     no_cache
-        Do not read or write the cache of tables of certified energies. The cache folder is PROTOMER_CACHE_DIR
-        (empty: no cache), or else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
+        Neither look for tables of energies by levels in the cache folder nor keep them there. The folder is
+        PROTOMER_CACHE_DIR (empty: none), else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
     temperature
         Temperature, K [default: 298.15]
     permittivity
@@ -1794,7 +1796,8 @@ def sweep(
     debye
         Debye length (such as 9.6A), instead of a salt concentration
     cutoff
-        Cut-off distance of the interaction; five Debye lengths if omitted
+        Distance at which the interaction is cut off, for comparison with calculations that have a cut-off;
+        energies are then summed directly. Without it there is no cut-off
     threads
         Threads to use; 0 means all [default: 0]
     force
@@ -2883,7 +2886,7 @@ def bench(
     assembly: Path | None = None,
     *,
     moves: Integer | None = None,
-    energy: Literal["direct", "certified", "approximate", "none"] | None = None,
+    energy: Literal["direct", "calibrated", "approximate", "none"] | None = None,
     tolerance: Number | None = None,
     part: Text | None = None,
     charges: Integers | None = None,
@@ -2912,7 +2915,8 @@ def bench(
     moves
         Trial moves [default: 10000; without an assembly, as many as the direct sum makes in a few seconds]
     energy
-        How energies are computed [default: direct; without an assembly, each way]
+        How energies are computed [default: the fastest way that decides as the direct sum; without an
+        assembly, each way]
     tolerance
         Largest likely error of the energy of two bodies, kT, with --energy approximate [default: 0.001]
     part
@@ -2932,12 +2936,13 @@ def bench(
     debye
         Debye length (such as 9.6A), instead of a salt concentration
     cutoff
-        Cut-off distance of the interaction; five Debye lengths if omitted
+        Distance at which the interaction is cut off, for comparison with calculations that have a cut-off;
+        energies are then summed directly. Without it there is no cut-off
     memory_limit
-        Memory limit for all tables of certified energies, such as 500MB [default: 4GB]
+        Memory that tables of energies by levels may take together, such as 500MB [default: 4GB]
     no_cache
-        Do not read or write the cache of tables of certified energies. The cache folder is PROTOMER_CACHE_DIR
-        (empty: no cache), or else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
+        Neither look for tables of energies by levels in the cache folder nor keep them there. The folder is
+        PROTOMER_CACHE_DIR (empty: none), else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
     threads
         Threads to use; 0 means all [default: 0]
     force

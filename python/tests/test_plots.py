@@ -161,11 +161,11 @@ def test_counts_of_structures():
 def test_speeds():
     rows = [
         {"charges": charges, "energy": energy, "moves_per_cpu_second": 1e6 / charges * factor}
-        for energy, factor in [("direct", 1.0), ("certified", 10.0)]
+        for energy, factor in [("direct", 1.0), ("calibrated", 10.0)]
         for charges in [100, 1000]
     ]
     axes = pm.BenchResult({"charges": rows}).plot()
-    assert legend(axes) == ["direct", "certified"] and labels(axes)[1] == "trial moves per CPU-second"
+    assert legend(axes) == ["direct", "calibrated"] and labels(axes)[1] == "trial moves per CPU-second"
     np.testing.assert_allclose(axes.lines[1].get_xydata(), [[100, 1e5], [1000, 1e4]])
     with pytest.raises(ValueError, match="without an assembly"):
         pm.BenchResult({"moves": 10}).plot()

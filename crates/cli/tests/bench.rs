@@ -31,7 +31,6 @@ fn small() -> SuiteSettings {
 fn interaction() -> ScreenedCoulomb {
     let medium = InteractionSettings {
         debye_length_angstrom: Some(9.6),
-        cutoff_angstrom: Some(36.0),
         ..InteractionSettings::default()
     };
     medium.interaction(None).unwrap()
@@ -64,7 +63,7 @@ fn decisions(result: &SuiteResult) -> Vec<String> {
 }
 
 #[test]
-fn a_seed_makes_the_same_decisions_and_certified_energies_decide_as_the_direct_sum() {
+fn a_seed_makes_the_same_decisions_and_calibrated_energies_decide_as_the_direct_sum() {
     let settings = SuiteSettings {
         parts: vec![Part::Charges, Part::Threads],
         ..small()
@@ -87,13 +86,13 @@ fn a_seed_makes_the_same_decisions_and_certified_energies_decide_as_the_direct_s
                 .find(|row| row.charges == charges && row.energy == energy)
                 .unwrap()
         };
-        let (direct, certified) = (of(EnergyMode::Direct), of(EnergyMode::Certified));
-        assert_eq!(direct.decisions_sha256, certified.decisions_sha256);
-        assert_eq!(certified.decides_as_direct, Some(true));
+        let (direct, calibrated) = (of(EnergyMode::Direct), of(EnergyMode::Calibrated));
+        assert_eq!(direct.decisions_sha256, calibrated.decisions_sha256);
+        assert_eq!(calibrated.decides_as_direct, Some(true));
         assert_eq!(direct.error_bound_kt_per_pair, 0.0);
         let approximate = of(EnergyMode::Approximate);
         let bounds = (
-            certified.error_bound_kt_per_pair,
+            calibrated.error_bound_kt_per_pair,
             approximate.error_bound_kt_per_pair,
         );
         assert!(
@@ -119,7 +118,7 @@ fn the_tables_are_complete_and_hang_together() {
     assert_eq!(result.parts.len(), settings.charges.len());
     for row in &result.parts {
         let parts = row.overlap_microseconds
-            + row.bounds_microseconds
+            + row.coarse_microseconds
             + row.refinement_microseconds
             + row.keeping_microseconds;
         assert!(
@@ -129,7 +128,7 @@ fn the_tables_are_complete_and_hang_together() {
         assert!(
             row.decided_by_energy > 0.1
                 && row.decided_by_energy < 1.0
-                && row.intervals_per_move > 1.0,
+                && row.coarse_energies_per_move > 1.0,
             "{row:?}"
         );
     }
@@ -182,7 +181,7 @@ fn the_command_prints_one_table_or_one_json_object() {
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(
         text.contains("moves/s")
-            && text.contains("certified")
+            && text.contains("calibrated")
             && text.contains("approximate")
             && text.contains("error bound (kT)")
             && !text.contains("neighbours"),
@@ -195,12 +194,12 @@ fn an_assembly_gives_its_keys_and_equal_hashes() {
     let place = TemporaryFolder::new();
     let bench = |energy: &str| -> serde_json::Value {
         let output = place.run(&format!(
-            "bench ring.json --debye 3A --cutoff 30A --moves 500 --json --energy {energy}"
+            "bench ring.json --debye 3A --moves 500 --json --energy {energy}"
         ));
         is_ok(&output);
         serde_json::from_slice(&output.stdout).unwrap()
     };
-    let (direct, certified, none) = (bench("direct"), bench("certified"), bench("none"));
+    let (direct, calibrated, none) = (bench("direct"), bench("calibrated"), bench("none"));
     for key in [
         "moves_per_cpu_second",
         "acceptance",
@@ -213,13 +212,13 @@ fn an_assembly_gives_its_keys_and_equal_hashes() {
             direct[key]
         );
     }
-    assert_eq!(direct["decisions_sha256"], certified["decisions_sha256"]);
+    assert_eq!(direct["decisions_sha256"], calibrated["decisions_sha256"]);
     assert_ne!(direct["decisions_sha256"], none["decisions_sha256"]);
     let approximate = bench("approximate --tolerance 1e-5");
     let bound = |result: &serde_json::Value| result["error_bound_kt_per_pair"].as_f64().unwrap();
-    assert!(bound(&direct) == 0.0 && bound(&certified) > 0.0 && bound(&approximate) <= 1e-5);
+    assert!(bound(&direct) == 0.0 && bound(&calibrated) > 0.0 && bound(&approximate) <= 1e-5);
     assert!(
-        certified["memory_bytes"].as_u64() > direct["memory_bytes"].as_u64(),
+        calibrated["memory_bytes"].as_u64() > direct["memory_bytes"].as_u64(),
         "the tables count"
     );
 }

@@ -7,8 +7,7 @@ mod common;
 use common::{TemporaryFolder, contents, is_ok, message};
 use std::process::{Command, Output, Stdio};
 
-const BENCH: &str =
-    "bench ring.json --debye 9.6A --cutoff 30A --moves 100 --json --energy certified";
+const BENCH: &str = "bench ring.json --debye 9.6A --moves 100 --json --energy calibrated";
 
 fn command(place: &TemporaryFolder, arguments: &str) -> Command {
     let mut command = place.command(arguments);

@@ -9,11 +9,11 @@ use common::{CHARGES, TemporaryFolder, is_ok, message};
 use std::path::Path;
 
 #[test]
-fn certified_energies_hold_the_sum() {
+fn calibrated_energies_hold_the_sum() {
     let place = TemporaryFolder::new();
     let inspect = |energy: &str| -> (f64, f64) {
         let output = place.run(&format!(
-            "inspect ring.json --debye 9.6A --cutoff 30A --json --energy {energy}"
+            "inspect ring.json --debye 9.6A --json --energy {energy}"
         ));
         is_ok(&output);
         let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -28,7 +28,7 @@ fn certified_energies_hold_the_sum() {
         "{direct:?} {none:?}"
     );
     for (energy, tolerance) in [
-        ("certified", 0.05),
+        ("calibrated", 0.05),
         ("approximate", 1e-3),
         ("approximate --tolerance 1e-7", 1e-7),
     ] {
@@ -49,7 +49,7 @@ fn certified_energies_hold_the_sum() {
 fn a_tolerance_without_approximate_energies_is_refused() {
     let place = TemporaryFolder::new();
     for verb in ["inspect", "bench"] {
-        for energy in ["direct", "certified", "none"] {
+        for energy in ["direct", "calibrated", "none"] {
             let output = place.run(&format!(
                 "{verb} ring.json --debye 3A --tolerance 1e-3 --energy {energy}"
             ));
@@ -73,7 +73,7 @@ fn a_tolerance_without_approximate_energies_is_refused() {
 
 fn inspect(place: &TemporaryFolder, assembly: &str) -> serde_json::Value {
     let output = place.run(&format!(
-        "inspect {assembly} --bjerrum 7.0A --debye 9.6A --cutoff 48A --json"
+        "inspect {assembly} --bjerrum 7.0A --debye 9.6A --json"
     ));
     is_ok(&output);
     serde_json::from_slice(&output.stdout).unwrap()
@@ -136,21 +136,24 @@ fn the_benchmark_state_has_its_stated_energy() {
             .args(["-o", &format!("{name}.body")]);
         is_ok(&command.output().unwrap());
     }
-    let found = inspect(&place, "cluster16.json");
-    assert!(
-        (found["energy_kT"].as_f64().unwrap() + 26.303340096741).abs() < 1e-8,
-        "{}",
-        found["energy_kT"]
-    );
-    let pair = found["pair_energies"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .find(|pair| pair[0] == 0 && pair[1] == 1)
-        .unwrap();
-    assert!(
-        (pair[2].as_f64().unwrap() - 0.589221080102).abs() < 1e-10,
-        "{pair}"
-    );
-    assert_eq!(found["overlaps"].as_array().unwrap().len(), 0);
+    let reference = std::fs::read(shared.join("energies.json")).unwrap();
+    let reference: serde_json::Value = serde_json::from_slice(&reference).unwrap();
+    for (cutoff, definition, total) in [
+        ("", "a", -27.093464773453),
+        (" --cutoff 48A", "sharp_cut", -26.303340096741),
+    ] {
+        let found = inspect(&place, &format!("cluster16.json{cutoff}"));
+        let energy = found["energy_kT"].as_f64().unwrap();
+        assert!((energy - total).abs() < 1e-8, "{energy}");
+        let pairs = reference["pairs"].as_array().unwrap();
+        let pair_energies = found["pair_energies"].as_array().unwrap();
+        assert_eq!(pairs.len(), pair_energies.len());
+        for (pair, found) in pairs.iter().zip(pair_energies) {
+            assert!(pair["i"] == found[0] && pair["j"] == found[1]);
+            let expected = pair[definition].as_f64().unwrap();
+            let difference = found[2].as_f64().unwrap() - expected;
+            assert!(difference.abs() < 1e-10, "{pair} {difference:e}");
+        }
+        assert_eq!(found["overlaps"].as_array().unwrap().len(), 0);
+    }
 }

@@ -13,7 +13,7 @@ use std::process::{Child, Command};
 use std::time::Duration;
 
 /// Two salts, two replicas; long enough to be killed in the middle, short enough for a test.
-const SWEEP: &str = "sweep ring.json --salt 50mM,300mM --cutoff 30A --replicas 2 --sweeps 1500 --equilibration 200 \
+const SWEEP: &str = "sweep ring.json --salt 50mM,300mM --replicas 2 --sweeps 1500 --equilibration 200 \
                      --seed 7 --log-every 5 --trajectory-every 50 --quiet";
 
 /// What must not depend on how the sweep came to its end: everything but the records' own history.
@@ -83,8 +83,8 @@ fn a_killed_sweep_goes_on_as_if_nothing_had_happened_on_any_number_of_threads() 
 }
 
 #[test]
-fn a_killed_sweep_with_certified_energies_goes_on_too() {
-    is_killed_and_goes_on("certified", &[0, 4, 64, 256]);
+fn a_killed_sweep_with_calibrated_energies_goes_on_too() {
+    is_killed_and_goes_on("calibrated", &[0, 4, 64, 256]);
 }
 
 #[test]
@@ -166,14 +166,14 @@ fn parts_in_many_processes_make_the_same_sweep_and_a_killed_one_costs_its_own() 
 }
 
 #[test]
-fn certified_energies_make_the_trajectories_of_the_direct_sum() {
+fn calibrated_energies_make_the_trajectories_of_the_direct_sum() {
     let place = TemporaryFolder::new();
-    for energy in ["direct", "certified"] {
+    for energy in ["direct", "calibrated"] {
         is_ok(&place.run(&format!("{SWEEP} --energy {energy} -o {energy}")));
     }
     for replica in ["salt_0.050000M/replica_0", "salt_0.300000M/replica_1"] {
         let log = |energy: &str| columns(&place.path(&format!("{energy}/{replica}/log.csv")));
-        let (direct, certified) = (log("direct"), log("certified"));
+        let (direct, calibrated) = (log("direct"), log("calibrated"));
         for column in [
             "sweep",
             "r_g_angstrom",
@@ -181,9 +181,9 @@ fn certified_energies_make_the_trajectories_of_the_direct_sum() {
             "largest_cluster",
             "cluster_moved",
         ] {
-            assert_eq!(direct[column], certified[column], "{replica} {column}");
+            assert_eq!(direct[column], calibrated[column], "{replica} {column}");
         }
-        let energies = direct["energy_kT"].iter().zip(&certified["energy_kT"]);
+        let energies = direct["energy_kT"].iter().zip(&calibrated["energy_kT"]);
         assert!(
             energies
                 .clone()
@@ -250,7 +250,7 @@ fn a_tolerance_belongs_to_approximate_energies_and_to_the_run() {
         &["tolerance"],
     );
     refused(
-        &format!("{short} --energy certified --memory-limit 1kB -o small"),
+        &format!("{short} --energy calibrated --memory-limit 1kB -o small"),
         &["--memory-limit", "salt 0.05 M"],
     );
 }
@@ -366,7 +366,7 @@ fn what_was_tampered_with_is_refused_and_left_alone() {
 #[test]
 fn a_shortened_trajectory_is_refused_and_left_alone() {
     let place = TemporaryFolder::new();
-    let command = "simulate ring.json --salt 50mM --cutoff 30A --sweeps 100000000 --equilibration 0 --trajectory-every 5 \
+    let command = "simulate ring.json --salt 50mM --sweeps 100000000 --equilibration 0 --trajectory-every 5 \
                    -o run --time-limit 0.01";
     assert_eq!(place.run(command).status.code(), Some(3));
     let path = place.path("run/salt_0.050000M/replica_0/trajectory.gsd");
@@ -452,7 +452,7 @@ fn other_input_in_the_same_directory_is_refused() {
 #[test]
 fn two_processes_do_not_work_in_one_directory() {
     let place = TemporaryFolder::new();
-    let long = "simulate ring.json --salt 50mM --cutoff 30A --sweeps 100000000 -o run";
+    let long = "simulate ring.json --salt 50mM --sweeps 100000000 -o run";
     let mut first = place.command(long).spawn().unwrap();
     while !place.path("run/run.json").exists() {
         assert!(
@@ -529,9 +529,9 @@ fn exit_reasons(directory: &Path, name: &str) -> Vec<String> {
 fn a_start_that_fails_leaves_its_reason_and_can_be_tried_again() {
     let place = TemporaryFolder::new();
     let short = SWEEP.replace("--sweeps 1500", "--sweeps 50");
-    is_ok(&place.run(&format!("{short} --energy certified -o whole")));
+    is_ok(&place.run(&format!("{short} --energy calibrated -o whole")));
     let output = place.run(&format!(
-        "{short} --energy certified --memory-limit 1kB --threads 1 -o small"
+        "{short} --energy calibrated --memory-limit 1kB --threads 1 -o small"
     ));
     assert_eq!(output.status.code(), Some(1));
     let small = place.path("small");
@@ -547,7 +547,7 @@ fn a_start_that_fails_leaves_its_reason_and_can_be_tried_again() {
         "{:?}",
         exit_reasons(&small, "")
     );
-    is_ok(&place.run(&format!("{short} --energy certified -o small")));
+    is_ok(&place.run(&format!("{short} --energy calibrated -o small")));
     assert_same(&results(&place.path("whole")), &results(&small));
 }
 

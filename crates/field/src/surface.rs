@@ -96,7 +96,7 @@ impl SphereUnion {
             high = high.sup(&centre.add_scalar(*radius));
         }
         Ok(Self {
-            cells: CellList::new(&Boundary::Open, largest + REACH_ANGSTROM, &centres)?,
+            cells: CellList::new(&Boundary::Open, largest + REACH_ANGSTROM, &centres),
             bounds: (low, high),
             centres,
             radii,

@@ -41,7 +41,7 @@ pub fn require_minimum_image(boundary: &Boundary, range_angstrom: f64) -> Result
 /// use protomer_kernel::{Boundary, Vec3, cells::CellList};
 /// let space = Boundary::periodic(Vec3::repeat(100.0))?;
 /// let places: Vec<Vec3> = (0..100).map(|i| Vec3::new(f64::from(i) - 50.0, 0.0, 0.0)).collect();
-/// let cells = CellList::new(&space, 5.0, &places)?;
+/// let cells = CellList::new(&space, 5.0, &places);
 /// let mut near = Vec::new();
 /// cells.candidates(&Vec3::new(-50.0, 0.0, 0.0), &mut near);
 /// assert!(near.contains(&99) && near.contains(&5) && !near.contains(&50));
@@ -63,12 +63,9 @@ struct Grid {
 }
 
 impl CellList {
-    /// Sorts the positions (Å) into cells for this range (Å).
-    ///
-    /// # Errors
-    /// [`KernelError::BoxTooSmall`] when the range exceeds half of the smallest box length.
-    pub fn new(boundary: &Boundary, range_angstrom: f64, positions: &[Vec3]) -> Result<Self> {
-        require_minimum_image(boundary, range_angstrom)?;
+    /// Sorts the positions (Å) into cells for this range (Å). Whether a body meets several images
+    /// of another is the caller's business ([`require_minimum_image`]).
+    pub fn new(boundary: &Boundary, range_angstrom: f64, positions: &[Vec3]) -> Self {
         let mut list = Self {
             count: positions.len(),
             grid: None,
@@ -81,7 +78,7 @@ impl CellList {
             }
             list.grid = Some(grid);
         }
-        Ok(list)
+        list
     }
 
     /// Writes the indices of every point that may lie in range of `position` into `candidates`,
@@ -193,7 +190,7 @@ mod tests {
         let mut rng = CounterRng::new(5, 0, 0);
         let mut place = || Vec3::from_fn(|axis, _| extent[axis] * rng.uniform_in(-0.5, 0.5));
         let mut positions: Vec<Vec3> = (0..300).map(|_| place()).collect();
-        let mut cells = CellList::new(&boundary, range, &positions).unwrap();
+        let mut cells = CellList::new(&boundary, range, &positions);
         assert_eq!(cells.grid.is_some(), expect_grid);
         for (index, position) in positions.iter_mut().enumerate().take(200) {
             let to = place();
@@ -237,7 +234,7 @@ mod tests {
     #[test]
     fn a_box_that_needs_two_images_is_refused_with_the_box_that_would_do() {
         let small = Boundary::periodic(Vec3::new(100.0, 30.0, 100.0)).unwrap();
-        let message = CellList::new(&small, 20.0, &[]).unwrap_err().to_string();
+        let message = require_minimum_image(&small, 20.0).unwrap_err().to_string();
         assert!(
             message.contains("40") && message.contains("30"),
             "{message}"

@@ -4,16 +4,21 @@ use crate::error::require;
 use crate::{Electrolyte, Result};
 use serde::{Deserialize, Serialize};
 
-/// The screened Coulomb potential between point charges, cut and not shifted (Ramasubramani's
-/// thesis, eq. 3.1):
+/// The screened Coulomb potential between point charges,
 ///
-/// V(r) = λ_B Z_i Z_j exp(-κ r) / r for r < r_cut, and 0 beyond.
+/// V(r) = λ_B Z_i Z_j exp(-κ r) / r,
+///
+/// or, with a cut-off, the same for r < r_cut and 0 beyond, not shifted (Ramasubramani's thesis,
+/// eq. 3.1).
 ///
 /// ```
 /// use protomer_kernel::potential::Yukawa;
-/// let yukawa = Yukawa::new(7.0, 1.0 / 9.6, 48.0)?;
+/// let yukawa = Yukawa::uncut(7.0, 1.0 / 9.6)?;
 /// assert!((yukawa.energy_kt(9.6) - 7.0 / 9.6 * (-1.0f64).exp()).abs() < 1e-15);
-/// assert_eq!(yukawa.energy_kt(48.0), 0.0);
+/// assert!(yukawa.energy_kt(48.0) > 0.0);
+///
+/// let cut = Yukawa::new(7.0, 1.0 / 9.6, 48.0)?;
+/// assert_eq!(cut.energy_kt(48.0), 0.0);
 /// # Ok::<(), protomer_kernel::KernelError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -23,8 +28,17 @@ pub struct Yukawa {
     pub bjerrum_length_angstrom: f64,
     /// Inverse Debye length κ, 1/Å; zero for a bare Coulomb potential.
     pub inverse_debye_length_per_angstrom: f64,
-    /// Cut-off r_cut, Å; infinite for none.
+    /// Cut-off r_cut, Å; infinite for none, and then left out where the potential is written down.
+    #[serde(default = "no_cutoff", skip_serializing_if = "is_no_cutoff")]
     pub cutoff_angstrom: f64,
+}
+
+fn no_cutoff() -> f64 {
+    f64::INFINITY
+}
+
+fn is_no_cutoff(angstrom: &f64) -> bool {
+    *angstrom == f64::INFINITY
 }
 
 impl Yukawa {
@@ -60,6 +74,56 @@ impl Yukawa {
             inverse_debye_length_per_angstrom,
             cutoff_angstrom,
         })
+    }
+
+    /// The potential with these lengths and without a cut-off.
+    ///
+    /// # Errors
+    /// As [`Yukawa::new`].
+    pub fn uncut(
+        bjerrum_length_angstrom: f64,
+        inverse_debye_length_per_angstrom: f64,
+    ) -> Result<Self> {
+        Self::new(
+            bjerrum_length_angstrom,
+            inverse_debye_length_per_angstrom,
+            f64::INFINITY,
+        )
+    }
+
+    /// Whether the potential has a cut-off.
+    pub fn is_cut(&self) -> bool {
+        self.cutoff_angstrom.is_finite()
+    }
+
+    /// The distance (Å) beyond which charges whose magnitudes multiply to `charge_product` (e²) hold
+    /// less than `energy_kt`: the cut-off, or the root of λ_B Z_i Z_j exp(-κ r)/r = E. Infinite for
+    /// the bare Coulomb potential.
+    ///
+    /// ```
+    /// use protomer_kernel::potential::Yukawa;
+    /// let yukawa = Yukawa::uncut(7.0, 1.0 / 9.6)?;
+    /// let reach = yukawa.reach_angstrom(600.0, 1e-6);
+    /// assert!((600.0 * yukawa.energy_kt(reach) / 1e-6 - 1.0).abs() < 1e-6);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
+    pub fn reach_angstrom(&self, charge_product: f64, energy_kt: f64) -> f64 {
+        let kappa = self.inverse_debye_length_per_angstrom;
+        if charge_product == 0.0 {
+            return 0.0;
+        }
+        if self.is_cut() || kappa == 0.0 {
+            return self.cutoff_angstrom;
+        }
+        // With y = κ r: y + ln y = ln(κ λ_B Z_i Z_j / E), by Newton's method in ln y, whose
+        // left-hand side is convex.
+        let target = (kappa * self.bjerrum_length_angstrom * charge_product / energy_kt).ln();
+        let mut logarithm = if target > 1.0 { target.ln() } else { target };
+        for _ in 0..30 {
+            let y = logarithm.exp();
+            logarithm -= (y + logarithm - target) / (y + 1.0);
+        }
+        logarithm.exp() / kappa
     }
 
     /// The potential in this electrolyte.

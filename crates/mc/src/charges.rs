@@ -20,6 +20,7 @@ pub struct ChargeCloud {
     groups: Vec<ChargeGroup>,
     count: usize,
     net_charge_e: f64,
+    sum_of_magnitudes_e: f64,
     radius_angstrom: f64,
 }
 
@@ -58,6 +59,7 @@ impl ChargeCloud {
         Self {
             count: charged.len(),
             net_charge_e: charges.iter().map(|(_, charge)| charge).sum(),
+            sum_of_magnitudes_e: charges.iter().map(|(_, charge)| charge.abs()).sum(),
             groups,
             radius_angstrom,
         }
@@ -83,9 +85,21 @@ impl ChargeCloud {
         self.net_charge_e
     }
 
+    /// Sum of the magnitudes of the charges, e.
+    pub fn sum_of_magnitudes_e(&self) -> f64 {
+        self.sum_of_magnitudes_e
+    }
+
     /// Radius of the sphere around the body's origin that encloses all charges, Å.
     pub fn radius_angstrom(&self) -> f64 {
         self.radius_angstrom
+    }
+
+    /// The corners of the box that holds every charge, Å; the origin without charges.
+    pub fn bounds_angstrom(&self) -> (Vec3, Vec3) {
+        let mut sites = self.iter().map(|(position, _)| position);
+        let first = sites.next().unwrap_or_else(Vec3::zeros);
+        sites.fold((first, first), |(low, high), x| (low.inf(&x), high.sup(&x)))
     }
 
     /// The charges one by one: position (Å) and charge (e).

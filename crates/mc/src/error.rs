@@ -30,6 +30,28 @@ pub enum McError {
         /// The computed energy.
         energy_kt: f64,
     },
+    /// Unscreened charges in a periodic box, where the sum over images has no value.
+    #[error(
+        "without salt the sum over the images of a periodic box does not converge; add salt, or \
+         use open space or a wall"
+    )]
+    UnscreenedInBox,
+    /// An interaction that reaches over many images of a small box.
+    #[error(
+        "the interaction reaches {range_angstrom:.0} Å, over more images than can be summed in a \
+         box of {smallest_length_angstrom:.0} Å; make every box length at least \
+         {needed_length_angstrom:.0} Å, or add salt until the Debye length is shorter by a factor \
+         of {:.2}",
+        needed_length_angstrom / smallest_length_angstrom
+    )]
+    ReachesTooFar {
+        /// Distance of the origins up to which bodies interact, Å.
+        range_angstrom: f64,
+        /// The smallest box length, Å.
+        smallest_length_angstrom: f64,
+        /// The smallest box length that would do, Å.
+        needed_length_angstrom: f64,
+    },
     /// An inconsistent system.
     #[error("{0}")]
     BadSystem(String),

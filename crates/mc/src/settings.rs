@@ -1,7 +1,8 @@
 //! The settings of a simulation.
 
-use crate::energy::certified::CertifiedSum;
+use crate::energy::levels::Levels;
 use crate::energy::{DirectSum, EnergyModel, NoCharges};
+use crate::system::System;
 use crate::{McError, Result};
 use protomer_kernel::potential::Yukawa;
 use serde::{Deserialize, Serialize};
@@ -25,11 +26,9 @@ pub enum Interaction {
     HardOnly,
     /// Screened point charges, summed pair by pair.
     YukawaDirect(Yukawa),
-    /// The same interaction with the same decisions, from energy intervals; the direct sum
-    /// only if they leave a decision open.
-    YukawaCertified(Yukawa),
-    /// The same interaction within a tolerance per pair of bodies: decisions use the midpoints
-    /// of the intervals.
+    /// The same, with the same decisions, by levels of rising accuracy.
+    YukawaCalibrated(Yukawa),
+    /// The same to within a likely error for each pair of bodies.
     YukawaApproximate {
         /// The potential.
         yukawa: Yukawa,
@@ -39,16 +38,16 @@ pub enum Interaction {
 }
 
 impl Interaction {
-    /// The energy model that computes this interaction.
-    pub fn model(&self) -> Box<dyn EnergyModel> {
+    /// The energy model that computes this interaction in this system.
+    pub fn model(&self, system: &System) -> Box<dyn EnergyModel> {
         match self {
             Interaction::HardOnly => Box::new(NoCharges),
             Interaction::YukawaDirect(yukawa) => Box::new(DirectSum::new(*yukawa)),
-            Interaction::YukawaCertified(yukawa) => Box::new(CertifiedSum::new(*yukawa)),
+            Interaction::YukawaCalibrated(yukawa) => Box::new(Levels::for_system(*yukawa, system)),
             Interaction::YukawaApproximate {
                 yukawa,
                 tolerance_kt,
-            } => Box::new(CertifiedSum::new(*yukawa).with_tolerance(*tolerance_kt)),
+            } => Box::new(Levels::for_system(*yukawa, system).with_tolerance(*tolerance_kt)),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The loop: sweeps of trial moves.
 
 use crate::checkpoint::{Checkpoint, type_names};
+use crate::energy::levels::LevelReport;
 use crate::energy::{EnergyModel, PairEnergy};
 use crate::hard::{HardBodies, overlapping_pairs};
 use crate::moves::step_sizes::Tuner;
@@ -9,7 +10,7 @@ use crate::observables::{Observables, cluster_sizes, contacts, r_g_angstrom, sur
 use crate::statistics::Statistics;
 use crate::system::{System, Trial};
 use crate::{McError, Result, Settings};
-use protomer_kernel::cells::CellList;
+use protomer_kernel::cells::{CellList, require_minimum_image};
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Boundary, Pose, Vec3};
 use std::ops::ControlFlow;
@@ -73,13 +74,8 @@ impl Simulation {
     /// [`McError::NonFiniteEnergy`];
     /// [`KernelError::BoxTooSmall`](protomer_kernel::KernelError::BoxTooSmall).
     pub fn new(system: System, settings: Settings, seed: u64, replica: u32) -> Result<Self> {
-        Self::with_model(
-            system,
-            settings,
-            settings.interaction.model(),
-            seed,
-            replica,
-        )
+        let model = settings.interaction.model(&system);
+        Self::with_model(system, settings, model, seed, replica)
     }
 
     /// As [`Simulation::new`], with a custom energy model instead of the one named in the settings.
@@ -131,7 +127,7 @@ impl Simulation {
     /// # Errors
     /// [`McError::ForeignCheckpoint`] if the checkpoint was written from another system.
     pub fn resume(system: System, checkpoint: Checkpoint) -> Result<Self> {
-        let model = checkpoint.settings.interaction.model();
+        let model = checkpoint.settings.interaction.model(&system);
         Self::resume_with_model(system, checkpoint, model)
     }
 
@@ -354,6 +350,11 @@ impl Simulation {
         self.energy.error_bound_kt()
     }
 
+    /// What decisions rest on, of an energy model that makes them by levels.
+    pub fn energy_levels(&self) -> Option<LevelReport> {
+        self.energy.levels()
+    }
+
     /// The bodies and their poses.
     pub fn system(&self) -> &System {
         &self.system
@@ -390,13 +391,25 @@ impl Simulation {
     }
 }
 
+/// Checks that the box is large enough: no body may touch two images of another, and the energy
+/// model has its own say.
+///
+/// # Errors
+/// [`KernelError::BoxTooSmall`](protomer_kernel::KernelError::BoxTooSmall);
+/// [`McError::UnscreenedInBox`] and [`McError::ReachesTooFar`].
+pub fn require_room(system: &System, energy: &dyn EnergyModel) -> Result<()> {
+    require_minimum_image(system.boundary(), system.hard_range_angstrom())?;
+    energy.require_room(system)
+}
+
 /// Cells wide enough for both surfaces and charges.
 fn neighbour_cells(system: &System, energy: &dyn EnergyModel) -> Result<CellList> {
+    require_room(system, energy)?;
     let range = system
         .hard_range_angstrom()
         .max(energy.range_angstrom(system));
     let positions: Vec<Vec3> = system.poses().iter().map(|pose| pose.position).collect();
-    Ok(CellList::new(system.boundary(), range, &positions)?)
+    Ok(CellList::new(system.boundary(), range, &positions))
 }
 
 /// Translations beyond half the box, or two diameters in open space, are useless.

@@ -6,7 +6,7 @@ pub(crate) struct SparseRows<T> {
     rows: Vec<Vec<(u32, T)>>,
 }
 
-impl<T: Copy> SparseRows<T> {
+impl<T: Clone> SparseRows<T> {
     pub(crate) fn new(rows: usize) -> Self {
         Self {
             rows: vec![Vec::new(); rows],
@@ -17,7 +17,7 @@ impl<T: Copy> SparseRows<T> {
         let row = &self.rows[row];
         row.binary_search_by_key(&(column as u32), |entry| entry.0)
             .ok()
-            .map(|place| row[place].1)
+            .map(|place| row[place].1.clone())
     }
 
     pub(crate) fn set(&mut self, row: usize, column: usize, value: T) {
@@ -38,7 +38,7 @@ impl<T: Copy> SparseRows<T> {
     pub(crate) fn row(&self, row: usize) -> impl Iterator<Item = (usize, T)> + '_ {
         self.rows[row]
             .iter()
-            .map(|(column, value)| (*column as usize, *value))
+            .map(|(column, value)| (*column as usize, value.clone()))
     }
 }
 
@@ -46,7 +46,7 @@ impl<T: Copy> SparseRows<T> {
 #[derive(Debug, Clone)]
 pub(crate) struct PairTable<T>(SparseRows<T>);
 
-impl<T: Copy> PairTable<T> {
+impl<T: Clone> PairTable<T> {
     pub(crate) fn new(bodies: usize) -> Self {
         Self(SparseRows::new(bodies))
     }
@@ -56,7 +56,7 @@ impl<T: Copy> PairTable<T> {
     }
 
     pub(crate) fn set(&mut self, first: usize, second: usize, value: T) {
-        self.0.set(first, second, value);
+        self.0.set(first, second, value.clone());
         self.0.set(second, first, value);
     }
 

@@ -138,22 +138,18 @@ impl System {
         .pair(partner)
     }
 
-    /// The types that bodies of the system have; types without bodies are ignored.
-    pub fn placed_types(&self) -> Vec<&BodyType> {
-        let mut placed = Vec::new();
-        for (index, kind) in self.types.iter().enumerate() {
-            if self.type_of.contains(&index) {
-                placed.push(&**kind);
-            }
-        }
-        placed
+    /// The indices of the types that bodies of the system have; a type without a body has no part
+    /// in it.
+    pub fn placed_types(&self) -> Vec<usize> {
+        let is_placed = |index: &usize| self.type_of.contains(index);
+        (0..self.types.len()).filter(is_placed).collect()
     }
 
     /// The largest distance of two origins at which the surfaces can touch, Å.
     pub fn hard_range_angstrom(&self) -> f64 {
         let mut largest = 0.0_f64;
         for kind in self.placed_types() {
-            largest = largest.max(kind.hard_radius_angstrom());
+            largest = largest.max(self.types[kind].hard_radius_angstrom());
         }
         2.0 * largest
     }
@@ -233,8 +229,17 @@ impl<'a> Pair<'a> {
         )
     }
 
-    /// The pose of the second body in the frame of the first.
+    /// The pose of the second body's nearest image in the frame of the first.
     pub fn relative(&self) -> RelativePose {
-        RelativePose::new(&self.first_pose, &self.second_pose, &self.displacement)
+        self.relative_image(&self.displacement)
+    }
+
+    /// The pose of the image of the second body at this displacement (Å) in the frame of the first.
+    pub(crate) fn relative_image(&self, displacement: &Vec3) -> RelativePose {
+        RelativePose::new(&self.first_pose, &self.second_pose, displacement)
+    }
+
+    pub(crate) fn boundary(&self) -> &'a Boundary {
+        &self.system.boundary
     }
 }

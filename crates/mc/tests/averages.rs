@@ -1,4 +1,4 @@
-//! Averages with direct, certified and approximate energies agree, from independent random numbers.
+//! Averages with direct, calibrated and approximate energies agree, from independent random numbers.
 #![allow(
     clippy::expect_used,
     clippy::unwrap_used,
@@ -14,7 +14,7 @@ use common::*;
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Boundary, Pose, Vec3};
-use protomer_mc::energy::certified::{CertifiedSum, ChargeTable};
+use protomer_mc::energy::levels::{Levels, Table};
 use protomer_mc::energy::{DirectSum, EnergyModel, NoCharges};
 use protomer_mc::observables::{contacts, r_g_angstrom};
 use protomer_mc::{BodyType, Interaction, Settings, Simulation, System};
@@ -29,7 +29,7 @@ const SWEEPS: u64 = 450;
 
 /// Little salt: a Debye length of three body radii.
 fn yukawa() -> Yukawa {
-    Yukawa::new(7.0, 1.0 / 30.0, 45.0).unwrap()
+    Yukawa::uncut(7.0, 1.0 / 30.0).unwrap()
 }
 
 /// Four bodies of each of two kinds with opposite net charge, some ±3 e, behind a spherical wall.
@@ -115,27 +115,24 @@ fn sample(system: &System, model: &dyn Fn() -> Box<dyn EnergyModel>, seed: u64) 
     samples.map(|samples| Estimate::of(&samples))
 }
 
-fn tables(system: &System) -> Vec<Arc<ChargeTable>> {
-    system
-        .types()
-        .iter()
-        .map(|kind| Arc::new(ChargeTable::new(&kind.charges, &yukawa())))
-        .collect()
+fn tables(system: &System) -> Vec<Arc<Table<Yukawa>>> {
+    let table = |kind: &Arc<BodyType>| Arc::new(Table::new(&kind.charges, &yukawa(), 500.0));
+    system.types().iter().map(table).collect()
 }
 
 #[test]
 fn averages_do_not_depend_on_how_energies_are_computed() {
     let system = system();
     let tables = tables(&system);
-    let certified = || CertifiedSum::with_tables(yukawa(), tables.clone());
+    let levels = || Levels::with_tables(yukawa(), &system, tables.clone());
     let direct = sample(&system, &|| Box::new(DirectSum::new(yukawa())), 61);
     let hard = sample(&system, &|| Box::new(NoCharges), 62);
     let near = sample(
         &system,
-        &|| Box::new(certified().with_tolerance(TOLERANCE_KT)),
+        &|| Box::new(levels().with_tolerance(TOLERANCE_KT)),
         63,
     );
-    let certain = sample(&system, &|| Box::new(certified()), 64);
+    let calibrated = sample(&system, &|| Box::new(levels()), 64);
     for (name, k, largest_error) in [
         ("energy, kT", 0, 0.5),
         ("R_g, Å", 1, 0.3),
@@ -148,21 +145,20 @@ fn averages_do_not_depend_on_how_energies_are_computed() {
             largest_error,
         );
         assert_agree(
-            &format!("certified {name}"),
-            certain[k],
+            &format!("calibrated {name}"),
+            calibrated[k],
             direct[k],
             largest_error,
         );
         let sigmas = hard[k].sigmas_from(&direct[k]);
         assert!(
-            sigmas > 6.0,
+            sigmas > 4.0,
             "{name} of hard bodies is {sigmas} sigma away: charges matter to what is compared"
         );
     }
 }
 
-/// What a run leaves behind but the energies, of which certified ones are only known to lie in an
-/// interval.
+/// What a run leaves behind but the energies, of which calibrated ones are approximate.
 fn trace(mut simulation: Simulation, sweeps: u64) -> (String, u64) {
     simulation
         .run_until(sweeps, &mut |_| ControlFlow::Continue(()))
@@ -180,7 +176,7 @@ fn trace(mut simulation: Simulation, sweeps: u64) -> (String, u64) {
 }
 
 #[test]
-fn certified_runs_are_the_direct_runs_of_the_same_seed() {
+fn calibrated_runs_are_the_direct_runs_of_the_same_seed() {
     let system = system();
     let tables = tables(&system);
     let run = |model: Box<dyn EnergyModel>, seed| {
@@ -191,12 +187,12 @@ fn certified_runs_are_the_direct_runs_of_the_same_seed() {
     };
     for seed in [64, 65] {
         let (direct, cluster_bodies) = run(Box::new(DirectSum::new(yukawa())), seed);
-        let (certified, _) = run(
-            Box::new(CertifiedSum::with_tables(yukawa(), tables.clone())),
+        let (calibrated, _) = run(
+            Box::new(Levels::with_tables(yukawa(), &system, tables.clone())),
             seed,
         );
         assert_eq!(
-            direct, certified,
+            direct, calibrated,
             "every pose and every count to the last bit"
         );
         assert!(cluster_bodies > 200, "rigid groups moved: {cluster_bodies}");

@@ -256,11 +256,8 @@ fn coloured(bodies: &[std::sync::Arc<Body>], settings: &RunSettings) -> Shown {
 /// cut-off.
 fn uncut(settings: &RunSettings, salt_molar: f64) -> Option<Yukawa> {
     let interaction = settings.medium.interaction(Some(salt_molar)).ok()?;
-    let cut = interaction.yukawa().ok()?;
-    Some(Yukawa {
-        cutoff_angstrom: f64::INFINITY,
-        ..cut
-    })
+    let electrolyte = &interaction.electrolyte;
+    Yukawa::in_electrolyte(electrolyte, f64::INFINITY).ok()
 }
 
 /// φ(r) = λ_B Σ q exp(-κ d)/d over the charges at distance d, kT/e.

@@ -27,11 +27,11 @@ choices! {
     Energy for protomer::stability::run::EnergyMode {
         /// The direct sum over all pairs of charges.
         Direct,
-        /// Energy bounds first, and the direct sum only if they leave a decision open: the
-        /// same decisions as the direct sum.
-        Certified,
-        /// The midpoint of the bounds, or the direct sum for a pair of bodies whose bounds exceed
-        /// the tolerance.
+        /// Levels of rising accuracy, the plain sum last: the decisions of the plain sum, by a
+        /// variance model of the errors that is calibrated at the start.
+        Calibrated,
+        /// The same levels, for each pair of bodies the first whose error is likely below a
+        /// tolerance.
         Approximate,
         /// Hard bodies without charges.
         None,
@@ -43,7 +43,7 @@ choices! {
     BenchPart for protomer::stability::bench::suite::Part {
         /// Moves per CPU-second of each energy mode against the number of charges.
         Charges,
-        /// Breakdown of the cost of a move with certified energies.
+        /// What a move with energies by levels is made of.
         Parts,
         /// Cost of a move against the number of bodies, at the same density.
         Bodies,

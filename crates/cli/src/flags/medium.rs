@@ -21,7 +21,8 @@ pub struct MediumArgs {
     /// Debye length (such as 9.6A), instead of a salt concentration.
     #[arg(long, value_parser = quantity::length_angstrom, allow_hyphen_values = true)]
     pub debye: Option<f64>,
-    /// Cut-off distance of the interaction; five Debye lengths if omitted.
+    /// Cut-off distance, for comparison with calculations that have one; energies are then summed
+    /// directly. No cut-off if omitted.
     #[arg(long, value_parser = quantity::length_angstrom, allow_hyphen_values = true)]
     pub cutoff: Option<f64>,
 }

@@ -1,52 +1,39 @@
 //! The plain sum over all pairs of charges.
 
-use super::{EnergyModel, PairEnergy, all_pairs, finite, yukawa_energy_kt};
+use super::reach::{Reach, require_room};
+use super::{EnergyModel, PairEnergy, SitePotential, all_pairs, finite, pair_energy_kt};
 use crate::Result;
 use crate::sparse_rows::PairTable;
 use crate::system::{Pair, System, Trial};
-use protomer_kernel::potential::Yukawa;
 
-/// The direct sum in double precision, each pair of bodies computed once per state.
+/// The direct sum in double precision over all images that count, each pair of bodies computed once
+/// per state.
 #[derive(Debug, Clone)]
-pub struct DirectSum {
-    yukawa: Yukawa,
+pub struct DirectSum<P> {
+    potential: P,
+    reach: Reach,
     energies: PairTable<f64>,
     proposed: Vec<PairEnergy>,
 }
 
-impl DirectSum {
+impl<P: SitePotential> DirectSum<P> {
     /// The direct sum of this potential.
-    pub fn new(yukawa: Yukawa) -> Self {
+    pub fn new(potential: P) -> Self {
         Self {
-            yukawa,
+            potential,
+            reach: Reach::default(),
             energies: PairTable::new(0),
             proposed: Vec::new(),
         }
     }
 
-    /// The energy of one pair of bodies, kT; `None` beyond the range of their charges.
-    fn pair_energy(&self, pair: &Pair<'_>) -> Result<Option<f64>> {
-        let (first, second) = pair.types();
-        let reach = first.charge_radius_angstrom()
-            + second.charge_radius_angstrom()
-            + self.yukawa.cutoff_angstrom;
-        if first.charges.is_empty()
-            || second.charges.is_empty()
-            || pair.displacement.norm_squared() >= reach * reach
-        {
-            return Ok(None);
-        }
-        let energy = yukawa_energy_kt(
-            &self.yukawa,
-            &first.charges,
-            &second.charges,
-            &pair.relative(),
-        );
-        finite(pair.first, pair.second, energy).map(Some)
+    fn prepare(&mut self, system: &System) {
+        self.reach = Reach::new(system, &self.potential);
+        self.proposed.clear();
     }
 
     fn propose(&mut self, pair: &Pair<'_>) -> Result<f64> {
-        let Some(energy_kt) = self.pair_energy(pair)? else {
+        let Some(energy_kt) = direct_energy_kt(&self.potential, &self.reach, pair)? else {
             return Ok(0.0);
         };
         self.proposed
@@ -55,43 +42,52 @@ impl DirectSum {
     }
 }
 
-impl EnergyModel for DirectSum {
+/// The energy of two bodies with all images that count, kT; `None` if none does.
+pub(super) fn direct_energy_kt<P: SitePotential>(
+    potential: &P,
+    reach: &Reach,
+    pair: &Pair<'_>,
+) -> Result<Option<f64>> {
+    let (first, second) = pair.types();
+    let mut energy_kt = None;
+    for displacement in reach.images(pair) {
+        let relative = pair.relative_image(&displacement);
+        let image = pair_energy_kt(potential, &first.charges, &second.charges, &relative);
+        *energy_kt.get_or_insert(0.0) += image;
+    }
+    let checked = |energy_kt| finite(pair.first, pair.second, energy_kt);
+    energy_kt.map(checked).transpose()
+}
+
+impl<P: SitePotential> EnergyModel for DirectSum<P> {
     fn range_angstrom(&self, system: &System) -> f64 {
-        let mut range = 0.0_f64;
-        for kind in system.placed_types() {
-            if !kind.charges.is_empty() {
-                let reach = 2.0 * kind.charge_radius_angstrom();
-                range = range.max(reach + self.yukawa.cutoff_angstrom);
-            }
-        }
-        range
+        Reach::new(system, &self.potential).largest_angstrom()
+    }
+
+    fn require_room(&self, system: &System) -> Result<()> {
+        require_room(system, &self.potential)
     }
 
     fn reset(&mut self, system: &System) -> Result<()> {
-        self.proposed.clear();
-        self.energies = all_pairs(system, |pair| self.pair_energy(pair))?;
+        self.prepare(system);
+        let energy = |pair: &Pair<'_>| direct_energy_kt(&self.potential, &self.reach, pair);
+        self.energies = all_pairs(system, energy)?;
         Ok(())
     }
 
     fn restore(&mut self, system: &System, pairs: &[PairEnergy]) -> Result<()> {
-        self.proposed.clear();
+        self.prepare(system);
         self.energies = PairTable::new(system.len());
         for pair in pairs {
-            self.energies.set(
-                pair.first,
-                pair.second,
-                finite(pair.first, pair.second, pair.energy_kt)?,
-            );
+            let energy_kt = finite(pair.first, pair.second, pair.energy_kt)?;
+            self.energies.set(pair.first, pair.second, energy_kt);
         }
         Ok(())
     }
 
     fn accept(&mut self, trial: &Trial<'_>, partners: &[usize], budget_kt: f64) -> Result<bool> {
-        let old: f64 = self
-            .energies
-            .row(trial.body)
-            .map(|(_, energy)| energy)
-            .sum();
+        let kept = self.energies.row(trial.body);
+        let old: f64 = kept.map(|(_, energy)| energy).sum();
         let mut new = 0.0;
         for &partner in partners {
             new += self.propose(&trial.pair(partner))?;
@@ -122,5 +118,100 @@ impl EnergyModel for DirectSum {
             .pairs()
             .map(|(first, second, energy_kt)| PairEnergy::new(first, second, energy_kt))
             .collect()
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::{BodyType, McError};
+    use protomer_kernel::potential::Yukawa;
+    use protomer_kernel::random::CounterRng;
+    use protomer_kernel::{Boundary, Pose, TriangleMesh, Vec3};
+    use std::sync::Arc;
+
+    /// Two small bodies of net charge 3 and -1 in a box of this edge.
+    fn system(edge: f64, rng: &mut CounterRng) -> System {
+        let corners = [
+            [1.0, 1.0, 1.0],
+            [1.0, -1.0, -1.0],
+            [-1.0, 1.0, -1.0],
+            [-1.0, -1.0, 1.0],
+        ];
+        let mesh = TriangleMesh {
+            vertices: corners.map(Vec3::from).to_vec(),
+            triangles: vec![[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]],
+        };
+        let mut kind = |net: f64| {
+            let mut charge = |_| {
+                (
+                    rng.vector_in_ball(0.8),
+                    net / 6.0 + rng.uniform_in(-0.5, 0.5),
+                )
+            };
+            let charges: Vec<(Vec3, f64)> = (0..6).map(&mut charge).collect();
+            Arc::new(BodyType::new("body", &mesh, &charges).unwrap())
+        };
+        let kinds = vec![kind(3.0), kind(-1.0)];
+        let mut pose = |x: f64| Pose {
+            position: Vec3::new(x, 0.2 * edge, 0.0),
+            rotation: rng.rotation(),
+        };
+        let bodies = [(0, pose(-0.2 * edge)), (1, pose(0.25 * edge))];
+        System::new(
+            kinds,
+            &bodies,
+            Boundary::periodic(Vec3::repeat(edge)).unwrap(),
+        )
+        .unwrap()
+    }
+
+    /// The plain sum over the images in a cube of 2 · 9 + 1 boxes.
+    fn plain_sum(system: &System, yukawa: &Yukawa, edge: f64) -> f64 {
+        let (first, second) = (system.pose(0), system.pose(1));
+        let mut energy = 0.0;
+        for cell in 0..19_i32.pow(3) {
+            let cell = [cell % 19, cell / 19 % 19, cell / 361].map(|n| f64::from(n - 9) * edge);
+            for (here, charge) in system.body_type(0).charges.iter() {
+                for (there, other) in system.body_type(1).charges.iter() {
+                    let there = second.transform_point(&there) + Vec3::from(cell);
+                    let distance = (there - first.transform_point(&here)).norm();
+                    energy += charge * other * yukawa.energy_kt(distance);
+                }
+            }
+        }
+        energy
+    }
+
+    #[test]
+    fn images_are_summed_as_a_plain_sum_finds_them() {
+        let mut rng = CounterRng::new(61, 0, 0);
+        for (edge, debye) in [(20.0, 3.0), (30.0, 3.0), (25.0, 2.0), (60.0, 9.6)] {
+            let system = system(edge, &mut rng);
+            let yukawa = Yukawa::uncut(7.0, 1.0 / debye).unwrap();
+            let mut model = DirectSum::new(yukawa);
+            model.require_room(&system).unwrap();
+            model.reset(&system).unwrap();
+            let expected = plain_sum(&system, &yukawa, edge);
+            let difference = (model.total_kt() - expected).abs();
+            assert!(
+                difference < 1e-6,
+                "{edge} {debye}: {difference:e} of {expected}"
+            );
+            assert!(expected.abs() > 1e-3);
+        }
+    }
+
+    #[test]
+    fn boxes_that_do_not_suit_the_interaction_are_refused() {
+        let system = system(20.0, &mut CounterRng::new(62, 0, 0));
+        let refusal = |yukawa: Yukawa| DirectSum::new(yukawa).require_room(&system).unwrap_err();
+        let unscreened = refusal(Yukawa::uncut(7.0, 0.0).unwrap());
+        assert_eq!(unscreened, McError::UnscreenedInBox);
+        let far = refusal(Yukawa::uncut(7.0, 0.02).unwrap()).to_string();
+        assert!(far.contains("every box length"), "{far}");
+        let cut = refusal(Yukawa::new(7.0, 0.1, 15.0).unwrap()).to_string();
+        assert!(cut.contains("at least"), "{cut}");
     }
 }

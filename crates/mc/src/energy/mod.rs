@@ -5,14 +5,17 @@
 //! budget?". The direct sum answers by summing; a model with bounds may stop as soon as the answer
 //! is certain.
 
-pub mod certified;
 mod direct;
+pub mod levels;
 mod none;
-mod yukawa_sum;
+mod pair_sum;
+mod potential;
+mod reach;
 
 pub use direct::DirectSum;
 pub use none::NoCharges;
-pub use yukawa_sum::yukawa_energy_kt;
+pub use pair_sum::pair_energy_kt;
+pub use potential::SitePotential;
 
 use crate::sparse_rows::PairTable;
 use crate::system::{Pair, System, Trial};
@@ -21,7 +24,7 @@ use protomer_kernel::pose::RelativePose;
 use serde::{Deserialize, Serialize};
 
 /// The energy of one pair of bodies.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PairEnergy {
     /// Index of the first body, the smaller.
     pub first: usize,
@@ -34,6 +37,9 @@ pub struct PairEnergy {
     /// poses drift by rounding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub computed_at: Option<RelativePose>,
+    /// The same of the images beyond the first that count.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub images_at: Vec<RelativePose>,
 }
 
 impl PairEnergy {
@@ -44,6 +50,7 @@ impl PairEnergy {
             second,
             energy_kt,
             computed_at: None,
+            images_at: Vec::new(),
         }
     }
 }
@@ -58,6 +65,14 @@ pub trait EnergyModel: Send {
     /// The largest distance (Å) of two origins at which bodies of this system interact; zero if
     /// they never do.
     fn range_angstrom(&self, system: &System) -> f64;
+
+    /// Whether the box, if there is one, suits the interaction.
+    ///
+    /// # Errors
+    /// Says which box would do.
+    fn require_room(&self, _system: &System) -> Result<()> {
+        Ok(())
+    }
 
     /// Forgets everything and computes the energies of this system.
     ///
@@ -102,6 +117,11 @@ pub trait EnergyModel: Send {
         0.0
     }
 
+    /// What decisions rest on, of a model that makes them by levels.
+    fn levels(&self) -> Option<levels::LevelReport> {
+        None
+    }
+
     /// Memory of what was prepared for this model, bytes; shared tables count once per model.
     fn memory_bytes(&self) -> usize {
         0
@@ -122,7 +142,7 @@ pub trait EnergyModel: Send {
 }
 
 /// What `energy` says of every pair of a system.
-fn all_pairs<T: Copy>(
+fn all_pairs<T: Clone>(
     system: &System,
     mut energy: impl FnMut(&Pair<'_>) -> Result<Option<T>>,
 ) -> Result<PairTable<T>> {

@@ -1,14 +1,17 @@
-//! The tables of certified energies: made once per kind of body and potential, kept on the disk for
+//! The tables of energies by levels: made once per kind of body and potential, kept on the disk for
 //! the next run, shared by all threads of a run, and bounded in memory.
 
 use crate::stability::disk_cache::DiskCache;
 use anyhow::{Result, bail};
 use protomer_kernel::potential::Yukawa;
-use protomer_mc::BodyType;
-use protomer_mc::energy::certified::ChargeTable;
+use protomer_mc::energy::levels::{Levels, Table, table_reach_angstrom};
+use protomer_mc::{BodyType, System};
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// The table of one kind of body.
+pub type PotentialTable = Table<Yukawa>;
 
 /// Memory that tables may take where no limit is stated, bytes.
 pub const DEFAULT_MEMORY_LIMIT_BYTES: u64 = 4_000_000_000;
@@ -35,7 +38,7 @@ struct Disk {
 #[derive(Debug, Default)]
 struct Made {
     /// By the hash of what they are made of.
-    tables: HashMap<String, Arc<ChargeTable>>,
+    tables: HashMap<String, Arc<PotentialTable>>,
     /// Held while a table is made, so that nobody makes it a second time and different ones are
     /// made side by side.
     making: HashMap<String, Arc<Mutex<()>>>,
@@ -78,14 +81,20 @@ impl EnergyTables {
         self.computed.load(Ordering::Relaxed) == 0 && self.loaded.load(Ordering::Relaxed) > 0
     }
 
-    /// The tables of these kinds of bodies under this potential. Whoever asks for the same ones
+    /// The tables of these kinds of bodies under this potential, for partners as far away as
+    /// `reach_angstrom`. Whoever asks for the same ones
     /// shares them; who asks while they are being made waits. Tables that nobody uses any more are
     /// kept while there is room.
     ///
     /// # Errors
     /// If those in use take more memory than is allowed: says how much is needed and what to do.
-    pub fn of(&self, types: &[Arc<BodyType>], yukawa: &Yukawa) -> Result<Vec<Arc<ChargeTable>>> {
-        let table = |kind: &Arc<BodyType>| self.table(kind, yukawa);
+    pub fn of(
+        &self,
+        types: &[Arc<BodyType>],
+        yukawa: &Yukawa,
+        reach_angstrom: f64,
+    ) -> Result<Vec<Arc<PotentialTable>>> {
+        let table = |kind: &Arc<BodyType>| self.table(kind, yukawa, reach_angstrom);
         std::thread::scope(|scope| {
             let jobs: Vec<_> = types
                 .iter()
@@ -98,6 +107,16 @@ impl EnergyTables {
         })
     }
 
+    /// The model of energies by levels for this system, with its tables from here.
+    ///
+    /// # Errors
+    /// As [`of`](Self::of).
+    pub fn levels(&self, system: &System, yukawa: Yukawa) -> Result<Levels<Yukawa>> {
+        let reach_angstrom = table_reach_angstrom(&yukawa, system);
+        let tables = self.of(system.types(), &yukawa, reach_angstrom)?;
+        Ok(Levels::with_tables(yukawa, system, tables))
+    }
+
     /// Memory of the tables that are there now, bytes.
     pub fn memory_bytes(&self) -> usize {
         locked(&self.made)
@@ -107,28 +126,34 @@ impl EnergyTables {
             .sum()
     }
 
-    fn table(&self, kind: &BodyType, yukawa: &Yukawa) -> Result<Arc<ChargeTable>> {
-        let key = ChargeTable::fingerprint(&kind.charges, yukawa);
+    fn table(&self, kind: &BodyType, yukawa: &Yukawa, reach: f64) -> Result<Arc<PotentialTable>> {
+        let key = PotentialTable::fingerprint(&kind.charges, yukawa, reach);
         let making = Arc::clone(locked(&self.made).making.entry(key.clone()).or_default());
         let _mine = locked(&making);
         if let Some(table) = locked(&self.made).tables.get(&key) {
             return Ok(Arc::clone(table));
         }
-        let table = Arc::new(self.load_or_make(&key, kind, yukawa));
+        let table = Arc::new(self.load_or_make(&key, kind, yukawa, reach));
         locked(&self.made).keep(key, &table, &kind.name, self.memory_limit_bytes)?;
         Ok(table)
     }
 
-    fn load_or_make(&self, key: &str, kind: &BodyType, yukawa: &Yukawa) -> ChargeTable {
+    fn load_or_make(
+        &self,
+        key: &str,
+        kind: &BodyType,
+        yukawa: &Yukawa,
+        reach: f64,
+    ) -> PotentialTable {
         if let Some(table) = self
             .disk
             .as_ref()
-            .and_then(|disk| disk.load(key, kind, yukawa))
+            .and_then(|disk| disk.load(key, kind, yukawa, reach))
         {
             self.loaded.fetch_add(1, Ordering::Relaxed);
             return table;
         }
-        let table = ChargeTable::new(&kind.charges, yukawa);
+        let table = PotentialTable::new(&kind.charges, yukawa, reach);
         self.computed.fetch_add(1, Ordering::Relaxed);
         if let Some(disk) = &self.disk {
             disk.store(key, &table);
@@ -138,16 +163,23 @@ impl EnergyTables {
 }
 
 impl Disk {
-    fn load(&self, key: &str, kind: &BodyType, yukawa: &Yukawa) -> Option<ChargeTable> {
-        let read =
-            |file: &mut dyn std::io::Read| ChargeTable::read_from(file, &kind.charges, yukawa);
+    fn load(
+        &self,
+        key: &str,
+        kind: &BodyType,
+        yukawa: &Yukawa,
+        reach: f64,
+    ) -> Option<PotentialTable> {
+        let read = |file: &mut dyn std::io::Read| {
+            PotentialTable::read_from(file, &kind.charges, yukawa, reach)
+        };
         self.cache.load(key, read).unwrap_or_else(|error| {
             (self.warn)(&format!("warning: {error:#}; they are computed"));
             None
         })
     }
 
-    fn store(&self, key: &str, table: &ChargeTable) {
+    fn store(&self, key: &str, table: &PotentialTable) {
         if let Err(error) = self.cache.store(key, |file| table.write_to(file, key))
             && !self.refused.swap(true, Ordering::Relaxed)
         {
@@ -163,11 +195,11 @@ impl Made {
     fn keep(
         &mut self,
         key: String,
-        table: &Arc<ChargeTable>,
+        table: &Arc<PotentialTable>,
         body: &str,
         limit_bytes: u64,
     ) -> Result<()> {
-        let size = |table: &Arc<ChargeTable>| table.memory_bytes() as u64;
+        let size = |table: &Arc<PotentialTable>| table.memory_bytes() as u64;
         if self.tables.values().map(size).sum::<u64>() + size(table) > limit_bytes {
             self.tables.retain(|_, table| Arc::strong_count(table) > 1);
         }
@@ -207,18 +239,18 @@ mod tests {
     use crate::stability::bench::bodies::two_kinds;
 
     fn yukawa(debye_angstrom: f64) -> Yukawa {
-        Yukawa::new(7.0, 1.0 / debye_angstrom, 60.0).unwrap()
+        Yukawa::uncut(7.0, 1.0 / debye_angstrom).unwrap()
     }
 
     #[test]
     fn equal_charges_under_one_potential_share_a_table() {
         let (types, again) = (two_kinds(3, 4, 1).unwrap(), two_kinds(3, 4, 1).unwrap());
         let tables = EnergyTables::default();
-        let first = tables.of(&types, &yukawa(9.6)).unwrap();
-        let second = tables.of(&again, &yukawa(9.6)).unwrap();
+        let first = tables.of(&types, &yukawa(9.6), 40.0).unwrap();
+        let second = tables.of(&again, &yukawa(9.6), 40.0).unwrap();
         assert!(first.iter().zip(&second).all(|(a, b)| Arc::ptr_eq(a, b)));
         assert!(!Arc::ptr_eq(&first[0], &first[1]));
-        let other = tables.of(&types, &yukawa(3.0)).unwrap();
+        let other = tables.of(&types, &yukawa(3.0), 40.0).unwrap();
         assert!(!Arc::ptr_eq(&first[0], &other[0]));
     }
 
@@ -231,11 +263,11 @@ mod tests {
                 .with_cache(DiskCache::new(folder.path()), |line| panic!("{line}"))
         };
         let (cold, warm) = (tables(), tables());
-        let made = cold.of(&types, &yukawa(9.6)).unwrap();
+        let made = cold.of(&types, &yukawa(9.6), 40.0).unwrap();
         assert!(!cold.all_from_cache());
-        assert_eq!(warm.of(&types, &yukawa(9.6)).unwrap(), made);
+        assert_eq!(warm.of(&types, &yukawa(9.6), 40.0).unwrap(), made);
         assert!(warm.all_from_cache());
-        warm.of(&types, &yukawa(9.5)).unwrap();
+        warm.of(&types, &yukawa(9.5), 40.0).unwrap();
         assert!(!warm.all_from_cache());
     }
 
@@ -249,7 +281,7 @@ mod tests {
         let tables = EnergyTables::default()
             .with_cache(cache, |line| locked(&WARNINGS).push(line.to_owned()));
         tables
-            .of(&two_kinds(3, 4, 1).unwrap(), &yukawa(9.6))
+            .of(&two_kinds(3, 4, 1).unwrap(), &yukawa(9.6), 40.0)
             .unwrap();
         let warnings = locked(&WARNINGS).clone();
         assert!(
@@ -266,22 +298,25 @@ mod tests {
     fn what_is_in_use_is_bounded_and_the_rest_makes_room() {
         let types = two_kinds(3, 4, 1).unwrap();
         let size: usize = EnergyTables::default()
-            .of(&types, &yukawa(9.6))
+            .of(&types, &yukawa(9.6), 40.0)
             .unwrap()
             .iter()
             .map(|table| table.memory_bytes())
             .sum();
         let tables = EnergyTables::new(size as u64);
-        let in_use = tables.of(&types, &yukawa(9.6)).unwrap();
-        let message = tables.of(&types, &yukawa(9.5)).unwrap_err().to_string();
+        let in_use = tables.of(&types, &yukawa(9.6), 40.0).unwrap();
+        let message = tables
+            .of(&types, &yukawa(9.5), 40.0)
+            .unwrap_err()
+            .to_string();
         assert!(
             message.contains("--memory-limit") && message.contains("--energy direct"),
             "{message}"
         );
         drop(in_use);
         let tables = EnergyTables::new(size as u64 * 3 / 2);
-        drop(tables.of(&types, &yukawa(9.6)).unwrap());
-        tables.of(&types, &yukawa(9.5)).unwrap();
+        drop(tables.of(&types, &yukawa(9.6), 40.0).unwrap());
+        tables.of(&types, &yukawa(9.5), 40.0).unwrap();
     }
 
     #[test]

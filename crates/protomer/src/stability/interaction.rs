@@ -7,11 +7,6 @@ use protomer_kernel::electrolyte::water_permittivity;
 use protomer_kernel::potential::Yukawa;
 use serde::{Deserialize, Serialize};
 
-/// The cut-off where none is stated, in Debye lengths: the potential has fallen to e⁻⁵/5 of its
-/// strength at one Debye length, and no pair of unit charges beyond it holds more than a few
-/// thousandths of a kT.
-pub const CUTOFF_IN_DEBYE_LENGTHS: f64 = 5.0;
-
 /// What stays the same while the salt varies.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -25,7 +20,7 @@ pub struct InteractionSettings {
     pub bjerrum_length_angstrom: Option<f64>,
     /// A Debye length that overrides the salt, Å.
     pub debye_length_angstrom: Option<f64>,
-    /// Cut-off, Å; five Debye lengths where none is stated.
+    /// Cut-off, Å, with energies summed directly; none where `None`.
     pub cutoff_angstrom: Option<f64>,
 }
 
@@ -47,7 +42,7 @@ pub struct ScreenedCoulomb {
     /// What screens the charges.
     #[serde(flatten)]
     pub electrolyte: Electrolyte,
-    /// Cut-off, Å.
+    /// Cut-off, Å; infinite for none, which JSON has as null.
     pub cutoff_angstrom: f64,
 }
 
@@ -59,18 +54,13 @@ impl InteractionSettings {
     /// Names the quantity that is missing or out of range.
     pub fn interaction(&self, salt_molar: Option<f64>) -> Result<ScreenedCoulomb> {
         let electrolyte = self.electrolyte(salt_molar)?;
-        let debye_length_angstrom = electrolyte.debye_length_angstrom();
-        let cutoff_angstrom = match self.cutoff_angstrom {
-            Some(cutoff) => cutoff,
-            None if debye_length_angstrom.is_finite() => {
-                CUTOFF_IN_DEBYE_LENGTHS * debye_length_angstrom
-            }
-            None => {
-                bail!("without salt the interaction has no range; state one, such as --cutoff 100A")
-            }
-        };
-        if !(cutoff_angstrom.is_finite() && cutoff_angstrom >= 0.0) {
-            bail!("the cut-off is {cutoff_angstrom} Å; it must be a finite length of zero or more");
+        let cutoff_angstrom = self.cutoff_angstrom.unwrap_or(f64::INFINITY);
+        if self.cutoff_angstrom.is_some() && !(cutoff_angstrom.is_finite() && cutoff_angstrom > 0.0)
+        {
+            bail!(
+                "the cut-off is {cutoff_angstrom} Å; give a positive length, or leave it out for \
+                 the interaction without a cut-off"
+            );
         }
         Ok(ScreenedCoulomb {
             electrolyte,
@@ -103,7 +93,7 @@ impl ScreenedCoulomb {
     /// The pair potential.
     ///
     /// # Errors
-    /// If the cut-off is zero.
+    /// If a length is out of range.
     pub fn yukawa(&self) -> Result<Yukawa> {
         Ok(Yukawa::in_electrolyte(
             &self.electrolyte,
@@ -120,13 +110,21 @@ impl ScreenedCoulomb {
         };
         format!(
             "{salt}, {} K, relative permittivity {:.2}, Bjerrum length {:.3} Å, \
-             Debye length {:.3} Å, cut-off {:.1} Å",
+             Debye length {:.3} Å, {}",
             electrolyte.temperature_kelvin(),
             electrolyte.relative_permittivity(),
             electrolyte.bjerrum_length_angstrom(),
             electrolyte.debye_length_angstrom(),
-            self.cutoff_angstrom
+            self.definition()
         )
+    }
+
+    /// What is summed at which distance, in words.
+    pub fn definition(&self) -> String {
+        match self.cutoff_angstrom.is_finite() {
+            true => format!("cut at {} Å, not shifted", self.cutoff_angstrom),
+            false => "no cut-off".to_owned(),
+        }
     }
 }
 
@@ -161,8 +159,7 @@ mod tests {
             .unwrap();
         let electrolyte = Electrolyte::in_water(298.15, 0.1).unwrap();
         assert_eq!(interaction.electrolyte, electrolyte);
-        let five_debye_lengths = 5.0 * electrolyte.debye_length_angstrom();
-        assert!((interaction.cutoff_angstrom - five_debye_lengths).abs() < 1e-12);
+        assert_eq!(interaction.cutoff_angstrom, f64::INFINITY);
     }
 
     #[test]
@@ -183,11 +180,7 @@ mod tests {
 
     #[test]
     fn what_is_missing_is_named() {
-        for (salt, named) in [
-            (None, "--salt"),
-            (Some(0.0), "--cutoff"),
-            (Some(-0.1), "salt"),
-        ] {
+        for (salt, named) in [(None, "--salt"), (Some(-0.1), "salt")] {
             let error = InteractionSettings::default()
                 .interaction(salt)
                 .unwrap_err();

@@ -32,7 +32,8 @@ pub struct BenchArgs {
     /// seconds].
     #[arg(long)]
     moves: Option<u64>,
-    /// How energies are computed [default: direct; without an assembly, each way].
+    /// How energies are computed [default: the fastest way that decides as the direct sum; without
+    /// an assembly, each way].
     #[arg(long, value_enum, requires = "assembly")]
     energy: Option<Energy>,
     #[command(flatten)]
@@ -69,7 +70,7 @@ impl BenchArgs {
         let usual = BenchSettings::default();
         let settings = BenchSettings {
             moves: self.moves.unwrap_or(usual.moves),
-            energy: self.energy.map_or(usual.energy, Into::into),
+            energy: self.energy.map(Into::into),
             tolerance_kt: self.tolerance.tolerance,
             seed: self.seed,
             ..usual
@@ -134,7 +135,6 @@ impl BenchArgs {
         let usual = InteractionSettings {
             bjerrum_length_angstrom: Some(7.0),
             debye_length_angstrom: Some(9.6),
-            cutoff_angstrom: Some(48.0),
             ..InteractionSettings::default()
         };
         let mut medium = usual;

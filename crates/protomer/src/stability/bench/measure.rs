@@ -1,12 +1,12 @@
 //! Moves from a prepared state, measured.
 
 use crate::cpu_time::{ProcessClock, Stopwatch};
-use crate::stability::energy_tables::EnergyTables;
+use crate::stability::energy_tables::{EnergyTables, PotentialTable};
 use crate::stability::run::EnergyMode;
 use anyhow::Result;
 use protomer_io::atomic::sha256_hex;
 use protomer_kernel::potential::Yukawa;
-use protomer_mc::energy::certified::{CertifiedSum, ChargeTable};
+use protomer_mc::energy::levels::{Levels, table_reach_angstrom};
 use protomer_mc::energy::{DirectSum, EnergyModel, NoCharges};
 use protomer_mc::{Interaction, Settings, Simulation, System};
 use protomer_results::Interrupt;
@@ -24,7 +24,7 @@ pub(super) struct Prepared {
     yukawa: Yukawa,
     energy: EnergyMode,
     tolerance_kt: f64,
-    tables: Vec<Arc<ChargeTable>>,
+    tables: Vec<Arc<PotentialTable>>,
     /// Processor time of the tables, all threads together, s.
     pub(super) setup_seconds: f64,
 }
@@ -71,9 +71,11 @@ impl Prepared {
     ) -> Result<Self> {
         let clock = ProcessClock::start();
         let tables = match energy {
-            EnergyMode::Certified | EnergyMode::Approximate => {
-                tables.of(system.types(), &yukawa)?
-            }
+            EnergyMode::Calibrated | EnergyMode::Approximate => tables.of(
+                system.types(),
+                &yukawa,
+                table_reach_angstrom(&yukawa, system),
+            )?,
             EnergyMode::None | EnergyMode::Direct => Vec::new(),
         };
         let setup_seconds = clock.seconds();
@@ -87,9 +89,9 @@ impl Prepared {
         })
     }
 
-    /// A model of certified energies with the prepared tables.
-    pub(super) fn certified(&self) -> CertifiedSum {
-        CertifiedSum::with_tables(self.yukawa, self.tables.clone())
+    /// A model of energies by levels with the prepared tables.
+    pub(super) fn levels(&self) -> Levels<Yukawa> {
+        Levels::with_tables(self.yukawa, &self.system, self.tables.clone())
     }
 
     /// The energy model of this mode.
@@ -97,8 +99,8 @@ impl Prepared {
         match self.energy {
             EnergyMode::None => Box::new(NoCharges),
             EnergyMode::Direct => Box::new(DirectSum::new(self.yukawa)),
-            EnergyMode::Certified => Box::new(self.certified()),
-            EnergyMode::Approximate => Box::new(self.certified().with_tolerance(self.tolerance_kt)),
+            EnergyMode::Calibrated => Box::new(self.levels()),
+            EnergyMode::Approximate => Box::new(self.levels().with_tolerance(self.tolerance_kt)),
         }
     }
 
@@ -159,7 +161,7 @@ impl Prepared {
         let fewest = match self.energy {
             EnergyMode::Direct => 0,
             EnergyMode::None => FEWEST_CHEAP_MOVES,
-            EnergyMode::Certified | EnergyMode::Approximate => {
+            EnergyMode::Calibrated | EnergyMode::Approximate => {
                 FEWEST_CHEAP_MOVES.min(MOST_TIMES_THE_DIRECT_SUM.saturating_mul(moves))
             }
         };

@@ -1,8 +1,9 @@
 //! The parts of a move's cost: a model of energies that watches the one inside it. Only the
 //! benchmark uses it, so ordinary runs carry no clocks.
 
+use protomer_kernel::potential::Yukawa;
 use protomer_mc::Result;
-use protomer_mc::energy::certified::CertifiedSum;
+use protomer_mc::energy::levels::Levels;
 use protomer_mc::energy::{EnergyModel, PairEnergy};
 use protomer_mc::system::{System, Trial};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -11,12 +12,10 @@ use std::time::{Duration, Instant};
 /// What was read in a simulation so far.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Readings {
-    /// Decisions that bounds alone settled.
+    /// Decisions that the coarse level settled.
     pub(super) settled: Decisions,
-    /// Decisions that asked for direct sums.
+    /// Decisions that asked for finer levels.
     pub(super) refined: Decisions,
-    /// Direct sums made.
-    pub(super) direct_sums: u64,
     /// Taking over or dropping the energies of a move.
     pub(super) keeping: Duration,
 }
@@ -25,36 +24,35 @@ pub(super) struct Readings {
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Decisions {
     pub(super) count: u64,
-    /// Energies of pairs found as intervals.
-    pub(super) intervals: u64,
+    /// Pair energies at the coarse level.
+    pub(super) coarse: u64,
     pub(super) time: Duration,
 }
 
 impl Readings {
-    /// Time of the refinement alone: what refined decisions took beyond their intervals, at the
-    /// price an interval has in a decision that bounds settled.
+    /// Time of the refinement alone: what refined decisions took beyond their coarse energies, at
+    /// the price that one has in a decision that the coarse level settled.
     pub(super) fn refinement(&self) -> Duration {
-        let interval_seconds =
-            self.settled.time.as_secs_f64() / self.settled.intervals.max(1) as f64;
-        let bounds = Duration::from_secs_f64(interval_seconds * self.refined.intervals as f64);
-        self.refined.time.saturating_sub(bounds)
+        let seconds_each = self.settled.time.as_secs_f64() / self.settled.coarse.max(1) as f64;
+        let coarse = Duration::from_secs_f64(seconds_each * self.refined.coarse as f64);
+        self.refined.time.saturating_sub(coarse)
     }
 
-    /// Time of the intervals.
-    pub(super) fn bounds(&self) -> Duration {
+    /// Time of the coarse energies.
+    pub(super) fn coarse(&self) -> Duration {
         self.settled.time + self.refined.time.saturating_sub(self.refinement())
     }
 }
 
-/// Certified energies with a clock.
+/// Energies by levels with a clock.
 pub(super) struct Metered {
-    inner: CertifiedSum,
+    inner: Levels<Yukawa>,
     readings: Arc<Mutex<Readings>>,
 }
 
 impl Metered {
     /// Watches this model and writes down what it sees.
-    pub(super) fn new(inner: CertifiedSum, readings: Arc<Mutex<Readings>>) -> Self {
+    pub(super) fn new(inner: Levels<Yukawa>, readings: Arc<Mutex<Readings>>) -> Self {
         Self { inner, readings }
     }
 
@@ -62,29 +60,27 @@ impl Metered {
         change(&mut self.readings.lock().unwrap_or_else(PoisonError::into_inner));
     }
 
-    fn watched(&mut self, decide: impl FnOnce(&mut CertifiedSum) -> Result<bool>) -> Result<bool> {
-        let (before, start) = (self.inner.counts(), Instant::now());
+    fn watched(
+        &mut self,
+        decide: impl FnOnce(&mut Levels<Yukawa>) -> Result<bool>,
+    ) -> Result<bool> {
+        let (before, start) = (Counts::of(&self.inner), Instant::now());
         let decision = decide(&mut self.inner);
-        let (time, after) = (start.elapsed(), self.inner.counts());
-        let (intervals, direct_sums) = (
-            after.intervals - before.intervals,
-            after.direct_sums - before.direct_sums,
-        );
+        let (time, after) = (start.elapsed(), Counts::of(&self.inner));
         self.read(|readings| {
-            readings.direct_sums += direct_sums;
-            let sort = if direct_sums == 0 {
+            let sort = if after.refined == before.refined {
                 &mut readings.settled
             } else {
                 &mut readings.refined
             };
             sort.count += 1;
-            sort.intervals += intervals;
+            sort.coarse += after.coarse - before.coarse;
             sort.time += time;
         });
         decision
     }
 
-    fn kept(&mut self, keep: impl FnOnce(&mut CertifiedSum)) {
+    fn kept(&mut self, keep: impl FnOnce(&mut Levels<Yukawa>)) {
         let start = Instant::now();
         keep(&mut self.inner);
         let time = start.elapsed();
@@ -92,9 +88,29 @@ impl Metered {
     }
 }
 
+/// What a model has done so far.
+struct Counts {
+    refined: u64,
+    coarse: u64,
+}
+
+impl Counts {
+    fn of(model: &Levels<Yukawa>) -> Self {
+        let decided = model.decided();
+        Self {
+            refined: decided.fine + decided.direct,
+            coarse: model.coarse_energies(),
+        }
+    }
+}
+
 impl EnergyModel for Metered {
     fn range_angstrom(&self, system: &System) -> f64 {
         self.inner.range_angstrom(system)
+    }
+
+    fn require_room(&self, system: &System) -> Result<()> {
+        self.inner.require_room(system)
     }
 
     fn reset(&mut self, system: &System) -> Result<()> {
@@ -118,7 +134,7 @@ impl EnergyModel for Metered {
     }
 
     fn reject(&mut self) {
-        self.kept(CertifiedSum::reject);
+        self.kept(Levels::reject);
     }
 
     fn pairs(&self) -> Vec<PairEnergy> {
@@ -139,10 +155,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn refinement_is_what_exceeds_the_intervals() {
-        let decisions = |count, intervals, milliseconds| Decisions {
+    fn refinement_is_what_exceeds_the_coarse_energies() {
+        let decisions = |count, coarse, milliseconds| Decisions {
             count,
-            intervals,
+            coarse,
             time: Duration::from_millis(milliseconds),
         };
         let mut readings = Readings {
@@ -151,7 +167,7 @@ mod tests {
             ..Readings::default()
         };
         assert_eq!(readings.refinement(), Duration::from_millis(50));
-        assert_eq!(readings.bounds(), Duration::from_millis(240));
+        assert_eq!(readings.coarse(), Duration::from_millis(240));
         readings.refined.time = Duration::from_millis(10);
         assert_eq!(readings.refinement(), Duration::ZERO);
     }

@@ -25,9 +25,10 @@ use crate::assemblies::assembly_file::Assembly;
 use crate::cpu_time::{ProcessClock, Stopwatch};
 use crate::stability::energy_tables::EnergyTables;
 use crate::stability::interaction::ScreenedCoulomb;
-use crate::stability::run::{EnergyMode, Engine, RunSettings};
+use crate::stability::run::{EnergyMode, Engine, Promise, RunSettings};
 use anyhow::Result;
 use protomer_io::atomic::sha256_hex;
+use protomer_mc::energy::levels::LevelReport;
 use protomer_mc::{Settings, Simulation};
 use serde::Serialize;
 use std::sync::Arc;
@@ -37,8 +38,8 @@ use std::sync::Arc;
 pub struct BenchSettings {
     /// Trial moves.
     pub moves: u64,
-    /// How energies are computed.
-    pub energy: EnergyMode,
+    /// How energies are computed; where `None`, the fastest way that decides as the direct sum.
+    pub energy: Option<EnergyMode>,
     /// Largest error of the energy of two bodies, kT, of approximate energies; the usual one where
     /// `None`.
     pub tolerance_kt: Option<f64>,
@@ -54,7 +55,7 @@ impl Default for BenchSettings {
     fn default() -> Self {
         Self {
             moves: 10_000,
-            energy: EnergyMode::Direct,
+            energy: None,
             tolerance_kt: None,
             seed: 1,
             translation_step_angstrom: 0.3,
@@ -68,6 +69,13 @@ impl Default for BenchSettings {
 pub struct BenchResult {
     /// How energies were computed.
     pub energy: EnergyMode,
+    /// What is summed at which distance.
+    pub definition: String,
+    /// What makes the decisions those of the direct sum.
+    pub promise: Promise,
+    /// What decisions by levels rest on.
+    #[serde(flatten)]
+    pub levels: Option<LevelReport>,
     /// Trial moves made.
     pub moves: u64,
     /// Trial moves per second of processor time, start-up not counted.
@@ -122,8 +130,11 @@ pub fn bench(
 ) -> Result<BenchResult> {
     let clock = ProcessClock::start();
     let engine = Engine::new(assembly)?.with_tables(Arc::clone(&tables));
+    let energy = settings
+        .energy
+        .unwrap_or(engine.fastest_energy(&interaction));
     let run = RunSettings {
-        energy: settings.energy,
+        energy,
         tolerance_kt: settings.tolerance_kt,
         ..RunSettings::default()
     };
@@ -154,7 +165,10 @@ pub fn bench(
     })?;
     let accepted = decisions.iter().filter(|decision| **decision == 1).count();
     Ok(BenchResult {
-        energy: settings.energy,
+        energy,
+        definition: interaction.definition(),
+        promise: energy.promise(),
+        levels: simulation.energy_levels(),
         moves: settings.moves,
         moves_per_cpu_second: settings.moves as f64 / watch.seconds(),
         acceptance: accepted as f64 / settings.moves as f64,

@@ -12,9 +12,9 @@ use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::{DEFAULT_TOLERANCE_KT, EnergyMode};
 use anyhow::{Context, Result};
 use protomer_io::atomic::sha256_hex;
-use protomer_kernel::cells::require_minimum_image;
 use protomer_kernel::potential::Yukawa;
 use protomer_mc::energy::{DirectSum, EnergyModel};
+use protomer_mc::simulation::require_room;
 use protomer_mc::{BodyType, Simulation, System};
 use protomer_results::Execution;
 use rayon::prelude::*;
@@ -28,7 +28,7 @@ use std::time::Instant;
 pub enum Part {
     /// Moves per CPU-second of each energy mode against the number of charges.
     Charges,
-    /// What a move with certified energies is made of.
+    /// What a move with energies by levels is made of.
     Parts,
     /// Cost of a move against the number of bodies, at the same density.
     Bodies,
@@ -57,7 +57,7 @@ pub struct SuiteSettings {
     /// Trial moves that the direct sum makes and that are hashed; by the number of charges where
     /// `None`.
     pub moves: Option<u64>,
-    /// Moves of a replica in the part on threads: hard bodies, certified energies, approximate
+    /// Moves of a replica in the part on threads: hard bodies, calibrated energies, approximate
     /// energies.
     pub replica_moves: [u64; 3],
     /// Largest error of the energy of two bodies in the rows of approximate energies, kT.
@@ -100,14 +100,14 @@ fn affordable_moves(charges: usize) -> u64 {
 const MODES: [EnergyMode; 4] = [
     EnergyMode::None,
     EnergyMode::Direct,
-    EnergyMode::Certified,
+    EnergyMode::Calibrated,
     EnergyMode::Approximate,
 ];
 
 /// Energy modes where moves must be cheap.
 const CHEAP_MODES: [EnergyMode; 3] = [
     EnergyMode::None,
-    EnergyMode::Certified,
+    EnergyMode::Calibrated,
     EnergyMode::Approximate,
 ];
 
@@ -217,9 +217,8 @@ impl Suite<'_> {
     /// Before anything is measured.
     fn check_room(&self) -> Result<()> {
         let system = self.cluster(self.settings.few_charges)?;
-        let range = DirectSum::new(self.yukawa).range_angstrom(&system);
-        require_minimum_image(system.boundary(), range)
-            .context("the interaction reaches too far; state a shorter --cutoff")
+        require_room(&system, &DirectSum::new(self.yukawa))
+            .context("the interaction reaches too far for the benchmark's states")
     }
 
     fn rates(&self) -> Result<Vec<RateRow>> {
@@ -276,10 +275,10 @@ impl Suite<'_> {
             if !self.goes_on(&format!("{charges} charges, parts of a move")) {
                 return Ok(rows);
             }
-            let prepared = self.prepared(charges, EnergyMode::Certified)?;
+            let prepared = self.prepared(charges, EnergyMode::Calibrated)?;
             let readings = Arc::new(Mutex::new(Readings::default()));
             let mut model = || -> Box<dyn EnergyModel> {
-                Box::new(Metered::new(prepared.certified(), Arc::clone(&readings)))
+                Box::new(Metered::new(prepared.levels(), Arc::clone(&readings)))
             };
             let moves = self.settings.moves.unwrap_or(affordable_moves(charges));
             let seconds = self.settings.seconds_per_rate;
@@ -308,10 +307,7 @@ impl Suite<'_> {
                 let box_angstrom = self.box_angstrom(&kinds, energy, bodies);
                 let system = spread(&kinds, bodies, box_angstrom, self.settings.seed)?;
                 let prepared = self.prepared_from(&system, energy)?;
-                let range = prepared
-                    .model()
-                    .range_angstrom(&system)
-                    .max(system.hard_range_angstrom());
+                let range = self.neighbour_range_angstrom(&kinds, energy);
                 let neighbours = mean_neighbours(&system, range);
                 // Every body moves some times in each run, so that gaps are remembered as in a long
                 // simulation.
@@ -343,19 +339,31 @@ impl Suite<'_> {
     /// for the interaction and for [`VOLUME_FRACTION`]; the others have its density.
     fn box_angstrom(&self, kinds: &[Arc<BodyType>], energy: EnergyMode, bodies: usize) -> f64 {
         const ROOM: f64 = 2.05;
+        let range = self.neighbour_range_angstrom(kinds, energy);
+        let largest_volume = kinds
+            .iter()
+            .map(|kind| kind.volume_angstrom3)
+            .fold(0.0, f64::max);
+        let first = self.settings.bodies.first().copied().unwrap_or(1).max(1) as f64;
+        let full = (first * largest_volume / VOLUME_FRACTION).cbrt();
+        (ROOM * range).max(full) * (bodies as f64 / first).cbrt()
+    }
+
+    /// The distance of origins within which bodies count as neighbours, Å: surfaces that may touch, or
+    /// charges within five Debye lengths.
+    fn neighbour_range_angstrom(&self, kinds: &[Arc<BodyType>], energy: EnergyMode) -> f64 {
+        const DEBYE_LENGTHS: f64 = 5.0;
         let largest = |length: fn(&BodyType) -> f64| {
             kinds.iter().map(|kind| length(kind)).fold(0.0, f64::max)
         };
         let hard = 2.0 * largest(BodyType::hard_radius_angstrom);
-        let charged = 2.0 * largest(BodyType::charge_radius_angstrom) + self.yukawa.cutoff_angstrom;
-        let range = if energy == EnergyMode::None {
-            hard
-        } else {
-            charged.max(hard)
-        };
-        let first = self.settings.bodies.first().copied().unwrap_or(1).max(1) as f64;
-        let full = (first * largest(|kind| kind.volume_angstrom3) / VOLUME_FRACTION).cbrt();
-        (ROOM * range).max(full) * (bodies as f64 / first).cbrt()
+        let debye_length = 1.0 / self.yukawa.inverse_debye_length_per_angstrom;
+        let charged =
+            2.0 * largest(BodyType::charge_radius_angstrom) + DEBYE_LENGTHS * debye_length;
+        match energy {
+            EnergyMode::None => hard,
+            _ => charged.max(hard),
+        }
     }
 
     fn threads(&self) -> Result<Vec<ThreadsRow>> {
@@ -399,20 +407,19 @@ fn parts_row(charges: usize, timing: &Timing, readings: &Readings) -> PartsRow {
     };
     let (settled, refined) = (readings.settled, readings.refined);
     let decisions = settled.count + refined.count;
-    let [bounds, refinement, keeping] =
-        [readings.bounds(), readings.refinement(), readings.keeping].map(per_move);
+    let [coarse, refinement, keeping] =
+        [readings.coarse(), readings.refinement(), readings.keeping].map(per_move);
     PartsRow {
         charges,
         moves: timing.moves,
         move_microseconds,
-        overlap_microseconds: (move_microseconds - bounds - refinement - keeping).max(0.0),
-        bounds_microseconds: bounds,
+        overlap_microseconds: (move_microseconds - coarse - refinement - keeping).max(0.0),
+        coarse_microseconds: coarse,
         refinement_microseconds: refinement,
         keeping_microseconds: keeping,
         decided_by_energy: decisions as f64 / moves,
-        intervals_per_move: (settled.intervals + refined.intervals) as f64 / moves,
+        coarse_energies_per_move: (settled.coarse + refined.coarse) as f64 / moves,
         refined: refined.count as f64 / decisions.max(1) as f64,
-        direct_sums_per_move: readings.direct_sums as f64 / moves,
     }
 }
 

@@ -34,7 +34,7 @@ pub struct RateRow {
     pub decides_as_direct: Option<bool>,
 }
 
-/// What a trial move with certified energies is made of.
+/// What a trial move with energies by levels is made of.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PartsRow {
     /// Charges per body.
@@ -45,20 +45,18 @@ pub struct PartsRow {
     pub move_microseconds: f64,
     /// Of it: proposing, finding neighbours and the overlap test.
     pub overlap_microseconds: f64,
-    /// Of it: energies as intervals, and decisions by them.
-    pub bounds_microseconds: f64,
-    /// Of it: direct sums for decisions that the intervals left open.
+    /// Of it: coarse energies, and decisions by them.
+    pub coarse_microseconds: f64,
+    /// Of it: finer levels for decisions that the coarse one left open.
     pub refinement_microseconds: f64,
     /// Of it: keeping the energies of accepted moves, dropping those of rejected ones.
     pub keeping_microseconds: f64,
     /// Fraction of the moves that reached the energies, the others being stopped by an overlap.
     pub decided_by_energy: f64,
     /// Intervals per move.
-    pub intervals_per_move: f64,
+    pub coarse_energies_per_move: f64,
     /// Fraction of the energy decisions that needed direct sums.
     pub refined: f64,
-    /// Direct sums per move.
-    pub direct_sums_per_move: f64,
 }
 
 /// Cost of a move in a system of many bodies.
@@ -145,7 +143,7 @@ impl Answer for SuiteResult {
                 self.charges.iter().map(RateRow::cells),
             ),
             section(
-                "Parts of a move with certified energies (µs of processor time)",
+                "Parts of a move with energies by levels (µs of processor time)",
                 &PARTS_HEADING,
                 self.parts.iter().map(PartsRow::cells),
             ),
@@ -191,10 +189,10 @@ const PARTS_HEADING: [&str; 8] = [
     "charges",
     "move",
     "overlap",
-    "bounds",
+    "coarse",
     "refinement",
     "keeping",
-    "intervals/move",
+    "pairs/move",
     "refined",
 ];
 const BODIES_HEADING: [&str; 6] = [
@@ -257,10 +255,10 @@ impl PartsRow {
             self.charges.to_string(),
             figures(self.move_microseconds),
             part(self.overlap_microseconds),
-            part(self.bounds_microseconds),
+            part(self.coarse_microseconds),
             part(self.refinement_microseconds),
             part(self.keeping_microseconds),
-            format!("{:.1}", self.intervals_per_move),
+            format!("{:.1}", self.coarse_energies_per_move),
             format!("{:.1} %", 100.0 * self.refined),
         ]
     }

@@ -5,11 +5,9 @@ use crate::assemblies::assembly_file::Assembly;
 use crate::stability::energy_tables::EnergyTables;
 use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::{DEFAULT_TOLERANCE_KT, EnergyMode, RunSettings};
-use anyhow::{Context, Result};
-use protomer_kernel::cells::require_minimum_image;
+use anyhow::{Context, Result, bail};
 use protomer_kernel::potential::Yukawa;
-use protomer_mc::energy::EnergyModel;
-use protomer_mc::energy::certified::CertifiedSum;
+use protomer_mc::energy::{DirectSum, EnergyModel, NoCharges};
 use protomer_mc::hard::overlapping_pairs;
 use protomer_mc::{BodyType, McError, Settings, System};
 use std::sync::Arc;
@@ -79,20 +77,27 @@ impl Engine {
         run: &RunSettings,
         interaction: &ScreenedCoulomb,
     ) -> Result<Box<dyn EnergyModel>> {
-        let tables = |yukawa: Yukawa| -> Result<CertifiedSum> {
-            Ok(CertifiedSum::with_tables(
-                yukawa,
-                self.tables.of(&self.types, &yukawa)?,
-            ))
-        };
+        let levels = |yukawa: Yukawa| self.tables.levels(&self.system()?, yukawa);
         Ok(match self.settings(run, interaction)?.interaction {
-            protomer_mc::Interaction::YukawaCertified(yukawa) => Box::new(tables(yukawa)?),
+            protomer_mc::Interaction::YukawaCalibrated(yukawa) => Box::new(levels(yukawa)?),
             protomer_mc::Interaction::YukawaApproximate {
                 yukawa,
                 tolerance_kt,
-            } => Box::new(tables(yukawa)?.with_tolerance(tolerance_kt)),
-            other => other.model(),
+            } => Box::new(levels(yukawa)?.with_tolerance(tolerance_kt)),
+            other => other.model(&self.system()?),
         })
+    }
+
+    /// The fastest way to compute energies that makes the decisions of the direct sum: levels where
+    /// a body has so many charges that their tables pay, and there is no cut-off.
+    pub fn fastest_energy(&self, interaction: &ScreenedCoulomb) -> EnergyMode {
+        const CHARGES: usize = 200;
+        let charges = self.types.iter().map(|kind| kind.charges.len()).max();
+        let is_cut = interaction.cutoff_angstrom.is_finite();
+        match charges.unwrap_or(0) >= CHARGES && !is_cut {
+            true => EnergyMode::Calibrated,
+            false => EnergyMode::Direct,
+        }
     }
 
     /// Checks what would stop every simulation at its start: an overlap, or a box too small for an
@@ -107,8 +112,11 @@ impl Engine {
             return Err(McError::OverlappingStart { pairs }.into());
         }
         for interaction in interactions {
-            // Without tables: the range is that of the charges.
-            let model = self.settings(run, interaction)?.interaction.model();
+            // Without tables: what counts is the reach of the charges.
+            let model: Box<dyn EnergyModel> = match run.energy {
+                EnergyMode::None => Box::new(NoCharges),
+                _ => Box::new(DirectSum::new(interaction.yukawa()?)),
+            };
             require_room(&system, model.as_ref(), interaction)?;
         }
         Ok(())
@@ -121,8 +129,15 @@ impl Engine {
     pub fn settings(&self, run: &RunSettings, interaction: &ScreenedCoulomb) -> Result<Settings> {
         let interaction = match run.energy {
             EnergyMode::None => protomer_mc::Interaction::HardOnly,
-            EnergyMode::Certified => {
-                protomer_mc::Interaction::YukawaCertified(interaction.yukawa()?)
+            EnergyMode::Calibrated | EnergyMode::Approximate
+                if interaction.cutoff_angstrom.is_finite() =>
+            {
+                bail!(
+                    "energies by levels have no cut-off; leave out --cutoff, or add --energy direct"
+                )
+            }
+            EnergyMode::Calibrated => {
+                protomer_mc::Interaction::YukawaCalibrated(interaction.yukawa()?)
             }
             EnergyMode::Direct => protomer_mc::Interaction::YukawaDirect(interaction.yukawa()?),
             EnergyMode::Approximate => protomer_mc::Interaction::YukawaApproximate {
@@ -142,7 +157,7 @@ impl Engine {
     }
 }
 
-/// Checks that no body meets two images of another.
+/// Checks that the box is large enough for the bodies and for the interaction.
 ///
 /// # Errors
 /// Says how large the box must be, and for which interaction.
@@ -151,12 +166,9 @@ pub fn require_room(
     model: &dyn EnergyModel,
     interaction: &ScreenedCoulomb,
 ) -> Result<()> {
-    let range = model
-        .range_angstrom(system)
-        .max(system.hard_range_angstrom());
-    require_minimum_image(system.boundary(), range).with_context(|| {
+    protomer_mc::simulation::require_room(system, model).with_context(|| {
         format!(
-            "the box is too small: enlarge box_angstrom or state a shorter --cutoff ({})",
+            "the box does not suit the interaction ({})",
             interaction.describe()
         )
     })

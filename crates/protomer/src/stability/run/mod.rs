@@ -9,4 +9,4 @@ mod trajectory;
 pub use engine::{Engine, require_room};
 pub use log::LogRow;
 pub use replica::{AcceptedFractions, Replica};
-pub use settings::{DEFAULT_TOLERANCE_KT, EnergyMode, RunSettings, salt_label};
+pub use settings::{DEFAULT_TOLERANCE_KT, EnergyMode, Promise, RunSettings, salt_label};

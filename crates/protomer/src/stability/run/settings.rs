@@ -63,22 +63,42 @@ pub const DEFAULT_TOLERANCE_KT: f64 = 1e-3;
 pub enum EnergyMode {
     /// The direct sum over all pairs of charges.
     Direct,
-    /// Energy bounds first, and the direct sum only if they leave a decision open: the same
-    /// decisions as the direct sum.
-    Certified,
-    /// The midpoint of the bounds, or the direct sum for a pair of bodies whose bounds exceed
-    /// the tolerance.
+    /// Levels of rising accuracy, the plain sum last: the decisions of the plain sum, by a variance
+    /// model of the errors that is calibrated at the start.
+    Calibrated,
+    /// The same levels, for each pair of bodies the first whose error is likely below a tolerance.
     Approximate,
     /// Hard bodies without charges.
     None,
 }
 
+/// In what sense decisions are those of the direct sum.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Promise {
+    /// By construction.
+    Certified,
+    /// By a variance model of the errors, calibrated at the start.
+    Calibrated,
+    /// Not at all.
+    None,
+}
+
 impl EnergyMode {
+    /// In what sense this mode makes the decisions of the direct sum.
+    pub fn promise(self) -> Promise {
+        match self {
+            EnergyMode::Direct => Promise::Certified,
+            EnergyMode::Calibrated => Promise::Calibrated,
+            EnergyMode::Approximate | EnergyMode::None => Promise::None,
+        }
+    }
+
     /// The name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             EnergyMode::Direct => "direct",
-            EnergyMode::Certified => "certified",
+            EnergyMode::Calibrated => "calibrated",
             EnergyMode::Approximate => "approximate",
             EnergyMode::None => "none",
         }

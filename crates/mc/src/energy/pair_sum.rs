@@ -1,18 +1,16 @@
 //! The sum over all pairs of charges of two bodies, vectorised.
 
+use super::potential::SitePotential;
 use crate::charges::{ChargeCloud, ChargeGroup, LANES};
 use protomer_kernel::pose::RelativePose;
-use protomer_kernel::potential::{Yukawa, exp_of_minus};
 
-/// Energy of two bodies, kT: λ_B Σ Z_i Z_j exp(-κ r_ij)/r_ij over the pairs nearer than the cut-off
-/// (thesis, eq. 3.1).
+/// Energy of two bodies, kT: Σ q_k q_l v(r_kl) over all sites k of the first and l of the second.
 ///
-/// `relative` is the pose of the second body in the frame of the first. Groups of charges that are
-/// out of range as a whole are passed over; every pair that is in range is summed in double
-/// precision, in one order and without fused operations, so that every processor gives the same
-/// bits.
-pub fn yukawa_energy_kt(
-    yukawa: &Yukawa,
+/// `relative` is the pose of the second body in the frame of the first. Groups of sites that a
+/// cut-off leaves out as a whole are passed over; every other pair is summed in double precision,
+/// in one order and without fused operations, so that every processor gives the same bits.
+pub fn pair_energy_kt<P: SitePotential>(
+    potential: &P,
     first: &ChargeCloud,
     second: &ChargeCloud,
     relative: &RelativePose,
@@ -21,54 +19,59 @@ pub fn yukawa_energy_kt(
     {
         if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
             // SAFETY: the processor has the two features the function is compiled for.
-            return unsafe { sum_avx512(yukawa, first, second, relative) };
+            return unsafe { sum_avx512(potential, first, second, relative) };
         }
         if is_x86_feature_detected!("avx2") {
             // SAFETY: the processor has the feature the function is compiled for.
-            return unsafe { sum_avx2(yukawa, first, second, relative) };
+            return unsafe { sum_avx2(potential, first, second, relative) };
         }
     }
-    sum(yukawa, first, second, relative)
+    sum(potential, first, second, relative)
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512dq")]
-fn sum_avx512(
-    yukawa: &Yukawa,
+fn sum_avx512<P: SitePotential>(
+    potential: &P,
     first: &ChargeCloud,
     second: &ChargeCloud,
     relative: &RelativePose,
 ) -> f64 {
-    sum(yukawa, first, second, relative)
+    sum(potential, first, second, relative)
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn sum_avx2(
-    yukawa: &Yukawa,
+fn sum_avx2<P: SitePotential>(
+    potential: &P,
     first: &ChargeCloud,
     second: &ChargeCloud,
     relative: &RelativePose,
 ) -> f64 {
-    sum(yukawa, first, second, relative)
+    sum(potential, first, second, relative)
 }
 
 /// The sum itself; compiled once per instruction set by inlining.
 #[inline(always)]
-fn sum(yukawa: &Yukawa, first: &ChargeCloud, second: &ChargeCloud, relative: &RelativePose) -> f64 {
+fn sum<P: SitePotential>(
+    potential: &P,
+    first: &ChargeCloud,
+    second: &ChargeCloud,
+    relative: &RelativePose,
+) -> f64 {
     // Rounding may not lose a pair just inside the cut-off.
-    let reach = yukawa.cutoff_angstrom + 1e-9;
+    let reach = potential.cutoff_angstrom().unwrap_or(f64::INFINITY) + 1e-9;
     let mut total = [0.0; LANES];
     for group in second.groups() {
         let moved = transform(group, relative);
         for other in first.groups() {
             let limit = reach + moved.radius_angstrom + other.radius_angstrom;
             if (moved.centre - other.centre).norm_squared() < limit * limit {
-                add_group_pair(yukawa, other, &moved, &mut total);
+                add_group_pair(potential, other, &moved, &mut total);
             }
         }
     }
-    yukawa.bjerrum_length_angstrom * total.iter().sum::<f64>()
+    total.iter().sum()
 }
 
 #[inline(always)]
@@ -88,18 +91,18 @@ fn transform(group: &ChargeGroup, relative: &RelativePose) -> ChargeGroup {
 }
 
 #[inline(always)]
-fn add_group_pair(yukawa: &Yukawa, a: &ChargeGroup, b: &ChargeGroup, total: &mut [f64; LANES]) {
-    let (kappa, cutoff) = (
-        yukawa.inverse_debye_length_per_angstrom,
-        yukawa.cutoff_angstrom,
-    );
+fn add_group_pair<P: SitePotential>(
+    potential: &P,
+    a: &ChargeGroup,
+    b: &ChargeGroup,
+    total: &mut [f64; LANES],
+) {
     for k in 0..LANES {
         let (x, y, z, charge) = (a.x[k], a.y[k], a.z[k], a.charge_e[k]);
         for (lane, total) in total.iter_mut().enumerate() {
             let (dx, dy, dz) = (b.x[lane] - x, b.y[lane] - y, b.z[lane] - z);
-            let distance = (dx * dx + dy * dy + dz * dz).sqrt();
-            let energy = charge * b.charge_e[lane] * exp_of_minus(kappa * distance) / distance;
-            *total += if distance < cutoff { energy } else { 0.0 };
+            let energy = potential.at_square(dx * dx + dy * dy + dz * dz);
+            *total += charge * b.charge_e[lane] * energy;
         }
     }
 }
@@ -107,6 +110,7 @@ fn add_group_pair(yukawa: &Yukawa, a: &ChargeGroup, b: &ChargeGroup, total: &mut
 #[cfg(test)]
 mod tests {
     use super::*;
+    use protomer_kernel::potential::Yukawa;
     use protomer_kernel::random::CounterRng;
     use protomer_kernel::{Pose, Vec3};
 
@@ -164,7 +168,7 @@ mod tests {
             );
             assert_eq!(
                 portable.to_bits(),
-                yukawa_energy_kt(&yukawa, &a, &b, &relative).to_bits()
+                pair_energy_kt(&yukawa, &a, &b, &relative).to_bits()
             );
         }
     }

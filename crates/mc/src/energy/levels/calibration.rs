@@ -1,0 +1,171 @@
+//! The built-in comparison: how large the errors of the levels are in units of the variance model.
+
+use super::list::List;
+use super::model::COARSE_OPENING;
+use super::table::Table;
+use crate::energy::{SitePotential, pair_energy_kt};
+use protomer_kernel::pose::RelativePose;
+use protomer_kernel::random::CounterRng;
+use protomer_kernel::{Pose, Vec3};
+use serde::Serialize;
+
+/// A decision is left open within this many standard deviations.
+pub const MULTIPLE: f64 = 6.0;
+
+/// Poses compared for each pair of types.
+const POSES: u32 = 48;
+/// Of these, poses compared with the direct sum.
+const DIRECT_POSES: u32 = 4;
+/// The moves of the comparison, Å and rad.
+const STEP_ANGSTROM: f64 = 0.3;
+const STEP_RADIAN: f64 = 0.03;
+
+/// Standard deviations in units of the variance model, from comparisons on poses near contact.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Calibration {
+    /// Of a coarse energy.
+    pub energy_scale: f64,
+    /// Of the change of a coarse energy when the pair moves by 1 Å near contact.
+    pub change_scale_per_angstrom: f64,
+    /// Of a fine energy.
+    pub fine_scale: f64,
+    /// Poses compared.
+    pub poses: u32,
+    /// Errors above [`MULTIPLE`] standard deviations among them.
+    pub exceeded: u32,
+    /// The largest error, in standard deviations.
+    pub largest: f64,
+}
+
+impl Calibration {
+    /// Compares the levels on random poses of each pair of types.
+    pub fn new<P: SitePotential>(potential: &P, types: &[&Table<P>]) -> Self {
+        let mut ratios = Ratios::default();
+        for (number, first) in types.iter().enumerate() {
+            for second in &types[number..] {
+                let mut rng = CounterRng::new(1, ratios.pairs, 0);
+                ratios.pairs += 1;
+                if !first.charges.is_empty() && !second.charges.is_empty() {
+                    ratios.compare(potential, first, second, &mut rng);
+                }
+            }
+        }
+        ratios.finish()
+    }
+}
+
+/// Errors over the square root of the model's variance.
+#[derive(Debug, Default)]
+struct Ratios {
+    pairs: u32,
+    energy: Vec<f64>,
+    change: Vec<f64>,
+    fine: Vec<f64>,
+}
+
+impl Ratios {
+    fn compare<P: SitePotential>(
+        &mut self,
+        potential: &P,
+        first: &Table<P>,
+        second: &Table<P>,
+        rng: &mut CounterRng,
+    ) {
+        for pose in 0..POSES {
+            let here = near_contact(first, second, rng);
+            let there = Pose {
+                position: here.position + rng.vector_in_ball(STEP_ANGSTROM),
+                rotation: rng.small_rotation(STEP_RADIAN) * here.rotation,
+            };
+            let [here, there] = [here, there].map(|pose| relative(&pose));
+            let list = List::new(first, second, &here, COARSE_OPENING);
+            let fine = [&here, &there].map(|pose| first.fine_energy(second, &list, pose));
+            let coarse = [&here, &there].map(|pose| list.energy(first, pose));
+            let ([Some(fine), Some(fine_there)], [Some(coarse), Some(coarse_there)]) =
+                (fine, coarse)
+            else {
+                continue;
+            };
+            let deviation = list.variance.sqrt().max(f64::MIN_POSITIVE);
+            self.energy.push((coarse - fine.energy_kt) / deviation);
+            let change = (coarse_there - coarse) - (fine_there.energy_kt - fine.energy_kt);
+            self.change
+                .push(change / (deviation * list.shift(&here, &there)));
+            if pose < DIRECT_POSES {
+                let direct = pair_energy_kt(potential, &first.charges, &second.charges, &here);
+                self.fine.push((fine.energy_kt - direct) / fine.deviation());
+            }
+        }
+    }
+
+    fn finish(&self) -> Calibration {
+        let scale = |ratios: &[f64], least: f64| {
+            let squares: f64 = ratios.iter().map(|ratio| ratio * ratio).sum();
+            let largest = ratios
+                .iter()
+                .fold(0.0_f64, |most, ratio| most.max(ratio.abs()));
+            let typical = (squares / ratios.len().max(1) as f64).sqrt();
+            // Half of the multiple is left for what the comparison did not meet.
+            typical.max(2.0 * largest / MULTIPLE).max(least)
+        };
+        let scales = [
+            scale(&self.energy, 0.1),
+            scale(&self.change, 0.02),
+            scale(&self.fine, 0.12),
+        ];
+        let all = [&self.energy, &self.change, &self.fine];
+        let in_deviations = all.into_iter().zip(scales);
+        let in_deviations: Vec<f64> = in_deviations
+            .flat_map(|(ratios, scale)| ratios.iter().map(move |ratio| ratio.abs() / scale))
+            .collect();
+        let [energy_scale, change_scale_per_angstrom, fine_scale] = scales;
+        Calibration {
+            energy_scale,
+            change_scale_per_angstrom,
+            fine_scale,
+            poses: self.energy.len() as u32,
+            exceeded: in_deviations
+                .iter()
+                .filter(|ratio| **ratio > MULTIPLE)
+                .count() as u32,
+            largest: in_deviations.into_iter().fold(0.0, f64::max),
+        }
+    }
+}
+
+fn relative(pose: &Pose) -> RelativePose {
+    RelativePose::new(&Pose::identity(), pose, &pose.position)
+}
+
+/// A random orientation at which the nearest charges of two bodies are 0.5 to 8 Å apart.
+fn near_contact<P: SitePotential>(
+    first: &Table<P>,
+    second: &Table<P>,
+    rng: &mut CounterRng,
+) -> Pose {
+    let rotation = rng.rotation();
+    let direction = rng.unit_vector();
+    let wanted = 0.5 + 7.5 * rng.uniform().powi(2);
+    let at = |distance: f64| Pose {
+        position: direction * distance,
+        rotation,
+    };
+    let gap = |distance: f64| {
+        let pose = at(distance);
+        let gap = |(x, _): (Vec3, f64)| first.distance_bound(&pose.transform_point(&x));
+        second.charges.iter().map(gap).fold(f64::INFINITY, f64::min)
+    };
+    let (mut low, mut high) = (0.0, 1.0);
+    while gap(high) < wanted {
+        (low, high) = (high, 2.0 * high);
+    }
+    for _ in 0..12 {
+        let middle = (low + high) / 2.0;
+        if gap(middle) < wanted {
+            low = middle
+        } else {
+            high = middle
+        }
+    }
+    at(high)
+}

@@ -1,0 +1,511 @@
+//! The energy model: decisions from the coarsest level that settles them.
+
+use super::calibration::{Calibration, MULTIPLE};
+use super::list::List;
+use super::table::{Estimate, Table};
+use crate::energy::reach::{Reach, require_room};
+use crate::energy::{EnergyModel, PairEnergy, SitePotential, all_pairs, finite, pair_energy_kt};
+use crate::sparse_rows::PairTable;
+use crate::system::{Pair, System, Trial};
+use crate::{BodyType, Result};
+use protomer_kernel::pose::RelativePose;
+use serde::Serialize;
+use std::sync::{Arc, OnceLock};
+
+/// Radii of a node at which its equivalent charges stand for it.
+pub(super) const COARSE_OPENING: f32 = 1.5;
+
+/// How many decisions each level made.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub struct Decided {
+    /// From lists of points in coarse tables.
+    pub coarse: u64,
+    /// With all charges in fine tables, for one pair of bodies or more.
+    pub fine: u64,
+    /// With a direct sum for one pair of bodies or more.
+    pub direct: u64,
+}
+
+/// What decisions by levels rest on.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct LevelReport {
+    /// How many decisions each level made.
+    pub decided_by_level: Decided,
+    /// The built-in comparison.
+    pub calibration: Calibration,
+}
+
+/// Energies by levels.
+#[derive(Debug, Clone)]
+pub struct Levels<P> {
+    potential: P,
+    tables: Vec<Arc<Table<P>>>,
+    calibration: Calibration,
+    tolerance_kt: Option<f64>,
+    reach: Reach,
+    energies: PairTable<Arc<Known>>,
+    proposed: Vec<(usize, usize, Arc<Known>)>,
+    decided: Decided,
+    coarse_energies: u64,
+}
+
+/// What is known of one pair of bodies at one pose.
+#[derive(Debug)]
+struct Known {
+    /// The types of the two bodies.
+    types: (usize, usize),
+    images: Vec<Image>,
+    coarse_kt: f64,
+    fine: OnceLock<Estimate>,
+    direct_kt: OnceLock<f64>,
+}
+
+/// One image of the second body that counts.
+#[derive(Debug)]
+struct Image {
+    relative: RelativePose,
+    list: Arc<List>,
+}
+
+/// A pair in a decision: its energy after the move and before.
+struct Change {
+    partner: usize,
+    new: Option<Arc<Known>>,
+    old: Option<Arc<Known>>,
+    level: usize,
+    /// Of the energy, kT, and its standard deviation.
+    change_kt: f64,
+    deviation_kt: f64,
+}
+
+const COARSE: usize = 0;
+const FINE: usize = 1;
+const DIRECT: usize = 2;
+
+impl<P: SitePotential> Levels<P> {
+    /// The model for this potential and system, with a table for each of its body types.
+    pub fn with_tables(potential: P, system: &System, tables: Vec<Arc<Table<P>>>) -> Self {
+        let types: Vec<&Table<P>> = system
+            .placed_types()
+            .into_iter()
+            .map(|index| &*tables[index])
+            .collect();
+        Self {
+            calibration: Calibration::new(&potential, &types),
+            potential,
+            tables,
+            tolerance_kt: None,
+            reach: Reach::default(),
+            energies: PairTable::new(0),
+            proposed: Vec::new(),
+            decided: Decided::default(),
+            coarse_energies: 0,
+        }
+    }
+
+    /// The model with tables made here.
+    pub fn for_system(potential: P, system: &System) -> Self {
+        let reach = table_reach_angstrom(&potential, system);
+        let table = |kind: &Arc<BodyType>| Arc::new(Table::new(&kind.charges, &potential, reach));
+        let tables = system.types().iter().map(table).collect();
+        Self::with_tables(potential, system, tables)
+    }
+
+    /// The same levels without the direct sum's decisions: each pair energy from the first level
+    /// whose error is likely (within [`MULTIPLE`] standard deviations) below `tolerance_kt`.
+    pub fn with_tolerance(mut self, tolerance_kt: f64) -> Self {
+        self.tolerance_kt = Some(tolerance_kt);
+        self
+    }
+
+    /// How many decisions each level made.
+    pub fn decided(&self) -> Decided {
+        self.decided
+    }
+
+    /// How many pair energies were found at the coarse level.
+    pub fn coarse_energies(&self) -> u64 {
+        self.coarse_energies
+    }
+
+    fn prepare(&mut self, system: &System) {
+        self.reach = Reach::new(system, &self.potential);
+        self.proposed.clear();
+    }
+
+    fn tables_of(&self, (first, second): (usize, usize)) -> (&Table<P>, &Table<P>) {
+        (&self.tables[first], &self.tables[second])
+    }
+
+    /// The pair at its present pose, with the lists of `before` where they serve; `None` beyond the
+    /// reach.
+    fn known(&self, pair: &Pair<'_>, before: Option<&Known>) -> Result<Option<Arc<Known>>> {
+        let images = self.reach.images(pair);
+        let poses: Vec<_> = images.map(|image| pair.relative_image(&image)).collect();
+        match poses.is_empty() {
+            true => Ok(None),
+            false => self.known_at(pair, poses, before).map(Some),
+        }
+    }
+
+    /// The pair with images at these relative poses.
+    fn known_at(
+        &self,
+        pair: &Pair<'_>,
+        poses: Vec<RelativePose>,
+        before: Option<&Known>,
+    ) -> Result<Arc<Known>> {
+        let (first, second) = self.tables_of(pair.type_indices());
+        let (mut images, mut coarse_kt) = (Vec::with_capacity(poses.len()), Some(0.0));
+        for (number, relative) in poses.into_iter().enumerate() {
+            let kept = before
+                .and_then(|known| known.images.get(number))
+                .filter(|image| image.list.serves(&relative));
+            let list = match kept {
+                Some(image) => Arc::clone(&image.list),
+                None => Arc::new(List::new(first, second, &relative, COARSE_OPENING)),
+            };
+            let energy = list.energy(first, &relative);
+            coarse_kt = coarse_kt.zip(energy).map(|(sum, energy)| sum + energy);
+            images.push(Image { relative, list });
+        }
+        let mut known = Known {
+            types: pair.type_indices(),
+            images,
+            coarse_kt: 0.0,
+            fine: OnceLock::new(),
+            direct_kt: OnceLock::new(),
+        };
+        // Where the tables end, the direct sum is all there is.
+        known.coarse_kt = coarse_kt.unwrap_or_else(|| self.direct_kt(&known));
+        finite(pair.first, pair.second, known.coarse_kt)?;
+        Ok(Arc::new(known))
+    }
+
+    /// The change of the energy of a pair at one level, kT, with its standard deviation.
+    fn change(&self, trial: &Trial<'_>, change: &Change, level: usize) -> Result<(f64, f64)> {
+        let (new, old) = (change.new.as_deref(), change.old.as_deref());
+        let of =
+            |known: Option<&Known>| known.map_or((0.0, 0.0), |known| self.energy(known, level));
+        let ((new_kt, new_variance), (old_kt, old_variance)) = (of(new), of(old));
+        let variance = match (level, new, old) {
+            (COARSE, Some(new), Some(old)) => self.coarse_change_variance(new, old),
+            _ => new_variance + old_variance,
+        };
+        let (first, second) = (
+            trial.body.min(change.partner),
+            trial.body.max(change.partner),
+        );
+        let change_kt = finite(first, second, new_kt - old_kt)?;
+        Ok((change_kt, variance.sqrt()))
+    }
+
+    /// The energy of a pair at one level, kT, and its variance.
+    fn energy(&self, known: &Known, level: usize) -> (f64, f64) {
+        match level {
+            COARSE => {
+                let model: f64 = known.images.iter().map(|image| image.list.variance).sum();
+                let scale = self.calibration.energy_scale;
+                (known.coarse_kt, model * scale.powi(2))
+            }
+            FINE => {
+                let estimate = self.fine(known);
+                let scale = self.calibration.fine_scale;
+                (estimate.energy_kt, estimate.variance * scale.powi(2))
+            }
+            _ => (self.direct_kt(known), 0.0),
+        }
+    }
+
+    /// The energy of a pair that is reported: a function of its pose alone. With the level and the
+    /// error it is likely within, kT.
+    fn reported(&self, known: &Known) -> (f64, usize, f64) {
+        let first = if self.tolerance_kt.is_some() {
+            COARSE
+        } else {
+            FINE
+        };
+        let tolerance_kt = self.tolerance_kt.unwrap_or(f64::INFINITY);
+        for level in first..DIRECT {
+            let (energy_kt, variance) = self.energy(known, level);
+            let error_kt = MULTIPLE * variance.sqrt();
+            if error_kt <= tolerance_kt {
+                return (energy_kt, level, error_kt);
+            }
+        }
+        (self.direct_kt(known), DIRECT, 0.0)
+    }
+
+    fn fine(&self, known: &Known) -> Estimate {
+        *known.fine.get_or_init(|| {
+            let (first, second) = self.tables_of(known.types);
+            let mut sum = Estimate {
+                energy_kt: 0.0,
+                variance: 0.0,
+            };
+            for image in &known.images {
+                let Some(estimate) = first.fine_energy(second, &image.list, &image.relative) else {
+                    return self.beyond_tables(known);
+                };
+                sum.energy_kt += estimate.energy_kt;
+                sum.variance += estimate.deviation().powi(2);
+            }
+            sum
+        })
+    }
+
+    fn direct_kt(&self, known: &Known) -> f64 {
+        *known.direct_kt.get_or_init(|| {
+            let (first, second) = self.tables_of(known.types);
+            let energy = |image: &Image| {
+                pair_energy_kt(
+                    &self.potential,
+                    &first.charges,
+                    &second.charges,
+                    &image.relative,
+                )
+            };
+            known.images.iter().map(energy).sum()
+        })
+    }
+
+    fn beyond_tables(&self, known: &Known) -> Estimate {
+        Estimate {
+            energy_kt: self.direct_kt(known),
+            variance: 0.0,
+        }
+    }
+
+    /// Errors from the same points cancel, the more so the less the pair has moved.
+    fn coarse_change_variance(&self, new: &Known, old: &Known) -> f64 {
+        let scale = self.calibration.energy_scale.powi(2);
+        let mut variance = 0.0;
+        for number in 0..new.images.len().max(old.images.len()) {
+            variance += match (new.images.get(number), old.images.get(number)) {
+                (Some(new), Some(old)) if Arc::ptr_eq(&new.list, &old.list) => {
+                    let shift = new.list.shift(&old.relative, &new.relative);
+                    let moved = self.calibration.change_scale_per_angstrom * shift;
+                    new.list.variance * moved.powi(2).min(2.0 * scale)
+                }
+                (new, old) => {
+                    let images = new.into_iter().chain(old);
+                    images.map(|image| image.list.variance * scale).sum()
+                }
+            };
+        }
+        variance
+    }
+
+    /// What becomes of the pair with one partner, at the coarse level.
+    fn coarse_change(&mut self, trial: &Trial<'_>, partner: usize) -> Result<Option<Change>> {
+        let mut old = self.energies.get(trial.body, partner);
+        let pair = trial.pair(partner);
+        self.coarse_energies += 1;
+        // Within a tolerance energies are functions of the poses alone.
+        let before = old.as_deref().filter(|_| self.tolerance_kt.is_none());
+        let mut new = self.known(&pair, before)?;
+        if let (Some(present), Some(moved)) = (&old, &new)
+            && self.tolerance_kt.is_none()
+            && !shares_lists(present, moved)
+        {
+            // The pair has drifted from its lists: new ones for where it is now.
+            let fresh = self.known(&trial.system.pair(trial.body, partner), None)?;
+            if let Some(fresh) = fresh {
+                new = self.known(&pair, Some(&fresh))?;
+                self.energies.set(trial.body, partner, Arc::clone(&fresh));
+                old = Some(fresh);
+            }
+        }
+        if new.is_none() && old.is_none() {
+            return Ok(None);
+        }
+        let mut change = Change {
+            partner,
+            new,
+            old,
+            level: COARSE,
+            change_kt: 0.0,
+            deviation_kt: 0.0,
+        };
+        (change.change_kt, change.deviation_kt) = self.change(trial, &change, COARSE)?;
+        Ok(Some(change))
+    }
+
+    /// Whether the energy rises by less than the threshold: from the coarsest levels that leave no
+    /// doubt.
+    fn rises_less(
+        &mut self,
+        trial: &Trial<'_>,
+        changes: &mut [Change],
+        threshold_kt: f64,
+    ) -> Result<bool> {
+        if self.tolerance_kt.is_some() {
+            return Ok(self.rises_less_within(changes, threshold_kt));
+        }
+        loop {
+            let rise: f64 = changes.iter().map(|change| change.change_kt).sum();
+            let variance: f64 = changes
+                .iter()
+                .map(|change| change.deviation_kt.powi(2))
+                .sum();
+            let error = MULTIPLE * variance.sqrt();
+            let open = |change: &&mut Change| change.level < DIRECT;
+            let widest = changes.iter_mut().filter(open);
+            let widest = widest.max_by(|a, b| a.deviation_kt.total_cmp(&b.deviation_kt));
+            let Some(widest) = widest.filter(|_| (rise - threshold_kt).abs() <= error) else {
+                self.count(changes);
+                return Ok(rise < threshold_kt);
+            };
+            let level = widest.level + 1;
+            let (change_kt, deviation_kt) = self.change(trial, widest, level)?;
+            (widest.level, widest.change_kt, widest.deviation_kt) =
+                (level, change_kt, deviation_kt);
+        }
+    }
+
+    /// The same by energies to within a tolerance for each pair.
+    fn rises_less_within(&mut self, changes: &mut [Change], threshold_kt: f64) -> bool {
+        let mut rise = 0.0;
+        for change in changes.iter_mut() {
+            for (known, sign) in [(&change.new, 1.0), (&change.old, -1.0)] {
+                if let Some(known) = known {
+                    let (energy_kt, level, _) = self.reported(known);
+                    rise += sign * energy_kt;
+                    change.level = change.level.max(level);
+                }
+            }
+        }
+        self.count(changes);
+        rise < threshold_kt
+    }
+
+    fn count(&mut self, changes: &[Change]) {
+        match changes
+            .iter()
+            .map(|change| change.level)
+            .max()
+            .unwrap_or(COARSE)
+        {
+            COARSE => self.decided.coarse += 1,
+            FINE => self.decided.fine += 1,
+            _ => self.decided.direct += 1,
+        }
+    }
+
+    fn propose(&mut self, trial: &Trial<'_>, changes: Vec<Change>) {
+        for change in changes {
+            let (first, second) = (
+                trial.body.min(change.partner),
+                trial.body.max(change.partner),
+            );
+            self.proposed
+                .extend(change.new.map(|known| (first, second, known)));
+        }
+    }
+}
+
+fn shares_lists(a: &Known, b: &Known) -> bool {
+    let same = |(a, b): (&Image, &Image)| Arc::ptr_eq(&a.list, &b.list);
+    a.images.len() == b.images.len() && a.images.iter().zip(&b.images).all(same)
+}
+
+/// How far from its charges a table must reach for this system, Å.
+pub fn table_reach_angstrom<P: SitePotential>(potential: &P, system: &System) -> f64 {
+    Reach::new(system, potential).largest_angstrom()
+}
+
+impl<P: SitePotential> EnergyModel for Levels<P> {
+    fn range_angstrom(&self, system: &System) -> f64 {
+        Reach::new(system, &self.potential).largest_angstrom()
+    }
+
+    fn require_room(&self, system: &System) -> Result<()> {
+        require_room(system, &self.potential)
+    }
+
+    fn reset(&mut self, system: &System) -> Result<()> {
+        self.prepare(system);
+        self.energies = all_pairs(system, |pair| self.known(pair, None))?;
+        Ok(())
+    }
+
+    /// Energies from fine tables, whatever decisions asked for: functions of the poses alone.
+    fn pairs(&self) -> Vec<PairEnergy> {
+        let pairs = self.energies.pairs();
+        let reported = |(first, second, known): (usize, usize, Arc<Known>)| PairEnergy {
+            computed_at: known.images.first().map(|image| image.relative),
+            images_at: known
+                .images
+                .iter()
+                .skip(1)
+                .map(|image| image.relative)
+                .collect(),
+            ..PairEnergy::new(first, second, self.reported(&known).0)
+        };
+        pairs.map(reported).collect()
+    }
+
+    /// Energies are found anew where they were found first; lists are chosen there.
+    fn restore(&mut self, system: &System, pairs: &[PairEnergy]) -> Result<()> {
+        self.prepare(system);
+        self.energies = PairTable::new(system.len());
+        for saved in pairs {
+            let pair = system.pair(saved.first, saved.second);
+            let nearest = saved.computed_at.unwrap_or_else(|| pair.relative());
+            let poses = std::iter::once(nearest).chain(saved.images_at.iter().copied());
+            let known = self.known_at(&pair, poses.collect(), None)?;
+            self.energies.set(saved.first, saved.second, known);
+        }
+        Ok(())
+    }
+
+    fn accept(&mut self, trial: &Trial<'_>, partners: &[usize], budget_kt: f64) -> Result<bool> {
+        let mut both: Vec<usize> = self
+            .energies
+            .row(trial.body)
+            .map(|(partner, _)| partner)
+            .collect();
+        both.extend_from_slice(partners);
+        both.sort_unstable();
+        both.dedup();
+        let mut changes = Vec::with_capacity(both.len());
+        for partner in both {
+            changes.extend(self.coarse_change(trial, partner)?);
+        }
+        let accepted = self.rises_less(trial, &mut changes, budget_kt)?;
+        self.propose(trial, changes);
+        Ok(accepted)
+    }
+
+    fn exceeds(&mut self, trial: &Trial<'_>, partner: usize, threshold_kt: f64) -> Result<bool> {
+        let mut changes: Vec<Change> = self.coarse_change(trial, partner)?.into_iter().collect();
+        let exceeds = !self.rises_less(trial, &mut changes, threshold_kt)?;
+        self.propose(trial, changes);
+        Ok(exceeds)
+    }
+
+    fn commit(&mut self, moved: &[usize]) {
+        self.energies.take_over(moved, self.proposed.drain(..));
+    }
+
+    fn reject(&mut self) {
+        self.proposed.clear();
+    }
+
+    fn error_bound_kt(&self) -> f64 {
+        let pairs = self.energies.pairs();
+        let errors = pairs.map(|(_, _, known)| self.reported(&known).2);
+        errors.fold(0.0, f64::max)
+    }
+
+    fn levels(&self) -> Option<LevelReport> {
+        Some(LevelReport {
+            decided_by_level: self.decided,
+            calibration: self.calibration,
+        })
+    }
+
+    fn memory_bytes(&self) -> usize {
+        self.tables.iter().map(|table| table.memory_bytes()).sum()
+    }
+}

@@ -1,0 +1,84 @@
+//! Which charges of a body are near a point.
+
+use crate::charges::ChargeCloud;
+use protomer_kernel::Vec3;
+use std::ops::Range;
+
+/// For each cell of a grid, the charges within a distance of any of its points.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Neighbours {
+    low: [f32; 3],
+    inverse_edge: f32,
+    cells: [i32; 3],
+    /// Where each cell's charges begin; one more at the end.
+    starts: Vec<u32>,
+    sites: Vec<[f32; 4]>,
+}
+
+impl Neighbours {
+    pub fn new(charges: &ChargeCloud, distance: f64) -> Self {
+        let (low, high) = charges.bounds_angstrom();
+        let edge = distance / 2.0;
+        let (low, high) = (low.add_scalar(-distance), high.add_scalar(distance));
+        let cells = ((high - low) / edge).map(|cells| cells.ceil().max(1.0) as i32);
+        let mut members = vec![Vec::new(); cells.map(|n| n as usize).product()];
+        for (place, charge) in charges.iter() {
+            let site = [
+                place.x as f32,
+                place.y as f32,
+                place.z as f32,
+                charge as f32,
+            ];
+            let first = ((place - low).add_scalar(-distance) / edge).map(|x| x.floor() as i32);
+            let last = ((place - low).add_scalar(distance) / edge).map(|x| x.floor() as i32);
+            let range = |axis: usize| first[axis].max(0)..=last[axis].min(cells[axis] - 1);
+            for z in range(2) {
+                for y in range(1) {
+                    for x in range(0) {
+                        let corner = low + Vec3::new(x.into(), y.into(), z.into()) * edge;
+                        let from_low = (corner - place).sup(&Vec3::zeros());
+                        let from_high = (place - corner).add_scalar(-edge).sup(&Vec3::zeros());
+                        if (from_low + from_high).norm() < distance {
+                            members[((z * cells.y + y) * cells.x + x) as usize].push(site);
+                        }
+                    }
+                }
+            }
+        }
+        let mut starts = vec![0];
+        let mut sites = Vec::new();
+        for cell in members {
+            sites.extend(cell);
+            starts.push(sites.len() as u32);
+        }
+        Self {
+            low: low.map(|x| x as f32).into(),
+            inverse_edge: (1.0 / edge) as f32,
+            cells: cells.into(),
+            starts,
+            sites,
+        }
+    }
+
+    /// Position (Å) and charge (e) of all charges that may be near the point, and others.
+    pub fn of(&self, x: [f32; 3]) -> &[[f32; 4]] {
+        &self.sites[self.range(x)]
+    }
+
+    fn range(&self, x: [f32; 3]) -> Range<usize> {
+        let mut cell = 0;
+        for axis in (0..3).rev() {
+            let place = ((x[axis] - self.low[axis]) * self.inverse_edge).floor() as i32;
+            if !(0..self.cells[axis]).contains(&place) {
+                return 0..0;
+            }
+            cell = cell * self.cells[axis] + place;
+        }
+        let cell = cell as usize;
+        self.starts[cell] as usize..self.starts[cell + 1] as usize
+    }
+
+    pub fn memory_bytes(&self) -> usize {
+        4 * self.starts.len() + 16 * self.sites.len()
+    }
+}

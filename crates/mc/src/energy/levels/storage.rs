@@ -1,0 +1,252 @@
+//! Tables that outlive the process: what takes long to make, between a line that says of what it is
+//! and a hash of all before it.
+//!
+//! | bytes | |
+//! |---|---|
+//! | 17 | `protomer table 3` and a line feed |
+//! | 64 | the [fingerprint](Table::fingerprint) of charges and potential |
+//! | 4, then 36 each | number of nodes of the tree, and the nodes |
+//! | 4, then 16 each | number of points of the tree, and the points |
+//! | ... | for each cell of the field: distance, errors, coarse and fine coefficients |
+//! | 32 | SHA-256 of everything before |
+//!
+//! Numbers are little-endian. Everything else about a table is made anew, which takes milliseconds.
+
+use super::field::Field;
+use super::table::Table;
+use super::tree::{Node, Tree};
+use crate::charges::ChargeCloud;
+use crate::energy::SitePotential;
+use crate::{McError, Result};
+use sha2::{Digest, Sha256};
+use std::io::{BufWriter, Read, Write};
+
+/// The first line; its number is raised when the layout changes, or when equal charges give other
+/// tables.
+const FIRST_LINE: &[u8; 17] = b"protomer table 3\n";
+const FINGERPRINT_LENGTH: usize = 64;
+
+impl<P: SitePotential> Table<P> {
+    /// The SHA-256, in hexadecimal, of all that shapes a table: the charges in their order, the
+    /// potential, the reach and the kind of processor, whose vector instructions decide the last
+    /// bits.
+    pub fn fingerprint(charges: &ChargeCloud, potential: &P, reach_angstrom: f64) -> String {
+        let mut hash = Sha256::new();
+        hash.update(FIRST_LINE);
+        for word in [std::env::consts::ARCH, std::env::consts::OS, instructions()] {
+            hash.update(word.as_bytes());
+            hash.update([0]);
+        }
+        let charges = charges.iter();
+        let charges = charges.flat_map(|(place, charge)| [place.x, place.y, place.z, charge]);
+        for number in potential
+            .parameters()
+            .into_iter()
+            .chain([reach_angstrom])
+            .chain(charges)
+        {
+            hash.update(number.to_le_bytes());
+        }
+        hexadecimal(hash)
+    }
+
+    /// Writes what takes long to make. `fingerprint` is that of what the table was made of.
+    ///
+    /// # Errors
+    /// If the writer fails.
+    pub fn write_to(&self, writer: impl Write, fingerprint: &str) -> std::io::Result<()> {
+        let hashing = Hashing {
+            inner: writer,
+            hash: Sha256::new(),
+        };
+        let mut writer = BufWriter::with_capacity(1 << 16, hashing);
+        writer.write_all(FIRST_LINE)?;
+        writer.write_all(fingerprint.as_bytes())?;
+        self.tree.write_to(&mut writer)?;
+        self.field.write_to(&mut writer)?;
+        let Hashing { mut inner, hash } =
+            writer.into_inner().map_err(|error| error.into_error())?;
+        inner.write_all(&hash.finalize())?;
+        inner.flush()
+    }
+
+    /// Reads what [`write_to`](Self::write_to) wrote for these charges under this potential: the
+    /// same table, bit for bit.
+    ///
+    /// # Errors
+    /// [`McError::UnusableTable`] if the bytes end early, go on too long, were changed, are of
+    /// another table, or cannot be read. Memory is taken only as bytes arrive.
+    pub fn read_from(
+        reader: impl Read,
+        charges: &ChargeCloud,
+        potential: &P,
+        reach_angstrom: f64,
+    ) -> Result<Self> {
+        let unusable = |what: &str| McError::UnusableTable(what.to_owned());
+        let failed = |error: std::io::Error| match error.kind() {
+            std::io::ErrorKind::UnexpectedEof => unusable("they end too early"),
+            _ => McError::UnusableTable(error.to_string()),
+        };
+        let mut reader = Hashing {
+            inner: reader,
+            hash: Sha256::new(),
+        };
+        if bytes::<17>(&mut reader).map_err(failed)? != *FIRST_LINE {
+            return Err(unusable("they are of another kind or version"));
+        }
+        let fingerprint = Self::fingerprint(charges, potential, reach_angstrom);
+        if bytes::<FINGERPRINT_LENGTH>(&mut reader).map_err(failed)? != *fingerprint.as_bytes() {
+            return Err(unusable(
+                "they are of other charges, another potential or another kind of processor",
+            ));
+        }
+        let tree = Tree::read_from(&mut reader, charges).map_err(failed)?;
+        let mut field = Self::empty_field(charges, potential, reach_angstrom);
+        field.read_cells(&mut reader).map_err(failed)?;
+        let Hashing { mut inner, hash } = reader;
+        if hash.finalize()[..] != bytes::<32>(&mut inner).map_err(failed)? {
+            return Err(unusable("their checksum is wrong"));
+        }
+        if inner.read(&mut [0]).map_err(failed)? != 0 {
+            return Err(unusable("there is more than they need"));
+        }
+        Ok(Self::assemble(charges, potential, tree, field))
+    }
+}
+
+impl Tree {
+    fn write_to(&self, writer: &mut impl Write) -> std::io::Result<()> {
+        writer.write_all(&(self.nodes.len() as u32).to_le_bytes())?;
+        for node in &self.nodes {
+            put(writer, &node.centre)?;
+            put(writer, &[node.radius, node.error])?;
+            for number in [node.first, node.count, node.second] {
+                writer.write_all(&number.to_le_bytes())?;
+            }
+        }
+        writer.write_all(&(self.points.len() as u32).to_le_bytes())?;
+        self.points.iter().try_for_each(|point| put(writer, point))
+    }
+
+    fn read_from(reader: &mut impl Read, charges: &ChargeCloud) -> std::io::Result<Self> {
+        let mut tree = Self::without_nodes(charges);
+        for _ in 0..number(reader)? {
+            let (centre, [radius, error]) = (numbers(reader)?, numbers(reader)?);
+            let [first, count, second] = [number(reader)?, number(reader)?, number(reader)?];
+            tree.nodes.push(Node {
+                centre,
+                radius,
+                first,
+                count,
+                second,
+                error,
+            });
+        }
+        for _ in 0..number(reader)? {
+            tree.points.push(numbers(reader)?);
+        }
+        Ok(tree)
+    }
+}
+
+impl Field {
+    fn write_to(&self, writer: &mut impl Write) -> std::io::Result<()> {
+        for cell in 0..self.distance.len() {
+            put(writer, &[self.distance[cell]])?;
+            put(writer, &self.errors[cell])?;
+            put(writer, &self.coarse[cell].0)?;
+            put(writer, &self.fine[cell].0)?;
+        }
+        Ok(())
+    }
+
+    /// Fills the cells of a field without any.
+    fn read_cells(&mut self, reader: &mut impl Read) -> std::io::Result<()> {
+        for _ in 0..self.number_cells().len() {
+            self.distance.push(numbers::<1>(reader)?[0]);
+            self.errors.push(numbers(reader)?);
+            self.coarse.push(super::field::Aligned(numbers(reader)?));
+            self.fine.push(super::field::Aligned(numbers(reader)?));
+        }
+        Ok(())
+    }
+}
+
+fn put(writer: &mut impl Write, numbers: &[f32]) -> std::io::Result<()> {
+    numbers
+        .iter()
+        .try_for_each(|number| writer.write_all(&number.to_le_bytes()))
+}
+
+fn bytes<const N: usize>(reader: &mut impl Read) -> std::io::Result<[u8; N]> {
+    let mut bytes = [0; N];
+    reader.read_exact(&mut bytes)?;
+    Ok(bytes)
+}
+
+fn number(reader: &mut impl Read) -> std::io::Result<u32> {
+    bytes::<4>(reader).map(u32::from_le_bytes)
+}
+
+fn numbers<const N: usize>(reader: &mut impl Read) -> std::io::Result<[f32; N]> {
+    let mut bytes = vec![0; 4 * N];
+    reader.read_exact(&mut bytes)?;
+    let mut numbers = [0.0; N];
+    for (number, bytes) in numbers.iter_mut().zip(bytes.chunks_exact(4)) {
+        *number = f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+    }
+    Ok(numbers)
+}
+
+/// The vector instructions that the tables' makers ask for.
+fn instructions() -> &'static str {
+    #[cfg(target_arch = "x86_64")]
+    {
+        let fused = is_x86_feature_detected!("fma");
+        match (
+            is_x86_feature_detected!("avx512f"),
+            is_x86_feature_detected!("avx2"),
+        ) {
+            (true, _) if fused => "avx512f fma",
+            (true, _) => "avx512f",
+            (_, true) if fused => "avx2 fma",
+            (_, true) => "avx2",
+            _ => "",
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    ""
+}
+
+fn hexadecimal(hash: Sha256) -> String {
+    hash.finalize()
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
+}
+
+/// Hashes what passes through.
+struct Hashing<T> {
+    inner: T,
+    hash: Sha256,
+}
+
+impl<T: Write> Write for Hashing<T> {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        let written = self.inner.write(bytes)?;
+        self.hash.update(bytes.get(..written).unwrap_or_default());
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.inner.flush()
+    }
+}
+
+impl<T: Read> Read for Hashing<T> {
+    fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
+        let read = self.inner.read(bytes)?;
+        self.hash.update(bytes.get(..read).unwrap_or_default());
+        Ok(read)
+    }
+}

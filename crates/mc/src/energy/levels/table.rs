@@ -1,0 +1,133 @@
+//! All that is prepared for one body type under one potential.
+
+use super::field::Field;
+use super::list::{Block, List, Motion, SKIN_ANGSTROM, blocks};
+use super::neighbours::Neighbours;
+use super::split::Split;
+use super::tree::Tree;
+use crate::charges::ChargeCloud;
+use crate::energy::SitePotential;
+use protomer_kernel::Vec3;
+use protomer_kernel::pose::RelativePose;
+
+/// The range of the near part, in mean distances of neighbouring charges, and its bounds, Å.
+const NEAR_SPACINGS: f64 = 1.9;
+const NEAR_BOUNDS_ANGSTROM: (f64, f64) = (3.0, 8.0);
+
+/// Immutable, to be shared.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table<P> {
+    pub(super) split: Split<P>,
+    pub(super) tree: Tree,
+    pub(super) field: Field,
+    pub(super) neighbours: Neighbours,
+    pub(super) charges: ChargeCloud,
+    blocks: Vec<Block>,
+}
+
+/// An energy with its variance by the error model, kT and kT².
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Estimate {
+    pub energy_kt: f64,
+    pub variance: f64,
+}
+
+impl<P: SitePotential> Table<P> {
+    /// The table of these charges, which serves partners as far away as `reach_angstrom`.
+    pub fn new(charges: &ChargeCloud, potential: &P, reach_angstrom: f64) -> Self {
+        let split = Split::new(*potential, near_radius(charges));
+        let tree = Tree::new(charges, potential);
+        let field = Field::new(charges, &split, reach_angstrom);
+        Self::assemble(charges, potential, tree, field)
+    }
+
+    /// The table with what takes long to make from elsewhere.
+    pub(super) fn assemble(charges: &ChargeCloud, potential: &P, tree: Tree, field: Field) -> Self {
+        let split = Split::new(*potential, near_radius(charges));
+        let distance = split.radius_angstrom + f64::from(SKIN_ANGSTROM);
+        let single = |(x, q): (Vec3, f64)| [x.x as f32, x.y as f32, x.z as f32, q as f32];
+        Self {
+            tree,
+            field,
+            neighbours: Neighbours::new(charges, distance),
+            charges: charges.clone(),
+            blocks: blocks(&charges.iter().map(single).collect::<Vec<_>>()),
+            split,
+        }
+    }
+
+    /// The field of a table before its cells are filled.
+    pub(super) fn empty_field(charges: &ChargeCloud, _: &P, reach_angstrom: f64) -> Field {
+        Field::boxes(charges, near_radius(charges), reach_angstrom)
+    }
+
+    /// The energy with another body at this pose: all of its charges in the fine table, the near pairs
+    /// of a list that serves here one by one. `None` where the table ends before.
+    pub(super) fn fine_energy(
+        &self,
+        other: &Self,
+        near: &List,
+        pose: &RelativePose,
+    ) -> Option<Estimate> {
+        #[cfg(target_arch = "x86_64")]
+        if super::list::has_wide_vectors() {
+            // SAFETY: the processor has the features the function is compiled for.
+            return unsafe { self.fine_energy_avx512(other, near, pose) };
+        }
+        self.fine_sum(other, near, pose)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,fma")]
+    fn fine_energy_avx512(
+        &self,
+        other: &Self,
+        near: &List,
+        pose: &RelativePose,
+    ) -> Option<Estimate> {
+        self.fine_sum(other, near, pose)
+    }
+
+    #[inline(always)]
+    fn fine_sum(&self, other: &Self, near: &List, pose: &RelativePose) -> Option<Estimate> {
+        let motion = Motion::new(pose);
+        let (mut energy_kt, mut variance) = (0.0, 0.0);
+        for block in &other.blocks {
+            let moved = motion.apply_block(block);
+            let spots = self.field.locate(&moved)?;
+            energy_kt += self.field.fine(&spots, &block[3]);
+            variance += f64::from(self.field.fine_variance(&spots, &block[3]));
+        }
+        energy_kt += near.near_energy(self, pose);
+        Some(Estimate {
+            energy_kt,
+            variance,
+        })
+    }
+
+    /// A lower bound on the distance of a point from the nearest charge, Å.
+    pub(super) fn distance_bound(&self, x: &Vec3) -> f64 {
+        f64::from(self.field.distance_bound(x.map(|x| x as f32).into()))
+    }
+
+    /// Bytes held.
+    pub fn memory_bytes(&self) -> usize {
+        self.tree.memory_bytes() + self.field.memory_bytes() + self.neighbours.memory_bytes()
+    }
+}
+
+impl Estimate {
+    /// The standard deviation with a floor for roundings of single precision, kT.
+    pub(super) fn deviation(&self) -> f64 {
+        (self.variance + 1e-10).sqrt()
+    }
+}
+
+/// Near pairs are few if the radius follows the density of the charges.
+fn near_radius(charges: &ChargeCloud) -> f64 {
+    let (low, high) = charges.bounds_angstrom();
+    // The ellipsoid in the bounding box.
+    let volume = 0.52 * (high - low).product().max(1.0);
+    let spacing = (volume / charges.len().max(1) as f64).cbrt();
+    (NEAR_SPACINGS * spacing).clamp(NEAR_BOUNDS_ANGSTROM.0, NEAR_BOUNDS_ANGSTROM.1)
+}

@@ -1,0 +1,150 @@
+//! The seam between kinds of interaction and the ways to sum them.
+//!
+//! A kind of interaction is a pair potential of sites: E = Σ q_k q_l v(r_kl) over the sites k, l of
+//! different bodies. Direct sums, tables, trees and their errors are written once, over
+//! [`SitePotential`]; screened charges are its first implementation.
+
+use protomer_kernel::potential::{Yukawa, exp_of_minus};
+
+/// A pair potential v(r) of sites of unit strength, a smooth function of the squared distance t = r²
+/// for t > 0.
+pub trait SitePotential: Copy + Send + Sync + 'static {
+    /// v at a squared distance (Å²), kT. Compiled into vector loops: without branches and calls.
+    fn at_square(&self, square_angstrom2: f64) -> f64;
+
+    /// [`at_square`](Self::at_square) in single precision, to a few units in the last place.
+    fn at_square_f32(&self, square_angstrom2: f32) -> f32;
+
+    /// The first Taylor coefficients of v as a function of t = r², about this squared distance.
+    fn taylor<const N: usize>(&self, square_angstrom2: f64) -> [f64; N];
+
+    /// The distance beyond which two sites whose strengths multiply to `product` hold less than
+    /// `energy_kt`, Å.
+    fn reach_angstrom(&self, product: f64, energy_kt: f64) -> f64;
+
+    /// The distance at which the potential jumps to zero, if it does.
+    fn cutoff_angstrom(&self) -> Option<f64>;
+
+    /// What shapes the potential, for fingerprints of tables.
+    fn parameters(&self) -> Vec<f64>;
+}
+
+/// λ_B exp(-κ r)/r.
+impl SitePotential for Yukawa {
+    #[inline(always)]
+    fn at_square(&self, square_angstrom2: f64) -> f64 {
+        let distance = square_angstrom2.sqrt();
+        let screening = exp_of_minus(self.inverse_debye_length_per_angstrom * distance);
+        let energy = self.bjerrum_length_angstrom * screening / distance;
+        if distance < self.cutoff_angstrom {
+            energy
+        } else {
+            0.0
+        }
+    }
+
+    #[inline(always)]
+    fn at_square_f32(&self, square_angstrom2: f32) -> f32 {
+        let inverse = inverse_root(square_angstrom2);
+        let distance = square_angstrom2 * inverse;
+        let kappa = self.inverse_debye_length_per_angstrom as f32;
+        self.bjerrum_length_angstrom as f32 * exp_of_minus_f32(kappa * distance) * inverse
+    }
+
+    /// With f = λ_B exp(-κ√t)/√t and g = λ_B exp(-κ√t): 2 t f' = -f - κ g and 2 g' = -κ f, which
+    /// give the coefficients of both power series one by one.
+    fn taylor<const N: usize>(&self, square_angstrom2: f64) -> [f64; N] {
+        let (t, kappa) = (square_angstrom2, self.inverse_debye_length_per_angstrom);
+        let g_0 = self.bjerrum_length_angstrom * (-kappa * t.sqrt()).exp();
+        let (mut f, mut g) = ([0.0; N], g_0);
+        let mut coefficient = g_0 / t.sqrt();
+        for (n, f) in f.iter_mut().enumerate() {
+            *f = coefficient;
+            // Of (t + s): 2 (n+1) t f_{n+1} + 2 n f_n = -f_n - κ g_n.
+            let next = -((2 * n + 1) as f64 * coefficient + kappa * g) / (2.0 * (n + 1) as f64 * t);
+            g = -kappa * coefficient / (2.0 * (n + 1) as f64);
+            coefficient = next;
+        }
+        f
+    }
+
+    fn reach_angstrom(&self, product: f64, energy_kt: f64) -> f64 {
+        Yukawa::reach_angstrom(self, product, energy_kt)
+    }
+
+    fn cutoff_angstrom(&self) -> Option<f64> {
+        self.is_cut().then_some(self.cutoff_angstrom)
+    }
+
+    fn parameters(&self) -> Vec<f64> {
+        vec![
+            self.bjerrum_length_angstrom,
+            self.inverse_debye_length_per_angstrom,
+            self.cutoff_angstrom,
+        ]
+    }
+}
+
+/// t^(-1/2) to 1e-7: a first guess from the bits (its relative error is 3.4 %), then three steps of
+/// Newton's method. Vector units divide and take roots slowly.
+#[inline(always)]
+fn inverse_root(t: f32) -> f32 {
+    let mut y = f32::from_bits(0x5f37_59df - (t.to_bits() >> 1));
+    let half = 0.5 * t;
+    for _ in 0..3 {
+        y *= 1.5 - half * y * y;
+    }
+    y
+}
+
+/// exp(-y) for y ≥ 0 to 2e-7; y above 80 counts as 80. The method is that of [`exp_of_minus`].
+#[inline(always)]
+fn exp_of_minus_f32(y: f32) -> f32 {
+    const ROUNDER: f32 = 12_582_912.0; // 1.5 · 2²³
+    const LN_2_HIGH: f32 = 0.693_359_4;
+    const LN_2_LOW: f32 = -2.121_944_4e-4;
+    let x = -(if y < 80.0 { y } else { 80.0 });
+    let shifted = x * std::f32::consts::LOG2_E + ROUNDER;
+    let n = shifted - ROUNDER;
+    let f = (x - n * LN_2_HIGH) - n * LN_2_LOW;
+    let mut polynomial = 1.0 / 720.0;
+    for coefficient in [1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 0.5, 1.0, 1.0] {
+        polynomial = polynomial * f + coefficient;
+    }
+    polynomial * f32::from_bits((shifted.to_bits() << 23).wrapping_add(127 << 23))
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_precisions_give_the_formula() {
+        for kappa in [0.0, 0.03, 1.0 / 9.6, 1.0 / 3.0] {
+            let yukawa = Yukawa::uncut(7.0, kappa).unwrap();
+            for step in 1..800 {
+                let r = 0.1 * f64::from(step);
+                let expected = 7.0 * (-kappa * r).exp() / r;
+                assert!((yukawa.at_square(r * r) / expected - 1.0).abs() < 1e-14);
+                let single = f64::from(yukawa.at_square_f32((r * r) as f32));
+                assert!((single / expected - 1.0).abs() < 1e-5, "{kappa} {r}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_taylor_coefficients_are_those_of_a_fit_nearby() {
+        for kappa in [0.0, 1.0 / 9.6, 1.0 / 3.0] {
+            let yukawa = Yukawa::uncut(7.0, kappa).unwrap();
+            let coefficients = yukawa.taylor::<9>(36.0);
+            for s in [-3.0, -0.5, 0.7, 2.5] {
+                let series = coefficients.iter().rev().fold(0.0, |sum, c| sum * s + c);
+                assert!(
+                    (series - yukawa.at_square(36.0 + s)).abs() < 1e-10,
+                    "{kappa} {s}"
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! How far bodies interact, and which images of a body that is.
+
+use super::SitePotential;
+use crate::system::{Pair, System};
+use crate::{McError, Result};
+use protomer_kernel::cells::require_minimum_image;
+use protomer_kernel::{Boundary, Vec3};
+
+/// Two bodies, or a body and an image of another, whose energy is surely below this are left out,
+/// kT. A body meets fewer than a hundred such partners, so all of them together stay below 10⁻⁶ kT.
+const NEGLIGIBLE_KT: f64 = 1e-8;
+
+/// A box that the interaction spans more often than this is refused: the sum over images would be
+/// one over hundreds of them.
+const MOST_SHELLS: f64 = 4.0;
+
+/// The distances of origins beyond which bodies of two types do not interact, Å.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Reach {
+    types: usize,
+    by_types: Vec<f64>,
+    largest: f64,
+}
+
+impl Reach {
+    /// |E| ≤ v(d) Σ|q_k| Σ|q_l| for charges no nearer than d.
+    pub fn new(system: &System, potential: &impl SitePotential) -> Self {
+        let types = system.types().len();
+        let mut reach = Self {
+            types,
+            by_types: Vec::with_capacity(types * types),
+            largest: 0.0,
+        };
+        for first in system.types() {
+            for second in system.types() {
+                let product =
+                    first.charges.sum_of_magnitudes_e() * second.charges.sum_of_magnitudes_e();
+                let gap = potential.reach_angstrom(product, NEGLIGIBLE_KT);
+                let radii = first.charge_radius_angstrom() + second.charge_radius_angstrom();
+                let distance = if product > 0.0 { gap + radii } else { 0.0 };
+                reach.by_types.push(distance);
+            }
+        }
+        for first in system.placed_types() {
+            for second in system.placed_types() {
+                reach.largest = reach.largest.max(reach.by_types[first * types + second]);
+            }
+        }
+        reach
+    }
+
+    /// The largest among bodies that have a place in the system, Å.
+    pub fn largest_angstrom(&self) -> f64 {
+        self.largest
+    }
+
+    /// Where the images of the second body are that interact with the first: displacements of the
+    /// origins, Å, the nearest image first.
+    pub fn images(&self, pair: &Pair<'_>) -> impl Iterator<Item = Vec3> + use<> {
+        let (first, second) = pair.type_indices();
+        let reach = self.by_types[first * self.types + second];
+        let nearest = pair.displacement;
+        let is_near = move |displacement: &Vec3| displacement.norm_squared() < reach * reach;
+        std::iter::once(nearest)
+            .chain(farther_images(pair.boundary(), nearest, reach))
+            .filter(is_near)
+    }
+}
+
+/// All images but the nearest in a cube that holds the sphere of this radius.
+fn farther_images(
+    boundary: &Boundary,
+    nearest: Vec3,
+    reach: f64,
+) -> impl Iterator<Item = Vec3> + use<> {
+    let lengths = match boundary {
+        Boundary::Periodic { lengths_angstrom } => *lengths_angstrom,
+        Boundary::Open | Boundary::SphereWall { .. } => Vec3::repeat(f64::INFINITY),
+    };
+    let shells = lengths.map(|length| (reach / length + 0.5).floor() as i64);
+    let range = |axis: usize| -shells[axis]..=shells[axis];
+    let (x, y, z) = (range(0), range(1), range(2));
+    let cells = x.flat_map(move |i| {
+        let z = z.clone();
+        y.clone()
+            .flat_map(move |j| z.clone().map(move |k| [i, j, k]))
+    });
+    cells.filter(|cell| *cell != [0; 3]).map(move |[i, j, k]| {
+        nearest + Vec3::new(i as f64, j as f64, k as f64).component_mul(&lengths)
+    })
+}
+
+/// Checks that the box suits the interaction. A cut-off must leave one image of each body in range,
+/// as in the calculations it is compared with; without a cut-off the sum runs over images.
+///
+/// # Errors
+/// [`KernelError::BoxTooSmall`](protomer_kernel::KernelError::BoxTooSmall) for a cut-off;
+/// [`McError::UnscreenedInBox`] and [`McError::ReachesTooFar`] without one.
+pub(crate) fn require_room(system: &System, potential: &impl SitePotential) -> Result<()> {
+    let range = Reach::new(system, potential).largest_angstrom();
+    let smallest = system.boundary().smallest_length_angstrom();
+    if potential.cutoff_angstrom().is_some() {
+        return Ok(require_minimum_image(system.boundary(), range)?);
+    }
+    if smallest.is_finite() && range.is_infinite() {
+        return Err(McError::UnscreenedInBox);
+    }
+    if range > MOST_SHELLS * smallest {
+        return Err(McError::ReachesTooFar {
+            range_angstrom: range,
+            smallest_length_angstrom: smallest,
+            needed_length_angstrom: range / MOST_SHELLS,
+        });
+    }
+    Ok(())
+}

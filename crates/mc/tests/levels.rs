@@ -1,0 +1,168 @@
+//! Energies by levels make the decisions of the direct sum.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::{bench_folder, bench_system, icosphere};
+use protomer_kernel::potential::Yukawa;
+use protomer_kernel::random::CounterRng;
+use protomer_kernel::{Boundary, Pose, Vec3};
+use protomer_mc::energy::levels::{Levels, Table};
+use protomer_mc::energy::{DirectSum, EnergyModel};
+use protomer_mc::{BodyType, Interaction, McError, Settings, Simulation, System};
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+const RADIUS: f64 = 10.0;
+
+/// Eight bodies of two kinds with opposite net charge, near contact, in a box.
+fn eight_bodies(charges: usize, mean_charge: f64, edge: f64, rng: &mut CounterRng) -> System {
+    let mesh = icosphere(RADIUS, 1);
+    let mut kind = |sign: f64| {
+        let mut charge = |_| {
+            let place = rng.vector_in_ball(RADIUS - 1.0);
+            (place, sign * mean_charge + rng.uniform_in(-0.6, 0.6))
+        };
+        let charges: Vec<(Vec3, f64)> = (0..charges).map(&mut charge).collect();
+        Arc::new(BodyType::new("ball", &mesh, &charges).unwrap())
+    };
+    let kinds = vec![kind(1.0), kind(-1.0)];
+    let mut body = |i: usize| {
+        let corner = |bit: usize| 22.0 * f64::from(u8::from(i >> bit & 1 == 1)) - 11.0;
+        let position = Vec3::new(corner(0), corner(1), corner(2));
+        let rotation = rng.rotation();
+        (i % 2, Pose { position, rotation })
+    };
+    let bodies: Vec<(usize, Pose)> = (0..8).map(&mut body).collect();
+    let boundary = Boundary::periodic(Vec3::repeat(edge)).unwrap();
+    System::new(kinds, &bodies, boundary).unwrap()
+}
+
+/// The poses after some sweeps, cluster moves among them, and how many moves were accepted.
+fn trajectory(system: &System, model: Box<dyn EnergyModel>, sweeps: u64) -> (Vec<Pose>, u64) {
+    let settings = Settings {
+        translation_step_angstrom: 2.0,
+        rotation_step_rad: 0.3,
+        equilibration_sweeps: 0,
+        cluster_moves_per_sweep: 1,
+        ..Settings::new(Interaction::HardOnly)
+    };
+    let mut simulation = Simulation::with_model(system.clone(), settings, model, 5, 0).unwrap();
+    let mut go_on = |_: &Simulation| ControlFlow::Continue(());
+    simulation.run_until(sweeps, &mut go_on).unwrap();
+    let statistics = simulation.statistics();
+    let kinds = statistics.translation.iter().chain(&statistics.rotation);
+    let accepted = kinds.map(|kind| kind.accepted).sum();
+    (simulation.system().poses().to_vec(), accepted)
+}
+
+fn assert_same_decisions(system: &System, yukawa: Yukawa, sweeps: u64) {
+    let (direct, accepted) = trajectory(system, Box::new(DirectSum::new(yukawa)), sweeps);
+    let levels = Box::new(Levels::for_system(yukawa, system));
+    let (by_levels, also) = trajectory(system, levels, sweeps);
+    assert_eq!(direct, by_levels, "every pose to the last bit");
+    let moves = 8 * sweeps;
+    assert!(accepted == also && accepted > moves / 20 && accepted < moves * 19 / 20);
+}
+
+#[test]
+fn decisions_are_those_of_the_direct_sum() {
+    let mut rng = CounterRng::new(33, 0, 0);
+    // The last box is so small that images beyond the nearest count.
+    for (debye, charge, edge) in [(9.6, 0.3, 300.0), (3.0, 1.0, 120.0), (9.6, 0.2, 90.0)] {
+        let yukawa = Yukawa::uncut(7.0, 1.0 / debye).unwrap();
+        assert_same_decisions(&eight_bodies(50, charge, edge, &mut rng), yukawa, 60);
+    }
+}
+
+/// `cargo test --release -p protomer-mc --test levels -- --ignored`
+#[test]
+#[ignore = "a hundred thousand decisions at each of three Debye lengths; run by name"]
+fn a_hundred_thousand_decisions_are_those_of_the_direct_sum() {
+    for debye in [3.0, 9.6, 30.0] {
+        let system = eight_bodies(500, 0.03, 400.0, &mut CounterRng::new(34, 0, 0));
+        let yukawa = Yukawa::uncut(7.0, 1.0 / debye).unwrap();
+        assert_same_decisions(&system, yukawa, 11_200);
+    }
+}
+
+/// As above.
+#[test]
+#[ignore = "five thousand decisions at 3000 charges; run by name"]
+fn decisions_on_the_benchmark_state_are_those_of_the_direct_sum() {
+    let Some(folder) = bench_folder() else {
+        return;
+    };
+    let system = bench_system(&folder, "bumpy_1620.off");
+    let yukawa = Yukawa::uncut(7.0, 1.0 / 9.6).unwrap();
+    let decisions = |model: Box<dyn EnergyModel>| {
+        let settings = Settings {
+            translation_step_angstrom: 0.3,
+            rotation_step_rad: 0.04,
+            equilibration_sweeps: 0,
+            ..Settings::new(Interaction::HardOnly)
+        };
+        let mut simulation = Simulation::with_model(system.clone(), settings, model, 7, 0).unwrap();
+        let mut decisions = Vec::new();
+        let mut note = |accepted| decisions.push(accepted);
+        simulation.trial_moves(5000, &mut note).unwrap();
+        decisions
+    };
+    let levels = decisions(Box::new(Levels::for_system(yukawa, &system)));
+    assert_eq!(levels, decisions(Box::new(DirectSum::new(yukawa))));
+}
+
+#[test]
+fn energies_are_the_sums_within_their_bounds() {
+    let mut rng = CounterRng::new(36, 0, 0);
+    let yukawa = Yukawa::uncut(7.0, 1.0 / 9.6).unwrap();
+    let system = eight_bodies(80, 0.3, 300.0, &mut rng);
+    let mut direct = DirectSum::new(yukawa);
+    direct.reset(&system).unwrap();
+    for tolerance_kt in [None, Some(1e-1), Some(1e-3), Some(1e-9)] {
+        let mut levels = Levels::for_system(yukawa, &system);
+        if let Some(tolerance_kt) = tolerance_kt {
+            levels = levels.with_tolerance(tolerance_kt);
+        }
+        levels.reset(&system).unwrap();
+        let bound = levels.error_bound_kt();
+        assert!(
+            bound <= tolerance_kt.unwrap_or(0.1),
+            "{bound} {tolerance_kt:?}"
+        );
+        for (sum, near) in direct.pairs().iter().zip(levels.pairs()) {
+            assert_eq!((sum.first, sum.second), (near.first, near.second));
+            let difference = (sum.energy_kt - near.energy_kt).abs();
+            assert!(
+                difference <= bound + 1e-12,
+                "{difference} {bound} {tolerance_kt:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn stored_tables_come_back_bit_for_bit_and_damage_is_noticed() {
+    let mut rng = CounterRng::new(37, 0, 0);
+    let yukawa = Yukawa::uncut(7.0, 1.0 / 9.6).unwrap();
+    let system = eight_bodies(30, 0.3, 300.0, &mut rng);
+    let charges = &system.body_type(0).charges;
+    let table = Table::new(charges, &yukawa, 40.0);
+    let mut bytes = Vec::new();
+    let fingerprint = Table::fingerprint(charges, &yukawa, 40.0);
+    table.write_to(&mut bytes, &fingerprint).unwrap();
+    let read = |bytes: &[u8], reach| Table::read_from(bytes, charges, &yukawa, reach);
+    assert_eq!(read(&bytes, 40.0).unwrap(), table);
+    let refused =
+        |bytes: &[u8], reach| matches!(read(bytes, reach), Err(McError::UnusableTable(_)));
+    assert!(refused(&bytes, 41.0), "another reach");
+    for place in (0..bytes.len()).step_by(bytes.len() / 40) {
+        let mut changed = bytes.clone();
+        changed[place] ^= 1;
+        assert!(refused(&changed, 40.0), "changed at {place}");
+        assert!(refused(&bytes[..place], 40.0), "cut at {place}");
+    }
+    bytes.push(0);
+    assert!(refused(&bytes, 40.0), "too long");
+}
