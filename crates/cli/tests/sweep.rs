@@ -402,7 +402,7 @@ fn force_removes_the_results_of_protomer_and_nothing_else() {
 
     let (other, senseless) = (
         SWEEP.replace("--seed 7", "--seed 8"),
-        SWEEP.replace("30A", "1000A"),
+        format!("{SWEEP} --cutoff 1000A"),
     );
     // The directory of the input may be the directory of the results.
     is_ok(&place.run(&format!("{SWEEP} -o .")));
