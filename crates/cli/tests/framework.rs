@@ -266,7 +266,7 @@ fn results_are_written_once() {
     );
     let refused = place.run(command);
     assert_eq!(refused.status.code(), Some(1));
-    assert!(common::message(&refused).contains("result.json is already there"));
+    assert!(common::message(&refused).contains("result.json already exists"));
     assert_eq!(common::contents(&place.path("out")), files);
     common::is_ok(&place.run(&format!("{command} --force")));
     assert_eq!(common::contents(&place.path("out")), files);

@@ -305,7 +305,7 @@ fn a_stopped_sweep_says_what_is_not_done() {
     );
     let (html, _) = page(&place, "sweep");
     for text in [
-        "It was stopped by the time limit before its end",
+        "It was stopped by the time limit; the same command continues it",
         "There is no result yet",
         "50 mM, replica 1: no record; it was not started",
     ] {
@@ -569,7 +569,7 @@ fn a_set_of_voxels_and_a_search_have_pages_too() {
         "clusters"
     );
     assert!(
-        html.contains("<td>1</td><td>1</td><td>0</td><td>1</td><td>as it is</td>"),
+        html.contains("<td>1</td><td>1</td><td>0</td><td>1</td><td>unchanged</td>"),
         "channels"
     );
     assert!(
@@ -651,7 +651,7 @@ fn what_is_no_result_is_refused_and_nothing_is_overwritten_unasked() {
     let svg =
         read(&place.path("sweep/sweep.svg")).replace("</svg>", "<script>alert(1)</script></svg>");
     std::fs::write(place.path("sweep/sweep.svg"), svg).unwrap();
-    assert!(refused("report sweep").contains("sweep.svg is no figure"));
+    assert!(refused("report sweep").contains("sweep.svg is not a figure"));
 }
 
 #[test]

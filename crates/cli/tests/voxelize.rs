@@ -716,7 +716,7 @@ fn parts_that_are_missing_are_told() {
     assert_eq!(output.status.code(), Some(1), "partial results");
     let said = String::from_utf8(output.stderr).unwrap();
     assert!(
-        said.contains("2 of 8 structures") && said.contains("there are the parts 1/3, 2/3"),
+        said.contains("2 of 8 structures") && said.contains("the parts present are 1/3, 2/3"),
         "{said}"
     );
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
