@@ -16,7 +16,7 @@ use std::f64::consts::PI;
 /// let (bjerrum_angstrom, debye_angstrom, cutoff_angstrom) = (7.0, 9.6, 48.0);
 /// let yukawa = Yukawa::new(bjerrum_angstrom, 1.0 / debye_angstrom, cutoff_angstrom)?;
 /// let interaction = Interaction::YukawaDirect(yukawa);
-/// assert_ne!(interaction, Interaction::YukawaCertified(yukawa));
+/// assert_ne!(interaction, Interaction::YukawaCalibrated(yukawa));
 /// # Ok::<(), protomer_kernel::KernelError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

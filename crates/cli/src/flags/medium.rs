@@ -4,6 +4,7 @@ use anyhow::Result;
 use clap::Args;
 use protomer::quantity;
 use protomer::stability::interaction::{InteractionSettings, ScreenedCoulomb};
+use protomer::stability::run::EnergyMode;
 
 /// What lies between the bodies.
 #[derive(Debug, Clone, Args)]
@@ -59,5 +60,14 @@ impl ConditionArgs {
     /// The interaction described by the flags.
     pub fn interaction(&self) -> Result<ScreenedCoulomb> {
         self.medium.medium().interaction(self.salt)
+    }
+
+    /// The interaction for energies of this mode. Hard bodies need no salt.
+    pub fn interaction_for(&self, energy: EnergyMode) -> Result<ScreenedCoulomb> {
+        let salt = match energy {
+            EnergyMode::None => self.salt.or(Some(0.0)),
+            _ => self.salt,
+        };
+        self.medium.medium().interaction(salt)
     }
 }

@@ -65,12 +65,16 @@ impl BenchArgs {
     }
 
     fn on_assembly(&self, path: &Path, front: &Front) -> Result<Reply> {
-        let interaction = self.conditions.interaction()?;
+        let energy = self.energy.map(Into::into);
+        let interaction = match energy {
+            Some(energy) => self.conditions.interaction_for(energy)?,
+            None => self.conditions.interaction()?,
+        };
         let assembly = Assembly::read(path)?;
         let usual = BenchSettings::default();
         let settings = BenchSettings {
             moves: self.moves.unwrap_or(usual.moves),
-            energy: self.energy.map(Into::into),
+            energy,
             tolerance_kt: self.tolerance.tolerance,
             seed: self.seed,
             ..usual

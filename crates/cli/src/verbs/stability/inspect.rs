@@ -34,10 +34,10 @@ pub struct InspectArgs {
 
 impl InspectArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
-        let interaction = self.conditions.interaction()?;
         let assembly = Assembly::read(&self.assembly)?;
         let engine = Engine::new(assembly)?.with_tables(self.tables.tables(front));
         let energy = self.energy.into();
+        let interaction = self.conditions.interaction_for(energy)?;
         let settings = inspection_settings(energy, self.tolerance.tolerance, self.contact_gap);
         Ok(Reply::data(inspect(&engine, &settings, interaction)?))
     }

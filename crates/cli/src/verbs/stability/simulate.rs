@@ -11,7 +11,7 @@ use crate::reply::Reply;
 use anyhow::{Result, bail};
 use clap::Args;
 use protomer::assemblies::assembly_file::Assembly;
-use protomer::stability::run::{Engine, RunSettings};
+use protomer::stability::run::{EnergyMode, Engine, RunSettings};
 use protomer::stability::sweep::simulate;
 use protomer_results::keys;
 use std::path::PathBuf;
@@ -121,6 +121,10 @@ impl SimulateArgs {
         settings.replicas = 1;
         match self.conditions.salt {
             Some(salt) => settings.salt_molar = vec![salt],
+            // Hard bodies do not feel the salt.
+            None if self.run.config.is_none() && settings.energy == EnergyMode::None => {
+                settings.salt_molar = vec![0.0];
+            }
             None if self.run.config.is_none()
                 && settings.medium.debye_length_angstrom.is_none() =>
             {

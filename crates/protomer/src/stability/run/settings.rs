@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 /// let settings = RunSettings {
 ///     salt_molar: vec![0.01, 0.1],
 ///     replicas: 3,
-///     energy: EnergyMode::Certified,
+///     energy: EnergyMode::Calibrated,
 ///     ..RunSettings::default()
 /// };
 /// assert_eq!(settings.simulations(), 6);
