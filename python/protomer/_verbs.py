@@ -116,8 +116,8 @@ def ingest(
     cavities
         What to do with cavities inside the body [default: drop]
     interior_radius
-        An enclosed interior is a cavity into which a ball of this radius fits, Å; it is never filled, as
-        other bodies may be in there [default: 10]
+        A cavity is an enclosed interior if a ball of this radius fits into it, Å; interiors are never filled,
+        because other bodies may be inside [default: 10]
     offset
         Move the surface inward by this much, Å [default: 0]
     export
@@ -227,9 +227,9 @@ def surface(
     probe
         Probe radius, Å [default: 1.4]
     cavities
-        What to do with cavities inside [default: keep]
+        What to do with cavities [default: keep]
     interior_radius
-        An enclosed interior is a cavity into which a ball of this radius fits, Å; it is never filled
+        A cavity is an enclosed interior if a ball of this radius fits into it, Å; interiors are never filled
         [default: 10]
     offset
         Move the surface inward by this much, Å [default: 0]
@@ -465,8 +465,8 @@ class _Assemble:
         cavities
             What to do with cavities inside the body [default: drop]
         interior_radius
-            An enclosed interior is a cavity into which a ball of this radius fits, Å; it is never filled, as
-            other bodies may be in there [default: 10]
+            A cavity is an enclosed interior if a ball of this radius fits into it, Å; interiors are never
+            filled, because other bodies may be inside [default: 10]
         offset
             Move the surface inward by this much, Å [default: 0]
         relax
@@ -921,7 +921,7 @@ class _Framework:
         force: bool = False,
         progress: Progress | None = None,
     ) -> FrameworkResult:
-        """Squares that touch at corners, turned by turns.
+        """Squares that share corners and rotate alternately.
 
         Parameters
         ----------
@@ -1011,7 +1011,7 @@ class _Framework:
         force: bool = False,
         progress: Progress | None = None,
     ) -> FrameworkResult:
-        """Equilateral triangles that touch at corners, turned by turns.
+        """Equilateral triangles that share corners and rotate alternately.
 
         Parameters
         ----------
@@ -1113,7 +1113,7 @@ class _Framework:
         ks
             Stiffness of each rib, kcal/mol/Å²
         kh
-            Stiffness of each hinge, one between any two ribs next to each other around a node, kcal/mol/rad²
+            Stiffness of each hinge, one between any two adjacent ribs at a node, kcal/mol/rad²
         width
             Extent of a cell along y, Å [default: 2A]
         na
@@ -1209,7 +1209,7 @@ class _Framework:
         ks
             Stiffness of the rods between squares, kcal/mol/Å²
         kh
-            Stiffness of each hinge, one between any two rods next to each other around a node, kcal/mol/rad²
+            Stiffness of each hinge, one between any two adjacent rods at a node, kcal/mol/rad²
         l
             Half-diagonal of a square, Å [default: 1A]
         na
@@ -1553,13 +1553,13 @@ def inspect(
     debye
         Debye length (such as 9.6A), instead of a salt concentration
     cutoff
-        Distance at which the interaction is cut off, for comparison with calculations that have a cut-off;
-        energies are then summed directly. Without it there is no cut-off
+        Cut-off distance, for comparison with calculations that have one; energies are then summed directly.
+        No cut-off if omitted
     memory_limit
-        Memory that tables of energies by levels may take together, such as 500MB [default: 4GB]
+        Memory limit for all tables of energies by levels, such as 500MB [default: 4GB]
     no_cache
-        Neither look for tables of energies by levels in the cache folder nor keep them there. The folder is
-        PROTOMER_CACHE_DIR (empty: none), else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
+        Do not read or write the cache of tables of energies by levels. The cache folder is PROTOMER_CACHE_DIR
+        (empty: no cache), or else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
     threads
         Threads to use; 0 means all [default: 0]
     force
@@ -1637,8 +1637,8 @@ def simulate(
     debye
         Debye length (such as 9.6A), instead of a salt concentration
     cutoff
-        Distance at which the interaction is cut off, for comparison with calculations that have a cut-off;
-        energies are then summed directly. Without it there is no cut-off
+        Cut-off distance, for comparison with calculations that have one; energies are then summed directly.
+        No cut-off if omitted
     config
         Configuration (TOML), such as the run.toml of another run; flags override it
     sweeps
@@ -1665,10 +1665,10 @@ def simulate(
     checkpoint_every
         Seconds between checkpoints: the most that a killed run loses [default: 20]
     memory_limit
-        Memory that tables of energies by levels may take together, such as 500MB [default: 4GB]
+        Memory limit for all tables of energies by levels, such as 500MB [default: 4GB]
     no_cache
-        Neither look for tables of energies by levels in the cache folder nor keep them there. The folder is
-        PROTOMER_CACHE_DIR (empty: none), else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
+        Do not read or write the cache of tables of energies by levels. The cache folder is PROTOMER_CACHE_DIR
+        (empty: no cache), or else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
     threads
         Threads to use; 0 means all [default: 0]
     force
@@ -1783,10 +1783,10 @@ def sweep(
     checkpoint_every
         Seconds between checkpoints: the most that a killed run loses [default: 20]
     memory_limit
-        Memory that tables of energies by levels may take together, such as 500MB [default: 4GB]
+        Memory limit for all tables of energies by levels, such as 500MB [default: 4GB]
     no_cache
-        Neither look for tables of energies by levels in the cache folder nor keep them there. The folder is
-        PROTOMER_CACHE_DIR (empty: none), else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
+        Do not read or write the cache of tables of energies by levels. The cache folder is PROTOMER_CACHE_DIR
+        (empty: no cache), or else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
     temperature
         Temperature, K [default: 298.15]
     permittivity
@@ -1796,8 +1796,8 @@ def sweep(
     debye
         Debye length (such as 9.6A), instead of a salt concentration
     cutoff
-        Distance at which the interaction is cut off, for comparison with calculations that have a cut-off;
-        energies are then summed directly. Without it there is no cut-off
+        Cut-off distance, for comparison with calculations that have one; energies are then summed directly.
+        No cut-off if omitted
     threads
         Threads to use; 0 means all [default: 0]
     force
@@ -2936,13 +2936,13 @@ def bench(
     debye
         Debye length (such as 9.6A), instead of a salt concentration
     cutoff
-        Distance at which the interaction is cut off, for comparison with calculations that have a cut-off;
-        energies are then summed directly. Without it there is no cut-off
+        Cut-off distance, for comparison with calculations that have one; energies are then summed directly.
+        No cut-off if omitted
     memory_limit
-        Memory that tables of energies by levels may take together, such as 500MB [default: 4GB]
+        Memory limit for all tables of energies by levels, such as 500MB [default: 4GB]
     no_cache
-        Neither look for tables of energies by levels in the cache folder nor keep them there. The folder is
-        PROTOMER_CACHE_DIR (empty: none), else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
+        Do not read or write the cache of tables of energies by levels. The cache folder is PROTOMER_CACHE_DIR
+        (empty: no cache), or else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
     threads
         Threads to use; 0 means all [default: 0]
     force
