@@ -98,7 +98,7 @@ def test_a_killed_worker_costs_its_own_task_and_the_set_is_the_local_one(manifes
 
 def test_a_set_goes_on_with_the_parts_of_an_earlier_call(manifest, tmp_path, client):
     voxelize = {"manifest": manifest, **VOXELS, "output": tmp_path / "set.zarr", "client": client}
-    with pytest.raises(pm.StoppedError, match="goes on"):
+    with pytest.raises(pm.StoppedError, match="continues it"):
         pm.voxelize(**voxelize, parts=3, time_limit=0)
     heard = []
     pm.voxelize(**voxelize, progress=lambda *news: heard.append(news))

@@ -99,7 +99,7 @@ def test_errors_are_exceptions_of_their_kind(ring, tmp_path):
 
 
 def test_stopped_work_goes_on(ring, tmp_path):
-    with pytest.raises(pm.StoppedError, match="goes on"):
+    with pytest.raises(pm.StoppedError, match="continues it"):
         pm.sweep(ring, **SHORT, output=tmp_path / "sweep", time_limit=0)
     whole = pm.sweep(ring, **SHORT, output=tmp_path / "whole")
     assert pm.sweep(ring, **SHORT, output=tmp_path / "sweep").salts[0].to_dict() == whole.salts[0].to_dict()

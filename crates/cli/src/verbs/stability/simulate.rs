@@ -121,14 +121,14 @@ impl SimulateArgs {
         settings.replicas = 1;
         match self.conditions.salt {
             Some(salt) => settings.salt_molar = vec![salt],
-            // Hard bodies do not feel the salt.
-            None if self.run.config.is_none() && settings.energy == EnergyMode::None => {
-                settings.salt_molar = vec![0.0];
-            }
             None if self.run.config.is_none()
                 && settings.medium.debye_length_angstrom.is_none() =>
             {
-                bail!("no salt concentration is given; add --salt 100mM")
+                if settings.energy != EnergyMode::None {
+                    bail!("no salt concentration is given; add --salt 100mM")
+                }
+                // Hard bodies do not feel the salt.
+                settings.salt_molar = vec![0.0];
             }
             None => {}
         }
