@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 /// How many epochs the training of a checkpoint has done.
 ///
 /// # Errors
-/// [`LearnError::Settings`] if the bytes are not a checkpoint.
+/// [`crate::LearnError::Settings`] if the bytes are not a checkpoint.
 pub fn epochs_done(checkpoint: &[u8]) -> Result<usize> {
     let (_, progress): (_, Progress) = unpack(checkpoint, "checkpoint", &Device::Cpu)?;
     Ok(progress.history.len())

@@ -320,7 +320,7 @@ fn named_moduli(moduli: &Moduli, dimension: usize) -> BTreeMap<String, Option<f6
 }
 
 impl Report {
-    /// Whether every node is free of forces, up to [`REST_FORCE`].
+    /// Whether every node is free of forces, up to `REST_FORCE`.
     pub fn at_rest(&self) -> bool {
         self.largest_force_kcal_mol_angstrom <= REST_FORCE
     }

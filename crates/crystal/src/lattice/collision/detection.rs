@@ -1,6 +1,6 @@
 //! The first contact in a step.
 //!
-//! The step is taken to follow a [`Path`] that ends where the drift ends. On it
+//! The step is taken to follow a `Path` that ends where the drift ends. On it
 //! [`march`](super::march) finds the first contact of every pair that is near enough; the earliest
 //! is then brought to the true sub-step, which keeps the rods exactly, by Newton steps on the gap.
 //!
