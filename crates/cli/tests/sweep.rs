@@ -255,6 +255,34 @@ fn a_tolerance_belongs_to_approximate_energies_and_to_the_run() {
     );
 }
 
+/// The program chooses how energies are computed, writes it down, and keeps to it.
+#[test]
+fn the_energies_of_a_run_are_chosen_once() {
+    let place = TemporaryFolder::new();
+    let short =
+        "sweep ring.json --salt 50mM,300mM --replicas 2 --sweeps 20 --equilibration 10 --quiet";
+    let settings = |directory: &str| {
+        std::fs::read_to_string(place.path(&format!("{directory}/run.toml"))).unwrap()
+    };
+    is_ok(&place.run(&format!("{short} -o run")));
+    let chosen = settings("run");
+    assert!(chosen.contains("energy = \"direct\""), "{chosen}");
+    assert!(chosen.contains("definition = \"no cut-off\""), "{chosen}");
+    is_ok(&place.run(&format!("{short} --energy calibrated -o begun")));
+    is_ok(&place.run(&format!("{short} -o begun")));
+    assert!(settings("begun").contains("energy = \"calibrated\""));
+    // Earlier versions cut energies by default, and did not say so in the settings.
+    let earlier = chosen.replace("definition = \"no cut-off\"\n", "");
+    std::fs::write(place.path("run/run.toml"), earlier).unwrap();
+    let output = place.run(&format!("{short} -o run"));
+    assert_eq!(output.status.code(), Some(1));
+    let said = message(&output);
+    assert!(
+        said.contains("medium.definition: none there, \"no cut-off\" here"),
+        "{said}"
+    );
+}
+
 #[test]
 fn a_time_limit_stops_resumably() {
     let place = TemporaryFolder::new();

@@ -5,7 +5,7 @@ use super::page::{Page, Section};
 use super::scenes::{Collected, collect};
 use super::{data, figures, mesh_view, provenance, traces};
 use anyhow::Result;
-use protomer::stability::run::RunSettings;
+use protomer::stability::run::{EnergyMode, RunSettings};
 use protomer::stability::sweep::replica_directory;
 use protomer_results::Record;
 use protomer_results::keys::read_json_if_present;
@@ -74,7 +74,7 @@ fn subtitle(settings: &RunSettings) -> String {
         settings.replicas,
         settings.sweeps,
         settings.equilibration_sweeps,
-        settings.energy.name()
+        settings.energy.map_or("not chosen", EnergyMode::name)
     )
 }
 

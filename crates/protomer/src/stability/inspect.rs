@@ -129,7 +129,7 @@ pub fn inspection_settings(
     contact_gap_angstrom: f64,
 ) -> RunSettings {
     RunSettings {
-        energy,
+        energy: Some(energy),
         tolerance_kt,
         contact_gap_angstrom,
         ..RunSettings::default()

@@ -22,6 +22,18 @@ pub struct InteractionSettings {
     pub debye_length_angstrom: Option<f64>,
     /// Cut-off, Å, with energies summed directly; none where `None`.
     pub cutoff_angstrom: Option<f64>,
+    /// Stated in the settings of every run without a cut-off. Earlier versions cut by default, and
+    /// their runs, which do not state it, cannot be continued with another interaction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub definition: Option<Definition>,
+}
+
+/// How far the interaction reaches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Definition {
+    /// Charges at all distances.
+    #[serde(rename = "no cut-off")]
+    NoCutOff,
 }
 
 impl Default for InteractionSettings {
@@ -32,6 +44,7 @@ impl Default for InteractionSettings {
             bjerrum_length_angstrom: None,
             debye_length_angstrom: None,
             cutoff_angstrom: None,
+            definition: None,
         }
     }
 }

@@ -12,7 +12,7 @@ use anyhow::{Result, bail};
 use clap::Args;
 use protomer::assemblies::assembly_file::Assembly;
 use protomer::stability::run::{EnergyMode, Engine, RunSettings};
-use protomer::stability::sweep::simulate;
+use protomer::stability::sweep::{resolved, simulate};
 use protomer_results::keys;
 use std::path::PathBuf;
 
@@ -49,7 +49,7 @@ pub struct RunArgs {
     /// Sweeps between frames of the trajectory; 0 for none [default: 100].
     #[arg(long)]
     pub trajectory_every: Option<u64>,
-    /// Energy model [default: direct].
+    /// Energy model [default: the fastest that makes the decisions of the direct sum].
     #[arg(long, value_enum)]
     pub energy: Option<Energy>,
     #[command(flatten)]
@@ -75,18 +75,32 @@ impl RunArgs {
         override_with(&mut settings.log_every, self.log_every);
         override_with(&mut settings.trajectory_every, self.trajectory_every);
         let energy = self.energy.map(Into::into);
-        if let Some(energy) = energy.filter(|energy| *energy != settings.energy) {
+        if energy.is_some() && energy != settings.energy {
             // The tolerance of a configuration applies only to its own energy mode.
             settings.energy = energy;
             settings.tolerance_kt = None;
         }
+        settings.tolerance_kt = self.tolerance.tolerance.or(settings.tolerance_kt);
         // Stored even if it is the default, so that a run keeps it if the default changes.
-        settings.tolerance_kt = settings
-            .energy
-            .tolerance_kt(self.tolerance.tolerance.or(settings.tolerance_kt))?;
+        settings.tolerance_kt = settings.tolerance_of_energy_kt()?;
         medium.override_in(&mut settings.medium);
         Ok(settings)
     }
+}
+
+/// Says how energies are computed and, where tables are made first, how long that takes.
+pub fn say_energies(front: &Front, engine: &Engine, settings: &RunSettings) {
+    let energy = settings.energy.unwrap_or(EnergyMode::Direct);
+    let name = energy.name();
+    if !matches!(energy, EnergyMode::Calibrated | EnergyMode::Approximate) {
+        return front.explain(&format!("energies: {name}"));
+    }
+    let costs = engine.costs(settings.trial_moves_per_salt(engine.assembly().len()));
+    front.say(&format!(
+        "energies: {name}; unless they are in the cache, tables take about {:.0} s of processor time \
+         for each salt concentration",
+        costs.tables_seconds.max(1.0)
+    ));
 }
 
 /// Run one simulation of an assembly at one salt concentration. The same command continues it.
@@ -107,6 +121,8 @@ impl SimulateArgs {
         let execution = self.run.execution.execution(front)?;
         let engine = Engine::new(assembly)?.with_tables(self.run.tables.tables(front));
         let directory = &self.run.output;
+        let settings = resolved(&engine, &settings, directory, &execution);
+        say_energies(front, &engine, &settings);
         let end = simulate(&engine, &settings, directory, &execution)?;
         Ok(Reply::of_end(end, || {
             format!(
@@ -124,7 +140,7 @@ impl SimulateArgs {
             None if self.run.config.is_none()
                 && settings.medium.debye_length_angstrom.is_none() =>
             {
-                if settings.energy != EnergyMode::None {
+                if settings.energy != Some(EnergyMode::None) {
                     bail!("no salt concentration is given; add --salt 100mM")
                 }
                 // Hard bodies do not feel the salt.

@@ -1,6 +1,6 @@
 //! `protomer sweep`: stability against salt.
 
-use super::simulate::RunArgs;
+use super::simulate::{RunArgs, say_energies};
 use crate::flags::medium::MediumArgs;
 use crate::flags::scheduler::SchedulerArgs;
 use crate::front::Front;
@@ -10,7 +10,7 @@ use clap::Args;
 use protomer::assemblies::assembly_file::Assembly;
 use protomer::quantity;
 use protomer::stability::run::{Engine, RunSettings};
-use protomer::stability::sweep::{run_shard, run_sweep};
+use protomer::stability::sweep::{resolved, run_shard, run_sweep};
 use protomer_results::{End, Shard};
 use std::path::PathBuf;
 
@@ -56,6 +56,8 @@ impl SweepArgs {
         let execution = self.run.execution.execution(front)?;
         let engine = Engine::new(assembly)?.with_tables(self.run.tables.tables(front));
         let directory = &self.run.output;
+        let settings = resolved(&engine, &settings, directory, &execution);
+        say_energies(front, &engine, &settings);
         if !self.shard.is_whole() {
             let end = run_shard(&engine, &settings, directory, self.shard, &execution)?;
             let Shard { index, of } = self.shard;

@@ -117,6 +117,9 @@ impl Answer for BenchResult {
     }
 }
 
+/// So many that the set-up of energies does not count.
+const MANY_MOVES: f64 = 1e12;
+
 /// Makes the moves and measures them.
 ///
 /// # Errors
@@ -130,11 +133,13 @@ pub fn bench(
 ) -> Result<BenchResult> {
     let clock = ProcessClock::start();
     let engine = Engine::new(assembly)?.with_tables(Arc::clone(&tables));
-    let energy = settings
-        .energy
-        .unwrap_or(engine.fastest_energy(&interaction));
+    let energy = match interaction.cutoff_angstrom.is_finite() {
+        true => EnergyMode::Direct,
+        false => engine.costs(MANY_MOVES).fastest(),
+    };
+    let energy = settings.energy.unwrap_or(energy);
     let run = RunSettings {
-        energy,
+        energy: Some(energy),
         tolerance_kt: settings.tolerance_kt,
         ..RunSettings::default()
     };

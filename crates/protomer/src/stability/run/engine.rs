@@ -3,13 +3,13 @@
 
 use crate::assemblies::assembly_file::Assembly;
 use crate::stability::energy_tables::EnergyTables;
-use crate::stability::interaction::ScreenedCoulomb;
-use crate::stability::run::{DEFAULT_TOLERANCE_KT, EnergyMode, RunSettings};
+use crate::stability::interaction::{Definition, ScreenedCoulomb};
+use crate::stability::run::{DEFAULT_TOLERANCE_KT, EnergyCosts, EnergyMode, Promise, RunSettings};
 use anyhow::{Context, Result, bail};
 use protomer_kernel::potential::Yukawa;
 use protomer_mc::energy::{DirectSum, EnergyModel, NoCharges};
 use protomer_mc::hard::overlapping_pairs;
-use protomer_mc::{BodyType, McError, Settings, System};
+use protomer_mc::{BodyType, Interaction, McError, Settings, System};
 use std::sync::Arc;
 
 /// Body types prepared once and shared by every simulation of an assembly.
@@ -79,8 +79,8 @@ impl Engine {
     ) -> Result<Box<dyn EnergyModel>> {
         let levels = |yukawa: Yukawa| self.tables.levels(&self.system()?, yukawa);
         Ok(match self.settings(run, interaction)?.interaction {
-            protomer_mc::Interaction::YukawaCalibrated(yukawa) => Box::new(levels(yukawa)?),
-            protomer_mc::Interaction::YukawaApproximate {
+            Interaction::YukawaCalibrated(yukawa) => Box::new(levels(yukawa)?),
+            Interaction::YukawaApproximate {
                 yukawa,
                 tolerance_kt,
             } => Box::new(levels(yukawa)?.with_tolerance(tolerance_kt)),
@@ -88,16 +88,30 @@ impl Engine {
         })
     }
 
-    /// The fastest way to compute energies that makes the decisions of the direct sum: levels where
-    /// a body has so many charges that their tables pay, and there is no cut-off.
-    pub fn fastest_energy(&self, interaction: &ScreenedCoulomb) -> EnergyMode {
-        const CHARGES: usize = 200;
-        let charges = self.types.iter().map(|kind| kind.charges.len()).max();
-        let is_cut = interaction.cutoff_angstrom.is_finite();
-        match charges.unwrap_or(0) >= CHARGES && !is_cut {
-            true => EnergyMode::Calibrated,
-            false => EnergyMode::Direct,
-        }
+    /// The settings with everything chosen that they leave open. A directory that was begun keeps
+    /// its energy mode, as long as that makes the decisions of the direct sum.
+    pub fn resolved(&self, run: &RunSettings, begun: Option<EnergyMode>) -> RunSettings {
+        let is_cut = run.medium.cutoff_angstrom.is_some();
+        let energy = run.energy.unwrap_or_else(|| match begun {
+            _ if is_cut => EnergyMode::Direct,
+            Some(begun) if begun.promise() != Promise::None => begun,
+            _ => self
+                .costs(run.trial_moves_per_salt(self.assembly.len()))
+                .fastest(),
+        });
+        let is_uncut = energy != EnergyMode::None && !is_cut;
+        let mut resolved = RunSettings {
+            energy: Some(energy),
+            ..run.clone()
+        };
+        resolved.medium.definition = is_uncut.then_some(Definition::NoCutOff);
+        resolved
+    }
+
+    /// What energies will cost at one salt concentration, for this many trial moves.
+    pub fn costs(&self, trial_moves: f64) -> EnergyCosts {
+        let of_type: Vec<usize> = self.types.iter().map(|kind| kind.charges.len()).collect();
+        EnergyCosts::estimate(&of_type, &self.assembly.kinds, trial_moves)
     }
 
     /// Checks what would stop every simulation at its start: an overlap, or a box too small for an
@@ -114,7 +128,7 @@ impl Engine {
         for interaction in interactions {
             // Without tables: what counts is the reach of the charges.
             let model: Box<dyn EnergyModel> = match run.energy {
-                EnergyMode::None => Box::new(NoCharges),
+                Some(EnergyMode::None) => Box::new(NoCharges),
                 _ => Box::new(DirectSum::new(interaction.yukawa()?)),
             };
             require_room(&system, model.as_ref(), interaction)?;
@@ -127,23 +141,19 @@ impl Engine {
     /// # Errors
     /// If the interaction makes no sense.
     pub fn settings(&self, run: &RunSettings, interaction: &ScreenedCoulomb) -> Result<Settings> {
-        let interaction = match run.energy {
-            EnergyMode::None => protomer_mc::Interaction::HardOnly,
-            EnergyMode::Calibrated | EnergyMode::Approximate
-                if interaction.cutoff_angstrom.is_finite() =>
-            {
-                bail!(
-                    "energies by levels have no cut-off; leave out --cutoff, or add --energy direct"
-                )
-            }
-            EnergyMode::Calibrated => {
-                protomer_mc::Interaction::YukawaCalibrated(interaction.yukawa()?)
-            }
-            EnergyMode::Direct => protomer_mc::Interaction::YukawaDirect(interaction.yukawa()?),
-            EnergyMode::Approximate => protomer_mc::Interaction::YukawaApproximate {
+        let trials = run.trial_moves_per_salt(self.assembly.len());
+        let energy = run.energy.unwrap_or_else(|| self.costs(trials).fastest());
+        let by_levels = matches!(energy, EnergyMode::Calibrated | EnergyMode::Approximate);
+        if by_levels && interaction.cutoff_angstrom.is_finite() {
+            bail!("energies by levels have no cut-off; leave out --cutoff, or add --energy direct");
+        }
+        let interaction = match energy {
+            EnergyMode::None => Interaction::HardOnly,
+            EnergyMode::Calibrated => Interaction::YukawaCalibrated(interaction.yukawa()?),
+            EnergyMode::Direct => Interaction::YukawaDirect(interaction.yukawa()?),
+            EnergyMode::Approximate => Interaction::YukawaApproximate {
                 yukawa: interaction.yukawa()?,
-                tolerance_kt: run
-                    .energy
+                tolerance_kt: energy
                     .tolerance_kt(run.tolerance_kt)?
                     .unwrap_or(DEFAULT_TOLERANCE_KT),
             },

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 /// let settings = RunSettings {
 ///     salt_molar: vec![0.01, 0.1],
 ///     replicas: 3,
-///     energy: EnergyMode::Calibrated,
+///     energy: Some(EnergyMode::Calibrated),
 ///     ..RunSettings::default()
 /// };
 /// assert_eq!(settings.simulations(), 6);
@@ -44,8 +44,10 @@ pub struct RunSettings {
     pub log_every: u64,
     /// Sweeps between two frames of the trajectory; zero for no trajectory.
     pub trajectory_every: u64,
-    /// Energy model.
-    pub energy: EnergyMode,
+    /// How energies are computed; where it is `None`,
+    /// [`Engine::resolved`](super::Engine::resolved) chooses.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub energy: Option<EnergyMode>,
     /// Largest error of the energy of two bodies, kT, for approximate energies only;
     /// [`DEFAULT_TOLERANCE_KT`] if `None`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -144,7 +146,7 @@ impl Default for RunSettings {
             contact_gap_angstrom: 5.0,
             log_every: 10,
             trajectory_every: 100,
-            energy: EnergyMode::Direct,
+            energy: None,
             tolerance_kt: None,
             medium: InteractionSettings::default(),
         }
@@ -188,6 +190,21 @@ impl RunSettings {
     /// Number of simulations of a sweep: salt concentrations times replicas.
     pub fn simulations(&self) -> u64 {
         (self.salt_molar.len() as u64).saturating_mul(u64::from(self.replicas))
+    }
+
+    /// The tolerance of energies, kT per pair of bodies; `None` where decisions are those of the
+    /// direct sum.
+    ///
+    /// # Errors
+    /// As [`EnergyMode::tolerance_kt`].
+    pub fn tolerance_of_energy_kt(&self) -> Result<Option<f64>> {
+        let energy = self.energy.unwrap_or(EnergyMode::Direct);
+        energy.tolerance_kt(self.tolerance_kt)
+    }
+
+    /// Trial moves of all replicas at one salt concentration, without cluster moves.
+    pub fn trial_moves_per_salt(&self, bodies: usize) -> f64 {
+        f64::from(self.replicas) * self.total_sweeps() as f64 * bodies as f64
     }
 
     /// Sweeps of equilibration and production together.
@@ -278,7 +295,7 @@ impl RunSettings {
         if !(gap.is_finite() && gap > 0.0) {
             bail!("contact_gap_angstrom is {gap}; it must be positive");
         }
-        self.energy.tolerance_kt(self.tolerance_kt)?;
+        self.tolerance_of_energy_kt()?;
         Ok(())
     }
 }

@@ -17,7 +17,7 @@ use protomer_io::atomic::write_atomically;
 use protomer_plot::Figure;
 use protomer_results::{
     Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Shard, Work, conduct,
-    conduct_shard, drive, log, settings,
+    conduct_shard, drive, keys, log, settings,
 };
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -121,6 +121,7 @@ pub fn run_sweep(
     directory: &Path,
     execution: &Execution,
 ) -> Result<End<SweepResult>> {
+    let settings = &resolved(engine, settings, directory, execution);
     let sweep = Sweep::new(engine, settings, directory)?;
     let entered =
         ResultsDirectory::enter(directory, &LAYOUT, settings, &sweep.identity, execution)?;
@@ -163,6 +164,7 @@ pub fn run_shard(
     shard: Shard,
     execution: &Execution,
 ) -> Result<End<SweepPart>> {
+    let settings = &resolved(engine, settings, directory, execution);
     let sweep = Sweep::new(engine, settings, directory)?;
     let entered =
         ResultsDirectory::share(directory, &LAYOUT, settings, &sweep.identity, execution)?;
@@ -174,6 +176,19 @@ pub fn run_shard(
         of: shard.of,
         simulations,
     }))
+}
+
+/// The settings with everything chosen that they leave open, as [`run_sweep`] uses and stores them.
+/// A sweep that is continued keeps its energy mode.
+pub fn resolved(
+    engine: &Engine,
+    settings: &RunSettings,
+    directory: &Path,
+    execution: &Execution,
+) -> RunSettings {
+    let begun = keys::read_toml::<RunSettings>(&directory.join(LAYOUT.settings)).ok();
+    let kept = begun.filter(|_| !execution.start_anew);
+    engine.resolved(settings, kept.and_then(|begun| begun.energy))
 }
 
 /// One simulation of a sweep.

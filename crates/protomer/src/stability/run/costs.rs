@@ -1,0 +1,64 @@
+//! What energies cost, estimated before a run: the choice between the direct sum and levels.
+
+use crate::stability::run::EnergyMode;
+use serde::Serialize;
+
+/// Processor time of one pair of charges in the direct sum, s.
+const CHARGE_PAIR_SECONDS: f64 = 1.1e-9;
+/// Processor time of a trial move by levels, and of each further body in it, s.
+const LEVELS_MOVE_SECONDS: f64 = 20e-6;
+const LEVELS_PARTNER_SECONDS: f64 = 2e-6;
+/// Processor time of the tables of one kind of body: for each charge, and for each pair of them, s.
+const TABLE_CHARGE_SECONDS: f64 = 1e-3;
+const TABLE_PAIR_SECONDS: f64 = 2e-6;
+
+/// Processor time of a run's energies at one salt concentration, s: estimates from measurements of
+/// this program, good to a factor of about two.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct EnergyCosts {
+    /// All moves with direct sums.
+    pub direct_seconds: f64,
+    /// The tables of energies by levels, unless they are in the cache.
+    pub tables_seconds: f64,
+    /// All moves with energies by levels.
+    pub levels_seconds: f64,
+}
+
+impl EnergyCosts {
+    /// From the number of charges of each type, the type of each body and the number of trial moves.
+    ///
+    /// ```
+    /// use protomer::stability::run::{EnergyCosts, EnergyMode};
+    /// let few_charges = EnergyCosts::estimate(&[20], &[0, 0], 1e6);
+    /// assert_eq!(few_charges.fastest(), EnergyMode::Direct);
+    /// let all_charges = EnergyCosts::estimate(&[3000], &[0; 16], 1e6);
+    /// assert_eq!(all_charges.fastest(), EnergyMode::Calibrated);
+    /// ```
+    pub fn estimate(charges_of_type: &[usize], kinds: &[usize], trial_moves: f64) -> Self {
+        let of_bodies = || kinds.iter().map(|kind| charges_of_type[*kind] as f64);
+        let bodies = kinds.len().max(1) as f64;
+        let (sum, squares) = of_bodies().fold((0.0, 0.0), |(sum, squares), charges| {
+            (sum + charges, squares + charges * charges)
+        });
+        // Each body's trial meets the charges of all others.
+        let charge_pairs_per_move = (sum * sum - squares) / bodies;
+        let tables = charges_of_type.iter().map(|charges| {
+            let charges = *charges as f64;
+            charges * (TABLE_CHARGE_SECONDS + charges * TABLE_PAIR_SECONDS)
+        });
+        let levels_move = LEVELS_MOVE_SECONDS + LEVELS_PARTNER_SECONDS * (bodies - 1.0);
+        Self {
+            direct_seconds: trial_moves * charge_pairs_per_move * CHARGE_PAIR_SECONDS,
+            tables_seconds: tables.sum(),
+            levels_seconds: trial_moves * levels_move,
+        }
+    }
+
+    /// The mode that needs the least time among those with the decisions of the direct sum.
+    pub fn fastest(&self) -> EnergyMode {
+        match self.direct_seconds <= self.tables_seconds + self.levels_seconds {
+            true => EnergyMode::Direct,
+            false => EnergyMode::Calibrated,
+        }
+    }
+}
