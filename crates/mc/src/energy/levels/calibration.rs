@@ -1,6 +1,6 @@
 //! The built-in comparison: how large the errors of the levels are in units of the variance model.
 
-use super::list::List;
+use super::list::{List, SKIN_ANGSTROM};
 use super::model::COARSE_OPENING;
 use super::table::Table;
 use crate::energy::{SitePotential, pair_energy_kt};
@@ -15,10 +15,12 @@ pub const MULTIPLE: f64 = 6.0;
 /// Poses compared for each pair of types.
 const POSES: u32 = 48;
 /// Of these, poses compared with the direct sum.
-const DIRECT_POSES: u32 = 4;
+const DIRECT_POSES: u32 = 6;
 /// The moves of the comparison, Å and rad.
 const STEP_ANGSTROM: f64 = 0.3;
 const STEP_RADIAN: f64 = 0.03;
+/// The largest turn since a list was made, rad.
+const DRIFT_RADIAN: f64 = 0.05;
 
 /// Standard deviations in units of the variance model, from comparisons on poses near contact.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -27,6 +29,8 @@ pub struct Calibration {
     pub energy_scale: f64,
     /// Of the change of a coarse energy when the pair moves by 1 Å near contact.
     pub change_scale_per_angstrom: f64,
+    /// Of an energy of all charges in coarse tables.
+    pub middle_scale: f64,
     /// Of a fine energy.
     pub fine_scale: f64,
     /// Poses compared.
@@ -60,6 +64,7 @@ struct Ratios {
     pairs: u32,
     energy: Vec<f64>,
     change: Vec<f64>,
+    middle: Vec<f64>,
     fine: Vec<f64>,
 }
 
@@ -73,12 +78,14 @@ impl Ratios {
     ) {
         for pose in 0..POSES {
             let here = near_contact(first, second, rng);
-            let there = Pose {
-                position: here.position + rng.vector_in_ball(STEP_ANGSTROM),
-                rotation: rng.small_rotation(STEP_RADIAN) * here.rotation,
-            };
-            let [here, there] = [here, there].map(|pose| relative(&pose));
-            let list = List::new(first, second, &here, COARSE_OPENING);
+            let there = moved(&here, STEP_ANGSTROM, STEP_RADIAN, rng);
+            // A pair has drifted some way from where its list was made.
+            let before = moved(&here, f64::from(SKIN_ANGSTROM), DRIFT_RADIAN, rng);
+            let [before, here, there] = [before, here, there].map(|pose| relative(&pose));
+            let mut list = List::new(first, second, &before, COARSE_OPENING);
+            if !(list.serves(&here) && list.serves(&there)) {
+                list = List::new(first, second, &here, COARSE_OPENING);
+            }
             let fine = [&here, &there].map(|pose| first.fine_energy(second, &list, pose));
             let coarse = [&here, &there].map(|pose| list.energy(first, pose));
             let ([Some(fine), Some(fine_there)], [Some(coarse), Some(coarse_there)]) =
@@ -86,6 +93,10 @@ impl Ratios {
             else {
                 continue;
             };
+            if let Some(middle) = first.middle_energy(second, &list, &here) {
+                let error = middle.energy_kt - fine.energy_kt;
+                self.middle.push(error / middle.deviation());
+            }
             let deviation = list.variance.sqrt().max(f64::MIN_POSITIVE);
             self.energy.push((coarse - fine.energy_kt) / deviation);
             let change = (coarse_there - coarse) - (fine_there.energy_kt - fine.energy_kt);
@@ -111,17 +122,24 @@ impl Ratios {
         let scales = [
             scale(&self.energy, 0.1),
             scale(&self.change, 0.02),
-            scale(&self.fine, 0.12),
+            scale(&self.middle, 0.12),
+            scale(&self.fine, 0.06),
         ];
-        let all = [&self.energy, &self.change, &self.fine];
+        let all = [&self.energy, &self.change, &self.middle, &self.fine];
         let in_deviations = all.into_iter().zip(scales);
         let in_deviations: Vec<f64> = in_deviations
             .flat_map(|(ratios, scale)| ratios.iter().map(move |ratio| ratio.abs() / scale))
             .collect();
-        let [energy_scale, change_scale_per_angstrom, fine_scale] = scales;
+        let [
+            energy_scale,
+            change_scale_per_angstrom,
+            middle_scale,
+            fine_scale,
+        ] = scales;
         Calibration {
             energy_scale,
             change_scale_per_angstrom,
+            middle_scale,
             fine_scale,
             poses: self.energy.len() as u32,
             exceeded: in_deviations
@@ -130,6 +148,13 @@ impl Ratios {
                 .count() as u32,
             largest: in_deviations.into_iter().fold(0.0, f64::max),
         }
+    }
+}
+
+fn moved(pose: &Pose, step_angstrom: f64, step_rad: f64, rng: &mut CounterRng) -> Pose {
+    Pose {
+        position: pose.position + rng.vector_in_ball(step_angstrom),
+        rotation: rng.small_rotation(step_rad) * pose.rotation,
     }
 }
 

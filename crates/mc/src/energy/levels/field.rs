@@ -3,23 +3,20 @@
 //! Boxes around the charges, each with twice the margin of the one inside it and cells of twice the
 //! edge, so that a cell's edge is at most half its distance from the charges. In a cell the
 //! potential is a Chebyshev series in three coordinates, from its values at 6³ Chebyshev points;
-//! decisions that need less use the first 4³ coefficients, which lie together in memory.
+//! decisions that need less use the first 4³ coefficients, in a short form (`packed`).
 
+use super::packed::{COARSE, Head, Packed, pack};
 use super::split::Split;
 use crate::charges::ChargeCloud;
 use crate::energy::SitePotential;
 use protomer_kernel::Vec3;
 use std::f64::consts::PI;
 
-/// Points of a coarse and of a fine series along each axis.
-const COARSE: usize = 4;
+/// Points of a fine series along each axis.
 pub(super) const FINE: usize = 6;
-/// Coefficients of a coarse series: x and y run within a row of 16, z from row to row.
-const COARSE_ROW: usize = COARSE * COARSE;
-pub(super) const COARSE_SIZE: usize = COARSE_ROW * COARSE;
-/// Of a fine series; its rows of 6 are filled up to 8.
-const FINE_STRIDE: usize = 8;
-const FINE_ROW: usize = FINE * FINE_STRIDE;
+/// Its coefficients: x runs within a row of 6, which is filled up to 8; then y, then z.
+pub(super) const FINE_STRIDE: usize = 8;
+pub(super) const FINE_ROW: usize = FINE * FINE_STRIDE;
 const FINE_SIZE: usize = FINE_ROW * FINE;
 /// The near part ends this many innermost cells from a charge.
 const CELLS_PER_NEAR_RADIUS: f64 = 2.0;
@@ -45,14 +42,15 @@ pub(super) struct Field {
     pub distance: Vec<f32>,
     /// Mean square errors of each cell's coarse and fine series, (kT/e)².
     pub errors: Vec<[f32; 2]>,
-    pub coarse: Vec<Aligned<COARSE_SIZE>>,
-    pub fine: Vec<Aligned<FINE_SIZE>>,
+    heads: Vec<Head>,
+    coarse: Vec<Packed>,
+    pub fine: Vec<Aligned>,
 }
 
 /// The coefficients of a cell, in whole lines of the cache.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(align(64))]
-pub(super) struct Aligned<const SIZE: usize>(pub [f32; SIZE]);
+pub(super) struct Aligned(pub [f32; FINE_SIZE]);
 
 /// One box of cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,13 +81,20 @@ impl Field {
         let centres = field.number_cells();
         for (centre, edge) in centres {
             let (values, nearest) = sites.sample(split, &sampler, centre, edge);
-            field.distance.push(nearest as f32);
             let series = sampler.series(&values);
-            field.errors.push(truncation_errors(&series));
-            field.coarse.push(rows(&series, COARSE, COARSE));
-            field.fine.push(rows(&series, FINE, FINE_STRIDE));
+            field.add_cell(nearest as f32, truncation_errors(&series), rows(&series));
         }
         field
+    }
+
+    /// Adds the next cell: how far its centre is from the nearest charge, its errors, its series.
+    pub fn add_cell(&mut self, distance: f32, errors: [f32; 2], fine: Aligned) {
+        let (head, coarse) = pack(&fine.0);
+        self.distance.push(distance);
+        self.errors.push(errors);
+        self.heads.push(head);
+        self.coarse.push(coarse);
+        self.fine.push(fine);
     }
 
     /// The boxes without their cells.
@@ -123,6 +128,7 @@ impl Field {
             index: vec![COVERED; first as usize],
             distance: Vec::new(),
             errors: Vec::new(),
+            heads: Vec::new(),
             coarse: Vec::new(),
             fine: Vec::new(),
         }
@@ -257,17 +263,20 @@ impl Field {
         charge: &[f32; BLOCK],
         sum: &mut [f32; BLOCK],
     ) {
+        let mut first = [0.0; BLOCK];
         for point in 0..BLOCK {
-            let rows = &self.coarse[spots.cell[point] as usize].0;
+            let cell = spots.cell[point] as usize;
+            let (Packed(rows), head) = (&self.coarse[cell], &self.heads[cell]);
             let [x, y, z] = [0, 1, 2].map(|axis| spots.at[axis][point]);
-            let charge = charge[point];
+            first[point] = head.first;
+            let charge = charge[point] * head.unit;
             let (xx, yy, zz) = (x * x, y * y, z * z);
             let (z2, z3) = (2.0 * zz - 1.0, z * (4.0 * zz - 3.0));
             for lane in 0..BLOCK {
-                let mut value = rows[lane];
-                value = add::<FUSED>(rows[16 + lane], z, value);
-                value = add::<FUSED>(rows[32 + lane], z2, value);
-                value = add::<FUSED>(rows[48 + lane], z3, value);
+                let mut value = f32::from(rows[0][lane]);
+                value = add::<FUSED>(f32::from(rows[1][lane]), z, value);
+                value = add::<FUSED>(f32::from(rows[2][lane]), z2, value);
+                value = add::<FUSED>(f32::from(rows[3][lane]), z3, value);
                 // T_0 to T_3 are products of 1 or x with 1, 2x² - 1 or 4x² - 3.
                 let of_x = add::<FUSED>(ODD_X[lane], x, EVEN_X[lane])
                     * add::<FUSED>(SLOPE_X[lane], xx, SHIFT_X[lane]);
@@ -275,6 +284,9 @@ impl Field {
                     * add::<FUSED>(SLOPE_Y[lane], yy, SHIFT_Y[lane]);
                 sum[lane] = add::<FUSED>(value, of_x * (of_y * charge), sum[lane]);
             }
+        }
+        for lane in 0..BLOCK {
+            sum[lane] = add::<FUSED>(charge[lane], first[lane], sum[lane]);
         }
     }
 
@@ -318,7 +330,7 @@ impl Field {
 
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
-        let cell = 4 * (1 + 2 + COARSE_SIZE + FINE_SIZE);
+        let cell = 4 * (1 + 2 + FINE_SIZE) + size_of::<Head>() + size_of::<Packed>();
         4 * self.index.len() + cell * self.distance.len()
     }
 }
@@ -350,14 +362,15 @@ fn truncation_errors(series: &[f64]) -> [f32; 2] {
     errors.map(|square| square as f32)
 }
 
-/// The first `points` coefficients along each axis, in rows of x and y filled up with zeros.
-fn rows<const SIZE: usize>(series: &[f64], points: usize, stride: usize) -> Aligned<SIZE> {
-    let mut rows = [0.0; SIZE];
-    for k in 0..points {
-        for j in 0..points {
-            for i in 0..points {
-                rows[(k * points + j) * stride + i] = series[(k * FINE + j) * FINE + i] as f32;
-            }
+/// The coefficients in rows filled up with zeros.
+fn rows(series: &[f64]) -> Aligned {
+    let mut rows = [0.0; FINE_SIZE];
+    for (row, values) in rows
+        .chunks_exact_mut(FINE_STRIDE)
+        .zip(series.chunks_exact(FINE))
+    {
+        for (place, value) in row.iter_mut().zip(values) {
+            *place = *value as f32;
         }
     }
     Aligned(rows)

@@ -16,7 +16,7 @@ const FAR_POINTS: usize = 24;
 /// The far sphere, in radii, and how much an error there weighs.
 const FAR_DISTANCE: f64 = 6.0;
 const FAR_WEIGHT: f64 = 100.0;
-const STEPS: usize = 15;
+const STEPS: usize = 40;
 /// Equivalent charges stay within this many radii.
 const LARGEST_DISTANCE: f64 = 0.95;
 

@@ -12,9 +12,12 @@ use protomer_kernel::pose::RelativePose;
 
 /// How far (Å) points near the other body may have moved before new ones are chosen; charges that
 /// can come within the near part's range until then are listed.
-pub(super) const SKIN_ANGSTROM: f32 = 1.3;
+pub(super) const SKIN_ANGSTROM: f32 = 1.9;
 /// Points farther away may move by this part of their distance.
 const PART_OF_DISTANCE: f32 = 0.4;
+
+/// A node stands for its charges where that costs less than this variance, kT².
+const NODE_VARIANCE: f32 = 3e-5;
 
 /// Errors of a table at points of one cell add up: so much more variance than if they did not.
 const TABLE_WEIGHT: f32 = 10.0;
@@ -106,7 +109,7 @@ impl Motion {
 
 impl List {
     /// The points of the second body for this pose, nodes standing for charges where they are
-    /// farther than `opening` of their radii from the charges of the first.
+    /// farther than `opening` of their radii from the charges of the first and their error is small.
     pub fn new<P: SitePotential>(
         first: &Table<P>,
         second: &Table<P>,
@@ -274,7 +277,8 @@ impl<P: SitePotential> Maker<'_, P> {
                 .field
                 .distance_bound(self.motion.apply(node.centre));
             let is_far = distance > self.opening * node.radius
-                && distance > node.radius + 0.7 * self.first.split.radius_angstrom as f32;
+                && distance > node.radius + 0.7 * self.first.split.radius_angstrom as f32
+                && self.node_variance(&node, distance) < NODE_VARIANCE;
             if node.second == 0 || is_far {
                 self.take(&node, distance);
             } else {

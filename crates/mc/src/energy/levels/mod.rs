@@ -3,11 +3,12 @@
 //! | level | what is summed |
 //! |---|---|
 //! | coarse | points chosen for the pair and kept while it moves little, in the coarse table |
+//! | middle | all charges of one body in the coarse table of the other |
 //! | fine | all charges of one body in the fine table of the other |
 //! | direct | all pairs of charges |
 //!
 //! A table (`table`) holds a body's potential in its own frame in two parts (`split`): the smooth one
-//! as Chebyshev series in nested boxes of cells (`field`), the near one as charges to be summed pair
+//! as Chebyshev series in nested boxes of cells (`field`, `packed`), the near one as charges to be summed pair
 //! by pair (`neighbours`). Far parts of the other body are stood for by equivalent charges (`tree`,
 //! `fit`). A list (`list`) keeps which ones for a pair, so that errors before and after a move cancel.
 //!
@@ -25,6 +26,7 @@ mod fit;
 mod list;
 mod model;
 mod neighbours;
+mod packed;
 mod split;
 mod storage;
 mod table;

@@ -13,13 +13,15 @@ use serde::Serialize;
 use std::sync::{Arc, OnceLock};
 
 /// Radii of a node at which its equivalent charges stand for it.
-pub(super) const COARSE_OPENING: f32 = 1.5;
+pub(super) const COARSE_OPENING: f32 = 1.2;
 
 /// How many decisions each level made.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Decided {
     /// From lists of points in coarse tables.
     pub coarse: u64,
+    /// With all charges in coarse tables, for one pair of bodies or more.
+    pub middle: u64,
     /// With all charges in fine tables, for one pair of bodies or more.
     pub fine: u64,
     /// With a direct sum for one pair of bodies or more.
@@ -56,6 +58,7 @@ struct Known {
     types: (usize, usize),
     images: Vec<Image>,
     coarse_kt: f64,
+    middle: OnceLock<Estimate>,
     fine: OnceLock<Estimate>,
     direct_kt: OnceLock<f64>,
 }
@@ -79,8 +82,12 @@ struct Change {
 }
 
 const COARSE: usize = 0;
-const FINE: usize = 1;
-const DIRECT: usize = 2;
+const MIDDLE: usize = 1;
+const FINE: usize = 2;
+const DIRECT: usize = 3;
+
+/// [`Table::middle_energy`] or [`Table::fine_energy`].
+type AllCharges<P> = fn(&Table<P>, &Table<P>, &List, &RelativePose) -> Option<Estimate>;
 
 impl<P: SitePotential> Levels<P> {
     /// The model for this potential and system, with a table for each of its body types.
@@ -173,6 +180,7 @@ impl<P: SitePotential> Levels<P> {
             types: pair.type_indices(),
             images,
             coarse_kt: 0.0,
+            middle: OnceLock::new(),
             fine: OnceLock::new(),
             direct_kt: OnceLock::new(),
         };
@@ -208,8 +216,17 @@ impl<P: SitePotential> Levels<P> {
                 let scale = self.calibration.energy_scale;
                 (known.coarse_kt, model * scale.powi(2))
             }
+            MIDDLE => {
+                let estimate = known
+                    .middle
+                    .get_or_init(|| self.all_charges(known, Table::middle_energy));
+                let scale = self.calibration.middle_scale;
+                (estimate.energy_kt, estimate.variance * scale.powi(2))
+            }
             FINE => {
-                let estimate = self.fine(known);
+                let estimate = known
+                    .fine
+                    .get_or_init(|| self.all_charges(known, Table::fine_energy));
                 let scale = self.calibration.fine_scale;
                 (estimate.energy_kt, estimate.variance * scale.powi(2))
             }
@@ -236,22 +253,21 @@ impl<P: SitePotential> Levels<P> {
         (self.direct_kt(known), DIRECT, 0.0)
     }
 
-    fn fine(&self, known: &Known) -> Estimate {
-        *known.fine.get_or_init(|| {
-            let (first, second) = self.tables_of(known.types);
-            let mut sum = Estimate {
-                energy_kt: 0.0,
-                variance: 0.0,
+    /// The sum over the images, each with all charges of the second body in a table of the first.
+    fn all_charges(&self, known: &Known, energy: AllCharges<P>) -> Estimate {
+        let (first, second) = self.tables_of(known.types);
+        let mut sum = Estimate {
+            energy_kt: 0.0,
+            variance: 0.0,
+        };
+        for image in &known.images {
+            let Some(estimate) = energy(first, second, &image.list, &image.relative) else {
+                return self.beyond_tables(known);
             };
-            for image in &known.images {
-                let Some(estimate) = first.fine_energy(second, &image.list, &image.relative) else {
-                    return self.beyond_tables(known);
-                };
-                sum.energy_kt += estimate.energy_kt;
-                sum.variance += estimate.deviation().powi(2);
-            }
-            sum
-        })
+            sum.energy_kt += estimate.energy_kt;
+            sum.variance += estimate.deviation().powi(2);
+        }
+        sum
     }
 
     fn direct_kt(&self, known: &Known) -> f64 {
@@ -387,6 +403,7 @@ impl<P: SitePotential> Levels<P> {
             .unwrap_or(COARSE)
         {
             COARSE => self.decided.coarse += 1,
+            MIDDLE => self.decided.middle += 1,
             FINE => self.decided.fine += 1,
             _ => self.decided.direct += 1,
         }

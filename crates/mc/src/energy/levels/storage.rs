@@ -3,16 +3,16 @@
 //!
 //! | bytes | |
 //! |---|---|
-//! | 17 | `protomer table 3` and a line feed |
+//! | 17 | `protomer table 4` and a line feed |
 //! | 64 | the [fingerprint](Table::fingerprint) of charges and potential |
 //! | 4, then 36 each | number of nodes of the tree, and the nodes |
 //! | 4, then 16 each | number of points of the tree, and the points |
-//! | ... | for each cell of the field: distance, errors, coarse and fine coefficients |
+//! | ... | for each cell of the field: distance, errors and coefficients |
 //! | 32 | SHA-256 of everything before |
 //!
 //! Numbers are little-endian. Everything else about a table is made anew, which takes milliseconds.
 
-use super::field::Field;
+use super::field::{Aligned, Field};
 use super::table::Table;
 use super::tree::{Node, Tree};
 use crate::charges::ChargeCloud;
@@ -23,7 +23,7 @@ use std::io::{BufWriter, Read, Write};
 
 /// The first line; its number is raised when the layout changes, or when equal charges give other
 /// tables.
-const FIRST_LINE: &[u8; 17] = b"protomer table 3\n";
+const FIRST_LINE: &[u8; 17] = b"protomer table 4\n";
 const FINGERPRINT_LENGTH: usize = 64;
 
 impl<P: SitePotential> Table<P> {
@@ -154,7 +154,6 @@ impl Field {
         for cell in 0..self.distance.len() {
             put(writer, &[self.distance[cell]])?;
             put(writer, &self.errors[cell])?;
-            put(writer, &self.coarse[cell].0)?;
             put(writer, &self.fine[cell].0)?;
         }
         Ok(())
@@ -163,10 +162,8 @@ impl Field {
     /// Fills the cells of a field without any.
     fn read_cells(&mut self, reader: &mut impl Read) -> std::io::Result<()> {
         for _ in 0..self.number_cells().len() {
-            self.distance.push(numbers::<1>(reader)?[0]);
-            self.errors.push(numbers(reader)?);
-            self.coarse.push(super::field::Aligned(numbers(reader)?));
-            self.fine.push(super::field::Aligned(numbers(reader)?));
+            let ([distance], errors) = (numbers(reader)?, numbers(reader)?);
+            self.add_cell(distance, errors, Aligned(numbers(reader)?));
         }
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! All that is prepared for one body type under one potential.
 
-use super::field::Field;
+use super::field::{BLOCK, Field};
 use super::list::{Block, List, Motion, SKIN_ANGSTROM, blocks};
 use super::neighbours::Neighbours;
 use super::split::Split;
@@ -45,13 +45,12 @@ impl<P: SitePotential> Table<P> {
     pub(super) fn assemble(charges: &ChargeCloud, potential: &P, tree: Tree, field: Field) -> Self {
         let split = Split::new(*potential, near_radius(charges));
         let distance = split.radius_angstrom + f64::from(SKIN_ANGSTROM);
-        let single = |(x, q): (Vec3, f64)| [x.x as f32, x.y as f32, x.z as f32, q as f32];
         Self {
+            blocks: blocks(&tree.charges()),
             tree,
             field,
             neighbours: Neighbours::new(charges, distance),
             charges: charges.clone(),
-            blocks: blocks(&charges.iter().map(single).collect::<Vec<_>>()),
             split,
         }
     }
@@ -61,8 +60,57 @@ impl<P: SitePotential> Table<P> {
         Field::boxes(charges, near_radius(charges), reach_angstrom)
     }
 
-    /// The energy with another body at this pose: all of its charges in the fine table, the near pairs
-    /// of a list that serves here one by one. `None` where the table ends before.
+    /// The energy with another body at this pose: all of its charges in the coarse table, the near
+    /// pairs of a list that serves here one by one. `None` where the table ends before.
+    pub(super) fn middle_energy(
+        &self,
+        other: &Self,
+        near: &List,
+        pose: &RelativePose,
+    ) -> Option<Estimate> {
+        #[cfg(target_arch = "x86_64")]
+        if super::list::has_wide_vectors() {
+            // SAFETY: the processor has the features the function is compiled for.
+            return unsafe { self.middle_energy_avx512(other, near, pose) };
+        }
+        self.middle_sum::<false>(other, near, pose)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,fma")]
+    fn middle_energy_avx512(
+        &self,
+        other: &Self,
+        near: &List,
+        pose: &RelativePose,
+    ) -> Option<Estimate> {
+        self.middle_sum::<true>(other, near, pose)
+    }
+
+    #[inline(always)]
+    fn middle_sum<const FUSED: bool>(
+        &self,
+        other: &Self,
+        near: &List,
+        pose: &RelativePose,
+    ) -> Option<Estimate> {
+        let motion = Motion::new(pose);
+        let (mut energy_kt, mut variance) = (0.0, 0.0);
+        for block in &other.blocks {
+            let spots = self.field.locate(&motion.apply_block(block))?;
+            let mut sum = [0.0; BLOCK];
+            self.field.add_coarse::<FUSED>(&spots, &block[3], &mut sum);
+            energy_kt += f64::from(sum.iter().sum::<f32>());
+            variance += f64::from(self.field.coarse_variance(&spots, &block[3]));
+        }
+        energy_kt += near.near_energy(self, pose);
+        Some(Estimate {
+            energy_kt,
+            variance,
+        })
+    }
+
+    /// As [`middle_energy`](Self::middle_energy), in the fine table.
     pub(super) fn fine_energy(
         &self,
         other: &Self,
@@ -93,8 +141,7 @@ impl<P: SitePotential> Table<P> {
         let motion = Motion::new(pose);
         let (mut energy_kt, mut variance) = (0.0, 0.0);
         for block in &other.blocks {
-            let moved = motion.apply_block(block);
-            let spots = self.field.locate(&moved)?;
+            let spots = self.field.locate(&motion.apply_block(block))?;
             energy_kt += self.field.fine(&spots, &block[3]);
             variance += f64::from(self.field.fine_variance(&spots, &block[3]));
         }

@@ -7,12 +7,12 @@ use crate::energy::SitePotential;
 use protomer_kernel::Vec3;
 
 /// Charges of a leaf, which has no equivalent ones.
-const LEAF: usize = 8;
+const LEAF: usize = 12;
 /// A node is no more than this many charges with as many times fewer equivalent ones.
-const EQUIVALENT: usize = 12;
+const EQUIVALENT: usize = 16;
 /// Nodes of fewer charges than this have [`FEW_EQUIVALENT`].
 const SMALL: usize = 24;
-const FEW_EQUIVALENT: usize = 8;
+const FEW_EQUIVALENT: usize = 12;
 
 /// The charges of one body type.
 #[derive(Debug, Clone, PartialEq)]
@@ -102,6 +102,16 @@ impl Tree {
             self.nodes[number].second = self.grow(right, potential);
         }
         number as u32
+    }
+
+    /// The charges, those of a leaf together.
+    pub fn charges(&self) -> Vec<[f32; 4]> {
+        let leaves = self.nodes.iter().filter(|node| node.second == 0);
+        let points = leaves.flat_map(|leaf| {
+            let first = leaf.first as usize;
+            &self.points[first..first + leaf.count as usize]
+        });
+        points.copied().collect()
     }
 
     pub fn memory_bytes(&self) -> usize {

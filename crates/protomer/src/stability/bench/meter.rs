@@ -98,7 +98,7 @@ impl Counts {
     fn of(model: &Levels<Yukawa>) -> Self {
         let decided = model.decided();
         Self {
-            refined: decided.fine + decided.direct,
+            refined: decided.middle + decided.fine + decided.direct,
             coarse: model.coarse_energies(),
         }
     }
