@@ -1657,7 +1657,7 @@ def simulate(
     trajectory_every
         Sweeps between frames of the trajectory; 0 for none [default: 100]
     energy
-        Energy model [default: direct]
+        Energy model [default: the fastest that makes the decisions of the direct sum]
     tolerance
         Largest likely error of the energy of two bodies, kT, with --energy approximate [default: 0.001]
     time_limit
@@ -1775,7 +1775,7 @@ def sweep(
     trajectory_every
         Sweeps between frames of the trajectory; 0 for none [default: 100]
     energy
-        Energy model [default: direct]
+        Energy model [default: the fastest that makes the decisions of the direct sum]
     tolerance
         Largest likely error of the energy of two bodies, kT, with --energy approximate [default: 0.001]
     time_limit

@@ -16,8 +16,17 @@ use std::sync::Arc;
 
 const RADIUS: f64 = 10.0;
 
-/// Eight bodies of two kinds with opposite net charge, near contact, in a box.
-fn eight_bodies(charges: usize, mean_charge: f64, edge: f64, rng: &mut CounterRng) -> System {
+fn cube(edge_angstrom: f64) -> Boundary {
+    Boundary::periodic(Vec3::repeat(edge_angstrom)).unwrap()
+}
+
+/// Eight bodies of two kinds with opposite net charge, near contact.
+fn eight_bodies(
+    charges: usize,
+    mean_charge: f64,
+    boundary: Boundary,
+    rng: &mut CounterRng,
+) -> System {
     let mesh = icosphere(RADIUS, 1);
     let mut kind = |sign: f64| {
         let mut charge = |_| {
@@ -35,7 +44,6 @@ fn eight_bodies(charges: usize, mean_charge: f64, edge: f64, rng: &mut CounterRn
         (i % 2, Pose { position, rotation })
     };
     let bodies: Vec<(usize, Pose)> = (0..8).map(&mut body).collect();
-    let boundary = Boundary::periodic(Vec3::repeat(edge)).unwrap();
     System::new(kinds, &bodies, boundary).unwrap()
 }
 
@@ -72,7 +80,8 @@ fn decisions_are_those_of_the_direct_sum() {
     // The last box is so small that images beyond the nearest count.
     for (debye, charge, edge) in [(9.6, 0.3, 300.0), (3.0, 1.0, 120.0), (9.6, 0.2, 90.0)] {
         let yukawa = Yukawa::uncut(7.0, 1.0 / debye).unwrap();
-        assert_same_decisions(&eight_bodies(50, charge, edge, &mut rng), yukawa, 60);
+        let system = eight_bodies(50, charge, cube(edge), &mut rng);
+        assert_same_decisions(&system, yukawa, 60);
     }
 }
 
@@ -80,8 +89,12 @@ fn decisions_are_those_of_the_direct_sum() {
 #[test]
 #[ignore = "a hundred thousand decisions at each of three Debye lengths; run by name"]
 fn a_hundred_thousand_decisions_are_those_of_the_direct_sum() {
+    // A wall keeps the bodies close to each other.
+    let wall = Boundary::SphereWall {
+        radius_angstrom: 25.0,
+    };
     for debye in [3.0, 9.6, 30.0] {
-        let system = eight_bodies(500, 0.03, 400.0, &mut CounterRng::new(34, 0, 0));
+        let system = eight_bodies(500, 0.03, wall, &mut CounterRng::new(34, 0, 0));
         let yukawa = Yukawa::uncut(7.0, 1.0 / debye).unwrap();
         assert_same_decisions(&system, yukawa, 11_200);
     }
@@ -117,7 +130,7 @@ fn decisions_on_the_benchmark_state_are_those_of_the_direct_sum() {
 fn energies_are_the_sums_within_their_bounds() {
     let mut rng = CounterRng::new(36, 0, 0);
     let yukawa = Yukawa::uncut(7.0, 1.0 / 9.6).unwrap();
-    let system = eight_bodies(80, 0.3, 300.0, &mut rng);
+    let system = eight_bodies(80, 0.3, cube(300.0), &mut rng);
     let mut direct = DirectSum::new(yukawa);
     direct.reset(&system).unwrap();
     for tolerance_kt in [None, Some(1e-1), Some(1e-3), Some(1e-9)] {
@@ -146,7 +159,7 @@ fn energies_are_the_sums_within_their_bounds() {
 fn stored_tables_come_back_bit_for_bit_and_damage_is_noticed() {
     let mut rng = CounterRng::new(37, 0, 0);
     let yukawa = Yukawa::uncut(7.0, 1.0 / 9.6).unwrap();
-    let system = eight_bodies(30, 0.3, 300.0, &mut rng);
+    let system = eight_bodies(30, 0.3, cube(300.0), &mut rng);
     let charges = &system.body_type(0).charges;
     let table = Table::new(charges, &yukawa, 40.0);
     let mut bytes = Vec::new();

@@ -15,7 +15,7 @@ use std::f64::consts::PI;
 /// Points of a fine series along each axis.
 pub(super) const FINE: usize = 6;
 /// Its coefficients: x runs within a row of 6, which is filled up to 8; then y, then z.
-pub(super) const FINE_STRIDE: usize = 8;
+pub(super) const FINE_STRIDE: usize = 6;
 pub(super) const FINE_ROW: usize = FINE * FINE_STRIDE;
 const FINE_SIZE: usize = FINE_ROW * FINE;
 /// The near part ends this many innermost cells from a charge.

@@ -1,6 +1,6 @@
 //! All that is prepared for one body type under one potential.
 
-use super::field::{BLOCK, Field};
+use super::field::{BLOCK, FINE, Field};
 use super::list::{Block, List, Motion, SKIN_ANGSTROM, blocks};
 use super::neighbours::Neighbours;
 use super::split::Split;
@@ -39,6 +39,15 @@ impl<P: SitePotential> Table<P> {
         let tree = Tree::new(charges, potential);
         let field = Field::new(charges, &split, reach_angstrom);
         Self::assemble(charges, potential, tree, field)
+    }
+
+    /// How many potentials of single charges a new table takes: nearly all of the time it needs.
+    pub fn evaluations(charges: &ChargeCloud, reach_angstrom: f64) -> f64 {
+        if charges.is_empty() {
+            return 0.0;
+        }
+        let cells = Field::boxes(charges, near_radius(charges), reach_angstrom).number_cells();
+        (cells.len() * FINE.pow(3)) as f64 * charges.len() as f64
     }
 
     /// The table with what takes long to make from elsewhere.

@@ -8,9 +8,9 @@ const CHARGE_PAIR_SECONDS: f64 = 1.1e-9;
 /// Processor time of a trial move by levels, and of each further body in it, s.
 const LEVELS_MOVE_SECONDS: f64 = 20e-6;
 const LEVELS_PARTNER_SECONDS: f64 = 2e-6;
-/// Processor time of the tables of one kind of body: for each charge, and for each pair of them, s.
-const TABLE_CHARGE_SECONDS: f64 = 1e-3;
-const TABLE_PAIR_SECONDS: f64 = 2e-6;
+/// Processor time of a table: for each charge, and for each potential of a charge at a point, s.
+const TABLE_CHARGE_SECONDS: f64 = 0.7e-3;
+const TABLE_EVALUATION_SECONDS: f64 = 1.0e-9;
 
 /// Processor time of a run's energies at one salt concentration, s: estimates from measurements of
 /// this program, good to a factor of about two.
@@ -25,26 +25,27 @@ pub struct EnergyCosts {
 }
 
 impl EnergyCosts {
-    /// From the number of charges of each type, the type of each body and the number of trial moves.
+    /// From the number of charges of each type and the potentials that its table takes
+    /// ([`evaluations`](protomer_mc::energy::levels::Table::evaluations)), the type of each body and
+    /// the number of trial moves.
     ///
     /// ```
     /// use protomer::stability::run::{EnergyCosts, EnergyMode};
-    /// let few_charges = EnergyCosts::estimate(&[20], &[0, 0], 1e6);
+    /// let few_charges = EnergyCosts::estimate(&[(20, 1e8)], &[0, 0], 1e6);
     /// assert_eq!(few_charges.fastest(), EnergyMode::Direct);
-    /// let all_charges = EnergyCosts::estimate(&[3000], &[0; 16], 1e6);
+    /// let all_charges = EnergyCosts::estimate(&[(3000, 2e10)], &[0; 16], 1e6);
     /// assert_eq!(all_charges.fastest(), EnergyMode::Calibrated);
     /// ```
-    pub fn estimate(charges_of_type: &[usize], kinds: &[usize], trial_moves: f64) -> Self {
-        let of_bodies = || kinds.iter().map(|kind| charges_of_type[*kind] as f64);
+    pub fn estimate(types: &[(usize, f64)], kinds: &[usize], trial_moves: f64) -> Self {
+        let of_bodies = || kinds.iter().map(|kind| types[*kind].0 as f64);
         let bodies = kinds.len().max(1) as f64;
         let (sum, squares) = of_bodies().fold((0.0, 0.0), |(sum, squares), charges| {
             (sum + charges, squares + charges * charges)
         });
         // Each body's trial meets the charges of all others.
         let charge_pairs_per_move = (sum * sum - squares) / bodies;
-        let tables = charges_of_type.iter().map(|charges| {
-            let charges = *charges as f64;
-            charges * (TABLE_CHARGE_SECONDS + charges * TABLE_PAIR_SECONDS)
+        let tables = types.iter().map(|(charges, evaluations)| {
+            *charges as f64 * TABLE_CHARGE_SECONDS + evaluations * TABLE_EVALUATION_SECONDS
         });
         let levels_move = LEVELS_MOVE_SECONDS + LEVELS_PARTNER_SECONDS * (bodies - 1.0);
         Self {

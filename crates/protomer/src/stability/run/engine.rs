@@ -2,7 +2,7 @@
 //! sweep share.
 
 use crate::assemblies::assembly_file::Assembly;
-use crate::stability::energy_tables::EnergyTables;
+use crate::stability::energy_tables::{EnergyTables, PotentialTable};
 use crate::stability::interaction::{Definition, ScreenedCoulomb};
 use crate::stability::run::{DEFAULT_TOLERANCE_KT, EnergyCosts, EnergyMode, Promise, RunSettings};
 use anyhow::{Context, Result, bail};
@@ -110,8 +110,14 @@ impl Engine {
 
     /// What energies will cost at one salt concentration, for this many trial moves.
     pub fn costs(&self, trial_moves: f64) -> EnergyCosts {
-        let of_type: Vec<usize> = self.types.iter().map(|kind| kind.charges.len()).collect();
-        EnergyCosts::estimate(&of_type, &self.assembly.kinds, trial_moves)
+        // The number of cells hardly depends on the reach.
+        const REACH_ANGSTROM: f64 = 300.0;
+        let of_type = |kind: &Arc<BodyType>| {
+            let evaluations = PotentialTable::evaluations(&kind.charges, REACH_ANGSTROM);
+            (kind.charges.len(), evaluations)
+        };
+        let types: Vec<_> = self.types.iter().map(of_type).collect();
+        EnergyCosts::estimate(&types, &self.assembly.kinds, trial_moves)
     }
 
     /// Checks what would stop every simulation at its start: an overlap, or a box too small for an
