@@ -12,8 +12,11 @@ use serde::Serialize;
 /// A decision is left open within this many standard deviations.
 pub const MULTIPLE: f64 = 6.0;
 
+/// Coarse errors have longer tails than a comparison of some hundred poses shows.
+const TAIL: f64 = 1.6;
+
 /// Poses compared for each pair of types.
-const POSES: u32 = 48;
+const POSES: u32 = 96;
 /// Of these, poses compared with the direct sum.
 const DIRECT_POSES: u32 = 6;
 /// The moves of the comparison, Å and rad.
@@ -22,7 +25,7 @@ const STEP_RADIAN: f64 = 0.03;
 /// The largest turn since a list was made, rad.
 const DRIFT_RADIAN: f64 = 0.05;
 
-/// Standard deviations in units of the variance model, from comparisons on poses near contact.
+/// Standard deviations in units of the variance model, from comparisons on random poses.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Calibration {
     /// Of a coarse energy.
@@ -77,7 +80,7 @@ impl Ratios {
         rng: &mut CounterRng,
     ) {
         for pose in 0..POSES {
-            let here = near_contact(first, second, rng);
+            let here = apart(first, second, random_gap(pose, rng), rng);
             let there = moved(&here, STEP_ANGSTROM, STEP_RADIAN, rng);
             // A pair has drifted some way from where its list was made.
             let before = moved(&here, f64::from(SKIN_ANGSTROM), DRIFT_RADIAN, rng);
@@ -120,8 +123,8 @@ impl Ratios {
             typical.max(2.0 * largest / MULTIPLE).max(least)
         };
         let scales = [
-            scale(&self.energy, 0.1),
-            scale(&self.change, 0.02),
+            TAIL * scale(&self.energy, 0.1),
+            TAIL * scale(&self.change, 0.02),
             scale(&self.middle, 0.12),
             scale(&self.fine, 0.06),
         ];
@@ -162,15 +165,23 @@ fn relative(pose: &Pose) -> RelativePose {
     RelativePose::new(&Pose::identity(), pose, &pose.position)
 }
 
-/// A random orientation at which the nearest charges of two bodies are 0.5 to 8 Å apart.
-fn near_contact<P: SitePotential>(
+/// Every other pose is near contact; the others are as far as errors matter, Å.
+fn random_gap(pose: u32, rng: &mut CounterRng) -> f64 {
+    match pose % 2 {
+        0 => 0.5 + 7.5 * rng.uniform().powi(2),
+        _ => rng.uniform_in(5.0, 30.0),
+    }
+}
+
+/// A random orientation at which the nearest charges of two bodies are this far (Å) apart.
+fn apart<P: SitePotential>(
     first: &Table<P>,
     second: &Table<P>,
+    wanted: f64,
     rng: &mut CounterRng,
 ) -> Pose {
     let rotation = rng.rotation();
     let direction = rng.unit_vector();
-    let wanted = 0.5 + 7.5 * rng.uniform().powi(2);
     let at = |distance: f64| Pose {
         position: direction * distance,
         rotation,

@@ -10,11 +10,17 @@ use crate::energy::SitePotential;
 use protomer_kernel::Vec3;
 use protomer_kernel::pose::RelativePose;
 
-/// How far (Å) points near the other body may have moved before new ones are chosen; charges that
-/// can come within the near part's range until then are listed.
-pub(super) const SKIN_ANGSTROM: f32 = 1.9;
+/// How far (Å) points may have moved before new ones are chosen; charges that can come within the
+/// near part's range until then are listed, and nodes hold until then.
+pub(super) const SKIN_ANGSTROM: f32 = 2.2;
 /// Points farther away may move by this part of their distance.
-const PART_OF_DISTANCE: f32 = 0.4;
+const PART_OF_DISTANCE: f32 = 0.3;
+
+/// Of single precision, kT².
+const ROUNDING_VARIANCE: f64 = 1e-9;
+
+/// The variance of the errors' change at small moves, in units of that at large ones.
+const CROSSINGS: f64 = 0.3;
 
 /// A node stands for its charges where that costs less than this variance, kT².
 const NODE_VARIANCE: f32 = 3e-5;
@@ -36,8 +42,8 @@ pub(super) struct List {
     points: Vec<Block>,
     near: Vec<Near>,
     sources: Vec<Block>,
-    /// The part of the second body that must not move far: centre, radius and how far, Å.
-    guard: Guard,
+    /// All parts of the second body.
+    parts: Vec<Part>,
     /// Variance of the energy by the error model, kT².
     pub variance: f64,
 }
@@ -50,8 +56,10 @@ struct Near {
     count: u32,
 }
 
+/// A part of the second body: how far (Å) it may move, and over which distance (Å) the error of its
+/// energy varies.
 #[derive(Debug, Clone, Copy)]
-struct Guard {
+struct Part {
     centre: [f32; 3],
     radius: f32,
     limit: f32,
@@ -70,6 +78,27 @@ impl Motion {
         let r = [0, 1, 2].map(|i| [0, 1, 2].map(|j| pose.rotation[(i, j)] as f32));
         let t = [0, 1, 2].map(|i| pose.translation[i] as f32);
         Self { r, t }
+    }
+
+    /// The displacement of every point from one pose to another.
+    fn between(from: &RelativePose, to: &RelativePose) -> Self {
+        Self::new(&RelativePose {
+            rotation: to.rotation - from.rotation,
+            translation: to.translation - from.translation,
+        })
+    }
+
+    /// A bound on how far a part moves by a [displacement](Self::between), Å.
+    #[inline(always)]
+    fn distance(&self, part: &Part) -> f32 {
+        let length = |[x, y, z]: [f32; 3]| (x * x + y * y + z * z).sqrt();
+        let turn = self
+            .r
+            .iter()
+            .map(|row| row[0] * row[0] + row[1] * row[1] + row[2] * row[2]);
+        // A turn by φ has Frobenius norm 2√2 sin(φ/2) and moves points by 2 sin(φ/2) of their distance.
+        let turned = (turn.sum::<f32>() / 2.0).sqrt() * part.radius;
+        length(self.apply(part.centre)) + turned
     }
 
     #[inline(always)]
@@ -127,7 +156,7 @@ impl List {
             points: Vec::new(),
             near: Vec::new(),
             sources: Vec::new(),
-            least_distance: f32::INFINITY,
+            taken: Vec::new(),
             variance: 0.0,
         };
         maker.choose();
@@ -136,23 +165,23 @@ impl List {
 
     /// Whether the points still serve at this pose.
     pub fn serves(&self, pose: &RelativePose) -> bool {
-        let (was, is) = (&self.reference, pose);
-        let turn = is.rotation - was.rotation;
-        let centre = nalgebra::Vector3::from(self.guard.centre.map(f64::from));
-        let shift = turn * centre + is.translation - was.translation;
-        // A turn by φ has Frobenius norm 2√2 sin(φ/2) and moves points by 2 sin(φ/2) of their distance.
-        let turned = turn.norm() * std::f64::consts::FRAC_1_SQRT_2 * f64::from(self.guard.radius);
-        shift.norm() + turned <= f64::from(self.guard.limit)
+        let motion = Motion::between(&self.reference, pose);
+        self.parts
+            .iter()
+            .all(|part| motion.distance(part) <= part.limit)
     }
 
-    /// How far the part near the other body moves between two poses, in units of the length over
-    /// which the errors of its points vary: 1 Å near the other body, more farther away.
+    /// How far the second body moves between two poses, in units of the lengths over which the
+    /// errors of its points vary: 1 Å near the other body, more farther away.
     pub fn shift(&self, from: &RelativePose, to: &RelativePose) -> f64 {
-        let turn = to.rotation - from.rotation;
-        let centre = nalgebra::Vector3::from(self.guard.centre.map(f64::from));
-        let shift = turn * centre + to.translation - from.translation;
-        let turned = turn.norm() * std::f64::consts::FRAC_1_SQRT_2 * f64::from(self.guard.radius);
-        (shift.norm() + turned) / f64::from(self.guard.length)
+        let motion = Motion::between(from, to);
+        let lengths = self
+            .parts
+            .iter()
+            .map(|part| motion.distance(part) / part.length);
+        let moved = f64::from(lengths.fold(0.0, f32::max));
+        // In proportion to small moves, points cross into cells with other errors.
+        (moved * (moved + CROSSINGS)).sqrt()
     }
 
     /// The energy at this pose, kT; `None` where the table of the first body ends before.
@@ -261,7 +290,8 @@ struct Maker<'a, P> {
     points: Vec<[f32; 4]>,
     near: Vec<Near>,
     sources: Vec<Block>,
-    least_distance: f32,
+    /// Nodes with the distance of their centres from the first body.
+    taken: Vec<(Node, f32)>,
     variance: f32,
 }
 
@@ -276,7 +306,8 @@ impl<P: SitePotential> Maker<'_, P> {
                 .first
                 .field
                 .distance_bound(self.motion.apply(node.centre));
-            let is_far = distance > self.opening * node.radius
+            let nearest = distance - SKIN_ANGSTROM;
+            let is_far = nearest > self.opening * node.radius
                 && distance > node.radius + 0.7 * self.first.split.radius_angstrom as f32
                 && self.node_variance(&node, distance) < NODE_VARIANCE;
             if node.second == 0 || is_far {
@@ -288,7 +319,7 @@ impl<P: SitePotential> Maker<'_, P> {
     }
 
     fn take(&mut self, node: &Node, distance: f32) {
-        self.least_distance = self.least_distance.min(distance - node.radius);
+        self.taken.push((*node, distance));
         self.variance += self.node_variance(node, distance);
         let range = node.first as usize..(node.first + node.count) as usize;
         let points = &self.second.tree.points[range];
@@ -300,14 +331,21 @@ impl<P: SitePotential> Maker<'_, P> {
         }
     }
 
-    /// The error of a node's potential falls with a high power of the distance, and the charges of
-    /// the first body that are nearest see it with random signs.
+    /// The error of a node's potential falls with a high power of the distance. The charges of the
+    /// first body that are nearest see it with random signs; from far away, all of them see it alike.
     fn node_variance(&self, node: &Node, distance: f32) -> f32 {
         if node.second == 0 {
             return 0.0;
         }
-        let decay = (FIT_DISTANCE * node.radius / distance).powi(4);
-        let squares = 0.12 + self.first.tree.density * distance.min(SEEN_ANGSTROM).powi(3) / 16.0;
+        let fitted_at = FIT_DISTANCE * node.radius;
+        let potential = &self.first.split.potential;
+        let screened = potential.at_square_f32(distance * distance)
+            / potential.at_square_f32(fitted_at * fitted_at);
+        let decay = (fitted_at / distance).powi(3) * screened;
+        let seen = &self.first.tree;
+        let random = seen.density * distance.min(SEEN_ANGSTROM).powi(3) / 16.0;
+        let together = seen.net_charge * (distance / (distance + seen.radius)).powi(3);
+        let squares = 0.12 + random + together * together;
         (node.error * decay).powi(2) * squares
     }
 
@@ -340,7 +378,7 @@ impl<P: SitePotential> Maker<'_, P> {
     }
 
     fn finish(mut self, reference: &RelativePose) -> List {
-        let guard = self.guard();
+        let parts = self.parts();
         let blocks = blocks(&self.points);
         self.variance += TABLE_WEIGHT * self.table_variance(&blocks);
         List {
@@ -348,40 +386,28 @@ impl<P: SitePotential> Maker<'_, P> {
             points: blocks,
             near: self.near,
             sources: self.sources,
-            guard,
-            variance: f64::from(self.variance),
+            parts,
+            variance: f64::from(self.variance) + ROUNDING_VARIANCE,
         }
     }
 
-    /// What must not move far: the charges near the first body; where there are none, everything.
-    fn guard(&self) -> Guard {
-        let near = self
-            .near
-            .iter()
-            .map(|near| [near.at[0], near.at[1], near.at[2]]);
-        let mut low = [f32::INFINITY; 3];
-        let mut high = [f32::NEG_INFINITY; 3];
-        for at in near {
-            for axis in 0..3 {
-                (low[axis], high[axis]) = (low[axis].min(at[axis]), high[axis].max(at[axis]));
-            }
-        }
-        if self.near.is_empty() {
-            let root = self.second.tree.nodes.first();
-            return Guard {
-                centre: root.map_or([0.0; 3], |root| root.centre),
-                radius: root.map_or(0.0, |root| root.radius),
-                limit: SKIN_ANGSTROM.max(PART_OF_DISTANCE * self.least_distance),
-                length: (self.least_distance / 3.0).max(1.0),
+    fn parts(&self) -> Vec<Part> {
+        let near_radius = self.first.split.radius_angstrom as f32;
+        let part = |(node, distance): &(Node, f32)| {
+            let gap = distance - node.radius;
+            // Charges of a leaf hold everywhere, but those that are not listed must not come near.
+            let room = match node.second {
+                0 => gap - near_radius,
+                _ => PART_OF_DISTANCE * gap,
             };
-        }
-        let half = [0, 1, 2].map(|axis| (high[axis] - low[axis]) / 2.0);
-        Guard {
-            centre: [0, 1, 2].map(|axis| (low[axis] + high[axis]) / 2.0),
-            radius: (half[0] * half[0] + half[1] * half[1] + half[2] * half[2]).sqrt(),
-            limit: SKIN_ANGSTROM,
-            length: 1.0,
-        }
+            Part {
+                centre: node.centre,
+                radius: node.radius,
+                limit: room.max(SKIN_ANGSTROM),
+                length: (gap / 3.0).max(1.0),
+            }
+        };
+        self.taken.iter().map(part).collect()
     }
 
     fn table_variance(&self, blocks: &[Block]) -> f32 {

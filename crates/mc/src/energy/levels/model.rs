@@ -13,7 +13,7 @@ use serde::Serialize;
 use std::sync::{Arc, OnceLock};
 
 /// Radii of a node at which its equivalent charges stand for it.
-pub(super) const COARSE_OPENING: f32 = 1.2;
+pub(super) const COARSE_OPENING: f32 = 1.0;
 
 /// How many decisions each level made.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]

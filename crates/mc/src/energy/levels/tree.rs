@@ -20,6 +20,10 @@ pub(super) struct Tree {
     pub nodes: Vec<Node>,
     /// Position (Å) and charge (e): those of each node in turn.
     pub points: Vec<[f32; 4]>,
+    /// Of all charges, e.
+    pub net_charge: f32,
+    /// Half the diagonal of the charges' bounding box, Å.
+    pub radius: f32,
     /// Sum of the squared charges over the volume they fill, e²/Å³.
     pub density: f32,
 }
@@ -53,9 +57,12 @@ impl Tree {
 
     pub fn without_nodes(charges: &ChargeCloud) -> Self {
         let charges: Vec<(Vec3, f64)> = charges.iter().collect();
+        let (low, high) = bounds(&charges);
         Self {
             nodes: Vec::new(),
             points: Vec::new(),
+            net_charge: charges.iter().map(|(_, charge)| *charge).sum::<f64>() as f32,
+            radius: ((high - low).norm() / 2.0) as f32,
             density: density(&charges),
         }
     }
