@@ -171,7 +171,7 @@ fn a_trajectory_that_does_not_fit_is_refused() {
         GsdFile::open(&path)
             .unwrap_err()
             .to_string()
-            .contains("is cut")
+            .contains("is truncated")
     );
     std::fs::write(&path, [b'x'; 500]).unwrap();
     assert!(

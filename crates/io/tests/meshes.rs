@@ -230,7 +230,7 @@ fn errors_say_where_and_what() {
         (
             "m.obj",
             b"v 0 0 0\nf 1 2 3\n".to_vec(),
-            "m.obj:2: a face names vertex 1 (counted from zero), but there are 1",
+            "m.obj:2: a face refers to vertex 1 (counted from zero), but there are 1",
         ),
         (
             "m.obj",
@@ -280,7 +280,7 @@ fn errors_say_where_and_what() {
         (
             "m.ply",
             ply("1", "0 0 0\n3 0 0 1\n").into(),
-            "m.ply:11: a face names vertex 1",
+            "m.ply:11: a face refers to vertex 1",
         ),
         (
             "m.ply",
@@ -300,7 +300,7 @@ fn errors_say_where_and_what() {
         (
             "m.stl",
             vec![0xff; 100],
-            "its header promises 4294967295 triangles",
+            "its header states 4294967295 triangles",
         ),
         (
             "m.stl",

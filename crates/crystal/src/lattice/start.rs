@@ -162,7 +162,7 @@ impl Start {
     /// ```
     /// use protomer_crystal::lattice::{Edges, Network, Square, Start};
     /// // Open squares stand corner to corner, and large random turns let some of them overlap.
-    /// let start = Start { angle_spread: 1.0, ..Start::default() };
+    /// let start = Start { angle_spread: 2.0, ..Start::default() };
     /// let network = Network::lattice(4, 4, 0.2, Square::default(), Edges::Open, start.angle)?;
     /// assert!(start.build_apart(&network)?.discarded_draws > 0);
     /// # Ok::<(), protomer_crystal::CrystalError>(())

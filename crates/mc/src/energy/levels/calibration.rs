@@ -13,7 +13,7 @@ use serde::Serialize;
 pub const MULTIPLE: f64 = 6.0;
 
 /// Coarse errors have longer tails than a comparison of some hundred poses shows.
-const TAIL: f64 = 1.6;
+const TAIL: f64 = 2.5;
 
 /// Poses compared for each pair of types.
 const POSES: u32 = 96;
