@@ -308,7 +308,7 @@ impl<P: SitePotential> Maker<'_, P> {
                 .distance_bound(self.motion.apply(node.centre));
             let nearest = distance - SKIN_ANGSTROM;
             let is_far = nearest > self.opening * node.radius
-                && distance > node.radius + 0.7 * self.first.split.radius_angstrom as f32
+                && nearest > node.radius + self.first.split.radius_angstrom as f32
                 && self.node_variance(&node, distance) < NODE_VARIANCE;
             if node.second == 0 || is_far {
                 self.take(&node, distance);
@@ -396,9 +396,10 @@ impl<P: SitePotential> Maker<'_, P> {
         let part = |(node, distance): &(Node, f32)| {
             let gap = distance - node.radius;
             // Charges of a leaf hold everywhere, but those that are not listed must not come near.
+            let to_near = gap - near_radius;
             let room = match node.second {
-                0 => gap - near_radius,
-                _ => PART_OF_DISTANCE * gap,
+                0 => to_near,
+                _ => to_near.min(PART_OF_DISTANCE * gap),
             };
             Part {
                 centre: node.centre,
