@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 
 /// Points of a fine series along each axis.
 pub(super) const FINE: usize = 6;
-/// Its coefficients: x runs within a row of 6, which is filled up to 8; then y, then z.
+/// Its coefficients: x runs fastest, then y, then z.
 pub(super) const FINE_STRIDE: usize = 6;
 pub(super) const FINE_ROW: usize = FINE * FINE_STRIDE;
 const FINE_SIZE: usize = FINE_ROW * FINE;
@@ -362,7 +362,7 @@ fn truncation_errors(series: &[f64]) -> [f32; 2] {
     errors.map(|square| square as f32)
 }
 
-/// The coefficients in rows filled up with zeros.
+/// The coefficients in single precision.
 fn rows(series: &[f64]) -> Aligned {
     let mut rows = [0.0; FINE_SIZE];
     for (row, values) in rows
