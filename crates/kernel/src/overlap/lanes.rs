@@ -182,7 +182,7 @@ fn larger(a: f32, b: f32) -> f32 {
 /// operations, and the discs are not sharper than that.
 #[inline(always)]
 fn inverse_root_below(x: f32) -> f32 {
-    let guess = f32::from_bits(0x5f37_5a86 - (x.to_bits() >> 1));
+    let guess = f32::from_bits(0x5f37_5a86_u32.wrapping_sub(x.to_bits() >> 1));
     guess * (1.5 - 0.5 * x * guess * guess)
 }
 

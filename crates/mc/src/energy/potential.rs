@@ -86,10 +86,11 @@ impl SitePotential for Yukawa {
 }
 
 /// t^(-1/2) to 1e-7: a first guess from the bits (its relative error is 3.4 %), then three steps of
-/// Newton's method. Vector units divide and take roots slowly.
+/// Newton's method. Vector units divide and take roots slowly. The subtraction cannot overflow for
+/// t ≥ 0; a check of it, as builds for tests have, would keep the loop from becoming one of vectors.
 #[inline(always)]
 fn inverse_root(t: f32) -> f32 {
-    let mut y = f32::from_bits(0x5f37_59df - (t.to_bits() >> 1));
+    let mut y = f32::from_bits(0x5f37_59df_u32.wrapping_sub(t.to_bits() >> 1));
     let half = 0.5 * t;
     for _ in 0..3 {
         y *= 1.5 - half * y * y;
