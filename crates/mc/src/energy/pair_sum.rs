@@ -99,6 +99,10 @@ fn add_group_pair<P: SitePotential>(
 ) {
     for k in 0..LANES {
         let (x, y, z, charge) = (a.x[k], a.y[k], a.z[k], a.charge_e[k]);
+        if charge == 0.0 {
+            // From here on lanes are empty and would add zero.
+            break;
+        }
         for (lane, total) in total.iter_mut().enumerate() {
             let (dx, dy, dz) = (b.x[lane] - x, b.y[lane] - y, b.z[lane] - z);
             let energy = potential.at_square(dx * dx + dy * dy + dz * dz);
