@@ -180,7 +180,7 @@ fn the_python_functions_are_those_of_the_program() {
 }
 
 /// The page with the output of its commands as they give it now.
-fn replay(page: &str) -> String {
+fn replay(page: &str, cache: &Path) -> String {
     let folder = tempfile::tempdir().unwrap();
     std::os::unix::fs::symlink(root().join("data"), folder.path().join("data")).unwrap();
     let (mut replayed, mut in_console) = (String::new(), false);
@@ -193,13 +193,13 @@ fn replay(page: &str) -> String {
             replayed += &format!("{line}\n");
         }
         if let Some(command) = line.strip_prefix("$ ").filter(|_| in_console) {
-            replayed += &run(command, folder.path());
+            replayed += &run(command, folder.path(), cache);
         }
     }
     replayed
 }
 
-fn run(line: &str, folder: &Path) -> String {
+fn run(line: &str, folder: &Path, cache: &Path) -> String {
     let programs = Path::new(PROGRAM).parent().unwrap().display().to_string();
     let path = format!("{programs}:{}", std::env::var("PATH").unwrap_or_default());
     let mut command = Command::new("sh");
@@ -211,7 +211,7 @@ fn run(line: &str, folder: &Path) -> String {
         .arg(format!("{{ {line}; }} 2>&1"))
         .current_dir(folder)
         .env("PATH", path)
-        .env("PROTOMER_CACHE_DIR", "")
+        .env("PROTOMER_CACHE_DIR", cache)
         .output();
     String::from_utf8_lossy(&output.unwrap().stdout)
         .lines()
@@ -219,7 +219,8 @@ fn run(line: &str, folder: &Path) -> String {
         .collect()
 }
 
-/// Every page of a folder of `docs` shows what its commands print.
+/// Every page of a folder of `docs` shows what its commands print. Its pages share a cache of energy
+/// tables, as they would on a reader's machine.
 fn check_pages(folder: &str) {
     let mut pages: Vec<PathBuf> = std::fs::read_dir(root().join("docs").join(folder))
         .unwrap()
@@ -227,8 +228,11 @@ fn check_pages(folder: &str) {
         .collect();
     pages.sort();
     assert!(!pages.is_empty());
-    let check =
-        |path: &PathBuf| check_or_update(path, &replay(&std::fs::read_to_string(path).unwrap()));
+    let cache = tempfile::tempdir().unwrap();
+    let check = |path: &PathBuf| {
+        let page = std::fs::read_to_string(path).unwrap();
+        check_or_update(path, &replay(&page, cache.path()))
+    };
     let wrong: Vec<String> = pages.iter().filter_map(|path| check(path).err()).collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
