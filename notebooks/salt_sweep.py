@@ -61,7 +61,7 @@ assert charges[0] > 10 and charges[1] < -10
 
 # %%
 if FAST:
-    settings = {"salt": ["30mM", "300mM"], "replicas": 2, "sweeps": 60, "equilibration": 40}
+    settings = {"salt": ["30mM", "300mM"], "replicas": 2, "sweeps": 100, "equilibration": 40}
 else:
     settings = {"salt": "10mM..300mM/7", "replicas": 3, "sweeps": 800, "equilibration": 200}
 sweep = pm.sweep(work / "stack.json", **settings, seed=1, output=work / "sweep")

@@ -12,6 +12,14 @@ ROOT = Path(__file__).resolve().parents[2]
 STRUCTURES = sorted((ROOT / "data" / "structures").glob("*.gz"))
 
 
+@pytest.fixture(scope="session", autouse=True)
+def cache(tmp_path_factory):
+    """Energy tables are kept from test to test, as a user's are from run to run, but not in the tester's own cache."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PROTOMER_CACHE_DIR", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
 @pytest.fixture(scope="session")
 def protomer():
     """Runs the binary; returns the JSON object it prints, or its text."""

@@ -10,6 +10,14 @@ ROOT = Path(__file__).resolve().parents[2]
 BPTI = ROOT / "data" / "structures" / "5pti.cif.gz"
 
 
+@pytest.fixture(scope="session", autouse=True)
+def cache(tmp_path_factory):
+    """Energy tables are kept from test to test, as a user's are from run to run, but not in the tester's own cache."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PROTOMER_CACHE_DIR", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
 @pytest.fixture(scope="session")
 def bodies(tmp_path_factory):
     """Folder with plus.body and minus.body."""
@@ -21,7 +29,7 @@ def bodies(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def ring(bodies):
-    """An assembly file: four bodies of alternating charge in a ring."""
+    """An assembly file: four bodies of alternating charge in a ring. In a smaller box many images would count."""
     path = bodies / "ring.json"
-    pm.assemble.ring([bodies / "plus.body", bodies / "minus.body"], members=4, box=320.0, output=path)
+    pm.assemble.ring([bodies / "plus.body", bodies / "minus.body"], members=4, box=640.0, output=path)
     return path

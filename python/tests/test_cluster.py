@@ -13,7 +13,7 @@ from protomer import _cluster
 
 distributed = pytest.importorskip("distributed", reason="dask's distributed is not installed")
 
-SWEEP = {"salt": ["30mM", "300mM"], "replicas": 2, "sweeps": 400, "equilibration": 50, "seed": 7, "checkpoint_every": 0.05}
+SWEEP = {"salt": ["30mM", "300mM"], "replicas": 2, "sweeps": 100, "equilibration": 50, "seed": 7, "checkpoint_every": 0.05}
 VOXELS = {"size": 24, "spacing": 2, "channels": "shape", "seed": 3}
 
 
