@@ -1,10 +1,11 @@
 //! The rigid body: mesh, charges, hydropathy, mass. Immutable; simulations share it behind an
 //! `Arc`.
 
+use crate::chemistry::AminoAcid;
 use protomer_kernel::mesh::MassProperties;
 use protomer_kernel::{TriangleMesh, Vec3};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A rigid body in its own frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -83,6 +84,25 @@ impl Body {
     /// ```
     pub fn net_charge_e(&self) -> f64 {
         net_charge_e(&self.sites)
+    }
+
+    /// Molar mass of the chains of amino acids in this body, g/mol: the residues, and a water for
+    /// each chain. `None` without residues, or if one of them is of unknown mass; selenomethionine
+    /// counts as methionine does in the sequence.
+    pub fn molar_mass_g_per_mol(&self) -> Option<f64> {
+        const WATER_G_PER_MOL: f64 = 18.015;
+        let mut chains = BTreeSet::new();
+        let mut sum = 0.0;
+        for residue in &self.residues {
+            let name = match residue.name.as_str() {
+                "MSE" => "MET",
+                name => name,
+            };
+            sum += AminoAcid::of_residue(name)?.residue_mass_g_per_mol();
+            chains.insert(&residue.chain);
+        }
+        let waters = chains.len() as f64;
+        (waters > 0.0).then_some(sum + waters * WATER_G_PER_MOL)
     }
 
     /// Radius of the sphere about the body's origin that holds the mesh, Å.

@@ -13,6 +13,7 @@
 //! | `point_charges` | sums over charges, in vectors |
 //! | [`debye_huckel`] | screened charges in a uniform solvent |
 //! | [`poisson_boltzmann`] | charges in, potential and solvation energy out |
+//! | [`effective_charges`] | charges in salt water that stand for those inside a body |
 //! | [`voxels`] | a structure as a sparse cubic grid: surface, potential, hydropathy |
 //!
 //! Lengths are in Å, charges in e, potentials in kT/e; energies in kT, and in kJ/mol where a name
@@ -21,6 +22,7 @@
 mod charged_sphere;
 pub mod debye_huckel;
 mod dielectric;
+pub mod effective_charges;
 mod error;
 mod grid;
 mod point_charges;

@@ -41,6 +41,10 @@ pub enum Purpose {
     BenchmarkCluster = 6,
     /// A benchmark's bodies spread over a box.
     BenchmarkSpread = 7,
+    /// Orientations of two bodies.
+    PairOrientation = 8,
+    /// The search for bound poses of two bodies.
+    PairDescent = 9,
     /// The order in which samples are dealt into the parts of a split.
     Split = 60,
     /// Samples drawn with replacement for a confidence interval.

@@ -16,6 +16,7 @@
 //! | [`moves`] | trial moves of one body, geometric cluster moves, step sizes |
 //! | [`contact`] | contacts between surfaces |
 //! | [`observables`] | radius of gyration, native contacts, clusters |
+//! | [`pair`] | two bodies: virial coefficient, mean force, association, bound poses |
 //! | [`settings`] | the settings of a simulation |
 //! | [`simulation`] | the loop |
 //! | [`checkpoint`] | the state from which a run continues bit for bit |
@@ -55,6 +56,7 @@ mod error;
 pub mod hard;
 pub mod moves;
 pub mod observables;
+pub mod pair;
 pub mod settings;
 pub mod simulation;
 mod sparse_rows;

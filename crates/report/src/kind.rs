@@ -15,6 +15,8 @@ use std::path::Path;
 pub enum Kind {
     /// A simulation of bodies, or a sweep of simulations.
     MonteCarlo(Box<RunSettings>),
+    /// The thermodynamics of two bodies.
+    Pair,
     /// A run of a lattice.
     Lattice(Box<LatticeSettings>),
     /// A sweep of lattices.
@@ -51,6 +53,7 @@ pub fn of(directory: &Path) -> Result<Kind> {
     let settings = |name: &str| directory.join(name);
     Ok(match ResultKind::of(directory) {
         Some(ResultKind::Sweep) => Kind::MonteCarlo(Box::new(read_toml(&settings("run.toml"))?)),
+        Some(ResultKind::Pair) => Kind::Pair,
         Some(ResultKind::LatticeRun) => Kind::Lattice(Box::new(read_toml(&settings("run.toml"))?)),
         Some(ResultKind::LatticeSweep) => {
             Kind::LatticeSweep(Box::new(read_toml(&settings("run.toml"))?))
@@ -66,8 +69,12 @@ pub fn of(directory: &Path) -> Result<Kind> {
             "{} is one simulation of a sweep; give the directory of the sweep, which holds run.toml",
             directory.display()
         ),
+        Some(ResultKind::PairCondition) => bail!(
+            "{} is one condition of a pair; give the directory of the pair, which holds run.toml",
+            directory.display()
+        ),
         Some(ResultKind::Other(_)) | None => bail!(
-            "{} holds no results that a report can show; give the directory of a simulate, sweep, \
+            "{} holds no results that a report can show; give the directory of a simulate, sweep, pair, \
              lattice run, lattice sweep, framework, train, tune or voxelize command",
             directory.display()
         ),

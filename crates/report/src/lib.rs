@@ -8,7 +8,7 @@
 //! | module | one idea |
 //! |---|---|
 //! | `kind` | what a directory holds |
-//! | `monte_carlo`, `lattice`, `framework`, `framework_tables`, `training`, `tune`, `voxel_set` | the sections of each kind |
+//! | `monte_carlo`, `lattice`, `framework`, `framework_tables`, `pair`, `training`, `tune`, `voxel_set` | the sections of each kind |
 //! | `voxel_channels` | the content of the channels of a set |
 //! | `traces` | the logs of simulations as a figure |
 //! | `scenes` | the bodies shown, and their positions |
@@ -30,6 +30,7 @@ mod lattice;
 mod mesh_view;
 mod monte_carlo;
 mod page;
+mod pair;
 mod provenance;
 mod scenes;
 mod traces;
@@ -111,6 +112,7 @@ fn page_of(directory: &Path, kind: &Kind, assembly: Option<&Path>) -> Result<Pag
         _ if assembly.is_some() => {
             bail!("{} has no assembly; omit --assembly", directory.display())
         }
+        Kind::Pair => pair::page(directory),
         Kind::Lattice(settings) => lattice::page_of_run(directory, settings),
         Kind::LatticeSweep(settings) => lattice::page_of_sweep(directory, settings),
         Kind::Framework => framework::page(directory),

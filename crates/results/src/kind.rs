@@ -19,6 +19,10 @@ pub enum ResultKind {
     Sweep,
     /// One simulation of a sweep.
     Simulation,
+    /// The thermodynamics of two bodies over salt and pH.
+    Pair,
+    /// Two bodies at one salt and pH.
+    PairCondition,
     /// A lattice of rigid squares followed through time.
     LatticeRun,
     /// Many lattice runs.
@@ -38,12 +42,18 @@ pub enum ResultKind {
 }
 
 /// Each kind, its word in JSON, and its name in a sentence.
-const KINDS: [(ResultKind, &str, &str); 9] = [
+const KINDS: [(ResultKind, &str, &str); 11] = [
     (ResultKind::Sweep, "sweep", "a sweep"),
     (
         ResultKind::Simulation,
         "simulation",
         "one simulation of a sweep",
+    ),
+    (ResultKind::Pair, "pair", "the thermodynamics of two bodies"),
+    (
+        ResultKind::PairCondition,
+        "pair condition",
+        "two bodies at one salt and pH",
     ),
     (ResultKind::LatticeRun, "lattice run", "a lattice run"),
     (ResultKind::LatticeSweep, "lattice sweep", "a lattice sweep"),

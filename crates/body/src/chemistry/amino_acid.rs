@@ -193,6 +193,37 @@ impl AminoAcid {
         self.entry().3
     }
 
+    /// Mass of the residue in a chain, neutral, with the natural isotopes, g/mol: the molecule
+    /// without one water (IUPAC standard atomic weights).
+    ///
+    /// ```
+    /// use protomer_body::chemistry::AminoAcid;
+    /// assert_eq!(AminoAcid::Gly.residue_mass_g_per_mol(), 57.052);
+    /// ```
+    pub fn residue_mass_g_per_mol(self) -> f64 {
+        match self {
+            AminoAcid::Ala => 71.079,
+            AminoAcid::Arg => 156.188,
+            AminoAcid::Asn => 114.104,
+            AminoAcid::Asp => 115.089,
+            AminoAcid::Cys => 103.144,
+            AminoAcid::Gln => 128.131,
+            AminoAcid::Glu => 129.116,
+            AminoAcid::Gly => 57.052,
+            AminoAcid::His => 137.142,
+            AminoAcid::Ile | AminoAcid::Leu => 113.160,
+            AminoAcid::Lys => 128.174,
+            AminoAcid::Met => 131.198,
+            AminoAcid::Phe => 147.177,
+            AminoAcid::Pro => 97.117,
+            AminoAcid::Ser => 87.078,
+            AminoAcid::Thr => 101.105,
+            AminoAcid::Trp => 186.213,
+            AminoAcid::Tyr => 163.176,
+            AminoAcid::Val => 99.133,
+        }
+    }
+
     /// Heavy atoms of the side chain, in the names of the Protein Data Bank.
     pub fn side_chain(self) -> &'static [&'static str] {
         self.entry().4

@@ -6,6 +6,7 @@ pub mod device;
 pub mod execution;
 pub mod medium;
 pub mod scheduler;
+pub mod solute;
 pub mod space;
 pub mod tables;
 pub mod tolerance;

@@ -64,6 +64,16 @@ impl Potential {
         &self.reduced.grid
     }
 
+    /// Which points of the grid are inside the surface.
+    pub(crate) fn inside(&self) -> &[bool] {
+        &self.inside
+    }
+
+    /// The potential at a point of the grid outside the surface, kT/e.
+    pub(crate) fn at_outer_point(&self, point: usize) -> f64 {
+        self.reduced.values[point]
+    }
+
     /// u inside and φ outside, kT/e, interpolated across the surface as if it were smooth there.
     pub(super) fn reduced_at(&self, place: &Vec3) -> Option<f64> {
         self.reduced.at(place)

@@ -3,8 +3,10 @@
 pub mod bench;
 pub mod compare;
 pub mod disk_cache;
+pub mod effective;
 pub mod energy_tables;
 pub mod inspect;
 pub mod interaction;
+pub mod pair;
 pub mod run;
 pub mod sweep;

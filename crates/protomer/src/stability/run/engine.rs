@@ -2,6 +2,7 @@
 //! sweep share.
 
 use crate::assemblies::assembly_file::Assembly;
+use crate::stability::effective::{self, SoluteModel, effective_charges_of};
 use crate::stability::energy_tables::{EnergyTables, PotentialTable};
 use crate::stability::interaction::{Definition, ScreenedCoulomb};
 use crate::stability::run::{DEFAULT_TOLERANCE_KT, EnergyCosts, EnergyMode, Promise, RunSettings};
@@ -42,6 +43,27 @@ impl Engine {
     /// The same engine with energy tables from elsewhere.
     pub fn with_tables(self, tables: Arc<EnergyTables>) -> Self {
         Self { tables, ..self }
+    }
+
+    /// The same engine with effective charges in the place of the charges of each body, in this
+    /// medium; and warnings about fits.
+    ///
+    /// # Errors
+    /// As [`effective_charges_of`].
+    pub fn with_effective_charges(
+        mut self,
+        interaction: &ScreenedCoulomb,
+        solute: &SoluteModel,
+    ) -> Result<(Self, Vec<String>)> {
+        let (mut types, mut warnings) = (Vec::new(), Vec::new());
+        for body in &self.assembly.bodies {
+            let charges = effective_charges_of(body, interaction, solute)?;
+            warnings.extend(effective::warning(body, &charges));
+            let kind = BodyType::new(body.name.clone(), &body.mesh, &charges.charges)?;
+            types.push(Arc::new(kind));
+        }
+        self.types = types;
+        Ok((self, warnings))
     }
 
     /// The assembly.

@@ -1,0 +1,160 @@
+//! `protomer pair`: the thermodynamics of two bodies.
+
+use crate::flags::execution::ExecutionArgs;
+use crate::flags::medium::MediumArgs;
+use crate::flags::solute::SoluteArgs;
+use crate::front::Front;
+use crate::reply::Reply;
+use anyhow::{Context, Result};
+use clap::{Args, ValueEnum};
+use protomer::quantity;
+use protomer::stability::effective::SoluteModel;
+use protomer::stability::pair::{Energies, PairBodies, PairRunSettings, run_pair, run_pair_shard};
+use protomer_results::{End, Shard};
+use std::path::{Path, PathBuf};
+
+/// The thermodynamics of two bodies over a grid of salt and pH: second virial coefficient,
+/// potential of mean force, dissociation constant, bound poses. The same command continues work
+/// that was stopped.
+#[derive(Debug, Args)]
+pub struct PairArgs {
+    /// A body or a structure file.
+    first: PathBuf,
+    /// The other body or structure file; a second copy of the first if omitted.
+    second: Option<PathBuf>,
+    /// Directory of the results; nothing is kept if omitted.
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+    /// Salt concentrations: a list such as 10mM,50mM,100mM or a range such as 10mM..1M/8.
+    #[arg(long, allow_hyphen_values = true)]
+    salt: Option<String>,
+    /// pH values at which structure files are made into bodies, such as 4.5,7.
+    #[arg(long, value_delimiter = ',', allow_negative_numbers = true)]
+    ph: Vec<f64>,
+    /// What acts between the bodies beside their surfaces.
+    #[arg(long, value_enum, default_value_t = Interaction::Bare)]
+    interaction: Interaction,
+    /// The wanted standard error of B2, relative to the larger of its magnitude and its hard part.
+    #[arg(long, default_value_t = 0.004)]
+    relative_error: f64,
+    /// Directions with energies that may be sampled for one condition.
+    #[arg(long, default_value_t = 65_536)]
+    most_directions: u64,
+    /// Seed of the random numbers.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Bodies whose surfaces are closer than this are bound, Å.
+    #[arg(long, default_value_t = 5.0)]
+    contact_gap: f64,
+    /// Compute only a part of the conditions, such as 2/8, alongside other processes in the same
+    /// directory; the command without this flag collects the parts.
+    #[arg(long, value_parser = Shard::parse, default_value = "1/1", requires = "output")]
+    shard: Shard,
+    #[command(flatten)]
+    solute: SoluteArgs,
+    #[command(flatten)]
+    medium: MediumArgs,
+    #[command(flatten)]
+    execution: ExecutionArgs,
+}
+
+/// What acts between two bodies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Interaction {
+    /// Nothing beside the surfaces.
+    Hard,
+    /// The charges of the bodies, screened by salt.
+    Bare,
+    /// Effective charges: those that give the potential around bodies of low permittivity that salt
+    /// does not enter.
+    Effective,
+}
+
+impl PairArgs {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
+        let settings = self.settings()?;
+        let bodies = PairBodies::read(&self.first, self.second.as_deref(), &settings.ph)?;
+        for warning in &bodies.warnings {
+            front.say(warning);
+        }
+        match &self.output {
+            Some(directory) => self.compute(front, &bodies, &settings, directory),
+            None => {
+                let folder = tempfile::tempdir().context("cannot make a temporary folder")?;
+                self.compute(front, &bodies, &settings, &folder.path().join("pair"))
+            }
+        }
+    }
+
+    fn compute(
+        &self,
+        front: &Front,
+        bodies: &PairBodies,
+        settings: &PairRunSettings,
+        directory: &Path,
+    ) -> Result<Reply> {
+        let execution = self.execution.execution(front)?;
+        if !self.shard.is_whole() {
+            let end = run_pair_shard(bodies, settings, directory, self.shard, &execution)?;
+            let Shard { index, of } = self.shard;
+            return Ok(Reply::of_end(end, || {
+                format!("stopped; the same command continues part {index} of {of}")
+            }));
+        }
+        Ok(match run_pair(bodies, settings, directory, &execution)? {
+            End::Finished(result) => {
+                let mut warnings = Vec::new();
+                for condition in &result.conditions {
+                    warnings.extend(condition.warnings.iter().cloned());
+                }
+                warnings.dedup();
+                let reply = Reply::of(result).with_notes(warnings);
+                match &self.output {
+                    Some(output) => {
+                        let figure = output.join("pair.png");
+                        reply.with_note(format!("figure: {}", figure.display()))
+                    }
+                    None => reply,
+                }
+            }
+            End::Stopped => Reply::stopped(match &self.output {
+                Some(output) => {
+                    format!("stopped; the same command continues {}", output.display())
+                }
+                None => "stopped; without --output nothing is kept".into(),
+            }),
+        })
+    }
+
+    /// Stored even where it is the default, so that a run keeps it if the default changes.
+    fn effective_solute(&self) -> Option<SoluteModel> {
+        match self.interaction {
+            Interaction::Effective => Some(self.solute.solute().unwrap_or_default()),
+            _ => self.solute.solute(),
+        }
+    }
+
+    fn settings(&self) -> Result<PairRunSettings> {
+        let mut settings = PairRunSettings {
+            salt_molar: match &self.salt {
+                Some(salt) => quantity::salt_list(salt)?,
+                None => Vec::new(),
+            },
+            ph: self.ph.clone(),
+            energies: match self.interaction {
+                Interaction::Hard => Energies::Hard,
+                Interaction::Bare => Energies::Bare,
+                Interaction::Effective => Energies::Effective,
+            },
+            solute: self.effective_solute(),
+            contact_gap_angstrom: self.contact_gap,
+            medium: self.medium.medium(),
+            ..PairRunSettings::default()
+        };
+        settings.sampling.seed = self.seed;
+        settings.sampling.relative_error = self.relative_error;
+        settings.sampling.most_directions = self.most_directions;
+        settings.check()?;
+        Ok(settings)
+    }
+}

@@ -1,0 +1,93 @@
+//! How near the second body comes along a direction.
+
+use super::BodyPair;
+use super::orientation::Orientation;
+use protomer_kernel::overlap::{overlaps, separation_bound};
+
+/// A bound on the separation is not asked for beyond this, Å.
+const CEILING_ANGSTROM: f64 = 8.0;
+/// The least step towards contact, Å. Overlaps thinner than this may be passed over: they are those
+/// of bodies that graze each other to within some 10⁻⁴ Å.
+const LEAST_STEP_ANGSTROM: f64 = 0.1;
+/// The interval in which the bodies touch is halved down to this, Å; its middle counts.
+const PRECISION_ANGSTROM: f64 = 1e-3;
+
+/// The distance of the origins at which the second body, coming from far away, first touches the
+/// first; zero if it passes through the origin untouched. Å.
+///
+/// The body advances by a lower bound on the separation, so nothing is met on the way.
+pub fn contact_distance_angstrom(pair: &BodyPair, orientation: &Orientation) -> f64 {
+    let (first, second) = (&pair.first.shape, &pair.second.shape);
+    let radii = first.bounding_radius_angstrom() + second.bounding_radius_angstrom();
+    let mut apart = radii + LEAST_STEP_ANGSTROM;
+    let mut touching = apart;
+    while let Some(bound) =
+        separation_bound(first, second, &orientation.at(touching), CEILING_ANGSTROM)
+    {
+        if touching <= 0.0 {
+            return 0.0;
+        }
+        apart = touching;
+        touching = (apart - bound.max(LEAST_STEP_ANGSTROM)).max(0.0);
+    }
+    while apart - touching > PRECISION_ANGSTROM {
+        let middle = 0.5 * (apart + touching);
+        match overlaps(first, second, &orientation.at(middle)) {
+            true => touching = middle,
+            false => apart = middle,
+        }
+    }
+    0.5 * (apart + touching)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::super::Hard;
+    use super::*;
+    use crate::BodyType;
+    use protomer_kernel::random::CounterRng;
+    use protomer_kernel::{TriangleMesh, Vec3};
+    use std::sync::Arc;
+
+    fn tetrahedron(size: f64) -> Arc<BodyType> {
+        let corners = [
+            [1.0, 1.0, 1.0],
+            [1.0, -1.0, -1.0],
+            [-1.0, 1.0, -1.0],
+            [-1.0, -1.0, 1.0],
+        ];
+        let mesh = TriangleMesh {
+            vertices: corners.map(|corner| size * Vec3::from(corner)).to_vec(),
+            triangles: vec![[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]],
+        };
+        Arc::new(BodyType::new("tetrahedron", &mesh, &[]).unwrap())
+    }
+
+    #[test]
+    fn it_is_where_a_scan_from_outside_first_overlaps() {
+        let pair = BodyPair {
+            first: tetrahedron(5.0),
+            second: tetrahedron(3.0),
+            potential: Arc::new(Hard),
+            contact_gap_angstrom: 5.0,
+        };
+        for case in 0..40 {
+            let mut rng = CounterRng::new(5, 0, case);
+            let orientation = Orientation {
+                direction: rng.unit_vector(),
+                rotation: rng.rotation(),
+            };
+            let contact = contact_distance_angstrom(&pair, &orientation);
+            let mut scanned = 15.0;
+            while !overlaps(
+                &pair.first.shape,
+                &pair.second.shape,
+                &orientation.at(scanned),
+            ) {
+                scanned -= 0.001;
+            }
+            assert!((contact - scanned).abs() < 0.0016, "{contact} {scanned}");
+        }
+    }
+}

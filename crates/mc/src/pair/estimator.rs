@@ -1,0 +1,481 @@
+//! Pilot, adaptation, and replicas with error bars.
+
+use super::BodyPair;
+use super::orientation::{EvenSequence, Orientation};
+use super::profile::{Bins, MeanForceRow, mean_force, over_directions};
+use super::proposal::{Proposal, Width};
+use super::radial::{RaySample, hard_ray};
+use crate::{McError, Result};
+use protomer_kernel::Pose;
+use protomer_kernel::random::{CounterRng, Purpose};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// Energies are followed out to where they are below this, kT; beyond, they count to first order.
+const TAIL_ENERGY_KT: f64 = 1e-3;
+/// The widths of the caps, from one step of the pilot to the next, rad.
+const WIDTHS: [Width; 4] = [
+    width(0.6, 0.9),
+    width(0.35, 0.55),
+    width(0.2, 0.32),
+    width(0.12, 0.2),
+];
+/// The share of draws in caps while the pilot adapts.
+const PILOT_SHARE: f64 = 0.7;
+/// The shares that the production may choose from, beside the uniform distribution.
+const SHARES: [f64; 2] = [0.5, 0.85];
+/// How many caps a distribution has.
+const CAPS: usize = 384;
+/// Samples kept in memory at a time.
+const CHUNK: u64 = 1024;
+/// The lowest energies kept as starts for the search for bound poses.
+const KEPT_POSES: usize = 64;
+
+const fn width(direction_rad: f64, rotation_rad: f64) -> Width {
+    Width {
+        direction_rad,
+        rotation_rad,
+    }
+}
+
+/// How much is sampled.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct PairSettings {
+    /// Seed of the random numbers.
+    pub seed: u64,
+    /// Independent replicas, whose spread is the error.
+    pub replicas: u32,
+    /// Directions of each step of the pilot.
+    pub pilot_directions: u64,
+    /// Directions of each replica at which only the surfaces count.
+    pub hard_directions: u64,
+    /// The wanted standard error of B₂, relative to the larger of |B₂| and its hard part.
+    pub relative_error: f64,
+    /// Directions with energies that the replicas may take together.
+    pub most_directions: u64,
+}
+
+impl Default for PairSettings {
+    fn default() -> Self {
+        Self {
+            seed: 1,
+            replicas: 16,
+            pilot_directions: 1024,
+            hard_directions: 512,
+            relative_error: 0.004,
+            most_directions: 65_536,
+        }
+    }
+}
+
+impl PairSettings {
+    /// Refuses settings that make no sense.
+    ///
+    /// # Errors
+    /// [`McError::BadSetting`] names the setting.
+    pub fn check(&self) -> Result<()> {
+        let bad = |setting, value: f64, requirement| {
+            Err(McError::BadSetting {
+                setting,
+                value,
+                requirement,
+            })
+        };
+        if !(4..=1000).contains(&self.replicas) {
+            let requirement = "4 to 1000: their spread is the error";
+            return bad("number of replicas", f64::from(self.replicas), requirement);
+        }
+        let counts = [
+            ("directions of the pilot", self.pilot_directions),
+            ("directions without energies", self.hard_directions),
+            ("most directions", self.most_directions),
+        ];
+        for (setting, count) in counts {
+            if !(64..=1_000_000_000).contains(&count) {
+                return bad(setting, count as f64, "64 to 1 000 000 000");
+            }
+        }
+        if !(1e-6..=1.0).contains(&self.relative_error) {
+            return bad("relative error", self.relative_error, "1e-6 to 1");
+        }
+        Ok(())
+    }
+}
+
+/// The state of an estimate, which advances step by step.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Estimator {
+    settings: PairSettings,
+    explored: Vec<Explored>,
+    plan: Option<Plan>,
+    replicas: Vec<Replica>,
+    lowest: Vec<Found>,
+}
+
+/// One orientation that the pilot has looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+struct Explored {
+    orientation: Orientation,
+    step: u32,
+    /// ∫ (exp(-U) - 1) r² dr, Å³.
+    soft: f64,
+    /// The density it was drawn with.
+    density: f64,
+}
+
+/// How the replicas draw.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Plan {
+    proposal: Proposal,
+    directions: u64,
+}
+
+/// The averages of one replica, Å³.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Replica {
+    covered: f64,
+    open: f64,
+    soft: f64,
+    bound: f64,
+    bound_hard: f64,
+    bins: Bins,
+}
+
+/// A pose with its energy.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Found {
+    /// The second body in the frame of the first.
+    pub pose: Pose,
+    /// Energy, kT.
+    pub energy_kt: f64,
+}
+
+/// What two bodies do together.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PairThermodynamics {
+    /// B₂ (B₁₂ of different bodies), Å³.
+    pub b2_angstrom3: f64,
+    /// Its standard error, Å³.
+    pub b2_error_angstrom3: f64,
+    /// The same of the surfaces alone, Å³.
+    pub b2_hard_angstrom3: f64,
+    /// Its standard error, Å³.
+    pub b2_hard_error_angstrom3: f64,
+    /// ∫ exp(-U) d³R over poses in contact, averaged over rotations, Å³.
+    pub association_volume_angstrom3: f64,
+    /// Its standard error, Å³.
+    pub association_volume_error_angstrom3: f64,
+    /// The same of bodies with the same surfaces and no energy, Å³.
+    pub contact_volume_angstrom3: f64,
+    /// Directions with energies that the replicas took together.
+    pub directions: u64,
+    /// w(r).
+    pub mean_force: Vec<MeanForceRow>,
+}
+
+impl Estimator {
+    /// An estimate that has not begun.
+    ///
+    /// # Errors
+    /// As [`PairSettings::check`].
+    pub fn new(settings: PairSettings) -> Result<Self> {
+        settings.check()?;
+        Ok(Self {
+            settings,
+            explored: Vec::new(),
+            plan: None,
+            replicas: Vec::new(),
+            lowest: Vec::new(),
+        })
+    }
+
+    /// The number of steps of a whole estimate.
+    pub fn steps(settings: &PairSettings) -> u64 {
+        Self::PILOT_STEPS + u64::from(settings.replicas)
+    }
+
+    /// Uniform, one for each width, and one that compares the choices for the production.
+    const PILOT_STEPS: u64 = WIDTHS.len() as u64 + 2;
+
+    /// The steps made.
+    pub fn done(&self) -> u64 {
+        let pilot = self.explored.last().map_or(0, |last| last.step + 1);
+        match self.plan {
+            Some(_) => Self::PILOT_STEPS + self.replicas.len() as u64,
+            None => u64::from(pilot),
+        }
+    }
+
+    /// Makes the next step, on all threads of the current pool.
+    pub fn advance(&mut self, pair: &BodyPair) {
+        match &self.plan {
+            None => self.explore(pair),
+            Some(plan) => {
+                let plan = plan.clone();
+                self.sample(pair, &plan);
+            }
+        }
+    }
+
+    /// The lowest energies met, the lowest first.
+    pub fn lowest(&self) -> &[Found] {
+        &self.lowest
+    }
+
+    /// One step of the pilot.
+    fn explore(&mut self, pair: &BodyPair) {
+        let step = self.done() as u32;
+        let proposal = match step {
+            0 => Proposal::uniform(),
+            step => {
+                let width = WIDTHS[(step as usize - 1).min(WIDTHS.len() - 1)];
+                Proposal::new(self.centres(), width, PILOT_SHARE)
+            }
+        };
+        let is_comparison = u64::from(step) + 1 == Self::PILOT_STEPS;
+        // The choices for the production stand on centres that the last samples have not seen.
+        let centres = is_comparison.then(|| self.centres());
+        let count = self.settings.pilot_directions;
+        let mut drawn = Vec::new();
+        self.draw(pair, step, &proposal, count, |sample, density| {
+            drawn.push(Explored {
+                orientation: sample.orientation,
+                step,
+                soft: sample.soft_angstrom3(),
+                density,
+            });
+        });
+        self.explored.append(&mut drawn);
+        if let Some(centres) = centres {
+            self.plan = Some(self.choose(pair, centres, step));
+            self.explored.clear();
+        }
+    }
+
+    /// Orientations drawn in proportion to what they contribute.
+    fn centres(&self) -> Vec<Orientation> {
+        let weights: Vec<f64> = self
+            .explored
+            .iter()
+            .map(|explored| explored.soft.abs() / explored.density)
+            .collect();
+        let total: f64 = weights.iter().sum();
+        let mut centres = Vec::with_capacity(CAPS);
+        if !(total.is_finite() && total > 0.0) {
+            return centres;
+        }
+        let step = self.done();
+        let offset = self.rng(step as u32, u64::MAX).uniform();
+        let mut sum = 0.0;
+        for (explored, weight) in self.explored.iter().zip(&weights) {
+            sum += weight / total * CAPS as f64;
+            while (centres.len() as f64) + offset < sum {
+                centres.push(explored.orientation);
+            }
+        }
+        centres
+    }
+
+    /// The distribution with the least second moment of what one draw contributes, ∫ S²/q, judged by
+    /// the samples of the last step, and how many draws the wanted error takes.
+    fn choose(&self, pair: &BodyPair, centres: Vec<Orientation>, step: u32) -> Plan {
+        let judges: Vec<&Explored> = self
+            .explored
+            .iter()
+            .filter(|explored| explored.step == step)
+            .collect();
+        let count = self.settings.pilot_directions;
+        let mut choices = vec![Proposal::uniform()];
+        for width in WIDTHS {
+            for share in SHARES {
+                choices.push(Proposal::new(centres.clone(), width, share));
+            }
+        }
+        let second_moment = |proposal: &Proposal| {
+            let mut sum = 0.0;
+            for judge in &judges {
+                let density = proposal.density(&judge.orientation, count);
+                sum += judge.soft * judge.soft / (density * judge.density);
+            }
+            sum / judges.len() as f64
+        };
+        let moments: Vec<f64> = choices.par_iter().map(second_moment).collect();
+        let mut best = 0;
+        for (index, moment) in moments.iter().enumerate() {
+            if *moment < moments[best] {
+                best = index;
+            }
+        }
+        let mut mean = 0.0;
+        for judge in &judges {
+            mean += judge.soft / (judge.density * judges.len() as f64);
+        }
+        let variance = (moments[best] - mean * mean).max(0.0);
+        let hard = self.rough_hard(pair);
+        let size = hard.max((hard - 2.0 * PI * mean).abs());
+        let wanted = self.settings.relative_error * size / (2.0 * PI);
+        // The pilot sees too little of a heavy tail rather than too much.
+        const MARGIN: f64 = 1.5;
+        let needed = (MARGIN * variance / (wanted * wanted)).ceil();
+        let replicas = u64::from(self.settings.replicas);
+        let least = 64 * replicas;
+        let most = self.settings.most_directions.max(least);
+        let directions = (needed as u64).clamp(least, most);
+        Plan {
+            proposal: choices.swap_remove(best),
+            directions: directions.div_ceil(replicas),
+        }
+    }
+
+    /// The hard part of B₂ to a few per cent, Å³.
+    fn rough_hard(&self, pair: &BodyPair) -> f64 {
+        let even = EvenSequence::new(&mut self.rng(u32::MAX, u64::MAX));
+        const DIRECTIONS: u64 = 256;
+        let covered = |number: u64| {
+            let mut rng = self.rng(u32::MAX, number);
+            let (covered, open) = hard_ray(pair, &even.orientation(number), &mut rng);
+            covered - open
+        };
+        let rays: Vec<f64> = (0..DIRECTIONS).into_par_iter().map(covered).collect();
+        2.0 * PI * rays.iter().sum::<f64>() / DIRECTIONS as f64
+    }
+
+    /// One replica.
+    fn sample(&mut self, pair: &BodyPair, plan: &Plan) {
+        let number = self.replicas.len() as u32;
+        let step = Self::PILOT_STEPS as u32 + number;
+        let (covered, open) = self.hard_part(pair, step);
+        let mut replica = Replica {
+            covered,
+            open,
+            soft: 0.0,
+            bound: 0.0,
+            bound_hard: 0.0,
+            bins: Bins::default(),
+        };
+        let count = plan.directions;
+        self.draw(pair, step, &plan.proposal, count, |sample, density| {
+            replica.add(&sample, 1.0 / (density * count as f64));
+        });
+        self.replicas.push(replica);
+    }
+
+    /// Averages of what surfaces alone exclude, and leave open before contact, Å³.
+    fn hard_part(&self, pair: &BodyPair, step: u32) -> (f64, f64) {
+        const HARD: u64 = 1 << 40;
+        let even = EvenSequence::new(&mut self.rng(step, u64::MAX - 1));
+        let count = self.settings.hard_directions;
+        let ray = |number: u64| {
+            let mut rng = self.rng(step, HARD + number);
+            hard_ray(pair, &even.orientation(number), &mut rng)
+        };
+        let rays: Vec<(f64, f64)> = (0..count).into_par_iter().map(ray).collect();
+        let (mut covered, mut open) = (0.0, 0.0);
+        for (ray_covered, ray_open) in rays {
+            covered += ray_covered / count as f64;
+            open += ray_open / count as f64;
+        }
+        (covered, open)
+    }
+
+    /// Draws `count` orientations and hands each sample with its density to `take`, in order.
+    fn draw(
+        &mut self,
+        pair: &BodyPair,
+        step: u32,
+        proposal: &Proposal,
+        count: u64,
+        mut take: impl FnMut(RaySample, f64),
+    ) {
+        let end = end_angstrom(pair);
+        let even = EvenSequence::new(&mut self.rng(step, u64::MAX));
+        let one = |number: u64| {
+            let mut rng = self.rng(step, number);
+            let orientation = proposal.draw(number, count, &even, &mut rng);
+            let density = proposal.density(&orientation, count);
+            (RaySample::new(pair, orientation, end, &mut rng), density)
+        };
+        let mut found = Vec::new();
+        for start in (0..count).step_by(CHUNK as usize) {
+            let numbers = start..(start + CHUNK).min(count);
+            let samples: Vec<_> = numbers.into_par_iter().map(one).collect();
+            for (sample, density) in samples {
+                if let Some(point) = sample.lowest() {
+                    found.push(Found {
+                        pose: sample.orientation.pose(point.distance_angstrom),
+                        energy_kt: point.energy_kt,
+                    });
+                }
+                take(sample, density);
+            }
+        }
+        self.lowest.append(&mut found);
+        self.lowest
+            .sort_by(|a, b| a.energy_kt.total_cmp(&b.energy_kt));
+        self.lowest.truncate(KEPT_POSES);
+    }
+
+    fn rng(&self, step: u32, number: u64) -> CounterRng {
+        CounterRng::for_purpose(self.settings.seed, step, number, Purpose::PairOrientation)
+    }
+
+    /// The averages over the replicas made so far.
+    pub fn thermodynamics(&self, pair: &BodyPair) -> PairThermodynamics {
+        let tail = pair.potential.tail_angstrom3(end_angstrom(pair));
+        let over = |value: &dyn Fn(&Replica) -> f64| {
+            let values: Vec<f64> = self.replicas.iter().map(value).collect();
+            mean_and_error(&values)
+        };
+        let (b2, b2_error) = over(&|r| 0.5 * over_directions(r.covered - r.soft));
+        let (hard, hard_error) = over(&|r| 0.5 * over_directions(r.covered - r.open));
+        let (bound, bound_error) = over(&|r| over_directions(r.bound));
+        let (bound_hard, _) = over(&|r| over_directions(r.bound_hard));
+        let bins: Vec<&Bins> = self.replicas.iter().map(|r| &r.bins).collect();
+        let each = self.plan.as_ref().map_or(0, |plan| plan.directions);
+        PairThermodynamics {
+            b2_angstrom3: b2 - 0.5 * tail,
+            b2_error_angstrom3: b2_error,
+            b2_hard_angstrom3: hard,
+            b2_hard_error_angstrom3: hard_error,
+            association_volume_angstrom3: bound,
+            association_volume_error_angstrom3: bound_error,
+            contact_volume_angstrom3: bound_hard,
+            directions: each * self.replicas.len() as u64,
+            mean_force: mean_force(&bins),
+        }
+    }
+}
+
+impl Replica {
+    fn add(&mut self, sample: &RaySample, weight: f64) {
+        self.soft += weight * sample.soft_angstrom3();
+        for point in sample.points() {
+            if point.in_contact {
+                let volume = weight * point.volume_angstrom3;
+                self.bound += volume * (-point.energy_kt).exp();
+                self.bound_hard += volume;
+            }
+            self.bins.add(point, weight);
+        }
+    }
+}
+
+/// Where integrals along a ray end, Å.
+fn end_angstrom(pair: &BodyPair) -> f64 {
+    let radii = pair.first.hard_radius_angstrom() + pair.second.hard_radius_angstrom();
+    let contacts = radii + pair.contact_gap_angstrom;
+    pair.potential.reach_angstrom(TAIL_ENERGY_KT).max(contacts)
+}
+
+/// The mean of independent values and its standard error.
+pub(super) fn mean_and_error(values: &[f64]) -> (f64, f64) {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let mut squares = 0.0;
+    for value in values {
+        squares += (value - mean).powi(2);
+    }
+    (mean, (squares / (count * (count - 1.0))).sqrt())
+}

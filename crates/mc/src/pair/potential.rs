@@ -1,0 +1,126 @@
+//! The energy of two bodies that do not overlap, as a function of their relative pose.
+
+use crate::charges::ChargeCloud;
+use crate::energy::{SitePotential, pair_energy_kt};
+use crate::{McError, Result};
+use protomer_kernel::pose::RelativePose;
+use protomer_kernel::potential::Yukawa;
+use std::f64::consts::PI;
+
+/// The energy of two bodies beside their hard surfaces.
+pub trait PairPotential: Send + Sync {
+    /// The energy at a pose of the second body in the frame of the first, kT.
+    fn energy_kt(&self, second_in_first: &RelativePose) -> f64;
+
+    /// The distance of the origins beyond which no energy is larger than `energy_kt`, Å.
+    fn reach_angstrom(&self, energy_kt: f64) -> f64;
+
+    /// ∫ <exp(-U) - 1> d³R over all distances of the origins beyond `distance_angstrom`, to first
+    /// order in U, Å³.
+    fn tail_angstrom3(&self, distance_angstrom: f64) -> f64;
+}
+
+/// Nothing beside the surfaces.
+#[derive(Debug, Clone, Copy)]
+pub struct Hard;
+
+impl PairPotential for Hard {
+    fn energy_kt(&self, _: &RelativePose) -> f64 {
+        0.0
+    }
+
+    fn reach_angstrom(&self, _: f64) -> f64 {
+        0.0
+    }
+
+    fn tail_angstrom3(&self, _: f64) -> f64 {
+        0.0
+    }
+}
+
+/// Screened charges, U = λ_B Σ q_k q_l exp(-κ r)/r.
+#[derive(Debug, Clone)]
+pub struct Charged {
+    yukawa: Yukawa,
+    first: ChargeCloud,
+    second: ChargeCloud,
+}
+
+impl Charged {
+    /// The charges of two bodies under a potential.
+    ///
+    /// # Errors
+    /// [`McError::BadSetting`] without screening: the integrals then do not converge.
+    pub fn new(yukawa: Yukawa, first: &ChargeCloud, second: &ChargeCloud) -> Result<Self> {
+        let kappa = yukawa.inverse_debye_length_per_angstrom;
+        if kappa <= 0.0 && !yukawa.is_cut() {
+            return Err(McError::BadSetting {
+                setting: "inverse Debye length in 1/Å",
+                value: kappa,
+                requirement: "positive, because the virial coefficient of unscreened charges has \
+                              no value; add salt",
+            });
+        }
+        Ok(Self {
+            yukawa,
+            first: first.clone(),
+            second: second.clone(),
+        })
+    }
+
+    /// Σ |q| sinh(κs)/(κs) over charges at distances s of the origin: what bounds the potential far
+    /// away, as the sum without the magnitudes gives its average over directions.
+    fn magnitude_seen_from_afar_e(&self, cloud: &ChargeCloud) -> f64 {
+        let mut sum = 0.0;
+        for (place, charge) in cloud.iter() {
+            sum += charge.abs() * self.amplification(place.norm());
+        }
+        sum
+    }
+
+    /// Σ q sinh(κs)/(κs): outside, exp(-κr)/r averaged over the directions of a charge is that of a
+    /// charge at the centre times this factor.
+    fn charge_seen_from_afar_e(&self, cloud: &ChargeCloud) -> f64 {
+        let mut sum = 0.0;
+        for (place, charge) in cloud.iter() {
+            sum += charge * self.amplification(place.norm());
+        }
+        sum
+    }
+
+    fn amplification(&self, distance_angstrom: f64) -> f64 {
+        let x = self.yukawa.inverse_debye_length_per_angstrom * distance_angstrom;
+        if x < 1e-4 { 1.0 } else { x.sinh() / x }
+    }
+}
+
+impl PairPotential for Charged {
+    fn energy_kt(&self, second_in_first: &RelativePose) -> f64 {
+        pair_energy_kt(&self.yukawa, &self.first, &self.second, second_in_first)
+    }
+
+    fn reach_angstrom(&self, energy_kt: f64) -> f64 {
+        let radii = self.first.radius_angstrom() + self.second.radius_angstrom();
+        if let Some(cutoff) = self.yukawa.cutoff_angstrom() {
+            return cutoff + radii;
+        }
+        let first = self.magnitude_seen_from_afar_e(&self.first);
+        let second = self.magnitude_seen_from_afar_e(&self.second);
+        // Directions that point at each other are at most exp(κ radius) against sinh(κs)/(κs).
+        let spread = 1.0 + self.yukawa.inverse_debye_length_per_angstrom * radii;
+        let product = first * second * spread;
+        self.yukawa.reach_angstrom(product, energy_kt).max(radii)
+    }
+
+    fn tail_angstrom3(&self, distance_angstrom: f64) -> f64 {
+        if self.yukawa.is_cut() {
+            return 0.0;
+        }
+        let kappa = self.yukawa.inverse_debye_length_per_angstrom;
+        let charges =
+            self.charge_seen_from_afar_e(&self.first) * self.charge_seen_from_afar_e(&self.second);
+        let x = kappa * distance_angstrom;
+        let integral = (1.0 + x) * (-x).exp() / (kappa * kappa);
+        -4.0 * PI * self.yukawa.bjerrum_length_angstrom * charges * integral
+    }
+}

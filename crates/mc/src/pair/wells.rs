@@ -1,0 +1,142 @@
+//! Bound poses: local minima of the energy, each once, the lowest first.
+
+use super::BodyPair;
+use super::estimator::Found;
+use nalgebra::UnitQuaternion;
+use protomer_kernel::overlap::overlaps;
+use protomer_kernel::pose::RelativePose;
+use protomer_kernel::random::{CounterRng, Purpose};
+use protomer_kernel::{Pose, Rotation};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// A local minimum of the energy of two bodies.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct BoundPose {
+    /// Energy, kT.
+    pub energy_kt: f64,
+    /// The second body in the frame of the first.
+    pub pose: Pose,
+}
+
+/// Starts that are brought down to a minimum.
+const MOST_STARTS: usize = 24;
+/// Poses that are returned.
+const MOST_POSES: usize = 12;
+/// Trial moves of one descent.
+const TRIALS: u32 = 1500;
+/// Temperature at the start and at the end of a descent, in units of kT.
+const TEMPERATURES: (f64, f64) = (0.5, 0.005);
+/// Poses nearer than this root mean square distance of the body's points are one, Å.
+const SAME_POSE_ANGSTROM: f64 = 5.0;
+
+/// The minima below these starts, without repetitions. Poses of zero or positive energy are not
+/// bound.
+///
+/// `are_equal` says that both bodies are the same: a pose and its inverse are one then.
+pub fn bound_poses(
+    pair: &BodyPair,
+    starts: &[Found],
+    are_equal: bool,
+    seed: u64,
+) -> Vec<BoundPose> {
+    let different = Different::new(pair, are_equal);
+    let mut apart: Vec<BoundPose> = Vec::new();
+    for start in starts {
+        let pose = BoundPose {
+            energy_kt: start.energy_kt,
+            pose: start.pose,
+        };
+        different.keep(&mut apart, pose, MOST_STARTS);
+    }
+    let descend = |(number, start): (usize, &BoundPose)| {
+        let mut rng = CounterRng::for_purpose(seed, number as u32, 0, Purpose::PairDescent);
+        descend(pair, start, &mut rng)
+    };
+    let mut minima: Vec<BoundPose> = apart.par_iter().enumerate().map(descend).collect();
+    minima.sort_by(|a, b| a.energy_kt.total_cmp(&b.energy_kt));
+    let mut poses = Vec::new();
+    for minimum in minima {
+        different.keep(&mut poses, minimum, MOST_POSES);
+    }
+    poses
+}
+
+/// A Monte Carlo walk that cools down, with steps that shrink with the temperature; the lowest pose
+/// it met.
+fn descend(pair: &BodyPair, start: &BoundPose, rng: &mut CounterRng) -> BoundPose {
+    let radius = pair.second.hard_radius_angstrom().max(1.0);
+    let (hot, cold) = TEMPERATURES;
+    let mut present = *start;
+    let mut lowest = *start;
+    for trial in 0..TRIALS {
+        let progress = f64::from(trial) / f64::from(TRIALS);
+        let temperature = hot * (cold / hot).powf(progress);
+        let step_angstrom = 1.5 * (0.03_f64).powf(progress);
+        let turn = rng.small_rotation(2.0 * step_angstrom / radius);
+        let pose = Pose {
+            position: present.pose.position + rng.vector_in_ball(step_angstrom),
+            rotation: turn * present.pose.rotation,
+        };
+        let relative = relative(&pose);
+        if overlaps(&pair.first.shape, &pair.second.shape, &relative) {
+            continue;
+        }
+        let energy_kt = pair.potential.energy_kt(&relative);
+        let rise = energy_kt - present.energy_kt;
+        if rise <= 0.0 || rng.uniform() < (-rise / temperature).exp() {
+            present = BoundPose { energy_kt, pose };
+            if energy_kt < lowest.energy_kt {
+                lowest = present;
+            }
+        }
+    }
+    lowest
+}
+
+fn relative(pose: &Pose) -> RelativePose {
+    RelativePose {
+        rotation: pose.rotation.to_rotation_matrix().into_inner(),
+        translation: pose.position,
+    }
+}
+
+/// Tells poses apart.
+struct Different {
+    square_of_gyration: f64,
+    are_equal: bool,
+}
+
+impl Different {
+    fn new(pair: &BodyPair, are_equal: bool) -> Self {
+        // The radius of gyration of a sphere with the body's volume.
+        let radius = (0.75 / std::f64::consts::PI * pair.second.volume_angstrom3).cbrt();
+        Self {
+            square_of_gyration: 0.6 * radius * radius,
+            are_equal,
+        }
+    }
+
+    /// Adds a pose that is unlike all there are, up to a number of poses.
+    fn keep(&self, poses: &mut Vec<BoundPose>, pose: BoundPose, most: usize) {
+        let is_known = poses
+            .iter()
+            .any(|known| self.are_same(&known.pose, &pose.pose));
+        if pose.energy_kt < 0.0 && !is_known && poses.len() < most {
+            poses.push(pose);
+        }
+    }
+
+    fn are_same(&self, a: &Pose, b: &Pose) -> bool {
+        let near = |a: &Pose, b: &Pose| self.square_distance(a, b) < SAME_POSE_ANGSTROM.powi(2);
+        near(a, b) || (self.are_equal && near(a, &b.inverse()))
+    }
+
+    /// The mean square distance of the points of the second body at two poses, Å².
+    fn square_distance(&self, a: &Pose, b: &Pose) -> f64 {
+        let turn: Rotation = a.rotation.inverse() * b.rotation;
+        let cosine = UnitQuaternion::angle(&turn).cos();
+        let turned = 4.0 / 3.0 * (1.0 - cosine) * self.square_of_gyration;
+        (a.position - b.position).norm_squared() + turned
+    }
+}

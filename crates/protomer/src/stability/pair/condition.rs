@@ -1,0 +1,256 @@
+//! One salt and pH: a run in its own directory.
+
+use super::input::Prepared;
+use super::result::{ConditionResult, mean_force_to_csv};
+use super::settings::{Energies, PairRunSettings};
+use crate::stability::effective::{self, effective_charges_of};
+use crate::stability::interaction::ScreenedCoulomb;
+use crate::stability::run::salt_label;
+use anyhow::{Error, Result};
+use protomer_field::effective_charges::EffectiveCharges;
+use protomer_io::atomic::write_atomically;
+use protomer_mc::charges::ChargeCloud;
+use protomer_mc::pair::wells::bound_poses;
+use protomer_mc::pair::{BodyPair, BoundPose, Charged, Estimator, Hard, PairPotential};
+use protomer_results::{ResultKind, Run, Turn, Work};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::path::Path;
+use std::sync::Arc;
+
+/// The potential of mean force of one condition.
+const MEAN_FORCE: &str = "mean_force.csv";
+const RESULT: &str = "condition.json";
+
+/// Two bodies in one medium.
+pub struct Condition<'a> {
+    settings: &'a PairRunSettings,
+    bodies: &'a [Prepared; 2],
+    ph: Option<f64>,
+    salt_molar: Option<f64>,
+    identity: String,
+    interaction: ScreenedCoulomb,
+}
+
+/// An estimate in memory.
+pub struct State {
+    estimator: Estimator,
+    pair: BodyPair,
+    effective: Option<[EffectiveCharges; 2]>,
+}
+
+/// The state of an estimate on the disk.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Saved {
+    estimator: Estimator,
+}
+
+impl<'a> Condition<'a> {
+    pub(super) fn new(
+        settings: &'a PairRunSettings,
+        bodies: &'a [Prepared; 2],
+        ph: Option<f64>,
+        salt_molar: Option<f64>,
+        identity: &str,
+    ) -> Result<Self> {
+        let interaction = settings.medium.interaction(salt_molar)?;
+        Ok(Self {
+            settings,
+            bodies,
+            ph,
+            salt_molar,
+            identity: identity.to_owned(),
+            interaction,
+        })
+    }
+
+    /// The name of its directory.
+    pub(super) fn label(&self) -> String {
+        let salt = self.salt_molar.map(salt_label);
+        match (self.ph, salt) {
+            (None, None) => "condition".into(),
+            (None, Some(salt)) => salt,
+            (Some(ph), None) => format!("ph_{ph:.2}"),
+            (Some(ph), Some(salt)) => format!("ph_{ph:.2}_{salt}"),
+        }
+    }
+
+    fn are_equal(&self) -> bool {
+        let [first, second] = self.bodies;
+        Arc::ptr_eq(&first.kind, &second.kind)
+    }
+
+    /// The effective charges of both bodies, if they are asked for.
+    fn effective_charges(&self) -> Result<Option<[EffectiveCharges; 2]>> {
+        if self.settings.energies != Energies::Effective {
+            return Ok(None);
+        }
+        let solute = self.settings.solute.unwrap_or_default();
+        let of =
+            |prepared: &Prepared| effective_charges_of(&prepared.body, &self.interaction, &solute);
+        let [first, second] = self.bodies;
+        let of_first = of(first)?;
+        let of_second = match self.are_equal() {
+            true => of_first.clone(),
+            false => of(second)?,
+        };
+        Ok(Some([of_first, of_second]))
+    }
+
+    /// The bodies and what acts between them.
+    fn pair(&self, effective: Option<&[EffectiveCharges; 2]>) -> Result<BodyPair> {
+        let [first, second] = self.bodies.each_ref().map(|body| Arc::clone(&body.kind));
+        let clouds = match effective {
+            Some(effective) => effective.each_ref().map(|of| ChargeCloud::new(&of.charges)),
+            None => [first.charges.clone(), second.charges.clone()],
+        };
+        let potential: Arc<dyn PairPotential> = match self.settings.energies {
+            Energies::Hard => Arc::new(Hard),
+            Energies::Bare | Energies::Effective => {
+                let [first, second] = &clouds;
+                Arc::new(Charged::new(self.interaction.yukawa()?, first, second)?)
+            }
+        };
+        Ok(BodyPair {
+            first,
+            second,
+            potential,
+            contact_gap_angstrom: self.settings.contact_gap_angstrom,
+        })
+    }
+
+    /// A warning if the search for bound poses went far below what the sampling has met: such a well
+    /// is not in B₂, nor in its error.
+    fn deep_well(&self, estimator: &Estimator, poses: &[BoundPose]) -> Option<String> {
+        // The minimum of a well that is sampled lies a few kT below the samples.
+        const USUAL_KT: f64 = 6.0;
+        let (sampled, lowest) = (estimator.lowest().first()?, poses.first()?);
+        (lowest.energy_kt < sampled.energy_kt - USUAL_KT).then(|| {
+            format!(
+                "warning: {}: a pose of {:.1} kT lies far below the lowest sampled ({:.1} kT), so B2 and \
+                 K_D may miss a deep, narrow well; check that no charge lies at the surface, and \
+                 compare seeds and --interaction effective",
+                self.label(),
+                lowest.energy_kt,
+                sampled.energy_kt
+            )
+        })
+    }
+
+    fn result(&self, state: &State) -> ConditionResult {
+        let State {
+            estimator, pair, ..
+        } = state;
+        let poses = match self.settings.energies {
+            Energies::Hard => Vec::new(),
+            Energies::Bare | Energies::Effective => {
+                let seed = self.settings.sampling.seed;
+                bound_poses(pair, estimator.lowest(), self.are_equal(), seed)
+            }
+        };
+        let net_effective = state
+            .effective
+            .as_ref()
+            .map(|of| of.each_ref().map(|charges| charges.net_effective_charge_e));
+        let mut warnings = Vec::new();
+        for (charges, of) in state.effective.iter().flatten().zip(self.bodies) {
+            warnings.extend(effective::warning(&of.body, charges));
+        }
+        warnings.dedup();
+        warnings.extend(self.deep_well(estimator, &poses));
+        ConditionResult {
+            net_effective_charge_e: net_effective,
+            warnings,
+            ..ConditionResult::new(
+                [&self.bodies[0].body, &self.bodies[1].body],
+                self.are_equal(),
+                self.ph,
+                self.interaction,
+                estimator.thermodynamics(pair),
+                &poses,
+            )
+        }
+    }
+}
+
+impl Run for Condition<'_> {
+    type State = State;
+    type Checkpoint = Saved;
+    type Answer = ConditionResult;
+    type Error = Error;
+
+    const CHECKPOINT_KIND: &'static str = "pair";
+
+    fn work(&self) -> Work {
+        Work {
+            kind: ResultKind::PairCondition,
+            verb: "pair",
+            identity: self.identity.clone(),
+            input_sha256: String::new(),
+        }
+    }
+
+    fn length(&self) -> u64 {
+        self.settings.steps()
+    }
+
+    fn open(&self, _: &Path, saved: Option<Saved>) -> Result<State> {
+        let estimator = match saved {
+            Some(saved) => saved.estimator,
+            None => Estimator::new(self.settings.sampling)?,
+        };
+        let effective = self.effective_charges()?;
+        let pair = self.pair(effective.as_ref())?;
+        Ok(State {
+            estimator,
+            pair,
+            effective,
+        })
+    }
+
+    fn done(&self, state: &State) -> u64 {
+        state.estimator.done()
+    }
+
+    fn advance(&self, state: &mut State, _: &Turn<'_>) -> Result<()> {
+        state.estimator.advance(&state.pair);
+        Ok(())
+    }
+
+    fn save(&self, state: &mut State) -> Result<Saved> {
+        Ok(Saved {
+            estimator: state.estimator.clone(),
+        })
+    }
+
+    fn answer(&self, state: &mut State, directory: &Path) -> Result<ConditionResult> {
+        let result = self.result(state);
+        let csv = mean_force_to_csv(&result.mean_force)?;
+        write_atomically(&directory.join(MEAN_FORCE), |file| {
+            file.write_all(csv.as_bytes())
+        })?;
+        let json = serde_json::to_string_pretty(&result)?;
+        write_atomically(&directory.join(RESULT), |file| writeln!(file, "{json}"))?;
+        Ok(result)
+    }
+
+    /// The result is in a file of its own.
+    fn details(&self, _: &mut State, _: &Path) -> Result<Value> {
+        Ok(Value::Null)
+    }
+
+    fn finished(
+        &self,
+        directory: &Path,
+        record: Option<&protomer_results::Record>,
+    ) -> Result<Option<ConditionResult>> {
+        let done = record.is_some_and(|record| record.is_done_at(self.length()));
+        match done {
+            true => Ok(Some(protomer_results::keys::read_json(
+                &directory.join(RESULT),
+            )?)),
+            false => Ok(None),
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! Two bodies, from body files, or from structure files at each pH.
+
+use crate::bodies::body_file;
+use crate::bodies::ingest::read_and_build;
+use crate::input::stem;
+use anyhow::{Context, Result, bail};
+use protomer_body::{Body, BodySettings};
+use protomer_io::atomic::sha256_hex;
+use protomer_mc::BodyType;
+use std::path::Path;
+use std::sync::Arc;
+
+/// The bodies of a pair at every pH.
+#[derive(Debug, Clone)]
+pub struct PairBodies {
+    /// SHA-256 of what the bodies are made of.
+    pub sha256: String,
+    /// Whether both are the same body.
+    pub are_equal: bool,
+    /// Warnings of the making of bodies.
+    pub warnings: Vec<String>,
+    ph: Vec<Option<f64>>,
+    pairs: Vec<[Prepared; 2]>,
+}
+
+/// A body, and what the engine knows about it.
+#[derive(Debug, Clone)]
+pub(super) struct Prepared {
+    pub body: Arc<Body>,
+    pub kind: Arc<BodyType>,
+}
+
+impl PairBodies {
+    /// Reads two files; two copies of the first body if the second is `None`. Structure files are
+    /// made into bodies at each pH, with the default settings of `protomer ingest` otherwise.
+    ///
+    /// # Errors
+    /// For a file that cannot be read, and for pH values where both files are bodies, whose charges
+    /// are fixed.
+    pub fn read(first: &Path, second: Option<&Path>, ph: &[f64]) -> Result<Self> {
+        let files = [first, second.unwrap_or(first)];
+        let are_equal = files[0] == files[1] || sha256(files[0])? == sha256(files[1])?;
+        if !ph.is_empty() && files.iter().all(|file| is_body_file(file)) {
+            bail!(
+                "--ph applies to structure files only, but {} and {} are bodies, whose charges are \
+                 fixed; give the structure files, or ingest them at this pH",
+                files[0].display(),
+                files[1].display()
+            );
+        }
+        let ph: Vec<Option<f64>> = match ph.is_empty() {
+            true => vec![None],
+            false => ph.iter().copied().map(Some).collect(),
+        };
+        let (mut pairs, mut warnings) = (Vec::new(), Vec::new());
+        for ph in &ph {
+            let first = prepare(files[0], *ph, &mut warnings)?;
+            let second = match are_equal {
+                true => first.clone(),
+                false => prepare(files[1], *ph, &mut warnings)?,
+            };
+            pairs.push([first, second]);
+        }
+        warnings.dedup();
+        let hashes = format!("{}{}", sha256(files[0])?, sha256(files[1])?);
+        Ok(Self {
+            sha256: sha256_hex(hashes.as_bytes()),
+            are_equal,
+            warnings,
+            ph,
+            pairs,
+        })
+    }
+
+    /// The bodies at each pH.
+    pub(super) fn at_each_ph(&self) -> impl Iterator<Item = (Option<f64>, &[Prepared; 2])> {
+        self.ph.iter().copied().zip(&self.pairs)
+    }
+
+    /// The names of the two bodies.
+    pub fn names(&self) -> [&str; 2] {
+        let [first, second] = &self.pairs[0];
+        [&first.body.name, &second.body.name]
+    }
+}
+
+/// Body files are told by their extension.
+fn is_body_file(file: &Path) -> bool {
+    file.extension().is_some_and(|ending| ending == "body")
+}
+
+fn sha256(file: &Path) -> Result<String> {
+    let bytes = std::fs::read(file).with_context(|| {
+        format!(
+            "cannot read {}; name a body or structure file",
+            file.display()
+        )
+    })?;
+    Ok(sha256_hex(&bytes))
+}
+
+fn prepare(file: &Path, ph: Option<f64>, warnings: &mut Vec<String>) -> Result<Prepared> {
+    let body = match is_body_file(file) {
+        true => body_file::read(file)?.0,
+        false => {
+            let name = stem(file);
+            let mut settings = BodySettings::default();
+            settings.sites.ph = ph.unwrap_or(settings.sites.ph);
+            let built = read_and_build(file, &name, &settings)?;
+            let of_file = |warning: &String| format!("warning: {}: {warning}", file.display());
+            warnings.extend(built.warnings.iter().map(of_file));
+            built.body
+        }
+    };
+    let kind = BodyType::from_body(&body).with_context(|| format!("body '{}'", body.name))?;
+    Ok(Prepared {
+        body: Arc::new(body),
+        kind: Arc::new(kind),
+    })
+}

@@ -1,0 +1,299 @@
+//! What two bodies do together, one row per salt and pH.
+
+use super::figure;
+use super::input::PairBodies;
+use super::settings::PairRunSettings;
+use crate::answer::{Answer, columns, heading};
+use crate::stability::interaction::ScreenedCoulomb;
+use anyhow::{Context, Result};
+use protomer_body::Body;
+use protomer_io::atomic::write_atomically;
+use protomer_io::csv::{Cell, Table};
+use protomer_kernel::units::AVOGADRO_PER_MOL;
+use protomer_mc::pair::profile::MeanForceRow;
+use protomer_mc::pair::{BoundPose, PairThermodynamics};
+use protomer_plot::Figure;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Å³ in a litre.
+const ANGSTROM3_PER_LITRE: f64 = 1e27;
+/// Å³ in a millilitre.
+const ANGSTROM3_PER_MILLILITRE: f64 = 1e24;
+
+/// The thermodynamics of a pair over salt and pH.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PairResult {
+    /// Version of the program.
+    pub version: String,
+    /// SHA-256 of the two files.
+    pub input_sha256: String,
+    /// Names of the two bodies.
+    pub bodies: [String; 2],
+    /// The resolved settings.
+    pub settings: PairRunSettings,
+    /// One entry per pH and salt.
+    pub conditions: Vec<ConditionResult>,
+}
+
+/// Two bodies in one medium.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ConditionResult {
+    /// pH at which the bodies were made, if it was stated.
+    pub ph: Option<f64>,
+    /// Salt, mol/L; null if a Debye length was stated.
+    #[serde(rename = "salt_M")]
+    pub salt_molar: Option<f64>,
+    /// Debye length, Å; null without salt.
+    pub debye_length_angstrom: Option<f64>,
+    /// Bjerrum length, Å.
+    pub bjerrum_length_angstrom: f64,
+    /// B₂ (B₁₂ of two different bodies), Å³.
+    pub b2_angstrom3: f64,
+    /// Its standard error, Å³.
+    pub b2_error_angstrom3: f64,
+    /// B₂ of the surfaces alone, Å³.
+    pub b2_hard_angstrom3: f64,
+    /// Its standard error, Å³.
+    pub b2_hard_error_angstrom3: f64,
+    /// B₂ in the units of scattering experiments, mol mL/g²: N_A B₂/(M₁ M₂); null where the molar
+    /// mass of a body is not known.
+    pub b22_mol_ml_per_g2: Option<f64>,
+    /// Its standard error, mol mL/g².
+    pub b22_error_mol_ml_per_g2: Option<f64>,
+    /// Dissociation constant of the poses in contact, mol/L; null if contacts are not favoured.
+    pub kd_molar: Option<f64>,
+    /// Its standard error, mol/L.
+    pub kd_error_molar: Option<f64>,
+    /// ∫ exp(-U) over poses in contact, Å³.
+    pub association_volume_angstrom3: f64,
+    /// The same without energies, Å³.
+    pub contact_volume_angstrom3: f64,
+    /// Net charges of the bodies, e.
+    pub net_charge_e: [f64; 2],
+    /// Net effective charges of the bodies, e; null for bare charges.
+    pub net_effective_charge_e: Option<[f64; 2]>,
+    /// Bound poses, the lowest energy first.
+    pub poses: Vec<PoseResult>,
+    /// Warnings.
+    pub warnings: Vec<String>,
+    /// Directions that were sampled with energies.
+    pub directions: u64,
+    /// The potential of mean force.
+    pub mean_force: Vec<MeanForceRow>,
+}
+
+/// A bound pose.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PoseResult {
+    /// Energy, kT.
+    pub energy_kt: f64,
+    /// Position of the second body in the frame of the first, Å.
+    pub position_angstrom: [f64; 3],
+    /// Its orientation, a quaternion, scalar first.
+    pub orientation_wxyz: [f64; 4],
+}
+
+/// A completed part of the conditions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct PairPart {
+    /// The number of the part, counted from 1.
+    pub shard: usize,
+    /// The number of parts.
+    pub of: usize,
+    /// Its conditions.
+    pub conditions: usize,
+}
+
+impl ConditionResult {
+    pub(super) fn new(
+        bodies: [&Body; 2],
+        are_equal: bool,
+        ph: Option<f64>,
+        interaction: ScreenedCoulomb,
+        found: PairThermodynamics,
+        poses: &[BoundPose],
+    ) -> Self {
+        let electrolyte = &interaction.electrolyte;
+        let debye = electrolyte.debye_length_angstrom();
+        let per_b2 = b22_per_b2(bodies);
+        // N/2 · N pairs of equal bodies stand for N · N of different ones.
+        let pairs = if are_equal { 0.5 } else { 1.0 };
+        let association_litre_per_mol =
+            pairs * found.association_volume_angstrom3 / ANGSTROM3_PER_LITRE * AVOGADRO_PER_MOL;
+        let is_bound = found.association_volume_angstrom3 > found.contact_volume_angstrom3;
+        let kd_molar = is_bound.then_some(1.0 / association_litre_per_mol);
+        let relative_error =
+            found.association_volume_error_angstrom3 / found.association_volume_angstrom3;
+        Self {
+            ph,
+            salt_molar: electrolyte.salt_molar(),
+            debye_length_angstrom: debye.is_finite().then_some(debye),
+            bjerrum_length_angstrom: electrolyte.bjerrum_length_angstrom(),
+            b2_angstrom3: found.b2_angstrom3,
+            b2_error_angstrom3: found.b2_error_angstrom3,
+            b2_hard_angstrom3: found.b2_hard_angstrom3,
+            b2_hard_error_angstrom3: found.b2_hard_error_angstrom3,
+            b22_mol_ml_per_g2: per_b2.map(|factor| factor * found.b2_angstrom3),
+            b22_error_mol_ml_per_g2: per_b2.map(|factor| factor * found.b2_error_angstrom3),
+            kd_molar,
+            kd_error_molar: kd_molar.map(|kd| kd * relative_error),
+            association_volume_angstrom3: found.association_volume_angstrom3,
+            contact_volume_angstrom3: found.contact_volume_angstrom3,
+            net_charge_e: bodies.map(Body::net_charge_e),
+            net_effective_charge_e: None,
+            poses: poses.iter().map(PoseResult::new).collect(),
+            warnings: Vec::new(),
+            directions: found.directions,
+            mean_force: found.mean_force,
+        }
+    }
+
+    fn cells(&self) -> Vec<(&'static str, Cell)> {
+        vec![
+            ("ph", optional(self.ph)),
+            ("salt_M", optional(self.salt_molar)),
+            (
+                "debye_length_angstrom",
+                optional(self.debye_length_angstrom),
+            ),
+            ("b2_angstrom3", Cell::Number(self.b2_angstrom3)),
+            ("b2_error_angstrom3", Cell::Number(self.b2_error_angstrom3)),
+            ("b2_hard_angstrom3", Cell::Number(self.b2_hard_angstrom3)),
+            ("b22_mol_ml_per_g2", optional(self.b22_mol_ml_per_g2)),
+            (
+                "b22_error_mol_ml_per_g2",
+                optional(self.b22_error_mol_ml_per_g2),
+            ),
+            ("kd_molar", optional(self.kd_molar)),
+            ("kd_error_molar", optional(self.kd_error_molar)),
+            (
+                "lowest_energy_kt",
+                optional(self.poses.first().map(|pose| pose.energy_kt)),
+            ),
+        ]
+    }
+}
+
+impl PoseResult {
+    fn new(pose: &BoundPose) -> Self {
+        Self {
+            energy_kt: pose.energy_kt,
+            position_angstrom: pose.pose.position.into(),
+            orientation_wxyz: pose.pose.wxyz(),
+        }
+    }
+}
+
+/// From Å³ per pair to mol mL/g².
+fn b22_per_b2([first, second]: [&Body; 2]) -> Option<f64> {
+    let masses = first.molar_mass_g_per_mol()? * second.molar_mass_g_per_mol()?;
+    Some(AVOGADRO_PER_MOL / ANGSTROM3_PER_MILLILITRE / masses)
+}
+
+fn optional(value: Option<f64>) -> Cell {
+    value.map_or(Cell::Empty, Cell::Number)
+}
+
+impl PairResult {
+    pub(super) fn new(
+        bodies: &PairBodies,
+        settings: &PairRunSettings,
+        conditions: Vec<ConditionResult>,
+    ) -> Self {
+        Self {
+            version: env!("CARGO_PKG_VERSION").into(),
+            input_sha256: bodies.sha256.clone(),
+            bodies: bodies.names().map(str::to_owned),
+            settings: settings.clone(),
+            conditions,
+        }
+    }
+
+    /// Writes the table, the JSON form and the figure into a directory.
+    pub(super) fn write(&self, directory: &Path) -> Result<()> {
+        let json = serde_json::to_string_pretty(self).context("the result cannot be serialised")?;
+        let csv = to_csv(&self.conditions)?;
+        write_atomically(&directory.join("pair.csv"), |file| {
+            file.write_all(csv.as_bytes())
+        })?;
+        write_atomically(&directory.join("pair.json"), |file| {
+            writeln!(file, "{json}")
+        })?;
+        figure::write(self, directory)
+    }
+}
+
+impl Answer for PairResult {
+    fn text(&self) -> String {
+        let mut rows = vec![heading([
+            "pH",
+            "salt (M)",
+            "B2 (Å³)",
+            "± ",
+            "hard (Å³)",
+            "B22 (mol mL/g²)",
+            "± ",
+            "K_D (M)",
+            "lowest (kT)",
+        ])];
+        for condition in &self.conditions {
+            rows.push(vec![
+                shown(condition.ph, |ph| format!("{ph:.2}")),
+                shown(condition.salt_molar, |salt| format!("{salt:.4}")),
+                format!("{:.0}", condition.b2_angstrom3),
+                format!("{:.0}", condition.b2_error_angstrom3),
+                format!("{:.0}", condition.b2_hard_angstrom3),
+                shown(condition.b22_mol_ml_per_g2, |b22| format!("{b22:.2e}")),
+                shown(condition.b22_error_mol_ml_per_g2, |b22| {
+                    format!("{b22:.1e}")
+                }),
+                shown(condition.kd_molar, |kd| format!("{kd:.2e}")),
+                shown(condition.poses.first(), |pose| {
+                    format!("{:.2}", pose.energy_kt)
+                }),
+            ]);
+        }
+        columns(&rows)
+    }
+
+    fn figure(&self) -> Option<Figure> {
+        Some(figure::figure(self))
+    }
+}
+
+impl Answer for PairPart {
+    fn text(&self) -> String {
+        format!(
+            "part {} of {}: {} conditions done; run without --shard for the table",
+            self.shard, self.of, self.conditions
+        )
+    }
+}
+
+/// A dash for what is not known.
+fn shown<T>(value: Option<T>, format: impl FnOnce(T) -> String) -> String {
+    value.map_or("-".into(), format)
+}
+
+fn to_csv(conditions: &[ConditionResult]) -> Result<String> {
+    let mut names = Vec::new();
+    for (name, _) in conditions.iter().take(1).flat_map(ConditionResult::cells) {
+        names.push(name);
+    }
+    let mut table = Table::new(names);
+    for condition in conditions {
+        table.push(condition.cells().into_iter().map(|(_, cell)| cell))?;
+    }
+    Ok(table.to_csv())
+}
+
+/// The table of a potential of mean force.
+pub(super) fn mean_force_to_csv(rows: &[MeanForceRow]) -> Result<String> {
+    let mut table = Table::new(["distance_angstrom", "w_kt", "w_error_kt"]);
+    for row in rows {
+        let numbers = [row.distance_angstrom, row.w_kt, row.w_error_kt];
+        table.push(numbers.map(Cell::Number))?;
+    }
+    Ok(table.to_csv())
+}

@@ -1,0 +1,128 @@
+//! The settings of a pair, as stored in `run.toml`.
+
+use crate::stability::effective::SoluteModel;
+use crate::stability::interaction::InteractionSettings;
+use anyhow::{Result, bail};
+use protomer_mc::pair::{Estimator, PairSettings};
+use protomer_results::Settings;
+use serde::{Deserialize, Serialize};
+
+/// What acts between two bodies beside their surfaces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Energies {
+    /// Nothing.
+    Hard,
+    /// The charges of the bodies, screened by salt.
+    Bare,
+    /// Their effective charges: those that give the potential around bodies of low permittivity
+    /// that salt does not enter.
+    Effective,
+}
+
+/// Everything that shapes the thermodynamics of a pair, beside the bodies.
+///
+/// ```
+/// use protomer::stability::pair::{Energies, PairRunSettings};
+/// let settings = PairRunSettings {
+///     salt_molar: vec![0.1, 0.3],
+///     energies: Energies::Bare,
+///     ..PairRunSettings::default()
+/// };
+/// settings.check()?;
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct PairRunSettings {
+    /// Salt concentrations, mol/L; none where the Debye length is stated.
+    #[serde(rename = "salt_M")]
+    pub salt_molar: Vec<f64>,
+    /// pH values at which structure files are made into bodies; none for body files.
+    pub ph: Vec<f64>,
+    /// What acts between the bodies.
+    pub energies: Energies,
+    /// Two bodies whose surfaces are closer than this are bound, Å.
+    pub contact_gap_angstrom: f64,
+    /// How much is sampled.
+    pub sampling: PairSettings,
+    /// The inside of the bodies, for effective charges only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub solute: Option<SoluteModel>,
+    /// The medium between the bodies.
+    pub medium: InteractionSettings,
+}
+
+impl Default for PairRunSettings {
+    fn default() -> Self {
+        Self {
+            salt_molar: vec![0.1],
+            ph: Vec::new(),
+            energies: Energies::Bare,
+            contact_gap_angstrom: 5.0,
+            sampling: PairSettings::default(),
+            solute: None,
+            medium: InteractionSettings::default(),
+        }
+    }
+}
+
+impl Settings for PairRunSettings {}
+
+/// Each condition has a folder.
+const MOST_CONDITIONS: usize = 10_000;
+
+impl PairRunSettings {
+    /// Refuses settings that make no sense.
+    ///
+    /// # Errors
+    /// Names the setting and says what to give instead.
+    pub fn check(&self) -> Result<()> {
+        self.sampling.check()?;
+        if self.salt_molar.is_empty() && self.needs_salt() {
+            bail!("no salt concentration is given; add --salt 10mM,100mM,300mM or --debye 9.6A");
+        }
+        for ph in &self.ph {
+            if !(0.0..=14.0).contains(ph) {
+                bail!("the pH is {ph}; give one from 0 to 14");
+            }
+        }
+        let gap = self.contact_gap_angstrom;
+        if !(0.0..=1000.0).contains(&gap) {
+            bail!("the contact gap is {gap} Å; give one from 0 to 1000 Å");
+        }
+        if self.energies != Energies::Effective && self.solute.is_some() {
+            bail!(
+                "the inner permittivity and the ion radius apply to effective charges only; add \
+                 --interaction effective, or leave them out"
+            );
+        }
+        let conditions = self.salts().len() * self.ph.len().max(1);
+        if conditions > MOST_CONDITIONS {
+            bail!("{conditions} conditions are too many; ask for at most {MOST_CONDITIONS}");
+        }
+        for salt_molar in self.salts() {
+            self.medium.interaction(salt_molar)?;
+        }
+        Ok(())
+    }
+
+    fn needs_salt(&self) -> bool {
+        self.energies != Energies::Hard && self.medium.debye_length_angstrom.is_none()
+    }
+
+    /// The salt of each condition, mol/L; `None` where it is not stated.
+    pub fn salts(&self) -> Vec<Option<f64>> {
+        match (self.salt_molar.is_empty(), self.needs_salt()) {
+            (false, _) => self.salt_molar.iter().copied().map(Some).collect(),
+            (true, _) if self.medium.debye_length_angstrom.is_some() => vec![None],
+            // Hard bodies do not feel salt.
+            (true, _) => vec![Some(0.0)],
+        }
+    }
+
+    /// Steps of one condition.
+    pub(super) fn steps(&self) -> u64 {
+        Estimator::steps(&self.sampling)
+    }
+}
