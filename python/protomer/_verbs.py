@@ -35,6 +35,7 @@ __all__ = [
     "compare",
     "framework",
     "inspect",
+    "pair",
     "simulate",
     "sweep",
     "lattice",
@@ -1517,6 +1518,9 @@ def inspect(
     *,
     energy: Literal["direct", "calibrated", "approximate", "none"] | None = None,
     tolerance: Number | None = None,
+    interaction: Literal["bare", "effective"] | None = None,
+    inner_permittivity: Number | None = None,
+    ion_radius: Number | None = None,
     contact_gap: Number | None = None,
     salt: Number | None = None,
     temperature: Number | None = None,
@@ -1540,6 +1544,13 @@ def inspect(
         Energy model [default: direct]
     tolerance
         Largest likely error of the energy of two bodies, kT, with --energy approximate [default: 0.001]
+    interaction
+        Whether the charges of the bodies act, or their effective charges: those that give the potential
+        around bodies of low permittivity that salt does not enter [default: bare]
+    inner_permittivity
+        Relative permittivity inside the bodies [default: 4]
+    ion_radius
+        Minimum distance of ion centres from the atoms, Å; 0 lets ions reach the surface [default: 2]
     contact_gap
         Surfaces closer than this are in contact, Å [default: 5]
     salt
@@ -1574,6 +1585,9 @@ def inspect(
         {
             "--energy": energy,
             "--tolerance": tolerance,
+            "--interaction": interaction,
+            "--inner-permittivity": inner_permittivity,
+            "--ion-radius": ion_radius,
             "--contact-gap": contact_gap,
             "--salt": salt,
             "--temperature": temperature,
@@ -1587,6 +1601,126 @@ def inspect(
             "--force": force,
         },
         progress,
+    )
+
+
+def pair(
+    first: Path,
+    second: Path | None = None,
+    *,
+    output: Path | None = None,
+    salt: Text | None = None,
+    ph: Numbers | None = None,
+    interaction: Literal["hard", "bare", "effective"] | None = None,
+    relative_error: Number | None = None,
+    most_directions: Integer | None = None,
+    seed: Integer | None = None,
+    contact_gap: Number | None = None,
+    shard: Text | None = None,
+    inner_permittivity: Number | None = None,
+    ion_radius: Number | None = None,
+    temperature: Number | None = None,
+    permittivity: Number | None = None,
+    bjerrum: Number | None = None,
+    debye: Number | None = None,
+    cutoff: Number | None = None,
+    time_limit: Number | None = None,
+    checkpoint_every: Number | None = None,
+    threads: Integer | None = None,
+    force: bool = False,
+    client: Client | None = None,
+    parts: int | None = None,
+    progress: Progress | None = None,
+) -> Result:
+    """The thermodynamics of two bodies over a grid of salt and pH: second virial coefficient, potential of mean
+    force, dissociation constant, bound poses. The same command continues work that was stopped.
+
+    Parameters
+    ----------
+    first
+        A body or a structure file
+    second
+        The other body or structure file; a second copy of the first if omitted
+    output
+        Directory of the results; nothing is kept if omitted
+    salt
+        Salt concentrations: a list such as 10mM,50mM,100mM or a range such as 10mM..1M/8
+    ph
+        pH values at which structure files are made into bodies, such as 4.5,7
+    interaction
+        What acts between the bodies beside their surfaces [default: bare]
+    relative_error
+        The wanted standard error of B2, relative to the larger of its magnitude and its hard part [default:
+        0.004]
+    most_directions
+        Directions with energies that may be sampled for one condition [default: 65536]
+    seed
+        Seed of the random numbers [default: 1]
+    contact_gap
+        Bodies whose surfaces are closer than this are bound, Å [default: 5]
+    shard
+        Compute only a part of the conditions, such as 2/8, alongside other processes in the same directory;
+        the command without this flag collects the parts [default: 1/1]
+    inner_permittivity
+        Relative permittivity inside the bodies [default: 4]
+    ion_radius
+        Minimum distance of ion centres from the atoms, Å; 0 lets ions reach the surface [default: 2]
+    temperature
+        Temperature, K [default: 298.15]
+    permittivity
+        Relative permittivity; that of water at the temperature if omitted
+    bjerrum
+        Bjerrum length (such as 7.0A), instead of temperature and permittivity
+    debye
+        Debye length (such as 9.6A), instead of a salt concentration
+    cutoff
+        Cut-off distance, for comparison with calculations that have one; energies are then summed directly.
+        No cut-off if omitted
+    time_limit
+        Stop (resumably, exit code 3) after this many minutes
+    checkpoint_every
+        Seconds between checkpoints: the most that a killed run loses [default: 20]
+    threads
+        Threads to use; 0 means all [default: 0]
+    force
+        Overwrite existing results
+    client
+        A `distributed.Client`, the address of a Dask scheduler such as "tcp://host:8786", or "local" for
+        workers on this machine. The workers must see all files and folders under the same paths
+    parts
+        Number of parts with a client [default: four per worker thread]
+    progress
+        Called as progress(done, total, unit) during the work.
+    """
+    return call(
+        Result,
+        ["pair"],
+        [first, second],
+        {
+            "--output": output,
+            "--salt": salt,
+            "--ph": ph,
+            "--interaction": interaction,
+            "--relative-error": relative_error,
+            "--most-directions": most_directions,
+            "--seed": seed,
+            "--contact-gap": contact_gap,
+            "--shard": shard,
+            "--inner-permittivity": inner_permittivity,
+            "--ion-radius": ion_radius,
+            "--temperature": temperature,
+            "--permittivity": permittivity,
+            "--bjerrum": bjerrum,
+            "--debye": debye,
+            "--cutoff": cutoff,
+            "--time-limit": time_limit,
+            "--checkpoint-every": checkpoint_every,
+            "--threads": threads,
+            "--force": force,
+        },
+        progress,
+        client=client,
+        parts=parts,
     )
 
 
