@@ -28,13 +28,13 @@ pub struct InspectArgs {
     /// potential around bodies of low permittivity that salt does not enter.
     #[arg(long, value_enum, default_value_t = Charges::Bare)]
     interaction: Charges,
-    #[command(flatten)]
-    solute: SoluteArgs,
     /// Surfaces closer than this are in contact, Å.
     #[arg(long, default_value_t = 5.0)]
     contact_gap: f64,
     #[command(flatten)]
     conditions: ConditionArgs,
+    #[command(flatten)]
+    solute: SoluteArgs,
     #[command(flatten)]
     tables: TablesArgs,
 }

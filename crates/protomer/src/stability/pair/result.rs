@@ -230,10 +230,10 @@ impl Answer for PairResult {
             "pH",
             "salt (M)",
             "B2 (Å³)",
-            "± ",
+            "±",
             "hard (Å³)",
             "B22 (mol mL/g²)",
-            "± ",
+            "±",
             "K_D (M)",
             "lowest (kT)",
         ])];

@@ -82,6 +82,12 @@ impl PairRunSettings {
         if self.salt_molar.is_empty() && self.needs_salt() {
             bail!("no salt concentration is given; add --salt 10mM,100mM,300mM or --debye 9.6A");
         }
+        if self.needs_salt() && self.salt_molar.contains(&0.0) {
+            bail!(
+                "without salt the virial coefficient of charged bodies has no value; give --salt \
+                 above zero, or --interaction hard"
+            );
+        }
         for ph in &self.ph {
             if !(0.0..=14.0).contains(ph) {
                 bail!("the pH is {ph}; give one from 0 to 14");
