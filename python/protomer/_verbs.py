@@ -1519,8 +1519,6 @@ def inspect(
     energy: Literal["direct", "calibrated", "approximate", "none"] | None = None,
     tolerance: Number | None = None,
     interaction: Literal["bare", "effective"] | None = None,
-    inner_permittivity: Number | None = None,
-    ion_radius: Number | None = None,
     contact_gap: Number | None = None,
     salt: Number | None = None,
     temperature: Number | None = None,
@@ -1528,6 +1526,8 @@ def inspect(
     bjerrum: Number | None = None,
     debye: Number | None = None,
     cutoff: Number | None = None,
+    inner_permittivity: Number | None = None,
+    ion_radius: Number | None = None,
     memory_limit: Integer | None = None,
     no_cache: bool = False,
     threads: Integer | None = None,
@@ -1547,10 +1547,6 @@ def inspect(
     interaction
         Whether the charges of the bodies act, or their effective charges: those that give the potential
         around bodies of low permittivity that salt does not enter [default: bare]
-    inner_permittivity
-        Relative permittivity inside the bodies [default: 4]
-    ion_radius
-        Minimum distance of ion centres from the atoms, Å; 0 lets ions reach the surface [default: 2]
     contact_gap
         Surfaces closer than this are in contact, Å [default: 5]
     salt
@@ -1566,6 +1562,10 @@ def inspect(
     cutoff
         Cut-off distance, for comparison with calculations that have one; energies are then summed directly.
         No cut-off if omitted
+    inner_permittivity
+        Relative permittivity inside the bodies [default: 4]
+    ion_radius
+        Minimum distance of ion centres from the atoms, Å; 0 lets ions reach the surface [default: 2]
     memory_limit
         Memory limit for all tables of energies by levels, such as 500MB [default: 4GB]
     no_cache
@@ -1586,8 +1586,6 @@ def inspect(
             "--energy": energy,
             "--tolerance": tolerance,
             "--interaction": interaction,
-            "--inner-permittivity": inner_permittivity,
-            "--ion-radius": ion_radius,
             "--contact-gap": contact_gap,
             "--salt": salt,
             "--temperature": temperature,
@@ -1595,6 +1593,8 @@ def inspect(
             "--bjerrum": bjerrum,
             "--debye": debye,
             "--cutoff": cutoff,
+            "--inner-permittivity": inner_permittivity,
+            "--ion-radius": ion_radius,
             "--memory-limit": memory_limit,
             "--no-cache": no_cache,
             "--threads": threads,
