@@ -1,6 +1,7 @@
 //! The figure of a pair: B₂ against salt, one line per pH.
 
 use super::result::{ConditionResult, PairResult};
+use super::settings::Energies;
 use anyhow::Result;
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
 use std::path::Path;
@@ -134,9 +135,13 @@ fn named(name: String) -> Series {
 fn caption(result: &PairResult) -> String {
     let [first, second] = &result.bodies;
     let settings = &result.settings;
+    let energies = match settings.energies {
+        Energies::Hard => "hard surfaces only",
+        Energies::Bare => "bare charges",
+        Energies::Effective => "effective charges",
+    };
     format!(
-        "{first} and {second}, {:?} interactions, {} K, seed {}",
-        settings.energies, settings.medium.temperature_kelvin, settings.sampling.seed
+        "{first} and {second}, {energies}, {} K, seed {}",
+        settings.medium.temperature_kelvin, settings.sampling.seed
     )
-    .to_lowercase()
 }
