@@ -23,6 +23,7 @@
 //! | [`body`] | the rigid body every engine shares |
 //! | [`build`] | from text to body in one call |
 //! | `warnings` | warnings about a file and the body made from it |
+//! | [`residue_contacts`] | attraction between residues by published scales; residues as beads |
 //! | [`assembly`] | poses of bodies: copies, rings, stacks, candidates, random insertion |
 
 pub mod assembly;
@@ -30,6 +31,7 @@ pub mod body;
 pub mod build;
 pub mod chemistry;
 mod error;
+pub mod residue_contacts;
 pub mod structure;
 pub mod surface;
 mod warnings;

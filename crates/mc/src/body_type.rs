@@ -1,9 +1,11 @@
 //! The engine's view of one kind of body.
 
 use crate::Result;
+use crate::beads::BeadCloud;
 use crate::charges::ChargeCloud;
 use crate::contact::SurfacePoints;
 use protomer_body::Body;
+use protomer_body::residue_contacts::beads_of;
 use protomer_kernel::overlap::CollisionShape;
 use protomer_kernel::{TriangleMesh, Vec3};
 
@@ -32,6 +34,8 @@ pub struct BodyType {
     pub surface_points: SurfacePoints,
     /// The point charges.
     pub charges: ChargeCloud,
+    /// The residues, for contact terms; none for a body made of a mesh and charges.
+    pub beads: BeadCloud,
     /// Volume inside the surface, Å³: the body's weight in weighted averages.
     pub volume_angstrom3: f64,
 }
@@ -51,6 +55,7 @@ impl BodyType {
             shape: CollisionShape::new(mesh)?,
             surface_points: SurfacePoints::new(mesh),
             charges: ChargeCloud::new(charges),
+            beads: BeadCloud::default(),
             volume_angstrom3: mesh.volume_angstrom3(),
         })
     }
@@ -65,7 +70,17 @@ impl BodyType {
             .iter()
             .map(|site| (site.position, site.charge_e))
             .collect();
-        Self::new(body.name.clone(), &body.mesh, &charges)
+        let mut kind = Self::new(body.name.clone(), &body.mesh, &charges)?;
+        kind.beads = BeadCloud::new(&beads_of(body));
+        Ok(kind)
+    }
+
+    /// The same body with other charges (position in Å, charge in e).
+    pub fn with_charges(self, charges: &[(Vec3, f64)]) -> Self {
+        Self {
+            charges: ChargeCloud::new(charges),
+            ..self
+        }
     }
 
     /// Radius of the sphere around the body's origin that encloses its surface, Å.

@@ -55,7 +55,9 @@ impl ChargeCloud {
             .fold(0.0, f64::max)
             .sqrt();
         let mut groups = Vec::with_capacity(charged.len().div_ceil(LANES));
-        split(&mut charged, &mut groups);
+        near_neighbours(&mut charged, &mut |near| {
+            groups.push(ChargeGroup::new(near))
+        });
         Self {
             count: charged.len(),
             net_charge_e: charges.iter().map(|(_, charge)| charge).sum(),
@@ -112,28 +114,27 @@ impl ChargeCloud {
     }
 }
 
-/// Halves the charges at the median of their longest extent, at a multiple of [`LANES`], until a
-/// group is left.
-fn split(charges: &mut [(Vec3, f64)], groups: &mut Vec<ChargeGroup>) {
-    let Some(&(start, _)) = charges.first() else {
+/// Halves the sites at the median of their longest extent, at a multiple of [`LANES`], until groups
+/// of near neighbours are left; hands each to `take`.
+pub(crate) fn near_neighbours<T>(sites: &mut [(Vec3, T)], take: &mut impl FnMut(&[(Vec3, T)])) {
+    let Some(&(start, _)) = sites.first() else {
         return;
     };
-    if charges.len() <= LANES {
-        groups.push(ChargeGroup::new(charges));
+    if sites.len() <= LANES {
+        take(sites);
         return;
     }
-    let low = charges
-        .iter()
-        .fold(start, |low, (position, _)| low.inf(position));
-    let high = charges
-        .iter()
-        .fold(start, |high, (position, _)| high.sup(position));
+    let (mut low, mut high) = (start, start);
+    for (position, _) in sites.iter() {
+        low = low.inf(position);
+        high = high.sup(position);
+    }
     let axis = (high - low).imax();
-    let middle = charges.len().div_ceil(LANES).div_ceil(2) * LANES;
-    charges.select_nth_unstable_by(middle, |a, b| a.0[axis].total_cmp(&b.0[axis]));
-    let (left, right) = charges.split_at_mut(middle);
-    split(left, groups);
-    split(right, groups);
+    let middle = sites.len().div_ceil(LANES).div_ceil(2) * LANES;
+    sites.select_nth_unstable_by(middle, |a, b| a.0[axis].total_cmp(&b.0[axis]));
+    let (left, right) = sites.split_at_mut(middle);
+    near_neighbours(left, take);
+    near_neighbours(right, take);
 }
 
 impl ChargeGroup {

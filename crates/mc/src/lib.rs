@@ -9,9 +9,11 @@
 //! | module | one idea |
 //! |---|---|
 //! | [`body_type`] | what the engine knows about one kind of body: shape and charges |
+//! | [`beads`] | the residues of a body, laid out for vector units |
 //! | [`charges`] | the charges of a body, laid out for vector units |
 //! | [`system`] | the bodies and their poses |
 //! | [`energy`] | the seam: a model keeps the pair energies and decides; the direct sum is one such model |
+//! | [`desolvation`] | what charges lose where another body displaces solvent |
 //! | [`hard`] | hard-body overlap, cheapest test first |
 //! | [`moves`] | trial moves of one body, geometric cluster moves, step sizes |
 //! | [`contact`] | contacts between surfaces |
@@ -47,10 +49,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod beads;
 pub mod body_type;
 pub mod charges;
 pub mod checkpoint;
 pub mod contact;
+pub mod desolvation;
 pub mod energy;
 mod error;
 pub mod hard;

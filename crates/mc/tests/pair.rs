@@ -15,7 +15,7 @@ use protomer_kernel::potential::Yukawa;
 use protomer_kernel::{TriangleMesh, Vec3};
 use protomer_mc::BodyType;
 use protomer_mc::pair::{
-    BodyPair, Charged, Estimator, Hard, PairPotential, PairSettings, PairThermodynamics,
+    BodyPair, Charged, Core, Estimator, PairSettings, PairThermodynamics, Terms,
 };
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -29,14 +29,16 @@ fn estimate(pair: &BodyPair, settings: PairSettings) -> PairThermodynamics {
 }
 
 fn pair_of(first: Arc<BodyType>, second: Arc<BodyType>, yukawa: Option<Yukawa>) -> BodyPair {
-    let potential: Arc<dyn PairPotential> = match yukawa {
-        Some(yukawa) => Arc::new(Charged::new(yukawa, &first.charges, &second.charges).unwrap()),
-        None => Arc::new(Hard),
-    };
+    let mut potential = Terms::default();
+    if let Some(yukawa) = yukawa {
+        let charged = Charged::new(yukawa, &first.charges, &second.charges).unwrap();
+        potential.0.push(Arc::new(charged));
+    }
     BodyPair {
         first,
         second,
         potential,
+        core: Core::Surfaces,
         contact_gap_angstrom: 5.0,
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod body;
 pub mod choices;
+pub mod contacts;
 pub mod device;
 pub mod execution;
 pub mod medium;

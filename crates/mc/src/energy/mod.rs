@@ -11,11 +11,16 @@ mod none;
 mod pair_sum;
 mod potential;
 mod reach;
+mod residue_contacts;
+pub mod terms;
+mod with_terms;
 
 pub use direct::DirectSum;
 pub use none::NoCharges;
 pub use pair_sum::pair_energy_kt;
 pub use potential::SitePotential;
+pub use residue_contacts::ContactPotential;
+pub use with_terms::{TermsByType, WithTerms};
 
 use crate::sparse_rows::PairTable;
 use crate::system::{Pair, System, Trial};
@@ -30,8 +35,14 @@ pub struct PairEnergy {
     pub first: usize,
     /// Index of the second body.
     pub second: usize,
-    /// Energy, kT.
+    /// Energy of the charges, kT.
     pub energy_kt: f64,
+    /// Energy of the other terms, kT.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub terms_kt: f64,
+    /// Whether the charges of the pair are out of each other's range.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub is_of_terms_only: bool,
     /// The second body in the frame of the first where the energy was computed, from models that
     /// may compute it again: a group that moves rigidly keeps its energies, while its relative
     /// poses drift by rounding.
@@ -49,10 +60,21 @@ impl PairEnergy {
             first,
             second,
             energy_kt,
+            terms_kt: 0.0,
+            is_of_terms_only: false,
             computed_at: None,
             images_at: Vec::new(),
         }
     }
+
+    /// Energy of all terms, kT.
+    pub fn total_kt(&self) -> f64 {
+        self.energy_kt + self.terms_kt
+    }
+}
+
+fn is_zero(energy_kt: &f64) -> bool {
+    *energy_kt == 0.0
 }
 
 /// Keeps the pair energies of a system and decides on moves.
@@ -135,7 +157,7 @@ pub trait EnergyModel: Send {
         // Not `sum`: that of no pairs is -0.
         let mut total = 0.0;
         for pair in self.pairs() {
-            total += pair.energy_kt;
+            total += pair.total_kt();
         }
         total
     }

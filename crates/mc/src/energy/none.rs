@@ -21,12 +21,12 @@ impl EnergyModel for NoCharges {
         Ok(())
     }
 
-    fn accept(&mut self, _: &Trial<'_>, _: &[usize], _: f64) -> Result<bool> {
-        Ok(true)
+    fn accept(&mut self, _: &Trial<'_>, _: &[usize], budget_kt: f64) -> Result<bool> {
+        Ok(budget_kt >= 0.0)
     }
 
-    fn exceeds(&mut self, _: &Trial<'_>, _: usize, _: f64) -> Result<bool> {
-        Ok(false)
+    fn exceeds(&mut self, _: &Trial<'_>, _: usize, threshold_kt: f64) -> Result<bool> {
+        Ok(threshold_kt < 0.0)
     }
 
     fn commit(&mut self, _: &[usize]) {}

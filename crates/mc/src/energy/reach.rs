@@ -41,12 +41,29 @@ impl Reach {
                 reach.by_types.push(distance);
             }
         }
+        reach.largest = reach.largest_placed(system);
+        reach
+    }
+
+    /// The reach of these distances (Å), by the types of the first and the second body.
+    pub fn of_types(system: &System, by_types: Vec<f64>) -> Self {
+        let mut reach = Self {
+            types: system.types().len(),
+            by_types,
+            largest: 0.0,
+        };
+        reach.largest = reach.largest_placed(system);
+        reach
+    }
+
+    fn largest_placed(&self, system: &System) -> f64 {
+        let mut largest: f64 = 0.0;
         for first in system.placed_types() {
             for second in system.placed_types() {
-                reach.largest = reach.largest.max(reach.by_types[first * types + second]);
+                largest = largest.max(self.by_types[first * self.types + second]);
             }
         }
-        reach
+        largest
     }
 
     /// The largest among bodies that have a place in the system, Å.

@@ -1,38 +1,45 @@
 //! How near the second body comes along a direction.
 
-use super::BodyPair;
 use super::orientation::Orientation;
-use protomer_kernel::overlap::{overlaps, separation_bound};
+use super::{BodyPair, Core};
+use protomer_kernel::overlap::separation_bound;
 
 /// A bound on the separation is not asked for beyond this, Å.
 const CEILING_ANGSTROM: f64 = 8.0;
 /// The least step towards contact, Å. Overlaps thinner than this may be passed over: they are those
 /// of bodies that graze each other to within some 10⁻⁴ Å.
 const LEAST_STEP_ANGSTROM: f64 = 0.1;
+/// The step of bodies that only their energy keeps apart, Å: a fraction of a bead's core.
+const SOFT_STEP_ANGSTROM: f64 = 0.5;
 /// The interval in which the bodies touch is halved down to this, Å; its middle counts.
 const PRECISION_ANGSTROM: f64 = 1e-3;
 
 /// The distance of the origins at which the second body, coming from far away, first touches the
 /// first; zero if it passes through the origin untouched. Å.
 ///
-/// The body advances by a lower bound on the separation, so nothing is met on the way.
+/// The body advances by a lower bound on the separation, so nothing is met on the way; bodies
+/// without hard surfaces advance by a fixed step.
 pub fn contact_distance_angstrom(pair: &BodyPair, orientation: &Orientation) -> f64 {
     let (first, second) = (&pair.first.shape, &pair.second.shape);
-    let radii = first.bounding_radius_angstrom() + second.bounding_radius_angstrom();
-    let mut apart = radii + LEAST_STEP_ANGSTROM;
+    let step_angstrom = |distance: f64| {
+        let pose = orientation.at(distance);
+        match pair.core {
+            Core::Surfaces => separation_bound(first, second, &pose, CEILING_ANGSTROM),
+            Core::Energy => (!pair.excludes(&pose)).then_some(SOFT_STEP_ANGSTROM),
+        }
+    };
+    let mut apart = pair.outer_distance_angstrom() + LEAST_STEP_ANGSTROM;
     let mut touching = apart;
-    while let Some(bound) =
-        separation_bound(first, second, &orientation.at(touching), CEILING_ANGSTROM)
-    {
+    while let Some(step) = step_angstrom(touching) {
         if touching <= 0.0 {
             return 0.0;
         }
         apart = touching;
-        touching = (apart - bound.max(LEAST_STEP_ANGSTROM)).max(0.0);
+        touching = (apart - step.max(LEAST_STEP_ANGSTROM)).max(0.0);
     }
     while apart - touching > PRECISION_ANGSTROM {
         let middle = 0.5 * (apart + touching);
-        match overlaps(first, second, &orientation.at(middle)) {
+        match pair.excludes(&orientation.at(middle)) {
             true => touching = middle,
             false => apart = middle,
         }
@@ -43,9 +50,10 @@ pub fn contact_distance_angstrom(pair: &BodyPair, orientation: &Orientation) -> 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
-    use super::super::Hard;
+    use super::super::Terms;
     use super::*;
     use crate::BodyType;
+    use protomer_kernel::overlap::overlaps;
     use protomer_kernel::random::CounterRng;
     use protomer_kernel::{TriangleMesh, Vec3};
     use std::sync::Arc;
@@ -69,7 +77,8 @@ mod tests {
         let pair = BodyPair {
             first: tetrahedron(5.0),
             second: tetrahedron(3.0),
-            potential: Arc::new(Hard),
+            potential: Terms::default(),
+            core: Core::Surfaces,
             contact_gap_angstrom: 5.0,
         };
         for case in 0..40 {

@@ -16,7 +16,7 @@
 //!
 //! | module | one idea |
 //! |---|---|
-//! | [`potential`] | the energy of two bodies as a function of their relative pose |
+//! | [`potential`] | the terms of the energy of two bodies |
 //! | `orientation` | a direction and a rotation; points that fill their space evenly |
 //! | `approach` | how near the second body comes along a direction |
 //! | `radial` | integrals along one direction |
@@ -40,11 +40,14 @@ mod proposal;
 mod radial;
 pub mod wells;
 
+pub use crate::energy::terms::{EnergyParts, PairPotential, Term, Terms};
 pub use estimator::{Estimator, PairSettings, PairThermodynamics};
-pub use potential::{Charged, Hard, PairPotential};
+pub use potential::{Charged, Contacts};
 pub use wells::BoundPose;
 
 use crate::BodyType;
+use protomer_kernel::overlap::overlaps;
+use protomer_kernel::pose::RelativePose;
 use std::sync::Arc;
 
 /// Two bodies and what acts between them beside their hard surfaces.
@@ -54,8 +57,42 @@ pub struct BodyPair {
     pub first: Arc<BodyType>,
     /// The other body.
     pub second: Arc<BodyType>,
-    /// The energy.
-    pub potential: Arc<dyn PairPotential>,
+    /// The energy beside the surfaces.
+    pub potential: Terms,
+    /// What keeps the bodies apart.
+    pub core: Core,
     /// Bodies whose surfaces are closer than this are bound, Å.
     pub contact_gap_angstrom: f64,
+}
+
+/// What keeps two bodies apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Core {
+    /// Their hard surfaces.
+    #[default]
+    Surfaces,
+    /// The energy alone: that of beads with cores of their own.
+    Energy,
+}
+
+/// Where bodies are taken to overlap if only their energy keeps them apart, kT: exp(-30) is 1e-13.
+const CORE_ENERGY_KT: f64 = 30.0;
+
+impl BodyPair {
+    /// Whether the bodies overlap at a pose of the second in the frame of the first.
+    fn excludes(&self, second_in_first: &RelativePose) -> bool {
+        match self.core {
+            Core::Surfaces => overlaps(&self.first.shape, &self.second.shape, second_in_first),
+            Core::Energy => self.potential.energy_kt(second_in_first) > CORE_ENERGY_KT,
+        }
+    }
+
+    /// The distance of the origins beyond which nothing overlaps, Å.
+    fn outer_distance_angstrom(&self) -> f64 {
+        let surfaces = self.first.hard_radius_angstrom() + self.second.hard_radius_angstrom();
+        match self.core {
+            Core::Surfaces => surfaces,
+            Core::Energy => self.potential.reach_angstrom(CORE_ENERGY_KT),
+        }
+    }
 }

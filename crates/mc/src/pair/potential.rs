@@ -1,36 +1,51 @@
-//! The energy of two bodies that do not overlap, as a function of their relative pose.
+//! The terms of the energy of two bodies: screened charges, attraction between residues.
 
+use crate::beads::BeadCloud;
 use crate::charges::ChargeCloud;
-use crate::energy::{SitePotential, pair_energy_kt};
+use crate::energy::levels::Table;
+use crate::energy::terms::{PairPotential, Term};
+use crate::energy::{ContactPotential, SitePotential, pair_energy_kt};
 use crate::{McError, Result};
 use protomer_kernel::pose::RelativePose;
 use protomer_kernel::potential::Yukawa;
 use std::f64::consts::PI;
+use std::sync::Arc;
 
-/// The energy of two bodies beside their hard surfaces.
-pub trait PairPotential: Send + Sync {
-    /// The energy at a pose of the second body in the frame of the first, kT.
-    fn energy_kt(&self, second_in_first: &RelativePose) -> f64;
+/// Fewer charges are summed directly.
+const FEW_CHARGES: usize = 40;
 
-    /// The distance of the origins beyond which no energy is larger than `energy_kt`, Å.
-    fn reach_angstrom(&self, energy_kt: f64) -> f64;
-
-    /// ∫ <exp(-U) - 1> d³R over all distances of the origins beyond `distance_angstrom`, to first
-    /// order in U, Å³.
-    fn tail_angstrom3(&self, distance_angstrom: f64) -> f64;
+/// Attraction between residues.
+#[derive(Debug, Clone)]
+pub struct Contacts {
+    potential: ContactPotential,
+    first: BeadCloud,
+    second: BeadCloud,
 }
 
-/// Nothing beside the surfaces.
-#[derive(Debug, Clone, Copy)]
-pub struct Hard;
+impl Contacts {
+    /// The residues of two bodies under a potential.
+    pub fn new(potential: ContactPotential, first: &BeadCloud, second: &BeadCloud) -> Self {
+        Self {
+            potential,
+            first: first.clone(),
+            second: second.clone(),
+        }
+    }
+}
 
-impl PairPotential for Hard {
-    fn energy_kt(&self, _: &RelativePose) -> f64 {
-        0.0
+impl PairPotential for Contacts {
+    fn term(&self) -> Term {
+        Term::Contacts
+    }
+
+    fn energy_kt(&self, second_in_first: &RelativePose) -> f64 {
+        self.potential
+            .energy_kt(&self.first, &self.second, second_in_first)
     }
 
     fn reach_angstrom(&self, _: f64) -> f64 {
-        0.0
+        let radii = self.first.radius_angstrom() + self.second.radius_angstrom();
+        radii + self.potential.cutoff_angstrom()
     }
 
     fn tail_angstrom3(&self, _: f64) -> f64 {
@@ -44,6 +59,7 @@ pub struct Charged {
     yukawa: Yukawa,
     first: ChargeCloud,
     second: ChargeCloud,
+    tables: Option<[Arc<Table<Yukawa>>; 2]>,
 }
 
 impl Charged {
@@ -65,7 +81,29 @@ impl Charged {
             yukawa,
             first: first.clone(),
             second: second.clone(),
+            tables: None,
         })
+    }
+
+    /// The same with tables of the potential, which give the energy to some 10⁻⁴ kT; those of one
+    /// body twice where both are the same. Direct sums are kept where they cost less.
+    pub fn with_tables(mut self, are_equal: bool) -> Self {
+        let charges = self.first.len().min(self.second.len());
+        if charges < FEW_CHARGES || self.yukawa.is_cut() {
+            return self;
+        }
+        // Farther apart, energies are asked for rarely, and summed directly.
+        const ENOUGH_KT: f64 = 1e-3;
+        let radii = self.first.radius_angstrom() + self.second.radius_angstrom();
+        let reach = self.reach_angstrom(ENOUGH_KT) + radii;
+        let table = |of: &ChargeCloud| Arc::new(Table::new(of, &self.yukawa, reach));
+        let first = table(&self.first);
+        let second = match are_equal {
+            true => Arc::clone(&first),
+            false => table(&self.second),
+        };
+        self.tables = Some([first, second]);
+        self
     }
 
     /// Σ |q| sinh(κs)/(κs) over charges at distances s of the origin: what bounds the potential far
@@ -95,7 +133,17 @@ impl Charged {
 }
 
 impl PairPotential for Charged {
+    fn term(&self) -> Term {
+        Term::Charges
+    }
+
     fn energy_kt(&self, second_in_first: &RelativePose) -> f64 {
+        if let Some([first, second]) = &self.tables {
+            let energy_kt = first.energy_alone_kt(second, second_in_first);
+            if let Some(energy_kt) = energy_kt {
+                return energy_kt;
+            }
+        }
         pair_energy_kt(&self.yukawa, &self.first, &self.second, second_in_first)
     }
 

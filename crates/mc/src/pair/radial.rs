@@ -4,7 +4,6 @@
 use super::BodyPair;
 use super::approach::contact_distance_angstrom;
 use super::orientation::Orientation;
-use protomer_kernel::overlap::overlaps;
 use protomer_kernel::random::CounterRng;
 
 /// The first interval beside contact, Å, and the ratio of each to the one before.
@@ -67,7 +66,7 @@ impl RaySample {
         let mut openings = Vec::new();
         for [distance, volume] in inward_points(contact, rng) {
             let pose = orientation.at(distance);
-            if !overlaps(&pair.first.shape, &pair.second.shape, &pose) {
+            if !pair.excludes(&pose) {
                 openings.push(point(distance, volume));
             }
         }
@@ -108,7 +107,7 @@ pub fn hard_ray(pair: &BodyPair, orientation: &Orientation, rng: &mut CounterRng
     let mut open = 0.0;
     for [distance, volume] in inward_points(contact, rng) {
         let pose = orientation.at(distance);
-        if !overlaps(&pair.first.shape, &pair.second.shape, &pose) {
+        if !pair.excludes(&pose) {
             open += volume;
         }
     }

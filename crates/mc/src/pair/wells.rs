@@ -3,7 +3,6 @@
 use super::BodyPair;
 use super::estimator::Found;
 use nalgebra::UnitQuaternion;
-use protomer_kernel::overlap::overlaps;
 use protomer_kernel::pose::RelativePose;
 use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::{Pose, Rotation};
@@ -79,7 +78,7 @@ fn descend(pair: &BodyPair, start: &BoundPose, rng: &mut CounterRng) -> BoundPos
             rotation: turn * present.pose.rotation,
         };
         let relative = relative(&pose);
-        if overlaps(&pair.first.shape, &pair.second.shape, &relative) {
+        if pair.excludes(&relative) {
             continue;
         }
         let energy_kt = pair.potential.energy_kt(&relative);

@@ -77,7 +77,7 @@ pub fn inspect(
         energy_kilojoule_per_mol: energy_kt * kilojoule_per_mol_per_kt(temperature_kelvin),
         pair_energies: pairs
             .iter()
-            .map(|pair| (pair.first, pair.second, pair.energy_kt))
+            .map(|pair| (pair.first, pair.second, pair.total_kt()))
             .collect(),
         error_bound_kt_per_pair: model.error_bound_kt(),
         contacts: contacts(&system, settings.contact_gap_angstrom),

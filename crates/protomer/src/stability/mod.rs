@@ -2,6 +2,7 @@
 
 pub mod bench;
 pub mod compare;
+pub mod contacts;
 pub mod disk_cache;
 pub mod effective;
 pub mod energy_tables;
@@ -10,3 +11,4 @@ pub mod interaction;
 pub mod pair;
 pub mod run;
 pub mod sweep;
+pub mod terms;

@@ -1,6 +1,7 @@
 //! `protomer inspect`: overlaps, energies and size of an assembly.
 
 use crate::flags::choices::Energy;
+use crate::flags::contacts::ContactArgs;
 use crate::flags::medium::ConditionArgs;
 use crate::flags::solute::SoluteArgs;
 use crate::flags::tables::TablesArgs;
@@ -10,8 +11,11 @@ use crate::reply::Reply;
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use protomer::assemblies::assembly_file::Assembly;
+use protomer::stability::contacts::ContactCore;
+use protomer::stability::effective::SoluteModel;
 use protomer::stability::inspect::{inspect, inspection_settings};
 use protomer::stability::run::Engine;
+use protomer::stability::terms::FurtherTerms;
 use std::path::PathBuf;
 
 /// Inspect an assembly: overlaps, pair energies, radius of gyration.
@@ -31,6 +35,11 @@ pub struct InspectArgs {
     /// Surfaces closer than this are in contact, Å.
     #[arg(long, default_value_t = 5.0)]
     contact_gap: f64,
+    /// Count what charges lose where other bodies displace solvent; with effective charges.
+    #[arg(long)]
+    desolvation: bool,
+    #[command(flatten)]
+    contacts: ContactArgs,
     #[command(flatten)]
     conditions: ConditionArgs,
     #[command(flatten)]
@@ -64,7 +73,23 @@ impl InspectArgs {
                 engine.with_effective_charges(&interaction, &solute.unwrap_or_default())?
             }
         };
+        let further = FurtherTerms {
+            contacts: self.contacts.term(ContactCore::Surface)?,
+            desolvation: self.desolvated()?,
+        };
+        let engine = engine.with_terms(&further, &interaction)?;
         let settings = inspection_settings(energy, self.tolerance.tolerance, self.contact_gap);
         Ok(Reply::data(inspect(&engine, &settings, interaction)?).with_notes(warnings))
+    }
+
+    /// The inside of bodies, if desolvation counts.
+    fn desolvated(&self) -> Result<Option<SoluteModel>> {
+        match (self.desolvation, self.interaction) {
+            (false, _) => Ok(None),
+            (true, Charges::Effective) => Ok(Some(self.solute.solute().unwrap_or_default())),
+            (true, Charges::Bare) => {
+                bail!("desolvation is that of effective charges; add --interaction effective")
+            }
+        }
     }
 }

@@ -1,13 +1,15 @@
 //! `protomer pair`: the thermodynamics of two bodies.
 
+use crate::flags::contacts::ContactArgs;
 use crate::flags::execution::ExecutionArgs;
 use crate::flags::medium::MediumArgs;
 use crate::flags::solute::SoluteArgs;
 use crate::front::Front;
 use crate::reply::Reply;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use protomer::quantity;
+use protomer::stability::contacts::{ContactCore, ContactTerm};
 use protomer::stability::effective::SoluteModel;
 use protomer::stability::pair::{Energies, PairBodies, PairRunSettings, run_pair, run_pair_shard};
 use protomer_results::{End, Shard};
@@ -50,6 +52,14 @@ pub struct PairArgs {
     /// directory; the command without this flag collects the parts.
     #[arg(long, value_parser = Shard::parse, default_value = "1/1", requires = "output")]
     shard: Shard,
+    /// What keeps the bodies apart: their surfaces, or the cores of the beads of the contact term.
+    #[arg(long, value_enum, default_value_t = CoreChoice::Surface)]
+    core: CoreChoice,
+    /// Count what charges lose where the other body displaces solvent; with effective charges.
+    #[arg(long)]
+    desolvation: bool,
+    #[command(flatten)]
+    contacts: ContactArgs,
     #[command(flatten)]
     solute: SoluteArgs,
     #[command(flatten)]
@@ -68,6 +78,15 @@ enum Interaction {
     /// Effective charges: those that give the potential around bodies of low permittivity that salt
     /// does not enter.
     Effective,
+}
+
+/// What keeps two bodies apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum CoreChoice {
+    /// The solvent-excluded surfaces.
+    Surface,
+    /// The beads of the published force field, for comparison with programs that have no surfaces.
+    Beads,
 }
 
 impl PairArgs {
@@ -134,6 +153,19 @@ impl PairArgs {
         }
     }
 
+    fn contact_term(&self) -> Result<Option<ContactTerm>> {
+        match self.core {
+            CoreChoice::Surface => self.contacts.term(ContactCore::Surface),
+            CoreChoice::Beads => match self.contacts.term(ContactCore::Beads)? {
+                None => bail!(
+                    "--core beads takes the cores of a contact term; add --contacts calvados3, or \
+                     leave it out"
+                ),
+                term => Ok(term),
+            },
+        }
+    }
+
     fn settings(&self) -> Result<PairRunSettings> {
         let mut settings = PairRunSettings {
             salt_molar: match &self.salt {
@@ -147,6 +179,8 @@ impl PairArgs {
                 Interaction::Effective => Energies::Effective,
             },
             solute: self.effective_solute(),
+            desolvation: self.desolvation,
+            contacts: self.contact_term()?,
             contact_gap_angstrom: self.contact_gap,
             medium: self.medium.medium(),
             ..PairRunSettings::default()

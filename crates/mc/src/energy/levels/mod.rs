@@ -12,6 +12,8 @@
 //! by pair (`neighbours`). Far parts of the other body are stood for by equivalent charges (`tree`,
 //! `fit`). A list (`list`) keeps which ones for a pair, so that errors before and after a move cancel.
 //!
+//! Poses that have nothing to do with each other take the fine level without a list (`alone`).
+//!
 //! A decision (`model`) starts at the coarse level with an error by a variance model and goes up, the
 //! least certain pair first, while the random number is within [`MULTIPLE`] standard deviations of
 //! the change of the energy. The model's scale is found by comparison of the levels (`calibration`).
@@ -20,6 +22,7 @@
     reason = "a lane runs through several arrays at once"
 )]
 
+mod alone;
 mod calibration;
 mod field;
 mod fit;

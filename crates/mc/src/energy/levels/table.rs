@@ -161,6 +161,11 @@ impl<P: SitePotential> Table<P> {
         })
     }
 
+    /// The charges, in arrays.
+    pub(super) fn blocks(&self) -> &[Block] {
+        &self.blocks
+    }
+
     /// A lower bound on the distance of a point from the nearest charge, Å.
     pub(super) fn distance_bound(&self, x: &Vec3) -> f64 {
         f64::from(self.field.distance_bound(x.map(|x| x as f32).into()))

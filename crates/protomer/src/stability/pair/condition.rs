@@ -1,7 +1,7 @@
 //! One salt and pH: a run in its own directory.
 
 use super::input::Prepared;
-use super::result::{ConditionResult, mean_force_to_csv};
+use super::result::{ConditionResult, PoseResult, mean_force_to_csv};
 use super::settings::{Energies, PairRunSettings};
 use crate::stability::effective::{self, effective_charges_of};
 use crate::stability::interaction::ScreenedCoulomb;
@@ -11,7 +11,7 @@ use protomer_field::effective_charges::EffectiveCharges;
 use protomer_io::atomic::write_atomically;
 use protomer_mc::charges::ChargeCloud;
 use protomer_mc::pair::wells::bound_poses;
-use protomer_mc::pair::{BodyPair, BoundPose, Charged, Estimator, Hard, PairPotential};
+use protomer_mc::pair::{BodyPair, BoundPose, Charged, Estimator, Terms};
 use protomer_results::{ResultKind, Run, Turn, Work};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -105,17 +105,23 @@ impl<'a> Condition<'a> {
             Some(effective) => effective.each_ref().map(|of| ChargeCloud::new(&of.charges)),
             None => [first.charges.clone(), second.charges.clone()],
         };
-        let potential: Arc<dyn PairPotential> = match self.settings.energies {
-            Energies::Hard => Arc::new(Hard),
-            Energies::Bare | Energies::Effective => {
-                let [first, second] = &clouds;
-                Arc::new(Charged::new(self.interaction.yukawa()?, first, second)?)
-            }
-        };
+        let mut potential = Terms::default();
+        if self.settings.energies != Energies::Hard {
+            let yukawa = self.interaction.yukawa()?;
+            let charged = Charged::new(yukawa, &clouds[0], &clouds[1])?;
+            let charged = charged.with_tables(self.are_equal());
+            potential.0.push(Arc::new(charged));
+        }
+        let kinds = [first.as_ref(), second.as_ref()];
+        let charged = [(kinds[0], &clouds[0]), (kinds[1], &clouds[1])];
+        let further = self.settings.further_terms();
+        let prepared = further.prepare(&charged, &self.interaction)?;
+        potential.0.extend(prepared.of(&kinds, 0, 1).0);
         Ok(BodyPair {
             first,
             second,
             potential,
+            core: self.settings.core(),
             contact_gap_angstrom: self.settings.contact_gap_angstrom,
         })
     }
@@ -142,12 +148,10 @@ impl<'a> Condition<'a> {
         let State {
             estimator, pair, ..
         } = state;
-        let poses = match self.settings.energies {
-            Energies::Hard => Vec::new(),
-            Energies::Bare | Energies::Effective => {
-                let seed = self.settings.sampling.seed;
-                bound_poses(pair, estimator.lowest(), self.are_equal(), seed)
-            }
+        let seed = self.settings.sampling.seed;
+        let poses = match self.settings.is_hard() {
+            true => Vec::new(),
+            false => bound_poses(pair, estimator.lowest(), self.are_equal(), seed),
         };
         let net_effective = state
             .effective
@@ -168,7 +172,10 @@ impl<'a> Condition<'a> {
                 self.ph,
                 self.interaction,
                 estimator.thermodynamics(pair),
-                &poses,
+                poses
+                    .iter()
+                    .map(|pose| PoseResult::new(pair, pose))
+                    .collect(),
             )
         }
     }

@@ -140,8 +140,12 @@ fn caption(result: &PairResult) -> String {
         Energies::Bare => "bare charges",
         Energies::Effective => "effective charges",
     };
+    let contacts = match &settings.contacts {
+        Some(contacts) => format!(", {}", contacts.describe()),
+        None => String::new(),
+    };
     format!(
-        "{first} and {second}, {energies}, {} K, seed {}",
+        "{first} and {second}, {energies}{contacts}, {} K, seed {}",
         settings.medium.temperature_kelvin, settings.sampling.seed
     )
 }

@@ -9,9 +9,11 @@ use anyhow::{Context, Result};
 use protomer_body::Body;
 use protomer_io::atomic::write_atomically;
 use protomer_io::csv::{Cell, Table};
+use protomer_kernel::Pose;
+use protomer_kernel::pose::RelativePose;
 use protomer_kernel::units::AVOGADRO_PER_MOL;
 use protomer_mc::pair::profile::MeanForceRow;
-use protomer_mc::pair::{BoundPose, PairThermodynamics};
+use protomer_mc::pair::{BodyPair, BoundPose, EnergyParts, PairThermodynamics};
 use protomer_plot::Figure;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -88,6 +90,9 @@ pub struct ConditionResult {
 pub struct PoseResult {
     /// Energy, kT.
     pub energy_kt: f64,
+    /// The same, term by term.
+    #[serde(flatten)]
+    pub parts: EnergyParts,
     /// Position of the second body in the frame of the first, Å.
     pub position_angstrom: [f64; 3],
     /// Its orientation, a quaternion, scalar first.
@@ -112,7 +117,7 @@ impl ConditionResult {
         ph: Option<f64>,
         interaction: ScreenedCoulomb,
         found: PairThermodynamics,
-        poses: &[BoundPose],
+        poses: Vec<PoseResult>,
     ) -> Self {
         let electrolyte = &interaction.electrolyte;
         let debye = electrolyte.debye_length_angstrom();
@@ -142,7 +147,7 @@ impl ConditionResult {
             contact_volume_angstrom3: found.contact_volume_angstrom3,
             net_charge_e: bodies.map(Body::net_charge_e),
             net_effective_charge_e: None,
-            poses: poses.iter().map(PoseResult::new).collect(),
+            poses,
             warnings: Vec::new(),
             directions: found.directions,
             mean_force: found.mean_force,
@@ -176,11 +181,14 @@ impl ConditionResult {
 }
 
 impl PoseResult {
-    fn new(pose: &BoundPose) -> Self {
+    pub(super) fn new(pair: &BodyPair, bound: &BoundPose) -> Self {
+        let pose = bound.pose;
+        let relative = RelativePose::new(&Pose::identity(), &pose, &pose.position);
         Self {
-            energy_kt: pose.energy_kt,
-            position_angstrom: pose.pose.position.into(),
-            orientation_wxyz: pose.pose.wxyz(),
+            energy_kt: bound.energy_kt,
+            parts: pair.potential.parts_kt(&relative),
+            position_angstrom: pose.position.into(),
+            orientation_wxyz: pose.wxyz(),
         }
     }
 }

@@ -1,9 +1,11 @@
 //! The settings of a pair, as stored in `run.toml`.
 
+use crate::stability::contacts::{ContactCore, ContactTerm};
 use crate::stability::effective::SoluteModel;
 use crate::stability::interaction::InteractionSettings;
+use crate::stability::terms::FurtherTerms;
 use anyhow::{Result, bail};
-use protomer_mc::pair::{Estimator, PairSettings};
+use protomer_mc::pair::{Core, Estimator, PairSettings};
 use protomer_results::Settings;
 use serde::{Deserialize, Serialize};
 
@@ -49,6 +51,12 @@ pub struct PairRunSettings {
     /// The inside of the bodies, for effective charges only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub solute: Option<SoluteModel>,
+    /// Whether charges lose solvent to the other body; with effective charges only.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub desolvation: bool,
+    /// Attraction between residues.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub contacts: Option<ContactTerm>,
     /// The medium between the bodies.
     pub medium: InteractionSettings,
 }
@@ -62,6 +70,8 @@ impl Default for PairRunSettings {
             contact_gap_angstrom: 5.0,
             sampling: PairSettings::default(),
             solute: None,
+            desolvation: false,
+            contacts: None,
             medium: InteractionSettings::default(),
         }
     }
@@ -103,6 +113,12 @@ impl PairRunSettings {
                  --interaction effective, or leave them out"
             );
         }
+        if self.desolvation && self.energies != Energies::Effective {
+            bail!("desolvation is that of effective charges; add --interaction effective");
+        }
+        if let Some(contacts) = &self.contacts {
+            contacts.potential(self.medium.temperature_kelvin)?;
+        }
         let conditions = self.salts().len() * self.ph.len().max(1);
         if conditions > MOST_CONDITIONS {
             bail!("{conditions} conditions are too many; ask for at most {MOST_CONDITIONS}");
@@ -115,6 +131,27 @@ impl PairRunSettings {
 
     fn needs_salt(&self) -> bool {
         self.energies != Energies::Hard && self.medium.debye_length_angstrom.is_none()
+    }
+
+    /// Whether nothing but surfaces acts.
+    pub fn is_hard(&self) -> bool {
+        self.energies == Energies::Hard && self.contacts.is_none()
+    }
+
+    /// What acts beside the charges.
+    pub(super) fn further_terms(&self) -> FurtherTerms {
+        FurtherTerms {
+            contacts: self.contacts,
+            desolvation: self.desolvation.then(|| self.solute.unwrap_or_default()),
+        }
+    }
+
+    /// What keeps the bodies apart.
+    pub(super) fn core(&self) -> Core {
+        match self.contacts.map(|contacts| contacts.core) {
+            Some(ContactCore::Beads) => Core::Energy,
+            _ => Core::Surfaces,
+        }
     }
 
     /// The salt of each condition, mol/L; `None` where it is not stated.

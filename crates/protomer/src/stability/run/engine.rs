@@ -6,9 +6,10 @@ use crate::stability::effective::{self, SoluteModel, effective_charges_of};
 use crate::stability::energy_tables::{EnergyTables, PotentialTable};
 use crate::stability::interaction::{Definition, ScreenedCoulomb};
 use crate::stability::run::{DEFAULT_TOLERANCE_KT, EnergyCosts, EnergyMode, Promise, RunSettings};
+use crate::stability::terms::FurtherTerms;
 use anyhow::{Context, Result, bail};
 use protomer_kernel::potential::Yukawa;
-use protomer_mc::energy::{DirectSum, EnergyModel, NoCharges};
+use protomer_mc::energy::{DirectSum, EnergyModel, NoCharges, TermsByType, WithTerms};
 use protomer_mc::hard::overlapping_pairs;
 use protomer_mc::{BodyType, Interaction, McError, Settings, System};
 use std::sync::Arc;
@@ -19,6 +20,7 @@ pub struct Engine {
     assembly: Assembly,
     types: Vec<Arc<BodyType>>,
     tables: Arc<EnergyTables>,
+    terms: Option<TermsByType>,
 }
 
 impl Engine {
@@ -37,6 +39,7 @@ impl Engine {
             assembly,
             types,
             tables: Arc::default(),
+            terms: None,
         })
     }
 
@@ -59,11 +62,30 @@ impl Engine {
         for body in &self.assembly.bodies {
             let charges = effective_charges_of(body, interaction, solute)?;
             warnings.extend(effective::warning(body, &charges));
-            let kind = BodyType::new(body.name.clone(), &body.mesh, &charges.charges)?;
+            let kind = BodyType::from_body(body)?.with_charges(&charges.charges);
             types.push(Arc::new(kind));
         }
         self.types = types;
         Ok((self, warnings))
+    }
+
+    /// The same engine with further terms beside the charges, in this medium.
+    ///
+    /// # Errors
+    /// As [`FurtherTerms::prepare`].
+    pub fn with_terms(
+        mut self,
+        further: &FurtherTerms,
+        interaction: &ScreenedCoulomb,
+    ) -> Result<Self> {
+        if !further.is_none() {
+            let kinds: Vec<&BodyType> = self.types.iter().map(AsRef::as_ref).collect();
+            let charged: Vec<_> = kinds.iter().map(|kind| (*kind, &kind.charges)).collect();
+            let prepared = further.prepare(&charged, interaction)?;
+            let of = |first, second| Ok::<_, McError>(prepared.of(&kinds, first, second));
+            self.terms = Some(TermsByType::new(kinds.len(), of)?);
+        }
+        Ok(self)
     }
 
     /// The assembly.
@@ -100,13 +122,17 @@ impl Engine {
         interaction: &ScreenedCoulomb,
     ) -> Result<Box<dyn EnergyModel>> {
         let levels = |yukawa: Yukawa| self.tables.levels(&self.system()?, yukawa);
-        Ok(match self.settings(run, interaction)?.interaction {
+        let charges: Box<dyn EnergyModel> = match self.settings(run, interaction)?.interaction {
             Interaction::YukawaCalibrated(yukawa) => Box::new(levels(yukawa)?),
             Interaction::YukawaApproximate {
                 yukawa,
                 tolerance_kt,
             } => Box::new(levels(yukawa)?.with_tolerance(tolerance_kt)),
             other => other.model(&self.system()?),
+        };
+        Ok(match &self.terms {
+            Some(terms) => Box::new(WithTerms::new(charges, terms.clone())),
+            None => charges,
         })
     }
 

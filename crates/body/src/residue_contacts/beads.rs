@@ -1,0 +1,55 @@
+//! Residues as beads.
+
+use crate::Body;
+use crate::chemistry::AminoAcid;
+use crate::chemistry::residue_names::modified_residue;
+use protomer_kernel::Vec3;
+
+/// A residue as one point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bead {
+    /// Centre of the heavy atoms, in the frame of the body, Å.
+    pub position: Vec3,
+    /// What it is; a modified residue counts as its parent.
+    pub amino_acid: AminoAcid,
+    /// Index into [`Body::residues`].
+    pub residue: usize,
+}
+
+/// The amino acids of a body as beads, in the order of its residues. Nucleotides, ligands and ions
+/// have none: no scale knows them.
+pub fn beads_of(body: &Body) -> Vec<Bead> {
+    let mut sums = vec![(Vec3::zeros(), 0_u32); body.residues.len()];
+    for site in &body.sites {
+        let sum = site
+            .residue
+            .and_then(|residue| sums.get_mut(residue as usize));
+        if let (Some((sum, count)), false) = (sum, is_hydrogen(&site.atom_name)) {
+            *sum += site.position;
+            *count += 1;
+        }
+    }
+    let mut beads = Vec::new();
+    for (residue, (sum, count)) in sums.into_iter().enumerate() {
+        let amino_acid = amino_acid_of(&body.residues[residue].name);
+        if let (Some(amino_acid), true) = (amino_acid, count > 0) {
+            beads.push(Bead {
+                position: sum / f64::from(count),
+                amino_acid,
+                residue,
+            });
+        }
+    }
+    beads
+}
+
+fn amino_acid_of(name: &str) -> Option<AminoAcid> {
+    AminoAcid::of_residue(name)
+        .or_else(|| modified_residue(name).and_then(|modified| modified.parent))
+}
+
+/// Hydrogens of amino acids are named H... or, in old files, 1H....
+fn is_hydrogen(atom_name: &str) -> bool {
+    let letters = atom_name.trim_start_matches(|c: char| c.is_ascii_digit());
+    letters.starts_with(['H', 'D'])
+}

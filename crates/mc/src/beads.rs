@@ -1,0 +1,111 @@
+//! The residues of a body as beads, laid out for vector units.
+
+use crate::charges::{LANES, near_neighbours};
+use protomer_body::chemistry::AminoAcid;
+use protomer_body::residue_contacts::Bead;
+use protomer_kernel::Vec3;
+
+/// What stands in empty lanes of a group: a kind that interacts with nothing.
+pub const EMPTY_LANE: u8 = 20;
+
+/// Beads in the body's frame, in groups of [`LANES`] near neighbours.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct BeadCloud {
+    groups: Vec<BeadGroup>,
+    count: usize,
+    radius_angstrom: f64,
+}
+
+/// [`LANES`] neighbouring beads.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BeadGroup {
+    /// Coordinates, Å.
+    pub x: [f64; LANES],
+    /// Coordinates, Å.
+    pub y: [f64; LANES],
+    /// Coordinates, Å.
+    pub z: [f64; LANES],
+    /// The amino acids, as numbers; [`EMPTY_LANE`] from the first lane that is empty.
+    pub kind: [u8; LANES],
+    /// The residues, as indices into those of the body.
+    pub residue: [u32; LANES],
+    /// Centre of the bounding sphere, Å.
+    pub centre: Vec3,
+    /// Radius of the bounding sphere, Å.
+    pub radius_angstrom: f64,
+}
+
+impl BeadCloud {
+    /// Groups the beads.
+    pub fn new(beads: &[Bead]) -> Self {
+        let mut sites = Vec::with_capacity(beads.len());
+        let mut radius_angstrom: f64 = 0.0;
+        for bead in beads {
+            radius_angstrom = radius_angstrom.max(bead.position.norm());
+            sites.push((bead.position, *bead));
+        }
+        let mut groups = Vec::with_capacity(beads.len().div_ceil(LANES));
+        near_neighbours(&mut sites, &mut |near| groups.push(BeadGroup::new(near)));
+        Self {
+            groups,
+            count: beads.len(),
+            radius_angstrom,
+        }
+    }
+
+    /// The groups.
+    pub fn groups(&self) -> &[BeadGroup] {
+        &self.groups
+    }
+
+    /// Number of beads.
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    /// Whether there are no beads.
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Radius of the sphere around the body's origin that encloses all beads, Å.
+    pub fn radius_angstrom(&self) -> f64 {
+        self.radius_angstrom
+    }
+}
+
+impl BeadGroup {
+    /// A group of one to [`LANES`] beads; empty lanes repeat the first position.
+    fn new(beads: &[(Vec3, Bead)]) -> Self {
+        let at = |lane: usize| {
+            beads
+                .get(lane)
+                .map_or(beads[0].0, |(position, _)| *position)
+        };
+        let mut kind = [EMPTY_LANE; LANES];
+        let mut residue = [u32::MAX; LANES];
+        let mut centre = Vec3::zeros();
+        for (lane, (position, bead)) in beads.iter().enumerate() {
+            kind[lane] = number(bead.amino_acid);
+            residue[lane] = bead.residue as u32;
+            centre += position / beads.len() as f64;
+        }
+        let mut radius_angstrom: f64 = 0.0;
+        for (position, _) in beads {
+            radius_angstrom = radius_angstrom.max((position - centre).norm());
+        }
+        Self {
+            x: std::array::from_fn(|lane| at(lane).x),
+            y: std::array::from_fn(|lane| at(lane).y),
+            z: std::array::from_fn(|lane| at(lane).z),
+            kind,
+            residue,
+            centre,
+            radius_angstrom,
+        }
+    }
+}
+
+fn number(amino_acid: AminoAcid) -> u8 {
+    amino_acid as u8
+}

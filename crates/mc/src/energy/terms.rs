@@ -1,0 +1,92 @@
+//! The seam between the terms of an energy and their users: each term is a function of the relative
+//! pose of two bodies that do not overlap.
+
+use protomer_kernel::pose::RelativePose;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// One term of the energy of two bodies beside their hard surfaces.
+pub trait PairPotential: Send + Sync {
+    /// What the term stands for.
+    fn term(&self) -> Term;
+
+    /// The energy at a pose of the second body in the frame of the first, kT.
+    fn energy_kt(&self, second_in_first: &RelativePose) -> f64;
+
+    /// The distance of the origins beyond which no energy is larger than `energy_kt`, Å.
+    fn reach_angstrom(&self, energy_kt: f64) -> f64;
+
+    /// ∫ <exp(-U) - 1> d³R over all distances of the origins beyond `distance_angstrom`, to first
+    /// order in U, Å³.
+    fn tail_angstrom3(&self, distance_angstrom: f64) -> f64;
+}
+
+/// The terms of an energy.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Term {
+    /// Screened charges.
+    Charges,
+    /// Attraction between residues.
+    Contacts,
+    /// What charges lose where the other body displaces solvent.
+    Desolvation,
+}
+
+/// The energy of a pose by terms, kT.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct EnergyParts {
+    /// Screened charges, kT.
+    pub charges_kt: f64,
+    /// Attraction between residues, kT.
+    pub contacts_kt: f64,
+    /// What charges lose where the other body displaces solvent, kT.
+    #[serde(default)]
+    pub desolvation_kt: f64,
+}
+
+/// All terms of an energy; none for hard bodies.
+#[derive(Clone, Default)]
+pub struct Terms(pub Vec<Arc<dyn PairPotential>>);
+
+impl Terms {
+    /// The energy at a pose of the second body in the frame of the first, kT.
+    pub fn energy_kt(&self, second_in_first: &RelativePose) -> f64 {
+        let mut sum = 0.0;
+        for term in &self.0 {
+            sum += term.energy_kt(second_in_first);
+        }
+        sum
+    }
+
+    /// The same, term by term.
+    pub fn parts_kt(&self, second_in_first: &RelativePose) -> EnergyParts {
+        let mut parts = EnergyParts::default();
+        for term in &self.0 {
+            let energy_kt = term.energy_kt(second_in_first);
+            match term.term() {
+                Term::Charges => parts.charges_kt += energy_kt,
+                Term::Contacts => parts.contacts_kt += energy_kt,
+                Term::Desolvation => parts.desolvation_kt += energy_kt,
+            }
+        }
+        parts
+    }
+
+    /// The distance of the origins beyond which no term is larger than `energy_kt`, Å.
+    pub fn reach_angstrom(&self, energy_kt: f64) -> f64 {
+        let mut reach: f64 = 0.0;
+        for term in &self.0 {
+            reach = reach.max(term.reach_angstrom(energy_kt));
+        }
+        reach
+    }
+
+    /// ∫ <exp(-U) - 1> d³R beyond a distance of the origins, to first order in U, Å³.
+    pub fn tail_angstrom3(&self, distance_angstrom: f64) -> f64 {
+        let mut sum = 0.0;
+        for term in &self.0 {
+            sum += term.tail_angstrom3(distance_angstrom);
+        }
+        sum
+    }
+}

@@ -1,0 +1,217 @@
+//! Short-ranged terms beside any model of the charges.
+//!
+//! The terms are computed exactly for each trial. Their change is taken from the budget, and the
+//! model of the charges decides with what is left: a decision by levels or with certificates keeps
+//! its promise.
+
+use super::reach::Reach;
+use super::terms::Terms;
+use super::{EnergyModel, PairEnergy, all_pairs, finite, levels};
+use crate::sparse_rows::PairTable;
+use crate::system::{Pair, System, Trial};
+use crate::{McError, Result};
+
+/// Energies below this end the reach of a term, kT.
+const NEGLIGIBLE_KT: f64 = 1e-8;
+
+/// The terms of every pair of body types.
+#[derive(Clone, Default)]
+pub struct TermsByType {
+    types: usize,
+    by_types: Vec<Terms>,
+}
+
+impl std::fmt::Debug for TermsByType {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(formatter, "terms of {} types", self.types)
+    }
+}
+
+impl TermsByType {
+    /// Asks `terms` for every ordered pair of types of a system.
+    ///
+    /// # Errors
+    /// As `terms`.
+    pub fn new<E>(
+        types: usize,
+        mut terms: impl FnMut(usize, usize) -> std::result::Result<Terms, E>,
+    ) -> std::result::Result<Self, E> {
+        let mut by_types = Vec::with_capacity(types * types);
+        for first in 0..types {
+            for second in 0..types {
+                by_types.push(terms(first, second)?);
+            }
+        }
+        Ok(Self { types, by_types })
+    }
+
+    /// The terms of a pair of types.
+    pub fn of(&self, (first, second): (usize, usize)) -> &Terms {
+        &self.by_types[first * self.types + second]
+    }
+
+    fn reach(&self, system: &System) -> Reach {
+        let reach = |terms: &Terms| terms.reach_angstrom(NEGLIGIBLE_KT);
+        Reach::of_types(system, self.by_types.iter().map(reach).collect())
+    }
+}
+
+/// A model of the charges with further terms.
+pub struct WithTerms {
+    charges: Box<dyn EnergyModel>,
+    terms: TermsByType,
+    reach: Reach,
+    energies: PairTable<f64>,
+    proposed: Vec<(usize, usize, f64)>,
+}
+
+impl WithTerms {
+    /// Adds terms to a model of the charges.
+    pub fn new(charges: Box<dyn EnergyModel>, terms: TermsByType) -> Self {
+        Self {
+            charges,
+            terms,
+            reach: Reach::default(),
+            energies: PairTable::new(0),
+            proposed: Vec::new(),
+        }
+    }
+
+    /// The terms of a pair over all images in reach, kT; `None` if there is none.
+    fn energy_kt(&self, pair: &Pair<'_>) -> Result<Option<f64>> {
+        let terms = self.terms.of(pair.type_indices());
+        let mut energy_kt = None;
+        for displacement in self.reach.images(pair) {
+            let image = terms.energy_kt(&pair.relative_image(&displacement));
+            *energy_kt.get_or_insert(0.0) += image;
+        }
+        let checked = |energy_kt| finite(pair.first, pair.second, energy_kt);
+        energy_kt.map(checked).transpose()
+    }
+
+    /// Proposes the energy of a pair; how much it rises, kT.
+    fn propose(&mut self, trial: &Trial<'_>, partner: usize) -> Result<f64> {
+        let pair = trial.pair(partner);
+        let old = self.energies.get(trial.body, partner).unwrap_or(0.0);
+        let new = self.energy_kt(&pair)?;
+        if let Some(energy_kt) = new {
+            self.proposed.push((pair.first, pair.second, energy_kt));
+        }
+        Ok(new.unwrap_or(0.0) - old)
+    }
+
+    fn prepare(&mut self, system: &System) {
+        self.reach = self.terms.reach(system);
+        self.proposed.clear();
+    }
+}
+
+impl EnergyModel for WithTerms {
+    fn range_angstrom(&self, system: &System) -> f64 {
+        let of_terms = self.terms.reach(system).largest_angstrom();
+        of_terms.max(self.charges.range_angstrom(system))
+    }
+
+    fn require_room(&self, system: &System) -> Result<()> {
+        self.charges.require_room(system)?;
+        let range_angstrom = self.terms.reach(system).largest_angstrom();
+        let smallest_length_angstrom = system.boundary().smallest_length_angstrom();
+        match range_angstrom > smallest_length_angstrom {
+            true => Err(McError::ReachesTooFar {
+                range_angstrom,
+                smallest_length_angstrom,
+                needed_length_angstrom: range_angstrom,
+            }),
+            false => Ok(()),
+        }
+    }
+
+    fn reset(&mut self, system: &System) -> Result<()> {
+        self.prepare(system);
+        self.energies = all_pairs(system, |pair| self.energy_kt(pair))?;
+        self.charges.reset(system)
+    }
+
+    fn restore(&mut self, system: &System, pairs: &[PairEnergy]) -> Result<()> {
+        self.prepare(system);
+        self.energies = PairTable::new(system.len());
+        let mut of_charges = Vec::with_capacity(pairs.len());
+        for pair in pairs {
+            if pair.terms_kt != 0.0 {
+                let energy_kt = finite(pair.first, pair.second, pair.terms_kt)?;
+                self.energies.set(pair.first, pair.second, energy_kt);
+            }
+            if !pair.is_of_terms_only {
+                of_charges.push(PairEnergy {
+                    terms_kt: 0.0,
+                    ..pair.clone()
+                });
+            }
+        }
+        self.charges.restore(system, &of_charges)
+    }
+
+    fn accept(&mut self, trial: &Trial<'_>, partners: &[usize], budget_kt: f64) -> Result<bool> {
+        let mut rise_kt = 0.0;
+        for &partner in partners {
+            rise_kt += self.propose(trial, partner)?;
+        }
+        // Partners that the body leaves behind.
+        for (partner, energy_kt) in self.energies.row(trial.body) {
+            if partners.binary_search(&partner).is_err() {
+                rise_kt -= energy_kt;
+            }
+        }
+        self.charges.accept(trial, partners, budget_kt - rise_kt)
+    }
+
+    fn exceeds(&mut self, trial: &Trial<'_>, partner: usize, threshold_kt: f64) -> Result<bool> {
+        let rise_kt = self.propose(trial, partner)?;
+        self.charges.exceeds(trial, partner, threshold_kt - rise_kt)
+    }
+
+    fn commit(&mut self, moved: &[usize]) {
+        self.energies.take_over(moved, self.proposed.drain(..));
+        self.charges.commit(moved);
+    }
+
+    fn reject(&mut self) {
+        self.proposed.clear();
+        self.charges.reject();
+    }
+
+    fn error_bound_kt(&self) -> f64 {
+        self.charges.error_bound_kt()
+    }
+
+    fn levels(&self) -> Option<levels::LevelReport> {
+        self.charges.levels()
+    }
+
+    fn memory_bytes(&self) -> usize {
+        self.charges.memory_bytes()
+    }
+
+    fn pairs(&self) -> Vec<PairEnergy> {
+        let mut pairs = self.charges.pairs();
+        for pair in &mut pairs {
+            pair.terms_kt = self.energies.get(pair.first, pair.second).unwrap_or(0.0);
+        }
+        let has_charges = |first: usize, second: usize, pairs: &[PairEnergy]| {
+            let key = |pair: &PairEnergy| (pair.first, pair.second);
+            pairs.binary_search_by_key(&(first, second), key).is_ok()
+        };
+        let of_charges = pairs.len();
+        for (first, second, terms_kt) in self.energies.pairs() {
+            if !has_charges(first, second, &pairs[..of_charges]) {
+                pairs.push(PairEnergy {
+                    terms_kt,
+                    is_of_terms_only: true,
+                    ..PairEnergy::new(first, second, 0.0)
+                });
+            }
+        }
+        pairs.sort_by_key(|pair| (pair.first, pair.second));
+        pairs
+    }
+}

@@ -1,0 +1,101 @@
+//! The terms of the energy beside the charges: attraction between residues, and desolvation.
+
+use crate::stability::contacts::ContactTerm;
+use crate::stability::effective::SoluteModel;
+use crate::stability::interaction::ScreenedCoulomb;
+use anyhow::{Context, Result};
+use protomer_mc::BodyType;
+use protomer_mc::charges::ChargeCloud;
+use protomer_mc::desolvation::{Desolvation, DesolvationBody, Solute};
+use protomer_mc::energy::ContactPotential;
+use protomer_mc::energy::terms::Terms;
+use protomer_mc::pair::Contacts;
+use std::sync::Arc;
+
+/// What acts beside the charges.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct FurtherTerms {
+    /// Attraction between residues.
+    pub contacts: Option<ContactTerm>,
+    /// The inside of bodies, where charges lose solvent to other bodies.
+    pub desolvation: Option<SoluteModel>,
+}
+
+/// The terms of several kinds of bodies in one medium, prepared once.
+pub struct PreparedTerms {
+    contacts: Option<ContactPotential>,
+    desolvation: Vec<Arc<DesolvationBody>>,
+}
+
+impl FurtherTerms {
+    /// Whether there are none.
+    pub fn is_none(&self) -> bool {
+        self.contacts.is_none() && self.desolvation.is_none()
+    }
+
+    /// Prepares the terms for these kinds of bodies, each with its effective charges.
+    ///
+    /// # Errors
+    /// For a body without residues where contacts act, and for a medium in which desolvation is not
+    /// known.
+    pub fn prepare(
+        &self,
+        kinds: &[(&BodyType, &ChargeCloud)],
+        interaction: &ScreenedCoulomb,
+    ) -> Result<PreparedTerms> {
+        let temperature_kelvin = interaction.electrolyte.temperature_kelvin();
+        let contacts = match &self.contacts {
+            Some(contacts) => {
+                for (kind, _) in kinds {
+                    contacts.require_beads(kind)?;
+                }
+                Some(contacts.potential(temperature_kelvin)?)
+            }
+            None => None,
+        };
+        let mut desolvation = Vec::new();
+        if let Some(solute) = &self.desolvation {
+            for (kind, charges) in kinds {
+                desolvation.push(Arc::new(desolvated(kind, charges, interaction, solute)?));
+            }
+        }
+        Ok(PreparedTerms {
+            contacts,
+            desolvation,
+        })
+    }
+}
+
+fn desolvated(
+    kind: &BodyType,
+    charges: &ChargeCloud,
+    interaction: &ScreenedCoulomb,
+    solute: &SoluteModel,
+) -> Result<DesolvationBody> {
+    let solvent = interaction.electrolyte.relative_permittivity();
+    let solute = Solute {
+        permittivity_ratio: solute.inner_permittivity / solvent,
+        ion_radius_angstrom: solute.ion_radius_angstrom,
+    };
+    DesolvationBody::new(kind, charges, &interaction.yukawa()?, &solute)
+        .with_context(|| format!("desolvation of body '{}'", kind.name))
+}
+
+impl PreparedTerms {
+    /// The terms of two bodies, by the numbers of their kinds.
+    pub fn of(&self, kinds: &[&BodyType], first: usize, second: usize) -> Terms {
+        let mut terms = Terms::default();
+        if let Some(contacts) = &self.contacts {
+            let beads = (&kinds[first].beads, &kinds[second].beads);
+            let contacts = Contacts::new(contacts.clone(), beads.0, beads.1);
+            terms.0.push(Arc::new(contacts));
+        }
+        if !self.desolvation.is_empty() {
+            let of = |kind: usize| Arc::clone(&self.desolvation[kind]);
+            terms
+                .0
+                .push(Arc::new(Desolvation::new(of(first), of(second))));
+        }
+        terms
+    }
+}
