@@ -1,6 +1,7 @@
 //! Flags shared by several verbs.
 
 pub mod body;
+pub mod cache;
 pub mod choices;
 pub mod device;
 pub mod execution;

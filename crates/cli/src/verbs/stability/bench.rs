@@ -2,6 +2,7 @@
 
 use crate::flags::choices::{BenchPart, Energy};
 use crate::flags::medium::ConditionArgs;
+use crate::flags::solute::ChargesArgs;
 use crate::flags::tables::TablesArgs;
 use crate::flags::tolerance::ToleranceArgs;
 use crate::front::Front;
@@ -11,6 +12,7 @@ use clap::Args;
 use protomer::assemblies::assembly_file::Assembly;
 use protomer::stability::bench::suite::{SuiteSettings, run_suite};
 use protomer::stability::bench::{BenchSettings, bench};
+use protomer::stability::effective;
 use protomer::stability::interaction::{InteractionSettings, ScreenedCoulomb};
 use protomer::stability::run::EnergyMode;
 use std::path::{Path, PathBuf};
@@ -50,6 +52,8 @@ pub struct BenchArgs {
     #[command(flatten)]
     conditions: ConditionArgs,
     #[command(flatten)]
+    acting: ChargesArgs,
+    #[command(flatten)]
     tables: TablesArgs,
 }
 
@@ -76,20 +80,25 @@ impl BenchArgs {
             moves: self.moves.unwrap_or(usual.moves),
             energy,
             tolerance_kt: self.tolerance.tolerance,
+            effective_charges: self.acting.effective_charges(None)?,
             seed: self.seed,
             ..usual
         };
         let tables = self.tables.tables(front);
-        Ok(Reply::data(bench(
-            assembly,
-            &settings,
-            interaction,
-            tables,
-        )?))
+        let effective_store = self.tables.cache.effective_store(front);
+        let result = bench(assembly, &settings, interaction, tables, effective_store)?;
+        let warnings = effective::warnings(result.effective_bodies.iter().flatten());
+        Ok(Reply::data(result).with_notes(warnings))
     }
 
     fn on_own_states(&self, front: &Front) -> Result<Reply> {
         let settings = self.suite_settings()?;
+        if self.acting.effective_charges(None)?.is_some() {
+            bail!(
+                "the states that the program makes have no atoms to fit effective charges to; leave \
+                 out --interaction effective, or give an assembly"
+            );
+        }
         let interaction = self.interaction_of_own_states()?;
         let execution = front.execution("stopping after the present run of moves", None)?;
         let tables = self.tables.tables(front);

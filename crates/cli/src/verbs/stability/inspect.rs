@@ -2,16 +2,17 @@
 
 use crate::flags::choices::Energy;
 use crate::flags::medium::ConditionArgs;
-use crate::flags::solute::SoluteArgs;
+use crate::flags::solute::ChargesArgs;
 use crate::flags::tables::TablesArgs;
 use crate::flags::tolerance::ToleranceArgs;
 use crate::front::Front;
 use crate::reply::Reply;
-use anyhow::{Result, bail};
-use clap::{Args, ValueEnum};
+use anyhow::Result;
+use clap::Args;
 use protomer::assemblies::assembly_file::Assembly;
+use protomer::stability::effective;
 use protomer::stability::inspect::{inspect, inspection_settings};
-use protomer::stability::run::Engine;
+use protomer::stability::run::RunSettings;
 use std::path::PathBuf;
 
 /// Inspect an assembly: overlaps, pair energies, radius of gyration.
@@ -24,47 +25,29 @@ pub struct InspectArgs {
     energy: Energy,
     #[command(flatten)]
     tolerance: ToleranceArgs,
-    /// Whether the charges of the bodies act, or their effective charges: those that give the
-    /// potential around bodies of low permittivity that salt does not enter.
-    #[arg(long, value_enum, default_value_t = Charges::Bare)]
-    interaction: Charges,
     /// Surfaces closer than this are in contact, Å.
     #[arg(long, default_value_t = 5.0)]
     contact_gap: f64,
     #[command(flatten)]
     conditions: ConditionArgs,
     #[command(flatten)]
-    solute: SoluteArgs,
+    charges: ChargesArgs,
     #[command(flatten)]
     tables: TablesArgs,
-}
-
-/// The charges of an interaction.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Charges {
-    /// The charges of the bodies.
-    Bare,
-    /// Their effective charges.
-    Effective,
 }
 
 impl InspectArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
         let assembly = Assembly::read(&self.assembly)?;
-        let engine = Engine::new(assembly)?.with_tables(self.tables.tables(front));
+        let engine = self.tables.engine(assembly, front)?;
         let energy = self.energy.into();
         let interaction = self.conditions.interaction_for(energy)?;
-        let (engine, warnings) = match (self.interaction, self.solute.solute()) {
-            (Charges::Bare, None) => (engine, Vec::new()),
-            (Charges::Bare, Some(_)) => bail!(
-                "--inner-permittivity and --ion-radius apply to effective charges only; add \
-                 --interaction effective, or leave them out"
-            ),
-            (Charges::Effective, solute) => {
-                engine.with_effective_charges(&interaction, &solute.unwrap_or_default())?
-            }
+        let settings = RunSettings {
+            effective_charges: self.charges.effective_charges(None)?,
+            ..inspection_settings(energy, self.tolerance.tolerance, self.contact_gap)
         };
-        let settings = inspection_settings(energy, self.tolerance.tolerance, self.contact_gap);
-        Ok(Reply::data(inspect(&engine, &settings, interaction)?).with_notes(warnings))
+        let found = inspect(&engine, &settings, interaction)?;
+        let warnings = effective::warnings(found.effective_bodies.iter().flatten());
+        Ok(Reply::data(found).with_notes(warnings))
     }
 }

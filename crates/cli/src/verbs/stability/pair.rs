@@ -1,5 +1,6 @@
 //! `protomer pair`: the thermodynamics of two bodies.
 
+use crate::flags::cache::CacheArgs;
 use crate::flags::execution::ExecutionArgs;
 use crate::flags::medium::MediumArgs;
 use crate::flags::solute::SoluteArgs;
@@ -56,6 +57,8 @@ pub struct PairArgs {
     medium: MediumArgs,
     #[command(flatten)]
     execution: ExecutionArgs,
+    #[command(flatten)]
+    cache: CacheArgs,
 }
 
 /// What acts between two bodies.
@@ -73,7 +76,8 @@ enum Interaction {
 impl PairArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
         let settings = self.settings()?;
-        let bodies = PairBodies::read(&self.first, self.second.as_deref(), &settings.ph)?;
+        let bodies = PairBodies::read(&self.first, self.second.as_deref(), &settings.ph)?
+            .with_effective_store(self.cache.effective_store(front));
         for warning in &bodies.warnings {
             front.say(warning);
         }

@@ -1,6 +1,6 @@
 //! The settings of a pair, as stored in `run.toml`.
 
-use crate::stability::effective::SoluteModel;
+use crate::stability::effective::{SoluteModel, require_electrolyte};
 use crate::stability::interaction::InteractionSettings;
 use anyhow::{Result, bail};
 use protomer_mc::pair::{Estimator, PairSettings};
@@ -108,7 +108,10 @@ impl PairRunSettings {
             bail!("{conditions} conditions are too many; ask for at most {MOST_CONDITIONS}");
         }
         for salt_molar in self.salts() {
-            self.medium.interaction(salt_molar)?;
+            let interaction = self.medium.interaction(salt_molar)?;
+            if self.energies == Energies::Effective {
+                require_electrolyte(&interaction)?;
+            }
         }
         Ok(())
     }

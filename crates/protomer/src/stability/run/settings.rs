@@ -1,5 +1,6 @@
 //! The settings of a run: the resolved configuration, as stored in `run.toml`.
 
+use crate::stability::effective::{SoluteModel, require_electrolyte};
 use crate::stability::interaction::InteractionSettings;
 use anyhow::{Result, bail};
 use protomer_results::Settings;
@@ -52,6 +53,10 @@ pub struct RunSettings {
     /// [`DEFAULT_TOLERANCE_KT`] if `None`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerance_kt: Option<f64>,
+    /// The inside of the bodies, whose effective charges then interact; `None` for the charges of
+    /// the bodies themselves, as in all runs of earlier versions.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub effective_charges: Option<SoluteModel>,
     /// The medium between the bodies.
     pub medium: InteractionSettings,
 }
@@ -148,6 +153,7 @@ impl Default for RunSettings {
             trajectory_every: 100,
             energy: None,
             tolerance_kt: None,
+            effective_charges: None,
             medium: InteractionSettings::default(),
         }
     }
@@ -296,6 +302,22 @@ impl RunSettings {
             bail!("contact_gap_angstrom is {gap}; it must be positive");
         }
         self.tolerance_of_energy_kt()?;
+        self.check_effective_charges()
+    }
+
+    fn check_effective_charges(&self) -> Result<()> {
+        if self.effective_charges.is_none() {
+            return Ok(());
+        }
+        if self.energy == Some(EnergyMode::None) {
+            bail!(
+                "hard bodies feel no charges, effective or not; leave out --interaction effective, \
+                 or choose another --energy than none"
+            );
+        }
+        for salt_molar in &self.salt_molar {
+            require_electrolyte(&self.medium.interaction(Some(*salt_molar))?)?;
+        }
         Ok(())
     }
 }
