@@ -1518,7 +1518,6 @@ def inspect(
     *,
     energy: Literal["direct", "calibrated", "approximate", "none"] | None = None,
     tolerance: Number | None = None,
-    interaction: Literal["bare", "effective"] | None = None,
     contact_gap: Number | None = None,
     salt: Number | None = None,
     temperature: Number | None = None,
@@ -1526,6 +1525,7 @@ def inspect(
     bjerrum: Number | None = None,
     debye: Number | None = None,
     cutoff: Number | None = None,
+    interaction: Literal["bare", "effective"] | None = None,
     inner_permittivity: Number | None = None,
     ion_radius: Number | None = None,
     memory_limit: Integer | None = None,
@@ -1544,9 +1544,6 @@ def inspect(
         Energy model [default: direct]
     tolerance
         Largest likely error of the energy of two bodies, kT, with --energy approximate [default: 0.001]
-    interaction
-        Whether the charges of the bodies act, or their effective charges: those that give the potential
-        around bodies of low permittivity that salt does not enter [default: bare]
     contact_gap
         Surfaces closer than this are in contact, Å [default: 5]
     salt
@@ -1562,6 +1559,9 @@ def inspect(
     cutoff
         Cut-off distance, for comparison with calculations that have one; energies are then summed directly.
         No cut-off if omitted
+    interaction
+        Whether the charges of the bodies act, or their effective charges: those that give the potential
+        around bodies of low permittivity that salt does not enter [default: bare]
     inner_permittivity
         Relative permittivity inside the bodies [default: 4]
     ion_radius
@@ -1569,8 +1569,9 @@ def inspect(
     memory_limit
         Memory limit for all tables of energies by levels, such as 500MB [default: 4GB]
     no_cache
-        Do not read or write the cache of tables of energies by levels. The cache folder is PROTOMER_CACHE_DIR
-        (empty: no cache), or else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
+        Do not read or write the cache of tables of energies by levels and of effective charges. The cache
+        folder is PROTOMER_CACHE_DIR (empty: no cache), or else protomer in XDG_CACHE_HOME or ~/.cache; it
+        holds at most 2 GB
     threads
         Threads to use; 0 means all [default: 0]
     force
@@ -1585,7 +1586,6 @@ def inspect(
         {
             "--energy": energy,
             "--tolerance": tolerance,
-            "--interaction": interaction,
             "--contact-gap": contact_gap,
             "--salt": salt,
             "--temperature": temperature,
@@ -1593,6 +1593,7 @@ def inspect(
             "--bjerrum": bjerrum,
             "--debye": debye,
             "--cutoff": cutoff,
+            "--interaction": interaction,
             "--inner-permittivity": inner_permittivity,
             "--ion-radius": ion_radius,
             "--memory-limit": memory_limit,
@@ -1626,6 +1627,7 @@ def pair(
     cutoff: Number | None = None,
     time_limit: Number | None = None,
     checkpoint_every: Number | None = None,
+    no_cache: bool = False,
     threads: Integer | None = None,
     force: bool = False,
     client: Client | None = None,
@@ -1680,6 +1682,10 @@ def pair(
         Stop (resumably, exit code 3) after this many minutes
     checkpoint_every
         Seconds between checkpoints: the most that a killed run loses [default: 20]
+    no_cache
+        Do not read or write the cache of tables of energies by levels and of effective charges. The cache
+        folder is PROTOMER_CACHE_DIR (empty: no cache), or else protomer in XDG_CACHE_HOME or ~/.cache; it
+        holds at most 2 GB
     threads
         Threads to use; 0 means all [default: 0]
     force
@@ -1715,6 +1721,7 @@ def pair(
             "--cutoff": cutoff,
             "--time-limit": time_limit,
             "--checkpoint-every": checkpoint_every,
+            "--no-cache": no_cache,
             "--threads": threads,
             "--force": force,
         },
@@ -1744,6 +1751,9 @@ def simulate(
     trajectory_every: Integer | None = None,
     energy: Literal["direct", "calibrated", "approximate", "none"] | None = None,
     tolerance: Number | None = None,
+    interaction: Literal["bare", "effective"] | None = None,
+    inner_permittivity: Number | None = None,
+    ion_radius: Number | None = None,
     time_limit: Number | None = None,
     checkpoint_every: Number | None = None,
     memory_limit: Integer | None = None,
@@ -1794,6 +1804,13 @@ def simulate(
         Energy model [default: the fastest that makes the decisions of the direct sum]
     tolerance
         Largest likely error of the energy of two bodies, kT, with --energy approximate [default: 0.001]
+    interaction
+        Whether the charges of the bodies act, or their effective charges: those that give the potential
+        around bodies of low permittivity that salt does not enter [default: bare]
+    inner_permittivity
+        Relative permittivity inside the bodies [default: 4]
+    ion_radius
+        Minimum distance of ion centres from the atoms, Å; 0 lets ions reach the surface [default: 2]
     time_limit
         Stop (resumably, exit code 3) after this many minutes
     checkpoint_every
@@ -1801,8 +1818,9 @@ def simulate(
     memory_limit
         Memory limit for all tables of energies by levels, such as 500MB [default: 4GB]
     no_cache
-        Do not read or write the cache of tables of energies by levels. The cache folder is PROTOMER_CACHE_DIR
-        (empty: no cache), or else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
+        Do not read or write the cache of tables of energies by levels and of effective charges. The cache
+        folder is PROTOMER_CACHE_DIR (empty: no cache), or else protomer in XDG_CACHE_HOME or ~/.cache; it
+        holds at most 2 GB
     threads
         Threads to use; 0 means all [default: 0]
     force
@@ -1832,6 +1850,9 @@ def simulate(
             "--trajectory-every": trajectory_every,
             "--energy": energy,
             "--tolerance": tolerance,
+            "--interaction": interaction,
+            "--inner-permittivity": inner_permittivity,
+            "--ion-radius": ion_radius,
             "--time-limit": time_limit,
             "--checkpoint-every": checkpoint_every,
             "--memory-limit": memory_limit,
@@ -1860,6 +1881,9 @@ def sweep(
     trajectory_every: Integer | None = None,
     energy: Literal["direct", "calibrated", "approximate", "none"] | None = None,
     tolerance: Number | None = None,
+    interaction: Literal["bare", "effective"] | None = None,
+    inner_permittivity: Number | None = None,
+    ion_radius: Number | None = None,
     time_limit: Number | None = None,
     checkpoint_every: Number | None = None,
     memory_limit: Integer | None = None,
@@ -1912,6 +1936,13 @@ def sweep(
         Energy model [default: the fastest that makes the decisions of the direct sum]
     tolerance
         Largest likely error of the energy of two bodies, kT, with --energy approximate [default: 0.001]
+    interaction
+        Whether the charges of the bodies act, or their effective charges: those that give the potential
+        around bodies of low permittivity that salt does not enter [default: bare]
+    inner_permittivity
+        Relative permittivity inside the bodies [default: 4]
+    ion_radius
+        Minimum distance of ion centres from the atoms, Å; 0 lets ions reach the surface [default: 2]
     time_limit
         Stop (resumably, exit code 3) after this many minutes
     checkpoint_every
@@ -1919,8 +1950,9 @@ def sweep(
     memory_limit
         Memory limit for all tables of energies by levels, such as 500MB [default: 4GB]
     no_cache
-        Do not read or write the cache of tables of energies by levels. The cache folder is PROTOMER_CACHE_DIR
-        (empty: no cache), or else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
+        Do not read or write the cache of tables of energies by levels and of effective charges. The cache
+        folder is PROTOMER_CACHE_DIR (empty: no cache), or else protomer in XDG_CACHE_HOME or ~/.cache; it
+        holds at most 2 GB
     temperature
         Temperature, K [default: 298.15]
     permittivity
@@ -1963,6 +1995,9 @@ def sweep(
             "--trajectory-every": trajectory_every,
             "--energy": energy,
             "--tolerance": tolerance,
+            "--interaction": interaction,
+            "--inner-permittivity": inner_permittivity,
+            "--ion-radius": ion_radius,
             "--time-limit": time_limit,
             "--checkpoint-every": checkpoint_every,
             "--memory-limit": memory_limit,
@@ -3031,6 +3066,9 @@ def bench(
     bjerrum: Number | None = None,
     debye: Number | None = None,
     cutoff: Number | None = None,
+    interaction: Literal["bare", "effective"] | None = None,
+    inner_permittivity: Number | None = None,
+    ion_radius: Number | None = None,
     memory_limit: Integer | None = None,
     no_cache: bool = False,
     threads: Integer | None = None,
@@ -3072,11 +3110,19 @@ def bench(
     cutoff
         Cut-off distance, for comparison with calculations that have one; energies are then summed directly.
         No cut-off if omitted
+    interaction
+        Whether the charges of the bodies act, or their effective charges: those that give the potential
+        around bodies of low permittivity that salt does not enter [default: bare]
+    inner_permittivity
+        Relative permittivity inside the bodies [default: 4]
+    ion_radius
+        Minimum distance of ion centres from the atoms, Å; 0 lets ions reach the surface [default: 2]
     memory_limit
         Memory limit for all tables of energies by levels, such as 500MB [default: 4GB]
     no_cache
-        Do not read or write the cache of tables of energies by levels. The cache folder is PROTOMER_CACHE_DIR
-        (empty: no cache), or else protomer in XDG_CACHE_HOME or ~/.cache; it holds at most 2 GB
+        Do not read or write the cache of tables of energies by levels and of effective charges. The cache
+        folder is PROTOMER_CACHE_DIR (empty: no cache), or else protomer in XDG_CACHE_HOME or ~/.cache; it
+        holds at most 2 GB
     threads
         Threads to use; 0 means all [default: 0]
     force
@@ -3101,6 +3147,9 @@ def bench(
             "--bjerrum": bjerrum,
             "--debye": debye,
             "--cutoff": cutoff,
+            "--interaction": interaction,
+            "--inner-permittivity": inner_permittivity,
+            "--ion-radius": ion_radius,
             "--memory-limit": memory_limit,
             "--no-cache": no_cache,
             "--threads": threads,

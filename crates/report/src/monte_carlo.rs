@@ -69,7 +69,11 @@ fn subtitle(settings: &RunSettings) -> String {
         .map(|salt| millimolar(*salt))
         .collect();
     format!(
-        "Hard bodies with screened charges at {} mM salt; {} × {} sweeps after {} of equilibration; energies: {}",
+        "Hard bodies with screened {}charges at {} mM salt; {} × {} sweeps after {} of equilibration; energies: {}",
+        match settings.effective_charges {
+            Some(_) => "effective ",
+            None => "",
+        },
         salts.join(", "),
         settings.replicas,
         settings.sweeps,

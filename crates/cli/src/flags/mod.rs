@@ -1,8 +1,8 @@
 //! Flags shared by several verbs.
 
 pub mod body;
+pub mod cache;
 pub mod choices;
-pub mod contacts;
 pub mod device;
 pub mod execution;
 pub mod medium;
@@ -10,6 +10,7 @@ pub mod scheduler;
 pub mod solute;
 pub mod space;
 pub mod tables;
+pub mod terms;
 pub mod tolerance;
 
 /// A flag, if given, overrides the configuration.

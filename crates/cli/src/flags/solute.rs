@@ -1,6 +1,7 @@
 //! The flags of effective charges.
 
-use clap::Args;
+use anyhow::{Result, bail};
+use clap::{Args, ValueEnum};
 use protomer::stability::effective::SoluteModel;
 
 /// The inside of bodies, for effective charges.
@@ -21,10 +22,55 @@ impl SoluteArgs {
         if self.inner_permittivity.is_none() && self.ion_radius.is_none() {
             return None;
         }
-        let usual = SoluteModel::default();
-        Some(SoluteModel {
-            inner_permittivity: self.inner_permittivity.unwrap_or(usual.inner_permittivity),
-            ion_radius_angstrom: self.ion_radius.unwrap_or(usual.ion_radius_angstrom),
-        })
+        Some(self.over(SoluteModel::default()))
+    }
+
+    /// The flags over these values.
+    fn over(&self, present: SoluteModel) -> SoluteModel {
+        SoluteModel {
+            inner_permittivity: self
+                .inner_permittivity
+                .unwrap_or(present.inner_permittivity),
+            ion_radius_angstrom: self.ion_radius.unwrap_or(present.ion_radius_angstrom),
+        }
+    }
+}
+
+/// Which charges act between the bodies of an assembly.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Effective charges")]
+pub struct ChargesArgs {
+    /// Whether the charges of the bodies act, or their effective charges: those that give the
+    /// potential around bodies of low permittivity that salt does not enter [default: bare].
+    #[arg(long, value_enum)]
+    pub interaction: Option<Charges>,
+    #[command(flatten)]
+    pub solute: SoluteArgs,
+}
+
+/// The charges of an interaction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Charges {
+    /// The charges of the bodies.
+    Bare,
+    /// Their effective charges.
+    Effective,
+}
+
+impl ChargesArgs {
+    /// The flags over the settings of a configuration; `None` for the charges of the bodies.
+    pub fn effective_charges(&self, present: Option<SoluteModel>) -> Result<Option<SoluteModel>> {
+        let present = match self.interaction {
+            Some(Charges::Effective) => Some(present.unwrap_or_default()),
+            Some(Charges::Bare) => None,
+            None => present,
+        };
+        if present.is_none() && self.solute.solute().is_some() {
+            bail!(
+                "--inner-permittivity and --ion-radius apply to effective charges only; add \
+                 --interaction effective, or leave them out"
+            );
+        }
+        Ok(present.map(|present| self.solute.over(present)))
     }
 }

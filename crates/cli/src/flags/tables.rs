@@ -1,10 +1,13 @@
 //! The flags of the energy tables, shared by the verbs that use them.
 
+use crate::flags::cache::CacheArgs;
 use crate::front::Front;
+use anyhow::Result;
 use clap::Args;
+use protomer::assemblies::assembly_file::Assembly;
 use protomer::quantity;
-use protomer::stability::disk_cache::DiskCache;
 use protomer::stability::energy_tables::EnergyTables;
+use protomer::stability::run::Engine;
 use std::sync::Arc;
 
 /// The resources of tables of energies by levels.
@@ -14,18 +17,22 @@ pub struct TablesArgs {
     /// Memory limit for all tables of energies by levels, such as 500MB.
     #[arg(long, value_parser = quantity::memory_bytes, default_value = "4GB", allow_hyphen_values = true)]
     pub memory_limit: u64,
-    /// Do not read or write the cache of tables of energies by levels. The cache folder is
-    /// PROTOMER_CACHE_DIR (empty: no cache), or else protomer in XDG_CACHE_HOME or ~/.cache; it
-    /// holds at most 2 GB.
-    #[arg(long)]
-    pub no_cache: bool,
+    #[command(flatten)]
+    pub cache: CacheArgs,
 }
 
 impl TablesArgs {
+    /// The engine of an assembly, with the tables and the effective charges of a run.
+    pub fn engine(&self, assembly: Assembly, front: &Front) -> Result<Engine> {
+        Ok(Engine::new(assembly)?
+            .with_tables(self.tables(front))
+            .with_effective_store(self.cache.effective_store(front)))
+    }
+
     /// The tables of a run.
     pub fn tables(&self, front: &Front) -> Arc<EnergyTables> {
         let tables = EnergyTables::new(self.memory_limit);
-        Arc::new(match DiskCache::of_user().filter(|_| !self.no_cache) {
+        Arc::new(match self.cache.cache() {
             Some(cache) => tables.with_cache(cache, front.warner()),
             None => tables,
         })

@@ -1,6 +1,7 @@
 //! The state of an assembly: overlaps, pair energies, radius of gyration.
 
 use crate::answer::Answer;
+use crate::stability::effective::EffectiveBody;
 use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::{EnergyMode, Engine, RunSettings, require_room};
 use anyhow::Result;
@@ -36,13 +37,16 @@ pub struct Inspection {
     /// The medium.
     #[serde(flatten)]
     pub interaction: ScreenedCoulomb,
+    /// Each kind of body, where its effective charges interact.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub effective_bodies: Option<Vec<EffectiveBody>>,
 }
 
 /// Inspects the present state of an assembly.
 ///
 /// # Errors
-/// If a setting is invalid, the interaction reaches further than the box allows, or an energy is
-/// not finite.
+/// If a setting is invalid, the interaction reaches further than the box allows, an energy is not
+/// finite, or effective charges cannot be fitted.
 ///
 /// ```no_run
 /// use protomer::answer::Answer;
@@ -63,6 +67,7 @@ pub fn inspect(
     interaction: ScreenedCoulomb,
 ) -> Result<Inspection> {
     settings.check()?;
+    let engine = &engine.in_medium(settings, &interaction)?;
     let system = engine.system()?;
     let mut model = engine.energy_model(settings, &interaction)?;
     require_room(&system, model.as_ref(), &interaction)?;
@@ -84,6 +89,7 @@ pub fn inspect(
         r_g_angstrom: r_g_angstrom(&system, |_| 1.0),
         concentration_molar: engine.assembly().concentration_molar(),
         interaction,
+        effective_bodies: engine.effective_bodies().map(<[_]>::to_vec),
     })
 }
 
@@ -97,10 +103,15 @@ impl Answer for Inspection {
                 .collect::<Vec<_>>()
                 .join(", "),
         };
+        let mut effective = String::new();
+        for body in self.effective_bodies.iter().flatten() {
+            effective.push_str(&body.describe());
+            effective.push('\n');
+        }
         format!(
             "{} bodies, {} contacts, overlaps: {overlaps}\n\
              medium: {}\n\
-             energy: {:.6} kT ({:.4} kJ/mol) over {} pairs in range{}\n\
+             {effective}energy: {:.6} kT ({:.4} kJ/mol) over {} pairs in range{}\n\
              radius of gyration: {:.3} Å",
             self.bodies,
             self.contacts.len(),

@@ -2,7 +2,9 @@
 
 use crate::flags::choices::{BenchPart, Energy};
 use crate::flags::medium::ConditionArgs;
+use crate::flags::solute::ChargesArgs;
 use crate::flags::tables::TablesArgs;
+use crate::flags::terms::TermsArgs;
 use crate::flags::tolerance::ToleranceArgs;
 use crate::front::Front;
 use crate::reply::{Outcome, Reply};
@@ -11,8 +13,11 @@ use clap::Args;
 use protomer::assemblies::assembly_file::Assembly;
 use protomer::stability::bench::suite::{SuiteSettings, run_suite};
 use protomer::stability::bench::{BenchSettings, bench};
+use protomer::stability::contacts::ContactCore;
+use protomer::stability::effective;
 use protomer::stability::interaction::{InteractionSettings, ScreenedCoulomb};
 use protomer::stability::run::EnergyMode;
+use protomer::stability::terms::FurtherTerms;
 use std::path::{Path, PathBuf};
 
 /// More charges than a direct sum over sixteen bodies can be waited for.
@@ -50,6 +55,10 @@ pub struct BenchArgs {
     #[command(flatten)]
     conditions: ConditionArgs,
     #[command(flatten)]
+    acting: ChargesArgs,
+    #[command(flatten)]
+    terms: TermsArgs,
+    #[command(flatten)]
     tables: TablesArgs,
 }
 
@@ -72,24 +81,37 @@ impl BenchArgs {
         };
         let assembly = Assembly::read(path)?;
         let usual = BenchSettings::default();
+        let effective_charges = self.acting.effective_charges(None)?;
         let settings = BenchSettings {
             moves: self.moves.unwrap_or(usual.moves),
             energy,
             tolerance_kt: self.tolerance.tolerance,
+            effective_charges,
+            terms: FurtherTerms {
+                contacts: self.terms.contacts(None, ContactCore::Surface)?,
+                desolvation: self
+                    .terms
+                    .desolvation
+                    .then(|| effective_charges.unwrap_or_default()),
+            },
             seed: self.seed,
             ..usual
         };
         let tables = self.tables.tables(front);
-        Ok(Reply::data(bench(
-            assembly,
-            &settings,
-            interaction,
-            tables,
-        )?))
+        let effective_store = self.tables.cache.effective_store(front);
+        let result = bench(assembly, &settings, interaction, tables, effective_store)?;
+        let warnings = effective::warnings(result.effective_bodies.iter().flatten());
+        Ok(Reply::data(result).with_notes(warnings))
     }
 
     fn on_own_states(&self, front: &Front) -> Result<Reply> {
         let settings = self.suite_settings()?;
+        if self.acting.effective_charges(None)?.is_some() {
+            bail!(
+                "the states that the program makes have no atoms to fit effective charges to; leave \
+                 out --interaction effective, or give an assembly"
+            );
+        }
         let interaction = self.interaction_of_own_states()?;
         let execution = front.execution("stopping after the present run of moves", None)?;
         let tables = self.tables.tables(front);

@@ -1,9 +1,10 @@
 //! `protomer pair`: the thermodynamics of two bodies.
 
-use crate::flags::contacts::ContactArgs;
+use crate::flags::cache::CacheArgs;
 use crate::flags::execution::ExecutionArgs;
 use crate::flags::medium::MediumArgs;
 use crate::flags::solute::SoluteArgs;
+use crate::flags::terms::TermsArgs;
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Context, Result, bail};
@@ -55,17 +56,16 @@ pub struct PairArgs {
     /// What keeps the bodies apart: their surfaces, or the cores of the beads of the contact term.
     #[arg(long, value_enum, default_value_t = CoreChoice::Surface)]
     core: CoreChoice,
-    /// Count what charges lose where the other body displaces solvent; with effective charges.
-    #[arg(long)]
-    desolvation: bool,
     #[command(flatten)]
-    contacts: ContactArgs,
+    terms: TermsArgs,
     #[command(flatten)]
     solute: SoluteArgs,
     #[command(flatten)]
     medium: MediumArgs,
     #[command(flatten)]
     execution: ExecutionArgs,
+    #[command(flatten)]
+    cache: CacheArgs,
 }
 
 /// What acts between two bodies.
@@ -92,7 +92,8 @@ enum CoreChoice {
 impl PairArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
         let settings = self.settings()?;
-        let bodies = PairBodies::read(&self.first, self.second.as_deref(), &settings.ph)?;
+        let bodies = PairBodies::read(&self.first, self.second.as_deref(), &settings.ph)?
+            .with_effective_store(self.cache.effective_store(front));
         for warning in &bodies.warnings {
             front.say(warning);
         }
@@ -155,8 +156,8 @@ impl PairArgs {
 
     fn contact_term(&self) -> Result<Option<ContactTerm>> {
         match self.core {
-            CoreChoice::Surface => self.contacts.term(ContactCore::Surface),
-            CoreChoice::Beads => match self.contacts.term(ContactCore::Beads)? {
+            CoreChoice::Surface => self.terms.contacts(None, ContactCore::Surface),
+            CoreChoice::Beads => match self.terms.contacts(None, ContactCore::Beads)? {
                 None => bail!(
                     "--core beads takes the cores of a contact term; add --contacts calvados3, or \
                      leave it out"
@@ -179,7 +180,7 @@ impl PairArgs {
                 Interaction::Effective => Energies::Effective,
             },
             solute: self.effective_solute(),
-            desolvation: self.desolvation,
+            desolvation: self.terms.desolvation,
             contacts: self.contact_term()?,
             contact_gap_angstrom: self.contact_gap,
             medium: self.medium.medium(),

@@ -4,16 +4,20 @@ use crate::flags::choices::Energy;
 use crate::flags::execution::ExecutionArgs;
 use crate::flags::medium::{ConditionArgs, MediumArgs};
 use crate::flags::override_with;
+use crate::flags::solute::ChargesArgs;
 use crate::flags::tables::TablesArgs;
+use crate::flags::terms::TermsArgs;
 use crate::flags::tolerance::ToleranceArgs;
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, bail};
 use clap::Args;
 use protomer::assemblies::assembly_file::Assembly;
+use protomer::stability::contacts::ContactCore;
+use protomer::stability::effective;
 use protomer::stability::run::{EnergyMode, Engine, RunSettings};
 use protomer::stability::sweep::{resolved, simulate};
-use protomer_results::keys;
+use protomer_results::{End, keys};
 use std::path::PathBuf;
 
 /// Flags of every run. Omitted settings come from the configuration file, or else from the
@@ -55,6 +59,10 @@ pub struct RunArgs {
     #[command(flatten)]
     pub tolerance: ToleranceArgs,
     #[command(flatten)]
+    pub charges: ChargesArgs,
+    #[command(flatten)]
+    pub terms: TermsArgs,
+    #[command(flatten)]
     pub execution: ExecutionArgs,
     #[command(flatten)]
     pub tables: TablesArgs,
@@ -83,24 +91,41 @@ impl RunArgs {
         settings.tolerance_kt = self.tolerance.tolerance.or(settings.tolerance_kt);
         // Stored even if it is the default, so that a run keeps it if the default changes.
         settings.tolerance_kt = settings.tolerance_of_energy_kt()?;
+        settings.effective_charges = self.charges.effective_charges(settings.effective_charges)?;
+        settings.contacts = self
+            .terms
+            .contacts(settings.contacts, ContactCore::Surface)?;
+        settings.desolvation |= self.terms.desolvation;
         medium.override_in(&mut settings.medium);
         Ok(settings)
     }
 }
 
+/// Says that effective charges come first.
+pub fn say_effective_charges(front: &Front, settings: &RunSettings) {
+    if settings.effective_charges.is_some() {
+        front.say(
+            "effective charges are fitted for each kind of body and salt concentration, unless they \
+             are in the cache",
+        );
+    }
+}
+
 /// Says how energies are computed and, where tables are made first, how long that takes.
-pub fn say_energies(front: &Front, engine: &Engine, settings: &RunSettings) {
+pub fn say_energies(front: &Front, engine: &Engine, settings: &RunSettings) -> Result<()> {
     let energy = settings.energy.unwrap_or(EnergyMode::Direct);
     let name = energy.name();
     if !matches!(energy, EnergyMode::Calibrated | EnergyMode::Approximate) {
-        return front.explain(&format!("energies: {name}"));
+        front.explain(&format!("energies: {name}"));
+        return Ok(());
     }
-    let costs = engine.costs(settings.trial_moves_per_salt(engine.assembly().len()));
+    let costs = engine.costs_of(settings)?;
     front.say(&format!(
         "energies: {name}; unless they are in the cache, tables take about {:.0} s of processor time \
          for each salt concentration",
         costs.tables_seconds.max(1.0)
     ));
+    Ok(())
 }
 
 /// Run one simulation of an assembly at one salt concentration. The same command continues it.
@@ -119,17 +144,23 @@ impl SimulateArgs {
         let settings = self.settings()?;
         let assembly = Assembly::read(&self.assembly)?;
         let execution = self.run.execution.execution(front)?;
-        let engine = Engine::new(assembly)?.with_tables(self.run.tables.tables(front));
+        let engine = self.run.tables.engine(assembly, front)?;
         let directory = &self.run.output;
-        let settings = resolved(&engine, &settings, directory, &execution);
-        say_energies(front, &engine, &settings);
+        say_effective_charges(front, &settings);
+        let settings = resolved(&engine, &settings, directory, &execution)?;
+        say_energies(front, &engine, &settings)?;
         let end = simulate(&engine, &settings, directory, &execution)?;
-        Ok(Reply::of_end(end, || {
+        let warnings = match &end {
+            End::Finished(result) => effective::warnings(result.effective_bodies.iter().flatten()),
+            End::Stopped => Vec::new(),
+        };
+        let reply = Reply::of_end(end, || {
             format!(
                 "stopped; the same command continues {}",
                 directory.display()
             )
-        }))
+        });
+        Ok(reply.with_notes(warnings))
     }
 
     fn settings(&self) -> Result<RunSettings> {

@@ -1,6 +1,6 @@
 //! `protomer sweep`: stability against salt.
 
-use super::simulate::{RunArgs, say_energies};
+use super::simulate::{RunArgs, say_effective_charges, say_energies};
 use crate::flags::medium::MediumArgs;
 use crate::flags::scheduler::SchedulerArgs;
 use crate::front::Front;
@@ -9,7 +9,8 @@ use anyhow::{Result, bail};
 use clap::Args;
 use protomer::assemblies::assembly_file::Assembly;
 use protomer::quantity;
-use protomer::stability::run::{Engine, RunSettings};
+use protomer::stability::effective;
+use protomer::stability::run::RunSettings;
 use protomer::stability::sweep::{resolved, run_shard, run_sweep};
 use protomer_results::{End, Shard};
 use std::path::PathBuf;
@@ -54,10 +55,11 @@ impl SweepArgs {
             front.explain(&settings.medium.interaction(Some(*salt))?.describe());
         }
         let execution = self.run.execution.execution(front)?;
-        let engine = Engine::new(assembly)?.with_tables(self.run.tables.tables(front));
+        let engine = self.run.tables.engine(assembly, front)?;
         let directory = &self.run.output;
-        let settings = resolved(&engine, &settings, directory, &execution);
-        say_energies(front, &engine, &settings);
+        say_effective_charges(front, &settings);
+        let settings = resolved(&engine, &settings, directory, &execution)?;
+        say_energies(front, &engine, &settings)?;
         if !self.shard.is_whole() {
             let end = run_shard(&engine, &settings, directory, self.shard, &execution)?;
             let Shard { index, of } = self.shard;
@@ -69,7 +71,10 @@ impl SweepArgs {
             match run_sweep(&engine, &settings, directory, &execution)? {
                 End::Finished(result) => {
                     let figure = directory.join("sweep.png");
-                    Reply::of(result).with_note(format!("figure: {}", figure.display()))
+                    let bodies = result.salts.iter().flat_map(|row| &row.effective_bodies);
+                    let warnings = effective::warnings(bodies.flatten());
+                    let reply = Reply::of(result).with_notes(warnings);
+                    reply.with_note(format!("figure: {}", figure.display()))
                 }
                 End::Stopped => {
                     let directory = directory.display();

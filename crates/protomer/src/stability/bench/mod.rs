@@ -23,9 +23,11 @@ pub mod tables;
 use crate::answer::Answer;
 use crate::assemblies::assembly_file::Assembly;
 use crate::cpu_time::{ProcessClock, Stopwatch};
+use crate::stability::effective::{EffectiveBody, EffectiveStore, SoluteModel};
 use crate::stability::energy_tables::EnergyTables;
 use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::{EnergyMode, Engine, Promise, RunSettings};
+use crate::stability::terms::FurtherTerms;
 use anyhow::Result;
 use protomer_io::atomic::sha256_hex;
 use protomer_mc::energy::levels::LevelReport;
@@ -43,6 +45,11 @@ pub struct BenchSettings {
     /// Largest error of the energy of two bodies, kT, of approximate energies; the usual one where
     /// `None`.
     pub tolerance_kt: Option<f64>,
+    /// The inside of the bodies, whose effective charges then interact; `None` for the charges of
+    /// the bodies themselves.
+    pub effective_charges: Option<SoluteModel>,
+    /// What acts beside the charges.
+    pub terms: FurtherTerms,
     /// Seed of the random numbers.
     pub seed: u64,
     /// Largest displacement of a trial move, Å.
@@ -57,6 +64,8 @@ impl Default for BenchSettings {
             moves: 10_000,
             energy: None,
             tolerance_kt: None,
+            effective_charges: None,
+            terms: FurtherTerms::default(),
             seed: 1,
             translation_step_angstrom: 0.3,
             rotation_step_rad: 0.04,
@@ -97,6 +106,9 @@ pub struct BenchResult {
     /// The medium.
     #[serde(flatten)]
     pub interaction: ScreenedCoulomb,
+    /// Each kind of body, where its effective charges interact.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub effective_bodies: Option<Vec<EffectiveBody>>,
 }
 
 impl Answer for BenchResult {
@@ -123,16 +135,25 @@ const MANY_MOVES: f64 = 1e12;
 /// Makes the moves and measures them.
 ///
 /// # Errors
-/// For a mesh that bounds no solid, an overlapping start, a box too small for the interaction, or
-/// an energy that is not finite.
+/// For a mesh that bounds no solid, an overlapping start, a box too small for the interaction, an
+/// energy that is not finite, or effective charges that cannot be fitted.
 pub fn bench(
     assembly: Assembly,
     settings: &BenchSettings,
     interaction: ScreenedCoulomb,
     tables: Arc<EnergyTables>,
+    effective_store: Arc<EffectiveStore>,
 ) -> Result<BenchResult> {
     let clock = ProcessClock::start();
-    let engine = Engine::new(assembly)?.with_tables(Arc::clone(&tables));
+    let mut engine = Engine::new(assembly)?
+        .with_tables(Arc::clone(&tables))
+        .with_effective_store(effective_store);
+    if let Some(solute) = &settings.effective_charges
+        && settings.energy != Some(EnergyMode::None)
+    {
+        engine = engine.with_effective_charges(&interaction, solute)?;
+    }
+    engine = engine.with_terms(&settings.terms, &interaction)?;
     let energy = match interaction.cutoff_angstrom.is_finite() {
         true => EnergyMode::Direct,
         false => engine.costs(MANY_MOVES).fastest(),
@@ -141,6 +162,9 @@ pub fn bench(
     let run = RunSettings {
         energy: Some(energy),
         tolerance_kt: settings.tolerance_kt,
+        effective_charges: settings.effective_charges,
+        contacts: settings.terms.contacts,
+        desolvation: settings.terms.desolvation.is_some(),
         ..RunSettings::default()
     };
     run.check()?;
@@ -184,5 +208,6 @@ pub fn bench(
         decisions_sha256: sha256_hex(&decisions),
         bodies,
         interaction,
+        effective_bodies: engine.effective_bodies().map(<[_]>::to_vec),
     })
 }

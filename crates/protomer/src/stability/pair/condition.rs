@@ -3,7 +3,7 @@
 use super::input::Prepared;
 use super::result::{ConditionResult, PoseResult, mean_force_to_csv};
 use super::settings::{Energies, PairRunSettings};
-use crate::stability::effective::{self, effective_charges_of};
+use crate::stability::effective::{self, EffectiveStore};
 use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::salt_label;
 use anyhow::{Error, Result};
@@ -30,6 +30,7 @@ pub struct Condition<'a> {
     salt_molar: Option<f64>,
     identity: String,
     interaction: ScreenedCoulomb,
+    effective_store: &'a EffectiveStore,
 }
 
 /// An estimate in memory.
@@ -53,6 +54,7 @@ impl<'a> Condition<'a> {
         ph: Option<f64>,
         salt_molar: Option<f64>,
         identity: &str,
+        effective_store: &'a EffectiveStore,
     ) -> Result<Self> {
         let interaction = settings.medium.interaction(salt_molar)?;
         Ok(Self {
@@ -62,6 +64,7 @@ impl<'a> Condition<'a> {
             salt_molar,
             identity: identity.to_owned(),
             interaction,
+            effective_store,
         })
     }
 
@@ -87,8 +90,11 @@ impl<'a> Condition<'a> {
             return Ok(None);
         }
         let solute = self.settings.solute.unwrap_or_default();
-        let of =
-            |prepared: &Prepared| effective_charges_of(&prepared.body, &self.interaction, &solute);
+        let of = |prepared: &Prepared| -> Result<EffectiveCharges> {
+            let store = self.effective_store;
+            let charges = store.of(&prepared.body, &self.interaction, &solute)?;
+            Ok(charges.as_ref().clone())
+        };
         let [first, second] = self.bodies;
         let of_first = of(first)?;
         let of_second = match self.are_equal() {

@@ -3,6 +3,7 @@
 use crate::bodies::body_file;
 use crate::bodies::ingest::read_and_build;
 use crate::input::stem;
+use crate::stability::effective::EffectiveStore;
 use anyhow::{Context, Result, bail};
 use protomer_body::{Body, BodySettings};
 use protomer_io::atomic::sha256_hex;
@@ -21,6 +22,7 @@ pub struct PairBodies {
     pub warnings: Vec<String>,
     ph: Vec<Option<f64>>,
     pairs: Vec<[Prepared; 2]>,
+    pub(super) effective_store: Arc<EffectiveStore>,
 }
 
 /// A body, and what the engine knows about it.
@@ -69,7 +71,16 @@ impl PairBodies {
             warnings,
             ph,
             pairs,
+            effective_store: Arc::default(),
         })
+    }
+
+    /// The same bodies with effective charges from elsewhere.
+    pub fn with_effective_store(self, effective_store: Arc<EffectiveStore>) -> Self {
+        Self {
+            effective_store,
+            ..self
+        }
     }
 
     /// The bodies at each pH.

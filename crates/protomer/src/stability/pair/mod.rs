@@ -137,7 +137,10 @@ impl<'a> Conditions<'a> {
         let mut tasks = Vec::new();
         for (ph, pair) in bodies.at_each_ph() {
             for salt_molar in settings.salts() {
-                tasks.push(Condition::new(settings, pair, ph, salt_molar, &identity)?);
+                let store = bodies.effective_store.as_ref();
+                tasks.push(Condition::new(
+                    settings, pair, ph, salt_molar, &identity, store,
+                )?);
             }
         }
         Ok(Self {

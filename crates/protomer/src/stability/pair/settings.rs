@@ -1,7 +1,7 @@
 //! The settings of a pair, as stored in `run.toml`.
 
 use crate::stability::contacts::{ContactCore, ContactTerm};
-use crate::stability::effective::SoluteModel;
+use crate::stability::effective::{SoluteModel, require_electrolyte};
 use crate::stability::interaction::InteractionSettings;
 use crate::stability::terms::FurtherTerms;
 use anyhow::{Result, bail};
@@ -124,7 +124,10 @@ impl PairRunSettings {
             bail!("{conditions} conditions are too many; ask for at most {MOST_CONDITIONS}");
         }
         for salt_molar in self.salts() {
-            self.medium.interaction(salt_molar)?;
+            let interaction = self.medium.interaction(salt_molar)?;
+            if self.energies == Energies::Effective {
+                require_electrolyte(&interaction)?;
+            }
         }
         Ok(())
     }

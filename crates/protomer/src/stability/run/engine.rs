@@ -2,7 +2,7 @@
 //! sweep share.
 
 use crate::assemblies::assembly_file::Assembly;
-use crate::stability::effective::{self, SoluteModel, effective_charges_of};
+use crate::stability::effective::{EffectiveBody, EffectiveStore, SoluteModel};
 use crate::stability::energy_tables::{EnergyTables, PotentialTable};
 use crate::stability::interaction::{Definition, ScreenedCoulomb};
 use crate::stability::run::{DEFAULT_TOLERANCE_KT, EnergyCosts, EnergyMode, Promise, RunSettings};
@@ -21,6 +21,9 @@ pub struct Engine {
     types: Vec<Arc<BodyType>>,
     tables: Arc<EnergyTables>,
     terms: Option<TermsByType>,
+    effective_store: Arc<EffectiveStore>,
+    /// Where effective charges stand in the place of those of the bodies.
+    effective_bodies: Option<Vec<EffectiveBody>>,
 }
 
 impl Engine {
@@ -40,6 +43,8 @@ impl Engine {
             types,
             tables: Arc::default(),
             terms: None,
+            effective_store: Arc::default(),
+            effective_bodies: None,
         })
     }
 
@@ -48,25 +53,56 @@ impl Engine {
         Self { tables, ..self }
     }
 
+    /// The same engine with effective charges from elsewhere, for
+    /// [`in_medium`](Self::in_medium).
+    pub fn with_effective_store(self, effective_store: Arc<EffectiveStore>) -> Self {
+        Self {
+            effective_store,
+            ..self
+        }
+    }
+
     /// The same engine with effective charges in the place of the charges of each body, in this
-    /// medium; and warnings about fits.
+    /// medium.
     ///
     /// # Errors
-    /// As [`effective_charges_of`].
+    /// As [`EffectiveStore::of`].
     pub fn with_effective_charges(
         mut self,
         interaction: &ScreenedCoulomb,
         solute: &SoluteModel,
-    ) -> Result<(Self, Vec<String>)> {
-        let (mut types, mut warnings) = (Vec::new(), Vec::new());
+    ) -> Result<Self> {
+        let (mut types, mut bodies) = (Vec::new(), Vec::new());
         for body in &self.assembly.bodies {
-            let charges = effective_charges_of(body, interaction, solute)?;
-            warnings.extend(effective::warning(body, &charges));
+            let charges = self.effective_store.of(body, interaction, solute)?;
+            bodies.push(EffectiveBody::new(body, &charges));
             let kind = BodyType::from_body(body)?.with_charges(&charges.charges);
             types.push(Arc::new(kind));
         }
         self.types = types;
-        Ok((self, warnings))
+        self.effective_bodies = Some(bodies);
+        Ok(self)
+    }
+
+    /// The engine for one medium of a run: with effective charges and further terms if the run has
+    /// them.
+    ///
+    /// # Errors
+    /// As [`with_effective_charges`](Self::with_effective_charges) and
+    /// [`with_terms`](Self::with_terms).
+    pub fn in_medium(&self, run: &RunSettings, interaction: &ScreenedCoulomb) -> Result<Self> {
+        let engine = self.clone();
+        let engine = match &run.effective_charges {
+            Some(solute) => engine.with_effective_charges(interaction, solute)?,
+            None => engine,
+        };
+        engine.with_terms(&run.further_terms(), interaction)
+    }
+
+    /// What the effective charges of each kind of body are like; `None` where the charges of the
+    /// bodies themselves interact.
+    pub fn effective_bodies(&self) -> Option<&[EffectiveBody]> {
+        self.effective_bodies.as_deref()
     }
 
     /// The same engine with further terms beside the charges, in this medium.
@@ -138,22 +174,38 @@ impl Engine {
 
     /// The settings with everything chosen that they leave open. A directory that was begun keeps
     /// its energy mode, as long as that makes the decisions of the direct sum.
-    pub fn resolved(&self, run: &RunSettings, begun: Option<EnergyMode>) -> RunSettings {
+    ///
+    /// # Errors
+    /// As [`costs_of`](Self::costs_of).
+    pub fn resolved(&self, run: &RunSettings, begun: Option<EnergyMode>) -> Result<RunSettings> {
         let is_cut = run.medium.cutoff_angstrom.is_some();
-        let energy = run.energy.unwrap_or_else(|| match begun {
-            _ if is_cut => EnergyMode::Direct,
-            Some(begun) if begun.promise() != Promise::None => begun,
-            _ => self
-                .costs(run.trial_moves_per_salt(self.assembly.len()))
-                .fastest(),
-        });
+        let energy = match (run.energy, begun) {
+            (Some(energy), _) => energy,
+            (None, _) if is_cut => EnergyMode::Direct,
+            (None, Some(begun)) if begun.promise() != Promise::None => begun,
+            (None, _) => self.costs_of(run)?.fastest(),
+        };
         let is_uncut = energy != EnergyMode::None && !is_cut;
         let mut resolved = RunSettings {
             energy: Some(energy),
             ..run.clone()
         };
         resolved.medium.definition = is_uncut.then_some(Definition::NoCutOff);
-        resolved
+        Ok(resolved)
+    }
+
+    /// What energies will cost in this run at one salt concentration. Effective charges are those at
+    /// the first: their number hardly depends on the salt.
+    ///
+    /// # Errors
+    /// As [`with_effective_charges`](Self::with_effective_charges).
+    pub fn costs_of(&self, run: &RunSettings) -> Result<EnergyCosts> {
+        let trials = run.trial_moves_per_salt(self.assembly.len());
+        if run.effective_charges.is_none() {
+            return Ok(self.costs(trials));
+        }
+        let interaction = run.medium.interaction(run.salt_molar.first().copied())?;
+        Ok(self.in_medium(run, &interaction)?.costs(trials))
     }
 
     /// What energies will cost at one salt concentration, for this many trial moves.

@@ -22,7 +22,7 @@ const TRAJECTORY: &str = "trajectory.gsd";
 /// One simulation of a sweep.
 #[derive(Debug)]
 pub struct Replica<'a> {
-    /// The bodies.
+    /// The bodies, with the charges that interact in this medium.
     pub engine: &'a Engine,
     /// The settings of the sweep.
     pub settings: &'a RunSettings,
@@ -153,7 +153,7 @@ impl Run for Replica<'_> {
 
     fn details(&self, state: &mut State, _directory: &Path) -> Result<Value> {
         let simulation = &state.simulation;
-        Ok(json!({
+        let mut details = json!({
             "replica": self.replica,
             "medium": self.interaction,
             "sweeps_done": simulation.sweep(),
@@ -161,7 +161,11 @@ impl Run for Replica<'_> {
             "step_sizes": simulation.step_sizes(),
             "statistics": simulation.statistics(),
             "native_contacts": simulation.native_contacts(),
-        }))
+        });
+        if let Some(bodies) = self.engine.effective_bodies() {
+            details["effective_bodies"] = json!(bodies);
+        }
+        Ok(details)
     }
 
     fn finished(

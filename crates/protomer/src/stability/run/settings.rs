@@ -1,6 +1,9 @@
 //! The settings of a run: the resolved configuration, as stored in `run.toml`.
 
+use crate::stability::contacts::{ContactCore, ContactTerm};
+use crate::stability::effective::{SoluteModel, require_electrolyte};
 use crate::stability::interaction::InteractionSettings;
+use crate::stability::terms::FurtherTerms;
 use anyhow::{Result, bail};
 use protomer_results::Settings;
 use serde::{Deserialize, Serialize};
@@ -52,6 +55,16 @@ pub struct RunSettings {
     /// [`DEFAULT_TOLERANCE_KT`] if `None`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerance_kt: Option<f64>,
+    /// The inside of the bodies, whose effective charges then interact; `None` for the charges of
+    /// the bodies themselves, as in all runs of earlier versions.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub effective_charges: Option<SoluteModel>,
+    /// Attraction between residues.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub contacts: Option<ContactTerm>,
+    /// Whether charges lose solvent to other bodies; with effective charges only.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub desolvation: bool,
     /// The medium between the bodies.
     pub medium: InteractionSettings,
 }
@@ -148,6 +161,9 @@ impl Default for RunSettings {
             trajectory_every: 100,
             energy: None,
             tolerance_kt: None,
+            effective_charges: None,
+            contacts: None,
+            desolvation: false,
             medium: InteractionSettings::default(),
         }
     }
@@ -296,6 +312,49 @@ impl RunSettings {
             bail!("contact_gap_angstrom is {gap}; it must be positive");
         }
         self.tolerance_of_energy_kt()?;
+        self.check_terms()?;
+        self.check_effective_charges()
+    }
+
+    fn check_terms(&self) -> Result<()> {
+        if self.desolvation && self.effective_charges.is_none() {
+            bail!("desolvation is that of effective charges; add --interaction effective");
+        }
+        if let Some(contacts) = &self.contacts {
+            if contacts.core == ContactCore::Beads {
+                bail!(
+                    "bodies of a simulation repel each other by their surfaces; leave out core = \
+                     \"beads\" of the contact term"
+                );
+            }
+            contacts.potential(self.medium.temperature_kelvin)?;
+        }
+        Ok(())
+    }
+
+    /// What acts beside the charges.
+    pub fn further_terms(&self) -> FurtherTerms {
+        FurtherTerms {
+            contacts: self.contacts,
+            desolvation: self
+                .desolvation
+                .then(|| self.effective_charges.unwrap_or_default()),
+        }
+    }
+
+    fn check_effective_charges(&self) -> Result<()> {
+        if self.effective_charges.is_none() {
+            return Ok(());
+        }
+        if self.energy == Some(EnergyMode::None) {
+            bail!(
+                "hard bodies feel no charges, effective or not; leave out --interaction effective, \
+                 or choose another --energy than none"
+            );
+        }
+        for salt_molar in &self.salt_molar {
+            require_electrolyte(&self.medium.interaction(Some(*salt_molar))?)?;
+        }
         Ok(())
     }
 }

@@ -22,6 +22,7 @@ use protomer_results::{
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 use table::{ReplicaResult, SaltRow, SweepResult, to_csv};
 
 /// The directory of a sweep.
@@ -121,7 +122,7 @@ pub fn run_sweep(
     directory: &Path,
     execution: &Execution,
 ) -> Result<End<SweepResult>> {
-    let settings = &resolved(engine, settings, directory, execution);
+    let settings = &resolved(engine, settings, directory, execution)?;
     let sweep = Sweep::new(engine, settings, directory)?;
     let entered =
         ResultsDirectory::enter(directory, &LAYOUT, settings, &sweep.identity, execution)?;
@@ -147,9 +148,11 @@ pub fn simulate(
         return Ok(End::Stopped);
     };
     let only = result.replicas.into_iter().flatten().next();
-    Ok(End::Finished(
-        only.context("the simulation has left no result")?,
-    ))
+    let of_salt = result.salts.into_iter().next();
+    Ok(End::Finished(ReplicaResult {
+        effective_bodies: of_salt.and_then(|row| row.effective_bodies),
+        ..only.context("the simulation has left no result")?
+    }))
 }
 
 /// Runs or continues the simulations of one part of a sweep, while other processes do other parts
@@ -164,7 +167,7 @@ pub fn run_shard(
     shard: Shard,
     execution: &Execution,
 ) -> Result<End<SweepPart>> {
-    let settings = &resolved(engine, settings, directory, execution);
+    let settings = &resolved(engine, settings, directory, execution)?;
     let sweep = Sweep::new(engine, settings, directory)?;
     let entered =
         ResultsDirectory::share(directory, &LAYOUT, settings, &sweep.identity, execution)?;
@@ -180,12 +183,16 @@ pub fn run_shard(
 
 /// The settings with everything chosen that they leave open, as [`run_sweep`] uses and stores them.
 /// A sweep that is continued keeps its energy mode.
+///
+/// # Errors
+/// As [`Engine::resolved`].
 pub fn resolved(
     engine: &Engine,
     settings: &RunSettings,
     directory: &Path,
     execution: &Execution,
-) -> RunSettings {
+) -> Result<RunSettings> {
+    settings.check()?;
     let begun = keys::read_toml::<RunSettings>(&directory.join(LAYOUT.settings)).ok();
     let kept = begun.filter(|_| !execution.start_anew);
     engine.resolved(settings, kept.and_then(|begun| begun.energy))
@@ -197,12 +204,19 @@ struct Task {
     replica: u32,
 }
 
+/// One salt concentration of a sweep.
+struct Medium {
+    interaction: ScreenedCoulomb,
+    /// With the effective charges of this medium, made by the first simulation that needs it.
+    engine: OnceLock<Engine>,
+}
+
 /// A sweep whose settings have been checked.
 struct Sweep<'a> {
     engine: &'a Engine,
     settings: &'a RunSettings,
     directory: &'a Path,
-    interactions: Vec<ScreenedCoulomb>,
+    media: Vec<Medium>,
     identity: String,
     tasks: Vec<Task>,
 }
@@ -217,14 +231,36 @@ impl<'a> Sweep<'a> {
             .map(of_salt)
             .collect::<Result<_>>()?;
         engine.check(settings, &interactions)?;
+        let medium = |interaction| Medium {
+            interaction,
+            engine: OnceLock::new(),
+        };
         Ok(Self {
             engine,
             settings,
             directory,
-            interactions,
+            media: interactions.into_iter().map(medium).collect(),
             identity: settings::identity(settings, &engine.assembly().sha256)?,
             tasks: tasks(settings),
         })
+    }
+
+    /// The engine for one salt concentration, which its replicas share.
+    fn engine(&self, salt_index: usize) -> Result<&Engine> {
+        if self.settings.effective_charges.is_none() {
+            return Ok(self.engine);
+        }
+        let Medium {
+            interaction,
+            engine,
+        } = &self.media[salt_index];
+        if let Some(engine) = engine.get() {
+            return Ok(engine);
+        }
+        // Two replicas may both come here; the charges are fitted once all the same.
+        let made = self.engine.in_medium(self.settings, interaction)?;
+        made.check(self.settings, &[*interaction])?;
+        Ok(engine.get_or_init(|| made))
     }
 
     fn tell_length(&self, execution: &Execution, simulations: usize) {
@@ -272,15 +308,18 @@ impl Campaign for Sweep<'_> {
             salt_index,
             replica,
         } = *task;
-        let simulation = Replica {
-            engine: self.engine,
-            settings: self.settings,
-            interaction: self.interactions[salt_index],
-            salt_index: salt_index as u32,
-            replica,
-            identity: &self.identity,
+        let simulate = || {
+            let simulation = Replica {
+                engine: self.engine(salt_index)?,
+                settings: self.settings,
+                interaction: self.media[salt_index].interaction,
+                salt_index: salt_index as u32,
+                replica,
+                identity: &self.identity,
+            };
+            drive(&simulation, directory, execution)
         };
-        drive(&simulation, directory, execution).with_context(|| {
+        simulate().with_context(|| {
             let salt = self.settings.salt_molar[salt_index];
             format!("salt {salt} M, replica {replica}")
         })
@@ -294,8 +333,16 @@ impl Campaign for Sweep<'_> {
             let result = ReplicaResult::new(task.replica, &rows, accepted);
             replicas[task.salt_index].push(result);
         }
-        let salts = self.settings.salt_molar.iter();
-        let of_salts = salts.zip(&self.interactions).zip(&replicas);
+        let mut salts = Vec::with_capacity(replicas.len());
+        for (salt_index, replicas) in replicas.iter().enumerate() {
+            let salt_molar = self.settings.salt_molar[salt_index];
+            let interaction = &self.media[salt_index].interaction;
+            let bodies = self.engine(salt_index)?.effective_bodies();
+            salts.push(SaltRow {
+                effective_bodies: bodies.map(<[_]>::to_vec),
+                ..SaltRow::new(salt_molar, interaction, replicas)
+            });
+        }
         let assembly = self.engine.assembly();
         let result = SweepResult {
             version: env!("CARGO_PKG_VERSION").into(),
@@ -304,9 +351,7 @@ impl Campaign for Sweep<'_> {
             concentration_molar: assembly.concentration_molar(),
             box_angstrom: assembly.box_angstrom(),
             settings: self.settings.clone(),
-            salts: of_salts
-                .map(|((salt, interaction), replicas)| SaltRow::new(*salt, interaction, replicas))
-                .collect(),
+            salts,
             replicas,
         };
         write_results(&result, self.directory)?;

@@ -1,6 +1,7 @@
 //! The result of a sweep: one row per salt concentration, from the logs of its replicas.
 
 use crate::answer::Answer;
+use crate::stability::effective::EffectiveBody;
 use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::{AcceptedFractions, LogRow, RunSettings};
 use anyhow::Result;
@@ -49,6 +50,10 @@ pub struct ReplicaResult {
     pub accepted: AcceptedFractions,
     /// Mean number of bodies moved per cluster move.
     pub cluster_moved_mean: f64,
+    /// Each kind of body, where its effective charges interact: in the answer of a single
+    /// simulation. Those of a sweep are in its rows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub effective_bodies: Option<Vec<EffectiveBody>>,
 }
 
 impl Answer for ReplicaResult {
@@ -90,6 +95,7 @@ impl ReplicaResult {
             energy_kt: summarize(&energy),
             accepted,
             cluster_moved_mean: mean(&cluster_moved),
+            effective_bodies: None,
         }
     }
 }
@@ -134,6 +140,9 @@ pub struct SaltRow {
     pub cluster_moved_mean: f64,
     /// Number of replicas.
     pub replicas: usize,
+    /// Each kind of body, where its effective charges interact.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub effective_bodies: Option<Vec<EffectiveBody>>,
 }
 
 impl SaltRow {
@@ -183,6 +192,7 @@ impl SaltRow {
             rotation_acceptance: mean(&rotation),
             cluster_moved_mean: mean(&cluster_moved),
             replicas: replicas.len(),
+            effective_bodies: None,
         }
     }
 }

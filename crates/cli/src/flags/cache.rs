@@ -1,0 +1,34 @@
+//! The flag of the cache, shared by the verbs that keep results in it.
+
+use crate::front::Front;
+use clap::Args;
+use protomer::stability::disk_cache::DiskCache;
+use protomer::stability::effective::EffectiveStore;
+use std::sync::Arc;
+
+/// What is kept from one run to the next.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Cache")]
+pub struct CacheArgs {
+    /// Do not read or write the cache of tables of energies by levels and of effective charges. The
+    /// cache folder is PROTOMER_CACHE_DIR (empty: no cache), or else protomer in XDG_CACHE_HOME or
+    /// ~/.cache; it holds at most 2 GB.
+    #[arg(long)]
+    pub no_cache: bool,
+}
+
+impl CacheArgs {
+    /// The user's cache, if there is one and it may be used.
+    pub fn cache(&self) -> Option<DiskCache> {
+        DiskCache::of_user().filter(|_| !self.no_cache)
+    }
+
+    /// The effective charges of a run.
+    pub fn effective_store(&self, front: &Front) -> Arc<EffectiveStore> {
+        let store = EffectiveStore::default();
+        Arc::new(match self.cache() {
+            Some(cache) => store.with_cache(cache, front.warner()),
+            None => store,
+        })
+    }
+}

@@ -1,0 +1,171 @@
+//! Effective charges of bodies: what stands in the place of their charges in a medium.
+//!
+//! | module | one idea |
+//! |---|---|
+//! | `problem` | one body in one medium: what shapes its effective charges, and their fit |
+//! | `store` | each fit once, shared by whoever asks, kept on the disk for the next run |
+
+mod problem;
+mod store;
+
+pub use store::EffectiveStore;
+
+use crate::stability::interaction::ScreenedCoulomb;
+use anyhow::{Result, bail};
+use problem::Problem;
+use protomer_body::Body;
+use protomer_field::effective_charges::{EffectiveCharges, LARGEST_RELATIVE_RESIDUAL};
+use protomer_kernel::Electrolyte;
+use serde::{Deserialize, Serialize};
+
+/// The inside of bodies, for effective charges.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SoluteModel {
+    /// Relative permittivity inside the surface.
+    pub inner_permittivity: f64,
+    /// The centres of ions keep this distance from the atoms, Å.
+    pub ion_radius_angstrom: f64,
+}
+
+impl Default for SoluteModel {
+    /// Permittivity 4, which stands for a protein whose side chains may turn a little, and ions of
+    /// 2 Å.
+    fn default() -> Self {
+        Self {
+            inner_permittivity: 4.0,
+            ion_radius_angstrom: 2.0,
+        }
+    }
+}
+
+/// The effective charges of a body in a medium, fitted anew. [`EffectiveStore`] keeps them.
+///
+/// ```no_run
+/// use protomer::bodies::body_file;
+/// use protomer::stability::effective::{SoluteModel, effective_charges_of};
+/// use protomer::stability::interaction::InteractionSettings;
+/// use std::path::Path;
+/// let (body, _) = body_file::read(Path::new("4lzt.body"))?;
+/// let saline = InteractionSettings::default().interaction(Some(0.1))?;
+/// let charges = effective_charges_of(&body, &saline, &SoluteModel::default())?;
+/// println!("{:+.2} e look like {:+.2} e", charges.net_charge_e, charges.net_effective_charge_e);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`require_electrolyte`] and [`protomer_field::effective_charges::effective_charges`].
+pub fn effective_charges_of(
+    body: &Body,
+    interaction: &ScreenedCoulomb,
+    solute: &SoluteModel,
+) -> Result<EffectiveCharges> {
+    Problem::new(body, interaction, solute)?.solve()
+}
+
+/// Checks that this medium has effective charges: the Poisson-Boltzmann equation needs salt and
+/// permittivity themselves, and what stands for a body does so at all distances.
+///
+/// # Errors
+/// Without salt, where the medium was stated by lengths, and with a cut-off: says what to give.
+pub fn require_electrolyte(interaction: &ScreenedCoulomb) -> Result<()> {
+    // Of two ways to compute one length.
+    const ROUNDING: f64 = 1e-9;
+    let electrolyte = &interaction.electrolyte;
+    let permittivity = electrolyte.relative_permittivity();
+    let salt_molar = electrolyte.salt_molar();
+    let plain = Electrolyte::new(
+        electrolyte.temperature_kelvin(),
+        salt_molar.unwrap_or(0.0),
+        permittivity,
+    )?;
+    let ratio = electrolyte.bjerrum_length_angstrom() / plain.bjerrum_length_angstrom();
+    let Some(salt_molar) = salt_molar.filter(|_| (ratio - 1.0).abs() < ROUNDING) else {
+        bail!(
+            "effective charges need the salt and the permittivity, not a Debye or Bjerrum length; \
+             give --salt 100mM, and --permittivity if it is not that of water"
+        );
+    };
+    if salt_molar <= 0.0 {
+        bail!("effective charges are those in an electrolyte; give --salt above zero");
+    }
+    if interaction.cutoff_angstrom.is_finite() {
+        bail!(
+            "effective charges stand for a body at all distances; leave out --cutoff, or use \
+             --interaction bare"
+        );
+    }
+    Ok(())
+}
+
+/// What effective charges stand for one kind of body in one medium.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EffectiveBody {
+    /// Its name.
+    pub name: String,
+    /// Sum of the charges of the body, e.
+    pub net_charge_e: f64,
+    /// The charge it looks like from afar, on average over directions, e.
+    pub net_effective_charge_e: f64,
+    /// Number of effective charges.
+    pub effective_charges: usize,
+    /// Root mean square error of the fitted potential, each layer of points relative to its own
+    /// root mean square.
+    pub relative_residual: f64,
+    /// Condition of the regularised equations of the fit.
+    pub condition: f64,
+    /// What to do about a bad fit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub warning: Option<String>,
+}
+
+impl EffectiveBody {
+    /// These effective charges of a body.
+    pub fn new(body: &Body, charges: &EffectiveCharges) -> Self {
+        Self {
+            name: body.name.clone(),
+            net_charge_e: charges.net_charge_e,
+            net_effective_charge_e: charges.net_effective_charge_e,
+            effective_charges: charges.charges.len(),
+            relative_residual: charges.relative_residual,
+            condition: charges.condition,
+            warning: warning(body, charges),
+        }
+    }
+
+    /// One line that says what stands for the body.
+    pub fn describe(&self) -> String {
+        format!(
+            "effective charges of '{}': {} for a net charge of {:+.2} e, which looks like {:+.2} e \
+             from afar; potential fitted to {:.2} %",
+            self.name,
+            self.effective_charges,
+            self.net_charge_e,
+            self.net_effective_charge_e,
+            100.0 * self.relative_residual
+        )
+    }
+}
+
+/// The warnings of these kinds of bodies, each once.
+pub fn warnings<'a>(bodies: impl IntoIterator<Item = &'a EffectiveBody>) -> Vec<String> {
+    let mut warnings: Vec<String> = Vec::new();
+    for warning in bodies.into_iter().filter_map(|body| body.warning.as_ref()) {
+        if !warnings.contains(warning) {
+            warnings.push(warning.clone());
+        }
+    }
+    warnings
+}
+
+/// A warning if a fit stands badly for the potential.
+pub fn warning(body: &Body, charges: &EffectiveCharges) -> Option<String> {
+    (charges.relative_residual > LARGEST_RELATIVE_RESIDUAL).then(|| {
+        format!(
+            "warning: the effective charges of '{}' miss the potential around it by {:.1} %; \
+             compare with --interaction bare, and check that its charges lie below its surface",
+            body.name,
+            100.0 * charges.relative_residual
+        )
+    })
+}

@@ -1,0 +1,73 @@
+//! One body in one medium: what shapes its effective charges, and their fit.
+
+use super::{SoluteModel, require_electrolyte};
+use crate::stability::interaction::ScreenedCoulomb;
+use anyhow::{Context, Result};
+use protomer_body::Body;
+use protomer_field::effective_charges::{
+    EffectiveChargeSettings, EffectiveCharges, effective_charges,
+};
+use protomer_field::{ChargedSphere, DielectricModel};
+use protomer_io::atomic::sha256_hex;
+use std::fmt::Write;
+
+/// Part of every key: another way of fitting makes other charges. To be raised with every change of
+/// `protomer_field` that moves them.
+const VERSION: &str = "effective charges 1";
+
+/// A body in a medium that has effective charges.
+pub(super) struct Problem<'a> {
+    pub body: &'a Body,
+    spheres: Vec<ChargedSphere>,
+    dielectric: DielectricModel,
+    settings: EffectiveChargeSettings,
+}
+
+impl<'a> Problem<'a> {
+    /// # Errors
+    /// As [`require_electrolyte`].
+    pub fn new(
+        body: &'a Body,
+        interaction: &ScreenedCoulomb,
+        solute: &SoluteModel,
+    ) -> Result<Self> {
+        require_electrolyte(interaction)?;
+        let mut dielectric = DielectricModel::new(interaction.electrolyte);
+        dielectric.inner_permittivity = solute.inner_permittivity;
+        dielectric.ion_radius_angstrom = solute.ion_radius_angstrom;
+        let mut spheres = Vec::with_capacity(body.sites.len());
+        for site in &body.sites {
+            spheres.push(ChargedSphere {
+                centre: site.position,
+                radius_angstrom: site.radius_angstrom,
+                charge_e: site.charge_e,
+            });
+        }
+        Ok(Self {
+            body,
+            spheres,
+            dielectric,
+            settings: EffectiveChargeSettings::default(),
+        })
+    }
+
+    /// # Errors
+    /// As [`effective_charges`]: names the body.
+    pub fn solve(&self) -> Result<EffectiveCharges> {
+        effective_charges(&self.spheres, &self.dielectric, &self.settings)
+            .with_context(|| format!("effective charges of body '{}'", self.body.name))
+    }
+
+    /// The hash of everything that shapes the charges. Numbers are written so that they read back
+    /// the same.
+    pub fn key(&self) -> String {
+        let mut text = format!("{VERSION}\n{:?}\n{:?}\n", self.settings, self.dielectric);
+        for sphere in &self.spheres {
+            let [x, y, z]: [f64; 3] = sphere.centre.into();
+            let (radius, charge) = (sphere.radius_angstrom, sphere.charge_e);
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "{x:?} {y:?} {z:?} {radius:?} {charge:?}");
+        }
+        sha256_hex(text.as_bytes())
+    }
+}
