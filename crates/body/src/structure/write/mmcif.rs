@@ -338,7 +338,7 @@ mod tests {
             ("data_x", "'data_x'"),
             ("LOOP_", "'LOOP_'"),
             ("a'b\"c", "'a'b\"c'"),
-            ("it's a 5\" disc's", "\n;it's a 5\" disc's\n;"),
+            ("a' b\" c", "\n;a' b\" c\n;"),
             ("5\" disc's", "'5\" disc's'"),
         ] {
             assert_eq!(value(text), written, "{text}");
