@@ -40,6 +40,7 @@ __all__ = [
     "sweep",
     "lattice",
     "report",
+    "export",
     "train",
     "predict",
     "tune",
@@ -2593,6 +2594,71 @@ def report(
         {
             "--output": output,
             "--assembly": assembly,
+            "--threads": threads,
+            "--force": force,
+        },
+        progress,
+    )
+
+
+def export(
+    input: Path,
+    *,
+    output: Path,
+    frame: Text | None = None,
+    salt: Number | None = None,
+    replica: Integer | None = None,
+    assembly: Path | None = None,
+    values: Literal["charge", "hydropathy"] | None = None,
+    gather: bool = False,
+    script: Literal["chimerax", "pymol"] | None = None,
+    threads: Integer | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> Result:
+    """Write an assembly, or a frame of a simulation, as a PDB or mmCIF file with all atoms of the bodies, and a
+    script for a viewer. Chains get new identifiers; a table in the file says which copy and chain each was.
+
+    Parameters
+    ----------
+    input
+        Assembly file, body file, or directory of a simulation or a sweep
+    output
+        Structure file to write: .pdb or .cif
+    frame
+        Frame of a simulation, counted from 0, or last [default: last]
+    salt
+        Salt concentration of a sweep, such as 100mM
+    replica
+        Replica of a sweep, counted from 0 [default: 0]
+    assembly
+        Assembly file of a simulation, if it has moved
+    values
+        What the B factors of the residues hold; zero if omitted
+    gather
+        Shift copies by box lengths, so that a cluster across the border of a periodic box is in one piece
+    script
+        Also write a script that opens the file, shows surfaces and colours each copy
+    threads
+        Threads to use; 0 means all [default: 0]
+    force
+        Overwrite existing results
+    progress
+        Called as progress(done, total, unit) during the work.
+    """
+    return call(
+        Result,
+        ["export"],
+        [input],
+        {
+            "--output": output,
+            "--frame": frame,
+            "--salt": salt,
+            "--replica": replica,
+            "--assembly": assembly,
+            "--values": values,
+            "--gather": gather,
+            "--script": script,
             "--threads": threads,
             "--force": force,
         },

@@ -9,6 +9,7 @@
 //! | [`bodies`] | bodies from structures, custom bodies, body files |
 //! | [`assemblies`] | building and reading assemblies |
 //! | [`stability`] | simulations, sweeps over salt, comparisons, benchmarks |
+//! | [`export`] | back to atoms: structure files of assemblies, frames and poses |
 //! | [`potential`] | the electrostatic potential around a structure |
 //! | [`voxels`] | sparse voxel grids of structures, as samples for training |
 //! | [`learning`] | networks: training, search for settings, prediction |
@@ -21,6 +22,7 @@ pub mod answer;
 pub mod assemblies;
 pub mod bodies;
 pub mod cpu_time;
+pub mod export;
 pub mod frameworks;
 pub mod input;
 pub mod lattice;

@@ -7,17 +7,17 @@ use super::html::millimolar;
 use super::mesh_view::{Colouring, Scene, Shown, ShownMesh};
 use anyhow::{Context, Result, bail};
 use protomer::assemblies::assembly_file::Assembly;
+use protomer::export::{assembly_of, gather};
 use protomer::stability::run::RunSettings;
 use protomer::stability::sweep::replica_directory;
 use protomer_body::Body;
 use protomer_field::voxels::hydropathy::HydropathyMap;
-use protomer_io::gsd::{Chunk, ChunkData, GsdFile};
+use protomer_io::gsd::{Chunk, ChunkData, GsdFile, TrajectoryReader};
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::{Pose, TriangleMesh, Vec3};
 use protomer_results::Record;
 use rayon::prelude::*;
 use serde::Deserialize;
-use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
 /// A page with more vertices than this is slow to open.
@@ -55,7 +55,7 @@ pub fn collect(
     assembly: Option<&Path>,
 ) -> Result<Collected> {
     let mut collected = Collected::default();
-    match (find_assembly(directory, record, assembly), assembly) {
+    match (assembly_of(directory, record, assembly), assembly) {
         (Ok(found), _) => collected.assembly = Some(found),
         (Err(error), Some(_)) => return Err(error),
         (Err(error), None) => collected.notes.push(format!(
@@ -116,29 +116,6 @@ fn without(mut collected: Collected, note: String) -> Collected {
     collected
 }
 
-fn find_assembly(
-    directory: &Path,
-    record: Option<&Record>,
-    given: Option<&Path>,
-) -> Result<Assembly> {
-    let named = record.and_then(|record| record.details["assembly"].as_str());
-    let path = match (given, named) {
-        (Some(given), _) => given.to_owned(),
-        (None, Some(named)) => directory.join(named),
-        (None, None) => bail!("run.json names no assembly"),
-    };
-    let assembly = Assembly::read(&path)?;
-    if let Some(record) = record
-        && record.input_sha256 != assembly.sha256
-    {
-        bail!(
-            "{} or a body of it is not what these results were made from",
-            path.display()
-        );
-    }
-    Ok(assembly)
-}
-
 /// The first replica's trajectory of each salt concentration that has one.
 fn trajectories(directory: &Path, settings: &RunSettings) -> Vec<(f64, PathBuf)> {
     let mut trajectories = Vec::new();
@@ -177,27 +154,11 @@ fn states(
     }
     if let Some(lengths) = assembly.map_or(periodic_box, Assembly::box_angstrom) {
         for scene in &mut scenes {
-            gather(&mut scene.bodies, lengths);
+            let positions = scene.bodies.iter_mut().map(|(_, pose)| &mut pose.position);
+            gather(&mut positions.collect::<Vec<_>>(), lengths);
         }
     }
     (scenes, unread)
-}
-
-/// Centres bodies on their circular mean, so that a cluster across the box boundary appears in
-/// one piece.
-fn gather(bodies: &mut [(usize, Pose)], lengths: [f64; 3]) {
-    for (axis, length) in lengths.into_iter().enumerate() {
-        let (mut sine, mut cosine) = (0.0, 0.0);
-        for (_, pose) in bodies.iter() {
-            let angle = TAU * pose.position[axis] / length;
-            (sine, cosine) = (sine + angle.sin(), cosine + angle.cos());
-        }
-        let middle: f64 = sine.atan2(cosine) / TAU * length;
-        for (_, pose) in bodies.iter_mut() {
-            let offset = pose.position[axis] - middle;
-            pose.position[axis] = middle + offset - length * (offset / length).round();
-        }
-    }
 }
 
 /// Colours bodies by the potentials at the first and the last salt concentration, and by
@@ -366,60 +327,18 @@ fn texts(file: &mut GsdFile, path: &Path, name: &str) -> Result<Vec<String>> {
 
 /// Reads type and pose of each body in the last frame.
 fn last_frame(path: &Path) -> Result<Vec<(usize, Pose)>> {
-    let mut file = GsdFile::open(path)?;
-    let Some(last) = file.frames().checked_sub(1) else {
+    let mut reader = TrajectoryReader::open(path)?;
+    let Some(last) = reader.frames().checked_sub(1) else {
         bail!("{} has no frame yet", path.display())
     };
-    let mut numbers = |name: &str| match file.chunk(last, name)? {
-        Some(Chunk {
-            data: ChunkData::F32(values),
-            ..
-        }) => Ok(values.into_iter().map(f64::from).collect::<Vec<f64>>()),
-        _ => bail!("{}: frame {last} has no {name}", path.display()),
-    };
-    let (positions, orientations) = (
-        numbers("particles/position")?,
-        numbers("particles/orientation")?,
-    );
-    let Some(Chunk {
-        data: ChunkData::U32(kinds),
-        ..
-    }) = file.chunk(0, "particles/typeid")?
-    else {
-        bail!("{} does not record the kinds of the bodies", path.display())
-    };
-    let poses = positions
-        .as_chunks::<3>()
-        .0
-        .iter()
-        .zip(orientations.as_chunks::<4>().0);
-    let poses = poses.map(|(position, wxyz)| Pose::from_wxyz(Vec3::from(*position), *wxyz));
-    Ok(kinds
-        .into_iter()
-        .map(|kind| kind as usize)
-        .zip(poses)
-        .collect())
+    let frame = reader.frame(last)?;
+    let kinds = frame.type_ids.into_iter().map(|kind| kind as usize);
+    Ok(kinds.zip(frame.poses).collect())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_cluster_across_the_border_is_gathered() {
-        let at = |x: f64| {
-            (
-                0,
-                Pose::from_wxyz(Vec3::new(x, 0.0, 0.0), [1.0, 0.0, 0.0, 0.0]),
-            )
-        };
-        let mut bodies = vec![at(-48.0), at(47.0)];
-        gather(&mut bodies, [100.0; 3]);
-        assert!(
-            (bodies[0].1.position.x - bodies[1].1.position.x - 5.0).abs() < 1e-9,
-            "{bodies:?}"
-        );
-    }
 
     #[test]
     fn scales_end_at_round_numbers() {

@@ -83,7 +83,7 @@ impl ResidueClass {
     /// The class of a residue of a chain whose name is in no table. A nucleotide is recognised by
     /// its whole sugar; `C1'` alone is not enough (2-ethylpiperidine has one).
     fn by_atoms(atoms: &[&Atom]) -> Self {
-        if SUGAR.iter().all(|names| has_one_of(atoms, names)) {
+        if is_sugar(|name| has(atoms, name)) {
             ResidueClass::Nucleotide
         } else if !["N", "CA", "C"].iter().all(|name| has(atoms, name)) {
             ResidueClass::Ligand
@@ -108,8 +108,9 @@ fn has(atoms: &[&Atom], name: &str) -> bool {
     atoms.iter().any(|atom| &*atom.name == name)
 }
 
-fn has_one_of(atoms: &[&Atom], names: &[&str]) -> bool {
-    names.iter().any(|name| has(atoms, name))
+/// Whether a residue that has some names of atoms has a furanose ring.
+pub(crate) fn is_sugar(has: impl Fn(&str) -> bool) -> bool {
+    SUGAR.iter().all(|names| names.iter().any(|name| has(name)))
 }
 
 /// The amino acid with exactly these heavy atoms, with or without OXT. Glycine and alanine are

@@ -1,5 +1,5 @@
-//! Structure files: reads PDB and mmCIF text into a [`Structure`] and selects the part that becomes
-//! a body.
+//! Structure files: reads PDB and mmCIF text into a [`Structure`], selects the part that becomes
+//! a body, and writes the atoms of placed bodies.
 //!
 //! The readers are our own. pdbtbx 0.12, the natural choice in Rust, was measured on 120 PDB and
 //! mmCIF files: at its loosest level it read 90, refused 27 (free-text remarks, coordinate lines
@@ -46,6 +46,7 @@
 //! | `disulfides` | disulfide bonds, from records first and by distance second |
 //! | `assembled` | selected residues copied by an assembly's operators |
 //! | [`selection`] | the part of a structure that becomes a body |
+//! | [`write`] | placed bodies as PDB and mmCIF text |
 //! | `messages`, `names` | messages of the readers; shared strings |
 
 mod alternates;
@@ -73,6 +74,7 @@ mod residue_key;
 mod residues;
 pub mod selected;
 pub mod selection;
+pub mod write;
 
 pub use biological_assembly::{BiologicalAssembly, Operator};
 pub use classes::ResidueClass;

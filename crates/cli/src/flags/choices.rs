@@ -128,6 +128,26 @@ choices! {
 }
 
 choices! {
+    /// What the B factors of an exported structure hold.
+    ExportValues for protomer::export::ResidueValues {
+        /// The net charge of the residue, e.
+        Charge,
+        /// The Kyte-Doolittle hydropathy index; zero where it has none.
+        Hydropathy,
+    }
+}
+
+choices! {
+    /// The viewer of a script.
+    ExportViewer for protomer::export::Viewer {
+        /// UCSF ChimeraX: a .cxc file.
+        Chimerax,
+        /// PyMOL: a .pml file.
+        Pymol,
+    }
+}
+
+choices! {
     /// Symmetry required of an arrangement.
     AskedSymmetry for protomer_body::assembly::Symmetry {
         /// None: every arrangement with distinct contacts.

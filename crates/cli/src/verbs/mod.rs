@@ -2,6 +2,7 @@
 
 mod assemblies;
 mod bodies;
+mod export;
 mod frameworks;
 mod generate;
 mod lattice;
@@ -36,6 +37,7 @@ pub enum Verb {
     Sweep(stability::sweep::SweepArgs),
     Lattice(lattice::LatticeArgs),
     Report(report::ReportArgs),
+    Export(export::ExportArgs),
     Train(Box<learning::train::TrainArgs>),
     Predict(learning::predict::PredictArgs),
     Tune(Box<learning::tune::TuneArgs>),
@@ -65,6 +67,7 @@ impl Verb {
             Verb::Sweep(args) => args.run(front),
             Verb::Lattice(args) => args.run(front),
             Verb::Report(args) => args.run(front),
+            Verb::Export(args) => args.run(front),
             Verb::Train(args) => args.run(front),
             Verb::Predict(args) => args.run(front),
             Verb::Tune(args) => args.run(front),

@@ -4,14 +4,17 @@
 //! The file layer, frames of named arrays, is written from the public specification
 //! (<https://gsd.readthedocs.io/en/stable/file-layer.html>): [`GsdWriter`] appends, [`GsdFile`]
 //! reads. [`trajectory`] is the schema for rigid bodies on top of it
-//! (<https://gsd.readthedocs.io/en/stable/schema-hoomd.html>).
+//! (<https://gsd.readthedocs.io/en/stable/schema-hoomd.html>), and [`TrajectoryReader`] reads the
+//! poses back.
 
 mod format;
+mod poses;
 mod reader;
 pub mod trajectory;
 mod writer;
 
 pub use format::{Chunk, ChunkData};
+pub use poses::{PosedFrame, TrajectoryReader};
 pub use reader::GsdFile;
 pub use trajectory::{
     ParticleType, TrajectoryFrame, TrajectoryHeader, TrajectoryWriter, enclosing_box,

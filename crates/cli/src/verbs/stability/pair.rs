@@ -14,6 +14,7 @@ use protomer::stability::contacts::{ContactCore, ContactTerm};
 use protomer::stability::effective::SoluteModel;
 use protomer::stability::pair::{Energies, PairBodies, PairRunSettings, run_pair, run_pair_shard};
 use protomer_results::{End, Shard};
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 /// The thermodynamics of two bodies over a grid of salt and pH: second virial coefficient,
@@ -127,7 +128,8 @@ impl PairArgs {
                 for condition in &result.conditions {
                     warnings.extend(condition.warnings.iter().cloned());
                 }
-                warnings.dedup();
+                let mut said = HashSet::new();
+                warnings.retain(|warning| said.insert(warning.clone()));
                 let reply = Reply::of(result).with_notes(warnings);
                 match &self.output {
                     Some(output) => {

@@ -1,6 +1,7 @@
 //! One salt and pH: a run in its own directory.
 
 use super::input::Prepared;
+use super::pose_files;
 use super::result::{ConditionResult, PoseResult, mean_force_to_csv};
 use super::settings::{Energies, PairRunSettings};
 use crate::stability::effective::{self, EffectiveStore};
@@ -238,7 +239,10 @@ impl Run for Condition<'_> {
     }
 
     fn answer(&self, state: &mut State, directory: &Path) -> Result<ConditionResult> {
-        let result = self.result(state);
+        let mut result = self.result(state);
+        let bodies = self.bodies.each_ref().map(|of| &*of.body);
+        let warnings = pose_files::write(directory, bodies, &result.poses)?;
+        result.warnings.extend(warnings);
         let csv = mean_force_to_csv(&result.mean_force)?;
         write_atomically(&directory.join(MEAN_FORCE), |file| {
             file.write_all(csv.as_bytes())

@@ -1,0 +1,200 @@
+//! Reading the poses of rigid bodies from a trajectory.
+
+use super::{Chunk, ChunkData, GsdFile};
+use crate::{IoError, Result};
+use protomer_kernel::{Pose, Vec3};
+use std::path::{Path, PathBuf};
+
+/// The poses of one frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PosedFrame {
+    /// Sweeps done.
+    pub step: u64,
+    /// For each body the index of its kind.
+    pub type_ids: Vec<u32>,
+    /// For each body its pose, as exact as single precision holds it.
+    pub poses: Vec<Pose>,
+}
+
+/// Reads the poses of a trajectory, frame by frame.
+///
+/// ```
+/// use protomer_io::gsd::{ParticleType, TrajectoryFrame, TrajectoryHeader, TrajectoryReader, TrajectoryWriter};
+/// use protomer_kernel::Pose;
+/// # let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("trajectory.gsd");
+/// let types = vec![ParticleType { name: "a".into(), mesh: None }];
+/// let header = TrajectoryHeader { types, type_ids: vec![0], charges_e: vec![6.0] };
+/// let mut writer = TrajectoryWriter::create(&path, &header)?;
+/// let (box_lengths_angstrom, poses) = ([90.0; 3], [Pose::identity()]);
+/// writer.append(&TrajectoryFrame { step: 40, box_lengths_angstrom, poses: &poses, log: &[] })?;
+/// writer.sync()?;
+/// let frame = TrajectoryReader::open(&path)?.frame(0)?;
+/// assert_eq!((frame.step, frame.type_ids, frame.poses), (40, vec![0], poses.to_vec()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct TrajectoryReader {
+    path: PathBuf,
+    file: GsdFile,
+}
+
+impl TrajectoryReader {
+    /// Opens a trajectory, also one that is still being written.
+    ///
+    /// # Errors
+    /// As [`GsdFile::open`].
+    pub fn open(path: &Path) -> Result<Self> {
+        Ok(Self {
+            path: path.to_owned(),
+            file: GsdFile::open(path)?,
+        })
+    }
+
+    /// The number of frames.
+    pub fn frames(&self) -> u64 {
+        self.file.frames()
+    }
+
+    /// A frame, counted from zero.
+    ///
+    /// # Errors
+    /// [`IoError::Parse`] if there is no such frame or it is not one of rigid bodies,
+    /// [`IoError::File`] if the system call fails.
+    pub fn frame(&mut self, frame: u64) -> Result<PosedFrame> {
+        let frames = self.frames();
+        if frame >= frames {
+            let cause = match frames {
+                0 => "it has no frame yet".to_owned(),
+                _ => format!("it has no frame {frame}, only 0 to {}", frames - 1),
+            };
+            return Err(self.error(&cause, "choose another frame"));
+        }
+        let step = match self.chunk(frame, "configuration/step")? {
+            Some(ChunkData::U64(values)) => values.first().copied().unwrap_or(0),
+            _ => 0,
+        };
+        let Some(ChunkData::U32(type_ids)) = self.chunk(frame, "particles/typeid")? else {
+            return Err(self.other_content("particles/typeid"));
+        };
+        let positions = self.numbers(frame, "particles/position")?;
+        let orientations = self.numbers(frame, "particles/orientation")?;
+        let (positions, orientations) = (
+            positions.as_chunks::<3>().0,
+            orientations.as_chunks::<4>().0,
+        );
+        if [positions.len(), orientations.len()] != [type_ids.len(); 2] {
+            return Err(self.other_content("pose for each body"));
+        }
+        let poses = positions.iter().zip(orientations);
+        Ok(PosedFrame {
+            step,
+            type_ids,
+            poses: poses
+                .map(|(position, wxyz)| Pose::from_wxyz(Vec3::from(*position), *wxyz))
+                .collect(),
+        })
+    }
+
+    /// A chunk of a frame; readers take what a frame lacks from frame 0.
+    fn chunk(&mut self, frame: u64, name: &str) -> Result<Option<ChunkData>> {
+        let found = match self.file.chunk(frame, name)? {
+            Some(found) => Some(found),
+            None => self.file.chunk(0, name)?,
+        };
+        Ok(found.map(|Chunk { data, .. }| data))
+    }
+
+    fn numbers(&mut self, frame: u64, name: &str) -> Result<Vec<f64>> {
+        let Some(ChunkData::F32(values)) = self.chunk(frame, name)? else {
+            return Err(self.other_content(name));
+        };
+        if values.iter().any(|value| !value.is_finite()) {
+            return Err(self.error(
+                &format!("{name} has a value that is not a number"),
+                "write it anew",
+            ));
+        }
+        Ok(values.into_iter().map(f64::from).collect())
+    }
+
+    fn other_content(&self, what: &str) -> IoError {
+        let cause = format!("it has no {what}");
+        self.error(&cause, "give a trajectory of rigid bodies")
+    }
+
+    fn error(&self, cause: &str, remedy: &str) -> IoError {
+        IoError::parse(&self.path.display().to_string(), 0, cause, remedy)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{
+        GsdWriter, ParticleType, TrajectoryFrame, TrajectoryHeader, TrajectoryWriter,
+    };
+    use super::*;
+
+    fn write(path: &Path, frames: &[Vec<Pose>]) {
+        let types = vec![ParticleType {
+            name: "a".into(),
+            mesh: None,
+        }];
+        let header = TrajectoryHeader {
+            types,
+            type_ids: vec![0; 2],
+            charges_e: vec![0.0; 2],
+        };
+        let mut writer = TrajectoryWriter::create(path, &header).unwrap();
+        for (step, poses) in frames.iter().enumerate() {
+            let frame = TrajectoryFrame {
+                step: 10 * step as u64,
+                box_lengths_angstrom: [50.0; 3],
+                poses,
+                log: &[],
+            };
+            writer.append(&frame).unwrap();
+        }
+        writer.sync().unwrap();
+    }
+
+    #[test]
+    fn frames_are_read_as_they_were_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("two.gsd");
+        let turned = Pose::from_wxyz(Vec3::new(1.5, -2.25, 3.0), [0.5, 0.5, -0.5, 0.5]);
+        let frames = [vec![Pose::identity(); 2], vec![Pose::identity(), turned]];
+        write(&path, &frames);
+        let mut reader = TrajectoryReader::open(&path).unwrap();
+        assert_eq!(reader.frames(), 2);
+        for (index, poses) in frames.iter().enumerate() {
+            let frame = reader.frame(index as u64).unwrap();
+            assert_eq!(
+                (frame.step, frame.type_ids),
+                (10 * index as u64, vec![0, 0])
+            );
+            for (found, pose) in frame.poses.iter().zip(poses) {
+                assert!((found.position - pose.position).norm() < 1e-6);
+                assert!(found.rotation.angle_to(&pose.rotation) < 1e-6);
+            }
+        }
+        let message = reader.frame(2).unwrap_err().to_string();
+        assert!(message.contains("no frame 2, only 0 to 1"), "{message}");
+    }
+
+    #[test]
+    fn other_files_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("other.gsd");
+        let mut writer = GsdWriter::create(&path, "a test", "own", (1, 0)).unwrap();
+        let step = Chunk {
+            name: "configuration/step".into(),
+            columns: 1,
+            data: ChunkData::U64(vec![1]),
+        };
+        writer.append_frame(&[step]).unwrap();
+        writer.sync().unwrap();
+        let error = TrajectoryReader::open(&path).unwrap().frame(0).unwrap_err();
+        assert!(error.to_string().contains("rigid bodies"), "{error}");
+    }
+}

@@ -1,0 +1,141 @@
+//! The trajectory and the assembly of a run.
+
+use super::ExportSettings;
+use crate::assemblies::assembly_file::Assembly;
+use crate::stability::run::{RunSettings, salt_label};
+use crate::stability::sweep::replica_directory;
+use anyhow::{Context, Result, bail};
+use protomer_results::{Record, ResultKind, keys};
+use std::path::{Path, PathBuf};
+
+/// The trajectory of one simulation, and the assembly it was begun with.
+pub(super) struct RunFiles {
+    pub(super) trajectory: PathBuf,
+    pub(super) assembly: Assembly,
+}
+
+impl RunFiles {
+    /// Finds them in the directory of a sweep, or of one simulation of a sweep.
+    pub(super) fn find(settings: &ExportSettings) -> Result<Self> {
+        let directory = settings.input.as_path();
+        let (sweep, simulation) = match ResultKind::of(directory) {
+            Some(ResultKind::Sweep) => (directory.to_owned(), simulation_of(directory, settings)?),
+            Some(ResultKind::Simulation) => (sweep_of(directory, settings)?, directory.to_owned()),
+            Some(ResultKind::Pair | ResultKind::PairCondition) => bail!(
+                "{0} holds the results of two bodies; their bound poses are files already: look for \
+                 folders 'poses' in {0}",
+                directory.display()
+            ),
+            Some(other) => bail!(
+                "{} holds {other}, which has no bodies; name the directory of a simulation or a sweep",
+                directory.display()
+            ),
+            None => bail!(
+                "{} holds no results; name an assembly file, or the directory of a simulation or a \
+                 sweep",
+                directory.display()
+            ),
+        };
+        let trajectory = simulation.join("trajectory.gsd");
+        if !trajectory.is_file() {
+            bail!(
+                "{} holds no trajectory; a run writes one after its equilibration, unless \
+                 --trajectory-every is 0",
+                simulation.display()
+            );
+        }
+        let record = Record::read(&sweep)?;
+        let assembly = assembly_of(&sweep, record.as_ref(), settings.assembly.as_deref());
+        Ok(Self {
+            trajectory,
+            assembly: assembly.context(
+                "the assembly of this run cannot be used; name the right one with --assembly FILE",
+            )?,
+        })
+    }
+}
+
+/// The simulation of a sweep that is asked for.
+fn simulation_of(sweep: &Path, settings: &ExportSettings) -> Result<PathBuf> {
+    let run: RunSettings = keys::read_toml(&sweep.join("run.toml"))?;
+    let labels = || {
+        let salts = run.salt_molar.iter();
+        salts
+            .map(|salt| format!("{salt}M"))
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
+    let salt = match (settings.salt_molar, run.salt_molar.as_slice()) {
+        (None, [only]) => *only,
+        (None, _) => bail!(
+            "{} holds several salt concentrations ({}); choose one with --salt",
+            sweep.display(),
+            labels()
+        ),
+        (Some(asked), salts) => {
+            let is_asked = |salt: &&f64| salt_label(**salt) == salt_label(asked);
+            *salts.iter().find(is_asked).with_context(|| {
+                format!(
+                    "{} holds no salt of {asked} M, only {}; choose one of them",
+                    sweep.display(),
+                    labels()
+                )
+            })?
+        }
+    };
+    let replica = settings.replica.unwrap_or(0);
+    if replica >= run.replicas {
+        let known = match run.replicas {
+            0 | 1 => "0".to_owned(),
+            many => format!("0 to {}", many - 1),
+        };
+        bail!(
+            "{} holds no replica {replica}, only {known}; choose another --replica",
+            sweep.display()
+        );
+    }
+    Ok(replica_directory(sweep, salt, replica))
+}
+
+/// The sweep that a simulation belongs to: two folders above it.
+fn sweep_of(simulation: &Path, settings: &ExportSettings) -> Result<PathBuf> {
+    if settings.salt_molar.is_some() || settings.replica.is_some() {
+        bail!(
+            "{} holds one simulation; leave out --salt and --replica, or name the directory of the \
+             whole run",
+            simulation.display()
+        );
+    }
+    let path = simulation
+        .canonicalize()
+        .with_context(|| format!("cannot read {}", simulation.display()))?;
+    let sweep = path.ancestors().nth(2);
+    Ok(sweep.unwrap_or(simulation).to_owned())
+}
+
+/// The assembly of a run: the one that is given, or the one that its record names.
+///
+/// # Errors
+/// If there is none, it cannot be read, or it is not what the results were made from.
+pub fn assembly_of(
+    directory: &Path,
+    record: Option<&Record>,
+    given: Option<&Path>,
+) -> Result<Assembly> {
+    let named = record.and_then(|record| record.details["assembly"].as_str());
+    let path = match (given, named) {
+        (Some(given), _) => given.to_owned(),
+        (None, Some(named)) => directory.join(named),
+        (None, None) => bail!("run.json names no assembly"),
+    };
+    let assembly = Assembly::read(&path)?;
+    if let Some(record) = record
+        && record.input_sha256 != assembly.sha256
+    {
+        bail!(
+            "{} or a body of it is not what these results were made from",
+            path.display()
+        );
+    }
+    Ok(assembly)
+}

@@ -1,0 +1,183 @@
+//! Scripts that open a structure file in a viewer, show a surface of each copy, and colour it.
+
+use super::ResidueValues;
+use protomer_body::structure::write::{PlacedBodies, WrittenChain};
+use std::path::{Path, PathBuf};
+
+/// A program that shows molecules.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Viewer {
+    /// UCSF ChimeraX, which opens `.cxc` files.
+    Chimerax,
+    /// PyMOL, which runs `.pml` files.
+    Pymol,
+}
+
+/// A copy of a body in the file.
+struct Copy<'a> {
+    number: usize,
+    body: &'a str,
+    chains: Vec<&'a str>,
+    colour: [u8; 3],
+}
+
+impl Viewer {
+    /// The script's path: that of the structure file with another extension.
+    pub fn path_beside(self, structure: &Path) -> PathBuf {
+        structure.with_extension(match self {
+            Self::Chimerax => "cxc",
+            Self::Pymol => "pml",
+        })
+    }
+
+    /// The script for a structure file in the same folder. Copies have a colour each; with values,
+    /// surfaces have those of their residues, from red (negative) over white to blue.
+    pub fn script(
+        self,
+        structure: &Path,
+        placed: &PlacedBodies,
+        chains: &[WrittenChain],
+        values: Option<ResidueValues>,
+    ) -> String {
+        let file = structure.file_name().unwrap_or_default().to_string_lossy();
+        let mut copies = Vec::with_capacity(placed.copies.len());
+        for (number, copy) in placed.copies.iter().enumerate() {
+            copies.push(Copy {
+                number,
+                body: &copy.body.name,
+                chains: Vec::new(),
+                colour: colour(number),
+            });
+        }
+        for chain in chains {
+            if let Some(copy) = copies.get_mut(chain.copy) {
+                copy.chains.push(&chain.chain);
+            }
+        }
+        copies.retain(|copy| !copy.chains.is_empty());
+        match self {
+            Self::Chimerax => chimerax(&file, &copies, values),
+            Self::Pymol => pymol(&file, &copies, values),
+        }
+    }
+}
+
+fn chimerax(file: &str, copies: &[Copy], values: Option<ResidueValues>) -> String {
+    let mut lines = vec![
+        "# Open it in ChimeraX with no other model open: the structure becomes model 1.".to_owned(),
+        format!("open \"{file}\""),
+        "hide #1 atoms".into(),
+        "cartoon #1".into(),
+    ];
+    for copy in copies {
+        let chains = format!("#1/{}", copy.chains.join(","));
+        lines.push(format!("# copy {} of {}", copy.number, copy.body));
+        lines.push(format!("surface {chains} enclose {chains}"));
+        lines.push(format!("color {chains} {}", hexadecimal(copy.colour)));
+    }
+    if let Some(values) = values {
+        let limit = values.limit();
+        lines.push(format!(
+            "color byattribute bfactor #1 target s palette #c0282d:#f7f7f7:#2457b8 range -{limit},{limit}"
+        ));
+    }
+    lines.extend(["graphics silhouettes true", "lighting soft", "view"].map(str::to_owned));
+    lines.join("\n") + "\n"
+}
+
+fn pymol(file: &str, copies: &[Copy], values: Option<ResidueValues>) -> String {
+    let mut lines = vec![
+        "# Start PyMOL in the folder of this file.".to_owned(),
+        format!("load {file}, protomer_all"),
+        "hide everything".into(),
+    ];
+    for copy in copies {
+        let name = format!("copy_{}", copy.number);
+        let [red, green, blue] = copy.colour;
+        lines.extend([
+            format!("# copy {} of {}", copy.number, copy.body),
+            format!(
+                "create {name}, protomer_all and chain {}",
+                copy.chains.join("+")
+            ),
+            format!("set_color colour_{}, [{red}, {green}, {blue}]", copy.number),
+            format!("color colour_{}, {name}", copy.number),
+        ]);
+    }
+    lines.extend(["delete protomer_all", "show cartoon", "show surface"].map(str::to_owned));
+    if let Some(values) = values {
+        let limit = values.limit();
+        lines.push(format!(
+            "spectrum b, red_white_blue, minimum=-{limit}, maximum={limit}"
+        ));
+    }
+    lines.extend(["bg_color white", "orient"].map(str::to_owned));
+    lines.join("\n") + "\n"
+}
+
+fn hexadecimal([red, green, blue]: [u8; 3]) -> String {
+    format!("#{red:02x}{green:02x}{blue:02x}")
+}
+
+/// A colour for each copy: hues by the golden angle, so that neighbours in number differ and none
+/// repeats.
+fn colour(number: usize) -> [u8; 3] {
+    const GOLDEN_TURN: f64 = 0.381_966_011_250_105;
+    const SATURATION: f64 = 0.55;
+    const VALUE: f64 = 0.85;
+    let hue = 6.0 * (0.58 + GOLDEN_TURN * number as f64).fract();
+    let channel = |offset: f64| {
+        let place = (offset + hue) % 6.0;
+        let share = place.min(4.0 - place).clamp(0.0, 1.0);
+        (255.0 * VALUE * (1.0 - SATURATION * share)).round() as u8
+    };
+    [channel(5.0), channel(3.0), channel(1.0)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn colours_of_copies_differ() {
+        let colours: HashSet<[u8; 3]> = (0..200).map(colour).collect();
+        assert_eq!(colours.len(), 200);
+        for [red, green, blue] in colours {
+            let brightest = red.max(green).max(blue);
+            assert_eq!(brightest, 217);
+            assert!(brightest - red.min(green).min(blue) > 100);
+        }
+    }
+
+    #[test]
+    fn scripts_stand_beside_their_structure() {
+        let structure = Path::new("poses/ring.v2.cif");
+        assert_eq!(
+            Viewer::Pymol.path_beside(structure),
+            Path::new("poses/ring.v2.pml")
+        );
+        assert_eq!(
+            Viewer::Chimerax.path_beside(structure),
+            Path::new("poses/ring.v2.cxc")
+        );
+    }
+
+    #[test]
+    fn every_chain_of_a_copy_has_its_colour() {
+        let copies = [Copy {
+            number: 0,
+            body: "dimer",
+            chains: vec!["A", "B"],
+            colour: [255, 0, 10],
+        }];
+        let chimerax = chimerax("x.cif", &copies, None);
+        assert!(chimerax.contains("open \"x.cif\"\n"));
+        assert!(chimerax.contains("color #1/A,B #ff000a\n"));
+        assert!(!chimerax.contains("bfactor"));
+        let pymol = pymol("x.cif", &copies, Some(ResidueValues::Hydropathy));
+        assert!(pymol.contains("create copy_0, protomer_all and chain A+B\n"));
+        assert!(pymol.contains("set_color colour_0, [255, 0, 10]\n"));
+        assert!(pymol.contains("spectrum b, red_white_blue, minimum=-4.5, maximum=4.5\n"));
+    }
+}

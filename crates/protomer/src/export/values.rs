@@ -1,0 +1,31 @@
+//! A number per residue, to colour by.
+
+use protomer_body::{Body, Residue};
+
+/// A property of residues.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ResidueValues {
+    /// The net charge at the body's pH, e.
+    Charge,
+    /// The Kyte-Doolittle index; zero where the scale has no value.
+    Hydropathy,
+}
+
+impl ResidueValues {
+    /// The value of each residue of a body.
+    pub fn of(self, body: &Body) -> Vec<f64> {
+        let value = |residue: &Residue| match self {
+            Self::Charge => residue.charge_e,
+            Self::Hydropathy => residue.hydropathy.unwrap_or(0.0),
+        };
+        body.residues.iter().map(value).collect()
+    }
+
+    /// The value at the ends of a colour scale.
+    pub(super) fn limit(self) -> f64 {
+        match self {
+            Self::Charge => 1.0,
+            Self::Hydropathy => 4.5,
+        }
+    }
+}
