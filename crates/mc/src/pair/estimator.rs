@@ -13,18 +13,21 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// Energies are followed out to where they are below this, kT; beyond, they count to first order.
-const TAIL_ENERGY_KT: f64 = 1e-3;
+const TAIL_ENERGY_KT: f64 = 5e-3;
 /// The widths of the caps, from one step of the pilot to the next, rad.
-const WIDTHS: [Width; 4] = [
+const WIDTHS: [Width; 5] = [
     width(0.6, 0.9),
     width(0.35, 0.55),
     width(0.2, 0.32),
     width(0.12, 0.2),
+    width(0.07, 0.12),
 ];
 /// The share of draws in caps while the pilot adapts.
 const PILOT_SHARE: f64 = 0.7;
 /// The shares that the production may choose from, beside the uniform distribution.
 const SHARES: [f64; 2] = [0.5, 0.85];
+/// The replicas sample in this many rounds: each but the first adds what the error still lacks.
+const ROUNDS: u64 = 3;
 /// How many caps a distribution has.
 const CAPS: usize = 384;
 /// Samples kept in memory at a time.
@@ -53,6 +56,9 @@ pub struct PairSettings {
     pub hard_directions: u64,
     /// The wanted standard error of B₂, relative to the larger of |B₂| and its hard part.
     pub relative_error: f64,
+    /// The wanted standard error of B₂, Å³, in the place of the relative one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error_angstrom3: Option<f64>,
     /// Directions with energies that the replicas may take together.
     pub most_directions: u64,
 }
@@ -65,6 +71,7 @@ impl Default for PairSettings {
             pilot_directions: 1024,
             hard_directions: 512,
             relative_error: 0.004,
+            error_angstrom3: None,
             most_directions: 65_536,
         }
     }
@@ -100,6 +107,11 @@ impl PairSettings {
         if !(1e-6..=1.0).contains(&self.relative_error) {
             return bad("relative error", self.relative_error, "1e-6 to 1");
         }
+        if let Some(error) = self.error_angstrom3
+            && !(error.is_finite() && error > 0.0)
+        {
+            return bad("error of B2 in Å³", error, "positive");
+        }
         Ok(())
     }
 }
@@ -129,14 +141,19 @@ struct Explored {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Plan {
     proposal: Proposal,
-    directions: u64,
+    /// Directions of each replica in each round so far.
+    rounds: Vec<u64>,
+    /// Replicas that the last round has sampled.
+    sampled: u32,
 }
 
-/// The averages of one replica, Å³.
+/// The sums of one replica, Å³: of rays without energies, whose averages they are, and over
+/// directions with energies.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Replica {
     covered: f64,
     open: f64,
+    directions: u64,
     soft: f64,
     bound: f64,
     bound_hard: f64,
@@ -193,7 +210,7 @@ impl Estimator {
 
     /// The number of steps of a whole estimate.
     pub fn steps(settings: &PairSettings) -> u64 {
-        Self::PILOT_STEPS + u64::from(settings.replicas)
+        Self::PILOT_STEPS + ROUNDS * u64::from(settings.replicas)
     }
 
     /// Uniform, one for each width, and one that compares the choices for the production.
@@ -202,21 +219,29 @@ impl Estimator {
     /// The steps made.
     pub fn done(&self) -> u64 {
         let pilot = self.explored.last().map_or(0, |last| last.step + 1);
-        match self.plan {
-            Some(_) => Self::PILOT_STEPS + self.replicas.len() as u64,
+        match &self.plan {
+            Some(plan) => {
+                let whole_rounds = plan.rounds.len() as u64 - 1;
+                let replicas = u64::from(self.settings.replicas);
+                Self::PILOT_STEPS + whole_rounds * replicas + u64::from(plan.sampled)
+            }
             None => u64::from(pilot),
         }
     }
 
     /// Makes the next step, on all threads of the current pool.
     pub fn advance(&mut self, pair: &BodyPair) {
-        match &self.plan {
-            None => self.explore(pair),
-            Some(plan) => {
-                let plan = plan.clone();
-                self.sample(pair, &plan);
-            }
+        let Some(mut plan) = self.plan.take() else {
+            self.explore(pair);
+            return;
+        };
+        if plan.sampled == self.settings.replicas {
+            plan.rounds.push(self.further_directions(pair, &plan));
+            plan.sampled = 0;
         }
+        self.sample(pair, &plan);
+        plan.sampled += 1;
+        self.plan = Some(plan);
     }
 
     /// The lowest energies met, the lowest first.
@@ -315,7 +340,7 @@ impl Estimator {
         let variance = (moments[best] - mean * mean).max(0.0);
         let hard = self.rough_hard(pair);
         let size = hard.max((hard - 2.0 * PI * mean).abs());
-        let wanted = self.settings.relative_error * size / (2.0 * PI);
+        let wanted = self.wanted_error_angstrom3(size) / (2.0 * PI);
         // The pilot sees too little of a heavy tail rather than too much.
         const MARGIN: f64 = 1.5;
         let needed = (MARGIN * variance / (wanted * wanted)).ceil();
@@ -325,7 +350,8 @@ impl Estimator {
         let directions = (needed as u64).clamp(least, most);
         Plan {
             proposal: choices.swap_remove(best),
-            directions: directions.div_ceil(replicas),
+            rounds: vec![directions.div_ceil(replicas)],
+            sampled: 0,
         }
     }
 
@@ -342,24 +368,59 @@ impl Estimator {
         2.0 * PI * rays.iter().sum::<f64>() / DIRECTIONS as f64
     }
 
-    /// One replica.
+    /// Directions that each replica still needs, by the spread of the replicas so far. The pilot may
+    /// have missed wells that the replicas have met.
+    fn further_directions(&self, pair: &BodyPair, plan: &Plan) -> u64 {
+        let found = self.thermodynamics(pair);
+        let size = found.b2_hard_angstrom3.max(found.b2_angstrom3.abs());
+        let wanted = self.wanted_error_angstrom3(size);
+        let so_far: u64 = plan.rounds.iter().sum();
+        let ratio = found.b2_error_angstrom3 / wanted;
+        let missing = so_far as f64 * (ratio * ratio - 1.0);
+        let replicas = u64::from(self.settings.replicas);
+        let most = (self.settings.most_directions / replicas).saturating_sub(so_far);
+        // The spread of few draws may be far off.
+        const MOST_GROWTH: u64 = 6;
+        (missing.max(0.0).ceil() as u64)
+            .min(MOST_GROWTH * so_far)
+            .min(most)
+    }
+
+    fn wanted_error_angstrom3(&self, size_angstrom3: f64) -> f64 {
+        match self.settings.error_angstrom3 {
+            Some(error) => error,
+            None => self.settings.relative_error * size_angstrom3,
+        }
+    }
+
+    /// One replica in one round.
     fn sample(&mut self, pair: &BodyPair, plan: &Plan) {
-        let number = self.replicas.len() as u32;
-        let step = Self::PILOT_STEPS as u32 + number;
-        let (covered, open) = self.hard_part(pair, step);
-        let mut replica = Replica {
-            covered,
-            open,
-            soft: 0.0,
-            bound: 0.0,
-            bound_hard: 0.0,
-            bins: Bins::default(),
-        };
-        let count = plan.directions;
+        let (number, step) = (plan.sampled as usize, self.step_of(plan));
+        if self.replicas.len() == number {
+            let (covered, open) = self.hard_part(pair, step);
+            self.replicas.push(Replica {
+                covered,
+                open,
+                directions: 0,
+                soft: 0.0,
+                bound: 0.0,
+                bound_hard: 0.0,
+                bins: Bins::default(),
+            });
+        }
+        let count = plan.rounds.last().copied().unwrap_or(0);
+        let mut replica = self.replicas[number].clone();
+        replica.directions += count;
         self.draw(pair, step, &plan.proposal, count, |sample, density| {
-            replica.add(&sample, 1.0 / (density * count as f64));
+            replica.add(&sample, 1.0 / density);
         });
-        self.replicas.push(replica);
+        self.replicas[number] = replica;
+    }
+
+    /// The number of a step, for random numbers of its own.
+    fn step_of(&self, plan: &Plan) -> u32 {
+        let whole_rounds = plan.rounds.len() as u32 - 1;
+        Self::PILOT_STEPS as u32 + whole_rounds * self.settings.replicas + plan.sampled
     }
 
     /// Averages of what surfaces alone exclude, and leave open before contact, Å³.
@@ -428,12 +489,14 @@ impl Estimator {
             let values: Vec<f64> = self.replicas.iter().map(value).collect();
             mean_and_error(&values)
         };
-        let (b2, b2_error) = over(&|r| 0.5 * over_directions(r.covered - r.soft));
+        let (b2, b2_error) = over(&|r| 0.5 * over_directions(r.covered - r.mean(r.soft)));
         let (hard, hard_error) = over(&|r| 0.5 * over_directions(r.covered - r.open));
-        let (bound, bound_error) = over(&|r| over_directions(r.bound));
-        let (bound_hard, _) = over(&|r| over_directions(r.bound_hard));
-        let bins: Vec<&Bins> = self.replicas.iter().map(|r| &r.bins).collect();
-        let each = self.plan.as_ref().map_or(0, |plan| plan.directions);
+        let (bound, bound_error) = over(&|r| over_directions(r.mean(r.bound)));
+        let (bound_hard, _) = over(&|r| over_directions(r.mean(r.bound_hard)));
+        let mut bins: Vec<Bins> = Vec::with_capacity(self.replicas.len());
+        for replica in &self.replicas {
+            bins.push(replica.bins.divided_by(replica.directions as f64));
+        }
         PairThermodynamics {
             b2_angstrom3: b2 - 0.5 * tail,
             b2_error_angstrom3: b2_error,
@@ -442,13 +505,18 @@ impl Estimator {
             association_volume_angstrom3: bound,
             association_volume_error_angstrom3: bound_error,
             contact_volume_angstrom3: bound_hard,
-            directions: each * self.replicas.len() as u64,
+            directions: self.replicas.iter().map(|r| r.directions).sum(),
             mean_force: mean_force(&bins),
         }
     }
 }
 
 impl Replica {
+    /// The average over the directions with energies.
+    fn mean(&self, sum: f64) -> f64 {
+        sum / self.directions as f64
+    }
+
     fn add(&mut self, sample: &RaySample, weight: f64) {
         self.soft += weight * sample.soft_angstrom3();
         for point in sample.points() {

@@ -46,7 +46,7 @@ pub use potential::{Charged, Contacts};
 pub use wells::BoundPose;
 
 use crate::BodyType;
-use protomer_kernel::overlap::overlaps;
+use protomer_kernel::overlap::{overlaps, separation_bound};
 use protomer_kernel::pose::RelativePose;
 use std::sync::Arc;
 
@@ -85,6 +85,18 @@ impl BodyPair {
             Core::Surfaces => overlaps(&self.first.shape, &self.second.shape, second_in_first),
             Core::Energy => self.potential.energy_kt(second_in_first) > CORE_ENERGY_KT,
         }
+    }
+
+    /// Whether vertices of the two surfaces are closer than the contact gap.
+    fn is_in_contact(&self, second_in_first: &RelativePose) -> bool {
+        let (first, second) = (&self.first, &self.second);
+        let gap = self.contact_gap_angstrom;
+        // Vertices are no closer than surfaces, whose bound costs less.
+        let bound = separation_bound(&first.shape, &second.shape, second_in_first, gap);
+        bound.is_none_or(|bound| bound < gap)
+            && first
+                .surface_points
+                .comes_within(&second.surface_points, second_in_first, gap)
     }
 
     /// The distance of the origins beyond which nothing overlaps, Å.

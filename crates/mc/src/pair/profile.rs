@@ -25,6 +25,11 @@ impl Bins {
         self.0[bin] += weight * point.volume_angstrom3 * (-point.energy_kt).exp();
     }
 
+    /// The same sums over a number.
+    pub fn divided_by(&self, number: f64) -> Self {
+        Self(self.0.iter().map(|sum| sum / number).collect())
+    }
+
     /// <exp(-U)> in a bin.
     fn boltzmann(&self, bin: usize) -> f64 {
         let (near, far) = (bin as f64, (bin + 1) as f64);
@@ -45,7 +50,7 @@ pub struct MeanForceRow {
 }
 
 /// w(r) from the replicas, for distances that any of them reached.
-pub(super) fn mean_force(replicas: &[&Bins]) -> Vec<MeanForceRow> {
+pub(super) fn mean_force(replicas: &[Bins]) -> Vec<MeanForceRow> {
     let bins = replicas.iter().map(|bins| bins.0.len()).max().unwrap_or(0);
     let mut rows = Vec::new();
     // The last bin is only partly covered.

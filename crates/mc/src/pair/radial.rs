@@ -8,7 +8,7 @@ use protomer_kernel::random::CounterRng;
 
 /// The first interval beside contact, Å, and the ratio of each to the one before.
 const FIRST_INTERVAL_ANGSTROM: f64 = 0.4;
-const INTERVAL_RATIO: f64 = 1.4;
+const INTERVAL_RATIO: f64 = 1.7;
 
 /// One place on a ray: a random point of an interval, which stands for the whole interval.
 #[derive(Debug, Clone, Copy)]
@@ -49,11 +49,7 @@ impl RaySample {
                 distance_angstrom: distance,
                 volume_angstrom3: volume,
                 energy_kt: pair.potential.energy_kt(&pose),
-                in_contact: pair.first.surface_points.comes_within(
-                    &pair.second.surface_points,
-                    &pose,
-                    pair.contact_gap_angstrom,
-                ),
+                in_contact: pair.is_in_contact(&pose),
             }
         };
         let mut outside = Vec::new();

@@ -19,11 +19,11 @@ pub struct BoundPose {
 }
 
 /// Starts that are brought down to a minimum.
-const MOST_STARTS: usize = 24;
+const MOST_STARTS: usize = 16;
 /// Poses that are returned.
 const MOST_POSES: usize = 12;
 /// Trial moves of one descent.
-const TRIALS: u32 = 1500;
+const TRIALS: u32 = 1200;
 /// Temperature at the start and at the end of a descent, in units of kT.
 const TEMPERATURES: (f64, f64) = (0.5, 0.005);
 /// Poses nearer than this root mean square distance of the body's points are one, Å.

@@ -41,6 +41,9 @@ pub struct PairArgs {
     /// The wanted standard error of B2, relative to the larger of its magnitude and its hard part.
     #[arg(long, default_value_t = 0.004)]
     relative_error: f64,
+    /// The wanted standard error of B22, mol mL/g², such as 3e-5; instead of a relative one.
+    #[arg(long, conflicts_with = "relative_error", allow_negative_numbers = true)]
+    b22_error: Option<f64>,
     /// Directions with energies that may be sampled for one condition.
     #[arg(long, default_value_t = 65_536)]
     most_directions: u64,
@@ -185,6 +188,7 @@ impl PairArgs {
             desolvation: self.terms.desolvation,
             contacts: self.contact_term()?,
             contact_gap_angstrom: self.contact_gap,
+            b22_error_mol_ml_per_g2: self.b22_error,
             medium: self.medium.medium(),
             ..PairRunSettings::default()
         };

@@ -2,17 +2,17 @@
 
 use super::input::Prepared;
 use super::pose_files;
-use super::result::{ConditionResult, PoseResult, mean_force_to_csv};
+use super::result::{ConditionResult, PoseResult, b22_per_b2, mean_force_to_csv};
 use super::settings::{Energies, PairRunSettings};
 use crate::stability::effective::{self, EffectiveStore};
 use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::salt_label;
-use anyhow::{Error, Result};
+use anyhow::{Error, Result, bail};
 use protomer_field::effective_charges::EffectiveCharges;
 use protomer_io::atomic::write_atomically;
 use protomer_mc::charges::ChargeCloud;
 use protomer_mc::pair::wells::bound_poses;
-use protomer_mc::pair::{BodyPair, BoundPose, Charged, Estimator, Terms};
+use protomer_mc::pair::{BodyPair, BoundPose, Charged, Estimator, PairSettings, Terms};
 use protomer_results::{ResultKind, Run, Turn, Work};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -83,6 +83,22 @@ impl<'a> Condition<'a> {
     fn are_equal(&self) -> bool {
         let [first, second] = self.bodies;
         Arc::ptr_eq(&first.kind, &second.kind)
+    }
+
+    /// How much is sampled here: an error of B₂₂ becomes one of B₂.
+    fn sampling(&self) -> Result<PairSettings> {
+        let mut sampling = self.settings.sampling;
+        if let Some(error) = self.settings.b22_error_mol_ml_per_g2 {
+            let bodies = self.bodies.each_ref().map(|of| of.body.as_ref());
+            let Some(per_b2) = b22_per_b2(bodies) else {
+                bail!(
+                    "the molar mass of a body is not known, so its B22 has no error to reach; give \
+                     --relative-error instead of --b22-error"
+                );
+            };
+            sampling.error_angstrom3 = Some(error / per_b2);
+        }
+        Ok(sampling)
     }
 
     /// The effective charges of both bodies, if they are asked for.
@@ -212,7 +228,7 @@ impl Run for Condition<'_> {
     fn open(&self, _: &Path, saved: Option<Saved>) -> Result<State> {
         let estimator = match saved {
             Some(saved) => saved.estimator,
-            None => Estimator::new(self.settings.sampling)?,
+            None => Estimator::new(self.sampling()?)?,
         };
         let effective = self.effective_charges()?;
         let pair = self.pair(effective.as_ref())?;

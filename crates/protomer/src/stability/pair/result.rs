@@ -194,7 +194,7 @@ impl PoseResult {
 }
 
 /// From Å³ per pair to mol mL/g².
-fn b22_per_b2([first, second]: [&Body; 2]) -> Option<f64> {
+pub(super) fn b22_per_b2([first, second]: [&Body; 2]) -> Option<f64> {
     let masses = first.molar_mass_g_per_mol()? * second.molar_mass_g_per_mol()?;
     Some(AVOGADRO_PER_MOL / ANGSTROM3_PER_MILLILITRE / masses)
 }

@@ -48,6 +48,9 @@ pub struct PairRunSettings {
     pub contact_gap_angstrom: f64,
     /// How much is sampled.
     pub sampling: PairSettings,
+    /// The wanted standard error of B₂₂, mol mL/g², in the place of a relative one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub b22_error_mol_ml_per_g2: Option<f64>,
     /// The inside of the bodies, for effective charges only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub solute: Option<SoluteModel>,
@@ -69,6 +72,7 @@ impl Default for PairRunSettings {
             energies: Energies::Bare,
             contact_gap_angstrom: 5.0,
             sampling: PairSettings::default(),
+            b22_error_mol_ml_per_g2: None,
             solute: None,
             desolvation: false,
             contacts: None,
@@ -102,6 +106,13 @@ impl PairRunSettings {
             if !(0.0..=14.0).contains(ph) {
                 bail!("the pH is {ph}; give one from 0 to 14");
             }
+        }
+        if let Some(error) = self.b22_error_mol_ml_per_g2
+            && !(error.is_finite() && error > 0.0)
+        {
+            bail!(
+                "the wanted error of B22 is {error} mol mL/g²; give a positive one, such as 3e-5"
+            );
         }
         let gap = self.contact_gap_angstrom;
         if !(0.0..=1000.0).contains(&gap) {
