@@ -1520,6 +1520,9 @@ def inspect(
     energy: Literal["direct", "calibrated", "approximate", "none"] | None = None,
     tolerance: Number | None = None,
     contact_gap: Number | None = None,
+    contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
+    contact_strength: Number | None = None,
+    desolvation: bool = False,
     salt: Number | None = None,
     temperature: Number | None = None,
     permittivity: Number | None = None,
@@ -1547,6 +1550,12 @@ def inspect(
         Largest likely error of the energy of two bodies, kT, with --energy approximate [default: 0.001]
     contact_gap
         Surfaces closer than this are in contact, Å [default: 5]
+    contacts
+        Attraction between residues, by a published scale [default: none]
+    contact_strength
+        What multiplies the attraction of the scale [default: 1]
+    desolvation
+        Count what charges lose where other bodies displace solvent; with effective charges
     salt
         Concentration of a 1:1 salt, such as 100mM or 0.1M
     temperature
@@ -1588,6 +1597,9 @@ def inspect(
             "--energy": energy,
             "--tolerance": tolerance,
             "--contact-gap": contact_gap,
+            "--contacts": contacts,
+            "--contact-strength": contact_strength,
+            "--desolvation": desolvation,
             "--salt": salt,
             "--temperature": temperature,
             "--permittivity": permittivity,
@@ -1615,10 +1627,15 @@ def pair(
     ph: Numbers | None = None,
     interaction: Literal["hard", "bare", "effective"] | None = None,
     relative_error: Number | None = None,
+    b22_error: Number | None = None,
     most_directions: Integer | None = None,
     seed: Integer | None = None,
     contact_gap: Number | None = None,
     shard: Text | None = None,
+    core: Literal["surface", "beads"] | None = None,
+    contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
+    contact_strength: Number | None = None,
+    desolvation: bool = False,
     inner_permittivity: Number | None = None,
     ion_radius: Number | None = None,
     temperature: Number | None = None,
@@ -1655,6 +1672,8 @@ def pair(
     relative_error
         The wanted standard error of B2, relative to the larger of its magnitude and its hard part [default:
         0.004]
+    b22_error
+        The wanted standard error of B22, mol mL/g², such as 3e-5; instead of a relative one
     most_directions
         Directions with energies that may be sampled for one condition [default: 65536]
     seed
@@ -1664,6 +1683,15 @@ def pair(
     shard
         Compute only a part of the conditions, such as 2/8, alongside other processes in the same directory;
         the command without this flag collects the parts [default: 1/1]
+    core
+        What keeps the bodies apart: their surfaces, or the cores of the beads of the contact term [default:
+        surface]
+    contacts
+        Attraction between residues, by a published scale [default: none]
+    contact_strength
+        What multiplies the attraction of the scale [default: 1]
+    desolvation
+        Count what charges lose where other bodies displace solvent; with effective charges
     inner_permittivity
         Relative permittivity inside the bodies [default: 4]
     ion_radius
@@ -1709,10 +1737,15 @@ def pair(
             "--ph": ph,
             "--interaction": interaction,
             "--relative-error": relative_error,
+            "--b22-error": b22_error,
             "--most-directions": most_directions,
             "--seed": seed,
             "--contact-gap": contact_gap,
             "--shard": shard,
+            "--core": core,
+            "--contacts": contacts,
+            "--contact-strength": contact_strength,
+            "--desolvation": desolvation,
             "--inner-permittivity": inner_permittivity,
             "--ion-radius": ion_radius,
             "--temperature": temperature,
@@ -1755,6 +1788,9 @@ def simulate(
     interaction: Literal["bare", "effective"] | None = None,
     inner_permittivity: Number | None = None,
     ion_radius: Number | None = None,
+    contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
+    contact_strength: Number | None = None,
+    desolvation: bool = False,
     time_limit: Number | None = None,
     checkpoint_every: Number | None = None,
     memory_limit: Integer | None = None,
@@ -1812,6 +1848,12 @@ def simulate(
         Relative permittivity inside the bodies [default: 4]
     ion_radius
         Minimum distance of ion centres from the atoms, Å; 0 lets ions reach the surface [default: 2]
+    contacts
+        Attraction between residues, by a published scale [default: none]
+    contact_strength
+        What multiplies the attraction of the scale [default: 1]
+    desolvation
+        Count what charges lose where other bodies displace solvent; with effective charges
     time_limit
         Stop (resumably, exit code 3) after this many minutes
     checkpoint_every
@@ -1854,6 +1896,9 @@ def simulate(
             "--interaction": interaction,
             "--inner-permittivity": inner_permittivity,
             "--ion-radius": ion_radius,
+            "--contacts": contacts,
+            "--contact-strength": contact_strength,
+            "--desolvation": desolvation,
             "--time-limit": time_limit,
             "--checkpoint-every": checkpoint_every,
             "--memory-limit": memory_limit,
@@ -1885,6 +1930,9 @@ def sweep(
     interaction: Literal["bare", "effective"] | None = None,
     inner_permittivity: Number | None = None,
     ion_radius: Number | None = None,
+    contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
+    contact_strength: Number | None = None,
+    desolvation: bool = False,
     time_limit: Number | None = None,
     checkpoint_every: Number | None = None,
     memory_limit: Integer | None = None,
@@ -1944,6 +1992,12 @@ def sweep(
         Relative permittivity inside the bodies [default: 4]
     ion_radius
         Minimum distance of ion centres from the atoms, Å; 0 lets ions reach the surface [default: 2]
+    contacts
+        Attraction between residues, by a published scale [default: none]
+    contact_strength
+        What multiplies the attraction of the scale [default: 1]
+    desolvation
+        Count what charges lose where other bodies displace solvent; with effective charges
     time_limit
         Stop (resumably, exit code 3) after this many minutes
     checkpoint_every
@@ -1999,6 +2053,9 @@ def sweep(
             "--interaction": interaction,
             "--inner-permittivity": inner_permittivity,
             "--ion-radius": ion_radius,
+            "--contacts": contacts,
+            "--contact-strength": contact_strength,
+            "--desolvation": desolvation,
             "--time-limit": time_limit,
             "--checkpoint-every": checkpoint_every,
             "--memory-limit": memory_limit,
@@ -3135,6 +3192,9 @@ def bench(
     interaction: Literal["bare", "effective"] | None = None,
     inner_permittivity: Number | None = None,
     ion_radius: Number | None = None,
+    contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
+    contact_strength: Number | None = None,
+    desolvation: bool = False,
     memory_limit: Integer | None = None,
     no_cache: bool = False,
     threads: Integer | None = None,
@@ -3183,6 +3243,12 @@ def bench(
         Relative permittivity inside the bodies [default: 4]
     ion_radius
         Minimum distance of ion centres from the atoms, Å; 0 lets ions reach the surface [default: 2]
+    contacts
+        Attraction between residues, by a published scale [default: none]
+    contact_strength
+        What multiplies the attraction of the scale [default: 1]
+    desolvation
+        Count what charges lose where other bodies displace solvent; with effective charges
     memory_limit
         Memory limit for all tables of energies by levels, such as 500MB [default: 4GB]
     no_cache
@@ -3216,6 +3282,9 @@ def bench(
             "--interaction": interaction,
             "--inner-permittivity": inner_permittivity,
             "--ion-radius": ion_radius,
+            "--contacts": contacts,
+            "--contact-strength": contact_strength,
+            "--desolvation": desolvation,
             "--memory-limit": memory_limit,
             "--no-cache": no_cache,
             "--threads": threads,

@@ -97,6 +97,7 @@ mod tests {
     use super::*;
     use protomer_body::structure::Structure;
     use protomer_body::{BodySettings, Source, build_body};
+    use protomer_mc::pair::EnergyParts;
 
     const LYSINE: &str = "\
 ATOM      1  N   LYS X   1      11.104   6.134  -6.504  1.00 10.00           N
@@ -119,6 +120,7 @@ ATOM      2  CA  LYS X   1      11.639   6.071  -5.147  1.00 10.00           C";
     fn poses(number: usize) -> Vec<PoseResult> {
         let pose = |index: usize| PoseResult {
             energy_kt: -3.0 + index as f64,
+            parts: EnergyParts::default(),
             position_angstrom: [8.0 + index as f64, 0.0, 0.0],
             orientation_wxyz: [0.5, 0.5, -0.5, 0.5],
         };
