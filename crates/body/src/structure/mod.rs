@@ -46,7 +46,7 @@
 //! | `disulfides` | disulfide bonds, from records first and by distance second |
 //! | `assembled` | selected residues copied by an assembly's operators |
 //! | [`selection`] | the part of a structure that becomes a body |
-//! | [`write`] | placed bodies as PDB and mmCIF text |
+//! | [`mod@write`] | placed bodies as PDB and mmCIF text |
 //! | `messages`, `names` | messages of the readers; shared strings |
 
 mod alternates;
