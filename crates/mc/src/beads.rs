@@ -27,8 +27,6 @@ pub struct BeadGroup {
     pub z: [f64; LANES],
     /// The amino acids, as numbers; [`EMPTY_LANE`] from the first lane that is empty.
     pub kind: [u8; LANES],
-    /// The residues, as indices into those of the body.
-    pub residue: [u32; LANES],
     /// Centre of the bounding sphere, Å.
     pub centre: Vec3,
     /// Radius of the bounding sphere, Å.
@@ -83,11 +81,9 @@ impl BeadGroup {
                 .map_or(beads[0].0, |(position, _)| *position)
         };
         let mut kind = [EMPTY_LANE; LANES];
-        let mut residue = [u32::MAX; LANES];
         let mut centre = Vec3::zeros();
         for (lane, (position, bead)) in beads.iter().enumerate() {
             kind[lane] = number(bead.amino_acid);
-            residue[lane] = bead.residue as u32;
             centre += position / beads.len() as f64;
         }
         let mut radius_angstrom: f64 = 0.0;
@@ -99,10 +95,14 @@ impl BeadGroup {
             y: std::array::from_fn(|lane| at(lane).y),
             z: std::array::from_fn(|lane| at(lane).z),
             kind,
-            residue,
             centre,
             radius_angstrom,
         }
+    }
+
+    /// Where the bead of a lane is, Å.
+    pub fn place(&self, lane: usize) -> Vec3 {
+        Vec3::new(self.x[lane], self.y[lane], self.z[lane])
     }
 }
 

@@ -16,9 +16,10 @@ use protomer_body::residue_contacts::{Bead, ContactScale};
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::{Boundary, Pose, Rotation, Vec3};
 use protomer_mc::beads::BeadCloud;
+use protomer_mc::desolvation::{Desolvation, DesolvationBody, Solute};
 use protomer_mc::energy::{ContactPotential, DirectSum, EnergyModel, TermsByType, WithTerms};
 use protomer_mc::pair::{
-    BodyPair, Charged, Contacts, Core, Estimator, PairSettings, PairThermodynamics, Terms,
+    BodyPair, Charged, Contacts, Core, Estimator, PairSettings, PairThermodynamics, Term, Terms,
 };
 use protomer_mc::{BodyType, Interaction, Settings, Simulation, System};
 use std::ops::ControlFlow;
@@ -213,4 +214,50 @@ fn two_bodies_in_a_box_are_in_contact_as_the_association_constant_says() {
         (mean - expected).abs() < allowed,
         "{mean} ± {error} but {expected}"
     );
+}
+
+/// Each body's places hold the energy of the pose; displaced solvent is divided between the bodies.
+#[test]
+fn shares_of_places_add_up_to_the_energy() {
+    let kinds = kinds();
+    let (first, second) = (&kinds[0], &kinds[1]);
+    let charged = Charged::new(yukawa(), &first.charges, &second.charges).unwrap();
+    let solute = Solute {
+        permittivity_ratio: 0.05,
+        ion_radius_angstrom: 2.0,
+    };
+    let solvated = |kind: &BodyType| {
+        let body = DesolvationBody::new(kind, &kind.charges, &yukawa(), &solute).unwrap();
+        Arc::new(body)
+    };
+    let terms = Terms(vec![
+        Arc::new(charged),
+        Arc::new(Contacts::new(contacts(), &first.beads, &second.beads)),
+        Arc::new(Desolvation::new(solvated(first), solvated(second))),
+    ]);
+    let pose = Pose {
+        position: Vec3::new(9.0, -7.0, 6.0),
+        rotation: Rotation::from_euler_angles(0.3, 1.1, -2.0),
+    };
+    let relative = protomer_kernel::RelativePose::new(&Pose::identity(), &pose, &pose.position);
+    for term in &terms.0 {
+        let mut sums = [0.0; 2];
+        term.shares(&relative, &mut |body, place, energy_kt| {
+            assert!(place.norm() < 14.0, "{place}");
+            sums[body] += energy_kt;
+        });
+        let energy = term.energy_kt(&relative);
+        assert!(energy.abs() > 1e-3, "{energy}");
+        let allowed = 1e-9 * energy.abs();
+        match term.term() {
+            Term::Desolvation => assert!((sums[0] + sums[1] - energy).abs() < allowed),
+            Term::Charges | Term::Contacts => {
+                assert!((sums[0] - energy).abs() < allowed, "{sums:?} {energy}");
+                assert!((sums[1] - energy).abs() < allowed, "{sums:?} {energy}");
+            }
+        }
+    }
+    let parts = terms.parts_kt(&relative);
+    assert!((parts.total_kt() - terms.energy_kt(&relative)).abs() < 1e-12);
+    assert!(parts.desolvation_kt > 0.0);
 }

@@ -29,6 +29,7 @@ mod volume;
 use crate::charges::ChargeCloud;
 use crate::energy::terms::{PairPotential, Term};
 use crate::{BodyType, McError, Result};
+use protomer_kernel::Vec3;
 use protomer_kernel::pose::RelativePose;
 use protomer_kernel::potential::Yukawa;
 use std::f64::consts::PI;
@@ -104,13 +105,16 @@ impl DesolvationBody {
     fn lost_to(&self, other: &Self, pose: &RelativePose) -> f64 {
         let mut sum = 0.0;
         for element in &other.elements {
-            let place = pose.transform_point(&element.place);
-            if let Some(field) = self.field.at(&place) {
-                sum += element.dielectric * field.square_of_gradient
-                    + element.ionic * field.square_of_potential;
-            }
+            sum += self.lost_to_element(element, pose).unwrap_or(0.0);
         }
         sum
+    }
+
+    /// The same to one element; `None` beyond the table.
+    fn lost_to_element(&self, element: &VolumeElement, pose: &RelativePose) -> Option<f64> {
+        let field = self.field.at(&pose.transform_point(&element.place))?;
+        let dielectric = element.dielectric * field.square_of_gradient;
+        Some(dielectric + element.ionic * field.square_of_potential)
     }
 }
 
@@ -137,6 +141,21 @@ impl PairPotential for Desolvation {
         let inverse = second_in_first.inverse();
         self.first.lost_to(&self.second, second_in_first)
             + self.second.lost_to(&self.first, &inverse)
+    }
+
+    fn shares(&self, second_in_first: &RelativePose, take: &mut dyn FnMut(usize, &Vec3, f64)) {
+        let inverse = second_in_first.inverse();
+        let displaced = [
+            (0, &self.second, &self.first, &inverse),
+            (1, &self.first, &self.second, second_in_first),
+        ];
+        for (displacing, charged, other, pose) in displaced {
+            for element in &other.elements {
+                if let Some(energy_kt) = charged.lost_to_element(element, pose) {
+                    take(displacing, &element.place, energy_kt);
+                }
+            }
+        }
     }
 
     fn reach_angstrom(&self, _: f64) -> f64 {

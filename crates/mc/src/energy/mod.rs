@@ -19,7 +19,7 @@ pub use direct::DirectSum;
 pub use none::NoCharges;
 pub use pair_sum::pair_energy_kt;
 pub use potential::SitePotential;
-pub use residue_contacts::ContactPotential;
+pub use residue_contacts::{BeadPair, ContactPotential};
 pub use with_terms::{TermsByType, WithTerms};
 
 use crate::sparse_rows::PairTable;

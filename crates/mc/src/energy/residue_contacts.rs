@@ -5,6 +5,7 @@ use crate::charges::LANES;
 use crate::{McError, Result};
 use protomer_body::chemistry::AminoAcid;
 use protomer_body::residue_contacts::{CONTACT_CUTOFF_ANGSTROM, ContactScale};
+use protomer_kernel::Vec3;
 use protomer_kernel::pose::RelativePose;
 use protomer_kernel::units::kilojoule_per_mol_per_kt;
 
@@ -26,6 +27,17 @@ const SQUARE_OF_MINIMUM: f64 = 1.259_921_049_894_873_2;
 pub struct ContactPotential {
     rows: Vec<[PairOfKinds; KINDS]>,
     square_cutoff: f64,
+}
+
+/// Two beads, both in the frame of the first body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BeadPair {
+    /// The bead of the first body, Å.
+    pub first: Vec3,
+    /// The bead of the second body, Å.
+    pub second: Vec3,
+    /// Their energy, kT.
+    pub energy_kt: f64,
 }
 
 /// The parameters of two kinds of beads.
@@ -112,22 +124,24 @@ impl ContactPotential {
         total.iter().sum()
     }
 
-    /// Hands every pair of residues with its energy (kT) to `take`: residue of the first body,
-    /// residue of the second, energy. Pairs beyond the cut-off are left out.
+    /// Hands every pair of beads with its energy to `take`; pairs beyond the cut-off are left out.
     pub fn for_each_pair(
         &self,
         first: &BeadCloud,
         second: &BeadCloud,
         relative: &RelativePose,
-        mut take: impl FnMut(usize, usize, f64),
+        mut take: impl FnMut(&BeadPair),
     ) {
         self.near_groups(first, second, relative, |one, other| {
             for lane in 0..LANES {
                 let energies = self.lane_energies(one, lane, other);
                 for (of_other, energy) in energies.into_iter().enumerate() {
                     if energy != 0.0 {
-                        let residues = (one.residue[lane], other.residue[of_other]);
-                        take(residues.0 as usize, residues.1 as usize, energy);
+                        take(&BeadPair {
+                            first: one.place(lane),
+                            second: other.place(of_other),
+                            energy_kt: energy,
+                        });
                     }
                 }
             }
@@ -204,11 +218,7 @@ fn lennard_jones(inverse_square: f64) -> f64 {
     4.0 * inverse_sixth * (inverse_sixth - 1.0)
 }
 
-fn transform(
-    group: &BeadGroup,
-    centre: protomer_kernel::Vec3,
-    relative: &RelativePose,
-) -> BeadGroup {
+fn transform(group: &BeadGroup, centre: Vec3, relative: &RelativePose) -> BeadGroup {
     let (r, t) = (&relative.rotation, &relative.translation);
     let mut moved = BeadGroup { centre, ..*group };
     for lane in 0..LANES {
@@ -225,8 +235,8 @@ fn transform(
 mod tests {
     use super::*;
     use protomer_body::residue_contacts::Bead;
+    use protomer_kernel::Pose;
     use protomer_kernel::random::CounterRng;
-    use protomer_kernel::{Pose, Vec3};
 
     fn beads(rng: &mut CounterRng, count: usize) -> Vec<Bead> {
         let kinds: Vec<AminoAcid> = AminoAcid::all().collect();
@@ -301,8 +311,8 @@ mod tests {
                         "case {case} {scale:?} {cores}: {sum} {expected}"
                     );
                     let mut parts = 0.0;
-                    potential.for_each_pair(&clouds.0, &clouds.1, &relative, |_, _, energy| {
-                        parts += energy;
+                    potential.for_each_pair(&clouds.0, &clouds.1, &relative, |pair| {
+                        parts += pair.energy_kt;
                     });
                     assert!((parts - expected).abs() < 1e-12 * scale_of_sum);
                 }

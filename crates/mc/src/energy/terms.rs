@@ -1,6 +1,7 @@
 //! The seam between the terms of an energy and their users: each term is a function of the relative
 //! pose of two bodies that do not overlap.
 
+use protomer_kernel::Vec3;
 use protomer_kernel::pose::RelativePose;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -12,6 +13,11 @@ pub trait PairPotential: Send + Sync {
 
     /// The energy at a pose of the second body in the frame of the first, kT.
     fn energy_kt(&self, second_in_first: &RelativePose) -> f64;
+
+    /// Hands out which places of which body hold how much of the energy: body (0 or 1), place in the
+    /// frame of that body (Å), energy (kT). A pair of places counts in full with both bodies;
+    /// displaced solvent counts with the body that displaces it.
+    fn shares(&self, second_in_first: &RelativePose, take: &mut dyn FnMut(usize, &Vec3, f64));
 
     /// The distance of the origins beyond which no energy is larger than `energy_kt`, Å.
     fn reach_angstrom(&self, energy_kt: f64) -> f64;
@@ -42,6 +48,13 @@ pub struct EnergyParts {
     /// What charges lose where the other body displaces solvent, kT.
     #[serde(default)]
     pub desolvation_kt: f64,
+}
+
+impl EnergyParts {
+    /// The sum of the terms, kT.
+    pub fn total_kt(&self) -> f64 {
+        self.charges_kt + self.contacts_kt + self.desolvation_kt
+    }
 }
 
 /// All terms of an energy; none for hard bodies.

@@ -6,6 +6,7 @@ use crate::energy::levels::Table;
 use crate::energy::terms::{PairPotential, Term};
 use crate::energy::{ContactPotential, SitePotential, pair_energy_kt};
 use crate::{McError, Result};
+use protomer_kernel::Vec3;
 use protomer_kernel::pose::RelativePose;
 use protomer_kernel::potential::Yukawa;
 use std::f64::consts::PI;
@@ -41,6 +42,15 @@ impl PairPotential for Contacts {
     fn energy_kt(&self, second_in_first: &RelativePose) -> f64 {
         self.potential
             .energy_kt(&self.first, &self.second, second_in_first)
+    }
+
+    fn shares(&self, second_in_first: &RelativePose, take: &mut dyn FnMut(usize, &Vec3, f64)) {
+        let inverse = second_in_first.inverse();
+        self.potential
+            .for_each_pair(&self.first, &self.second, second_in_first, |pair| {
+                take(0, &pair.first, pair.energy_kt);
+                take(1, &inverse.transform_point(&pair.second), pair.energy_kt);
+            });
     }
 
     fn reach_angstrom(&self, _: f64) -> f64 {
@@ -145,6 +155,25 @@ impl PairPotential for Charged {
             }
         }
         pair_energy_kt(&self.yukawa, &self.first, &self.second, second_in_first)
+    }
+
+    fn shares(&self, second_in_first: &RelativePose, take: &mut dyn FnMut(usize, &Vec3, f64)) {
+        for (at, charge) in self.first.iter() {
+            let mut energy_kt = 0.0;
+            for (place, other) in self.second.iter() {
+                let apart = (second_in_first.transform_point(&place) - at).norm();
+                energy_kt += charge * other * self.yukawa.energy_kt(apart);
+            }
+            take(0, &at, energy_kt);
+        }
+        for (place, charge) in self.second.iter() {
+            let at = second_in_first.transform_point(&place);
+            let mut energy_kt = 0.0;
+            for (other_at, other) in self.first.iter() {
+                energy_kt += charge * other * self.yukawa.energy_kt((at - other_at).norm());
+            }
+            take(1, &place, energy_kt);
+        }
     }
 
     fn reach_angstrom(&self, energy_kt: f64) -> f64 {

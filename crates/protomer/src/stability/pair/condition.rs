@@ -2,6 +2,7 @@
 
 use super::input::Prepared;
 use super::pose_files;
+use super::residues::{self, residue_energies};
 use super::result::{ConditionResult, PoseResult, b22_per_b2, mean_force_to_csv};
 use super::settings::{Energies, PairRunSettings};
 use crate::stability::effective::{self, EffectiveStore};
@@ -21,6 +22,8 @@ use std::sync::Arc;
 
 /// The potential of mean force of one condition.
 const MEAN_FORCE: &str = "mean_force.csv";
+/// The energies of residues at the bound poses of one condition.
+const RESIDUES: &str = "residues.csv";
 const RESULT: &str = "condition.json";
 
 /// Two bodies in one medium.
@@ -257,7 +260,14 @@ impl Run for Condition<'_> {
     fn answer(&self, state: &mut State, directory: &Path) -> Result<ConditionResult> {
         let mut result = self.result(state);
         let bodies = self.bodies.each_ref().map(|of| &*of.body);
-        let warnings = pose_files::write(directory, bodies, &result.poses)?;
+        let of_pose = |pose: &PoseResult| residue_energies(bodies, &state.pair, pose);
+        let residues: Option<Vec<_>> = result.poses.iter().map(of_pose).collect();
+        let residues = residues.unwrap_or_default();
+        let csv = residues::to_csv(bodies, &residues)?;
+        write_atomically(&directory.join(RESIDUES), |file| {
+            file.write_all(csv.as_bytes())
+        })?;
+        let warnings = pose_files::write(directory, bodies, &result.poses, &residues)?;
         result.warnings.extend(warnings);
         let csv = mean_force_to_csv(&result.mean_force)?;
         write_atomically(&directory.join(MEAN_FORCE), |file| {

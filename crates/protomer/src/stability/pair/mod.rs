@@ -4,6 +4,7 @@
 //! ```text
 //! DIR/run.toml  run.json  pair.csv  pair.json  pair.svg  pair.png
 //! DIR/salt_0.100000M/        run.json  checkpoint.bin  mean_force.csv   one condition each
+//! DIR/salt_0.100000M/        residues.csv                           energies of residues at its poses
 //! DIR/salt_0.100000M/poses/  pose_01.pdb  pose_01.cif ...               its bound poses
 //! DIR/ph_4.50_salt_0.100000M/                                           where a pH is stated
 //! ```
@@ -13,6 +14,7 @@
 //! | `settings` | what is asked for, as stored in `run.toml` |
 //! | `input` | body files, or structure files made into bodies at each pH |
 //! | `condition` | one salt and pH: a run in its own directory |
+//! | `residues` | which residues hold a pose together |
 //! | `pose_files` | bound poses with all atoms |
 //! | `result` | what is found, and its table |
 //! | `figure` | B₂ against salt, and w(r) |
@@ -21,6 +23,7 @@ mod condition;
 pub mod figure;
 mod input;
 mod pose_files;
+mod residues;
 mod result;
 mod settings;
 

@@ -2,6 +2,7 @@
 //!
 //! The first body is in its own frame, as in the JSON, so that a pose there and its file agree.
 
+use super::residues::ResidueEnergies;
 use super::result::PoseResult;
 use crate::export::{StructureFormat, write_structure};
 use anyhow::{Context, Result};
@@ -9,16 +10,19 @@ use protomer_body::Body;
 use protomer_body::structure::write::{PlacedBodies, PlacedBody, has_atoms};
 use protomer_io::atomic::write_atomically;
 use protomer_kernel::{Pose, Vec3};
+use protomer_mc::energy::terms::EnergyParts;
 use std::path::Path;
 
 /// The folder of the files.
 const FOLDER: &str = "poses";
 
-/// Writes the poses of the second body in the frame of the first; returns warnings.
+/// Writes the poses of the second body in the frame of the first, with the energies of residues (kT)
+/// as B factors where they are known; returns warnings.
 pub(super) fn write(
     directory: &Path,
     bodies: [&Body; 2],
     poses: &[PoseResult],
+    residues: &[ResidueEnergies],
 ) -> Result<Vec<String>> {
     let folder = directory.join(FOLDER);
     remove_earlier(&folder)?;
@@ -40,7 +44,12 @@ pub(super) fn write(
     let mut refused = None;
     for (number, pose) in poses.iter().enumerate() {
         let number = number + 1;
-        let placed = placed(bodies, number, pose);
+        let mut placed = placed(bodies, number, pose);
+        if let Some(energies) = residues.get(number - 1) {
+            for (copy, parts) in placed.copies.iter_mut().zip(energies) {
+                copy.residue_values = parts.iter().map(EnergyParts::total_kt).collect();
+            }
+        }
         let path = folder.join(format!("pose_{number:0digits$}"));
         write_structure(&path.with_extension("cif"), StructureFormat::Mmcif, &placed)?;
         // What does not fit the columns of PDB is in the other file.
@@ -97,7 +106,6 @@ mod tests {
     use super::*;
     use protomer_body::structure::Structure;
     use protomer_body::{BodySettings, Source, build_body};
-    use protomer_mc::pair::EnergyParts;
 
     const LYSINE: &str = "\
 ATOM      1  N   LYS X   1      11.104   6.134  -6.504  1.00 10.00           N
@@ -140,18 +148,22 @@ ATOM      2  CA  LYS X   1      11.639   6.071  -5.147  1.00 10.00           C";
         let directory = tempfile::tempdir().unwrap();
         let body = lysine();
         let folder = directory.path().join(FOLDER);
-        assert!(write(directory.path(), [&body; 2], &[]).unwrap().is_empty());
+        assert!(
+            write(directory.path(), [&body; 2], &[], &[])
+                .unwrap()
+                .is_empty()
+        );
         assert!(!folder.exists());
         for number in [3, 1] {
             assert!(
-                write(directory.path(), [&body; 2], &poses(number))
+                write(directory.path(), [&body; 2], &poses(number), &[])
                     .unwrap()
                     .is_empty()
             );
             assert_eq!(names(&folder).len(), 2 * number);
         }
         std::fs::write(folder.join("notes.txt"), "mine").unwrap();
-        write(directory.path(), [&body; 2], &poses(1)).unwrap();
+        write(directory.path(), [&body; 2], &poses(1), &[]).unwrap();
         assert_eq!(names(&folder), ["notes.txt", "pose_01.cif", "pose_01.pdb"]);
         let pose = Pose::from_wxyz(Vec3::new(8.0, 0.0, 0.0), [0.5, 0.5, -0.5, 0.5]);
         for name in ["pose_01.cif", "pose_01.pdb"] {
@@ -173,12 +185,12 @@ ATOM      2  CA  LYS X   1      11.639   6.071  -5.147  1.00 10.00           C";
         for site in &mut points.sites {
             site.residue = None;
         }
-        let warnings = write(directory.path(), [&body, &points], &poses(2)).unwrap();
+        let warnings = write(directory.path(), [&body, &points], &poses(2), &[]).unwrap();
         assert!(warnings.len() == 1 && warnings[0].contains("'lysine' has no atoms"));
         assert!(!directory.path().join(FOLDER).exists());
         let mut far = poses(2);
         far[1].position_angstrom[0] = 20_000.0;
-        let warnings = write(directory.path(), [&body; 2], &far).unwrap();
+        let warnings = write(directory.path(), [&body; 2], &far, &[]).unwrap();
         assert!(
             warnings.len() == 1 && warnings[0].contains("mmCIF only"),
             "{warnings:?}"
