@@ -29,6 +29,7 @@ __all__ = [
     "fetch",
     "surface",
     "potential",
+    "shape",
     "body",
     "assemble",
     "candidates",
@@ -343,6 +344,51 @@ def potential(
             "--probe": probe,
             "--points": points,
             "--no-error-estimate": no_error_estimate,
+            "--output": output,
+            "--threads": threads,
+            "--force": force,
+        },
+        progress,
+    )
+
+
+def shape(
+    shape: Text,
+    *,
+    rounding: Number | None = None,
+    output: Path | None = None,
+    threads: Integer | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> Result:
+    """Measure a convex shape, rounded or not: volume, surface, integrated mean curvature and second virial
+    coefficient, exactly. The shape is the convex hull of the points of a file: text with two columns (a
+    polygon) or three (a polyhedron), or an .off, .obj, .ply or .stl mesh. One point with a rounding is a disk
+    or a ball. Or it has a name: tetrahedron, cube, octahedron, dodecahedron, icosahedron (edges of length 1),
+    truncated-tetrahedron:T (T from 0, the tetrahedron with edges of length 1, to 1, the octahedron; 2/3 is
+    Archimedean), cuboid:A,B,C, prism:N,HEIGHT (edges of length 1), polygon:N (area 1).
+
+    Parameters
+    ----------
+    shape
+        File with points, or the name of a shape
+    rounding
+        Radius of the ball, or disk, that rounds it (Minkowski sum) [default: 0]
+    output
+        Mesh file to write, without the rounding: .ply, .obj, .off or .stl
+    threads
+        Threads to use; 0 means all [default: 0]
+    force
+        Overwrite existing results
+    progress
+        Called as progress(done, total, unit) during the work.
+    """
+    return call(
+        Result,
+        ["shape"],
+        [shape],
+        {
+            "--rounding": rounding,
             "--output": output,
             "--threads": threads,
             "--force": force,
@@ -1916,6 +1962,8 @@ def sweep(
     output: Path,
     salt: Text | None = None,
     replicas: Integer | None = None,
+    exchange_every: Integer | None = None,
+    starts: Literal["assembly", "fluid", "both"] | None = None,
     shard: Text | None = None,
     config: Path | None = None,
     sweeps: Integer | None = None,
@@ -1961,6 +2009,11 @@ def sweep(
         Salt concentrations: a list such as 10mM,50mM,100mM or a range such as 10mM..300mM/8
     replicas
         Independent replicas per salt concentration
+    exchange_every
+        Sweeps between two exchanges of states between neighbouring salt concentrations; 0 for none [default:
+        0]
+    starts
+        Where the replicas start [default: assembly]
     shard
         Run only a part of the simulations, such as 2/8, alongside other processes in the same directory; the
         command without this flag collects the parts [default: 1/1]
@@ -2039,6 +2092,8 @@ def sweep(
             "--output": output,
             "--salt": salt,
             "--replicas": replicas,
+            "--exchange-every": exchange_every,
+            "--starts": starts,
             "--shard": shard,
             "--config": config,
             "--sweeps": sweeps,

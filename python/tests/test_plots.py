@@ -76,7 +76,16 @@ def test_a_comparison_draws_a_line_for_each_sweep():
 def test_a_simulation_and_its_log(ring, tmp_path):
     run = pm.simulate(ring, salt="100mM", sweeps=6, equilibration=2, log_every=2, output=tmp_path / "run")
     log = pm.read_log(tmp_path / "run")
-    assert list(log) == ["sweep", "r_g_angstrom", "native_contacts", "largest_cluster", "energy_kT", "cluster_moved"]
+    assert list(log) == [
+        "sweep",
+        "r_g_angstrom",
+        "native_contacts",
+        "largest_cluster",
+        "energy_kT",
+        "cluster_moved",
+        "contacts",
+        "bound_fraction",
+    ]
     assert log["sweep"].tolist() == [2, 4, 6] and log["sweep"].dtype == np.int64
     assert log["r_g_angstrom"].dtype == np.float64
     assert log["r_g_angstrom"].mean() == pytest.approx(run["r_g_angstrom"]["mean"])

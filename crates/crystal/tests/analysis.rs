@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::two_squares;
+use common::{drawn_start, lattice, two_squares};
 use protomer_crystal::Result;
 use protomer_crystal::analysis::lyapunov::{LyapunovSettings, SteppedFlow, maximal_exponent};
 use protomer_crystal::analysis::modes::{ModeEnergies, Modes, OutOf, orientational_spread};
@@ -14,25 +14,11 @@ use protomer_crystal::analysis::strain::{
 };
 use protomer_crystal::analysis::synchronisation::{Synchronisation, angles, staggered};
 use protomer_crystal::lattice::{
-    Coherence, CollisionSettings, Dynamics, Edges, Engine, Force, Network, Square, Start,
-    StartVelocities, State,
+    Coherence, CollisionSettings, Dynamics, Engine, Force, Network, Square, Start, StartVelocities,
+    State,
 };
 use std::f64::consts::{FRAC_PI_4, PI};
 use std::sync::Arc;
-
-fn lattice(size: usize, rod_length: f64) -> Arc<Network> {
-    Arc::new(
-        Network::lattice(
-            size,
-            size,
-            rod_length,
-            Square::default(),
-            Edges::Open,
-            FRAC_PI_4,
-        )
-        .unwrap(),
-    )
-}
 
 fn one_square() -> Network {
     Network {
@@ -177,18 +163,7 @@ fn lattice_exponent(
     step: f64,
 ) -> (f64, f64) {
     let network = lattice(2, rod_length);
-    let velocities = StartVelocities::Uniform {
-        largest: 1.0,
-        sum_of_squares: Some(4.0),
-    };
-    let mut state = Start {
-        velocities,
-        seed: 4,
-        ..Start::default()
-    }
-    .build(&network, 0)
-    .unwrap()
-    .state;
+    let mut state = drawn_start(&network, 4, Some(4.0));
     let flow = |state: &State| {
         let forces: Vec<Box<dyn Force>> = vec![Box::new(Coherence { kappa })];
         SteppedFlow::new(Dynamics::new(network.clone(), forces, state).unwrap(), step)
@@ -243,18 +218,7 @@ fn four_squares_on_rods_are_chaotic_however_it_is_measured() {
 #[test]
 fn colliding_squares_are_chaotic() {
     let network = lattice(2, 0.5);
-    let velocities = StartVelocities::Uniform {
-        largest: 1.0,
-        sum_of_squares: Some(4.0),
-    };
-    let mut state = Start {
-        velocities,
-        seed: 4,
-        ..Start::default()
-    }
-    .build(&network, 0)
-    .unwrap()
-    .state;
+    let mut state = drawn_start(&network, 4, Some(4.0));
     let flow = |state: &State| {
         SteppedFlow::new(
             Engine::new(

@@ -7,36 +7,17 @@
     clippy::print_stderr
 )]
 
+mod common;
+
+use common::{drawn_start, lattice};
 use protomer_crystal::analysis::grima::{CoherentOrbit, smallest_angle};
 use protomer_crystal::analysis::modes::Modes;
 use protomer_crystal::lattice::collision::replay::first_contact;
 use protomer_crystal::lattice::paper::{PaperEngine, PaperSettings};
 use protomer_crystal::lattice::{
-    CollisionSettings, Corner, Dynamics, Edges, Engine, Network, Square, Start, StartVelocities,
-    State,
+    CollisionSettings, Corner, Dynamics, Engine, Network, Square, Start, StartVelocities,
 };
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_4};
-use std::sync::Arc;
-
-fn lattice(size: usize, r0: f64) -> Arc<Network> {
-    Arc::new(Network::lattice(size, size, r0, Square::default(), Edges::Open, FRAC_PI_4).unwrap())
-}
-
-/// The open lattice with angular velocities U(-1, 1) brought onto the rods.
-fn random_start(network: &Network, seed: u64) -> State {
-    let velocities = StartVelocities::Uniform {
-        largest: 1.0,
-        sum_of_squares: None,
-    };
-    Start {
-        velocities,
-        seed,
-        ..Start::default()
-    }
-    .build(network, 0)
-    .unwrap()
-    .state
-}
 
 /// Processor time of this thread in seconds, where the system tells.
 fn thread_seconds() -> f64 {
@@ -124,7 +105,7 @@ const STEP: f64 = 0.0025;
 #[ignore = "10^5 steps"]
 fn a_hundred_thousand_steps_without_collisions() {
     let network = lattice(10, 3.0 / 22.0);
-    let mut state = random_start(&network, 1);
+    let mut state = drawn_start(&network, 1, None);
     let mut dynamics = Dynamics::new(network.clone(), Vec::new(), &state).unwrap();
     let (energy, spin) = (
         state.kinetic_energy(&network),
@@ -172,7 +153,7 @@ fn a_hundred_thousand_steps_without_collisions() {
 #[ignore = "10^5 steps"]
 fn a_hundred_thousand_steps_with_collisions() {
     let network = lattice(10, 3.0 / 22.0);
-    let mut state = random_start(&network, 1);
+    let mut state = drawn_start(&network, 1, None);
     let settings = CollisionSettings::default();
     let mut engine = Engine::new(network.clone(), Vec::new(), &state, settings).unwrap();
     let (energy, spin) = (
@@ -217,7 +198,7 @@ fn a_hundred_thousand_steps_with_collisions() {
 fn ten_times_longer_than_the_papers_no_rod_runs_through_a_square() {
     for r0 in [1.0, 2.0] {
         let network = lattice(10, r0);
-        let mut state = random_start(&network, 1);
+        let mut state = drawn_start(&network, 1, None);
         let settings = CollisionSettings {
             rods_block: Some(true),
             ..CollisionSettings::default()
@@ -248,7 +229,7 @@ fn ten_times_longer_than_the_papers_no_rod_runs_through_a_square() {
 fn without_rods_as_obstacles_they_run_through_squares() {
     for r0 in [1.0, 2.0] {
         let network = lattice(10, r0);
-        let mut state = random_start(&network, 1);
+        let mut state = drawn_start(&network, 1, None);
         let settings = CollisionSettings {
             rods_block: Some(false),
             ..CollisionSettings::default()
@@ -333,7 +314,7 @@ fn the_papers_protocol_leaves_overlaps_and_events_do_not() {
     ] {
         let network = lattice(10, r0);
         let steps = (10.0_f64 / step).round() as usize;
-        let start = random_start(&network, 1);
+        let start = drawn_start(&network, 1, None);
         let energy = start.kinetic_energy(&network);
         let mut state = start.clone();
         let mut paper = PaperEngine::new(

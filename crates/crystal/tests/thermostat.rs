@@ -2,18 +2,18 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stderr)]
 
-use nalgebra::{DMatrix, DVector};
 mod common;
 
-use common::two_squares;
+use common::{drawn_start, lattice, two_squares};
+use nalgebra::{DMatrix, DVector};
 use protomer_crystal::lattice::pair::{ScreenedCharges, SquareCharge, neighbours};
 use protomer_crystal::lattice::{
     CollisionSettings, Corner, Drag, Dynamics, Edges, Engine, Force, Langevin, Network, Rod,
-    Square, Start, StartVelocities, State,
+    Square, Start, State,
 };
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::statistics::summarize;
-use std::f64::consts::{FRAC_PI_4, TAU};
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// -k s on every coordinate of the first square.
@@ -63,35 +63,6 @@ fn one_square() -> (Arc<Network>, State) {
     )
 }
 
-fn lattice(size: usize, rod_length: f64) -> Arc<Network> {
-    Arc::new(
-        Network::lattice(
-            size,
-            size,
-            rod_length,
-            Square::default(),
-            Edges::Open,
-            FRAC_PI_4,
-        )
-        .unwrap(),
-    )
-}
-
-fn random_start(network: &Network, seed: u64) -> State {
-    let velocities = StartVelocities::Uniform {
-        largest: 1.0,
-        sum_of_squares: None,
-    };
-    Start {
-        velocities,
-        seed,
-        ..Start::default()
-    }
-    .build(network, 0)
-    .unwrap()
-    .state
-}
-
 #[test]
 fn drag_without_forces_is_exact_and_takes_momentum_evenly() {
     let (network, mut state) = one_square();
@@ -107,7 +78,7 @@ fn drag_without_forces_is_exact_and_takes_momentum_evenly() {
     }
     // On rods: momentum and angular momentum decay as exp(-γ t), whatever the rods do.
     let network = lattice(3, 0.6);
-    let mut state = random_start(&network, 1);
+    let mut state = drawn_start(&network, 1, None);
     state
         .velocities
         .chunks_exact_mut(3)
@@ -129,7 +100,7 @@ fn drag_is_of_second_order() {
     let network = lattice(3, 0.6);
     for drag in [Drag::uniform(0.8).unwrap(), Drag::new(0.3, 1.5).unwrap()] {
         let run = |step: f64| {
-            let mut state = random_start(&network, 2);
+            let mut state = drawn_start(&network, 2, None);
             let mut dynamics = Dynamics::new(network.clone(), Vec::new(), &state).unwrap();
             for _ in 0..(1.0 / step).round() as u64 {
                 drag.step(&mut dynamics, &mut state, step).unwrap();
@@ -537,7 +508,7 @@ fn charges_keep_energy_and_momentum() {
     let network = lattice(3, 0.5);
     let yukawa = Yukawa::new(7.0, 0.1, 45.0).unwrap();
     let drift = |step: f64| {
-        let mut state = random_start(&network, 3);
+        let mut state = drawn_start(&network, 3, None);
         let force =
             ScreenedCharges::on_every_square(&network, yukawa, 22.0, 0.5, &charges()).unwrap();
         let mut dynamics = Dynamics::new(network.clone(), vec![Box::new(force)], &state).unwrap();

@@ -1,10 +1,10 @@
 //! Small tables as comma-separated values (RFC 4180), numbers printed so that they read back
 //! exactly.
 //!
-//! Writing is a loop over cells that cannot fail. Reading is for files written by hand: blanks
-//! around a quoted cell are allowed, and an unclosed quote is an error with its line. The crate
-//! `csv` splits a cell at its commas if a blank precedes its quote, and reads to the end of the
-//! file after an open quote, so it serves as a reference in the tests but not as the reader.
+//! The crate `csv` writes. Reading is for files written by hand: blanks around a quoted cell are
+//! allowed, and an unclosed quote is an error with its line. The crate `csv` splits a cell at its
+//! commas if a blank precedes its quote, and reads to the end of the file after an open quote, so it
+//! is a reference in the tests but not the reader.
 
 use crate::{IoError, Result};
 
@@ -25,6 +25,17 @@ pub enum Cell {
     Number(f64),
     /// Text; quoted if it has to be.
     Text(String),
+}
+
+impl Cell {
+    fn text(&self) -> String {
+        match self {
+            Cell::Empty => String::new(),
+            Cell::Integer(value) => value.to_string(),
+            Cell::Number(value) => number(*value),
+            Cell::Text(text) => text.clone(),
+        }
+    }
 }
 
 impl From<f64> for Cell {
@@ -66,7 +77,7 @@ impl<T: Into<Cell>> From<Option<T>> for Cell {
 /// use protomer_io::csv::Table;
 /// let mut table = Table::new(["salt_M", "r_g_mean_angstrom"]);
 /// table.push([0.1.into(), 53.25.into()])?;
-/// assert_eq!(table.to_csv(), "salt_M,r_g_mean_angstrom\n0.1,53.25\n");
+/// assert_eq!(table.to_csv()?, "salt_M,r_g_mean_angstrom\n0.1,53.25\n");
 /// # Ok::<(), protomer_io::IoError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -113,37 +124,35 @@ impl Table {
     }
 
     /// The header line and a line per row.
-    pub fn to_csv(&self) -> String {
-        let heading: Vec<String> = self.columns.iter().map(|column| quote(column)).collect();
-        let mut text = heading.join(",") + "\n";
+    ///
+    /// # Errors
+    /// Never for text in memory.
+    pub fn to_csv(&self) -> Result<String> {
+        let mut text = line(&self.columns)?;
         for row in &self.rows {
-            text.push_str(&row_to_csv(row));
+            text += &line(row.iter().map(Cell::text))?;
         }
-        text
+        Ok(text)
     }
 }
 
-/// One row as a line with its end, for logs that grow.
+/// Cells as a line with its end, for logs that grow.
 ///
 /// ```
-/// use protomer_io::csv::{Cell, row_to_csv};
-/// assert_eq!(row_to_csv(&["P 1, P 2".into(), Cell::Empty, 0.5.into()]), "\"P 1, P 2\",,0.5\n");
+/// assert_eq!(protomer_io::csv::line(["P 1, P 2", "", "0.5"])?, "\"P 1, P 2\",,0.5\n");
+/// # Ok::<(), protomer_io::IoError>(())
 /// ```
-pub fn row_to_csv(row: &[Cell]) -> String {
-    let mut line = String::new();
-    for (place, cell) in row.iter().enumerate() {
-        if place > 0 {
-            line.push(',');
-        }
-        match cell {
-            Cell::Empty => {}
-            Cell::Integer(value) => line.push_str(&value.to_string()),
-            Cell::Number(value) => line.push_str(&number(*value)),
-            Cell::Text(text) => line.push_str(&quote(text)),
-        }
-    }
-    line.push('\n');
-    line
+///
+/// # Errors
+/// Never for text in memory.
+pub fn line(cells: impl IntoIterator<Item = impl AsRef<[u8]>>) -> Result<String> {
+    let refused = |cause: String| IoError::unwritable(cause, "report it");
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let written = writer.write_record(cells);
+    written.map_err(|error| refused(error.to_string()))?;
+    let bytes = writer.into_inner();
+    let bytes = bytes.map_err(|error| refused(error.to_string()))?;
+    String::from_utf8(bytes).map_err(|error| refused(error.to_string()))
 }
 
 /// The fewest digits that read back exactly, in exponent notation if that is much shorter.
@@ -153,14 +162,6 @@ fn number(value: f64) -> String {
         value.to_string()
     } else {
         format!("{value:e}")
-    }
-}
-
-fn quote(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) {
-        format!("\"{}\"", text.replace('"', "\"\""))
-    } else {
-        text.to_owned()
     }
 }
 
@@ -250,12 +251,12 @@ mod tests {
             for [first, second] in &rows {
                 table.push([first.as_str().into(), second.as_str().into()]).unwrap();
             }
-            let text = table.to_csv();
+            let text = table.to_csv().unwrap();
             let mut witness = csv::Reader::from_reader(text.as_bytes());
             let read: Vec<[String; 2]> = witness.deserialize().map(|row| row.unwrap()).collect();
             prop_assert_eq!(&read, &rows);
             for [first, _] in &rows {
-                let line = row_to_csv(&[first.as_str().into(), Cell::Empty]);
+                let line = line([first.as_str(), ""]).unwrap();
                 let read = cells("x.csv", 1, line.trim_end_matches('\n')).unwrap();
                 prop_assert_eq!(read, [first.trim(), ""]);
             }
@@ -277,7 +278,7 @@ mod tests {
             .push([Cell::from(None::<f64>), (-2i64).into(), 1e-300.into()])
             .unwrap();
         assert_eq!(
-            table.to_csv(),
+            table.to_csv().unwrap(),
             "name,n,\"x, y\"\n\"say \"\"hi\"\"\",3,\n,-2,1e-300\n"
         );
         assert!(table.push([Cell::Empty]).is_err());

@@ -17,6 +17,9 @@ pub enum KernelError {
     /// A mesh that does not bound a solid.
     #[error("the mesh is not a closed, outward-oriented surface: {0}")]
     BadMesh(String),
+    /// Points or a name that make no shape.
+    #[error("this is not a shape: {0}")]
+    BadShape(String),
     /// A periodic box in which a body would meet two images of another.
     #[error(
         "interactions reach {range_angstrom:.2} Å, so every box length must be at least {:.2} Å; \

@@ -12,6 +12,7 @@
 //! | [`potential`] | radial pair potentials |
 //! | [`cells`] | which bodies are near a point |
 //! | [`overlap`] | whether two rigid bodies overlap, and how far apart they are if not |
+//! | [`shape`] | convex shapes, and what is known of them exactly |
 //! | [`sparse`] | symmetric sparse systems of a fixed pattern |
 //! | [`statistics`] | averages of correlated series and their errors |
 //!
@@ -27,6 +28,7 @@ pub mod point_record;
 pub mod pose;
 pub mod potential;
 pub mod random;
+pub mod shape;
 pub mod sparse;
 pub mod statistics;
 pub mod units;

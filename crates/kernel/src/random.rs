@@ -71,6 +71,10 @@ pub enum Purpose {
     TuningTrial = 0x5b,
     /// The first deviation that a Lyapunov exponent follows.
     LyapunovDirection = 0x60,
+    /// Exchanges between the rungs of a ladder.
+    Exchange = 0x61,
+    /// Bodies scattered at random.
+    Scatter = 0x62,
     /// New velocities for frames of a finished run.
     ReseededVelocities = 0xf1,
 }

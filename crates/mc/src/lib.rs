@@ -21,6 +21,8 @@
 //! | [`pair`] | two bodies: virial coefficient, mean force, association, bound poses |
 //! | [`settings`] | the settings of a simulation |
 //! | [`simulation`] | the loop |
+//! | [`exchange`] | a ladder of simulations that swap their states |
+//! | [`scatter`] | bodies at random places |
 //! | [`checkpoint`] | the state from which a run continues bit for bit |
 //! | [`statistics`] | counters of the moves |
 //!
@@ -57,10 +59,12 @@ pub mod contact;
 pub mod desolvation;
 pub mod energy;
 mod error;
+pub mod exchange;
 pub mod hard;
 pub mod moves;
 pub mod observables;
 pub mod pair;
+pub mod scatter;
 pub mod settings;
 pub mod simulation;
 mod sparse_rows;
@@ -70,6 +74,7 @@ pub mod system;
 pub use body_type::BodyType;
 pub use checkpoint::Checkpoint;
 pub use error::{McError, Result};
+pub use exchange::Ladder;
 pub use observables::Observables;
 pub use settings::{Interaction, Settings};
 pub use simulation::{Outcome, Simulation};

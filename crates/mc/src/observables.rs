@@ -22,6 +22,8 @@ pub struct Observables {
     pub largest_cluster: usize,
     /// Number of clusters, single bodies included.
     pub clusters: usize,
+    /// Fraction of the bodies that touch another.
+    pub bound_fraction: f64,
 }
 
 /// Radius of gyration of the bodies' origins, Å, from all pairs of bodies:

@@ -2,7 +2,7 @@
 
 use crate::checkpoint::{Checkpoint, type_names};
 use crate::energy::levels::LevelReport;
-use crate::energy::{EnergyModel, PairEnergy};
+use crate::energy::{Effort, EnergyModel, PairEnergy};
 use crate::hard::{HardBodies, overlapping_pairs};
 use crate::moves::step_sizes::Tuner;
 use crate::moves::{HalfTurn, Kind, StepSizes, cluster, single};
@@ -159,6 +159,34 @@ impl Simulation {
             system,
             energy,
         })
+    }
+
+    /// The same simulation, before its first move, that counts these native contacts (ascending)
+    /// instead of those of its own start.
+    pub fn with_native_contacts(mut self, contacts: Vec<(usize, usize)>) -> Self {
+        self.native_contacts = contacts;
+        self
+    }
+
+    /// The energy of its bodies at the poses of another simulation of the same bodies, kT: the
+    /// present state is not touched.
+    ///
+    /// # Errors
+    /// [`McError::NonFiniteEnergy`] names the pair.
+    pub fn energy_at_kt(&self, poses: &[Pose], effort: Effort) -> Result<f64> {
+        self.energy
+            .energy_elsewhere_kt(&self.system.with_poses(poses), effort)
+    }
+
+    /// Puts all bodies at other poses, which must be free of overlaps.
+    ///
+    /// # Errors
+    /// As [`Simulation::energy_at_kt`].
+    pub(crate) fn take_poses(&mut self, poses: &[Pose]) -> Result<()> {
+        self.system = self.system.with_poses(poses);
+        self.cells = neighbour_cells(&self.system, self.energy.as_ref())?;
+        self.hard = HardBodies::new(self.system.len());
+        self.energy.reset(&self.system)
     }
 
     /// The state between two sweeps, from which a run continues bit for bit.
@@ -325,6 +353,7 @@ impl Simulation {
     pub fn observables(&self) -> Observables {
         let present = contacts(&self.system, self.settings.contact_gap_angstrom);
         let clusters = cluster_sizes(self.system.len(), &present);
+        let alone = clusters.iter().filter(|size| **size == 1).count();
         Observables {
             sweep: self.sweep,
             energy_kt: self.energy.total_kt(),
@@ -336,6 +365,7 @@ impl Simulation {
             contacts: present.len(),
             largest_cluster: clusters.first().copied().unwrap_or(0),
             clusters: clusters.len(),
+            bound_fraction: 1.0 - alone as f64 / self.system.len().max(1) as f64,
         }
     }
 

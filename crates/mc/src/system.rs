@@ -122,6 +122,14 @@ impl System {
         self.poses[body] = pose;
     }
 
+    /// The same bodies at other poses.
+    pub(crate) fn with_poses(&self, poses: &[Pose]) -> Self {
+        Self {
+            poses: poses.to_vec(),
+            ..self.clone()
+        }
+    }
+
     /// The space.
     pub fn boundary(&self) -> &Boundary {
         &self.boundary

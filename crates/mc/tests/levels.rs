@@ -9,7 +9,8 @@ use protomer_kernel::potential::Yukawa;
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Boundary, Pose, Vec3};
 use protomer_mc::energy::levels::{Levels, Table};
-use protomer_mc::energy::{DirectSum, EnergyModel};
+use protomer_mc::energy::{DirectSum, Effort, EnergyModel};
+use protomer_mc::scatter::scattered;
 use protomer_mc::{BodyType, Interaction, McError, Settings, Simulation, System};
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -153,6 +154,26 @@ fn energies_are_the_sums_within_their_bounds() {
             );
         }
     }
+}
+
+#[test]
+fn energies_elsewhere_are_those_of_the_direct_sum() {
+    let mut rng = CounterRng::new(36, 0, 0);
+    let system = eight_bodies(60, 0.3, cube(120.0), &mut rng);
+    let other = scattered(&system, 5, 0).unwrap();
+    let yukawa = Yukawa::uncut(7.0, 1.0 / 9.6).unwrap();
+    let mut levels = Levels::for_system(yukawa, &system);
+    levels.reset(&system).unwrap();
+    let mut direct = DirectSum::new(yukawa);
+    direct.reset(&other).unwrap();
+    let expected_kt = direct.total_kt();
+    let found_kt = |effort| levels.energy_elsewhere_kt(&other, effort).unwrap();
+    assert!((found_kt(Effort::Quick) - expected_kt).abs() < 1e-3);
+    assert!((found_kt(Effort::Full) - expected_kt).abs() < 1e-9);
+    direct.reset(&system).unwrap();
+    let kept = levels.total_kt();
+    assert!((kept - direct.total_kt()).abs() < 1e-3, "the state is kept");
+    assert!((kept - expected_kt).abs() > 0.1);
 }
 
 #[test]

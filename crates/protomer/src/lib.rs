@@ -11,6 +11,7 @@
 //! | [`stability`] | simulations, sweeps over salt, comparisons, benchmarks |
 //! | [`export`] | back to atoms: structure files of assemblies, frames and poses |
 //! | [`potential`] | the electrostatic potential around a structure |
+//! | [`shapes`] | convex shapes from files and names |
 //! | [`voxels`] | sparse voxel grids of structures, as samples for training |
 //! | [`learning`] | networks: training, search for settings, prediction |
 //! | [`lattice`] | lattices of rigid squares: runs, sweeps, pictures |
@@ -30,5 +31,6 @@ pub mod learning;
 pub mod output_file;
 pub mod potential;
 pub mod quantity;
+pub mod shapes;
 pub mod stability;
 pub mod voxels;

@@ -30,7 +30,7 @@ pub fn page(directory: &Path) -> Result<Page> {
             table(&head, &lines)
         );
     }
-    results += &data::data("tables.csv", &long(&rows)?.to_csv())?;
+    results += &data::data("tables.csv", &long(&rows)?.to_csv()?)?;
     let reading: String = legend(&rows).lines().map(paragraph).collect();
     Ok(Page {
         title: format!("Tables of networks: {}", provenance::name(directory)),

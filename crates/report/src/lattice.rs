@@ -9,6 +9,7 @@ use protomer::lattice::log::LogRow;
 use protomer::lattice::run::LatticeResult;
 use protomer::lattice::settings::LatticeSettings;
 use protomer::lattice::sweep::{axes, tasks};
+use protomer_io::csv::{Cell, Table};
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
 use protomer_results::{Record, Row, log};
 use std::path::Path;
@@ -191,13 +192,16 @@ fn history(directory: &Path, record: Option<&Record>) -> Result<Section> {
     }
     let every = rows.len().div_ceil(MOST_ROWS).max(1);
     let thinned: Vec<&LogRow> = rows.iter().step_by(every).collect();
-    let lines: String = thinned.iter().map(|row| row.to_line() + "\n").collect();
+    let mut csv = Table::new(LogRow::columns());
+    for row in &thinned {
+        csv.push(row.to_cells().into_iter().map(Cell::Text))?;
+    }
     let name = if every > 1 {
         format!("log.csv, every {every} rows")
     } else {
         "log.csv".into()
     };
-    let table = data::data(&name, &format!("{}\n{lines}", LogRow::columns().join(",")))?;
+    let table = data::data(&name, &csv.to_csv()?)?;
     html += &figures::drawn(&figure(&thinned), &table)?;
     Ok(Section::new("History", html))
 }

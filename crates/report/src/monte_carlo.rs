@@ -93,7 +93,7 @@ fn results(directory: &Path, settings: &RunSettings, result: Option<&Value>) -> 
         Some(_) => figures::of_file(directory, "sweep.svg", "Stability against salt", &table)?,
     };
     if let Some((figure, rows)) = traces::traces(directory, settings)? {
-        html += &figures::drawn(&figure, &data::data("traces.csv", &rows.to_csv())?)?;
+        html += &figures::drawn(&figure, &data::data("traces.csv", &rows.to_csv()?)?)?;
     }
     Ok(Section::new("Results", html))
 }

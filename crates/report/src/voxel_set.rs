@@ -6,11 +6,12 @@ use super::{data, figures, provenance, voxel_channels};
 use anyhow::{Context, Result};
 use protomer::voxels::origin::{Missing, origins};
 use protomer::voxels::records::{Exclusion, SampleRecord};
+use protomer::voxels::row::Row;
 use protomer::voxels::samples::VoxelSet;
 use protomer::voxels::set;
 use protomer::voxels::structure::Reason;
 use protomer::voxels::{Fit, Spacing, VoxelizeSettings};
-use protomer_io::csv::Table;
+use protomer_io::csv::{Cell, Table};
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -131,8 +132,8 @@ fn overview(directory: &Path, samples: &[SampleRecord], excluded: &[Exclusion]) 
     let (mut labels, mut clusters) = (BTreeSet::new(), BTreeSet::new());
     let mut voxels = 0;
     for sample in samples {
-        labels.insert(&sample.label);
-        clusters.insert(&sample.cluster);
+        labels.insert(&sample.row.label);
+        clusters.insert(&sample.row.cluster);
         voxels += sample.voxels;
     }
     let mut html = definitions(&[
@@ -152,7 +153,7 @@ fn overview(directory: &Path, samples: &[SampleRecord], excluded: &[Exclusion]) 
             ),
         ),
     ]);
-    let csv = data::data("samples.csv", &samples_table(samples)?.to_csv())?;
+    let csv = data::data("samples.csv", &samples_table(samples)?.to_csv()?)?;
     html += &if samples.is_empty() {
         csv
     } else {
@@ -162,7 +163,6 @@ fn overview(directory: &Path, samples: &[SampleRecord], excluded: &[Exclusion]) 
 }
 
 fn samples_table(samples: &[SampleRecord]) -> Result<Table> {
-    let words = ["name", "label", "cluster", "family", "file", "sha256"];
     let numbers = [
         "voxels",
         "residues",
@@ -170,20 +170,20 @@ fn samples_table(samples: &[SampleRecord]) -> Result<Table> {
         "largest_extent_angstrom",
         "net_charge_e",
     ];
-    let mut table = Table::new(words.into_iter().chain(numbers).chain(["spacing_angstrom"]));
+    let mut table = Table::new(
+        Row::WORDS
+            .into_iter()
+            .chain(numbers)
+            .chain(["spacing_angstrom"]),
+    );
     for sample in samples {
         let SampleRecord {
-            name,
-            label,
-            cluster,
-            family,
-            file,
-            sha256,
+            row,
             voxels,
             properties,
             ..
         } = sample;
-        let words = [name, label, cluster, family, file, sha256].map(|word| word.as_str().into());
+        let words = row.words().map(Cell::from);
         let [longest, ..] = properties.extents_angstrom;
         table.push(words.into_iter().chain([
             (*voxels).into(),
@@ -205,7 +205,7 @@ fn figure(samples: &[SampleRecord]) -> Figure {
     for sample in samples {
         let size = sample.properties.radius_of_gyration_angstrom;
         let point = [size, sample.voxels as f64];
-        groups.entry(&sample.label).or_default().push(point);
+        groups.entry(&sample.row.label).or_default().push(point);
         all.push(point);
     }
     let bins = Bins::new(all.iter().map(|[size, _]| *size));
@@ -296,16 +296,16 @@ fn groups(samples: &[SampleRecord], excluded: &[Exclusion]) -> Section {
     let mut labels: BTreeMap<&str, (usize, BTreeSet<&str>, usize)> = BTreeMap::new();
     let mut clusters: BTreeMap<&str, (usize, BTreeSet<&str>)> = BTreeMap::new();
     for sample in samples {
-        let label = labels.entry(&sample.label).or_default();
+        let label = labels.entry(&sample.row.label).or_default();
         label.0 += 1;
-        label.1.insert(&sample.cluster);
-        let cluster = clusters.entry(&sample.cluster).or_default();
+        label.1.insert(&sample.row.cluster);
+        let cluster = clusters.entry(&sample.row.cluster).or_default();
         cluster.0 += 1;
-        cluster.1.insert(&sample.label);
+        cluster.1.insert(&sample.row.label);
     }
     excluded
         .iter()
-        .for_each(|one| labels.entry(&one.label).or_default().2 += 1);
+        .for_each(|one| labels.entry(&one.row.label).or_default().2 += 1);
     let label_rows = labels.iter().map(|(name, (samples, clusters, left_out))| {
         vec![
             (*name).to_owned(),
@@ -354,8 +354,8 @@ fn left_out(excluded: &[Exclusion]) -> Result<Option<Section>> {
     let mut html = counted("Reasons", &["reason", "structures"], reasons.collect());
     let rows = excluded.iter().map(|one| {
         vec![
-            one.name.clone(),
-            one.label.clone(),
+            one.row.name.clone(),
+            one.row.label.clone(),
             word(one.reason),
             one.detail.clone(),
         ]
@@ -368,24 +368,25 @@ fn left_out(excluded: &[Exclusion]) -> Result<Option<Section>> {
     let mut csv = Table::new([
         "name", "file", "label", "cluster", "family", "sha256", "reason", "detail",
     ]);
-    for one in excluded {
-        let Exclusion {
-            name,
-            file,
-            label,
-            cluster,
-            family,
-            sha256,
+    for Exclusion {
+        row,
+        reason,
+        detail,
+    } in excluded
+    {
+        let words = [
+            &row.name,
+            &row.file,
+            &row.label,
+            &row.cluster,
+            &row.family,
+            &row.sha256,
+            &word(*reason),
             detail,
-            ..
-        } = one;
-        let reason = word(one.reason);
-        csv.push(
-            [name, file, label, cluster, family, sha256, &reason, detail]
-                .map(|word| word.as_str().into()),
-        )?;
+        ];
+        csv.push(words.map(|word| word.as_str().into()))?;
     }
-    html += &data::data("excluded.csv", &csv.to_csv())?;
+    html += &data::data("excluded.csv", &csv.to_csv()?)?;
     Ok(Some(Section::new("Left out", html)))
 }
 

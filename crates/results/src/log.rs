@@ -1,6 +1,7 @@
 //! Tables that grow by rows, as CSV, and can be truncated to the length recorded in a checkpoint.
 
 use crate::{Error, Result};
+use protomer_io::csv;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::fs::{File, OpenOptions};
@@ -12,11 +13,12 @@ pub trait Row: Sized {
     /// The names of the columns, in order.
     fn columns() -> Vec<&'static str>;
 
-    /// The row as a line. Numbers must read back exactly, as with Rust's formatting of floats.
-    fn to_line(&self) -> String;
+    /// The cells of the row. Numbers must read back exactly, as with Rust's formatting of floats,
+    /// which prints the shortest decimal that does.
+    fn to_cells(&self) -> Vec<String>;
 
-    /// Parses a line; `None` if it is not a row.
-    fn from_line(line: &str) -> Option<Self>;
+    /// Parses cells; `None` if they are not a row.
+    fn from_cells(cells: &[String]) -> Option<Self>;
 }
 
 /// The part of a log that belongs to a checkpoint.
@@ -42,12 +44,13 @@ pub struct LogMark {
 ///         vec!["position"]
 ///     }
 ///
-///     fn to_line(&self) -> String {
-///         self.0.to_string()
+///     fn to_cells(&self) -> Vec<String> {
+///         vec![self.0.to_string()]
 ///     }
 ///
-///     fn from_line(line: &str) -> Option<Self> {
-///         line.parse().ok().map(Self)
+///     fn from_cells(cells: &[String]) -> Option<Self> {
+///         let [position] = cells else { return None };
+///         position.parse().ok().map(Self)
 ///     }
 /// }
 ///
@@ -91,7 +94,7 @@ impl Log {
             hash,
         };
         if mark.bytes == 0 {
-            log.write_line(&R::columns().join(","))?;
+            log.write(&R::columns())?;
         }
         Ok(log)
     }
@@ -101,7 +104,7 @@ impl Log {
     /// # Errors
     /// If the file cannot be written.
     pub fn append(&mut self, row: &impl Row) -> Result<()> {
-        self.write_line(&row.to_line())
+        self.write(&row.to_cells())
     }
 
     /// Flushes everything to disk and returns the mark for a checkpoint.
@@ -119,8 +122,8 @@ impl Log {
         })
     }
 
-    fn write_line(&mut self, line: &str) -> Result<()> {
-        let line = format!("{line}\n");
+    fn write(&mut self, cells: &[impl AsRef<[u8]>]) -> Result<()> {
+        let line = csv::line(cells)?;
         self.hash.update(&line);
         self.length += line.len() as u64;
         self.file
@@ -201,8 +204,12 @@ fn rows_of<R: Row>(path: &Path, text: &str) -> Result<Vec<R>> {
     };
     let lines = text.lines().enumerate().skip(1);
     lines
-        .map(|(index, line)| R::from_line(line).ok_or_else(|| not_a_row(index, line)))
+        .map(|(index, line)| row_of(line).ok_or_else(|| not_a_row(index, line)))
         .collect()
+}
+
+fn row_of<R: Row>(line: &str) -> Option<R> {
+    R::from_cells(&csv::cells("", 0, line).ok()?)
 }
 
 #[cfg(test)]
@@ -220,12 +227,14 @@ mod tests {
             vec!["number", "position"]
         }
 
-        fn to_line(&self) -> String {
-            format!("{},{}", self.number, self.position)
+        fn to_cells(&self) -> Vec<String> {
+            vec![self.number.to_string(), self.position.to_string()]
         }
 
-        fn from_line(line: &str) -> Option<Self> {
-            let (number, position) = line.split_once(',')?;
+        fn from_cells(cells: &[String]) -> Option<Self> {
+            let [number, position] = cells else {
+                return None;
+            };
             Some(Self {
                 number: number.parse().ok()?,
                 position: position.parse().ok()?,

@@ -39,6 +39,19 @@ choices! {
 }
 
 choices! {
+    /// Where the replicas of a sweep start.
+    ReplicaStarts for protomer::stability::run::Starts {
+        /// All from the assembly.
+        Assembly,
+        /// All from bodies scattered at random, each replica from others.
+        Fluid,
+        /// Replicas 0, 2, ... from the assembly, 1, 3, ... from the fluid: whether they come to
+        /// agree shows whether they are in equilibrium.
+        Both,
+    }
+}
+
+choices! {
     /// One table of the benchmark.
     BenchPart for protomer::stability::bench::suite::Part {
         /// Moves per CPU-second of each energy mode against the number of charges.

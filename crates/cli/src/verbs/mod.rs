@@ -9,6 +9,7 @@ mod lattice;
 mod learning;
 mod potential;
 mod report;
+mod shape;
 mod stability;
 mod voxels;
 
@@ -26,6 +27,7 @@ pub enum Verb {
     Fetch(bodies::fetch::FetchArgs),
     Surface(bodies::surface::SurfaceArgs),
     Potential(potential::PotentialArgs),
+    Shape(shape::ShapeArgs),
     Body(bodies::body::BodyArgs),
     Assemble(assemblies::assemble::AssembleArgs),
     Candidates(assemblies::candidates::CandidatesArgs),
@@ -56,6 +58,7 @@ impl Verb {
             Verb::Fetch(args) => args.run(front),
             Verb::Surface(args) => args.run(),
             Verb::Potential(args) => args.run(),
+            Verb::Shape(args) => args.run(),
             Verb::Body(args) => args.run(),
             Verb::Assemble(args) => args.run(),
             Verb::Candidates(args) => args.run(),

@@ -4,6 +4,7 @@
 #![allow(dead_code, unused_imports)] // each test program uses its part
 
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
@@ -62,12 +63,9 @@ impl TemporaryFolder {
 
     /// The program with these arguments, words separated by spaces.
     pub fn command(&self, arguments: &str) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_protomer"));
-        cleaned(&mut command);
+        let mut command = program(arguments.split_whitespace());
         command
-            .args(arguments.split_whitespace())
-            .current_dir(self.folder.path());
-        command
+            .current_dir(self.folder.path())
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .stderr(Stdio::null());
@@ -97,6 +95,14 @@ impl TemporaryFolder {
             .output()
             .unwrap()
     }
+}
+
+/// The program with these arguments.
+pub fn program(arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_protomer"));
+    cleaned(&mut command);
+    command.args(arguments);
+    command
 }
 
 /// Nothing of the tester's own environment may change what is tested.

@@ -2,7 +2,9 @@
 
 #![allow(dead_code, clippy::unwrap_used)] // each test takes what it needs
 
-use protomer_crystal::lattice::{Corner, Dynamics, Edges, Network, Rod, Square, State};
+use protomer_crystal::lattice::{
+    Corner, Dynamics, Edges, Network, Rod, Square, Start, StartVelocities, State,
+};
 use protomer_kernel::random::CounterRng;
 use std::f64::consts::FRAC_PI_4;
 use std::sync::Arc;
@@ -23,6 +25,23 @@ pub fn random_start(network: &Arc<Network>, seed: u64) -> State {
         .unwrap()
         .project_velocities(&mut state.velocities);
     state
+}
+
+/// A start with angular velocities U(-1, 1) brought onto the rods and perhaps scaled, as a run draws
+/// it.
+pub fn drawn_start(network: &Network, seed: u64, sum_of_squares: Option<f64>) -> State {
+    let velocities = StartVelocities::Uniform {
+        largest: 1.0,
+        sum_of_squares,
+    };
+    Start {
+        velocities,
+        seed,
+        ..Start::default()
+    }
+    .build(network, 0)
+    .unwrap()
+    .state
 }
 
 /// Two unit squares joined by one rod at these corners.

@@ -1,4 +1,4 @@
-//! Convolution, bias, and ReLU and pooling if wanted, as one node of the tensor library's graph.
+//! Convolution, bias, and ReLU and pooling if wanted, of one sample.
 
 use super::BlockParameters;
 use crate::convolution::buffers::Buffer;
@@ -7,10 +7,8 @@ use crate::convolution::padded::{Occupied, Padded};
 use crate::convolution::{Geometry, Level};
 use crate::error::refuse;
 use candle_core::Tensor;
-use rayon::prelude::*;
-use std::sync::OnceLock;
 
-/// What follows convolution and bias in the node.
+/// What follows convolution and bias.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Finishing {
     /// Nothing.
@@ -21,31 +19,18 @@ pub(super) enum Finishing {
     Pool,
 }
 
-/// The node: (B, C, D, H, W), (O, C, k, k, k) and (O) to (B, O, D', H', W'). One instance serves
-/// one call.
+/// A convolution of grids of one shape.
 #[derive(Debug)]
 pub(super) struct Convolution {
     pub(super) geometry: Geometry,
     pub(super) finishing: Finishing,
     pub(super) level: Level,
-    /// Whether a gradient may be asked for.
-    pub(super) tracked: bool,
     /// Whether the input is data, perhaps mostly zeros, and not the output of another layer.
     pub(super) from_data: bool,
-    pub(super) kept: OnceLock<Vec<Kept>>,
-}
-
-/// What the backward pass needs of a sample, besides its input and its result.
-#[derive(Debug)]
-pub(super) struct Kept {
-    /// The corners that pooling chose.
-    pub codes: Vec<u8>,
-    /// Which voxels of the input hold anything, if few do.
-    pub occupied: Option<Occupied>,
 }
 
 impl Convolution {
-    /// A node for these arguments.
+    /// A convolution for these arguments.
     ///
     /// # Errors
     /// [`crate::LearnError`] for shapes that do not fit.
@@ -79,28 +64,8 @@ impl Convolution {
             geometry,
             finishing,
             level,
-            tracked: input.track_op() || weight.track_op() || bias.track_op(),
             from_data: !input.track_op(),
-            kept: OnceLock::new(),
         })
-    }
-
-    /// Applies the node.
-    ///
-    /// # Errors
-    /// [`crate::LearnError`] for shapes that do not fit.
-    pub(super) fn apply(
-        level: Level,
-        finishing: Finishing,
-        input: &Tensor,
-        parameters: &BlockParameters,
-    ) -> crate::Result<Tensor> {
-        let node = Self::new(level, finishing, input, parameters)?;
-        let (weight, bias) = (
-            parameters.weight.contiguous()?,
-            parameters.bias.contiguous()?,
-        );
-        Ok(input.contiguous()?.apply_op3(&weight, &bias, node)?)
     }
 
     pub(super) fn out_edges(&self) -> [usize; 3] {
@@ -110,36 +75,15 @@ impl Convolution {
         }
     }
 
-    /// Numbers that one sample gives.
-    pub(super) fn out_length(&self) -> usize {
-        self.geometry.outputs * self.out_edges().iter().product::<usize>()
-    }
-
-    pub(super) fn forward(
-        &self,
-        input: &[f32],
-        weights: &[f32],
-        bias: &[f32],
-    ) -> (Vec<f32>, Vec<Kept>) {
-        let packed = self.geometry.pack(weights);
-        let (from, to) = (self.geometry.inputs(), self.out_length());
-        let mut out = vec![0.0; input.len() / from * to];
-        let kept = input
-            .par_chunks_exact(from)
-            .zip(out.par_chunks_exact_mut(to.max(1)))
-            .map(|(sample, out)| self.finished_sample(sample, &packed, bias, out))
-            .collect();
-        (out, kept)
-    }
-
-    /// The forward pass of one sample with what follows the convolution.
-    fn finished_sample(
+    /// The forward pass of one sample with what follows the convolution. Returns the corners that
+    /// pooling chose, and which voxels of the sample hold anything, if few do.
+    pub(super) fn finished_sample(
         &self,
         sample: &[f32],
         packed: &[f32],
         bias: &[f32],
         out: &mut [f32],
-    ) -> Kept {
+    ) -> (Vec<u8>, Option<Occupied>) {
         let mut codes = Vec::new();
         let finish = match self.finishing {
             Finishing::Plain => Finish::Plain(out),
@@ -150,7 +94,7 @@ impl Convolution {
             }
         };
         let occupied = self.forward_sample(sample, packed, bias, finish);
-        Kept { codes, occupied }
+        (codes, occupied)
     }
 
     /// The forward pass of one sample with packed weights. Returns which of its voxels hold

@@ -7,9 +7,8 @@
 //! | module | one idea |
 //! |---|---|
 //! | `settings` | what a block does |
-//! | `convolution` | a convolution and how it is finished |
-//! | `node` | it as a node of the graph, without normalisation |
-//! | `norm` | the node with normalisation |
+//! | `node` | the block as a node of the graph |
+//! | `convolution` | a convolution of one sample and how it is finished |
 //! | `group_norm` | normalisation, ReLU and pooling of one sample, forward and backward |
 //! | `gradients` | the backward pass of a convolution, sample by sample, and the sum over samples |
 
@@ -17,7 +16,6 @@ mod convolution;
 mod gradients;
 mod group_norm;
 mod node;
-mod norm;
 mod settings;
 
 pub use settings::BlockSettings;
@@ -26,8 +24,7 @@ use crate::Result;
 use crate::convolution::Level;
 use crate::operations::{convolution3d, group_norm, max_pool3d};
 use candle_core::{DType, Tensor};
-use convolution::{Convolution, Finishing};
-use norm::NormedConvolution;
+use node::Node;
 
 /// The parameters of a block, as tensors that may or may not be variables.
 #[derive(Debug, Clone)]
@@ -107,13 +104,5 @@ pub fn fused(
     parameters: &BlockParameters,
     settings: &BlockSettings,
 ) -> Result<Tensor> {
-    if settings.groups.is_some() {
-        return NormedConvolution::apply(level, input, parameters, settings);
-    }
-    let finishing = if settings.pool {
-        Finishing::Pool
-    } else {
-        Finishing::Relu
-    };
-    Convolution::apply(level, finishing, input, parameters)
+    Node::apply(level, input, parameters, settings)
 }

@@ -1,7 +1,9 @@
 //! The plain sum over all pairs of charges.
 
 use super::reach::{Reach, require_room};
-use super::{EnergyModel, PairEnergy, SitePotential, all_pairs, finite, pair_energy_kt};
+use super::{
+    Effort, EnergyModel, PairEnergy, SitePotential, all_pairs, finite, pair_energy_kt, sum_of_pairs,
+};
 use crate::Result;
 use crate::sparse_rows::PairTable;
 use crate::system::{Pair, System, Trial};
@@ -111,6 +113,12 @@ impl<P: SitePotential> EnergyModel for DirectSum<P> {
 
     fn reject(&mut self) {
         self.proposed.clear();
+    }
+
+    fn energy_elsewhere_kt(&self, system: &System, _: Effort) -> Result<f64> {
+        sum_of_pairs(system, |pair| {
+            direct_energy_kt(&self.potential, &self.reach, pair)
+        })
     }
 
     fn pairs(&self) -> Vec<PairEnergy> {

@@ -152,6 +152,13 @@ pub trait EnergyModel: Send {
     /// The energies of all pairs in range, ascending by (first, second).
     fn pairs(&self) -> Vec<PairEnergy>;
 
+    /// The energy of the bodies of the last [`reset`](EnergyModel::reset) at other poses, kT. A
+    /// function of the poses alone; the model remembers nothing of it.
+    ///
+    /// # Errors
+    /// As [`reset`](EnergyModel::reset).
+    fn energy_elsewhere_kt(&self, system: &System, effort: Effort) -> Result<f64>;
+
     /// The energy of the system, kT, summed in the order of [`pairs`](EnergyModel::pairs).
     fn total_kt(&self) -> f64 {
         // Not `sum`: that of no pairs is -0.
@@ -161,6 +168,29 @@ pub trait EnergyModel: Send {
         }
         total
     }
+}
+
+/// How an energy is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Effort {
+    /// To 10⁻³ kT for a pair in contact.
+    Quick,
+    /// As the direct sum.
+    Full,
+}
+
+/// The sum of what `energy` says of the pairs of a system, kT.
+fn sum_of_pairs(
+    system: &System,
+    mut energy: impl FnMut(&Pair<'_>) -> Result<Option<f64>>,
+) -> Result<f64> {
+    let mut sum = 0.0;
+    for first in 0..system.len() {
+        for second in first + 1..system.len() {
+            sum += energy(&system.pair(first, second))?.unwrap_or(0.0);
+        }
+    }
+    Ok(sum)
 }
 
 /// What `energy` says of every pair of a system.

@@ -1,6 +1,6 @@
 //! Bodies without charges.
 
-use super::{EnergyModel, PairEnergy};
+use super::{Effort, EnergyModel, PairEnergy};
 use crate::Result;
 use crate::system::{System, Trial};
 
@@ -32,6 +32,10 @@ impl EnergyModel for NoCharges {
     fn commit(&mut self, _: &[usize]) {}
 
     fn reject(&mut self) {}
+
+    fn energy_elsewhere_kt(&self, _: &System, _: Effort) -> Result<f64> {
+        Ok(0.0)
+    }
 
     fn pairs(&self) -> Vec<PairEnergy> {
         Vec::new()

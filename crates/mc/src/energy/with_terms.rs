@@ -6,7 +6,7 @@
 
 use super::reach::Reach;
 use super::terms::Terms;
-use super::{EnergyModel, PairEnergy, all_pairs, finite, levels};
+use super::{Effort, EnergyModel, PairEnergy, all_pairs, finite, levels, sum_of_pairs};
 use crate::sparse_rows::PairTable;
 use crate::system::{Pair, System, Trial};
 use crate::{McError, Result};
@@ -190,6 +190,11 @@ impl EnergyModel for WithTerms {
 
     fn memory_bytes(&self) -> usize {
         self.charges.memory_bytes()
+    }
+
+    fn energy_elsewhere_kt(&self, system: &System, effort: Effort) -> Result<f64> {
+        let of_terms_kt = sum_of_pairs(system, |pair| self.energy_kt(pair))?;
+        Ok(of_terms_kt + self.charges.energy_elsewhere_kt(system, effort)?)
     }
 
     fn pairs(&self) -> Vec<PairEnergy> {

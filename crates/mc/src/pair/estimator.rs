@@ -5,6 +5,7 @@ use super::orientation::{EvenSequence, Orientation};
 use super::profile::{Bins, MeanForceRow, mean_force, over_directions};
 use super::proposal::{Proposal, Width};
 use super::radial::{RaySample, hard_ray};
+use super::replicas::mean_and_error;
 use crate::{McError, Result};
 use protomer_kernel::Pose;
 use protomer_kernel::random::{CounterRng, Purpose};
@@ -535,15 +536,4 @@ fn end_angstrom(pair: &BodyPair) -> f64 {
     let radii = pair.first.hard_radius_angstrom() + pair.second.hard_radius_angstrom();
     let contacts = radii + pair.contact_gap_angstrom;
     pair.potential.reach_angstrom(TAIL_ENERGY_KT).max(contacts)
-}
-
-/// The mean of independent values and its standard error.
-pub(super) fn mean_and_error(values: &[f64]) -> (f64, f64) {
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let mut squares = 0.0;
-    for value in values {
-        squares += (value - mean).powi(2);
-    }
-    (mean, (squares / (count * (count - 1.0))).sqrt())
 }

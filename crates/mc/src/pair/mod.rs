@@ -22,6 +22,7 @@
 //! | `radial` | integrals along one direction |
 //! | `proposal` | a distribution of orientations that favours wells |
 //! | [`estimator`] | pilot, adaptation, replicas with error bars |
+//! | `replicas` | a mean over replicas and its error |
 //! | [`profile`] | the potential of mean force |
 //! | [`wells`] | bound poses: local minima of the energy, each once |
 //!
@@ -38,6 +39,7 @@ pub mod potential;
 pub mod profile;
 mod proposal;
 mod radial;
+mod replicas;
 pub mod wells;
 
 pub use crate::energy::terms::{EnergyParts, PairPotential, Term, Terms};

@@ -5,6 +5,7 @@
 //! ```
 
 use super::radial::RadialPoint;
+use super::replicas::mean_and_error;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -56,7 +57,7 @@ pub(super) fn mean_force(replicas: &[Bins]) -> Vec<MeanForceRow> {
     // The last bin is only partly covered.
     for bin in 0..bins.saturating_sub(1) {
         let values: Vec<f64> = replicas.iter().map(|bins| bins.boltzmann(bin)).collect();
-        let (mean, error) = super::estimator::mean_and_error(&values);
+        let (mean, error) = mean_and_error(&values);
         if mean > 0.0 {
             rows.push(MeanForceRow {
                 distance_angstrom: (bin as f64 + 0.5) * BIN_ANGSTROM,

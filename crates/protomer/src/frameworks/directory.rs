@@ -39,7 +39,7 @@ pub fn files(
     );
     add(
         "stiffness.csv",
-        stiffness_table(report)?.to_csv().into_bytes(),
+        stiffness_table(report)?.to_csv()?.into_bytes(),
     );
     if !report.polar.is_empty() {
         let mut table = Table::new(["angle_deg", "e_gpa", "nu"]);
@@ -50,14 +50,14 @@ pub fn files(
                 direction.nu.into(),
             ])?;
         }
-        add("polar.csv", table.to_csv().into_bytes());
+        add("polar.csv", table.to_csv()?.into_bytes());
     }
     if let Some(figure) = polar_figure(report) {
         add("polar.svg", figure.to_svg()?.into_bytes());
         add("polar.png", figure.to_png()?);
     }
     if let Some(curve) = &report.curve {
-        add("curve.csv", curve.table()?.to_csv().into_bytes());
+        add("curve.csv", curve.table()?.to_csv()?.into_bytes());
     }
     add("drawing.svg", draw(report, unloaded, loaded).into_bytes());
     Ok(files)

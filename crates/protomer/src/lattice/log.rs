@@ -130,28 +130,28 @@ impl Row for LogRow {
             .collect()
     }
 
-    // Rust prints the shortest decimal that reads back as the same number.
-    fn to_line(&self) -> String {
-        let numbers = NUMBERS
-            .iter()
-            .map(|(_, number, _)| number(self).to_string());
-        let cells = std::iter::once(self.step.to_string())
-            .chain(numbers)
-            .chain([self.events.to_string()]);
-        cells.collect::<Vec<_>>().join(",")
+    fn to_cells(&self) -> Vec<String> {
+        let mut cells = vec![self.step.to_string()];
+        for (_, number, _) in NUMBERS {
+            cells.push(number(self).to_string());
+        }
+        cells.push(self.events.to_string());
+        cells
     }
 
-    fn from_line(line: &str) -> Option<Self> {
-        let mut cells = line.split(',');
+    fn from_cells(cells: &[String]) -> Option<Self> {
+        let [step, numbers @ .., events] = cells else {
+            return None;
+        };
         let mut row = Self {
-            step: cells.next()?.parse().ok()?,
+            step: step.parse().ok()?,
+            events: events.parse().ok()?,
             ..Self::default()
         };
-        for (_, _, place) in NUMBERS {
-            *place(&mut row) = cells.next()?.parse().ok()?;
+        for ((_, _, place), number) in NUMBERS.iter().zip(numbers) {
+            *place(&mut row) = number.parse().ok()?;
         }
-        row.events = cells.next()?.parse().ok()?;
-        cells.next().is_none().then_some(row)
+        (numbers.len() == NUMBERS.len()).then_some(row)
     }
 }
 
@@ -179,8 +179,8 @@ mod tests {
             events: 7,
             ..LogRow::default()
         };
-        assert_eq!(LogRow::from_line(&row.to_line()), Some(row));
-        assert_eq!(row.to_line().split(',').count(), LogRow::columns().len());
-        assert_eq!(LogRow::from_line("1,2,3"), None);
+        assert_eq!(LogRow::from_cells(&row.to_cells()), Some(row));
+        assert_eq!(row.to_cells().len(), LogRow::columns().len());
+        assert_eq!(LogRow::from_cells(&["1", "2", "3"].map(String::from)), None);
     }
 }

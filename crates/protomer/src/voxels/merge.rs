@@ -138,8 +138,8 @@ impl Sources {
         })
     }
 
-    fn rows(&self) -> Vec<Row<'_>> {
-        let mut rows = Row::of_content(&self.content);
+    fn rows(&self) -> Vec<Row> {
+        let mut rows = self.content.rows();
         if self.one_manifest {
             rows.sort_by_key(|row| row.entry);
         }
@@ -201,8 +201,8 @@ fn joined_content(
         let exclusions = exclusions(reader).context(path.display().to_string())?;
         // Sorted, so that the message is always about the same name.
         let mut names = BTreeSet::new();
-        names.extend(of_set.iter().map(|sample| sample.name.clone()));
-        names.extend(exclusions.iter().map(|excluded| excluded.name.clone()));
+        names.extend(of_set.iter().map(|sample| sample.row.name.clone()));
+        names.extend(exclusions.iter().map(|excluded| excluded.row.name.clone()));
         for name in names {
             if let Some(earlier) = seen.insert(name.clone(), path) {
                 bail!(
@@ -218,8 +218,8 @@ fn joined_content(
         excluded.extend(exclusions);
     }
     if one_manifest {
-        samples.sort_by_key(|(sample, _)| sample.entry);
-        excluded.sort_by_key(|excluded| excluded.entry);
+        samples.sort_by_key(|(sample, _)| sample.row.entry);
+        excluded.sort_by_key(|excluded| excluded.row.entry);
     }
     let (samples, places) = samples.into_iter().unzip();
     Ok((SetContent { samples, excluded }, places))

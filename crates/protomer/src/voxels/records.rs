@@ -1,7 +1,7 @@
 //! The content of a set without its voxels: samples, and structures that were excluded.
 
-use super::manifest::Entry;
-use super::structure::{Properties, Reason, Sample};
+use super::row::Row;
+use super::structure::{Properties, Reason};
 use anyhow::{Context, Result};
 use protomer_io::zarr::SetReader;
 use serde::{Deserialize, Serialize};
@@ -10,70 +10,20 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Exclusion {
-    /// Position in the manifest, from zero.
-    pub entry: usize,
-    /// Its name.
-    pub name: String,
-    /// The file as named in the manifest.
-    pub file: String,
-    /// Its class.
-    pub label: String,
-    /// Its cluster.
-    pub cluster: String,
-    /// Its family.
-    pub family: String,
-    /// SHA-256 of the file; empty if it could not be read.
-    pub sha256: String,
+    /// Its manifest entry.
+    #[serde(flatten)]
+    pub row: Row,
     /// Why.
     pub reason: Reason,
     /// A description in words.
     pub detail: String,
 }
 
-impl Exclusion {
-    /// The exclusion of an entry.
-    pub fn new(entry: &Entry, sha256: Option<&str>, reason: Reason, detail: String) -> Self {
-        let Entry {
-            number,
-            name,
-            file,
-            label,
-            cluster,
-            family,
-            ..
-        } = entry.clone();
-        let sha256 = sha256.unwrap_or_default().to_owned();
-        Self {
-            entry: number,
-            name,
-            file,
-            label,
-            cluster,
-            family,
-            sha256,
-            reason,
-            detail,
-        }
-    }
-}
-
 /// A sample without its voxels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SampleRecord {
-    /// Position in the manifest, from zero.
-    pub entry: usize,
-    /// Its name.
-    pub name: String,
-    /// The file as named in the manifest.
-    pub file: String,
-    /// Its class.
-    pub label: String,
-    /// Its cluster.
-    pub cluster: String,
-    /// Its family.
-    pub family: String,
-    /// SHA-256 of the file.
-    pub sha256: String,
+    /// Its manifest entry.
+    pub row: Row,
     /// The key of its voxels in the work file.
     pub key: String,
     /// Occupied voxels.
@@ -82,34 +32,6 @@ pub struct SampleRecord {
     pub properties: Properties,
     /// Warnings about its file.
     pub warnings: Vec<String>,
-}
-
-impl SampleRecord {
-    /// The record of an entry's sample.
-    pub fn new(entry: &Entry, sha256: Option<&str>, key: &str, sample: &Sample) -> Self {
-        let Entry {
-            number,
-            name,
-            file,
-            label,
-            cluster,
-            family,
-            ..
-        } = entry.clone();
-        Self {
-            entry: number,
-            name,
-            file,
-            label,
-            cluster,
-            family,
-            sha256: sha256.unwrap_or_default().to_owned(),
-            key: key.to_owned(),
-            voxels: sample.voxels.index.len(),
-            properties: sample.properties.clone(),
-            warnings: sample.warnings.clone(),
-        }
-    }
 }
 
 /// The structures left out of a set.
@@ -134,8 +56,38 @@ pub struct SetContent {
 }
 
 impl SetContent {
+    /// The rows of a set: samples, then excluded structures.
+    pub fn rows(&self) -> Vec<Row> {
+        let samples = self.samples.iter().map(|sample| &sample.row);
+        let excluded = self.excluded.iter().map(|excluded| &excluded.row);
+        samples.chain(excluded).cloned().collect()
+    }
+
     /// Occupied voxels of all samples.
     pub fn voxels(&self) -> u64 {
         self.samples.iter().map(|sample| sample.voxels as u64).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use serde_json::json;
+
+    /// The keys and their order belong to the format of a set.
+    #[test]
+    fn an_exclusion_is_one_flat_object_without_unknown_keys() {
+        let text = r#"{"entry":3,"name":"a","file":"a.pdb","label":"x","cluster":"1","family":"","sha256":"00","reason":"unreadable","detail":"no atoms"}"#;
+        let read: Exclusion = serde_json::from_str(text).unwrap();
+        assert_eq!(serde_json::to_string(&read).unwrap(), text);
+        let mut value = serde_json::to_value(&read).unwrap();
+        value["colour"] = json!("red");
+        let refused = serde_json::from_value::<Exclusion>(value).unwrap_err();
+        assert_eq!(refused.to_string(), "unknown field `colour`");
+        let mut value = serde_json::to_value(&read).unwrap();
+        value.as_object_mut().unwrap().remove("cluster");
+        let refused = serde_json::from_value::<Exclusion>(value).unwrap_err();
+        assert_eq!(refused.to_string(), "missing field `cluster`");
     }
 }

@@ -9,11 +9,11 @@ const MOST_LINES: usize = 10;
 
 /// One line for each file and each family that is in several clusters, up to the maximum.
 pub fn in_several_clusters(rows: &[Row]) -> Vec<String> {
-    let mut files: BTreeMap<&str, Vec<Row>> = BTreeMap::new();
-    let mut families: BTreeMap<&str, Vec<Row>> = BTreeMap::new();
+    let mut files: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
+    let mut families: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
     for row in rows {
-        files.entry(row.sha256).or_default().push(*row);
-        families.entry(row.family).or_default().push(*row);
+        files.entry(&row.sha256).or_default().push(row);
+        families.entry(&row.family).or_default().push(row);
     }
     files.remove("");
     families.remove("");
@@ -30,7 +30,7 @@ pub fn in_several_clusters(rows: &[Row]) -> Vec<String> {
 }
 
 /// Describes the first two members of a group whose clusters differ.
-fn apart(group: &[Row]) -> Option<String> {
+fn apart(group: &[&Row]) -> Option<String> {
     let first = group.first()?;
     let other = group.iter().find(|row| row.cluster != first.cluster)?;
     Some(format!(
@@ -44,14 +44,15 @@ mod tests {
     use super::*;
 
     fn lines(structures: &[[&'static str; 4]]) -> Vec<String> {
-        let row = |[name, cluster, family, sha256]: &[&'static str; 4]| Row {
-            entry: 0,
-            name,
-            file: "",
-            label: "",
-            cluster,
-            family,
-            sha256,
+        let row = |words: &[&'static str; 4]| {
+            let [name, cluster, family, sha256] = words.map(str::to_owned);
+            Row {
+                name,
+                cluster,
+                family,
+                sha256,
+                ..Row::default()
+            }
         };
         in_several_clusters(&structures.iter().map(row).collect::<Vec<Row>>())
     }

@@ -1,104 +1,54 @@
-//! A manifest entry with the hash of its file, read from a manifest, from a set, or from the
-//! list of excluded structures.
+//! A manifest entry with the hash of its file, taken from a manifest or read from a set.
 
 use super::manifest::Entry;
-use super::records::{Exclusion, SampleRecord, SetContent};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The data used for a set's identity and for finding relatives.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub struct Row<'a> {
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Row {
     /// Position in the manifest, from zero.
     pub entry: usize,
     /// Its name.
-    pub name: &'a str,
+    pub name: String,
     /// The file as named in the manifest.
-    pub file: &'a str,
+    pub file: String,
     /// Its class.
-    pub label: &'a str,
+    pub label: String,
     /// Its cluster.
-    pub cluster: &'a str,
+    pub cluster: String,
     /// Its family; may be empty.
-    pub family: &'a str,
+    pub family: String,
     /// SHA-256 of its file; empty if it could not be read.
-    pub sha256: &'a str,
+    pub sha256: String,
 }
 
-impl<'a> Row<'a> {
+impl Row {
+    /// What [`Self::words`] are.
+    pub const WORDS: [&'static str; 6] = ["name", "label", "cluster", "family", "file", "sha256"];
+
     /// The row of an entry.
-    pub fn of_entry(entry: &'a Entry, sha256: Option<&'a str>) -> Self {
-        let Entry {
-            number,
-            name,
-            file,
-            label,
-            cluster,
-            family,
-            ..
-        } = entry;
+    pub fn new(entry: &Entry, sha256: Option<&str>) -> Self {
+        let entry = entry.clone();
         Self {
-            entry: *number,
-            name,
-            file,
-            label,
-            cluster,
-            family,
-            sha256: sha256.unwrap_or_default(),
+            entry: entry.number,
+            name: entry.name,
+            file: entry.file,
+            label: entry.label,
+            cluster: entry.cluster,
+            family: entry.family,
+            sha256: sha256.unwrap_or_default().to_owned(),
         }
     }
 
-    fn of_sample(sample: &'a SampleRecord) -> Self {
-        let SampleRecord {
-            entry,
-            name,
-            file,
-            label,
-            cluster,
-            family,
-            sha256,
-            ..
-        } = sample;
-        Self {
-            entry: *entry,
-            name,
-            file,
-            label,
-            cluster,
-            family,
-            sha256,
-        }
-    }
-
-    fn of_exclusion(exclusion: &'a Exclusion) -> Self {
-        let Exclusion {
-            entry,
-            name,
-            file,
-            label,
-            cluster,
-            family,
-            sha256,
-            ..
-        } = exclusion;
-        Self {
-            entry: *entry,
-            name,
-            file,
-            label,
-            cluster,
-            family,
-            sha256,
-        }
-    }
-
-    /// The rows of a set: samples, then excluded structures.
-    pub fn of_content(content: &'a SetContent) -> Vec<Self> {
-        let excluded = content.excluded.iter().map(Self::of_exclusion);
-        content
-            .samples
-            .iter()
-            .map(Self::of_sample)
-            .chain(excluded)
-            .collect()
+    /// Everything but the position.
+    pub fn words(&self) -> [&str; 6] {
+        [
+            &self.name,
+            &self.label,
+            &self.cluster,
+            &self.family,
+            &self.file,
+            &self.sha256,
+        ]
     }
 }

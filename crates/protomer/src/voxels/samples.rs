@@ -31,13 +31,19 @@ impl VoxelSet {
     pub fn open(path: &Path) -> Result<Self> {
         let reader = open_set(path)?;
         let samples = set::samples_of(&reader).with_context(|| path.display().to_string())?;
-        let files = samples.iter().map(|sample| sample.file.clone()).collect();
-        let hashes = samples.iter().map(|sample| sample.sha256.clone()).collect();
+        let files = samples
+            .iter()
+            .map(|sample| sample.row.file.clone())
+            .collect();
+        let hashes = samples
+            .iter()
+            .map(|sample| sample.row.sha256.clone())
+            .collect();
         let describe = |sample: SampleRecord| Description {
-            name: sample.name,
-            label: sample.label,
-            cluster: sample.cluster,
-            family: sample.family,
+            name: sample.row.name,
+            label: sample.row.label,
+            cluster: sample.row.cluster,
+            family: sample.row.family,
             residues: sample.properties.residues as f64,
             radius_of_gyration_angstrom: sample.properties.radius_of_gyration_angstrom,
             extents_angstrom: sample.properties.extents_angstrom,

@@ -3,6 +3,7 @@
 use super::identity::fixed_conditions;
 use super::origin::Origin;
 use super::records::{SampleRecord, SetContent};
+use super::row::Row;
 use super::settings::VoxelizeSettings;
 use super::statistics::Gathering;
 use super::structure::{Properties, letters};
@@ -114,25 +115,12 @@ fn meaning(channel: Channel) -> &'static str {
 
 /// The string properties of the samples, a list for each.
 fn lists_of(samples: &[SampleRecord]) -> Value {
-    let mut lists: [Vec<&str>; 6] = Default::default();
-    for sample in samples {
-        let words = [
-            &sample.name,
-            &sample.label,
-            &sample.cluster,
-            &sample.family,
-            &sample.file,
-            &sample.sha256,
-        ];
-        for (list, word) in lists.iter_mut().zip(words) {
-            list.push(word);
-        }
+    let mut lists = Map::new();
+    for (place, name) in Row::WORDS.into_iter().enumerate() {
+        let list = samples.iter().map(|sample| sample.row.words()[place]);
+        lists.insert(name.to_owned(), list.collect());
     }
-    let [name, label, cluster, family, file, sha256] = lists;
-    json!({
-        "name": name, "label": label, "cluster": cluster, "family": family, "file": file,
-        "sha256": sha256,
-    })
+    Value::Object(lists)
 }
 
 /// The warnings of the samples that have any, by name.
@@ -140,7 +128,7 @@ pub fn warnings_of(samples: &[SampleRecord]) -> BTreeMap<String, Vec<String>> {
     let mut warnings = BTreeMap::new();
     for sample in samples {
         if !sample.warnings.is_empty() {
-            warnings.insert(sample.name.clone(), sample.warnings.clone());
+            warnings.insert(sample.row.name.clone(), sample.warnings.clone());
         }
     }
     warnings
@@ -176,7 +164,7 @@ pub fn columns() -> Vec<String> {
 fn row(sample: &SampleRecord) -> Vec<f64> {
     let p = &sample.properties;
     let mut row = vec![
-        sample.entry as f64,
+        sample.row.entry as f64,
         p.residues as f64,
         p.radius_of_gyration_angstrom,
     ];
@@ -208,19 +196,21 @@ pub fn samples_of(reader: &SetReader) -> Result<Vec<SampleRecord>> {
     for sample in 0..reader.len() {
         let word = |list: &[String]| list.get(sample).cloned().unwrap_or_default();
         let (entry, properties) = properties(reader.row(sample));
-        let name = word(&names);
-        samples.push(SampleRecord {
+        let row = Row {
             entry,
+            name: word(&names),
             file: word(&files),
             label: word(&labels),
             cluster: word(&clusters),
             family: word(&families),
             sha256: word(&hashes),
+        };
+        samples.push(SampleRecord {
             key: String::new(),
             voxels: reader.voxels(sample),
             properties,
-            warnings: warnings.remove(&name).unwrap_or_default(),
-            name,
+            warnings: warnings.remove(&row.name).unwrap_or_default(),
+            row,
         });
     }
     Ok(samples)
@@ -284,7 +274,7 @@ pub fn write(
             }
         }
         let written = writer.push(&index, &stored);
-        written.with_context(|| sample.name.clone())?;
+        written.with_context(|| sample.row.name.clone())?;
     }
     attributes.insert(
         "statistics".into(),

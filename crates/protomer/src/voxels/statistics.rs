@@ -75,8 +75,8 @@ impl Gathering {
     /// Starts the statistics of a set with these samples.
     pub fn new(settings: &VoxelizeSettings, samples: &[SampleRecord]) -> Self {
         let describe = |sample: &SampleRecord| Description {
-            label: sample.label.clone(),
-            cluster: sample.cluster.clone(),
+            label: sample.row.label.clone(),
+            cluster: sample.row.cluster.clone(),
             ..Description::default()
         };
         let descriptions: Vec<Description> = samples.iter().map(describe).collect();
@@ -177,6 +177,7 @@ impl Gathered {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+    use crate::voxels::row::Row;
     use crate::voxels::structure::Properties;
 
     fn record(number: usize, cluster: &str) -> SampleRecord {
@@ -191,13 +192,13 @@ mod tests {
             composition: [0.05; 20],
         };
         SampleRecord {
-            entry: number,
-            name: format!("s{number}"),
-            file: String::new(),
-            label: format!("{}", number % 2),
-            cluster: cluster.into(),
-            family: String::new(),
-            sha256: String::new(),
+            row: Row {
+                entry: number,
+                name: format!("s{number}"),
+                label: format!("{}", number % 2),
+                cluster: cluster.into(),
+                ..Row::default()
+            },
             key: String::new(),
             voxels: 2,
             properties,

@@ -166,10 +166,10 @@ impl<'a> Part<'a> {
         Ok(part)
     }
 
-    fn rows(&self) -> Vec<Row<'_>> {
+    fn rows(&self) -> Vec<Row> {
         let mut rows = Vec::with_capacity(self.entries.len());
         for (entry, hash) in self.entries.iter().zip(&self.hashes) {
-            rows.push(Row::of_entry(entry, hash.as_deref()));
+            rows.push(Row::new(entry, hash.as_deref()));
         }
         rows
     }
@@ -270,7 +270,7 @@ impl<'a> Part<'a> {
             };
             match work.get(&entry.key)? {
                 Outcome::Sample(sample) => Ok(sample.voxels),
-                Outcome::Excluded { .. } => bail!("{} was excluded", entry.name),
+                Outcome::Excluded { .. } => bail!("{} was excluded", entry.row.name),
             }
         };
         let mut read_ms_per_sample = f64::NAN;
@@ -314,17 +314,20 @@ fn collect(
 ) -> Result<SetContent> {
     let mut content = SetContent::default();
     for ((entry, hash), key) in entries.iter().zip(hashes).zip(keys) {
+        let row = Row::new(entry, hash.as_deref());
         match work.get(key).with_context(|| entry.name.clone())? {
-            Outcome::Sample(sample) => {
-                content
-                    .samples
-                    .push(SampleRecord::new(entry, hash.as_deref(), key, &sample))
-            }
-            Outcome::Excluded { reason, detail } => {
-                content
-                    .excluded
-                    .push(Exclusion::new(entry, hash.as_deref(), reason, detail));
-            }
+            Outcome::Sample(sample) => content.samples.push(SampleRecord {
+                row,
+                key: key.clone(),
+                voxels: sample.voxels.index.len(),
+                properties: sample.properties,
+                warnings: sample.warnings,
+            }),
+            Outcome::Excluded { reason, detail } => content.excluded.push(Exclusion {
+                row,
+                reason,
+                detail,
+            }),
         }
     }
     Ok(content)

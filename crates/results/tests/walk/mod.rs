@@ -51,12 +51,12 @@ impl Row for Place {
         vec!["step", "position"]
     }
 
-    fn to_line(&self) -> String {
-        format!("{},{}", self.step, self.position)
+    fn to_cells(&self) -> Vec<String> {
+        vec![self.step.to_string(), self.position.to_string()]
     }
 
-    fn from_line(line: &str) -> Option<Self> {
-        let (step, position) = line.split_once(',')?;
+    fn from_cells(cells: &[String]) -> Option<Self> {
+        let [step, position] = cells else { return None };
         Some(Self {
             step: step.parse().ok()?,
             position: position.parse().ok()?,

@@ -36,7 +36,7 @@ impl PredictArgs {
         let End::Finished(report) = end else {
             return Ok(Reply::stopped("stopped; nothing was written".into()));
         };
-        let table = report.table()?.to_csv();
+        let table = report.table()?.to_csv()?;
         let (notes, summary) = (notes(&report), report.text());
         let is_incomplete = !report.left_out.is_empty();
         let reply = Reply::of(report)

@@ -1,7 +1,9 @@
 //! `protomer sweep`: stability against salt.
 
 use super::simulate::{RunArgs, say_effective_charges, say_energies};
+use crate::flags::choices::ReplicaStarts;
 use crate::flags::medium::MediumArgs;
+use crate::flags::override_with;
 use crate::flags::scheduler::SchedulerArgs;
 use crate::front::Front;
 use crate::reply::Reply;
@@ -27,6 +29,13 @@ pub struct SweepArgs {
     /// Independent replicas per salt concentration.
     #[arg(long)]
     replicas: Option<u32>,
+    /// Sweeps between two exchanges of states between neighbouring salt concentrations; 0 for none
+    /// [default: 0].
+    #[arg(long, value_name = "SWEEPS")]
+    exchange_every: Option<u64>,
+    /// Where the replicas start [default: assembly].
+    #[arg(long, value_enum)]
+    starts: Option<ReplicaStarts>,
     /// Run only a part of the simulations, such as 2/8, alongside other processes in the same
     /// directory; the command without this flag collects the parts.
     #[arg(long, value_parser = Shard::parse, default_value = "1/1")]
@@ -92,9 +101,9 @@ impl SweepArgs {
         } else if self.run.config.is_none() {
             bail!("no salt concentration is given; add --salt 10mM,100mM,300mM");
         }
-        if let Some(replicas) = self.replicas {
-            settings.replicas = replicas;
-        }
+        override_with(&mut settings.replicas, self.replicas);
+        override_with(&mut settings.exchange_every, self.exchange_every);
+        override_with(&mut settings.starts, self.starts.map(Into::into));
         settings.check()?;
         Ok(settings)
     }

@@ -139,7 +139,7 @@ fn notes(report: &VoxelizeReport) -> Vec<String> {
     let mut lines = Vec::new();
     if report.state == State::Written {
         let excluded = report.excluded.iter();
-        lines.extend(excluded.map(|one| format!("left out: {}: {}", one.name, one.detail)));
+        lines.extend(excluded.map(|one| format!("left out: {}: {}", one.row.name, one.detail)));
         lines.extend(warnings(report));
     }
     let relatives = report.manifest_warnings.iter();

@@ -1,8 +1,9 @@
 //! The built-in comparison: how large the errors of the levels are in units of the variance model.
 
-use super::list::{List, SKIN_ANGSTROM};
-use super::model::COARSE_OPENING;
-use super::table::Table;
+use super::list::{List, ListEnergy};
+use super::maker::{COARSE_OPENING, PART_OF_DISTANCE};
+use super::neighbours::SKIN_ANGSTROM;
+use super::table::{Estimate, Table};
 use crate::energy::{SitePotential, pair_energy_kt};
 use protomer_kernel::pose::RelativePose;
 use protomer_kernel::random::CounterRng;
@@ -14,26 +15,30 @@ pub const MULTIPLE: f64 = 6.0;
 
 /// Coarse errors have longer tails than a comparison of some hundred poses shows.
 const TAIL: f64 = 2.5;
+/// The same of fine errors.
+const FINE_TAIL: f64 = 1.5;
+/// Where errors are below what rounding makes of them.
+const LEAST_SCALE: f64 = 0.05;
 
 /// Poses compared for each pair of types.
 const POSES: u32 = 96;
 /// Of these, poses compared with the direct sum.
-const DIRECT_POSES: u32 = 6;
-/// The moves of the comparison, Å and rad.
+const DIRECT_POSES: u32 = 16;
+/// The moves of the comparison, Å and rad: small ones, and some large ones of distant pairs.
 const STEP_ANGSTROM: f64 = 0.3;
 const STEP_RADIAN: f64 = 0.03;
+const STEP_PER_GAP: f64 = 0.1;
+const LARGE_STEP_RADIAN: f64 = 0.4;
 /// The largest turn since a list was made, rad.
 const DRIFT_RADIAN: f64 = 0.05;
 
 /// Standard deviations in units of the variance model, from comparisons on random poses.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Calibration {
-    /// Of a coarse energy.
-    pub energy_scale: f64,
-    /// Of the change of a coarse energy when the pair moves by 1 Å near contact.
-    pub change_scale_per_angstrom: f64,
-    /// Of an energy of all charges in coarse tables.
-    pub middle_scale: f64,
+    /// Of energies from all points of lists.
+    pub coarse: Scales,
+    /// Of expansions of the far points.
+    pub expansion: Scales,
     /// Of a fine energy.
     pub fine_scale: f64,
     /// Poses compared.
@@ -44,34 +49,94 @@ pub struct Calibration {
     pub largest: f64,
 }
 
+/// Of an energy and of its changes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Scales {
+    /// Of an energy.
+    pub energy: f64,
+    /// Of its change with the same list.
+    pub change: f64,
+}
+
 impl Calibration {
     /// Compares the levels on random poses of each pair of types.
     pub fn new<P: SitePotential>(potential: &P, types: &[&Table<P>]) -> Self {
-        let mut ratios = Ratios::default();
+        let mut errors = Errors::default();
         for (number, first) in types.iter().enumerate() {
             for second in &types[number..] {
-                let mut rng = CounterRng::new(1, ratios.pairs, 0);
-                ratios.pairs += 1;
+                let mut rng = CounterRng::new(1, errors.pairs, 0);
+                errors.pairs += 1;
                 if !first.charges.is_empty() && !second.charges.is_empty() {
-                    ratios.compare(potential, first, second, &mut rng);
+                    errors.compare(potential, first, second, &mut rng);
                 }
             }
         }
-        ratios.finish()
+        errors.finish()
     }
 }
 
-/// Errors over the square root of the model's variance.
+/// The errors met.
 #[derive(Debug, Default)]
-struct Ratios {
+struct Errors {
     pairs: u32,
-    energy: Vec<f64>,
-    change: Vec<f64>,
-    middle: Vec<f64>,
+    coarse: Vec<ListError>,
+    coarse_changes: Vec<ListError>,
+    expanded: Vec<ListError>,
+    expanded_changes: Vec<ListError>,
+    /// Over the square root of the model's variance.
     fine: Vec<f64>,
 }
 
-impl Ratios {
+/// An error of an energy from a list, or of its change, kT, beside the variances of the model.
+#[derive(Debug, Clone, Copy)]
+struct ListError {
+    error_kt: f64,
+    points_variance: f64,
+    expansion_variance: f64,
+}
+
+impl ListError {
+    /// In standard deviations of the model with these scales.
+    fn ratio(&self, points_scale: f64, expansion_scale: f64) -> f64 {
+        let points = self.points_variance * points_scale.powi(2);
+        let expansion = self.expansion_variance * expansion_scale.powi(2);
+        self.error_kt.abs() / (points + expansion).sqrt()
+    }
+}
+
+/// What the levels say of one pose with a list.
+struct Compared {
+    list: ListEnergy,
+    coarse_kt: f64,
+    fine: Estimate,
+}
+
+impl Compared {
+    fn new<P: SitePotential>(
+        first: &Table<P>,
+        second: &Table<P>,
+        list: &List,
+        pose: &RelativePose,
+    ) -> Option<Self> {
+        let fine = first.fine_energy(second, list, pose)?;
+        let energy = list.energy(first, pose)?;
+        Some(Self {
+            list: energy,
+            coarse_kt: energy.close_kt + list.far_energy(first, pose)?,
+            fine,
+        })
+    }
+
+    fn expanded_error_kt(&self) -> f64 {
+        self.list.expanded_kt - self.fine.energy_kt
+    }
+
+    fn coarse_error_kt(&self) -> f64 {
+        self.coarse_kt - self.fine.energy_kt
+    }
+}
+
+impl Errors {
     fn compare<P: SitePotential>(
         &mut self,
         potential: &P,
@@ -80,78 +145,118 @@ impl Ratios {
         rng: &mut CounterRng,
     ) {
         for pose in 0..POSES {
-            let here = apart(first, second, random_gap(pose, rng), rng);
-            let there = moved(&here, STEP_ANGSTROM, STEP_RADIAN, rng);
+            let gap = random_gap(pose, rng);
+            let here = apart(first, second, gap, rng);
+            let there = match pose % 4 {
+                3 => moved(&here, STEP_PER_GAP * gap, LARGE_STEP_RADIAN, rng),
+                _ => moved(&here, STEP_ANGSTROM, STEP_RADIAN, rng),
+            };
             // A pair has drifted some way from where its list was made.
-            let before = moved(&here, f64::from(SKIN_ANGSTROM), DRIFT_RADIAN, rng);
+            let drift_angstrom = f64::from(SKIN_ANGSTROM.max(PART_OF_DISTANCE * gap as f32));
+            let before = moved(&here, drift_angstrom, DRIFT_RADIAN, rng);
             let [before, here, there] = [before, here, there].map(|pose| relative(&pose));
             let mut list = List::new(first, second, &before, COARSE_OPENING);
             if !(list.serves(&here) && list.serves(&there)) {
                 list = List::new(first, second, &here, COARSE_OPENING);
             }
-            let fine = [&here, &there].map(|pose| first.fine_energy(second, &list, pose));
-            let coarse = [&here, &there].map(|pose| list.energy(first, pose));
-            let ([Some(fine), Some(fine_there)], [Some(coarse), Some(coarse_there)]) =
-                (fine, coarse)
-            else {
+            let compared = [&here, &there].map(|pose| Compared::new(first, second, &list, pose));
+            let [Some(at_here), Some(at_there)] = compared else {
                 continue;
             };
-            if let Some(middle) = first.middle_energy(second, &list, &here) {
-                let error = middle.energy_kt - fine.energy_kt;
-                self.middle.push(error / middle.deviation());
+            self.add_energies(&list, &at_here);
+            if list.serves(&there) {
+                self.add_changes(&list, [&at_here, &at_there], [&here, &there]);
             }
-            let deviation = list.variance.sqrt().max(f64::MIN_POSITIVE);
-            self.energy.push((coarse - fine.energy_kt) / deviation);
-            let change = (coarse_there - coarse) - (fine_there.energy_kt - fine.energy_kt);
-            self.change
-                .push(change / (deviation * list.shift(&here, &there)));
             if pose < DIRECT_POSES {
                 let direct = pair_energy_kt(potential, &first.charges, &second.charges, &here);
+                let fine = at_here.fine;
                 self.fine.push((fine.energy_kt - direct) / fine.deviation());
             }
         }
     }
 
+    fn add_energies(&mut self, list: &List, here: &Compared) {
+        self.coarse.push(ListError {
+            error_kt: here.coarse_error_kt(),
+            points_variance: list.variance,
+            expansion_variance: 0.0,
+        });
+        self.expanded.push(ListError {
+            error_kt: here.expanded_error_kt(),
+            points_variance: list.variance,
+            expansion_variance: here.list.expansion_variance,
+        });
+    }
+
+    fn add_changes(
+        &mut self,
+        list: &List,
+        [here, there]: [&Compared; 2],
+        [from, to]: [&RelativePose; 2],
+    ) {
+        let points_variance = list.change_variance(from, to);
+        let variances = [here, there].map(|at| at.list.expansion_variance);
+        let shift = list.expansion_shift(from, to);
+        self.coarse_changes.push(ListError {
+            error_kt: there.coarse_error_kt() - here.coarse_error_kt(),
+            points_variance,
+            expansion_variance: 0.0,
+        });
+        self.expanded_changes.push(ListError {
+            error_kt: there.expanded_error_kt() - here.expanded_error_kt(),
+            points_variance,
+            expansion_variance: variances[0].max(variances[1]) * shift.powi(2),
+        });
+    }
+
     fn finish(&self) -> Calibration {
-        let scale = |ratios: &[f64], least: f64| {
-            let squares: f64 = ratios.iter().map(|ratio| ratio * ratio).sum();
-            let largest = ratios
-                .iter()
-                .fold(0.0_f64, |most, ratio| most.max(ratio.abs()));
-            let typical = (squares / ratios.len().max(1) as f64).sqrt();
-            // Half of the multiple is left for what the comparison did not meet.
-            typical.max(2.0 * largest / MULTIPLE).max(least)
+        // The points' scale first, then what expansions add.
+        let of_points = |errors: &[ListError]| {
+            let ratios = errors.iter().map(|error| error.ratio(1.0, 0.0));
+            TAIL * scale(ratios)
         };
-        let scales = [
-            TAIL * scale(&self.energy, 0.1),
-            TAIL * scale(&self.change, 0.02),
-            scale(&self.middle, 0.12),
-            scale(&self.fine, 0.06),
-        ];
-        let all = [&self.energy, &self.change, &self.middle, &self.fine];
-        let in_deviations = all.into_iter().zip(scales);
-        let in_deviations: Vec<f64> = in_deviations
-            .flat_map(|(ratios, scale)| ratios.iter().map(move |ratio| ratio.abs() / scale))
+        let of_expansions = |errors: &[ListError], points: f64| {
+            let ratios = errors.iter().map(|error| error.ratio(points, 1.0));
+            TAIL * scale(ratios)
+        };
+        let coarse = Scales {
+            energy: of_points(&self.coarse),
+            change: of_points(&self.coarse_changes),
+        };
+        let expansion = Scales {
+            energy: of_expansions(&self.expanded, coarse.energy),
+            change: of_expansions(&self.expanded_changes, coarse.change),
+        };
+        let fine_scale = FINE_TAIL * scale(self.fine.iter().map(|ratio| ratio.abs()));
+        let energies = self.coarse.iter().chain(&self.expanded);
+        let changes = self.coarse_changes.iter().chain(&self.expanded_changes);
+        let in_deviations: Vec<f64> = energies
+            .map(|error| error.ratio(coarse.energy, expansion.energy))
+            .chain(changes.map(|error| error.ratio(coarse.change, expansion.change)))
+            .chain(self.fine.iter().map(|ratio| ratio.abs() / fine_scale))
             .collect();
-        let [
-            energy_scale,
-            change_scale_per_angstrom,
-            middle_scale,
-            fine_scale,
-        ] = scales;
+        let exceeded = in_deviations.iter().filter(|ratio| **ratio > MULTIPLE);
         Calibration {
-            energy_scale,
-            change_scale_per_angstrom,
-            middle_scale,
+            coarse,
+            expansion,
             fine_scale,
-            poses: self.energy.len() as u32,
-            exceeded: in_deviations
-                .iter()
-                .filter(|ratio| **ratio > MULTIPLE)
-                .count() as u32,
+            poses: self.coarse.len() as u32,
+            exceeded: exceeded.count() as u32,
             largest: in_deviations.into_iter().fold(0.0, f64::max),
         }
     }
+}
+
+/// A standard deviation from errors in those of the model.
+fn scale(ratios: impl Iterator<Item = f64>) -> f64 {
+    let (mut number, mut squares, mut largest) = (0, 0.0, 0.0_f64);
+    for ratio in ratios {
+        (number, squares) = (number + 1, squares + ratio * ratio);
+        largest = largest.max(ratio);
+    }
+    let typical = (squares / f64::from(number.max(1))).sqrt();
+    // Half of the multiple is left for what the comparison did not meet.
+    typical.max(2.0 * largest / MULTIPLE).max(LEAST_SCALE)
 }
 
 fn moved(pose: &Pose, step_angstrom: f64, step_rad: f64, rng: &mut CounterRng) -> Pose {

@@ -1,33 +1,34 @@
 //! The smooth part of a body's potential, tabulated in the body's frame.
 //!
 //! Boxes around the charges, each with twice the margin of the one inside it and cells of twice the
-//! edge, so that a cell's edge is at most half its distance from the charges. In a cell the
+//! edge; in the corners of a box, where the charges are farther away, the next box's cells serve. A
+//! cell's edge is at most half its distance from the charges, or the smallest edge. In a cell the
 //! potential is a Chebyshev series in three coordinates, from its values at 6³ Chebyshev points;
 //! decisions that need less use the first 4³ coefficients, in a short form (`packed`).
 
+use super::fine::{FINE, Fine};
+use super::lanes::BLOCK;
+use super::motion::length;
 use super::packed::{COARSE, Head, Packed, pack};
+use super::sampler::{Sampler, Sites};
 use super::split::Split;
 use crate::charges::ChargeCloud;
 use crate::energy::SitePotential;
-use protomer_kernel::Vec3;
-use std::f64::consts::PI;
 
-/// Points of a fine series along each axis.
-pub(super) const FINE: usize = 6;
-/// Its coefficients: x runs fastest, then y, then z.
-pub(super) const FINE_STRIDE: usize = 6;
-pub(super) const FINE_ROW: usize = FINE * FINE_STRIDE;
-const FINE_SIZE: usize = FINE_ROW * FINE;
 /// The near part ends this many innermost cells from a charge.
 const CELLS_PER_NEAR_RADIUS: f64 = 2.0;
 /// Margin of the innermost box, in cells.
 const MARGIN_CELLS: f64 = 4.0;
 /// The outermost box has at most this many times the innermost margin (as a power of two).
 const MOST_SHELLS: usize = 14;
-/// Points evaluated together.
-pub(super) const BLOCK: usize = 16;
 /// A cell that a smaller box covers.
 const COVERED: u32 = u32::MAX;
+/// A cell so far from the charges that the next box's cell serves in its place.
+const ROOMY: u32 = u32::MAX - 1;
+/// How far, in its edges, charges must be from such a cell of the next box.
+const ROOM: f32 = 2.0;
+/// Adding it rounds to an integer, which then is in the low bits.
+const ROUNDER: f32 = 12_582_912.0; // 1.5 · 2²³
 
 /// The tabulated potential of one body type.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,15 +43,10 @@ pub(super) struct Field {
     pub distance: Vec<f32>,
     /// Mean square errors of each cell's coarse and fine series, (kT/e)².
     pub errors: Vec<[f32; 2]>,
-    heads: Vec<Head>,
-    coarse: Vec<Packed>,
-    pub fine: Vec<Aligned>,
+    pub heads: Vec<Head>,
+    pub coarse: Vec<Packed>,
+    pub fine: Vec<Fine>,
 }
-
-/// The coefficients of a cell, in whole lines of the cache.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[repr(align(64))]
-pub(super) struct Aligned(pub [f32; FINE_SIZE]);
 
 /// One box of cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,8 +60,40 @@ struct Shell {
 /// Where 16 points lie: their cells, and their coordinates in them from -1 to 1.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Spots {
-    cell: [u32; BLOCK],
-    at: [[f32; BLOCK]; 3],
+    pub cell: [u32; BLOCK],
+    pub at: [[f32; BLOCK]; 3],
+}
+
+impl Shell {
+    /// Low and high end of a cell along each axis, Å.
+    fn corners(&self, place: u32) -> [[f64; 2]; 3] {
+        let [nx, ny, _] = self.cells;
+        self.corners_of([place % nx, place / nx % ny, place / (nx * ny)])
+    }
+
+    /// Those of the cell that holds a point.
+    fn corners_around(&self, x: &[f64; 3]) -> [[f64; 2]; 3] {
+        let cell = |axis: usize| (x[axis] - f64::from(self.low[axis])) / f64::from(self.edge);
+        self.corners_of([0, 1, 2].map(|axis| cell(axis) as u32))
+    }
+
+    fn corners_of(&self, cell: [u32; 3]) -> [[f64; 2]; 3] {
+        let end = |axis: usize, side: u32| {
+            f64::from(self.low[axis]) + f64::from(cell[axis] + side) * f64::from(self.edge)
+        };
+        [0, 1, 2].map(|axis| [end(axis, 0), end(axis, 1)])
+    }
+}
+
+fn middle(corners: &[[f64; 2]; 3]) -> [f64; 3] {
+    corners.map(|[low, high]| (low + high) / 2.0)
+}
+
+/// Whether a cell is so far from the charges that it serves also where smaller ones could.
+fn is_roomy(sites: &Sites, corners: &[[f64; 2]; 3]) -> bool {
+    let edge = (corners[0][1] - corners[0][0]) as f32;
+    let half_diagonal = edge * 3.0_f32.sqrt() / 2.0;
+    sites.nearest(middle(corners).map(|x| x as f32)) as f32 - half_diagonal > ROOM * edge
 }
 
 impl Field {
@@ -78,18 +106,22 @@ impl Field {
         let mut field = Self::boxes(charges, split.radius_angstrom, reach_angstrom);
         let sampler = Sampler::new();
         let sites = Sites::new(charges);
-        let centres = field.number_cells();
+        let centres = field.number_cells(&sites);
         for (centre, edge) in centres {
             let (values, nearest) = sites.sample(split, &sampler, centre, edge);
             let series = sampler.series(&values);
-            field.add_cell(nearest as f32, truncation_errors(&series), rows(&series));
+            field.add_cell(
+                nearest as f32,
+                truncation_errors(&series),
+                Fine::new(&series),
+            );
         }
         field
     }
 
     /// Adds the next cell: how far its centre is from the nearest charge, its errors, its series.
-    pub fn add_cell(&mut self, distance: f32, errors: [f32; 2], fine: Aligned) {
-        let (head, coarse) = pack(&fine.0);
+    pub fn add_cell(&mut self, distance: f32, errors: [f32; 2], fine: Fine) {
+        let (head, coarse) = pack(&fine);
         self.distance.push(distance);
         self.errors.push(errors);
         self.heads.push(head);
@@ -107,7 +139,8 @@ impl Field {
         for k in 0..MOST_SHELLS {
             let edge = edge * f64::from(1_u32 << k);
             let margin = MARGIN_CELLS * edge;
-            let cells = half.map(|half| (2.0 * (half + margin) / edge).ceil() as u32);
+            // Planes of the boxes coincide: all have one through the centre.
+            let cells = half.map(|half| 2 * ((half + margin) / edge).ceil() as u32);
             let low = centre - cells.map(f64::from) * (edge / 2.0);
             shells.push(Shell {
                 first,
@@ -134,27 +167,25 @@ impl Field {
         }
     }
 
-    /// Gives each cell that no smaller box covers its number; centres and edges in that order.
-    pub fn number_cells(&mut self) -> Vec<([f64; 3], f64)> {
+    /// Gives each cell that is used its number; centres and edges in that order.
+    pub fn number_cells(&mut self, sites: &Sites) -> Vec<([f64; 3], f64)> {
         let mut centres = Vec::new();
         for k in 0..self.shells.len() {
             let shell = self.shells[k];
-            let [nx, ny, nz] = shell.cells;
-            for place in 0..nx * ny * nz {
-                let cell = [place % nx, place / nx % ny, place / (nx * ny)];
-                let corner = |axis: usize, side: u32| {
-                    f64::from(shell.low[axis])
-                        + f64::from(cell[axis] + side) * f64::from(shell.edge)
+            for place in 0..shell.cells.iter().product() {
+                let corners = shell.corners(place);
+                let number = if k > 0 && self.covers(k - 1, &corners) && !is_roomy(sites, &corners)
+                {
+                    COVERED
+                } else if k + 1 < self.shells.len()
+                    && is_roomy(sites, &self.shells[k + 1].corners_around(&middle(&corners)))
+                {
+                    ROOMY
+                } else {
+                    centres.push((middle(&corners), f64::from(shell.edge)));
+                    centres.len() as u32 - 1
                 };
-                let corners = [0, 1, 2].map(|axis| [corner(axis, 0), corner(axis, 1)]);
-                if k > 0 && self.covers(k - 1, &corners) {
-                    continue;
-                }
-                self.index[(shell.first + place) as usize] = centres.len() as u32;
-                centres.push((
-                    corners.map(|[low, high]| (low + high) / 2.0),
-                    f64::from(shell.edge),
-                ));
+                self.index[(shell.first + place) as usize] = number;
             }
         }
         centres
@@ -187,24 +218,48 @@ impl Field {
                 };
             }
         }
-        let number = excess.map(power_of_two_above);
-        let (least, most) = (lowest(&number), highest(&number));
-        let mut spots = self.locate_in(self.shells.get(most as usize)?, x);
-        for k in least..most {
-            let others = self.locate_in(self.shells.get(k as usize)?, x);
+        let mut number = excess.map(power_of_two_above);
+        let (mut k, mut most) = (lowest(&number), highest(&number));
+        let mut spots = Spots {
+            cell: [COVERED; BLOCK],
+            at: [[0.0; BLOCK]; 3],
+        };
+        // Rounding must not decide which larger cell stands for a smaller one: its middle does.
+        let mut within = *x;
+        loop {
+            let shell = self.shells.get(k as usize)?;
+            let here = self.locate_in(shell, &within, x);
+            let mut any_roomy = false;
             for lane in 0..BLOCK {
-                if number[lane] == k {
-                    spots.cell[lane] = others.cell[lane];
-                    (0..3).for_each(|axis| spots.at[axis][lane] = others.at[axis][lane]);
+                let is_here = number[lane] == k;
+                if is_here {
+                    spots.cell[lane] = here.cell[lane];
+                    (0..3).for_each(|axis| spots.at[axis][lane] = here.at[axis][lane]);
                 }
+                any_roomy |= is_here && here.cell[lane] == ROOMY;
             }
+            if any_roomy {
+                for lane in 0..BLOCK {
+                    if number[lane] == k && here.cell[lane] == ROOMY {
+                        number[lane] = k + 1;
+                        for axis in 0..3 {
+                            within[axis][lane] -= 0.5 * shell.edge * here.at[axis][lane];
+                        }
+                    }
+                }
+                most = most.max(k + 1);
+            }
+            if k == most {
+                return Some(spots);
+            }
+            k += 1;
         }
-        Some(spots)
     }
 
-    /// Where points lie in one box; what is said of points beyond it has no meaning.
+    /// Where points lie in the cells of one box that hold the points of `within`; what is said of
+    /// points beyond the box has no meaning.
     #[inline(always)]
-    fn locate_in(&self, shell: &Shell, x: &[[f32; BLOCK]; 3]) -> Spots {
+    fn locate_in(&self, shell: &Shell, within: &[[f32; BLOCK]; 3], x: &[[f32; BLOCK]; 3]) -> Spots {
         let inverse = 1.0 / shell.edge;
         let mut place = [0_i32; BLOCK];
         let mut at = [[0.0; BLOCK]; 3];
@@ -213,7 +268,8 @@ impl Field {
             let last = cells as f32 - 0.1;
             for lane in 0..BLOCK {
                 let u = (x[axis][lane] - low) * inverse;
-                let inside = if u > 0.0 { u } else { 0.0 };
+                let inside = (within[axis][lane] - low) * inverse;
+                let inside = if inside > 0.0 { inside } else { 0.0 };
                 let inside = if inside < last { inside } else { last };
                 let whole = (inside - 0.5) + ROUNDER;
                 at[axis][lane] = 2.0 * (u - (whole - ROUNDER)) - 1.0;
@@ -228,91 +284,41 @@ impl Field {
         Spots { cell, at }
     }
 
-    /// The smallest box that holds a point.
-    fn shell(&self, x: [f32; 3]) -> u32 {
+    /// The cell that holds a point, its edge (Å), and the point's coordinates in it from -1 to 1;
+    /// `None` beyond the table.
+    #[inline(always)]
+    pub fn cell_at(&self, x: [f32; 3]) -> Option<(usize, f32, [f32; 3])> {
         let outside = |axis: usize| (x[axis] - self.centre[axis]).abs() - self.half[axis];
-        power_of_two_above(outside(0).max(outside(1)).max(outside(2)) * self.inverse_margin)
+        let excess = outside(0).max(outside(1)).max(outside(2)) * self.inverse_margin;
+        let mut within = x;
+        for shell in self.shells.get(power_of_two_above(excess) as usize..)? {
+            let (mut place, mut stride, mut at) = (shell.first, 1, [0.0; 3]);
+            for axis in 0..3 {
+                let [u, inside] = [x, within].map(|x| (x[axis] - shell.low[axis]) / shell.edge);
+                let cell = (inside as u32).min(shell.cells[axis] - 1);
+                place += stride * cell;
+                stride *= shell.cells[axis];
+                at[axis] = 2.0 * (u - cell as f32) - 1.0;
+                within[axis] -= 0.5 * shell.edge * at[axis];
+            }
+            let cell = *self.index.get(place as usize)?;
+            if cell != ROOMY {
+                return Some((cell as usize, shell.edge, at));
+            }
+        }
+        None
     }
 
     /// A lower bound on the distance of a point from the nearest charge, Å.
     #[inline(always)]
     pub fn distance_bound(&self, x: [f32; 3]) -> f32 {
-        let Some(shell) = self.shells.get(self.shell(x) as usize) else {
-            let outside = |axis: usize| (x[axis] - self.centre[axis]).abs() - self.half[axis];
-            return outside(0).max(outside(1)).max(outside(2));
-        };
-        let (mut place, mut square, mut stride) = (shell.first, 0.0, 1);
-        for axis in 0..3 {
-            let u = (x[axis] - shell.low[axis]) / shell.edge;
-            let cell = (u as u32).min(shell.cells[axis] - 1);
-            place += stride * cell;
-            stride *= shell.cells[axis];
-            let from_centre = u - cell as f32 - 0.5;
-            square += from_centre * from_centre;
-        }
-        let cell = self.index[place as usize];
-        self.distance[cell as usize] - shell.edge * square.sqrt()
-    }
-
-    /// Adds charge times coarse potential of each spot to the lanes of `sum`. `FUSED`: where
-    /// multiply-add is one instruction.
-    #[inline(always)]
-    pub fn add_coarse<const FUSED: bool>(
-        &self,
-        spots: &Spots,
-        charge: &[f32; BLOCK],
-        sum: &mut [f32; BLOCK],
-    ) {
-        let mut first = [0.0; BLOCK];
-        for point in 0..BLOCK {
-            let cell = spots.cell[point] as usize;
-            let (Packed(rows), head) = (&self.coarse[cell], &self.heads[cell]);
-            let [x, y, z] = [0, 1, 2].map(|axis| spots.at[axis][point]);
-            first[point] = head.first;
-            let charge = charge[point] * head.unit;
-            let (xx, yy, zz) = (x * x, y * y, z * z);
-            let (z2, z3) = (2.0 * zz - 1.0, z * (4.0 * zz - 3.0));
-            for lane in 0..BLOCK {
-                let mut value = f32::from(rows[0][lane]);
-                value = add::<FUSED>(f32::from(rows[1][lane]), z, value);
-                value = add::<FUSED>(f32::from(rows[2][lane]), z2, value);
-                value = add::<FUSED>(f32::from(rows[3][lane]), z3, value);
-                // T_0 to T_3 are products of 1 or x with 1, 2x² - 1 or 4x² - 3.
-                let of_x = add::<FUSED>(ODD_X[lane], x, EVEN_X[lane])
-                    * add::<FUSED>(SLOPE_X[lane], xx, SHIFT_X[lane]);
-                let of_y = add::<FUSED>(ODD_Y[lane], y, EVEN_Y[lane])
-                    * add::<FUSED>(SLOPE_Y[lane], yy, SHIFT_Y[lane]);
-                sum[lane] = add::<FUSED>(value, of_x * (of_y * charge), sum[lane]);
+        match self.cell_at(x) {
+            Some((cell, edge, at)) => self.distance[cell] - 0.5 * edge * length(at),
+            None => {
+                let outside = |axis: usize| (x[axis] - self.centre[axis]).abs() - self.half[axis];
+                outside(0).max(outside(1)).max(outside(2))
             }
         }
-        for lane in 0..BLOCK {
-            sum[lane] = add::<FUSED>(charge[lane], first[lane], sum[lane]);
-        }
-    }
-
-    /// Charge times fine potential of each spot, summed.
-    #[inline(always)]
-    pub fn fine(&self, spots: &Spots, charge: &[f32; BLOCK]) -> f64 {
-        let mut total = 0.0;
-        for point in 0..BLOCK {
-            let rows = &self.fine[spots.cell[point] as usize].0;
-            let [tx, ty, tz] = spots.at.map(|axis| chebyshev::<FINE>(axis[point]));
-            let mut value = [0.0_f32; FINE_ROW];
-            for (row, tz) in rows.chunks_exact(FINE_ROW).zip(tz) {
-                for lane in 0..FINE_ROW {
-                    value[lane] += row[lane] * tz;
-                }
-            }
-            let mut sum = [0.0; FINE_STRIDE];
-            for (row, ty) in value.chunks_exact(FINE_STRIDE).zip(ty) {
-                for lane in 0..FINE_STRIDE {
-                    sum[lane] += row[lane] * ty;
-                }
-            }
-            let potential: f32 = (0..FINE).map(|x| sum[x] * tx[x]).sum();
-            total += f64::from(potential) * f64::from(charge[point]);
-        }
-        total
     }
 
     /// Variance of the energy of these charges from the coarse series, kT².
@@ -330,25 +336,15 @@ impl Field {
 
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
-        let cell = 4 * (1 + 2 + FINE_SIZE) + size_of::<Head>() + size_of::<Packed>();
+        let series = size_of::<Head>() + size_of::<Packed>() + size_of::<Fine>();
+        let cell = 4 * (1 + 2) + series;
         4 * self.index.len() + cell * self.distance.len()
     }
 }
 
-/// T_0 to T_{N-1} at t.
-#[inline(always)]
-fn chebyshev<const N: usize>(t: f32) -> [f32; N] {
-    let mut values = [1.0; N];
-    values[1] = t;
-    for n in 2..N {
-        values[n] = 2.0 * t * values[n - 1] - values[n - 2];
-    }
-    values
-}
-
 /// Mean squares of what a series leaves out: of the coarse one, all higher coefficients; of the fine
-/// one, no more than its last coefficients, whose successors are smaller. Each factor T_n with n > 0
-/// has the mean square 1/2.
+/// one, no more than those it drops and the last ones along an axis, whose successors are smaller.
+/// Each factor T_n with n > 0 has the mean square 1/2.
 fn truncation_errors(series: &[f64]) -> [f32; 2] {
     let mut errors = [0.0; 2];
     for (place, coefficient) in series.iter().enumerate() {
@@ -356,24 +352,11 @@ fn truncation_errors(series: &[f64]) -> [f32; 2] {
         let halves = orders.iter().filter(|n| **n > 0).count() as i32;
         let square = coefficient * coefficient * 0.5_f64.powi(halves);
         let highest = orders.into_iter().max().unwrap_or(0);
+        let is_last = highest == FINE - 1 || !Fine::keeps(orders);
         errors[0] += if highest >= COARSE { square } else { 0.0 };
-        errors[1] += if highest == FINE - 1 { square } else { 0.0 };
+        errors[1] += if is_last { square } else { 0.0 };
     }
     errors.map(|square| square as f32)
-}
-
-/// The coefficients in single precision.
-fn rows(series: &[f64]) -> Aligned {
-    let mut rows = [0.0; FINE_SIZE];
-    for (row, values) in rows
-        .chunks_exact_mut(FINE_STRIDE)
-        .zip(series.chunks_exact(FINE))
-    {
-        for (place, value) in row.iter_mut().zip(values) {
-            *place = *value as f32;
-        }
-    }
-    Aligned(rows)
 }
 
 /// The least k ≥ 0 with x below 2^k, from the exponent.
@@ -395,168 +378,94 @@ fn highest(numbers: &[u32; BLOCK]) -> u32 {
     numbers.iter().fold(0, |most, number| most.max(*number))
 }
 
-/// a b + c.
-#[inline(always)]
-fn add<const FUSED: bool>(a: f32, b: f32, c: f32) -> f32 {
-    if FUSED { a.mul_add(b, c) } else { a * b + c }
-}
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+pub(super) mod tests {
+    use super::*;
+    use protomer_kernel::Vec3;
+    use protomer_kernel::potential::Yukawa;
+    use protomer_kernel::random::CounterRng;
 
-/// Adding it rounds to an integer, which then is in the low bits.
-const ROUNDER: f32 = 12_582_912.0; // 1.5 · 2²³
-
-const ODD: [f32; 4] = [0.0, 1.0, 0.0, 1.0];
-const EVEN: [f32; 4] = [1.0, 0.0, 1.0, 0.0];
-const SLOPE: [f32; 4] = [0.0, 0.0, 2.0, 4.0];
-const SHIFT: [f32; 4] = [1.0, 1.0, -1.0, -3.0];
-const ODD_X: [f32; BLOCK] = along_x(ODD);
-const EVEN_X: [f32; BLOCK] = along_x(EVEN);
-const SLOPE_X: [f32; BLOCK] = along_x(SLOPE);
-const SHIFT_X: [f32; BLOCK] = along_x(SHIFT);
-const ODD_Y: [f32; BLOCK] = along_y(ODD);
-const EVEN_Y: [f32; BLOCK] = along_y(EVEN);
-const SLOPE_Y: [f32; BLOCK] = along_y(SLOPE);
-const SHIFT_Y: [f32; BLOCK] = along_y(SHIFT);
-
-/// Lane 4 j + i has the value of i.
-const fn along_x(of: [f32; 4]) -> [f32; BLOCK] {
-    let mut lanes = [0.0; BLOCK];
-    let mut lane = 0;
-    while lane < BLOCK {
-        lanes[lane] = of[lane % COARSE];
-        lane += 1;
-    }
-    lanes
-}
-
-/// Lane 4 j + i has the value of j.
-const fn along_y(of: [f32; 4]) -> [f32; BLOCK] {
-    let mut lanes = [0.0; BLOCK];
-    let mut lane = 0;
-    while lane < BLOCK {
-        lanes[lane] = of[lane / COARSE];
-        lane += 1;
-    }
-    lanes
-}
-
-/// The Chebyshev points and the transform from values to coefficients.
-struct Sampler {
-    points: [f64; FINE],
-    transform: [[f64; FINE]; FINE],
-}
-
-impl Sampler {
-    fn new() -> Self {
-        let angle = |i: usize| PI * (i as f64 + 0.5) / FINE as f64;
-        let weight = |n: usize| if n == 0 { 1.0 } else { 2.0 } / FINE as f64;
-        Self {
-            points: std::array::from_fn(|i| angle(i).cos()),
-            transform: std::array::from_fn(|n| {
-                std::array::from_fn(|i| weight(n) * (n as f64 * angle(i)).cos())
-            }),
-        }
+    /// 60 charges in a long box.
+    fn charges() -> ChargeCloud {
+        let mut rng = CounterRng::new(5, 0, 0);
+        let sites = (0..60).map(|number| {
+            let position = Vec3::new(
+                rng.uniform_in(-20.0, 20.0),
+                rng.uniform_in(-8.0, 8.0),
+                rng.uniform_in(-6.0, 6.0),
+            );
+            (position, if number % 3 == 0 { -1.0 } else { 1.0 })
+        });
+        ChargeCloud::new(&sites.collect::<Vec<_>>())
     }
 
-    /// Coefficients from values, one axis after the other; x runs fastest.
-    fn series(&self, values: &[f64]) -> Vec<f64> {
-        let mut from = values.to_vec();
-        for stride in [1, FINE, FINE * FINE] {
-            let mut to = vec![0.0; from.len()];
-            for (place, to) in to.iter_mut().enumerate() {
-                let n = place / stride % FINE;
-                let start = place - n * stride;
-                *to = (0..FINE)
-                    .map(|i| self.transform[n][i] * from[start + i * stride])
-                    .sum();
-            }
-            from = to;
-        }
-        from
+    fn potential() -> Yukawa {
+        Yukawa::uncut(7.0, 1.0 / 9.6).unwrap()
     }
-}
 
-/// The charges in arrays of 16.
-struct Sites {
-    blocks: Vec<[[f32; BLOCK]; 4]>,
-}
+    pub fn field() -> Field {
+        Field::new(&charges(), &Split::new(potential(), 5.0), 60.0)
+    }
 
-impl Sites {
-    fn new(charges: &ChargeCloud) -> Self {
-        let sites: Vec<_> = charges.iter().collect();
-        let block = |sites: &[(Vec3, f64)]| {
-            let mut block = [[0.0; BLOCK]; 4];
-            for lane in 0..BLOCK {
-                // Empty lanes repeat the last place without a charge.
-                let (x, charge) = sites[lane.min(sites.len() - 1)];
-                (0..3).for_each(|axis| block[axis][lane] = x[axis] as f32);
-                block[3][lane] = if lane < sites.len() {
-                    charge as f32
-                } else {
-                    0.0
-                };
-            }
-            block
+    /// Places in and around the charges, near and far.
+    pub fn places(number: usize) -> Vec<[f32; 3]> {
+        let mut rng = CounterRng::new(6, 0, 0);
+        let place = |_| {
+            let size = rng.uniform_in(5.0, 60.0);
+            let place: Vec3 = rng.vector_in_ball(size);
+            place.map(|x| x as f32).into()
         };
-        Self {
-            blocks: sites.chunks(BLOCK).map(block).collect(),
-        }
+        (0..number).map(place).collect()
     }
 
-    /// The smooth potential at the Chebyshev points of a cell, and how far the nearest charge is
-    /// from its centre. Single precision, which is that of the stored series.
-    fn sample<P: SitePotential>(
-        &self,
-        split: &Split<P>,
-        sampler: &Sampler,
-        centre: [f64; 3],
-        edge: f64,
-    ) -> (Vec<f64>, f64) {
-        let at = |axis: usize, i: usize| (centre[axis] + 0.5 * edge * sampler.points[i]) as f32;
-        let mut values = Vec::with_capacity(FINE * FINE * FINE);
-        for place in 0..FINE * FINE * FINE {
-            let [i, j, k] = [place % FINE, place / FINE % FINE, place / (FINE * FINE)];
-            values.push(f64::from(
-                self.potential(split, [at(0, i), at(1, j), at(2, k)]),
-            ));
-        }
-        (values, self.nearest(centre.map(|x| x as f32)))
-    }
-
-    fn potential<P: SitePotential>(&self, split: &Split<P>, x: [f32; 3]) -> f32 {
-        #[cfg(target_arch = "x86_64")]
-        if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
-            // SAFETY: the processor has the two features the function is compiled for.
-            return unsafe { self.potential_avx512(split, x) };
-        }
-        self.sum(split, x)
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f,avx512dq")]
-    fn potential_avx512<P: SitePotential>(&self, split: &Split<P>, x: [f32; 3]) -> f32 {
-        self.sum(split, x)
-    }
-
-    #[inline(always)]
-    fn sum<P: SitePotential>(&self, split: &Split<P>, [x, y, z]: [f32; 3]) -> f32 {
-        let mut sum = [0.0; BLOCK];
-        for [sx, sy, sz, charge] in &self.blocks {
-            for lane in 0..BLOCK {
-                let (dx, dy, dz) = (x - sx[lane], y - sy[lane], z - sz[lane]);
-                sum[lane] += charge[lane] * split.smooth_f32(dx * dx + dy * dy + dz * dz);
+    #[test]
+    fn sixteen_places_are_found_as_each_alone() {
+        let field = field();
+        for sixteen in places(1600).chunks_exact(BLOCK) {
+            let x = [0, 1, 2].map(|axis| std::array::from_fn(|lane| sixteen[lane][axis]));
+            let spots = field.locate(&x).unwrap();
+            for (lane, place) in sixteen.iter().enumerate() {
+                let (cell, _, at) = field.cell_at(*place).unwrap();
+                assert_eq!(spots.cell[lane] as usize, cell);
+                for axis in 0..3 {
+                    assert!((spots.at[axis][lane] - at[axis]).abs() < 1e-4);
+                    assert!(at[axis].abs() < 1.0001);
+                }
             }
         }
-        sum.iter().sum()
+        assert!(field.index.contains(&ROOMY));
     }
 
-    fn nearest(&self, [x, y, z]: [f32; 3]) -> f64 {
-        let mut least = [f32::INFINITY; BLOCK];
-        for [sx, sy, sz, _] in &self.blocks {
-            for lane in 0..BLOCK {
-                let (dx, dy, dz) = (x - sx[lane], y - sy[lane], z - sz[lane]);
-                least[lane] = least[lane].min(dx * dx + dy * dy + dz * dz);
-            }
+    #[test]
+    fn the_fine_series_is_the_smooth_potential() {
+        let (field, charges) = (field(), charges());
+        let split = Split::new(potential(), 5.0);
+        let (mut squares, mut modelled, mut largest) = (0.0, 0.0, 0.0_f64);
+        let places = places(800);
+        for place in &places {
+            let x = place.map(|x| [x; BLOCK]);
+            let spots = field.locate(&x).unwrap();
+            let mut charge = [0.0; BLOCK];
+            charge[3] = 1.0;
+            let there = Vec3::from(place.map(f64::from));
+            let sum: f64 = charges
+                .iter()
+                .map(|(site, charge)| {
+                    let square = (site - there).norm_squared();
+                    charge * f64::from(split.smooth_f32(square as f32))
+                })
+                .sum();
+            let error = field.fine::<false>(&spots, &charge) - sum;
+            squares += error * error;
+            modelled += f64::from(field.fine_variance(&spots, &charge));
+            largest = largest.max(error.abs());
         }
-        f64::from(least.into_iter().fold(f32::INFINITY, f32::min)).sqrt()
+        let number = places.len() as f64;
+        let (error, modelled) = ((squares / number).sqrt(), (modelled / number).sqrt());
+        assert!(
+            error < modelled && largest < 2e-3,
+            "{error} {modelled} {largest}"
+        );
     }
 }

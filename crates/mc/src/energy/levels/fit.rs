@@ -1,15 +1,17 @@
 //! Equivalent charges: a few charges whose potential outside a sphere is that of many inside it.
 //!
 //! Positions and charges minimise the squared error of the potential at points of a sphere of
-//! [`FIT_DISTANCE`](super::tree::FIT_DISTANCE) radii and, weighted up, of one far away, where only
+//! [`FIT_DISTANCE`] radii and, weighted up, of one far away, where only
 //! monopole and dipole are left: errors of those add up over all charges of a partner. The minimum
 //! is found by the Levenberg-Marquardt method.
 
-use super::tree::FIT_DISTANCE;
 use crate::energy::SitePotential;
 use nalgebra::{DMatrix, DVector};
 use protomer_kernel::Vec3;
 use std::f64::consts::PI;
+
+/// Where equivalent charges are fitted, in radii of the node.
+pub(super) const FIT_DISTANCE: f32 = 1.5;
 
 const NEAR_POINTS: usize = 120;
 const FAR_POINTS: usize = 24;

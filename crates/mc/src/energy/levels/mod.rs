@@ -2,19 +2,21 @@
 //!
 //! | level | what is summed |
 //! |---|---|
-//! | coarse | points chosen for the pair and kept while it moves little, in the coarse table |
-//! | middle | all charges of one body in the coarse table of the other |
+//! | expanded | points chosen for the pair and kept while it moves little: the nearer ones in the coarse table, the others as a quadratic function of how the pair has moved |
+//! | coarse | all of these points in the coarse table |
 //! | fine | all charges of one body in the fine table of the other |
 //! | direct | all pairs of charges |
 //!
 //! A table (`table`) holds a body's potential in its own frame in two parts (`split`): the smooth one
-//! as Chebyshev series in nested boxes of cells (`field`, `packed`), the near one as charges to be summed pair
-//! by pair (`neighbours`). Far parts of the other body are stood for by equivalent charges (`tree`,
-//! `fit`). A list (`list`) keeps which ones for a pair, so that errors before and after a move cancel.
+//! as Chebyshev series in nested boxes of cells (`field`; sampled by `sampler`, stored as `fine` and
+//! `packed`, evaluated by `series`), the near one as charges to be summed pair by pair
+//! (`neighbours`). Far parts of the other body are stood for by equivalent charges (`tree`, `fit`). A
+//! list (`list`, chosen by `maker`) keeps which ones for a pair, so that errors before and after a
+//! move cancel, and an expansion of the far ones (`expansion`) in the pair's motion (`motion`).
 //!
-//! Poses that have nothing to do with each other take the fine level without a list (`alone`).
+//! Poses that have nothing to do with each other take the fine level without a list (`fine_energy`).
 //!
-//! A decision (`model`) starts at the coarse level with an error by a variance model and goes up, the
+//! A decision (`model`) starts at the first level with an error by a variance model and goes up, the
 //! least certain pair first, while the random number is within [`MULTIPLE`] standard deviations of
 //! the change of the energy. The model's scale is found by comparison of the levels (`calibration`).
 #![allow(
@@ -22,14 +24,21 @@
     reason = "a lane runs through several arrays at once"
 )]
 
-mod alone;
 mod calibration;
+mod expansion;
 mod field;
+mod fine;
+mod fine_energy;
 mod fit;
+mod lanes;
 mod list;
+mod maker;
 mod model;
+mod motion;
 mod neighbours;
 mod packed;
+mod sampler;
+mod series;
 mod split;
 mod storage;
 mod table;

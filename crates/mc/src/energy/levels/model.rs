@@ -2,9 +2,13 @@
 
 use super::calibration::{Calibration, MULTIPLE};
 use super::list::List;
+use super::maker::COARSE_OPENING;
 use super::table::{Estimate, Table};
+use crate::energy::direct::direct_energy_kt;
 use crate::energy::reach::{Reach, require_room};
-use crate::energy::{EnergyModel, PairEnergy, SitePotential, all_pairs, finite, pair_energy_kt};
+use crate::energy::{
+    Effort, EnergyModel, PairEnergy, SitePotential, all_pairs, finite, pair_energy_kt, sum_of_pairs,
+};
 use crate::sparse_rows::PairTable;
 use crate::system::{Pair, System, Trial};
 use crate::{BodyType, Result};
@@ -12,16 +16,13 @@ use protomer_kernel::pose::RelativePose;
 use serde::Serialize;
 use std::sync::{Arc, OnceLock};
 
-/// Radii of a node at which its equivalent charges stand for it.
-pub(super) const COARSE_OPENING: f32 = 1.0;
-
 /// How many decisions each level made.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Decided {
-    /// From lists of points in coarse tables.
+    /// From lists of points, the far ones expanded about an earlier pose.
+    pub expanded: u64,
+    /// With all points of a list in coarse tables, for one pair of bodies or more.
     pub coarse: u64,
-    /// With all charges in coarse tables, for one pair of bodies or more.
-    pub middle: u64,
     /// With all charges in fine tables, for one pair of bodies or more.
     pub fine: u64,
     /// With a direct sum for one pair of bodies or more.
@@ -48,7 +49,7 @@ pub struct Levels<P> {
     energies: PairTable<Arc<Known>>,
     proposed: Vec<(usize, usize, Arc<Known>)>,
     decided: Decided,
-    coarse_energies: u64,
+    first_energies: u64,
 }
 
 /// What is known of one pair of bodies at one pose.
@@ -57,8 +58,8 @@ struct Known {
     /// The types of the two bodies.
     types: (usize, usize),
     images: Vec<Image>,
-    coarse_kt: f64,
-    middle: OnceLock<Estimate>,
+    expanded_kt: f64,
+    coarse_kt: OnceLock<f64>,
     fine: OnceLock<Estimate>,
     direct_kt: OnceLock<f64>,
 }
@@ -68,6 +69,10 @@ struct Known {
 struct Image {
     relative: RelativePose,
     list: Arc<List>,
+    /// The energy without the list's far points, kT.
+    close_kt: f64,
+    /// Variance of the list's expansion by the error model, kT².
+    expansion_variance: f64,
 }
 
 /// A pair in a decision: its energy after the move and before.
@@ -81,13 +86,10 @@ struct Change {
     deviation_kt: f64,
 }
 
-const COARSE: usize = 0;
-const MIDDLE: usize = 1;
+const EXPANDED: usize = 0;
+const COARSE: usize = 1;
 const FINE: usize = 2;
 const DIRECT: usize = 3;
-
-/// [`Table::middle_energy`] or [`Table::fine_energy`].
-type AllCharges<P> = fn(&Table<P>, &Table<P>, &List, &RelativePose) -> Option<Estimate>;
 
 impl<P: SitePotential> Levels<P> {
     /// The model for this potential and system, with a table for each of its body types.
@@ -106,7 +108,7 @@ impl<P: SitePotential> Levels<P> {
             energies: PairTable::new(0),
             proposed: Vec::new(),
             decided: Decided::default(),
-            coarse_energies: 0,
+            first_energies: 0,
         }
     }
 
@@ -130,9 +132,9 @@ impl<P: SitePotential> Levels<P> {
         self.decided
     }
 
-    /// How many pair energies were found at the coarse level.
-    pub fn coarse_energies(&self) -> u64 {
-        self.coarse_energies
+    /// How many pair energies were found at the first level.
+    pub fn first_energies(&self) -> u64 {
+        self.first_energies
     }
 
     fn prepare(&mut self, system: &System) {
@@ -144,14 +146,31 @@ impl<P: SitePotential> Levels<P> {
         (&self.tables[first], &self.tables[second])
     }
 
-    /// The pair at its present pose, with the lists of `before` where they serve; `None` beyond the
-    /// reach.
-    fn known(&self, pair: &Pair<'_>, before: Option<&Known>) -> Result<Option<Arc<Known>>> {
+    /// The poses of the images that count; none beyond the reach.
+    fn image_poses(&self, pair: &Pair<'_>) -> Vec<RelativePose> {
         let images = self.reach.images(pair);
-        let poses: Vec<_> = images.map(|image| pair.relative_image(&image)).collect();
+        images.map(|image| pair.relative_image(&image)).collect()
+    }
+
+    /// The energy of a pair from fine tables without lists, kT.
+    fn energy_alone_kt(&self, pair: &Pair<'_>) -> Result<f64> {
+        let (first, second) = self.tables_of(pair.type_indices());
+        let mut energy_kt = 0.0;
+        for pose in self.image_poses(pair) {
+            let image = first.energy_alone_kt(second, &pose);
+            energy_kt += image.unwrap_or_else(|| {
+                pair_energy_kt(&self.potential, &first.charges, &second.charges, &pose)
+            });
+        }
+        finite(pair.first, pair.second, energy_kt)
+    }
+
+    /// The pair at its present pose; `None` beyond the reach.
+    fn known(&self, pair: &Pair<'_>) -> Result<Option<Arc<Known>>> {
+        let poses = self.image_poses(pair);
         match poses.is_empty() {
             true => Ok(None),
-            false => self.known_at(pair, poses, before).map(Some),
+            false => self.known_at(pair, poses, None).map(Some),
         }
     }
 
@@ -163,7 +182,7 @@ impl<P: SitePotential> Levels<P> {
         before: Option<&Known>,
     ) -> Result<Arc<Known>> {
         let (first, second) = self.tables_of(pair.type_indices());
-        let (mut images, mut coarse_kt) = (Vec::with_capacity(poses.len()), Some(0.0));
+        let (mut images, mut expanded_kt) = (Vec::with_capacity(poses.len()), Some(0.0));
         for (number, relative) in poses.into_iter().enumerate() {
             let kept = before
                 .and_then(|known| known.images.get(number))
@@ -173,20 +192,26 @@ impl<P: SitePotential> Levels<P> {
                 None => Arc::new(List::new(first, second, &relative, COARSE_OPENING)),
             };
             let energy = list.energy(first, &relative);
-            coarse_kt = coarse_kt.zip(energy).map(|(sum, energy)| sum + energy);
-            images.push(Image { relative, list });
+            let sum = expanded_kt.zip(energy);
+            expanded_kt = sum.map(|(sum, energy)| sum + energy.expanded_kt);
+            images.push(Image {
+                relative,
+                list,
+                close_kt: energy.map_or(f64::NAN, |energy| energy.close_kt),
+                expansion_variance: energy.map_or(0.0, |energy| energy.expansion_variance),
+            });
         }
         let mut known = Known {
             types: pair.type_indices(),
             images,
-            coarse_kt: 0.0,
-            middle: OnceLock::new(),
+            expanded_kt: 0.0,
+            coarse_kt: OnceLock::new(),
             fine: OnceLock::new(),
             direct_kt: OnceLock::new(),
         };
         // Where the tables end, the direct sum is all there is.
-        known.coarse_kt = coarse_kt.unwrap_or_else(|| self.direct_kt(&known));
-        finite(pair.first, pair.second, known.coarse_kt)?;
+        known.expanded_kt = expanded_kt.unwrap_or_else(|| self.direct_kt(&known));
+        finite(pair.first, pair.second, known.expanded_kt)?;
         Ok(Arc::new(known))
     }
 
@@ -197,7 +222,7 @@ impl<P: SitePotential> Levels<P> {
             |known: Option<&Known>| known.map_or((0.0, 0.0), |known| self.energy(known, level));
         let ((new_kt, new_variance), (old_kt, old_variance)) = (of(new), of(old));
         let variance = match (level, new, old) {
-            (COARSE, Some(new), Some(old)) => self.coarse_change_variance(new, old),
+            (EXPANDED | COARSE, Some(new), Some(old)) => self.change_variance(new, old, level),
             _ => new_variance + old_variance,
         };
         let (first, second) = (
@@ -211,22 +236,17 @@ impl<P: SitePotential> Levels<P> {
     /// The energy of a pair at one level, kT, and its variance.
     fn energy(&self, known: &Known, level: usize) -> (f64, f64) {
         match level {
-            COARSE => {
-                let model: f64 = known.images.iter().map(|image| image.list.variance).sum();
-                let scale = self.calibration.energy_scale;
-                (known.coarse_kt, model * scale.powi(2))
-            }
-            MIDDLE => {
-                let estimate = known
-                    .middle
-                    .get_or_init(|| self.all_charges(known, Table::middle_energy));
-                let scale = self.calibration.middle_scale;
-                (estimate.energy_kt, estimate.variance * scale.powi(2))
+            EXPANDED | COARSE => {
+                let images = known.images.iter();
+                let variances = images.map(|image| self.variance(image, level));
+                let energy_kt = match level {
+                    EXPANDED => known.expanded_kt,
+                    _ => *known.coarse_kt.get_or_init(|| self.coarse_kt(known)),
+                };
+                (energy_kt, variances.sum())
             }
             FINE => {
-                let estimate = known
-                    .fine
-                    .get_or_init(|| self.all_charges(known, Table::fine_energy));
+                let estimate = known.fine.get_or_init(|| self.fine_estimate(known));
                 let scale = self.calibration.fine_scale;
                 (estimate.energy_kt, estimate.variance * scale.powi(2))
             }
@@ -253,15 +273,29 @@ impl<P: SitePotential> Levels<P> {
         (self.direct_kt(known), DIRECT, 0.0)
     }
 
-    /// The sum over the images, each with all charges of the second body in a table of the first.
-    fn all_charges(&self, known: &Known, energy: AllCharges<P>) -> Estimate {
+    /// The sum over the images, each with all points of its list.
+    fn coarse_kt(&self, known: &Known) -> f64 {
+        let first = self.tables_of(known.types).0;
+        let energy = |image: &Image| {
+            let far_kt = image.list.far_energy(first, &image.relative)?;
+            Some(image.close_kt + far_kt)
+        };
+        let sum: Option<f64> = known.images.iter().map(energy).sum();
+        let sum = sum.filter(|sum| sum.is_finite());
+        sum.unwrap_or_else(|| self.direct_kt(known))
+    }
+
+    /// The sum over the images, each with all charges of the second body in the fine table of the
+    /// first.
+    fn fine_estimate(&self, known: &Known) -> Estimate {
         let (first, second) = self.tables_of(known.types);
         let mut sum = Estimate {
             energy_kt: 0.0,
             variance: 0.0,
         };
         for image in &known.images {
-            let Some(estimate) = energy(first, second, &image.list, &image.relative) else {
+            let fine = first.fine_energy(second, &image.list, &image.relative);
+            let Some(estimate) = fine else {
                 return self.beyond_tables(known);
             };
             sum.energy_kt += estimate.energy_kt;
@@ -292,46 +326,68 @@ impl<P: SitePotential> Levels<P> {
         }
     }
 
+    /// Of the energy of an image from its list, kT².
+    fn variance(&self, image: &Image, level: usize) -> f64 {
+        let points = image.list.variance * self.calibration.coarse.energy.powi(2);
+        match level {
+            EXPANDED => {
+                points + image.expansion_variance * self.calibration.expansion.energy.powi(2)
+            }
+            _ => points,
+        }
+    }
+
     /// Errors from the same points cancel, the more so the less the pair has moved.
-    fn coarse_change_variance(&self, new: &Known, old: &Known) -> f64 {
-        let scale = self.calibration.energy_scale.powi(2);
+    fn change_variance(&self, new: &Known, old: &Known, level: usize) -> f64 {
         let mut variance = 0.0;
         for number in 0..new.images.len().max(old.images.len()) {
-            variance += match (new.images.get(number), old.images.get(number)) {
+            let (new, old) = (new.images.get(number), old.images.get(number));
+            let images = new.into_iter().chain(old);
+            let apart: f64 = images.map(|image| self.variance(image, level)).sum();
+            variance += match (new, old) {
                 (Some(new), Some(old)) if Arc::ptr_eq(&new.list, &old.list) => {
-                    let shift = new.list.shift(&old.relative, &new.relative);
-                    let moved = self.calibration.change_scale_per_angstrom * shift;
-                    new.list.variance * moved.powi(2).min(2.0 * scale)
+                    apart.min(self.moved_variance(new, old, level))
                 }
-                (new, old) => {
-                    let images = new.into_iter().chain(old);
-                    images.map(|image| image.list.variance * scale).sum()
-                }
+                _ => apart,
             };
         }
         variance
     }
 
-    /// What becomes of the pair with one partner, at the coarse level.
-    fn coarse_change(&mut self, trial: &Trial<'_>, partner: usize) -> Result<Option<Change>> {
+    /// Of the change of the energy of an image from one list at two poses, kT².
+    fn moved_variance(&self, new: &Image, old: &Image, level: usize) -> f64 {
+        let (list, from, to) = (&new.list, &old.relative, &new.relative);
+        let points = list.change_variance(from, to) * self.calibration.coarse.change.powi(2);
+        if level == COARSE {
+            return points;
+        }
+        let expansion = new.expansion_variance.max(old.expansion_variance);
+        let expansion = expansion * list.expansion_shift(from, to).powi(2);
+        points + expansion * self.calibration.expansion.change.powi(2)
+    }
+
+    /// What becomes of the pair with one partner, at the first level.
+    fn first_change(&mut self, trial: &Trial<'_>, partner: usize) -> Result<Option<Change>> {
         let mut old = self.energies.get(trial.body, partner);
         let pair = trial.pair(partner);
-        self.coarse_energies += 1;
+        let poses = self.image_poses(&pair);
+        self.first_energies += 1;
         // Within a tolerance energies are functions of the poses alone.
-        let before = old.as_deref().filter(|_| self.tolerance_kt.is_none());
-        let mut new = self.known(&pair, before)?;
-        if let (Some(present), Some(moved)) = (&old, &new)
-            && self.tolerance_kt.is_none()
-            && !shares_lists(present, moved)
-        {
-            // The pair has drifted from its lists: new ones for where it is now.
-            let fresh = self.known(&trial.system.pair(trial.body, partner), None)?;
-            if let Some(fresh) = fresh {
-                new = self.known(&pair, Some(&fresh))?;
-                self.energies.set(trial.body, partner, Arc::clone(&fresh));
-                old = Some(fresh);
+        let keeps_lists = self.tolerance_kt.is_none();
+        let has_drifted = old.as_ref().is_some_and(|known| !known.serves(&poses));
+        if keeps_lists && has_drifted && !poses.is_empty() {
+            // New lists for where the pair is now.
+            old = self.known(&trial.system.pair(trial.body, partner))?;
+            if let Some(fresh) = &old {
+                self.energies.set(trial.body, partner, Arc::clone(fresh));
             }
         }
+        let new = if poses.is_empty() {
+            None
+        } else {
+            let before = old.as_deref().filter(|_| keeps_lists);
+            Some(self.known_at(&pair, poses, before)?)
+        };
         if new.is_none() && old.is_none() {
             return Ok(None);
         }
@@ -339,11 +395,11 @@ impl<P: SitePotential> Levels<P> {
             partner,
             new,
             old,
-            level: COARSE,
+            level: EXPANDED,
             change_kt: 0.0,
             deviation_kt: 0.0,
         };
-        (change.change_kt, change.deviation_kt) = self.change(trial, &change, COARSE)?;
+        (change.change_kt, change.deviation_kt) = self.change(trial, &change, EXPANDED)?;
         Ok(Some(change))
     }
 
@@ -400,10 +456,10 @@ impl<P: SitePotential> Levels<P> {
             .iter()
             .map(|change| change.level)
             .max()
-            .unwrap_or(COARSE)
+            .unwrap_or(EXPANDED)
         {
+            EXPANDED => self.decided.expanded += 1,
             COARSE => self.decided.coarse += 1,
-            MIDDLE => self.decided.middle += 1,
             FINE => self.decided.fine += 1,
             _ => self.decided.direct += 1,
         }
@@ -421,9 +477,12 @@ impl<P: SitePotential> Levels<P> {
     }
 }
 
-fn shares_lists(a: &Known, b: &Known) -> bool {
-    let same = |(a, b): (&Image, &Image)| Arc::ptr_eq(&a.list, &b.list);
-    a.images.len() == b.images.len() && a.images.iter().zip(&b.images).all(same)
+impl Known {
+    /// Whether the lists serve at all of these poses.
+    fn serves(&self, poses: &[RelativePose]) -> bool {
+        let mut images = self.images.iter().zip(poses);
+        self.images.len() == poses.len() && images.all(|(image, pose)| image.list.serves(pose))
+    }
 }
 
 /// How far from its charges a table must reach for this system, Å.
@@ -442,7 +501,7 @@ impl<P: SitePotential> EnergyModel for Levels<P> {
 
     fn reset(&mut self, system: &System) -> Result<()> {
         self.prepare(system);
-        self.energies = all_pairs(system, |pair| self.known(pair, None))?;
+        self.energies = all_pairs(system, |pair| self.known(pair))?;
         Ok(())
     }
 
@@ -487,7 +546,7 @@ impl<P: SitePotential> EnergyModel for Levels<P> {
         both.dedup();
         let mut changes = Vec::with_capacity(both.len());
         for partner in both {
-            changes.extend(self.coarse_change(trial, partner)?);
+            changes.extend(self.first_change(trial, partner)?);
         }
         let accepted = self.rises_less(trial, &mut changes, budget_kt)?;
         self.propose(trial, changes);
@@ -495,7 +554,7 @@ impl<P: SitePotential> EnergyModel for Levels<P> {
     }
 
     fn exceeds(&mut self, trial: &Trial<'_>, partner: usize, threshold_kt: f64) -> Result<bool> {
-        let mut changes: Vec<Change> = self.coarse_change(trial, partner)?.into_iter().collect();
+        let mut changes: Vec<Change> = self.first_change(trial, partner)?.into_iter().collect();
         let exceeds = !self.rises_less(trial, &mut changes, threshold_kt)?;
         self.propose(trial, changes);
         Ok(exceeds)
@@ -513,6 +572,14 @@ impl<P: SitePotential> EnergyModel for Levels<P> {
         let pairs = self.energies.pairs();
         let errors = pairs.map(|(_, _, known)| self.reported(&known).2);
         errors.fold(0.0, f64::max)
+    }
+
+    /// Quick energies are those of fine tables.
+    fn energy_elsewhere_kt(&self, system: &System, effort: Effort) -> Result<f64> {
+        sum_of_pairs(system, |pair| match effort {
+            Effort::Quick => self.energy_alone_kt(pair).map(Some),
+            Effort::Full => direct_energy_kt(&self.potential, &self.reach, pair),
+        })
     }
 
     fn levels(&self) -> Option<LevelReport> {

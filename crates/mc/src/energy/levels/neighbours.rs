@@ -4,6 +4,10 @@ use crate::charges::ChargeCloud;
 use protomer_kernel::Vec3;
 use std::ops::Range;
 
+/// How far (Å) points may have moved before new ones are chosen; charges that can come within the
+/// near part's range until then are listed, and nodes hold until then.
+pub(super) const SKIN_ANGSTROM: f32 = 2.2;
+
 /// For each cell of a grid, the charges within a distance of any of its points.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Neighbours {

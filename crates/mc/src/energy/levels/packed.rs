@@ -3,7 +3,7 @@
 //! Decisions read the cells of hundreds of places each, most of which come from far memory. Hence
 //! 16 bits for a coefficient, in units of the cell, but the mean of the cell in single precision.
 
-use super::field::{FINE_ROW, FINE_STRIDE};
+use super::fine::Fine;
 
 /// Points of a coarse series along each axis.
 pub(super) const COARSE: usize = 4;
@@ -22,13 +22,12 @@ pub(super) struct Head {
     pub unit: f32,
 }
 
-/// The first 4³ coefficients of a fine series.
-pub(super) fn pack(fine: &[f32]) -> (Head, Packed) {
-    let coefficient = |x: usize, y: usize, z: usize| fine[z * FINE_ROW + y * FINE_STRIDE + x];
+/// Those of the first 4³ coefficients that a fine series has.
+pub(super) fn pack(fine: &Fine) -> (Head, Packed) {
     let mut rows = [[0.0_f32; ROW]; COARSE];
     for (z, row) in rows.iter_mut().enumerate() {
         for (place, value) in row.iter_mut().enumerate() {
-            *value = coefficient(place % COARSE, place / COARSE, z);
+            *value = fine.coefficient([place % COARSE, place / COARSE, z]);
         }
     }
     let first = std::mem::take(&mut rows[0][0]);
@@ -43,19 +42,20 @@ pub(super) fn pack(fine: &[f32]) -> (Head, Packed) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::field::FINE;
+    use super::super::fine::FINE;
     use super::*;
 
     #[test]
     fn coefficients_are_kept_to_half_a_unit() {
-        let fine: Vec<f32> = (0..FINE * FINE_ROW)
-            .map(|place| 3.0 * (place as f32).sin() / (1.0 + place as f32))
+        let series: Vec<f64> = (0..FINE.pow(3))
+            .map(|place| 3.0 * (place as f64).sin() / (1.0 + place as f64))
             .collect();
+        let fine = Fine::new(&series);
         let (head, Packed(rows)) = pack(&fine);
-        assert_eq!(head.first, fine[0]);
+        assert_eq!(head.first, fine.coefficient([0; 3]));
         for (z, row) in rows.iter().enumerate() {
             for (place, value) in row.iter().enumerate().skip(usize::from(z == 0)) {
-                let wanted = fine[z * FINE_ROW + place / COARSE * FINE_STRIDE + place % COARSE];
+                let wanted = fine.coefficient([place % COARSE, place / COARSE, z]);
                 let error = f32::from(*value) * head.unit - wanted;
                 assert!(
                     error.abs() <= 0.5001 * head.unit,

@@ -3,7 +3,7 @@
 //!
 //! | bytes | |
 //! |---|---|
-//! | 17 | `protomer table 5` and a line feed |
+//! | 17 | `protomer table 6` and a line feed |
 //! | 64 | the [fingerprint](Table::fingerprint) of charges and potential |
 //! | 4, then 36 each | number of nodes of the tree, and the nodes |
 //! | 4, then 16 each | number of points of the tree, and the points |
@@ -12,7 +12,9 @@
 //!
 //! Numbers are little-endian. Everything else about a table is made anew, which takes milliseconds.
 
-use super::field::{Aligned, Field};
+use super::field::Field;
+use super::fine::Fine;
+use super::sampler::Sites;
 use super::table::Table;
 use super::tree::{Node, Tree};
 use crate::charges::ChargeCloud;
@@ -23,7 +25,7 @@ use std::io::{BufWriter, Read, Write};
 
 /// The first line; its number is raised when the layout changes, or when equal charges give other
 /// tables.
-const FIRST_LINE: &[u8; 17] = b"protomer table 5\n";
+const FIRST_LINE: &[u8; 17] = b"protomer table 6\n";
 const FINGERPRINT_LENGTH: usize = 64;
 
 impl<P: SitePotential> Table<P> {
@@ -102,7 +104,8 @@ impl<P: SitePotential> Table<P> {
         }
         let tree = Tree::read_from(&mut reader, charges).map_err(failed)?;
         let mut field = Self::empty_field(charges, potential, reach_angstrom);
-        field.read_cells(&mut reader).map_err(failed)?;
+        let cells = field.number_cells(&Sites::new(charges)).len();
+        field.read_cells(cells, &mut reader).map_err(failed)?;
         let Hashing { mut inner, hash } = reader;
         if hash.finalize()[..] != bytes::<32>(&mut inner).map_err(failed)? {
             return Err(unusable("their checksum is wrong"));
@@ -154,18 +157,39 @@ impl Field {
         for cell in 0..self.distance.len() {
             put(writer, &[self.distance[cell]])?;
             put(writer, &self.errors[cell])?;
-            put(writer, &self.fine[cell].0)?;
+            self.fine[cell].write_to(writer)?;
         }
         Ok(())
     }
 
     /// Fills the cells of a field without any.
-    fn read_cells(&mut self, reader: &mut impl Read) -> std::io::Result<()> {
-        for _ in 0..self.number_cells().len() {
+    fn read_cells(&mut self, cells: usize, reader: &mut impl Read) -> std::io::Result<()> {
+        for _ in 0..cells {
             let ([distance], errors) = (numbers(reader)?, numbers(reader)?);
-            self.add_cell(distance, errors, Aligned(numbers(reader)?));
+            self.add_cell(distance, errors, Fine::read_from(reader)?);
         }
         Ok(())
+    }
+}
+
+impl Fine {
+    fn write_to(&self, writer: &mut impl Write) -> std::io::Result<()> {
+        put(writer, self.leading.as_flattened())?;
+        let rows = self.low.iter().chain(&self.high);
+        rows.flatten()
+            .try_for_each(|number| writer.write_all(&number.to_le_bytes()))
+    }
+
+    fn read_from(reader: &mut impl Read) -> std::io::Result<Self> {
+        let mut fine = Self {
+            leading: [numbers(reader)?, numbers(reader)?],
+            low: Default::default(),
+            high: Default::default(),
+        };
+        for number in fine.low.iter_mut().chain(&mut fine.high).flatten() {
+            *number = i16::from_le_bytes(bytes(reader)?);
+        }
+        Ok(fine)
     }
 }
 

@@ -1,14 +1,15 @@
 //! All that is prepared for one body type under one potential.
 
-use super::field::{BLOCK, FINE, Field};
-use super::list::{Block, List, Motion, SKIN_ANGSTROM, blocks};
-use super::neighbours::Neighbours;
+use super::field::Field;
+use super::fine::FINE;
+use super::motion::{Block, blocks};
+use super::neighbours::{Neighbours, SKIN_ANGSTROM};
+use super::sampler::Sites;
 use super::split::Split;
 use super::tree::Tree;
 use crate::charges::ChargeCloud;
 use crate::energy::SitePotential;
 use protomer_kernel::Vec3;
-use protomer_kernel::pose::RelativePose;
 
 /// The range of the near part, in mean distances of neighbouring charges, and its bounds, Å.
 const NEAR_SPACINGS: f64 = 1.9;
@@ -46,7 +47,8 @@ impl<P: SitePotential> Table<P> {
         if charges.is_empty() {
             return 0.0;
         }
-        let cells = Field::boxes(charges, near_radius(charges), reach_angstrom).number_cells();
+        let mut boxes = Field::boxes(charges, near_radius(charges), reach_angstrom);
+        let cells = boxes.number_cells(&Sites::new(charges));
         (cells.len() * FINE.pow(3)) as f64 * charges.len() as f64
     }
 
@@ -67,98 +69,6 @@ impl<P: SitePotential> Table<P> {
     /// The field of a table before its cells are filled.
     pub(super) fn empty_field(charges: &ChargeCloud, _: &P, reach_angstrom: f64) -> Field {
         Field::boxes(charges, near_radius(charges), reach_angstrom)
-    }
-
-    /// The energy with another body at this pose: all of its charges in the coarse table, the near
-    /// pairs of a list that serves here one by one. `None` where the table ends before.
-    pub(super) fn middle_energy(
-        &self,
-        other: &Self,
-        near: &List,
-        pose: &RelativePose,
-    ) -> Option<Estimate> {
-        #[cfg(target_arch = "x86_64")]
-        if super::list::has_wide_vectors() {
-            // SAFETY: the processor has the features the function is compiled for.
-            return unsafe { self.middle_energy_avx512(other, near, pose) };
-        }
-        self.middle_sum::<false>(other, near, pose)
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,fma")]
-    fn middle_energy_avx512(
-        &self,
-        other: &Self,
-        near: &List,
-        pose: &RelativePose,
-    ) -> Option<Estimate> {
-        self.middle_sum::<true>(other, near, pose)
-    }
-
-    #[inline(always)]
-    fn middle_sum<const FUSED: bool>(
-        &self,
-        other: &Self,
-        near: &List,
-        pose: &RelativePose,
-    ) -> Option<Estimate> {
-        let motion = Motion::new(pose);
-        let (mut energy_kt, mut variance) = (0.0, 0.0);
-        for block in &other.blocks {
-            let spots = self.field.locate(&motion.apply_block(block))?;
-            let mut sum = [0.0; BLOCK];
-            self.field.add_coarse::<FUSED>(&spots, &block[3], &mut sum);
-            energy_kt += f64::from(sum.iter().sum::<f32>());
-            variance += f64::from(self.field.coarse_variance(&spots, &block[3]));
-        }
-        energy_kt += near.near_energy(self, pose);
-        Some(Estimate {
-            energy_kt,
-            variance,
-        })
-    }
-
-    /// As [`middle_energy`](Self::middle_energy), in the fine table.
-    pub(super) fn fine_energy(
-        &self,
-        other: &Self,
-        near: &List,
-        pose: &RelativePose,
-    ) -> Option<Estimate> {
-        #[cfg(target_arch = "x86_64")]
-        if super::list::has_wide_vectors() {
-            // SAFETY: the processor has the features the function is compiled for.
-            return unsafe { self.fine_energy_avx512(other, near, pose) };
-        }
-        self.fine_sum(other, near, pose)
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,fma")]
-    fn fine_energy_avx512(
-        &self,
-        other: &Self,
-        near: &List,
-        pose: &RelativePose,
-    ) -> Option<Estimate> {
-        self.fine_sum(other, near, pose)
-    }
-
-    #[inline(always)]
-    fn fine_sum(&self, other: &Self, near: &List, pose: &RelativePose) -> Option<Estimate> {
-        let motion = Motion::new(pose);
-        let (mut energy_kt, mut variance) = (0.0, 0.0);
-        for block in &other.blocks {
-            let spots = self.field.locate(&motion.apply_block(block))?;
-            energy_kt += self.field.fine(&spots, &block[3]);
-            variance += f64::from(self.field.fine_variance(&spots, &block[3]));
-        }
-        energy_kt += near.near_energy(self, pose);
-        Some(Estimate {
-            energy_kt,
-            variance,
-        })
     }
 
     /// The charges, in arrays.

@@ -38,12 +38,9 @@ pub(super) struct Node {
     pub count: u32,
     /// The second child; the first follows the node. Zero for a leaf.
     pub second: u32,
-    /// Root mean square error of the equivalent charges' potential at [`FIT_DISTANCE`] radii, kT/e.
+    /// Root mean square error of the equivalent charges' potential at [`FIT_DISTANCE`](super::fit::FIT_DISTANCE) radii, kT/e.
     pub error: f32,
 }
-
-/// Where equivalent charges are fitted, in radii of the node.
-pub(super) const FIT_DISTANCE: f32 = 1.5;
 
 impl Tree {
     pub fn new<P: SitePotential>(charges: &ChargeCloud, potential: &P) -> Self {

@@ -143,18 +143,22 @@ struct MeanAndDeviation {
 
 impl MeanAndDeviation {
     fn of(values: impl Iterator<Item = f64>) -> Self {
-        let moments: RunningMoments = values.filter(|value| value.is_finite()).collect();
+        let moments = finite_only(values);
         let count = moments.count();
         Self {
             count,
-            mean: if count > 0 { moments.mean() } else { f64::NAN },
-            deviation: if count > 1 {
-                moments.standard_deviation()
-            } else {
-                f64::NAN
-            },
+            mean: nan_unless(count > 0, moments.mean()),
+            deviation: nan_unless(count > 1, moments.standard_deviation()),
         }
     }
+}
+
+fn finite_only(values: impl Iterator<Item = f64>) -> RunningMoments {
+    values.filter(|value| value.is_finite()).collect()
+}
+
+fn nan_unless(is_known: bool, value: f64) -> f64 {
+    if is_known { value } else { f64::NAN }
 }
 
 /// Leading eigenvalues of |R| and |P|, over the number of squares; NaN without frames.
@@ -180,18 +184,11 @@ pub struct Estimate {
 
 impl Estimate {
     fn of(values: impl Iterator<Item = f64>) -> Self {
-        let values: RunningMoments = values.filter(|value| value.is_finite()).collect();
-        let mean = if values.count() > 0 {
-            values.mean()
-        } else {
-            f64::NAN
-        };
-        let error = if values.count() > 1 {
-            values.independent_standard_error()
-        } else {
-            f64::NAN
-        };
-        Self { mean, error }
+        let moments = finite_only(values);
+        Self {
+            mean: nan_unless(moments.count() > 0, moments.mean()),
+            error: nan_unless(moments.count() > 1, moments.independent_standard_error()),
+        }
     }
 }
 
@@ -293,32 +290,40 @@ impl ConditionRow {
     }
 }
 
+/// Fields of a row with their names.
+macro_rules! named {
+    ($row:ident, $($field:ident),*) => { [$((stringify!($field), $row.$field)),*] };
+}
+
+/// The columns of both tables, and those that a table has before and after them.
+macro_rules! columns {
+    ($row:ident, [$($before:ident),*], [$($after:ident),*]) => {
+        named!(
+            $row,
+            $($before,)*
+            checkerboard_deviation,
+            checkerboard_fraction,
+            largest_spread,
+            largest_spread_time,
+            poisson_ratio,
+            poisson_ratio_ordinary,
+            r_squared,
+            synchronisation,
+            partial_synchronisation,
+            checkerboard_deviation_of_total,
+            checkerboard_fraction_of_total,
+            crossing_rate,
+            crossing_speed,
+            lyapunov_exponent
+            $(, $after)*
+        )
+    };
+}
+
 impl ConditionRow {
     /// The estimates by the names of their columns, in the order of the table.
     pub(super) fn estimates(&self) -> [(&'static str, Estimate); 15] {
-        [
-            ("collision_rate", self.collision_rate),
-            ("checkerboard_deviation", self.checkerboard_deviation),
-            ("checkerboard_fraction", self.checkerboard_fraction),
-            ("largest_spread", self.largest_spread),
-            ("largest_spread_time", self.largest_spread_time),
-            ("poisson_ratio", self.poisson_ratio),
-            ("poisson_ratio_ordinary", self.poisson_ratio_ordinary),
-            ("r_squared", self.r_squared),
-            ("synchronisation", self.synchronisation),
-            ("partial_synchronisation", self.partial_synchronisation),
-            (
-                "checkerboard_deviation_of_total",
-                self.checkerboard_deviation_of_total,
-            ),
-            (
-                "checkerboard_fraction_of_total",
-                self.checkerboard_fraction_of_total,
-            ),
-            ("crossing_rate", self.crossing_rate),
-            ("crossing_speed", self.crossing_speed),
-            ("lyapunov_exponent", self.lyapunov_exponent),
-        ]
+        columns!(self, [collision_rate], [])
     }
 }
 
@@ -338,7 +343,7 @@ pub fn conditions_to_csv(rows: &[ConditionRow]) -> Result<String> {
         cells.push(row.energy_error.into());
         table.push(cells)?;
     }
-    Ok(table.to_csv())
+    Ok(table.to_csv()?)
 }
 
 fn heading_of_conditions(rows: &[ConditionRow]) -> Vec<String> {
@@ -359,31 +364,7 @@ fn heading_of_conditions(rows: &[ConditionRow]) -> Vec<String> {
 impl RunRow {
     /// The values by the names of their columns, in the order of the table.
     pub(super) fn values(&self) -> [(&'static str, f64); 17] {
-        [
-            ("collision_rate", self.collision_rate),
-            ("energy_error", self.energy_error),
-            ("checkerboard_deviation", self.checkerboard_deviation),
-            ("checkerboard_fraction", self.checkerboard_fraction),
-            ("largest_spread", self.largest_spread),
-            ("largest_spread_time", self.largest_spread_time),
-            ("poisson_ratio", self.poisson_ratio),
-            ("poisson_ratio_ordinary", self.poisson_ratio_ordinary),
-            ("r_squared", self.r_squared),
-            ("synchronisation", self.synchronisation),
-            ("partial_synchronisation", self.partial_synchronisation),
-            (
-                "checkerboard_deviation_of_total",
-                self.checkerboard_deviation_of_total,
-            ),
-            (
-                "checkerboard_fraction_of_total",
-                self.checkerboard_fraction_of_total,
-            ),
-            ("crossing_rate", self.crossing_rate),
-            ("crossing_speed", self.crossing_speed),
-            ("lyapunov_exponent", self.lyapunov_exponent),
-            ("lyapunov_error", self.lyapunov_error),
-        ]
+        columns!(self, [collision_rate, energy_error], [lyapunov_error])
     }
 }
 
@@ -406,7 +387,7 @@ pub fn runs_to_csv(rows: &[RunRow]) -> Result<String> {
         }
         table.push(cells)?;
     }
-    Ok(table.to_csv())
+    Ok(table.to_csv()?)
 }
 
 /// One row per passage of the checkerboard mode through the open state.
@@ -429,5 +410,5 @@ pub fn crossings_to_csv(conditions: &[ConditionRow], series: &[Series]) -> Resul
             }
         }
     }
-    Ok(table.to_csv())
+    Ok(table.to_csv()?)
 }

@@ -53,8 +53,9 @@ pub(super) fn write_csv(ablation: &Ablation, directory: &Path) -> Result<()> {
             run.nats_gained_over_prior.into(),
         ])?;
     }
+    let csv = table.to_csv()?;
     write_atomically(&directory.join("ablation.csv"), |file| {
-        file.write_all(table.to_csv().as_bytes())
+        file.write_all(csv.as_bytes())
     })?;
     Ok(())
 }

@@ -262,7 +262,8 @@ impl Predictions<'_> {
             ];
             table.push(fixed.into_iter().chain(p.iter().map(|p| Cell::from(*p))))?;
         }
-        write_atomically(path, |file| file.write_all(table.to_csv().as_bytes()))?;
+        let csv = table.to_csv()?;
+        write_atomically(path, |file| file.write_all(csv.as_bytes()))?;
         Ok(())
     }
 }

@@ -386,7 +386,7 @@ fn write_results(
     predictions.write_csv(&path.join(PREDICTIONS))?;
     let bytes = model.to_bytes()?;
     write_atomically(&path.join(MODEL), |file| file.write_all(&bytes))?;
-    let history_csv = history_table(&history)?.to_csv();
+    let history_csv = history_table(&history)?.to_csv()?;
     write_atomically(&path.join(HISTORY), |file| {
         file.write_all(history_csv.as_bytes())
     })?;

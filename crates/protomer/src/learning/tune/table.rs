@@ -50,8 +50,9 @@ pub(crate) fn write_table<'a>(trials: impl Iterator<Item = &'a Trial>, path: &Pa
             training.channels.join("+").as_str().into(),
         ])?;
     }
+    let csv = table.to_csv()?;
     write_atomically(&path.join("trials.csv"), |out| {
-        out.write_all(table.to_csv().as_bytes())
+        out.write_all(csv.as_bytes())
     })?;
     Ok(())
 }

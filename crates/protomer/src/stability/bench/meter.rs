@@ -4,7 +4,7 @@
 use protomer_kernel::potential::Yukawa;
 use protomer_mc::Result;
 use protomer_mc::energy::levels::Levels;
-use protomer_mc::energy::{EnergyModel, PairEnergy};
+use protomer_mc::energy::{Effort, EnergyModel, PairEnergy};
 use protomer_mc::system::{System, Trial};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -98,8 +98,8 @@ impl Counts {
     fn of(model: &Levels<Yukawa>) -> Self {
         let decided = model.decided();
         Self {
-            refined: decided.middle + decided.fine + decided.direct,
-            coarse: model.coarse_energies(),
+            refined: decided.coarse + decided.fine + decided.direct,
+            coarse: model.first_energies(),
         }
     }
 }
@@ -135,6 +135,10 @@ impl EnergyModel for Metered {
 
     fn reject(&mut self) {
         self.kept(Levels::reject);
+    }
+
+    fn energy_elsewhere_kt(&self, system: &System, effort: Effort) -> Result<f64> {
+        self.inner.energy_elsewhere_kt(system, effort)
     }
 
     fn pairs(&self) -> Vec<PairEnergy> {

@@ -92,7 +92,7 @@ pub(super) fn to_csv(bodies: [&Body; 2], poses: &[ResidueEnergies]) -> Result<St
             }
         }
     }
-    Ok(table.to_csv())
+    Ok(table.to_csv()?)
 }
 
 fn row(pose: usize, body: usize, residue: &Residue, parts: &EnergyParts) -> Vec<Cell> {

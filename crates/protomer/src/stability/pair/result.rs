@@ -293,7 +293,7 @@ fn to_csv(conditions: &[ConditionResult]) -> Result<String> {
     for condition in conditions {
         table.push(condition.cells().into_iter().map(|(_, cell)| cell))?;
     }
-    Ok(table.to_csv())
+    Ok(table.to_csv()?)
 }
 
 /// The table of a potential of mean force.
@@ -303,5 +303,5 @@ pub(super) fn mean_force_to_csv(rows: &[MeanForceRow]) -> Result<String> {
         let numbers = [row.distance_angstrom, row.w_kt, row.w_error_kt];
         table.push(numbers.map(Cell::Number))?;
     }
-    Ok(table.to_csv())
+    Ok(table.to_csv()?)
 }

@@ -17,6 +17,10 @@ pub struct LogRow {
     pub energy_kt: f64,
     /// Mean number of bodies moved by a cluster move since the last row.
     pub cluster_moved: f64,
+    /// Pairs of bodies in contact; NaN in logs of earlier versions.
+    pub contacts: f64,
+    /// Fraction of the bodies that touch another; NaN in logs of earlier versions.
+    pub bound_fraction: f64,
 }
 
 impl Row for LogRow {
@@ -28,33 +32,45 @@ impl Row for LogRow {
             "largest_cluster",
             "energy_kT",
             "cluster_moved",
+            "contacts",
+            "bound_fraction",
         ]
     }
 
-    // Rust prints the shortest decimal that reads back as the same number, so no precision is lost.
-    fn to_line(&self) -> String {
-        format!(
-            "{},{},{},{},{},{}",
-            self.sweep,
-            self.r_g_angstrom,
-            self.native_contacts,
-            self.largest_cluster,
-            self.energy_kt,
-            self.cluster_moved
-        )
+    fn to_cells(&self) -> Vec<String> {
+        vec![
+            self.sweep.to_string(),
+            self.r_g_angstrom.to_string(),
+            self.native_contacts.to_string(),
+            self.largest_cluster.to_string(),
+            self.energy_kt.to_string(),
+            self.cluster_moved.to_string(),
+            self.contacts.to_string(),
+            self.bound_fraction.to_string(),
+        ]
     }
 
-    fn from_line(line: &str) -> Option<Self> {
-        let mut cells = line.split(',');
-        let row = Self {
-            sweep: cells.next()?.parse().ok()?,
-            r_g_angstrom: cells.next()?.parse().ok()?,
-            native_contacts: cells.next()?.parse().ok()?,
-            largest_cluster: cells.next()?.parse().ok()?,
-            energy_kt: cells.next()?.parse().ok()?,
-            cluster_moved: cells.next()?.parse().ok()?,
+    fn from_cells(cells: &[String]) -> Option<Self> {
+        // Logs of earlier versions have the first six columns.
+        let (earlier, later) = cells.split_at_checked(6)?;
+        let [sweep, r_g, native, largest, energy, moved] = earlier else {
+            return None;
         };
-        cells.next().is_none().then_some(row)
+        let (contacts, bound) = match later {
+            [] => (f64::NAN, f64::NAN),
+            [contacts, bound] => (contacts.parse().ok()?, bound.parse().ok()?),
+            _ => return None,
+        };
+        Some(Self {
+            sweep: sweep.parse().ok()?,
+            r_g_angstrom: r_g.parse().ok()?,
+            native_contacts: native.parse().ok()?,
+            largest_cluster: largest.parse().ok()?,
+            energy_kt: energy.parse().ok()?,
+            cluster_moved: moved.parse().ok()?,
+            contacts,
+            bound_fraction: bound,
+        })
     }
 }
 
@@ -71,15 +87,22 @@ mod tests {
             largest_cluster: 3,
             energy_kt: -1e-17,
             cluster_moved: 0.0,
+            contacts: 4.0,
+            bound_fraction: 2.0 / 3.0,
         };
-        assert_eq!(LogRow::from_line(&row.to_line()), Some(row));
-        assert_eq!(row.to_line().split(',').count(), LogRow::columns().len());
-        assert_eq!(LogRow::from_line("1,2,3"), None);
+        assert_eq!(LogRow::from_cells(&row.to_cells()), Some(row));
+        assert_eq!(row.to_cells().len(), LogRow::columns().len());
+        let cells = |number: usize| vec!["6".to_owned(); number];
+        for number in [3, 7, 9] {
+            assert_eq!(LogRow::from_cells(&cells(number)), None);
+        }
+        let earlier = LogRow::from_cells(&cells(6)).unwrap();
+        assert!(earlier.bound_fraction.is_nan() && earlier.cluster_moved == 6.0);
         let without_contacts = LogRow {
             native_contacts: f64::NAN,
             ..row
         };
-        let read = LogRow::from_line(&without_contacts.to_line()).unwrap();
+        let read = LogRow::from_cells(&without_contacts.to_cells()).unwrap();
         assert!(read.native_contacts.is_nan());
     }
 }

@@ -2,13 +2,18 @@
 
 mod costs;
 mod engine;
+mod ladder;
 mod log;
+mod outputs;
 mod replica;
 mod settings;
 mod trajectory;
 
 pub use costs::EnergyCosts;
 pub use engine::{Engine, require_room};
+pub use ladder::{Exchanged, LadderRun, Rung};
 pub use log::LogRow;
 pub use replica::{AcceptedFractions, Replica};
-pub use settings::{DEFAULT_TOLERANCE_KT, EnergyMode, Promise, RunSettings, salt_label};
+pub use settings::{
+    DEFAULT_TOLERANCE_KT, EnergyMode, Promise, RunSettings, Start, Starts, salt_label,
+};

@@ -4,20 +4,20 @@
 //! DIR/  log.csv  trajectory.gsd  checkpoint.bin  run.json
 //! ```
 
-use super::trajectory::Trajectory;
-use super::{Engine, LogRow, RunSettings};
+use super::outputs::{Outputs, SavedOutputs};
+use super::settings::Start;
+use super::{Engine, RunSettings};
 use crate::stability::interaction::ScreenedCoulomb;
 use anyhow::{Error, Result};
 use protomer_mc::moves::Acceptance;
+use protomer_mc::observables::contacts;
+use protomer_mc::scatter::scattered;
 use protomer_mc::{Checkpoint, Simulation, Statistics};
-use protomer_results::{Log, LogMark, Record, ResultKind, Run, Turn, Work, log};
+use protomer_results::{LogMark, Record, ResultKind, Run, Turn, Work};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
 use std::path::Path;
-
-const LOG: &str = "log.csv";
-const TRAJECTORY: &str = "trajectory.gsd";
 
 /// One simulation of a sweep.
 #[derive(Debug)]
@@ -69,9 +69,7 @@ pub struct Saved {
 /// A simulation with its open files.
 pub struct State {
     simulation: Simulation,
-    log: Log,
-    trajectory: Option<Trajectory>,
-    cluster_moves_logged: (u64, u64),
+    outputs: Outputs,
 }
 
 impl Run for Replica<'_> {
@@ -94,29 +92,19 @@ impl Run for Replica<'_> {
     }
 
     fn open(&self, directory: &Path, saved: Option<Saved>) -> Result<State> {
-        let (mut mark, mut frames, mut cluster_moves_logged) = (LogMark::default(), 0, (0, 0));
+        let mut outputs = SavedOutputs::default();
         let simulation = match saved {
             None => self.start()?,
             Some(saved) => {
-                (mark, frames) = (saved.log, saved.trajectory_frames);
-                cluster_moves_logged = saved.cluster_moves_logged;
+                outputs = saved.outputs();
                 let model = self.engine.energy_model(self.settings, &self.interaction)?;
                 Simulation::resume_with_model(self.engine.system()?, saved.simulation, model)?
             }
         };
-        let log = Log::open::<LogRow>(&directory.join(LOG), &mark)?;
-        let trajectory = match self.settings.trajectory_every {
-            0 => None,
-            _ => {
-                let path = directory.join(TRAJECTORY);
-                Some(Trajectory::open(&path, self.engine.assembly(), frames)?)
-            }
-        };
+        let outputs = Outputs::open(directory, self.engine, self.settings, &outputs)?;
         Ok(State {
             simulation,
-            log,
-            trajectory,
-            cluster_moves_logged,
+            outputs,
         })
     }
 
@@ -131,18 +119,19 @@ impl Run for Replica<'_> {
         };
         let stop = self.settings.next_stop(state.simulation.sweep());
         state.simulation.run_until(stop, &mut until_over)?;
-        self.write_outputs(state)
+        state.outputs.write(self.settings, &state.simulation)
     }
 
     fn save(&self, state: &mut State) -> Result<Saved> {
-        let trajectory_frames = match &mut state.trajectory {
-            Some(trajectory) => trajectory.sync()?,
-            None => 0,
-        };
-        Ok(Saved {
-            log: state.log.sync()?,
+        let SavedOutputs {
+            log,
             trajectory_frames,
-            cluster_moves_logged: state.cluster_moves_logged,
+            cluster_moves_logged,
+        } = state.outputs.save()?;
+        Ok(Saved {
+            log,
+            trajectory_frames,
+            cluster_moves_logged,
             simulation: state.simulation.checkpoint(),
         })
     }
@@ -152,20 +141,7 @@ impl Run for Replica<'_> {
     }
 
     fn details(&self, state: &mut State, _directory: &Path) -> Result<Value> {
-        let simulation = &state.simulation;
-        let mut details = json!({
-            "replica": self.replica,
-            "medium": self.interaction,
-            "sweeps_done": simulation.sweep(),
-            "acceptance": AcceptedFractions::of(simulation.statistics()),
-            "step_sizes": simulation.step_sizes(),
-            "statistics": simulation.statistics(),
-            "native_contacts": simulation.native_contacts(),
-        });
-        if let Some(bodies) = self.engine.effective_bodies() {
-            details["effective_bodies"] = json!(bodies);
-        }
-        Ok(details)
+        Ok(self.details_of(&state.simulation))
     }
 
     fn finished(
@@ -179,74 +155,66 @@ impl Run for Replica<'_> {
     }
 
     fn check(&self, directory: &Path, saved: &Saved) -> Result<()> {
-        Ok(log::check(&directory.join(LOG), &saved.log)?)
+        saved.outputs().check(directory)
+    }
+}
+
+impl Saved {
+    fn outputs(&self) -> SavedOutputs {
+        SavedOutputs {
+            log: self.log.clone(),
+            trajectory_frames: self.trajectory_frames,
+            cluster_moves_logged: self.cluster_moves_logged,
+        }
     }
 }
 
 impl Replica<'_> {
-    fn start(&self) -> Result<Simulation> {
+    /// The simulation before its first move: from the assembly or from a fluid, as the settings say.
+    ///
+    /// # Errors
+    /// If the start is impossible.
+    pub fn start(&self) -> Result<Simulation> {
         let (engine, settings) = (self.engine, self.settings);
+        let assembly = engine.system()?;
+        let native = contacts(&assembly, settings.contact_gap_angstrom);
+        let system = match settings.starts.of_replica(self.replica) {
+            Start::Assembly => assembly,
+            Start::Fluid => scattered(&assembly, settings.seed, self.replica)?,
+        };
         // Every simulation of a sweep has its own stream of random numbers.
         let stream = self.salt_index * settings.replicas + self.replica;
-        Ok(Simulation::with_model(
-            engine.system()?,
+        let simulation = Simulation::with_model(
+            system,
             engine.settings(settings, &self.interaction)?,
             engine.energy_model(settings, &self.interaction)?,
             settings.seed,
             stream,
-        )?)
+        )?;
+        Ok(simulation.with_native_contacts(native))
     }
 
-    /// Writes the row and the frame that are due. Equilibration writes neither.
-    fn write_outputs(&self, state: &mut State) -> Result<()> {
-        let sweep = state.simulation.sweep();
-        let production = sweep.saturating_sub(self.settings.equilibration_sweeps);
-        if production == 0 {
-            state.cluster_moves_logged = (0, 0);
-            return Ok(());
+    /// The details of the record.
+    pub fn details_of(&self, simulation: &Simulation) -> Value {
+        let mut details = json!({
+            "replica": self.replica,
+            "medium": self.interaction,
+            "sweeps_done": simulation.sweep(),
+            "acceptance": AcceptedFractions::of(simulation.statistics()),
+            "step_sizes": simulation.step_sizes(),
+            "statistics": simulation.statistics(),
+            "native_contacts": simulation.native_contacts(),
+        });
+        if let Some(bodies) = self.engine.effective_bodies() {
+            details["effective_bodies"] = json!(bodies);
         }
-        if production.is_multiple_of(self.settings.log_every) {
-            let row = state.row(production);
-            state.log.append(&row)?;
-        }
-        if let Some(trajectory) = &mut state.trajectory
-            && production.is_multiple_of(self.settings.trajectory_every)
-        {
-            trajectory.append(production, &state.simulation)?;
-        }
-        Ok(())
-    }
-}
-
-impl State {
-    fn row(&mut self, production: u64) -> LogRow {
-        let observables = self.simulation.observables();
-        LogRow {
-            sweep: production,
-            r_g_angstrom: observables.r_g_angstrom,
-            native_contacts: observables.native_contacts.unwrap_or(f64::NAN),
-            largest_cluster: observables.largest_cluster,
-            energy_kt: observables.energy_kt,
-            cluster_moved: self.bodies_per_cluster_move(),
-        }
-    }
-
-    /// Mean number of bodies moved per cluster move since the last row.
-    fn bodies_per_cluster_move(&mut self) -> f64 {
-        let statistics = self.simulation.statistics();
-        let counted = (statistics.cluster_moves, statistics.cluster_bodies);
-        let before = std::mem::replace(&mut self.cluster_moves_logged, counted);
-        let (moves, bodies) = (counted.0 - before.0, counted.1 - before.1);
-        if moves == 0 {
-            0.0
-        } else {
-            bodies as f64 / moves as f64
-        }
+        details
     }
 }
 
 impl AcceptedFractions {
-    fn of(statistics: &Statistics) -> Self {
+    /// From the counts of a simulation.
+    pub fn of(statistics: &Statistics) -> Self {
         Self {
             translation_acceptance: accepted_fraction(&statistics.translation),
             rotation_acceptance: accepted_fraction(&statistics.rotation),

@@ -39,6 +39,13 @@ pub struct RunSettings {
     pub equilibration_sweeps: u64,
     /// Geometric cluster moves per sweep.
     pub cluster_moves_per_sweep: u32,
+    /// Sweeps between two exchanges of states between neighbouring salt concentrations; zero for
+    /// none.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub exchange_every: u64,
+    /// Where the replicas start.
+    #[serde(skip_serializing_if = "Starts::is_default")]
+    pub starts: Starts,
     /// Seed of the random numbers.
     pub seed: u64,
     /// Two bodies whose surfaces are closer than this are in contact, Å.
@@ -67,6 +74,49 @@ pub struct RunSettings {
     pub desolvation: bool,
     /// The medium between the bodies.
     pub medium: InteractionSettings,
+}
+
+/// Where the replicas of a sweep start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Starts {
+    /// All from the assembly.
+    #[default]
+    Assembly,
+    /// All from bodies scattered at random, each replica from others.
+    Fluid,
+    /// Replicas 0, 2, ... from the assembly, 1, 3, ... from the fluid: whether they come to agree
+    /// shows whether they are in equilibrium.
+    Both,
+}
+
+/// Where one replica starts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Start {
+    /// The poses of the assembly.
+    Assembly,
+    /// Random poses.
+    Fluid,
+}
+
+impl Starts {
+    /// The start of a replica.
+    pub fn of_replica(self, replica: u32) -> Start {
+        match self {
+            Starts::Assembly => Start::Assembly,
+            Starts::Fluid => Start::Fluid,
+            Starts::Both if replica.is_multiple_of(2) => Start::Assembly,
+            Starts::Both => Start::Fluid,
+        }
+    }
+
+    fn is_default(&self) -> bool {
+        *self == Starts::default()
+    }
+}
+
+fn is_zero(number: &u64) -> bool {
+    *number == 0
 }
 
 /// Default of the largest error of the energy of two bodies, kT, for approximate energies.
@@ -155,6 +205,8 @@ impl Default for RunSettings {
             sweeps: 2_000,
             equilibration_sweeps: 500,
             cluster_moves_per_sweep: 1,
+            exchange_every: 0,
+            starts: Starts::Assembly,
             seed: 1,
             contact_gap_angstrom: 5.0,
             log_every: 10,
@@ -203,6 +255,11 @@ impl Settings for RunSettings {
 }
 
 impl RunSettings {
+    /// Whether every replica starts from the assembly.
+    pub fn is_from_assembly(&self) -> bool {
+        self.starts == Starts::Assembly
+    }
+
     /// Number of simulations of a sweep: salt concentrations times replicas.
     pub fn simulations(&self) -> u64 {
         (self.salt_molar.len() as u64).saturating_mul(u64::from(self.replicas))
@@ -228,8 +285,20 @@ impl RunSettings {
         self.equilibration_sweeps.saturating_add(self.sweeps)
     }
 
-    /// The next sweep, counted from the start, at which a row or a frame is due or the run ends.
+    /// The next sweep, counted from the start, at which an exchange, a row or a frame is due or the
+    /// run ends.
     pub fn next_stop(&self, sweep: u64) -> u64 {
+        self.next_output(sweep).min(self.next_exchange(sweep))
+    }
+
+    fn next_exchange(&self, sweep: u64) -> u64 {
+        match self.exchange_every {
+            0 => u64::MAX,
+            every => (sweep / every).saturating_add(1).saturating_mul(every),
+        }
+    }
+
+    fn next_output(&self, sweep: u64) -> u64 {
         if sweep < self.equilibration_sweeps {
             return self.equilibration_sweeps;
         }
@@ -312,8 +381,34 @@ impl RunSettings {
             bail!("contact_gap_angstrom is {gap}; it must be positive");
         }
         self.tolerance_of_energy_kt()?;
+        self.check_equilibration()?;
         self.check_terms()?;
         self.check_effective_charges()
+    }
+
+    fn check_equilibration(&self) -> Result<()> {
+        if self.starts == Starts::Both && self.replicas < 2 {
+            bail!(
+                "starts from both the assembly and the fluid need two replicas; add --replicas 2 or \
+                 more"
+            );
+        }
+        if self.exchange_every == 0 {
+            return Ok(());
+        }
+        if self.salt_molar.len() < 2 {
+            bail!(
+                "states are exchanged between salt concentrations, and there is one; list several, \
+                 or leave out --exchange-every"
+            );
+        }
+        if self.energy == Some(EnergyMode::None) {
+            bail!(
+                "hard bodies are the same at every salt concentration; leave out --exchange-every, \
+                 or choose another --energy than none"
+            );
+        }
+        Ok(())
     }
 
     fn check_terms(&self) -> Result<()> {

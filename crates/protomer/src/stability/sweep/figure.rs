@@ -1,4 +1,4 @@
-//! The figure of a sweep: radius of gyration and surviving contacts against salt, with
+//! The figure of a sweep: radius of gyration, surviving contacts and bound bodies against salt, with
 //! individual replicas.
 
 use super::table::SweepResult;
@@ -21,7 +21,9 @@ pub fn write(result: &SweepResult, directory: &Path) -> Result<()> {
 pub fn figure(result: &SweepResult) -> Figure {
     let mut r_g = named("mean over replicas ± standard deviation");
     let mut native = named("fraction of the contacts of the start");
+    let mut bound = named("fraction of the bodies");
     let (mut all_have_contacts, mut all_have_salt) = (true, true);
+    let mut all_have_bound = true;
     for (row, replicas) in result.salts.iter().zip(&result.replicas) {
         let x = 1e3 * row.salt_molar;
         let has_spread = row.replicas > 1;
@@ -35,12 +37,21 @@ pub fn figure(result: &SweepResult) -> Figure {
             y: row.native_contacts_mean,
             error: has_spread.then_some(row.native_contacts_sd),
         });
+        bound.points.push(Point {
+            x,
+            y: row.bound_fraction_mean,
+            error: has_spread.then_some(row.bound_fraction_sd),
+        });
         for replica in replicas {
             r_g.replicas.push([x, replica.r_g_angstrom.mean]);
             if let Some(fraction) = &replica.native_contacts {
                 native.replicas.push([x, fraction.mean]);
             }
+            if let Some(fraction) = &replica.bound_fraction {
+                bound.replicas.push([x, fraction.mean]);
+            }
         }
+        all_have_bound &= row.bound_fraction_mean.is_finite();
         all_have_contacts &= row.native_contacts_mean.is_finite();
         all_have_salt &= row.salt_molar > 0.0;
     }
@@ -52,6 +63,12 @@ pub fn figure(result: &SweepResult) -> Figure {
         panels.push(Panel {
             y: Axis::linear("native contacts left").with_range(0.0, 1.05),
             series: vec![native],
+        });
+    }
+    if all_have_bound {
+        panels.push(Panel {
+            y: Axis::linear("bodies that touch another").with_range(0.0, 1.05),
+            series: vec![bound],
         });
     }
     // Zero salt cannot be shown on a logarithmic axis.
@@ -88,12 +105,14 @@ fn caption(result: &SweepResult) -> String {
         }
         None => "no periodic box".into(),
     };
+    let headline = result.stability.headline();
     format!(
-        "{} bodies, {space}, {} replicas of {} + {} sweeps, seed {}",
+        "{} bodies, {space}, {} replicas of {} + {} sweeps, seed {}{}",
         result.bodies,
         result.settings.replicas,
         result.settings.equilibration_sweeps,
         result.settings.sweeps,
-        result.settings.seed
+        result.settings.seed,
+        headline.map_or_else(String::new, |headline| format!("; {headline}"))
     )
 }

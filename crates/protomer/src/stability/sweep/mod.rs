@@ -4,16 +4,22 @@
 //! ```text
 //! DIR/run.toml  run.json  sweep.csv  sweep.json  sweep.svg  sweep.png
 //! DIR/salt_0.100000M/replica_0/ log.csv trajectory.gsd checkpoint.bin run.json
+//! DIR/ladder_0/ checkpoint.bin run.json   with exchange between salt concentrations
 //! ```
 
 pub mod figure;
+pub mod half_salt;
+pub mod stability;
 pub mod table;
 
 use crate::answer::{Answer, columns, heading};
 use crate::stability::interaction::ScreenedCoulomb;
-use crate::stability::run::{AcceptedFractions, Engine, LogRow, Replica, RunSettings, salt_label};
+use crate::stability::run::{
+    AcceptedFractions, Engine, Exchanged, LadderRun, LogRow, Replica, RunSettings, Rung, salt_label,
+};
 use anyhow::{Context, Error, Result, bail};
 use protomer_io::atomic::write_atomically;
+use protomer_mc::observables::contacts;
 use protomer_plot::Figure;
 use protomer_results::{
     Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Shard, Work, conduct,
@@ -21,6 +27,7 @@ use protomer_results::{
 };
 use serde::Serialize;
 use serde_json::{Value, json};
+use stability::Stability;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use table::{ReplicaResult, SaltRow, SweepResult, to_csv};
@@ -47,6 +54,7 @@ impl Answer for SweepResult {
             "R_g (Å)",
             "± sd",
             "native contacts",
+            "bound",
             "largest cluster",
             "energy (kT)",
         ])];
@@ -56,11 +64,17 @@ impl Answer for SweepResult {
                 format!("{:.2}", row.r_g_mean_angstrom),
                 format!("{:.2}", row.r_g_sd_angstrom),
                 format!("{:.3}", row.native_contacts_mean),
+                format!("{:.3}", row.bound_fraction_mean),
                 format!("{:.2}", row.largest_cluster_mean),
                 format!("{:.2}", row.energy_mean_kt),
             ]);
         }
-        columns(&rows)
+        let mut lines = vec![columns(&rows)];
+        for exchanged in &self.exchanges {
+            lines.push(exchanged.text());
+        }
+        lines.extend(self.stability.lines());
+        lines.join("\n")
     }
 
     fn figure(&self) -> Option<Figure> {
@@ -88,10 +102,12 @@ impl Answer for SweepPart {
     }
 }
 
-/// Whether this is the folder of the simulations at one salt concentration.
+/// Whether this is the folder of the simulations at one salt concentration, or of a ladder.
 fn is_simulation(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    name.starts_with("salt_") && name.ends_with('M') && path.join("replica_0").is_dir()
+    let is_of_salt = name.starts_with("salt_") && name.ends_with('M');
+    let is_ladder = name.starts_with("ladder_") && path.join("run.json").is_file();
+    (is_of_salt && path.join("replica_0").is_dir()) || is_ladder
 }
 
 /// Runs or continues a sweep in a directory.
@@ -198,10 +214,20 @@ pub fn resolved(
     engine.resolved(settings, kept.and_then(|begun| begun.energy))
 }
 
-/// One simulation of a sweep.
-struct Task {
-    salt_index: usize,
+/// What runs by itself in a sweep.
+enum Task {
+    /// One simulation.
+    Simulation { salt_index: usize, replica: u32 },
+    /// One replica at all salt concentrations, which exchange their states.
+    Ladder { replica: u32 },
+}
+
+/// What a task has left.
+struct Part {
     replica: u32,
+    /// With the index of the salt concentration.
+    accepted: Vec<(usize, AcceptedFractions)>,
+    exchanged: Option<Exchanged>,
 }
 
 /// One salt concentration of a sweep.
@@ -263,15 +289,81 @@ impl<'a> Sweep<'a> {
         Ok(engine.get_or_init(|| made))
     }
 
-    fn tell_length(&self, execution: &Execution, simulations: usize) {
+    fn tell_length(&self, execution: &Execution, tasks: usize) {
+        let simulations = match self.settings.exchange_every {
+            0 => tasks,
+            _ => tasks * self.settings.salt_molar.len(),
+        };
         let sweeps = (simulations as u64).saturating_mul(self.settings.total_sweeps());
         execution.progress.begin(sweeps, "sweeps");
+    }
+
+    fn run_simulation(
+        &self,
+        salt_index: usize,
+        replica: u32,
+        directory: &Path,
+        execution: &Execution,
+    ) -> Result<End<Part>> {
+        let simulation = Replica {
+            engine: self.engine(salt_index)?,
+            settings: self.settings,
+            interaction: self.media[salt_index].interaction,
+            salt_index: salt_index as u32,
+            replica,
+            identity: &self.identity,
+        };
+        let end = drive(&simulation, directory, execution)?;
+        Ok(end.map(|accepted| Part {
+            replica,
+            accepted: vec![(salt_index, accepted)],
+            exchanged: None,
+        }))
+    }
+
+    fn run_ladder(
+        &self,
+        replica: u32,
+        directory: &Path,
+        execution: &Execution,
+    ) -> Result<End<Part>> {
+        let order = self.salts_ascending();
+        let mut rungs = Vec::with_capacity(order.len());
+        for &salt_index in &order {
+            let salt_molar = self.settings.salt_molar[salt_index];
+            rungs.push(Rung {
+                engine: self.engine(salt_index)?,
+                interaction: self.media[salt_index].interaction,
+                salt_index: salt_index as u32,
+                directory: replica_directory(self.directory, salt_molar, replica),
+            });
+        }
+        let ladder = LadderRun {
+            rungs,
+            settings: self.settings,
+            replica,
+            identity: &self.identity,
+        };
+        let end = drive(&ladder, directory, execution)?;
+        Ok(end.map(|answer| Part {
+            replica,
+            accepted: order.into_iter().zip(answer.accepted).collect(),
+            exchanged: Some(answer.exchanged),
+        }))
+    }
+
+    /// Indices of the salt concentrations, the lowest first: only neighbours exchange states.
+    fn salts_ascending(&self) -> Vec<usize> {
+        let salts = &self.settings.salt_molar;
+        let mut order: Vec<usize> = (0..salts.len()).collect();
+        order.sort_by(|a, b| salts[*a].total_cmp(&salts[*b]));
+        order
     }
 }
 
 impl Campaign for Sweep<'_> {
     type Task = Task;
-    type Part = AcceptedFractions;
+    type Part = Part;
     type Answer = SweepResult;
     type Error = Error;
 
@@ -294,44 +386,48 @@ impl Campaign for Sweep<'_> {
     }
 
     fn directory(&self, task: &Task) -> PathBuf {
-        let salt_molar = self.settings.salt_molar[task.salt_index];
-        replica_directory(self.directory, salt_molar, task.replica)
+        match *task {
+            Task::Simulation {
+                salt_index,
+                replica,
+            } => {
+                let salt_molar = self.settings.salt_molar[salt_index];
+                replica_directory(self.directory, salt_molar, replica)
+            }
+            Task::Ladder { replica } => self.directory.join(format!("ladder_{replica}")),
+        }
     }
 
-    fn run(
-        &self,
-        task: &Task,
-        directory: &Path,
-        execution: &Execution,
-    ) -> Result<End<AcceptedFractions>> {
-        let Task {
-            salt_index,
-            replica,
-        } = *task;
-        let simulate = || {
-            let simulation = Replica {
-                engine: self.engine(salt_index)?,
-                settings: self.settings,
-                interaction: self.media[salt_index].interaction,
-                salt_index: salt_index as u32,
+    fn run(&self, task: &Task, directory: &Path, execution: &Execution) -> Result<End<Part>> {
+        match *task {
+            Task::Simulation {
+                salt_index,
                 replica,
-                identity: &self.identity,
-            };
-            drive(&simulation, directory, execution)
-        };
-        simulate().with_context(|| {
-            let salt = self.settings.salt_molar[salt_index];
-            format!("salt {salt} M, replica {replica}")
-        })
+            } => self
+                .run_simulation(salt_index, replica, directory, execution)
+                .with_context(|| {
+                    let salt = self.settings.salt_molar[salt_index];
+                    format!("salt {salt} M, replica {replica}")
+                }),
+            Task::Ladder { replica } => self
+                .run_ladder(replica, directory, execution)
+                .with_context(|| format!("replica {replica}")),
+        }
     }
 
     /// Averages every log, and writes the table and the figure.
-    fn collect(&self, accepted: Vec<AcceptedFractions>) -> Result<SweepResult> {
+    fn collect(&self, parts: Vec<Part>) -> Result<SweepResult> {
         let mut replicas = vec![Vec::new(); self.settings.salt_molar.len()];
-        for (task, accepted) in self.tasks.iter().zip(accepted) {
-            let rows: Vec<LogRow> = log::read(&self.directory(task).join("log.csv"))?;
-            let result = ReplicaResult::new(task.replica, &rows, accepted);
-            replicas[task.salt_index].push(result);
+        let mut exchanges = Vec::new();
+        for part in parts {
+            for (salt_index, accepted) in part.accepted {
+                let salt_molar = self.settings.salt_molar[salt_index];
+                let directory = replica_directory(self.directory, salt_molar, part.replica);
+                let rows: Vec<LogRow> = log::read(&directory.join("log.csv"))?;
+                let result = ReplicaResult::new(part.replica, &rows, accepted);
+                replicas[salt_index].push(result);
+            }
+            exchanges.extend(part.exchanged);
         }
         let mut salts = Vec::with_capacity(replicas.len());
         for (salt_index, replicas) in replicas.iter().enumerate() {
@@ -344,7 +440,11 @@ impl Campaign for Sweep<'_> {
             });
         }
         let assembly = self.engine.assembly();
+        let gap_angstrom = self.settings.contact_gap_angstrom;
+        let native = contacts(&self.engine.system()?, gap_angstrom).len();
         let result = SweepResult {
+            stability: Stability::new(self.settings, &replicas, native),
+            exchanges,
             version: env!("CARGO_PKG_VERSION").into(),
             input_sha256: assembly.sha256.clone(),
             bodies: assembly.len(),
@@ -359,15 +459,18 @@ impl Campaign for Sweep<'_> {
     }
 }
 
-/// All simulations of the sweep, ordered by replica first, so that an interrupted sweep has a
-/// complete curve early.
+/// All tasks of the sweep, ordered by replica first, so that an interrupted sweep has a complete
+/// curve early.
 fn tasks(settings: &RunSettings) -> Vec<Task> {
-    let salts = 0..settings.salt_molar.len();
-    let of_replica = |replica| {
-        salts.clone().map(move |salt_index| Task {
+    let of_replica = |replica| -> Vec<Task> {
+        if settings.exchange_every > 0 {
+            return vec![Task::Ladder { replica }];
+        }
+        let simulation = |salt_index| Task::Simulation {
             salt_index,
             replica,
-        })
+        };
+        (0..settings.salt_molar.len()).map(simulation).collect()
     };
     (0..settings.replicas).flat_map(of_replica).collect()
 }

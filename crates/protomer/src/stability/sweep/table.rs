@@ -1,9 +1,10 @@
 //! The result of a sweep: one row per salt concentration, from the logs of its replicas.
 
+use super::stability::Stability;
 use crate::answer::Answer;
 use crate::stability::effective::EffectiveBody;
 use crate::stability::interaction::ScreenedCoulomb;
-use crate::stability::run::{AcceptedFractions, LogRow, RunSettings};
+use crate::stability::run::{AcceptedFractions, Exchanged, LogRow, RunSettings};
 use anyhow::Result;
 use protomer_io::csv::{Cell, Table};
 use protomer_kernel::statistics::{Summary, summarize};
@@ -29,6 +30,12 @@ pub struct SweepResult {
     pub salts: Vec<SaltRow>,
     /// The replicas behind each row.
     pub replicas: Vec<Vec<ReplicaResult>>,
+    /// Where it falls apart, and whether that is an equilibrium.
+    #[serde(flatten)]
+    pub stability: Stability,
+    /// What the exchanges between salt concentrations did.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub exchanges: Vec<Exchanged>,
 }
 
 /// The result of one replica.
@@ -50,6 +57,12 @@ pub struct ReplicaResult {
     pub accepted: AcceptedFractions,
     /// Mean number of bodies moved per cluster move.
     pub cluster_moved_mean: f64,
+    /// Pairs of bodies in contact; `None` in logs of earlier versions.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub contacts: Option<Summary>,
+    /// Fraction of the bodies that touch another; `None` in logs of earlier versions.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bound_fraction: Option<Summary>,
     /// Each kind of body, where its effective charges interact: in the answer of a single
     /// simulation. Those of a sweep are in its rows.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -72,7 +85,7 @@ impl Answer for ReplicaResult {
 impl ReplicaResult {
     /// Averages a log, with errors corrected for autocorrelation.
     pub fn new(replica: u32, rows: &[LogRow], accepted: AcceptedFractions) -> Self {
-        let mut series: [Vec<f64>; 5] = Default::default();
+        let mut series: [Vec<f64>; 7] = Default::default();
         for row in rows {
             let values = [
                 row.r_g_angstrom,
@@ -80,21 +93,36 @@ impl ReplicaResult {
                 row.largest_cluster as f64,
                 row.energy_kt,
                 row.cluster_moved,
+                row.contacts,
+                row.bound_fraction,
             ];
             for (series, value) in series.iter_mut().zip(values) {
                 series.push(value);
             }
         }
-        let [r_g, native, largest_cluster, energy, cluster_moved] = series;
-        let had_contacts = native.iter().all(|fraction| fraction.is_finite());
+        let [
+            r_g,
+            native,
+            largest_cluster,
+            energy,
+            cluster_moved,
+            contacts,
+            bound,
+        ] = series;
+        let if_known = |series: &[f64]| {
+            let is_known = series.iter().all(|value| value.is_finite());
+            is_known.then(|| summarize(series))
+        };
         Self {
             replica,
             r_g_angstrom: summarize(&r_g),
-            native_contacts: had_contacts.then(|| summarize(&native)),
+            native_contacts: if_known(&native),
             largest_cluster: summarize(&largest_cluster),
             energy_kt: summarize(&energy),
             accepted,
             cluster_moved_mean: mean(&cluster_moved),
+            contacts: if_known(&contacts),
+            bound_fraction: if_known(&bound),
             effective_bodies: None,
         }
     }
@@ -138,6 +166,10 @@ pub struct SaltRow {
     pub rotation_acceptance: f64,
     /// Mean number of bodies moved per cluster move.
     pub cluster_moved_mean: f64,
+    /// Mean fraction of the bodies that touch another; NaN in results of earlier versions.
+    pub bound_fraction_mean: f64,
+    /// Standard deviation over replicas.
+    pub bound_fraction_sd: f64,
     /// Number of replicas.
     pub replicas: usize,
     /// Each kind of body, where its effective charges interact.
@@ -148,7 +180,7 @@ pub struct SaltRow {
 impl SaltRow {
     /// Averages over replicas.
     pub fn new(salt_molar: f64, interaction: &ScreenedCoulomb, replicas: &[ReplicaResult]) -> Self {
-        let mut columns: [Vec<f64>; 7] = Default::default();
+        let mut columns: [Vec<f64>; 8] = Default::default();
         let mut squared_errors = 0.0;
         for replica in replicas {
             let native = replica.native_contacts.as_ref();
@@ -160,6 +192,7 @@ impl SaltRow {
                 replica.accepted.translation_acceptance,
                 replica.accepted.rotation_acceptance,
                 replica.cluster_moved_mean,
+                replica.bound_fraction.map_or(f64::NAN, |bound| bound.mean),
             ];
             for (column, value) in columns.iter_mut().zip(values) {
                 column.push(value);
@@ -174,6 +207,7 @@ impl SaltRow {
             translation,
             rotation,
             cluster_moved,
+            bound,
         ] = columns;
         Self {
             salt_molar,
@@ -191,6 +225,8 @@ impl SaltRow {
             translation_acceptance: mean(&translation),
             rotation_acceptance: mean(&rotation),
             cluster_moved_mean: mean(&cluster_moved),
+            bound_fraction_mean: mean(&bound),
+            bound_fraction_sd: standard_deviation(&bound),
             replicas: replicas.len(),
             effective_bodies: None,
         }
@@ -199,7 +235,7 @@ impl SaltRow {
 
 impl SaltRow {
     /// The cells by the names of their columns, in the order of the table.
-    fn cells(&self) -> [(&'static str, Cell); 16] {
+    fn cells(&self) -> [(&'static str, Cell); 18] {
         [
             ("salt_M", self.salt_molar.into()),
             ("debye_length_angstrom", self.debye_length_angstrom.into()),
@@ -217,6 +253,8 @@ impl SaltRow {
             ("translation_acceptance", self.translation_acceptance.into()),
             ("rotation_acceptance", self.rotation_acceptance.into()),
             ("cluster_moved_mean", self.cluster_moved_mean.into()),
+            ("bound_fraction_mean", self.bound_fraction_mean.into()),
+            ("bound_fraction_sd", self.bound_fraction_sd.into()),
         ]
     }
 }
@@ -238,7 +276,7 @@ pub fn to_csv(rows: &[SaltRow]) -> Result<String> {
         }
         table.push(cells)?;
     }
-    Ok(table.to_csv())
+    Ok(table.to_csv()?)
 }
 
 fn mean(values: &[f64]) -> f64 {

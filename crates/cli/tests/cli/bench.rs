@@ -1,10 +1,6 @@
 //! The benchmark: its states, its decisions and its tables. No test measures time.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
-
-mod common;
-
-use common::{TemporaryFolder, Watcher, is_ok};
+use crate::common::{TemporaryFolder, Watcher, is_ok};
 use protomer::stability::bench::suite::{Part, SuiteSettings, run_suite};
 use protomer::stability::bench::tables::{BodiesRow, SuiteResult};
 use protomer::stability::energy_tables::EnergyTables;

@@ -1,11 +1,7 @@
 //! Fluids: nothing overlaps, every body is where it may be with the same probability, and the seed
 //! decides.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
-
-mod common;
-
-use common::TemporaryFolder;
+use crate::common::TemporaryFolder;
 use protomer::assemblies::assemble::BodyFiles;
 use protomer::assemblies::fluid::fluid;
 use protomer_body::assembly::Placement;

@@ -1,40 +1,89 @@
-//! The energy of two bodies at one pose, without a list of a pair: for poses that have nothing to do
-//! with each other.
+//! The energy of two bodies from fine tables: with the near pairs of a list, or without a list, for
+//! poses that have nothing to do with each other.
 
-use super::field::BLOCK;
-use super::list::Motion;
-use super::table::Table;
+use super::lanes::BLOCK;
+use super::list::List;
+use super::motion::Motion;
+use super::table::{Estimate, Table};
 use crate::energy::SitePotential;
 use protomer_kernel::pose::RelativePose;
 
 impl<P: SitePotential> Table<P> {
+    /// The energy with another body at this pose: all of its charges in the fine table, the near
+    /// pairs of a list that serves here one by one. `None` where the table ends before.
+    pub(super) fn fine_energy(
+        &self,
+        other: &Self,
+        near: &List,
+        pose: &RelativePose,
+    ) -> Option<Estimate> {
+        #[cfg(target_arch = "x86_64")]
+        if super::lanes::has_wide_vectors() {
+            // SAFETY: the processor has the features the function is compiled for.
+            return unsafe { self.fine_energy_avx512(other, near, pose) };
+        }
+        self.fine_sum::<false>(other, near, pose)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,fma")]
+    fn fine_energy_avx512(
+        &self,
+        other: &Self,
+        near: &List,
+        pose: &RelativePose,
+    ) -> Option<Estimate> {
+        self.fine_sum::<true>(other, near, pose)
+    }
+
+    #[inline(always)]
+    fn fine_sum<const FUSED: bool>(
+        &self,
+        other: &Self,
+        near: &List,
+        pose: &RelativePose,
+    ) -> Option<Estimate> {
+        let motion = Motion::new(pose);
+        let (mut energy_kt, mut variance) = (0.0, 0.0);
+        for block in other.blocks() {
+            let spots = self.field.locate(&motion.apply_block(block))?;
+            energy_kt += self.field.fine::<FUSED>(&spots, &block[3]);
+            variance += f64::from(self.field.fine_variance(&spots, &block[3]));
+        }
+        energy_kt += near.near_energy(self, pose);
+        Some(Estimate {
+            energy_kt,
+            variance,
+        })
+    }
+
     /// The energy with another body at a pose in the frame of this one, from the fine table and the
     /// near pairs, kT; `None` where the table ends before the other body does.
     ///
     /// The error is that of the fine series, some 10⁻⁴ kT for two proteins in contact.
     pub fn energy_alone_kt(&self, other: &Self, pose: &RelativePose) -> Option<f64> {
         #[cfg(target_arch = "x86_64")]
-        if super::list::has_wide_vectors() {
+        if super::lanes::has_wide_vectors() {
             // SAFETY: the processor has the features the function is compiled for.
             return unsafe { self.energy_alone_avx512(other, pose) };
         }
-        self.sum_alone(other, pose)
+        self.sum_alone::<false>(other, pose)
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,fma")]
     fn energy_alone_avx512(&self, other: &Self, pose: &RelativePose) -> Option<f64> {
-        self.sum_alone(other, pose)
+        self.sum_alone::<true>(other, pose)
     }
 
     #[inline(always)]
-    fn sum_alone(&self, other: &Self, pose: &RelativePose) -> Option<f64> {
+    fn sum_alone<const FUSED: bool>(&self, other: &Self, pose: &RelativePose) -> Option<f64> {
         let motion = Motion::new(pose);
         let mut energy_kt = 0.0;
         for block in other.blocks() {
             let places = motion.apply_block(block);
             let spots = self.field.locate(&places)?;
-            energy_kt += self.field.fine(&spots, &block[3]);
+            energy_kt += self.field.fine::<FUSED>(&spots, &block[3]);
             for lane in 0..BLOCK {
                 let at = [places[0][lane], places[1][lane], places[2][lane]];
                 energy_kt += f64::from(block[3][lane] * self.near_potential(at));

@@ -1,10 +1,6 @@
 //! Energy tables kept from one process to the next.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
-
-mod common;
-
-use common::{TemporaryFolder, contents, is_ok, message};
+use crate::common::{TemporaryFolder, contents, is_ok, message};
 use std::process::{Command, Output, Stdio};
 
 const BENCH: &str = "bench ring.json --debye 9.6A --moves 100 --json --energy calibrated";

@@ -1,11 +1,7 @@
 //! Sweeps as a process: killed, stopped, continued, on a full disk, in a directory that was
 //! tampered with.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
-
-mod common;
-
-use common::{TemporaryFolder, contents, is_ok, message};
+use crate::common::{TemporaryFolder, contents, is_ok, message};
 use protomer::stability::run::RunSettings;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -52,7 +48,9 @@ fn spawn_until_saved(place: &TemporaryFolder, command: &str, directory: &str) ->
         let paths = salts
             .iter()
             .flat_map(|salt| (0..2).map(move |replica| format!("{salt}/replica_{replica}")));
+        let ladders = (0..2).map(|replica| format!("ladder_{replica}"));
         paths
+            .chain(ladders)
             .map(|path| {
                 std::fs::read(place.path(&format!("{directory}/{path}/checkpoint.bin"))).ok()
             })
@@ -90,6 +88,12 @@ fn a_killed_sweep_with_calibrated_energies_goes_on_too() {
 #[test]
 fn a_killed_sweep_with_approximate_energies_goes_on_too() {
     is_killed_and_goes_on("approximate --tolerance 1e-5", 400, &[0, 4, 64, 256]);
+}
+
+#[test]
+fn a_killed_sweep_with_exchange_goes_on_too() {
+    let options = "calibrated --exchange-every 7 --starts both";
+    is_killed_and_goes_on(options, 400, &[0, 4, 64, 256]);
 }
 
 /// Kills a sweep again and again, each time so long after its next checkpoint, then lets it end. Bodies
@@ -664,6 +668,7 @@ fn the_table_holds_the_averages_of_the_logs() {
             ("native_contacts", "native_contacts", ""),
             ("largest_cluster", "largest_cluster", ""),
             ("energy_kT", "energy", "_kT"),
+            ("bound_fraction", "bound_fraction", ""),
         ] {
             let means: Vec<f64> = logs.iter().map(|log| mean(&log[logged])).collect();
             assert_eq!(logs[0][logged].len(), 300, "a row every 5 of 1500 sweeps");
@@ -691,6 +696,52 @@ fn the_table_holds_the_averages_of_the_logs() {
             std::fs::metadata(place.path(figure)).unwrap().len() > 1000,
             "{figure}"
         );
+    }
+}
+
+#[test]
+fn the_answer_names_the_half_salt_or_says_why_not() {
+    let place = TemporaryFolder::new();
+    for (name, charge) in [("a", 6), ("b", -6)] {
+        std::fs::write(place.path("charge.xyzq"), format!("0 0 0 {charge}\n")).unwrap();
+        let body = format!("body --mesh cube.off --charges charge.xyzq -o {name}.body --force");
+        is_ok(&place.run(&body));
+    }
+    let answer = |options: &str, directory: &str| -> serde_json::Value {
+        let sweep = "sweep ring.json --salt 50mM,300mM --replicas 2 --seed 7 --log-every 5 --json";
+        let output = place.run(&format!("{sweep} {options} -o {directory}"));
+        is_ok(&output);
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let alike = answer("--sweeps 400 --equilibration 100", "alike");
+    let half = alike["half_salt_molar"].as_f64().unwrap();
+    assert!(half > 0.05 && half < 0.3, "{half}");
+    let interval = &alike["half_salt_interval_molar"];
+    assert!(interval[0].as_f64().is_none_or(|low| low <= half));
+    assert!(interval[1].as_f64().is_none_or(|high| high >= half));
+    assert!(alike["equilibrated"].is_null());
+    // So short a run keeps its start.
+    let apart = answer("--sweeps 40 --equilibration 0 --starts both", "apart");
+    assert_eq!(apart["equilibrated"], serde_json::json!(false));
+    assert!(apart["half_salt_molar"].is_null());
+    let words = apart["equilibration"].as_str().unwrap();
+    assert!(words.starts_with("not equilibrated: at "), "{words}");
+    let exchanged = answer(
+        "--sweeps 40 --equilibration 0 --exchange-every 5",
+        "exchanged",
+    );
+    let acceptance = &exchanged["exchanges"][1]["acceptance"];
+    assert_eq!(acceptance.as_array().map(Vec::len), Some(1));
+    for (options, wanted) in [
+        ("--exchange-every 5 --salt 50mM", "list several"),
+        ("--starts both --replicas 1 --salt 50mM", "--replicas 2"),
+        (
+            "--exchange-every 5 --energy none --salt 50mM,300mM",
+            "--exchange-every",
+        ),
+    ] {
+        let words = message(&place.run(&format!("sweep ring.json {options} -o refused")));
+        assert!(words.contains(wanted), "{options}: {words}");
     }
 }
 

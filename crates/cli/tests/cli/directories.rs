@@ -1,12 +1,7 @@
 //! A directory that holds one kind of result is refused by every verb that leaves another, and left
 //! as it was.
 
-#![cfg(unix)]
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
-
-mod common;
-
-use common::{TemporaryFolder, contents, is_ok, message};
+use crate::common::{TemporaryFolder, contents, is_ok, message};
 
 /// What each verb leaves, and the words that leave it; the directory comes last.
 const VERBS: [(&str, &str); 7] = [

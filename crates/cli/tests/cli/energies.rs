@@ -1,11 +1,7 @@
 //! Energies from the command line against sums written out here, and against the shared benchmark
 //! state.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
-
-mod common;
-
-use common::{CHARGES, TemporaryFolder, is_ok, message};
+use crate::common::{CHARGES, TemporaryFolder, is_ok, message};
 use std::path::Path;
 
 #[test]

@@ -1,12 +1,7 @@
 //! Searches in their directories: losers stop early, stopped and killed searches go on, others are
 //! refused.
 
-#![cfg(unix)]
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
-
-mod common;
-
-use common::{TemporaryFolder, contents, is_ok, message};
+use crate::common::{TemporaryFolder, contents, is_ok, message};
 use protomer::learning::train::{Source, TrainSettings};
 use protomer::learning::tune::{Trial, TuneSettings, tune_in};
 use protomer_learn::controls::{Control, Variant};

@@ -1,16 +1,9 @@
 //! Pages of directories of results: what is on them, that they need nothing else, and what is
 //! refused.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::print_stderr
-)] // a test fails by panicking
+#![allow(clippy::print_stderr)] // for a person who runs the tests
 
-mod common;
-
-use common::{CHARGES, TemporaryFolder, is_ok, message};
+use crate::common::{CHARGES, TemporaryFolder, contents, is_ok, message};
 use std::path::Path;
 use std::process::Command;
 
@@ -544,7 +537,7 @@ fn a_set_of_voxels_and_a_search_have_pages_too() {
     );
     assert!(message(&place.run("report set.zarr")).contains("not complete yet"));
     is_ok(&place.run(VOXELIZE));
-    let before = common::contents(&place.path("set.zarr"));
+    let before = contents(&place.path("set.zarr"));
     let output = place.run("report set.zarr");
     is_ok(&output);
     assert!(
@@ -552,7 +545,7 @@ fn a_set_of_voxels_and_a_search_have_pages_too() {
             .starts_with("set.zarr.report.html: Status, Samples, ")
     );
     assert_eq!(
-        common::contents(&place.path("set.zarr")),
+        contents(&place.path("set.zarr")),
         before,
         "nothing is added to the group"
     );

@@ -1,11 +1,7 @@
 //! Sets of voxel grids: made, interrupted, continued, joined, read; whatever the order and the
 //! threads, the same files.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
-
-use common::Watcher;
+use crate::common::{Watcher, program};
 use protomer::voxels::manifest::Manifest;
 use protomer::voxels::merge::merge;
 use protomer::voxels::samples::VoxelSet;
@@ -19,7 +15,7 @@ use protomer_results::{Execution, Shard};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 use std::sync::atomic::Ordering;
 
 /// Helices of five residues each, as PDB text: small, and enough to have a surface, charges and
@@ -111,15 +107,8 @@ impl Place {
 
     /// The program.
     fn run(&self, words: &str) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_protomer"));
-        command
-            .args(words.split_whitespace())
-            .current_dir(self.folder.path());
-        command
-            .env_remove("PROTOMER_THREADS")
-            .env_remove("ACTION_WALLTIME_IN_MINUTES")
-            .output()
-            .unwrap()
+        let mut command = program(words.split_whitespace());
+        command.current_dir(self.folder.path()).output().unwrap()
     }
 }
 
@@ -175,7 +164,7 @@ fn a_manifest_becomes_a_set_with_its_exclusions() {
     let reasons: Vec<(&str, Reason)> = report
         .excluded
         .iter()
-        .map(|e| (e.name.as_str(), e.reason))
+        .map(|e| (e.row.name.as_str(), e.reason))
         .collect();
     let expected = [
         ("trace", Reason::Truncated),
@@ -581,7 +570,7 @@ fn a_structure_that_was_cut_in_half_is_never_a_silent_sample() {
     let zipped = report
         .excluded
         .iter()
-        .filter(|excluded| excluded.file.ends_with(".gz"));
+        .filter(|excluded| excluded.row.file.ends_with(".gz"));
     assert!(
         zipped.clone().count() == 6
             && zipped
@@ -616,7 +605,7 @@ fn a_file_by_hand_without_an_end_is_a_sample_with_a_warning() {
     let reasons: Vec<(&str, Reason)> = report
         .excluded
         .iter()
-        .map(|e| (e.name.as_str(), e.reason))
+        .map(|e| (e.row.name.as_str(), e.reason))
         .collect();
     let [within, digits] = [
         ("within", Reason::Unreadable),

@@ -1,12 +1,11 @@
 //! Trained networks applied to sets: the training's own set, another one, a damaged one, and
 //! directories that hold none.
 
-#![cfg(unix)]
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
-
+use crate::common::{is_ok, program};
 use protomer::learning::train::TrainSettings;
 use protomer::voxels::VoxelizeSettings;
 use protomer::voxels::records::{SampleRecord, SetContent};
+use protomer::voxels::row::Row;
 use protomer::voxels::set::{attributes, write};
 use protomer::voxels::structure::Properties;
 use protomer_field::voxels::Voxels;
@@ -38,15 +37,8 @@ impl Place {
     }
 
     fn run(&self, words: &str) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_protomer"));
-        command
-            .args(words.split_whitespace())
-            .current_dir(self.folder.path());
-        command
-            .env_remove("PROTOMER_THREADS")
-            .env_remove("ACTION_WALLTIME_IN_MINUTES")
-            .output()
-            .unwrap()
+        let mut command = program(words.split_whitespace());
+        command.current_dir(self.folder.path()).output().unwrap()
     }
 
     fn train(&self, words: &str) {
@@ -78,21 +70,23 @@ impl Place {
         let record = |(number, grid): (usize, &SparseGrid)| {
             let known = &descriptions[number];
             SampleRecord {
-                entry: number,
-                name: known.name.clone(),
-                file: format!("{}.pdb", known.name),
-                label: if number % 15 == 7 {
-                    "rare".into()
-                } else {
-                    known.label.clone()
+                row: Row {
+                    entry: number,
+                    name: known.name.clone(),
+                    file: format!("{}.pdb", known.name),
+                    label: if number % 15 == 7 {
+                        "rare".into()
+                    } else {
+                        known.label.clone()
+                    },
+                    cluster: format!("{seed} {}", known.cluster),
+                    family: if number % 4 == 0 {
+                        format!("family {}", number / 12)
+                    } else {
+                        String::new()
+                    },
+                    sha256: file(seed, number),
                 },
-                cluster: format!("{seed} {}", known.cluster),
-                family: if number % 4 == 0 {
-                    format!("family {}", number / 12)
-                } else {
-                    String::new()
-                },
-                sha256: file(seed, number),
                 key: String::new(),
                 voxels: grid.index.len(),
                 properties: Properties {
@@ -136,14 +130,6 @@ fn settings() -> VoxelizeSettings {
         size: SIZE,
         ..VoxelizeSettings::default()
     }
-}
-
-fn is_ok(output: &Output) {
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
 }
 
 fn copy(from: &Path, to: &Path) {

@@ -1,25 +1,10 @@
 //! Trainings in their directories: killed and continued, stopped, refused.
 
-#![cfg(unix)]
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
-
+use crate::common::{is_ok, program};
 use serde_json::Value;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::Stdio;
 use std::time::{Duration, Instant};
-
-fn protomer(words: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_protomer"));
-    command
-        .args(words)
-        .env_remove("PROTOMER_THREADS")
-        .env_remove("ACTION_WALLTIME_IN_MINUTES");
-    command
-}
-
-fn run(words: &[&str]) -> Output {
-    protomer(words).output().unwrap()
-}
 
 fn metrics(directory: &Path) -> Value {
     serde_json::from_slice(&std::fs::read(directory.join("metrics.json")).unwrap()).unwrap()
@@ -49,14 +34,9 @@ fn killed_and_continued_it_ends_with_the_same_weights() {
             .chain([path(name).display().to_string()])
             .collect()
     };
-    let whole = protomer(&[]).args(words("whole", "1")).output().unwrap();
-    assert!(
-        whole.status.success(),
-        "{}",
-        String::from_utf8_lossy(&whole.stderr)
-    );
-    let mut killed = protomer(&[])
-        .args(words("killed", "2"))
+    let whole = program(words("whole", "1")).output().unwrap();
+    is_ok(&whole);
+    let mut killed = program(words("killed", "2"))
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
@@ -73,12 +53,8 @@ fn killed_and_continued_it_ends_with_the_same_weights() {
         !path("killed").join("metrics.json").exists(),
         "it was done before it was killed"
     );
-    let continued = protomer(&[]).args(words("killed", "2")).output().unwrap();
-    assert!(
-        continued.status.success(),
-        "{}",
-        String::from_utf8_lossy(&continued.stderr)
-    );
+    let continued = program(words("killed", "2")).output().unwrap();
+    is_ok(&continued);
     for file in [
         "model.safetensors",
         "metrics.json",
@@ -91,15 +67,13 @@ fn killed_and_continued_it_ends_with_the_same_weights() {
     }
     // Complete, it has nothing to do; other settings are refused, and so is another seed.
     assert!(
-        protomer(&[])
-            .args(words("killed", "1"))
+        program(words("killed", "1"))
             .output()
             .unwrap()
             .status
             .success()
     );
-    let other = protomer(&[])
-        .args(words("killed", "1"))
+    let other = program(words("killed", "1"))
         .args(["--seed", "2"])
         .output()
         .unwrap();
@@ -110,7 +84,7 @@ fn killed_and_continued_it_ends_with_the_same_weights() {
 fn a_time_limit_stops_it_resumably() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run").display().to_string();
-    let stopped = protomer(&SOME)
+    let stopped = program(SOME)
         .args(["-o", &path, "--time-limit", "0"])
         .output()
         .unwrap();
@@ -127,7 +101,7 @@ fn a_time_limit_stops_it_resumably() {
 fn metrics_hold_scores_beside_baselines_and_the_ablation() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run");
-    let output = run(&[
+    let output = program([
         "train",
         "--control",
         "charge",
@@ -141,12 +115,10 @@ fn metrics_hold_scores_beside_baselines_and_the_ablation() {
         "shape,potential",
         "-o",
         &path.display().to_string(),
-    ]);
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    ])
+    .output()
+    .unwrap();
+    is_ok(&output);
     let text = String::from_utf8_lossy(&output.stdout);
     let line = |start: &str| {
         text.lines()
@@ -268,7 +240,7 @@ fn wrong_names_are_told_the_right_ones() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run").display().to_string();
     let complaint = |words: &[&str]| {
-        let output = protomer(&["train"])
+        let output = program(["train"])
             .args(words)
             .args(["-o", &path])
             .output()

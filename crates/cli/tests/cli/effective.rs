@@ -1,10 +1,6 @@
 //! Effective charges in every verb that computes energies of an assembly, and their cache.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
-
-mod common;
-
-use common::{TemporaryFolder, contents, is_ok, message};
+use crate::common::{TemporaryFolder, contents, is_ok, message};
 use protomer::assemblies::assembly_file::Assembly;
 use protomer::stability::disk_cache::DiskCache;
 use protomer::stability::effective::{EffectiveStore, SoluteModel};

@@ -1,10 +1,7 @@
 //! Networks of rods and hinges through the library behind the command line: the tables of the
 //! paper, files, loads.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
-
-mod common;
-
+use crate::common;
 use protomer::frameworks::report::{Analytic, Relax, Report, Settings, analyse};
 use protomer::frameworks::tables::{Agreement, rows};
 use protomer::frameworks::{curve, network_file};

@@ -1,0 +1,21 @@
+//! The program and the library behind it, a module for each verb or idea. They are one test program,
+//! because each test program links the whole project again.
+
+#![cfg(unix)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
+
+mod bench;
+#[path = "../common/mod.rs"]
+mod common;
+mod directories;
+mod disk_cache;
+mod effective;
+mod energies;
+mod fluid;
+mod framework;
+mod predict;
+mod report;
+mod sweep;
+mod train;
+mod tune;
+mod voxelize;

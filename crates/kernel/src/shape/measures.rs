@@ -1,0 +1,208 @@
+//! What is known exactly of a convex shape with rounded edges.
+//!
+//! The Minkowski sum of a convex body with a ball of radius r has (Steiner)
+//!
+//! V = V₀ + S₀ r + M₀ r² + 4π r³/3,   S = S₀ + 2 M₀ r + 4π r²,   M = M₀ + 4π r,
+//!
+//! with the integrated mean curvature M₀ = ½ Σ over edges of length times exterior angle for a
+//! polyhedron. Its second virial coefficient is B2 = V + S M / 4π (Isihara, J. Chem. Phys. 18, 1446
+//! (1950)). In a plane A = A₀ + P₀ r + π r², P = P₀ + 2π r, and B2 = A + P²/4π.
+
+use super::Shape;
+use super::hull::Hull;
+use crate::error::require;
+use crate::{KernelError, Result, TriangleMesh, Vec3};
+use std::collections::HashMap;
+use std::f64::consts::PI;
+
+/// Of a convex shape with rounded edges. In a plane, the volume is the area, the surface the
+/// perimeter, and the integrated curvature 2π.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measures {
+    /// Volume.
+    pub volume: f64,
+    /// Surface.
+    pub surface: f64,
+    /// Integral of the mean curvature over the surface.
+    pub integrated_mean_curvature: f64,
+    /// Second virial coefficient of hard bodies of this shape.
+    pub b2: f64,
+}
+
+impl Measures {
+    /// Of the Minkowski sum of a shape with a ball (a disk in a plane) of this radius.
+    ///
+    /// # Errors
+    /// [`KernelError::OutOfRange`] for a negative radius; [`KernelError::BadShape`] for a shape
+    /// without volume.
+    pub fn of(shape: &Shape, rounding_radius: f64) -> Result<Self> {
+        require(
+            "the rounding radius",
+            rounding_radius,
+            "zero or positive",
+            rounding_radius >= 0.0,
+        )?;
+        let measures = match shape {
+            Shape::Flat(corners) => of_polygon(corners, rounding_radius),
+            Shape::Solid(hull) => of_hull(hull, rounding_radius),
+        };
+        if measures.volume <= 0.0 {
+            return Err(KernelError::BadShape(
+                "its points lie in a plane, on a line or in one place, so it has no volume; add \
+                 points or a rounding radius"
+                    .into(),
+            ));
+        }
+        Ok(measures)
+    }
+}
+
+fn of_polygon(corners: &[[f64; 2]], r: f64) -> Measures {
+    let (mut area, mut perimeter) = (0.0, 0.0);
+    for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+        area += 0.5 * (a[0] * b[1] - a[1] * b[0]);
+        perimeter += (b[0] - a[0]).hypot(b[1] - a[1]);
+    }
+    let volume = area + perimeter * r + PI * r * r;
+    let surface = perimeter + 2.0 * PI * r;
+    Measures {
+        volume,
+        surface,
+        integrated_mean_curvature: 2.0 * PI,
+        b2: volume + surface * surface / (4.0 * PI),
+    }
+}
+
+fn of_hull(hull: &Hull, r: f64) -> Measures {
+    let (volume, surface, curvature) = match hull {
+        Hull::Point(_) => (0.0, 0.0, 0.0),
+        Hull::Segment([a, b]) => (0.0, 0.0, PI * (b - a).norm()),
+        Hull::Polygon(corners) => of_thin_polygon(corners),
+        Hull::Polyhedron(mesh) => (
+            mesh.volume_angstrom3(),
+            mesh.area_angstrom2(),
+            mean_curvature(mesh),
+        ),
+    };
+    let ball = 4.0 * PI;
+    let rounded_volume = volume + surface * r + curvature * r * r + ball / 3.0 * r.powi(3);
+    let rounded_surface = surface + 2.0 * curvature * r + ball * r * r;
+    let rounded_curvature = curvature + ball * r;
+    Measures {
+        volume: rounded_volume,
+        surface: rounded_surface,
+        integrated_mean_curvature: rounded_curvature,
+        b2: rounded_volume + rounded_surface * rounded_curvature / ball,
+    }
+}
+
+/// A polygon has two sides, and at every edge an exterior angle of π.
+fn of_thin_polygon(corners: &[Vec3]) -> (f64, f64, f64) {
+    let (mut area, mut perimeter) = (Vec3::zeros(), 0.0);
+    for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+        area += 0.5 * (a - corners[0]).cross(&(b - corners[0]));
+        perimeter += (b - a).norm();
+    }
+    (0.0, 2.0 * area.norm(), 0.5 * PI * perimeter)
+}
+
+/// Edges between triangles of one face have no exterior angle.
+fn mean_curvature(mesh: &TriangleMesh) -> f64 {
+    let mut normals = HashMap::new();
+    for (number, triangle) in mesh.triangles.iter().enumerate() {
+        let [a, b, c] = mesh.corners(number);
+        let normal = (b - a).cross(&(c - a)).normalize();
+        let [i, j, k] = *triangle;
+        for edge in [(i, j), (j, k), (k, i)] {
+            normals.insert(edge, normal);
+        }
+    }
+    let mut sum = 0.0;
+    for (number, triangle) in mesh.triangles.iter().enumerate() {
+        let corners = mesh.corners(number);
+        for side in 0..3 {
+            let (from, to) = (triangle[side], triangle[(side + 1) % 3]);
+            let here = normals.get(&(from, to));
+            let Some((here, there)) = here.zip(normals.get(&(to, from))).filter(|_| from < to)
+            else {
+                continue;
+            };
+            let length = (corners[(side + 1) % 3] - corners[side]).norm();
+            sum += 0.5 * length * here.cross(there).norm().atan2(here.dot(there));
+        }
+    }
+    sum
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::super::builders::by_name;
+    use super::*;
+
+    fn assert_near(found: f64, expected: f64) {
+        assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+    }
+
+    #[test]
+    fn solids_have_their_closed_forms() {
+        let (root_2, root_3) = (2.0_f64.sqrt(), 3.0_f64.sqrt());
+        // Exterior angles: π - acos(1/3) for the tetrahedron, acos(1/3) for the octahedron.
+        let third = (1.0_f64 / 3.0).acos();
+        for (name, volume, surface, curvature) in [
+            ("tetrahedron", root_2 / 12.0, root_3, 3.0 * (PI - third)),
+            ("cube", 1.0, 6.0, 3.0 * PI),
+            ("octahedron", root_2 / 3.0, 2.0 * root_3, 6.0 * third),
+            ("cuboid:1,2,3", 6.0, 22.0, 6.0 * PI),
+        ] {
+            let measures = Measures::of(&by_name(name).unwrap(), 0.0).unwrap();
+            assert_near(measures.volume, volume);
+            assert_near(measures.surface, surface);
+            assert_near(measures.integrated_mean_curvature, curvature);
+            assert_near(measures.b2, volume + surface * curvature / (4.0 * PI));
+        }
+    }
+
+    #[test]
+    fn balls_disks_and_rods_are_rounded_points_and_segments() {
+        let ball = Shape::solid(&[Vec3::zeros()]).unwrap();
+        let ball = Measures::of(&ball, 0.5).unwrap();
+        assert_near(ball.volume, PI / 6.0);
+        assert_near(ball.b2, 4.0 * PI / 6.0);
+        let disk = Measures::of(&Shape::flat(&[[1.0, 1.0]]).unwrap(), 0.5).unwrap();
+        assert_near(disk.volume, PI / 4.0);
+        assert_near(disk.b2, 2.0 * PI / 4.0);
+        let rod = Shape::solid(&[Vec3::zeros(), 3.0 * Vec3::x()]).unwrap();
+        let rod = Measures::of(&rod, 0.5).unwrap();
+        assert_near(rod.volume, PI * 0.25 * 3.0 + PI / 6.0);
+        assert_near(rod.surface, PI * 3.0 + PI);
+        let stadium = Shape::flat(&[[0.0, 0.0], [3.0, 0.0]]).unwrap();
+        let stadium = Measures::of(&stadium, 0.5).unwrap();
+        assert_near(stadium.volume, 3.0 + PI / 4.0);
+        assert_near(stadium.surface, 6.0 + PI);
+    }
+
+    #[test]
+    fn a_thin_plate_is_the_limit_of_a_cuboid() {
+        let plate = |height: f64| {
+            let corner = |n: u32| {
+                let bit = |of: u32| f64::from(n >> of & 1);
+                Vec3::new(2.0 * bit(0), bit(1), height * bit(2))
+            };
+            let points: Vec<Vec3> = (0..8).map(corner).collect();
+            Measures::of(&Shape::solid(&points).unwrap(), 0.3).unwrap()
+        };
+        let (flat, thin) = (plate(0.0), plate(1e-7));
+        assert!((flat.volume / thin.volume - 1.0).abs() < 1e-6);
+        assert!((flat.b2 / thin.b2 - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn without_volume_and_with_negative_rounding_it_is_refused() {
+        let flat = Shape::flat(&[[0.0, 0.0], [1.0, 0.0]]).unwrap();
+        let no_volume = Measures::of(&flat, 0.0).unwrap_err().to_string();
+        assert!(no_volume.contains("no volume"), "{no_volume}");
+        assert!(Measures::of(&flat, -1.0).is_err());
+        assert!(Measures::of(&flat, f64::NAN).is_err());
+    }
+}

@@ -1,0 +1,82 @@
+//! Convex shapes in two and three dimensions, and what is known of them exactly.
+//!
+//! | module | one idea |
+//! |---|---|
+//! | [`hull`] | the convex hull of points |
+//! | [`measures`] | volume, surface, mean curvature, second virial coefficient; rounding by Steiner's formulas |
+//! | [`builders`] | shapes by name |
+//!
+//! Shapes have no unit of length of their own.
+//!
+//! ```
+//! use protomer_kernel::shape::{builders, measures::Measures};
+//! let cube = builders::by_name("cube")?;
+//! let measures = Measures::of(&cube, 0.0)?;
+//! assert!((measures.volume - 1.0).abs() < 1e-12);
+//! assert!((measures.b2 - 5.5).abs() < 1e-12);
+//! # Ok::<(), protomer_kernel::KernelError>(())
+//! ```
+
+pub mod builders;
+pub mod hull;
+pub mod measures;
+
+use crate::{KernelError, Result, Vec3};
+use hull::Hull;
+
+/// The convex hull of points, in a plane or in space.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Shape {
+    /// The corners of a polygon, counter-clockwise; a segment has two and a point one.
+    Flat(Vec<[f64; 2]>),
+    /// A polyhedron; it may be as thin as a polygon, a segment or a point.
+    Solid(Hull),
+}
+
+impl Shape {
+    /// The convex hull of points in a plane.
+    ///
+    /// # Errors
+    /// [`KernelError::BadShape`] without points, or for numbers that are not finite.
+    pub fn flat(points: &[[f64; 2]]) -> Result<Self> {
+        require_finite(points.as_flattened())?;
+        Ok(Shape::Flat(hull::polygon(points)))
+    }
+
+    /// The convex hull of points in space.
+    ///
+    /// # Errors
+    /// As [`Shape::flat`].
+    pub fn solid(points: &[Vec3]) -> Result<Self> {
+        let numbers: Vec<f64> = points.iter().flat_map(|x| [x.x, x.y, x.z]).collect();
+        require_finite(&numbers)?;
+        Ok(Shape::Solid(Hull::of(points)))
+    }
+
+    /// 2 or 3.
+    pub fn dimension(&self) -> usize {
+        match self {
+            Shape::Flat(_) => 2,
+            Shape::Solid(_) => 3,
+        }
+    }
+
+    /// The number of corners.
+    pub fn corners(&self) -> usize {
+        match self {
+            Shape::Flat(corners) => corners.len(),
+            Shape::Solid(hull) => hull.corners().len(),
+        }
+    }
+}
+
+fn require_finite(numbers: &[f64]) -> Result<()> {
+    let complaint = match numbers {
+        [] => "it has no points",
+        _ if numbers.iter().any(|number| !number.is_finite()) => {
+            "a coordinate is not a finite number"
+        }
+        _ => return Ok(()),
+    };
+    Err(KernelError::BadShape(complaint.into()))
+}

@@ -1,0 +1,222 @@
+//! Chooses the points of a list.
+
+use super::expansion::Expansion;
+use super::fit::FIT_DISTANCE;
+use super::lanes::BLOCK;
+use super::list::{List, Near, Part};
+use super::motion::{Block, EMPTY, Motion, blocks};
+use super::neighbours::SKIN_ANGSTROM;
+use super::table::Table;
+use super::tree::Node;
+use crate::energy::SitePotential;
+use protomer_kernel::pose::RelativePose;
+
+/// Radii of a node at which its equivalent charges stand for it.
+pub(super) const COARSE_OPENING: f32 = 1.0;
+
+/// Points farther away may move by this part of their distance.
+pub(super) const PART_OF_DISTANCE: f32 = 0.3;
+
+/// The potential beyond the reach varies over some such distance.
+const EXPANSION_LENGTH_ANGSTROM: f32 = 4.0;
+/// Of single precision, kT².
+const ROUNDING_VARIANCE: f64 = 1e-9;
+
+/// A node stands for its charges where that costs less than this variance, kT².
+const NODE_VARIANCE: f32 = 3e-5;
+
+/// Errors of a table at points of one cell add up: so much more variance than if they did not.
+const TABLE_WEIGHT: f32 = 10.0;
+
+/// Charges farther than this behind the nearest ones hardly see a node's error, Å.
+const SEEN_ANGSTROM: f32 = 8.0;
+
+impl List {
+    /// The points of the second body for this pose, nodes standing for charges where they are
+    /// farther than `opening` of their radii from the charges of the first and their error is small.
+    pub fn new<P: SitePotential>(
+        first: &Table<P>,
+        second: &Table<P>,
+        reference: &RelativePose,
+        opening: f32,
+    ) -> Self {
+        let motion = Motion::new(reference);
+        let reach = first.split.radius_angstrom as f32 + SKIN_ANGSTROM;
+        let mut maker = Maker {
+            first,
+            second,
+            motion,
+            reach,
+            opening,
+            points: Vec::new(),
+            far_points: Vec::new(),
+            near: Vec::new(),
+            sources: Vec::new(),
+            taken: Vec::new(),
+            variance: 0.0,
+        };
+        maker.choose();
+        maker.finish(reference)
+    }
+}
+
+struct Maker<'a, P> {
+    first: &'a Table<P>,
+    second: &'a Table<P>,
+    motion: Motion,
+    /// Charges farther apart than this, Å, stay beyond the near part's range.
+    reach: f32,
+    opening: f32,
+    /// Points nearer than the reach, and those farther away.
+    points: Vec<[f32; 4]>,
+    far_points: Vec<[f32; 4]>,
+    near: Vec<Near>,
+    sources: Vec<Block>,
+    /// Nodes with the distance of their centres from the first body.
+    taken: Vec<(Node, f32)>,
+    variance: f32,
+}
+
+impl<P: SitePotential> Maker<'_, P> {
+    fn choose(&mut self) {
+        let mut open = vec![0_u32];
+        while let Some(number) = open.pop() {
+            let Some(node) = self.second.tree.nodes.get(number as usize).copied() else {
+                return;
+            };
+            let distance = self
+                .first
+                .field
+                .distance_bound(self.motion.apply(node.centre));
+            let nearest = distance - SKIN_ANGSTROM;
+            let is_far = nearest > self.opening * node.radius
+                && nearest > node.radius + self.first.split.radius_angstrom as f32
+                && self.node_variance(&node, distance) < NODE_VARIANCE;
+            if node.second == 0 || is_far {
+                self.take(&node, distance);
+            } else {
+                open.extend([node.second, number + 1]);
+            }
+        }
+    }
+
+    fn take(&mut self, node: &Node, distance: f32) {
+        self.taken.push((*node, distance));
+        self.variance += self.node_variance(node, distance);
+        let range = node.first as usize..(node.first + node.count) as usize;
+        let points = &self.second.tree.points[range];
+        if distance > node.radius + self.reach {
+            self.far_points.extend_from_slice(points);
+            return;
+        }
+        self.points.extend_from_slice(points);
+        if node.second == 0 {
+            for point in points {
+                self.list_neighbours(*point);
+            }
+        }
+    }
+
+    /// The error of a node's potential falls with a high power of the distance. The charges of the
+    /// first body that are nearest see it with random signs; from far away, all of them see it alike.
+    fn node_variance(&self, node: &Node, distance: f32) -> f32 {
+        if node.second == 0 {
+            return 0.0;
+        }
+        let fitted_at = FIT_DISTANCE * node.radius;
+        let potential = &self.first.split.potential;
+        let screened = potential.at_square_f32(distance * distance)
+            / potential.at_square_f32(fitted_at * fitted_at);
+        let decay = (fitted_at / distance).powi(3) * screened;
+        let seen = &self.first.tree;
+        let random = seen.density * distance.min(SEEN_ANGSTROM).powi(3) / 16.0;
+        let together = seen.net_charge * (distance / (distance + seen.radius)).powi(3);
+        let squares = 0.12 + random + together * together;
+        (node.error * decay).powi(2) * squares
+    }
+
+    fn list_neighbours(&mut self, point: [f32; 4]) {
+        let [x, y, z, _] = point;
+        let at = self.motion.apply([x, y, z]);
+        let first = self.sources.len();
+        let mut filled = BLOCK;
+        for site in self.first.neighbours.of(at) {
+            let d = [site[0] - at[0], site[1] - at[1], site[2] - at[2]];
+            if d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < self.reach * self.reach {
+                if filled == BLOCK {
+                    self.sources.push(EMPTY);
+                    filled = 0;
+                }
+                if let Some(block) = self.sources.last_mut() {
+                    (0..4).for_each(|part| block[part][filled] = site[part]);
+                }
+                filled += 1;
+            }
+        }
+        let count = self.sources.len() - first;
+        if count > 0 {
+            self.near.push(Near {
+                at: point,
+                first: first as u32,
+                count: count as u32,
+            });
+        }
+    }
+
+    fn finish(mut self, reference: &RelativePose) -> List {
+        let parts = self.parts();
+        let (mut points, mut far_points) = (blocks(&self.points), blocks(&self.far_points));
+        self.variance += TABLE_WEIGHT * self.table_variance(&points);
+        self.variance += TABLE_WEIGHT * self.table_variance(&far_points);
+        let expansion = Expansion::new(
+            &self.first.field,
+            &self.motion,
+            &self.far_points,
+            EXPANSION_LENGTH_ANGSTROM,
+        );
+        if expansion.is_none() {
+            points.append(&mut far_points);
+        }
+        List {
+            reference: *reference,
+            points,
+            far_points,
+            expansion,
+            near: self.near,
+            sources: self.sources,
+            parts,
+            variance: f64::from(self.variance) + ROUNDING_VARIANCE,
+        }
+    }
+
+    fn parts(&self) -> Vec<Part> {
+        let near_radius = self.first.split.radius_angstrom as f32;
+        let part = |(node, distance): &(Node, f32)| {
+            let gap = distance - node.radius;
+            // Charges of a leaf that is not expanded hold everywhere, but those that are not listed
+            // must not come near.
+            let to_near = gap - near_radius;
+            let room = match node.second {
+                0 if gap <= self.reach => to_near,
+                _ => to_near.min(PART_OF_DISTANCE * gap),
+            };
+            Part {
+                centre: node.centre,
+                radius: node.radius,
+                limit: room.max(SKIN_ANGSTROM),
+                length: (gap / 3.0).max(1.0),
+            }
+        };
+        self.taken.iter().map(part).collect()
+    }
+
+    fn table_variance(&self, blocks: &[Block]) -> f32 {
+        let mut variance = 0.0;
+        for block in blocks {
+            if let Some(spots) = self.first.field.locate(&self.motion.apply_block(block)) {
+                variance += self.first.field.coarse_variance(&spots, &block[3]);
+            }
+        }
+        variance
+    }
+}

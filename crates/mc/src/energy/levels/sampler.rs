@@ -1,0 +1,132 @@
+//! The potential of many charges at the Chebyshev points of a cell, and the series through it.
+
+use super::fine::FINE;
+use super::lanes::BLOCK;
+use super::split::Split;
+use crate::charges::ChargeCloud;
+use crate::energy::SitePotential;
+use protomer_kernel::Vec3;
+use std::f64::consts::PI;
+
+/// The Chebyshev points and the transform from values to coefficients.
+pub(super) struct Sampler {
+    points: [f64; FINE],
+    transform: [[f64; FINE]; FINE],
+}
+
+impl Sampler {
+    pub fn new() -> Self {
+        let angle = |i: usize| PI * (i as f64 + 0.5) / FINE as f64;
+        let weight = |n: usize| if n == 0 { 1.0 } else { 2.0 } / FINE as f64;
+        Self {
+            points: std::array::from_fn(|i| angle(i).cos()),
+            transform: std::array::from_fn(|n| {
+                std::array::from_fn(|i| weight(n) * (n as f64 * angle(i)).cos())
+            }),
+        }
+    }
+
+    /// Coefficients from values, one axis after the other; x runs fastest.
+    pub fn series(&self, values: &[f64]) -> Vec<f64> {
+        let mut from = values.to_vec();
+        for stride in [1, FINE, FINE * FINE] {
+            let mut to = vec![0.0; from.len()];
+            for (place, to) in to.iter_mut().enumerate() {
+                let n = place / stride % FINE;
+                let start = place - n * stride;
+                *to = (0..FINE)
+                    .map(|i| self.transform[n][i] * from[start + i * stride])
+                    .sum();
+            }
+            from = to;
+        }
+        from
+    }
+}
+
+/// The charges in arrays of 16.
+pub(super) struct Sites {
+    blocks: Vec<[[f32; BLOCK]; 4]>,
+}
+
+impl Sites {
+    pub fn new(charges: &ChargeCloud) -> Self {
+        let sites: Vec<_> = charges.iter().collect();
+        let block = |sites: &[(Vec3, f64)]| {
+            let mut block = [[0.0; BLOCK]; 4];
+            for lane in 0..BLOCK {
+                // Empty lanes repeat the last place without a charge.
+                let (x, charge) = sites[lane.min(sites.len() - 1)];
+                (0..3).for_each(|axis| block[axis][lane] = x[axis] as f32);
+                block[3][lane] = if lane < sites.len() {
+                    charge as f32
+                } else {
+                    0.0
+                };
+            }
+            block
+        };
+        Self {
+            blocks: sites.chunks(BLOCK).map(block).collect(),
+        }
+    }
+
+    /// The smooth potential at the Chebyshev points of a cell, and how far the nearest charge is
+    /// from its centre. Single precision, which is that of the stored series.
+    pub fn sample<P: SitePotential>(
+        &self,
+        split: &Split<P>,
+        sampler: &Sampler,
+        centre: [f64; 3],
+        edge: f64,
+    ) -> (Vec<f64>, f64) {
+        let at = |axis: usize, i: usize| (centre[axis] + 0.5 * edge * sampler.points[i]) as f32;
+        let mut values = Vec::with_capacity(FINE * FINE * FINE);
+        for place in 0..FINE * FINE * FINE {
+            let [i, j, k] = [place % FINE, place / FINE % FINE, place / (FINE * FINE)];
+            values.push(f64::from(
+                self.potential(split, [at(0, i), at(1, j), at(2, k)]),
+            ));
+        }
+        (values, self.nearest(centre.map(|x| x as f32)))
+    }
+
+    fn potential<P: SitePotential>(&self, split: &Split<P>, x: [f32; 3]) -> f32 {
+        #[cfg(target_arch = "x86_64")]
+        if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
+            // SAFETY: the processor has the two features the function is compiled for.
+            return unsafe { self.potential_avx512(split, x) };
+        }
+        self.sum(split, x)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f,avx512dq")]
+    fn potential_avx512<P: SitePotential>(&self, split: &Split<P>, x: [f32; 3]) -> f32 {
+        self.sum(split, x)
+    }
+
+    #[inline(always)]
+    fn sum<P: SitePotential>(&self, split: &Split<P>, [x, y, z]: [f32; 3]) -> f32 {
+        let mut sum = [0.0; BLOCK];
+        for [sx, sy, sz, charge] in &self.blocks {
+            for lane in 0..BLOCK {
+                let (dx, dy, dz) = (x - sx[lane], y - sy[lane], z - sz[lane]);
+                sum[lane] += charge[lane] * split.smooth_f32(dx * dx + dy * dy + dz * dz);
+            }
+        }
+        sum.iter().sum()
+    }
+
+    /// How far the nearest charge is from a place, Å.
+    pub fn nearest(&self, [x, y, z]: [f32; 3]) -> f64 {
+        let mut least = [f32::INFINITY; BLOCK];
+        for [sx, sy, sz, _] in &self.blocks {
+            for lane in 0..BLOCK {
+                let (dx, dy, dz) = (x - sx[lane], y - sy[lane], z - sz[lane]);
+                least[lane] = least[lane].min(dx * dx + dy * dy + dz * dz);
+            }
+        }
+        f64::from(least.into_iter().fold(f32::INFINITY, f32::min)).sqrt()
+    }
+}

@@ -1,0 +1,175 @@
+//! Convex shapes from files and names, and what is known of them exactly.
+
+use crate::answer::Answer;
+use crate::input::InputFile;
+use anyhow::{Context, Result, bail};
+use protomer_io::atomic::write_atomically;
+use protomer_io::mesh::{MeshFormat, read_mesh, write_mesh};
+use protomer_kernel::Vec3;
+use protomer_kernel::shape::hull::Hull;
+use protomer_kernel::shape::measures::Measures;
+use protomer_kernel::shape::{Shape, builders};
+use serde::Serialize;
+use std::path::Path;
+
+/// What is known of a shape. Lengths are in the unit of its points.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ShapeReport {
+    /// The file or the name.
+    pub shape: String,
+    /// 2 or 3.
+    pub dimension: usize,
+    /// Corners of the convex hull.
+    pub corners: usize,
+    /// Radius of the ball (in a plane, the disk) that is added to it.
+    pub rounding_radius: f64,
+    /// Volume; in a plane, the area.
+    pub volume: f64,
+    /// Surface; in a plane, the perimeter.
+    pub surface: f64,
+    /// Integral of the mean curvature over the surface; in a plane 2π.
+    pub integrated_mean_curvature: f64,
+    /// Second virial coefficient of hard bodies of this shape.
+    pub b2: f64,
+    /// The same over the volume.
+    pub b2_over_volume: f64,
+}
+
+impl Answer for ShapeReport {
+    fn text(&self) -> String {
+        let names = match self.dimension {
+            2 => ["area", "perimeter"],
+            _ => ["volume", "surface"],
+        };
+        format!(
+            "{}: {} corners, rounded by {}\n\
+             {} {:.12}, {} {:.12}, integrated mean curvature {:.12}\n\
+             second virial coefficient {:.12}, {:.12} {}s",
+            self.shape,
+            self.corners,
+            self.rounding_radius,
+            names[0],
+            self.volume,
+            names[1],
+            self.surface,
+            self.integrated_mean_curvature,
+            self.b2,
+            self.b2_over_volume,
+            names[0]
+        )
+    }
+}
+
+/// Measures a shape and, if an output file is given, writes the mesh of its hull without rounding, in
+/// the format of the file's extension.
+///
+/// # Errors
+/// As [`read_shape`]; also for an unknown extension, or a shape that has no mesh.
+///
+/// ```
+/// let cube = protomer::shapes::measure_shape("cube", 0.1, None)?;
+/// assert_eq!(cube.corners, 8);
+/// assert!(cube.volume > 1.0);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+pub fn measure_shape(
+    file_or_name: &str,
+    rounding_radius: f64,
+    output: Option<&Path>,
+) -> Result<ShapeReport> {
+    let format = output.map(|path| MeshFormat::from_name(&path.display().to_string()));
+    let format = format.transpose()?;
+    let shape = read_shape(file_or_name)?;
+    let measures = Measures::of(&shape, rounding_radius).context(file_or_name.to_owned())?;
+    if let (Some(path), Some(format)) = (output, format) {
+        let Shape::Solid(Hull::Polyhedron(mesh)) = &shape else {
+            bail!("{file_or_name} has no faces, so there is no mesh to write; leave out --output");
+        };
+        let bytes = write_mesh(format, mesh);
+        write_atomically(path, |file| file.write_all(&bytes))?;
+    }
+    Ok(ShapeReport {
+        shape: file_or_name.to_owned(),
+        dimension: shape.dimension(),
+        corners: shape.corners(),
+        rounding_radius,
+        volume: measures.volume,
+        surface: measures.surface,
+        integrated_mean_curvature: measures.integrated_mean_curvature,
+        b2: measures.b2,
+        b2_over_volume: measures.b2 / measures.volume,
+    })
+}
+
+/// The convex hull of the points of a file (two or three columns, or a mesh), or the shape of this
+/// name.
+///
+/// # Errors
+/// Names the file and the line, or lists the names.
+pub fn read_shape(file_or_name: &str) -> Result<Shape> {
+    let path = Path::new(file_or_name);
+    if !path.exists() {
+        return Ok(builders::by_name(file_or_name)?);
+    }
+    let file = InputFile::read(path)?;
+    if MeshFormat::from_name(&file.name).is_ok() {
+        let mesh = read_mesh(&file.name, &file.bytes)?;
+        return Shape::solid(&mesh.vertices).context(file.name);
+    }
+    let text = String::from_utf8_lossy(&file.bytes);
+    shape_of_columns(&file.name, &text)
+}
+
+/// Points, one per line; what follows a # is a comment.
+fn shape_of_columns(name: &str, text: &str) -> Result<Shape> {
+    let (mut flat, mut solid) = (Vec::new(), Vec::new());
+    for (number, line) in text.lines().enumerate() {
+        let line = line.split('#').next().unwrap_or_default();
+        let numbers = line.split([' ', '\t', ',']).filter(|cell| !cell.is_empty());
+        let numbers: Option<Vec<f64>> = numbers.map(|cell| cell.parse().ok()).collect();
+        match numbers.as_deref() {
+            Some([]) => {}
+            Some([x, y]) if solid.is_empty() => flat.push([*x, *y]),
+            Some([x, y, z]) if flat.is_empty() => solid.push(Vec3::new(*x, *y, *z)),
+            _ => bail!(
+                "{name}:{}: '{}' is not a point like those before it; write two numbers per line \
+                 for a polygon, three for a polyhedron",
+                number + 1,
+                line.trim()
+            ),
+        }
+    }
+    match flat.is_empty() {
+        true => Shape::solid(&solid),
+        false => Shape::flat(&flat),
+    }
+    .with_context(|| name.to_owned())
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_say_the_dimension() {
+        let square = shape_of_columns("square", "0 0\n1,0 # corner\n\n1\t1\n0 1\n").unwrap();
+        assert_eq!((square.dimension(), square.corners()), (2, 4));
+        let solid = shape_of_columns("solid", "0 0 0\n1 0 0\n0 1 0\n0 0 1\n").unwrap();
+        assert_eq!((solid.dimension(), solid.corners()), (3, 4));
+    }
+
+    #[test]
+    fn what_is_not_a_point_is_named_with_its_line() {
+        for text in ["0 0\n1 2 3\n", "0 0 0\n1 2\n", "0 0\nx y\n", "0 0\n1\n"] {
+            let words = shape_of_columns("file", text).unwrap_err().to_string();
+            assert!(words.starts_with("file:2: "), "{words}");
+        }
+        assert!(shape_of_columns("file", "# nothing\n").is_err());
+        let words = format!(
+            "{:#}",
+            shape_of_columns("file", "0 nan\n1 1\n").unwrap_err()
+        );
+        assert!(words.contains("finite"), "{words}");
+    }
+}

@@ -1,0 +1,155 @@
+//! What a simulation leaves behind while it runs: `log.csv` and `trajectory.gsd`.
+
+use super::trajectory::Trajectory;
+use super::{Engine, LogRow, RunSettings};
+use anyhow::{Context, Result, bail};
+use protomer_mc::Simulation;
+use protomer_results::{Log, LogMark, Row, log};
+use serde::{Deserialize, Serialize};
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+
+const LOG: &str = "log.csv";
+const TRAJECTORY: &str = "trajectory.gsd";
+
+/// The open files of a simulation.
+pub struct Outputs {
+    log: Log,
+    trajectory: Option<Trajectory>,
+    cluster_moves_logged: (u64, u64),
+}
+
+/// The part of the files that belongs to a checkpoint.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SavedOutputs {
+    /// The rows of the log.
+    pub log: LogMark,
+    /// Frames of the trajectory.
+    pub trajectory_frames: u64,
+    /// Cluster moves, and bodies they moved, at the last row of the log.
+    pub cluster_moves_logged: (u64, u64),
+}
+
+impl Outputs {
+    /// Opens the files in a directory, cut to the saved part.
+    ///
+    /// # Errors
+    /// If a file cannot be written, was changed since, or has the columns of an earlier version.
+    pub fn open(
+        directory: &Path,
+        engine: &Engine,
+        settings: &RunSettings,
+        saved: &SavedOutputs,
+    ) -> Result<Self> {
+        let path = directory.join(LOG);
+        if saved.log.bytes > 0 {
+            require_columns(&path)?;
+        }
+        let log = Log::open::<LogRow>(&path, &saved.log)?;
+        let trajectory = match settings.trajectory_every {
+            0 => None,
+            _ => {
+                let path = directory.join(TRAJECTORY);
+                let frames = saved.trajectory_frames;
+                Some(Trajectory::open(&path, engine.assembly(), frames)?)
+            }
+        };
+        Ok(Self {
+            log,
+            trajectory,
+            cluster_moves_logged: saved.cluster_moves_logged,
+        })
+    }
+
+    /// Writes the row and the frame that are due. Equilibration writes neither.
+    ///
+    /// # Errors
+    /// If a file cannot be written.
+    pub fn write(&mut self, settings: &RunSettings, simulation: &Simulation) -> Result<()> {
+        let sweep = simulation.sweep();
+        let production = sweep.saturating_sub(settings.equilibration_sweeps);
+        if production == 0 {
+            self.cluster_moves_logged = (0, 0);
+            return Ok(());
+        }
+        if production.is_multiple_of(settings.log_every) {
+            let row = self.row(production, simulation);
+            self.log.append(&row)?;
+        }
+        if let Some(trajectory) = &mut self.trajectory
+            && production.is_multiple_of(settings.trajectory_every)
+        {
+            trajectory.append(production, simulation)?;
+        }
+        Ok(())
+    }
+
+    /// Flushes everything to disk.
+    ///
+    /// # Errors
+    /// If a file cannot be written.
+    pub fn save(&mut self) -> Result<SavedOutputs> {
+        let trajectory_frames = match &mut self.trajectory {
+            Some(trajectory) => trajectory.sync()?,
+            None => 0,
+        };
+        Ok(SavedOutputs {
+            log: self.log.sync()?,
+            trajectory_frames,
+            cluster_moves_logged: self.cluster_moves_logged,
+        })
+    }
+
+    fn row(&mut self, production: u64, simulation: &Simulation) -> LogRow {
+        let observables = simulation.observables();
+        LogRow {
+            sweep: production,
+            r_g_angstrom: observables.r_g_angstrom,
+            native_contacts: observables.native_contacts.unwrap_or(f64::NAN),
+            largest_cluster: observables.largest_cluster,
+            energy_kt: observables.energy_kt,
+            cluster_moved: self.bodies_per_cluster_move(simulation),
+            contacts: observables.contacts as f64,
+            bound_fraction: observables.bound_fraction,
+        }
+    }
+
+    /// Mean number of bodies moved per cluster move since the last row.
+    fn bodies_per_cluster_move(&mut self, simulation: &Simulation) -> f64 {
+        let statistics = simulation.statistics();
+        let counted = (statistics.cluster_moves, statistics.cluster_bodies);
+        let before = std::mem::replace(&mut self.cluster_moves_logged, counted);
+        let (moves, bodies) = (counted.0 - before.0, counted.1 - before.1);
+        if moves == 0 {
+            0.0
+        } else {
+            bodies as f64 / moves as f64
+        }
+    }
+}
+
+impl SavedOutputs {
+    /// Checks the log against the saved part.
+    ///
+    /// # Errors
+    /// If it was changed or lost.
+    pub fn check(&self, directory: &Path) -> Result<()> {
+        Ok(log::check(&directory.join(LOG), &self.log)?)
+    }
+}
+
+fn require_columns(path: &Path) -> Result<()> {
+    let mut first_line = String::new();
+    let file = std::fs::File::open(path)
+        .with_context(|| format!("the log {} cannot be read", path.display()))?;
+    BufReader::new(file).read_line(&mut first_line)?;
+    if first_line.trim_end() != LogRow::columns().join(",") {
+        bail!(
+            "{} has the columns of an earlier version; continue the run with that version, or start \
+             it anew with --force",
+            path.display()
+        );
+    }
+    Ok(())
+}

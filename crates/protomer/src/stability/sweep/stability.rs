@@ -1,0 +1,241 @@
+//! The answer of a sweep: where an assembly falls apart, and whether that is an equilibrium.
+
+use super::half_salt::{FractionAt, HalfSalt, half_salt};
+use super::table::ReplicaResult;
+use crate::stability::run::{RunSettings, Start};
+use protomer_kernel::statistics::Summary;
+use serde::Serialize;
+
+/// Starts agree if the bound fractions differ by less than this many standard errors, or by less
+/// than [`LEAST_DIFFERENCE`].
+const STANDARD_ERRORS: f64 = 3.0;
+const LEAST_DIFFERENCE: f64 = 0.05;
+
+/// Where an assembly falls apart.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Stability {
+    /// The salt at which half of the contacts of the assembly are left, mol/L; `None` if that is
+    /// at no salt of the sweep, or if the runs are not equilibrated.
+    pub half_salt_molar: Option<f64>,
+    /// Its interval of 95 %, mol/L.
+    pub half_salt_interval_molar: Option<[Option<f64>; 2]>,
+    /// The salt at which half of the bodies touch another, mol/L.
+    pub half_bound_salt_molar: Option<f64>,
+    /// Its interval of 95 %, mol/L.
+    pub half_bound_salt_interval_molar: Option<[Option<f64>; 2]>,
+    /// Which contacts count.
+    pub half_salt_contacts: CountedContacts,
+    /// Whether runs from the assembly and from the fluid agree; `None` if all start alike.
+    pub equilibrated: Option<bool>,
+    /// The same in words.
+    pub equilibration: String,
+    /// At the lowest and the highest salt.
+    #[serde(skip)]
+    contacts_left: Option<[f64; 2]>,
+}
+
+/// Which contacts are compared with those of the assembly.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum CountedContacts {
+    /// Those between the bodies that touch in the assembly.
+    Native,
+    /// All, by their number: bodies of a kind are alike.
+    Any,
+}
+
+impl Stability {
+    /// From the replicas at each salt concentration. `native`: contacts of the assembly.
+    pub fn new(settings: &RunSettings, replicas: &[Vec<ReplicaResult>], native: usize) -> Self {
+        let (equilibrated, equilibration) = equilibration(settings, replicas);
+        // At equilibrium bodies change places.
+        let is_native = settings.exchange_every == 0 && settings.is_from_assembly();
+        let contacts = |replica: &ReplicaResult| match is_native {
+            true => replica.native_contacts,
+            false => replica.contacts.map(|summary| scaled(&summary, native)),
+        };
+        let curve = points(settings, replicas, contacts);
+        let bound = points(settings, replicas, |replica| replica.bound_fraction);
+        let half = |points: &[FractionAt]| match equilibrated {
+            Some(false) => None,
+            _ => half_salt(points, settings.seed),
+        };
+        let (half_contacts, half_bound) = (half(&curve), half(&bound));
+        let molar = |half: &Option<HalfSalt>| half.map(|half| half.salt_molar);
+        let interval = |half: &Option<HalfSalt>| half.map(|half| half.interval_molar);
+        Self {
+            half_salt_molar: molar(&half_contacts),
+            half_salt_interval_molar: interval(&half_contacts),
+            half_bound_salt_molar: molar(&half_bound),
+            half_bound_salt_interval_molar: interval(&half_bound),
+            half_salt_contacts: match is_native {
+                true => CountedContacts::Native,
+                false => CountedContacts::Any,
+            },
+            equilibrated,
+            equilibration,
+            contacts_left: ends(&curve),
+        }
+    }
+
+    /// Where half of the contacts are left, in words.
+    pub fn headline(&self) -> Option<String> {
+        let half = self.half_salt_molar.zip(self.half_salt_interval_molar);
+        Some(match (self.equilibrated, half, self.contacts_left?) {
+            (Some(false), ..) => "not equilibrated".into(),
+            (_, Some((salt, interval)), _) => {
+                let salt = with_interval(salt, interval);
+                format!("half of the contacts are left at {salt}")
+            }
+            (_, None, [_, last]) if last >= 0.5 => {
+                "more than half of the contacts are left at every salt".into()
+            }
+            _ => "less than half of the contacts are left at every salt".into(),
+        })
+    }
+
+    /// The answer in lines.
+    pub fn lines(&self) -> Vec<String> {
+        let mut lines = Vec::new();
+        if self.equilibrated != Some(false) {
+            lines.extend(self.headline());
+        }
+        let bound = self
+            .half_bound_salt_molar
+            .zip(self.half_bound_salt_interval_molar);
+        if let Some((salt, interval)) = bound {
+            lines.push(format!(
+                "half of the bodies touch another at {}",
+                with_interval(salt, interval)
+            ));
+        }
+        lines.push(self.equilibration.clone());
+        lines
+    }
+}
+
+fn scaled(summary: &Summary, native: usize) -> Summary {
+    let factor = 1.0 / native.max(1) as f64;
+    Summary {
+        mean: factor * summary.mean,
+        standard_deviation: factor * summary.standard_deviation,
+        standard_error: factor * summary.standard_error,
+        ..*summary
+    }
+}
+
+fn with_interval(salt_molar: f64, [low, high]: [Option<f64>; 2]) -> String {
+    let rounded = |salt: f64| {
+        let digits = (2.0 - (1e3 * salt).log10().floor()).max(0.0) as usize;
+        format!("{:.digits$}", 1e3 * salt)
+    };
+    let range = match (low, high) {
+        (Some(low), Some(high)) => format!("{} to {} mM", rounded(low), rounded(high)),
+        (Some(low), None) => format!("{} mM and more", rounded(low)),
+        (None, Some(high)) => format!("up to {} mM", rounded(high)),
+        (None, None) => "open".into(),
+    };
+    format!("{} mM (95 %: {range})", rounded(salt_molar))
+}
+
+/// The fractions at the lowest and the highest salt, if there are several.
+fn ends(points: &[FractionAt]) -> Option<[f64; 2]> {
+    if points.len() < 2 {
+        return None;
+    }
+    let by_salt = |a: &&FractionAt, b: &&FractionAt| a.salt_molar.total_cmp(&b.salt_molar);
+    let (first, last) = (
+        points.iter().min_by(by_salt)?,
+        points.iter().max_by(by_salt)?,
+    );
+    let are_known = first.fraction.is_finite() && last.fraction.is_finite();
+    are_known.then_some([first.fraction, last.fraction])
+}
+
+fn points(
+    settings: &RunSettings,
+    replicas: &[Vec<ReplicaResult>],
+    of: impl Fn(&ReplicaResult) -> Option<Summary>,
+) -> Vec<FractionAt> {
+    let mut points = Vec::with_capacity(replicas.len());
+    for (salt_molar, replicas) in settings.salt_molar.iter().zip(replicas) {
+        let summaries: Vec<Summary> = replicas.iter().filter_map(&of).collect();
+        if summaries.is_empty() {
+            continue;
+        }
+        let (fraction, error) = average(&summaries);
+        points.push(FractionAt {
+            salt_molar: *salt_molar,
+            fraction,
+            error,
+        });
+    }
+    points
+}
+
+/// The mean over replicas, and its error: the larger of that from their spread and that from their
+/// own.
+fn average(summaries: &[Summary]) -> (f64, f64) {
+    let number = summaries.len() as f64;
+    let mean = summaries.iter().map(|summary| summary.mean).sum::<f64>() / number;
+    let deviations = summaries
+        .iter()
+        .map(|summary| (summary.mean - mean).powi(2));
+    let spread = match summaries.len() {
+        1 => 0.0,
+        _ => deviations.sum::<f64>() / (number - 1.0) / number,
+    };
+    let own = summaries.iter().map(|summary| summary.standard_error);
+    let own = own.filter(|error| error.is_finite());
+    let own = own.map(|error| error.powi(2)).sum::<f64>() / number.powi(2);
+    (mean, spread.max(own).sqrt())
+}
+
+/// Whether both starts lead to the same bound fraction at every salt.
+fn equilibration(
+    settings: &RunSettings,
+    replicas: &[Vec<ReplicaResult>],
+) -> (Option<bool>, String) {
+    let mut furthest: Option<(f64, String)> = None;
+    let mut compared = false;
+    for (salt_molar, replicas) in settings.salt_molar.iter().zip(replicas) {
+        let from = |start: Start| -> Vec<Summary> {
+            let replicas = replicas.iter();
+            let of_start =
+                replicas.filter(|replica| settings.starts.of_replica(replica.replica) == start);
+            of_start
+                .filter_map(|replica| replica.bound_fraction)
+                .collect()
+        };
+        let (assembly, fluid) = (from(Start::Assembly), from(Start::Fluid));
+        if assembly.is_empty() || fluid.is_empty() {
+            continue;
+        }
+        compared = true;
+        let ((of_assembly, error), (of_fluid, other)) = (average(&assembly), average(&fluid));
+        let difference = (of_assembly - of_fluid).abs();
+        let allowed = (STANDARD_ERRORS * error.hypot(other)).max(LEAST_DIFFERENCE);
+        if difference > allowed && furthest.as_ref().is_none_or(|(most, _)| difference > *most) {
+            let words = format!(
+                "not equilibrated: at {} mM {of_assembly:.2} of the bodies touch another in runs \
+                 from the assembly, and {of_fluid:.2} in runs from the fluid; run longer, or \
+                 exchange more often (--exchange-every)",
+                1e3 * salt_molar
+            );
+            furthest = Some((difference, words));
+        }
+    }
+    match (compared, furthest) {
+        (false, _) => (
+            None,
+            "whether this is an equilibrium is not known: all runs start alike; --starts both begins \
+             half of them from a fluid"
+                .into(),
+        ),
+        (true, Some((_, words))) => (Some(false), words),
+        (true, None) => (
+            Some(true),
+            "runs from the assembly and from the fluid agree at every salt".into(),
+        ),
+    }
+}
