@@ -3,7 +3,7 @@
 use crate::global::Global;
 use crate::stderr::note;
 use anyhow::{Error, Result};
-use protomer::answer::{Answer, AnyAnswer};
+use protomer_common::answer::{Answer, AnyAnswer};
 use protomer_results::End;
 use serde_json::Value;
 use std::io::Write;

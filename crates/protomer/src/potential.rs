@@ -1,9 +1,9 @@
 //! The electrostatic potential around a structure, from the linearised Poisson-Boltzmann equation
 //! or as a sum over screened charges.
 
-use crate::answer::Answer;
+use protomer_common::answer::Answer;
 use crate::bodies::surface_of_file::read_sites;
-use crate::input::InputFile;
+use protomer_common::input::InputFile;
 use anyhow::{Context, Result, bail};
 use protomer_field::debye_huckel::Superposition;
 use protomer_field::poisson_boltzmann::{error_estimate_kt, grid_around};

@@ -1,7 +1,7 @@
 //! Convex shapes from files and names, and what is known of them exactly.
 
-use crate::answer::Answer;
-use crate::input::InputFile;
+use protomer_common::answer::Answer;
+use protomer_common::input::InputFile;
 use anyhow::{Context, Result, bail};
 use protomer_io::atomic::write_atomically;
 use protomer_io::mesh::{MeshFormat, read_mesh, write_mesh};

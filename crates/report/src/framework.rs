@@ -4,7 +4,7 @@ use super::html::{definitions, paragraph, significant, table};
 use super::page::{Page, Section};
 use super::{data, figures, provenance};
 use anyhow::{Context, Result};
-use protomer::frameworks::network_file;
+use protomer_lattices::frameworks::network_file;
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
 use protomer_results::keys;
 use serde_json::{Map, Value};

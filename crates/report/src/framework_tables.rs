@@ -4,7 +4,7 @@ use super::html::{definitions, escape, paragraph, table};
 use super::page::{Page, Section};
 use super::{data, provenance};
 use anyhow::{Context, Result};
-use protomer::frameworks::tables::{Agreement, Row, describe, legend};
+use protomer_lattices::frameworks::tables::{Agreement, Row, describe, legend};
 use protomer_io::csv::{Cell, Table};
 use protomer_results::keys;
 use std::path::Path;

@@ -1,11 +1,11 @@
 //! The kind of results in a directory, with their settings.
 
 use anyhow::{Result, bail};
-use protomer::lattice::settings::LatticeSettings;
-use protomer::learning::train::TrainSettings;
-use protomer::learning::tune::TuneSettings;
+use protomer_lattices::lattice::settings::LatticeSettings;
+use protomer_training::learning::train::TrainSettings;
+use protomer_training::learning::tune::TuneSettings;
 use protomer::stability::run::RunSettings;
-use protomer::voxels::work_path;
+use protomer_training::voxels::work_path;
 use protomer_results::ResultKind;
 use protomer_results::keys::read_toml;
 use std::path::Path;

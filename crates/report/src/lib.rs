@@ -42,8 +42,8 @@ mod voxel_set;
 use anyhow::{Result, bail};
 use kind::Kind;
 use page::Page;
-use protomer::answer::Answer;
-use protomer::output_file::write_once;
+use protomer_common::answer::Answer;
+use protomer_common::output_file::write_once;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 

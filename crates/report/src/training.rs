@@ -4,7 +4,7 @@ use super::html::{definitions, escape, list, paragraph, significant, table};
 use super::page::{Page, Section};
 use super::{data, figures, provenance};
 use anyhow::Result;
-use protomer::learning::train::{Metrics, Source, TrainSettings};
+use protomer_training::learning::train::{Metrics, Source, TrainSettings};
 use std::path::Path;
 
 /// Larger matrices are only in metrics.json.

@@ -3,7 +3,7 @@
 use super::html::{paragraph, significant, table};
 use super::page::Section;
 use anyhow::{Context, Result};
-use protomer::voxels::samples::VoxelSet;
+use protomer_training::voxels::samples::VoxelSet;
 use protomer_learn::SampleSource;
 use protomer_learn::scaling::{ChannelScaling, ScalingMode, Transform};
 use rayon::prelude::*;

@@ -67,7 +67,7 @@ choices! {
 
 choices! {
     /// How the squares of a lattice move at the start.
-    StartVelocities for protomer::lattice::settings::Velocities {
+    StartVelocities for protomer_lattices::lattice::settings::Velocities {
         /// Every square turns against its neighbours, ω = ±(-1)^(i+j) speed: from the open state it
         /// closes, from any other it opens.
         Checkerboard,
@@ -82,7 +82,7 @@ choices! {
 
 choices! {
     /// Definition of the half-diagonal of the square of a body.
-    SquareSize for protomer::lattice::square_of_body::Size {
+    SquareSize for protomer_lattices::lattice::square_of_body::Size {
         /// The distance from the centre to the outline at the corners.
         Corners,
         /// Half-diagonal of the smallest square that contains the outline.
@@ -94,7 +94,7 @@ choices! {
 
 choices! {
     /// The axis of projection of a body.
-    ViewAxis for protomer::lattice::square_of_body::Axis {
+    ViewAxis for protomer_lattices::lattice::square_of_body::Axis {
         /// Found from the moments of inertia.
         Auto,
         /// The body's x axis.
@@ -108,7 +108,7 @@ choices! {
 
 choices! {
     /// How samples are divided into training, validation and test parts.
-    Split for protomer::learning::train::SplitBy {
+    Split for protomer_training::learning::train::SplitBy {
         /// By whole clusters: relatives are never on both sides.
         Cluster,
         /// One by one: scores above those of a split by cluster measure leakage.

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use clap::Args;
-use protomer::quantity;
+use protomer_common::quantity;
 use protomer::stability::interaction::{InteractionSettings, ScreenedCoulomb};
 use protomer::stability::run::EnergyMode;
 

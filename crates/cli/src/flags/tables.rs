@@ -5,7 +5,7 @@ use crate::front::Front;
 use anyhow::Result;
 use clap::Args;
 use protomer::assemblies::assembly_file::Assembly;
-use protomer::quantity;
+use protomer_common::quantity;
 use protomer::stability::energy_tables::EnergyTables;
 use protomer::stability::run::Engine;
 use std::sync::Arc;

@@ -6,7 +6,7 @@ use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
 use protomer::export::{ExportSettings, Frame, export};
-use protomer::quantity;
+use protomer_common::quantity;
 use std::path::PathBuf;
 
 /// Write an assembly, or a frame of a simulation, as a PDB or mmCIF file with all atoms of the

@@ -5,7 +5,7 @@ use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
 use protomer::potential::{PotentialSettings, potential, read_places};
-use protomer::quantity;
+use protomer_common::quantity;
 use protomer_field::{DielectricModel, SolveSettings};
 use protomer_kernel::Electrolyte;
 use std::path::PathBuf;

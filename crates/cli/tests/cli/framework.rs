@@ -2,9 +2,9 @@
 //! paper, files, loads.
 
 use crate::common;
-use protomer::frameworks::report::{Analytic, Relax, Report, Settings, analyse};
-use protomer::frameworks::tables::{Agreement, rows};
-use protomer::frameworks::{curve, network_file};
+use protomer_lattices::frameworks::report::{Analytic, Relax, Report, Settings, analyse};
+use protomer_lattices::frameworks::tables::{Agreement, rows};
+use protomer_lattices::frameworks::{curve, network_file};
 use protomer_crystal::framework::analytic::Honeycomb;
 use protomer_crystal::framework::{AVOGADRO_PER_MOL, Framework, StressKind, build};
 use protomer_kernel::random::CounterRng;

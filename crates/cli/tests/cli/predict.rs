@@ -2,12 +2,12 @@
 //! directories that hold none.
 
 use crate::common::{is_ok, program};
-use protomer::learning::train::TrainSettings;
-use protomer::voxels::VoxelizeSettings;
-use protomer::voxels::records::{SampleRecord, SetContent};
-use protomer::voxels::row::Row;
-use protomer::voxels::set::{attributes, write};
-use protomer::voxels::structure::Properties;
+use protomer_training::learning::train::TrainSettings;
+use protomer_training::voxels::VoxelizeSettings;
+use protomer_training::voxels::records::{SampleRecord, SetContent};
+use protomer_training::voxels::row::Row;
+use protomer_training::voxels::set::{attributes, write};
+use protomer_training::voxels::structure::Properties;
 use protomer_field::voxels::Voxels;
 use protomer_learn::controls::{Control, Form, Variant};
 use protomer_learn::{InMemory, SparseGrid};
@@ -386,7 +386,7 @@ fn what_training_has_seen_is_not_scored_in_another_set_either() {
 fn voxels_of_another_kind_are_refused() {
     let place = Place::new();
     place.train("-o run");
-    let spacing = protomer::voxels::Spacing::Angstrom(2.0);
+    let spacing = protomer_training::voxels::Spacing::Angstrom(2.0);
     place.write_set(
         "coarse.zarr",
         3,

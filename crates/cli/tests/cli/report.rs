@@ -575,7 +575,7 @@ fn a_set_of_voxels_and_a_search_have_pages_too() {
     for key in ["identity", "manifest_sha256", "made_by"] {
         assert!(html.contains(attributes[key].as_str().unwrap()), "{key}");
     }
-    let set = protomer::voxels::samples::VoxelSet::open(&place.path("set.zarr")).unwrap();
+    let set = protomer_training::voxels::samples::VoxelSet::open(&place.path("set.zarr")).unwrap();
     let voxels: usize = (0..16).map(|sample| set.reader().voxels(sample)).sum();
     assert!(html.contains(&format!("<dd>{voxels}, {} per sample</dd>", voxels / 16)));
     assert_eq!(

@@ -2,8 +2,8 @@
 //! refused.
 
 use crate::common::{TemporaryFolder, contents, is_ok, message};
-use protomer::learning::train::{Source, TrainSettings};
-use protomer::learning::tune::{Trial, TuneSettings, tune_in};
+use protomer_training::learning::train::{Source, TrainSettings};
+use protomer_training::learning::tune::{Trial, TuneSettings, tune_in};
 use protomer_learn::controls::{Control, Variant};
 use protomer_learn::scaling::ScalingMode;
 use protomer_learn::trial::TrialSettings;

@@ -2,11 +2,11 @@
 //! threads, the same files.
 
 use crate::common::{Watcher, program};
-use protomer::voxels::manifest::Manifest;
-use protomer::voxels::merge::merge;
-use protomer::voxels::samples::VoxelSet;
-use protomer::voxels::structure::Reason;
-use protomer::voxels::{
+use protomer_training::voxels::manifest::Manifest;
+use protomer_training::voxels::merge::merge;
+use protomer_training::voxels::samples::VoxelSet;
+use protomer_training::voxels::structure::Reason;
+use protomer_training::voxels::{
     Fit, Spacing, State, VoxelizeReport, VoxelizeSettings, voxelize, work_path,
 };
 use protomer_field::voxels::{Channel, Orientation, PotentialModel};
@@ -117,7 +117,7 @@ fn bundled(name: &str) -> (Vec<u8>, String) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../data/structures")
         .join(name);
-    let text = protomer::input::InputFile::read(&path).unwrap().bytes;
+    let text = protomer_common::input::InputFile::read(&path).unwrap().bytes;
     (
         std::fs::read(path).unwrap(),
         String::from_utf8(text).unwrap(),

@@ -8,7 +8,7 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-#[path = "../../../protomer/tests/common/mod.rs"]
+#[path = "../../../lattices/tests/common/mod.rs"]
 mod watcher;
 pub use watcher::Watcher;
 

@@ -1,6 +1,6 @@
 //! Assemblies from recipes and from structures, written as assembly files.
 
-use crate::answer::{Answer, columns, heading};
+use protomer_common::answer::{Answer, columns, heading};
 use crate::assemblies::assembly_file::{AssemblyFile, BodyEntry, Placement};
 use crate::bodies::body_file;
 use anyhow::{Context, Result, bail};
@@ -198,7 +198,7 @@ pub struct StructureSettings {
 /// Without `relax`, chains that overlap as hard bodies are an error that lists the pairs.
 ///
 /// ```no_run
-/// use protomer::answer::Answer;
+/// use protomer_common::answer::Answer;
 /// use protomer::assemblies::assemble::{StructureSettings, assemble_structure};
 /// use protomer_body::BodySettings;
 /// use std::path::Path;
@@ -217,7 +217,7 @@ pub fn assemble_structure(
     settings: &StructureSettings,
 ) -> Result<StructureAssembly> {
     ResultKind::VoxelSet.refuse_in(folder)?;
-    let file = crate::input::InputFile::read(input)?;
+    let file = protomer_common::input::InputFile::read(input)?;
     let structure = protomer_body::structure::Structure::read(&file.name, &file.bytes)?;
     let selection = structure
         .select(&settings.body.selection)
@@ -229,7 +229,7 @@ pub fn assemble_structure(
         (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let mut described = Vec::new();
     for (kind, body_type) in types.into_iter().enumerate() {
-        let name = format!("{}_{}", crate::input::stem(input), body_type.reference);
+        let name = format!("{}_{}", protomer_common::input::stem(input), body_type.reference);
         let source = Source {
             file: &file.name,
             sha256: &file.sha256,

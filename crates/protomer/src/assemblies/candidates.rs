@@ -1,6 +1,6 @@
 //! The up/down arrangements of a ring or stack that are distinct under its symmetry.
 
-use crate::answer::{Answer, columns, heading};
+use protomer_common::answer::{Answer, columns, heading};
 use crate::assemblies::assemble::{BodyFiles, write_assembly};
 use anyhow::{Result, bail};
 use protomer_body::assembly::{Candidates, Stack, Symmetry};
@@ -74,7 +74,7 @@ fn letters(up: &[bool]) -> String {
 /// cannot be read or written.
 ///
 /// ```no_run
-/// use protomer::answer::Answer;
+/// use protomer_common::answer::Answer;
 /// use protomer::assemblies::candidates::{CandidatesSettings, candidates};
 /// use protomer_body::assembly::Symmetry;
 /// let settings = CandidatesSettings {

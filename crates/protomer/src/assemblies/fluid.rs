@@ -1,6 +1,6 @@
 //! A fluid: bodies at random positions and orientations in a periodic box, without overlaps.
 
-use crate::answer::Answer;
+use protomer_common::answer::Answer;
 use crate::assemblies::assemble::{BodyFiles, write_assembly};
 use anyhow::{Result, bail};
 use protomer_body::assembly::Placement;

@@ -1,6 +1,6 @@
 //! Rings, and stacks of two rings, closed to contact.
 
-use crate::answer::Answer;
+use protomer_common::answer::Answer;
 use crate::assemblies::assemble::{BodyFiles, write_assembly};
 use anyhow::{Result, bail};
 use protomer_body::assembly::{Recipe, RecipeSite};

@@ -1,6 +1,6 @@
 //! Downloads entries from the Protein Data Bank, only on request.
 
-use crate::answer::Answer;
+use protomer_common::answer::Answer;
 use anyhow::{Context, Result, bail};
 use protomer_io::atomic::write_atomically;
 use protomer_results::{Progress, ResultKind};

@@ -1,9 +1,9 @@
 //! Converts structure files to body files in parallel. A file that fails is reported; the others
 //! continue.
 
-use crate::answer::{Answer, columns, heading};
+use protomer_common::answer::{Answer, columns, heading};
 use crate::bodies::body_file;
-use crate::input::{InputFile, stem};
+use protomer_common::input::{InputFile, stem};
 use anyhow::{Context, Result, bail};
 use protomer_body::structure::{Format, SelectionReport};
 use protomer_body::{

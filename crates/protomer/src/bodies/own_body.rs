@@ -1,9 +1,9 @@
 //! A body from a custom mesh and charges.
 
-use crate::answer::Answer;
+use protomer_common::answer::Answer;
 use crate::bodies::body_file;
 use crate::bodies::ingest::BodyMeasures;
-use crate::input::InputFile;
+use protomer_common::input::InputFile;
 use anyhow::{Context, Result};
 use protomer_body::{Body, Provenance, Site, check_name};
 use protomer_io::mesh::read_mesh;

@@ -1,8 +1,8 @@
 //! The solvent-excluded surface of a file, without charges.
 
-use crate::answer::Answer;
+use protomer_common::answer::Answer;
 use crate::bodies::body_file;
-use crate::input::InputFile;
+use protomer_common::input::InputFile;
 use anyhow::{Context, Result};
 use protomer_body::chemistry::{SiteSettings, build_sites, sites_of_points};
 use protomer_body::structure::{Format, SelectionSettings, Structure};

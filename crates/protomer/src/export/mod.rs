@@ -24,8 +24,8 @@ pub use source::Frame;
 pub use structure_file::StructureFormat;
 pub use values::ResidueValues;
 
-use crate::answer::Answer;
-use crate::output_file::require_writable;
+use protomer_common::answer::Answer;
+use protomer_common::output_file::require_writable;
 use anyhow::{Result, bail};
 use protomer_body::structure::write::{PlacedBodies, PlacedBody, WrittenChain};
 use protomer_io::atomic::write_atomically;

@@ -1,6 +1,6 @@
 //! Several sweeps in one figure: which arrangement is stable over the wider range of salt?
 
-use crate::answer::Answer;
+use protomer_common::answer::Answer;
 use anyhow::{Context, Result, bail};
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
 use protomer_results::{ResultKind, keys};

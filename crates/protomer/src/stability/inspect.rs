@@ -1,6 +1,6 @@
 //! The state of an assembly: overlaps, pair energies, radius of gyration.
 
-use crate::answer::Answer;
+use protomer_common::answer::Answer;
 use crate::stability::effective::EffectiveBody;
 use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::{EnergyMode, Engine, RunSettings, require_room};
@@ -49,7 +49,7 @@ pub struct Inspection {
 /// finite, or effective charges cannot be fitted.
 ///
 /// ```no_run
-/// use protomer::answer::Answer;
+/// use protomer_common::answer::Answer;
 /// use protomer::assemblies::assembly_file::Assembly;
 /// use protomer::stability::inspect::{inspect, inspection_settings};
 /// use protomer::stability::interaction::InteractionSettings;

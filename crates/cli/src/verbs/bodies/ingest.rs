@@ -6,7 +6,7 @@ use crate::reply::Reply;
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use protomer::bodies::ingest::{IngestSettings, Ingested, ingest_files};
-use protomer::input;
+use protomer_common::input;
 use std::path::PathBuf;
 
 /// Turn structure files (PDB, mmCIF, PQR, each also gzipped) into bodies: surface mesh, charges,

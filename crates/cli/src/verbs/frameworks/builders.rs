@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use clap::{Args, Subcommand};
-use protomer::quantity::length_angstrom;
+use protomer_common::quantity::length_angstrom;
 use protomer_crystal::framework::analytic::Honeycomb;
 use protomer_crystal::framework::{Framework, build};
 

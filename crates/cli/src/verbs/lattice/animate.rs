@@ -4,7 +4,7 @@ use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
-use protomer::lattice::animation::{AnimationSettings, animate};
+use protomer_lattices::lattice::animation::{AnimationSettings, animate};
 use std::path::PathBuf;
 
 /// Make a self-contained HTML page that plays a run in any browser.

@@ -3,8 +3,8 @@
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
-use protomer::lattice::bench::bench;
-use protomer::lattice::settings::{LatticeSettings, TimeStep};
+use protomer_lattices::lattice::bench::bench;
+use protomer_lattices::lattice::settings::{LatticeSettings, TimeStep};
 
 /// Measure steps per CPU-second of a square lattice from a half-open start with random angular
 /// velocities.

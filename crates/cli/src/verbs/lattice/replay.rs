@@ -3,7 +3,7 @@
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
-use protomer::lattice::replay::{LatticeFile, replay, respond};
+use protomer_lattices::lattice::replay::{LatticeFile, replay, respond};
 use std::path::PathBuf;
 
 /// Integrate the state of a file (JSON: ns, r0, kappa, s0, v0, times): without collisions to

@@ -7,10 +7,10 @@ use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
-use protomer::lattice::directory::read_settings;
-use protomer::lattice::run::run_lattice;
-use protomer::lattice::settings::{LatticeSettings, Start, TimeStep};
-use protomer::lattice::start::{begin, time_step};
+use protomer_lattices::lattice::directory::read_settings;
+use protomer_lattices::lattice::run::run_lattice;
+use protomer_lattices::lattice::settings::{LatticeSettings, Start, TimeStep};
+use protomer_lattices::lattice::start::{begin, time_step};
 use protomer_results::Execution;
 use std::path::PathBuf;
 

@@ -6,8 +6,8 @@ use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, bail};
 use clap::Args;
-use protomer::lattice::settings::LatticeSettings;
-use protomer::lattice::sweep::{axes, run_sweep, tasks};
+use protomer_lattices::lattice::settings::LatticeSettings;
+use protomer_lattices::lattice::sweep::{axes, run_sweep, tasks};
 use protomer_results::End;
 
 /// Run lattices of several rod lengths and κ, once per seed, on all threads, with tables and

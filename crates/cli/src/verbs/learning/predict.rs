@@ -5,9 +5,9 @@ use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
-use protomer::answer::Answer;
-use protomer::learning::predict::{PredictReport, predict};
-use protomer::output_file::{require_writable, write_once};
+use protomer_common::answer::Answer;
+use protomer_training::learning::predict::{PredictReport, predict};
+use protomer_common::output_file::{require_writable, write_once};
 use protomer_results::End;
 use std::path::PathBuf;
 

@@ -9,7 +9,7 @@ use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, anyhow, bail};
 use clap::Args;
-use protomer::learning::train::{
+use protomer_training::learning::train::{
     ControlRun, Job, Metrics, TrainSettings, channels_of, open_set, run_control, run_job,
 };
 use protomer_learn::controls::{Control, Form};

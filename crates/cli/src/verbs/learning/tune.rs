@@ -9,9 +9,9 @@ use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
-use protomer::learning::train::{Source, TrainSettings, channels_of, open_set};
-use protomer::learning::tune::{TuneReport, TuneSettings, tune_in, tune_shard};
-use protomer::voxels::samples::VoxelSet;
+use protomer_training::learning::train::{Source, TrainSettings, channels_of, open_set};
+use protomer_training::learning::tune::{TuneReport, TuneSettings, tune_in, tune_shard};
+use protomer_training::voxels::samples::VoxelSet;
 use protomer_results::Shard;
 use std::path::PathBuf;
 

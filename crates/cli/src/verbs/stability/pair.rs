@@ -9,7 +9,7 @@ use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
-use protomer::quantity;
+use protomer_common::quantity;
 use protomer::stability::contacts::{ContactCore, ContactTerm};
 use protomer::stability::effective::SoluteModel;
 use protomer::stability::pair::{Energies, PairBodies, PairRunSettings, run_pair, run_pair_shard};

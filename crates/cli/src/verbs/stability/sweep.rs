@@ -10,7 +10,7 @@ use crate::reply::Reply;
 use anyhow::{Result, bail};
 use clap::Args;
 use protomer::assemblies::assembly_file::Assembly;
-use protomer::quantity;
+use protomer_common::quantity;
 use protomer::stability::effective;
 use protomer::stability::run::RunSettings;
 use protomer::stability::sweep::{resolved, run_shard, run_sweep};

@@ -4,8 +4,8 @@ use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, anyhow};
 use clap::Args;
-use protomer::voxels::merge::merge;
-use protomer::voxels::origin::Missing;
+use protomer_training::voxels::merge::merge;
+use protomer_training::voxels::origin::Missing;
 use std::path::PathBuf;
 
 /// Merge sets of voxel grids with the same settings; the parts of one manifest give the same set

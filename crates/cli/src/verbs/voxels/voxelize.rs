@@ -6,9 +6,9 @@ use crate::front::Front;
 use crate::reply::{Outcome, Reply};
 use anyhow::{Error, Result, anyhow};
 use clap::Args;
-use protomer::quantity;
-use protomer::voxels::manifest::Manifest;
-use protomer::voxels::{Spacing, State, VoxelizeReport, VoxelizeSettings, voxelize};
+use protomer_common::quantity;
+use protomer_training::voxels::manifest::Manifest;
+use protomer_training::voxels::{Spacing, State, VoxelizeReport, VoxelizeSettings, voxelize};
 use protomer_results::Shard;
 use std::path::PathBuf;
 

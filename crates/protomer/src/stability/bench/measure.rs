@@ -1,6 +1,6 @@
 //! Moves from a prepared state, measured.
 
-use crate::cpu_time::{ProcessClock, Stopwatch};
+use protomer_common::cpu_time::{ProcessClock, Stopwatch};
 use crate::stability::energy_tables::{EnergyTables, PotentialTable};
 use crate::stability::run::EnergyMode;
 use anyhow::Result;

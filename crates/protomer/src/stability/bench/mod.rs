@@ -20,9 +20,9 @@ mod states;
 pub mod suite;
 pub mod tables;
 
-use crate::answer::Answer;
+use protomer_common::answer::Answer;
 use crate::assemblies::assembly_file::Assembly;
-use crate::cpu_time::{ProcessClock, Stopwatch};
+use protomer_common::cpu_time::{ProcessClock, Stopwatch};
 use crate::stability::effective::{EffectiveBody, EffectiveStore, SoluteModel};
 use crate::stability::energy_tables::EnergyTables;
 use crate::stability::interaction::ScreenedCoulomb;

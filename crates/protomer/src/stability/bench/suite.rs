@@ -6,7 +6,7 @@ use super::measure::{Prepared, Timing};
 use super::meter::{Metered, Readings};
 use super::states::{cluster, spread};
 use super::tables::{BodiesRow, PartsRow, RateRow, SuiteResult, ThreadsRow};
-use crate::cpu_time::Stopwatch;
+use protomer_common::cpu_time::Stopwatch;
 use crate::stability::energy_tables::EnergyTables;
 use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::{DEFAULT_TOLERANCE_KT, EnergyMode};

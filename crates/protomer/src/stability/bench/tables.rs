@@ -1,6 +1,6 @@
 //! The tables of the benchmark, as values and as text.
 
-use crate::answer::{Answer, columns};
+use protomer_common::answer::{Answer, columns};
 use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::EnergyMode;
 use serde::Serialize;

@@ -2,7 +2,7 @@
 
 use crate::bodies::body_file;
 use crate::bodies::ingest::read_and_build;
-use crate::input::stem;
+use protomer_common::input::stem;
 use crate::stability::effective::EffectiveStore;
 use anyhow::{Context, Result, bail};
 use protomer_body::{Body, BodySettings};

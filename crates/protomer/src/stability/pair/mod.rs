@@ -68,7 +68,7 @@ fn is_condition(path: &Path) -> bool {
 /// cannot be written.
 ///
 /// ```no_run
-/// use protomer::answer::Answer;
+/// use protomer_common::answer::Answer;
 /// use protomer::stability::pair::{PairBodies, PairRunSettings, run_pair};
 /// use protomer_results::{End, Execution};
 /// use std::path::Path;

@@ -3,7 +3,7 @@
 use super::figure;
 use super::input::PairBodies;
 use super::settings::PairRunSettings;
-use crate::answer::{Answer, columns, heading};
+use protomer_common::answer::{Answer, columns, heading};
 use crate::stability::interaction::ScreenedCoulomb;
 use anyhow::{Context, Result};
 use protomer_body::Body;

@@ -12,7 +12,7 @@ pub mod half_salt;
 pub mod stability;
 pub mod table;
 
-use crate::answer::{Answer, columns, heading};
+use protomer_common::answer::{Answer, columns, heading};
 use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::{
     AcceptedFractions, Engine, Exchanged, LadderRun, LogRow, Replica, RunSettings, Rung, salt_label,
@@ -118,13 +118,13 @@ fn is_simulation(path: &Path) -> bool {
 /// their next sweep and keep their progress, and `run.json` records the error.
 ///
 /// ```no_run
-/// use protomer::answer::Answer;
+/// use protomer_common::answer::Answer;
 /// use protomer::assemblies::assembly_file::Assembly;
 /// use protomer::stability::{run::{Engine, RunSettings}, sweep::run_sweep};
 /// use protomer_results::{End, Execution};
 /// use std::path::Path;
 /// let engine = Engine::new(Assembly::read(Path::new("6mdr/assembly.json"))?)?;
-/// let salt_molar = protomer::quantity::salt_list("10mM..300mM/8")?;
+/// let salt_molar = protomer_common::quantity::salt_list("10mM..300mM/8")?;
 /// let settings = RunSettings { salt_molar, ..RunSettings::default() };
 /// match run_sweep(&engine, &settings, Path::new("sweep"), &Execution::default())? {
 ///     End::Finished(sweep) => println!("{}", sweep.text()),

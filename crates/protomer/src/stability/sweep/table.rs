@@ -1,7 +1,7 @@
 //! The result of a sweep: one row per salt concentration, from the logs of its replicas.
 
 use super::stability::Stability;
-use crate::answer::Answer;
+use protomer_common::answer::Answer;
 use crate::stability::effective::EffectiveBody;
 use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::{AcceptedFractions, Exchanged, LogRow, RunSettings};

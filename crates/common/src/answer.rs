@@ -1,0 +1,105 @@
+//! The answer of a verb: a value that a program can take, text for a reader, and possibly a
+//! figure. Nothing here prints.
+
+use protomer_plot::Figure;
+use serde::Serialize;
+use serde_json::Value;
+
+/// The answer of a verb. Its serialised form is the JSON output of the verb.
+///
+/// ```
+/// use protomer_common::answer::{Answer, AnyAnswer};
+/// use serde::Serialize;
+///
+/// #[derive(Serialize)]
+/// struct Count {
+///     bodies: usize,
+/// }
+///
+/// impl Answer for Count {
+///     fn text(&self) -> String {
+///         format!("{} bodies", self.bodies)
+///     }
+/// }
+///
+/// let answer: Box<dyn AnyAnswer> = Box::new(Count { bodies: 3 });
+/// assert_eq!(answer.text(), "3 bodies");
+/// assert_eq!(answer.value().unwrap()["bodies"], 3);
+/// ```
+pub trait Answer: Serialize {
+    /// The text for a reader, without a trailing newline.
+    fn text(&self) -> String;
+
+    /// The figure, if there is anything to draw.
+    fn figure(&self) -> Option<Figure> {
+        None
+    }
+}
+
+/// An answer with its type erased.
+pub trait AnyAnswer {
+    /// As [`Answer::text`].
+    fn text(&self) -> String;
+
+    /// As [`Answer::figure`].
+    fn figure(&self) -> Option<Figure>;
+
+    /// The answer as JSON text.
+    ///
+    /// # Errors
+    /// If the value cannot be represented in JSON.
+    fn json(&self) -> serde_json::Result<String>;
+
+    /// The answer as a JSON value, its keys in the order of the text.
+    ///
+    /// # Errors
+    /// If the value cannot be represented in JSON.
+    fn value(&self) -> serde_json::Result<Value>;
+}
+
+impl<A: Answer> AnyAnswer for A {
+    fn text(&self) -> String {
+        Answer::text(self)
+    }
+
+    fn figure(&self) -> Option<Figure> {
+        Answer::figure(self)
+    }
+
+    fn json(&self) -> serde_json::Result<String> {
+        serde_json::to_string_pretty(self)
+    }
+
+    fn value(&self) -> serde_json::Result<Value> {
+        serde_json::to_value(self)
+    }
+}
+
+/// Aligns rows in columns, two spaces apart; the first row is the heading.
+///
+/// ```
+/// use protomer_common::answer::columns;
+/// let rows = [["body", "copies"], ["a", "12"]].map(|row| row.map(str::to_owned).to_vec());
+/// assert_eq!(columns(&rows), "body  copies\na     12");
+/// ```
+pub fn columns(rows: &[Vec<String>]) -> String {
+    let count = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |column: usize| {
+        let cells = rows.iter().filter_map(|row| row.get(column));
+        cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..count).map(width).collect();
+    let line = |row: &Vec<String>| {
+        let padded = row.iter().zip(&widths);
+        let cells: Vec<String> = padded
+            .map(|(cell, width)| format!("{cell:<width$}"))
+            .collect();
+        cells.join("  ").trim_end().to_owned()
+    };
+    rows.iter().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// A heading as a row of [`columns`].
+pub fn heading<const N: usize>(names: [&str; N]) -> Vec<String> {
+    names.map(str::to_owned).to_vec()
+}

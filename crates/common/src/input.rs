@@ -1,0 +1,140 @@
+//! Finds, reads, decompresses and hashes input files.
+
+use anyhow::{Context, Result, bail};
+use protomer_io::atomic::sha256_hex;
+use protomer_io::gzip::read_maybe_gzip_from;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// Upper limit for a decompressed structure or mesh file.
+const LARGEST_INPUT_BYTES: u64 = 2_000_000_000;
+
+/// Extensions of the structure files that a folder is searched for, each also with `.gz`.
+const STRUCTURE_ENDINGS: [&str; 5] = ["pdb", "ent", "cif", "mmcif", "pqr"];
+
+/// A file in memory.
+///
+/// ```
+/// use protomer_common::input::InputFile;
+/// use std::path::Path;
+/// let file = InputFile::read(Path::new("../../data/structures/5pti.cif.gz"))?;
+/// assert!(file.bytes.starts_with(b"data_5PTI"));
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct InputFile {
+    /// Name as the user gave it.
+    pub name: String,
+    /// Content, decompressed.
+    pub bytes: Vec<u8>,
+    /// SHA-256 of the file as stored, before decompression.
+    pub sha256: String,
+}
+
+impl InputFile {
+    /// Reads a file, decompressing it if it is gzipped.
+    ///
+    /// # Errors
+    /// Names the file and what is wrong with it.
+    pub fn read(path: &Path) -> Result<Self> {
+        let name = path.display().to_string();
+        if path.is_dir() {
+            bail!("{name} is a folder; name a file");
+        }
+        let mut raw = Vec::new();
+        File::open(path)
+            .and_then(|file| file.take(LARGEST_INPUT_BYTES + 1).read_to_end(&mut raw))
+            .with_context(|| format!("cannot read {name}"))?;
+        if raw.len() as u64 > LARGEST_INPUT_BYTES {
+            bail!(
+                "{name} holds more than {LARGEST_INPUT_BYTES} bytes; give a structure, mesh or point file"
+            );
+        }
+        let sha256 = sha256_hex(&raw);
+        let bytes = if raw.starts_with(&[0x1f, 0x8b]) {
+            read_maybe_gzip_from(&name, raw.as_slice(), LARGEST_INPUT_BYTES)?
+        } else {
+            raw
+        };
+        Ok(Self {
+            name,
+            bytes,
+            sha256,
+        })
+    }
+}
+
+/// Expands folders: each stands for the structure files in it, sorted by name.
+///
+/// # Errors
+/// If a path does not exist, or a folder holds no structure files.
+///
+/// ```
+/// use std::path::PathBuf;
+/// let files = protomer_common::input::expand(&[PathBuf::from("../../data/structures")])?;
+/// assert!(files.iter().any(|file| file.ends_with("5pti.cif.gz")));
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+pub fn expand(inputs: &[PathBuf]) -> Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for input in inputs {
+        if !input.is_dir() {
+            files.push(input.clone());
+            continue;
+        }
+        let entries = input
+            .read_dir()
+            .with_context(|| format!("cannot read the folder {}", input.display()))?;
+        let mut found = Vec::new();
+        for entry in entries {
+            let path = entry
+                .with_context(|| format!("cannot read the folder {}", input.display()))?
+                .path();
+            if path.is_file() && is_structure(&path) {
+                found.push(path);
+            }
+        }
+        if found.is_empty() {
+            bail!(
+                "{} holds no structure file ({})",
+                input.display(),
+                STRUCTURE_ENDINGS.join(", ")
+            );
+        }
+        found.sort();
+        files.extend(found);
+    }
+    Ok(files)
+}
+
+fn is_structure(path: &Path) -> bool {
+    let name = path
+        .file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .to_lowercase();
+    let name = name.strip_suffix(".gz").unwrap_or(&name);
+    STRUCTURE_ENDINGS.iter().any(|ending| {
+        name.strip_suffix(ending)
+            .is_some_and(|stem| stem.ends_with('.'))
+    })
+}
+
+/// The file name without folder and extensions: `5pti` for `data/5pti.pdb.gz`.
+///
+/// ```
+/// use std::path::Path;
+/// assert_eq!(protomer_common::input::stem(Path::new("data/5pti.pdb.gz")), "5pti");
+/// ```
+pub fn stem(path: &Path) -> String {
+    let name = path
+        .file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned();
+    let name = name.strip_suffix(".gz").unwrap_or(&name);
+    name.rsplit_once('.')
+        .map_or(name, |(stem, _)| stem)
+        .to_owned()
+}

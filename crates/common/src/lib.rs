@@ -1,0 +1,15 @@
+//! What the application crates share: answers of verbs, files in and out, quantities with units.
+//!
+//! | module | one idea |
+//! |---|---|
+//! | [`answer`] | the answer of a verb: a value, its text, its figure |
+//! | [`input`] | input files: found, read, decompressed, hashed |
+//! | [`output_file`] | output files: replaced only on request |
+//! | [`quantity`] | numbers with units, such as `150mM` |
+//! | [`cpu_time`] | processor time of a piece of work |
+
+pub mod answer;
+pub mod cpu_time;
+pub mod input;
+pub mod output_file;
+pub mod quantity;

@@ -1,0 +1,189 @@
+//! Parses numbers with units: `150mM`, `0.15M`, `1.4A`, `0.14nm`, `10mM..300mM/8`.
+
+use anyhow::{Result, bail};
+
+/// Parses a salt concentration in mol/L from `150mM`, `0.15M` or a bare number in mol/L.
+///
+/// # Errors
+/// Quotes the input and gives the accepted forms.
+///
+/// ```
+/// assert_eq!(protomer_common::quantity::salt_molar("150mM")?, 0.15);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+pub fn salt_molar(text: &str) -> Result<f64> {
+    const UNITS: [(&str, i32); 5] = [("uM", -6), ("µM", -6), ("mM", -3), ("M", 0), ("", 0)];
+    let salt = parse(text, "a salt concentration", &UNITS, "100mM or 0.1M")?;
+    if salt < 0.0 {
+        bail!("the salt concentration '{text}' is negative; give zero or more, such as 100mM");
+    }
+    Ok(salt)
+}
+
+/// Parses a length in Å from `1.4A`, `0.14nm` or a bare number in Å.
+///
+/// # Errors
+/// Quotes the input and gives the accepted forms.
+pub fn length_angstrom(text: &str) -> Result<f64> {
+    const UNITS: [(&str, i32); 4] = [("nm", 1), ("Å", 0), ("A", 0), ("", 0)];
+    parse(text, "a length", &UNITS, "48A or 4.8nm")
+}
+
+/// Parses an absolute temperature in K from `298.15K` or a bare number in K.
+///
+/// # Errors
+/// Quotes the input and gives the accepted forms.
+///
+/// ```
+/// assert_eq!(protomer_common::quantity::temperature_kelvin("298.15K")?, 298.15);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+pub fn temperature_kelvin(text: &str) -> Result<f64> {
+    parse(text, "a temperature", &[("K", 0), ("", 0)], "298.15K")
+}
+
+/// Parses a number of bytes from `500MB` or `2GB`, in powers of 1000, or a bare number.
+///
+/// # Errors
+/// Quotes the input and gives the accepted forms.
+///
+/// ```
+/// assert_eq!(protomer_common::quantity::memory_bytes("1.5GB")?, 1_500_000_000);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+pub fn memory_bytes(text: &str) -> Result<u64> {
+    const UNITS: [(&str, i32); 5] = [("TB", 12), ("GB", 9), ("MB", 6), ("kB", 3), ("", 0)];
+    let bytes = parse(text, "an amount of memory", &UNITS, "500MB or 2GB")?;
+    if !(0.0..1e18).contains(&bytes) {
+        bail!(
+            "the amount of memory '{text}' is not a positive number of bytes; give zero or more, such as 2GB"
+        );
+    }
+    Ok(bytes.round() as u64)
+}
+
+/// Parses salt concentrations in mol/L from a comma-separated list of values and ranges. A range
+/// `10mM..300mM/8` is eight values spaced evenly on a logarithmic axis; `0..100mM/5` (from zero) is
+/// spaced evenly on a linear one.
+///
+/// # Errors
+/// Names the item of the list that cannot be parsed.
+///
+/// ```
+/// let salts = protomer_common::quantity::salt_list("10mM..1000mM/3,2M")?;
+/// assert_eq!(salts, vec![0.01, 0.1, 1.0, 2.0]);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+pub fn salt_list(text: &str) -> Result<Vec<f64>> {
+    let mut salts = Vec::new();
+    for item in text.split(',').map(str::trim) {
+        match item.split_once("..") {
+            Some((first, rest)) => salts.extend(salt_range(item, first, rest)?),
+            None => salts.push(salt_molar(item)?),
+        }
+    }
+    Ok(salts)
+}
+
+fn salt_range(item: &str, first: &str, rest: &str) -> Result<Vec<f64>> {
+    let Some((last, count)) = rest.split_once('/') else {
+        bail!("the range '{item}' lacks the number of values; write it as 10mM..300mM/8");
+    };
+    // The lower end of a range may omit the unit: 10..300mM/8.
+    let unit = last.trim_start_matches(|c: char| c.is_ascii_digit() || ".-+eE".contains(c));
+    let first_has_unit = first.ends_with('M');
+    let low = salt_molar(&if first_has_unit {
+        first.to_owned()
+    } else {
+        format!("{first}{unit}")
+    })?;
+    let high = salt_molar(last)?;
+    let count: usize = match count.trim().parse() {
+        Ok(count) if (2..=10_000).contains(&count) => count,
+        _ => bail!("the range '{item}' asks for '{count}' values; give a number from 2 to 10000"),
+    };
+    if high <= low {
+        bail!("the range '{item}' does not increase; put the smaller concentration first");
+    }
+    let fraction = |i: usize| i as f64 / (count - 1) as f64;
+    let value = |i: usize| match i {
+        0 => low,
+        i if i == count - 1 => high,
+        i if low == 0.0 => round_to_micromolar(high * fraction(i)),
+        i => round_to_micromolar(low * (high / low).powf(fraction(i))),
+    };
+    Ok((0..count).map(value).collect())
+}
+
+/// Rounds to 1 µM, so that labels and folder names stay short.
+fn round_to_micromolar(salt_molar: f64) -> f64 {
+    if salt_molar < 1e-4 {
+        salt_molar
+    } else {
+        (salt_molar * 1e6).round() / 1e6
+    }
+}
+
+/// Parses `value × unit`; a unit is a suffix and a power of ten. Positive powers of ten are
+/// exact, so dividing by them keeps 150mM exactly 0.15.
+fn parse(text: &str, what: &str, units: &[(&str, i32)], example: &str) -> Result<f64> {
+    let text = text.trim();
+    for (suffix, power) in units {
+        let Some(number) = text.strip_suffix(suffix) else {
+            continue;
+        };
+        if let Ok(value) = number.trim().parse::<f64>()
+            && value.is_finite()
+        {
+            return Ok(if *power < 0 {
+                value / 10f64.powi(-power)
+            } else {
+                value * 10f64.powi(*power)
+            });
+        }
+    }
+    bail!("'{text}' is not {what}; write it like {example}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_are_understood() {
+        assert_eq!(salt_molar("0.15M").unwrap(), salt_molar("150mM").unwrap());
+        assert_eq!(salt_molar("0.15").unwrap(), 0.15);
+        assert_eq!(length_angstrom("4.8nm").unwrap(), 48.0);
+        assert_eq!(length_angstrom("48A").unwrap(), 48.0);
+        assert_eq!(length_angstrom("48").unwrap(), 48.0);
+    }
+
+    #[test]
+    fn ranges_are_logarithmic_and_hit_their_ends() {
+        let salts = salt_list("10mM..300mM/8").unwrap();
+        assert_eq!((salts.len(), salts[0], salts[7]), (8, 0.01, 0.3));
+        assert!(salts.windows(2).all(|pair| pair[0] < pair[1]));
+        assert_eq!(salt_list("10..300mM/8").unwrap(), salts);
+        assert_eq!(salt_list("0M..0.1M/3").unwrap(), vec![0.0, 0.05, 0.1]);
+    }
+
+    #[test]
+    fn nonsense_is_refused_with_the_offending_text() {
+        for text in [
+            "-5mM",
+            "abc",
+            "10mM..5mM/3",
+            "1..2",
+            "10mM..20mM/1",
+            "",
+            "nanM",
+            "1e400M",
+        ] {
+            let message = salt_list(text).unwrap_err().to_string();
+            assert!(
+                message.contains(text.split("..").next().unwrap()),
+                "{text}: {message}"
+            );
+        }
+    }
+}

@@ -1,0 +1,316 @@
+//! The motion from a state in a file: without collisions, up to the first contact, and through it.
+//!
+//! The file is JSON with `ns` (squares along an edge), `r0`, `s0` and `v0` (x, y, θ and their
+//! rates, square after square), `times`; `kappa`, `l` and `I` are optional; other keys are ignored.
+
+use protomer_common::answer::Answer;
+use anyhow::{Result, bail};
+use protomer_crystal::lattice::collision::replay;
+use protomer_crystal::lattice::contact::TOUCHING;
+use protomer_crystal::lattice::{Coherence, Dynamics, Edges, Network, Square, State};
+use protomer_results::keys;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::FRAC_PI_4;
+use std::path::Path;
+use std::sync::Arc;
+
+/// A lattice, its initial state, and the times to report.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct LatticeFile {
+    /// Squares along an edge.
+    #[serde(rename = "ns")]
+    pub squares_along_edge: usize,
+    /// Length of the rods.
+    pub r0: f64,
+    /// κ of the coherence potential, an inverse time squared.
+    #[serde(default)]
+    pub kappa: f64,
+    /// Half-diagonal of the squares.
+    #[serde(default = "one")]
+    pub l: f64,
+    /// Their moment of inertia; l²/3 if left out. Their mass is 1.
+    #[serde(rename = "I")]
+    pub inertia: Option<f64>,
+    /// x, y, θ of square after square at time 0.
+    #[serde(default)]
+    pub s0: Vec<f64>,
+    /// Their rates.
+    #[serde(default)]
+    pub v0: Vec<f64>,
+    /// Times to report.
+    #[serde(default)]
+    pub times: Vec<f64>,
+    /// A state in which squares touch.
+    pub first_collision: Option<ContactState>,
+}
+
+/// A state in which squares touch.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct ContactState {
+    /// When.
+    #[serde(default)]
+    pub t: f64,
+    /// x, y, θ.
+    pub s: Vec<f64>,
+    /// Rates just before.
+    pub v: Vec<f64>,
+    /// The contacts; found from the state if omitted.
+    #[serde(default)]
+    pub contacts: Vec<[usize; 3]>,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+/// The result of [`replay()`].
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Replay {
+    /// The largest time step taken.
+    pub time_step: f64,
+    /// The times of the file.
+    pub times: Vec<f64>,
+    /// x, y, θ at these times. Collisions are ignored, even after the first contact.
+    pub s: Vec<Vec<f64>>,
+    /// Rates.
+    pub v: Vec<Vec<f64>>,
+    /// Sum of the kinetic energy and the coherence potential.
+    pub energy: Vec<f64>,
+    /// The first contact; `None` if there is none before the limit.
+    pub first_collision: Option<FirstCollision>,
+}
+
+/// The first contact and its outcome.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FirstCollision {
+    /// When.
+    pub t: f64,
+    /// x, y, θ.
+    pub s: Vec<f64>,
+    /// Rates just before.
+    pub v: Vec<f64>,
+    /// The striking square, its corner (1 to 4), and the struck square.
+    pub contacts: Vec<[usize; 3]>,
+    /// Rates just after an elastic collision.
+    pub v_after: Vec<f64>,
+}
+
+/// The result of [`respond`].
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Response {
+    /// Rates just after an elastic collision.
+    pub v_after: Vec<f64>,
+    /// The striking square, its corner (1 to 4), and the struck square.
+    pub contacts: Vec<[usize; 3]>,
+    /// Impulses along the normals; corners that meet head-on are listed from both sides and share
+    /// one impulse.
+    pub impulses: Vec<f64>,
+    /// Change of the kinetic energy.
+    pub energy_change: f64,
+}
+
+impl Answer for Replay {
+    fn text(&self) -> String {
+        let energies = self.times.iter().zip(&self.energy);
+        let mut lines: Vec<String> = energies
+            .map(|(time, energy)| format!("t = {time}: energy {energy:.12}"))
+            .collect();
+        lines.push(match &self.first_collision {
+            Some(first) => first.describe(),
+            None => "no contact".into(),
+        });
+        lines.join("\n")
+    }
+}
+
+impl FirstCollision {
+    fn describe(&self) -> String {
+        let contact = |[striker, vertex, target]: &[usize; 3]| {
+            format!("corner {vertex} of square {striker} on square {target}")
+        };
+        let contacts: Vec<String> = self.contacts.iter().map(contact).collect();
+        format!(
+            "first contact at t = {:.12}: {}",
+            self.t,
+            contacts.join(", ")
+        )
+    }
+}
+
+impl Answer for Response {
+    fn text(&self) -> String {
+        format!(
+            "{} contacts, impulses {:?}, kinetic energy changes by {:.1e}",
+            self.contacts.len(),
+            self.impulses,
+            self.energy_change
+        )
+    }
+}
+
+impl LatticeFile {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// Names the file, the line and the key.
+    pub fn read(path: &Path) -> Result<Self> {
+        Ok(keys::read_json(path)?)
+    }
+
+    fn network(&self) -> Result<Arc<Network>> {
+        let square = Square {
+            half_diagonal: self.l,
+            mass: 1.0,
+            inertia: self.inertia.unwrap_or(self.l * self.l / 3.0),
+        };
+        let size = self.squares_along_edge;
+        Ok(Arc::new(Network::lattice(
+            size,
+            size,
+            self.r0,
+            square,
+            Edges::Open,
+            FRAC_PI_4,
+        )?))
+    }
+
+    fn first_state(&self) -> State {
+        State {
+            time: 0.0,
+            positions: self.s0.clone(),
+            velocities: self.v0.clone(),
+        }
+    }
+
+    fn dynamics(&self, state: &State) -> Result<Dynamics> {
+        Ok(Dynamics::new(
+            self.network()?,
+            vec![Box::new(Coherence { kappa: self.kappa })],
+            state,
+        )?)
+    }
+}
+
+/// Integrates the state of a file with steps of at most `time_step`, and up to its first contact
+/// if that comes before `longest`.
+///
+/// # Errors
+/// For a state that does not fit the lattice, times that do not increase, or a step that is too
+/// large.
+pub fn replay(file: &LatticeFile, time_step: f64, longest: f64) -> Result<Replay> {
+    for (name, value) in [("dt", time_step), ("longest", longest)] {
+        if !(value.is_finite() && value > 0.0) {
+            bail!("--{name} is {value}; it must be positive");
+        }
+    }
+    let mut state = file.first_state();
+    let mut dynamics = file.dynamics(&state)?;
+    let mut replay = Replay {
+        time_step,
+        times: file.times.clone(),
+        s: Vec::new(),
+        v: Vec::new(),
+        energy: Vec::new(),
+        first_collision: first_collision(file, time_step, longest)?,
+    };
+    for time in &file.times {
+        advance(&mut dynamics, &mut state, *time, time_step)?;
+        replay.s.push(state.positions.clone());
+        replay.v.push(state.velocities.clone());
+        replay
+            .energy
+            .push(state.kinetic_energy(dynamics.network()) + dynamics.potential_energy());
+    }
+    Ok(replay)
+}
+
+/// The smallest number of equal steps no longer than `time_step` that end at `time`.
+fn advance(dynamics: &mut Dynamics, state: &mut State, time: f64, time_step: f64) -> Result<()> {
+    let (start, duration) = (state.time, time - state.time);
+    if !(duration.is_finite() && duration >= 0.0) {
+        bail!(
+            "the time {time} follows {start}; list the times in increasing order, starting from 0 or later"
+        );
+    }
+    // A ratio that is an integer up to rounding is meant to be an integer.
+    let steps = (duration / time_step - 1e-9).ceil().max(0.0) as u64;
+    for _ in 0..steps {
+        dynamics.step(state, duration / steps as f64)?;
+    }
+    state.time = time;
+    Ok(())
+}
+
+fn first_collision(
+    file: &LatticeFile,
+    time_step: f64,
+    longest: f64,
+) -> Result<Option<FirstCollision>> {
+    let mut state = file.first_state();
+    let mut dynamics = file.dynamics(&state)?;
+    let Some(found) = replay::first_contact(&mut dynamics, &mut state, time_step, longest, false)?
+    else {
+        return Ok(None);
+    };
+    let contacts = found.listed();
+    let State {
+        positions: s,
+        velocities: v,
+        ..
+    } = found.state;
+    let response = replay::respond(dynamics.network(), &s, &v, &contacts, 1.0)?;
+    Ok(Some(FirstCollision {
+        t: found.time,
+        s,
+        v,
+        contacts,
+        v_after: response.velocities_after,
+    }))
+}
+
+/// Computes the elastic impact at the contact state of a file.
+///
+/// # Errors
+/// If the file has no contact state, the state does not fit the lattice, or no squares touch.
+pub fn respond(file: &LatticeFile) -> Result<Response> {
+    let Some(contact) = &file.first_collision else {
+        bail!(
+            "the file has no first_collision; add one with the state s and the rates v just before"
+        );
+    };
+    let network = file.network()?;
+    let state = State {
+        time: contact.t,
+        positions: contact.s.clone(),
+        velocities: contact.v.clone(),
+    };
+    state.check(&network)?;
+    let found = replay::touching(&network, &state);
+    let contacts = if found.is_empty() {
+        contact.contacts.clone()
+    } else {
+        found
+    };
+    if contacts.is_empty() {
+        bail!(
+            "no two squares of first_collision.s are within {TOUCHING} of each other; give a contact state"
+        );
+    }
+    let response = replay::respond(
+        &network,
+        &state.positions,
+        &state.velocities,
+        &contacts,
+        1.0,
+    )?;
+    let after = State {
+        velocities: response.velocities_after.clone(),
+        ..state.clone()
+    };
+    Ok(Response {
+        energy_change: after.kinetic_energy(&network) - state.kinetic_energy(&network),
+        v_after: response.velocities_after,
+        contacts,
+        impulses: response.impulses,
+    })
+}

@@ -1,0 +1,65 @@
+//! The answer of a sweep.
+
+use super::plan::axes;
+use super::table::{ConditionRow, Estimate, RunRow};
+use protomer_common::answer::{Answer, columns};
+use crate::lattice::settings::LatticeSettings;
+use serde::Serialize;
+
+/// The result of a sweep.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LatticeSweep {
+    /// Version of the program.
+    pub version: String,
+    /// The resolved settings.
+    pub settings: LatticeSettings,
+    /// One row per r0 and κ.
+    pub conditions: Vec<ConditionRow>,
+    /// One row per run.
+    pub runs: Vec<RunRow>,
+}
+
+impl Answer for LatticeSweep {
+    fn text(&self) -> String {
+        let mut heading = vec![
+            "r0",
+            "κ",
+            "runs",
+            "Poisson's ratio",
+            "r²",
+            "σ_max",
+            "σ of checkerboard",
+            "synchronisation",
+        ];
+        let has_exponents = axes(&self.settings).lyapunov.is_some();
+        if has_exponents {
+            heading.push("λ_max");
+        }
+        let mut rows: Vec<Vec<String>> = vec![heading.into_iter().map(str::to_owned).collect()];
+        for row in &self.conditions {
+            let mut cells = vec![
+                format!("{:.4}", row.r0),
+                row.kappa.to_string(),
+                row.runs.to_string(),
+                shown(row.poisson_ratio),
+                shown(row.r_squared),
+                shown(row.largest_spread),
+                shown(row.checkerboard_deviation),
+                shown(row.synchronisation),
+            ];
+            if has_exponents {
+                cells.push(shown(row.lyapunov_exponent));
+            }
+            rows.push(cells);
+        }
+        columns(&rows)
+    }
+}
+
+fn shown(Estimate { mean, error }: Estimate) -> String {
+    match (mean.is_finite(), error.is_finite()) {
+        (false, _) => "-".to_owned(),
+        (true, false) => format!("{mean:.3}"),
+        (true, true) => format!("{mean:.3} ± {error:.3}"),
+    }
+}

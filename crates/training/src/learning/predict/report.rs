@@ -1,0 +1,282 @@
+//! The report of a prediction: a row per sample, and scores where the true class is known.
+
+use super::fit::Difference;
+use super::trained::Trained;
+use super::truth::{Part, Truth, Unscored};
+use protomer_common::answer::Answer;
+use crate::voxels::samples::VoxelSet;
+use anyhow::{Result, bail};
+use protomer_io::csv::{Cell, Table};
+use protomer_learn::SampleSource;
+use protomer_learn::scaling::Quarantined;
+use protomer_learn::scores::{Scores, most_probable};
+use protomer_learn::split::family_weights;
+use protomer_learn::training::Predictions;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// The prediction for one sample.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SamplePrediction {
+    /// Its name.
+    pub name: String,
+    /// Its file, as the manifest of the set names it.
+    pub file: String,
+    /// Its label in the set.
+    pub label: String,
+    /// Its true class; `None` if the label is not a class of the network.
+    pub class: Option<String>,
+    /// The part of the training that it belonged to; `None` if this is not the set of the training.
+    pub part: Option<Part>,
+    /// Why it is not scored, if this is not the set of the training.
+    pub unscored: Option<Unscored>,
+    /// The most probable class.
+    pub predicted: String,
+    /// The probability of each class.
+    pub probabilities: Vec<f64>,
+}
+
+/// Scores of the samples of known class that training has not seen.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SetScores {
+    /// Samples scored.
+    pub samples: usize,
+    /// Share of correct predictions; copies of one crystal form count once together.
+    pub accuracy: f64,
+    /// The accuracy of always predicting the most frequent class of the training part.
+    pub majority_accuracy: f64,
+    /// Mean recall over the classes present.
+    pub balanced_accuracy: f64,
+    /// The balanced accuracy of always predicting the most frequent class of the training part.
+    pub majority_balanced_accuracy: f64,
+    /// Cross entropy, nats.
+    pub log_loss_nats: f64,
+    /// Cross entropy of the shares of the classes in the training part, nats.
+    pub prior_log_loss_nats: f64,
+    /// `prior_log_loss_nats` - `log_loss_nats`: the information gained per sample.
+    pub nats_gained_over_prior: f64,
+}
+
+/// The number of samples that are not scored for one reason.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct NotScored {
+    /// Why.
+    pub why: Unscored,
+    /// How many.
+    pub samples: usize,
+}
+
+/// The report of a prediction.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PredictReport {
+    /// Version of the program.
+    pub version: String,
+    /// The directory of the training.
+    pub run: PathBuf,
+    /// The set.
+    pub set: PathBuf,
+    /// Whether it is the set of the training; if so, only its test part is scored.
+    pub is_training_set: bool,
+    /// Names of the classes, in the order of the probabilities.
+    pub classes: Vec<String>,
+    /// Names of the network's input channels.
+    pub channels: Vec<String>,
+    /// One entry per sample that could be read, in the order of the set.
+    pub samples: Vec<SamplePrediction>,
+    /// Scores, if any samples of known class remain to be scored.
+    pub scores: Option<SetScores>,
+    /// Samples that are predicted but not scored, if this is not the set of the training.
+    pub not_scored: Vec<NotScored>,
+    /// Samples left out, and why.
+    pub left_out: Vec<Quarantined>,
+    /// Settings in which the voxels differ from those of the training.
+    pub differences: Vec<Difference>,
+}
+
+impl PredictReport {
+    /// Combines the known classes with the predictions.
+    ///
+    /// # Errors
+    /// If the predictions do not fit the set, or contain a number that is not a probability.
+    pub(super) fn of(
+        run: &Path,
+        path: &Path,
+        trained: &Trained,
+        set: &VoxelSet,
+        truth: &Truth,
+        predictions: Predictions,
+        differences: Vec<Difference>,
+    ) -> Result<Self> {
+        let card = &trained.model.card;
+        let class = |number: usize| card.classes.get(number).cloned().unwrap_or_default();
+        let mut samples = Vec::with_capacity(predictions.samples.len());
+        let probabilities = predictions.probabilities.chunks(card.classes.len().max(1));
+        for (sample, p) in predictions.samples.iter().zip(probabilities) {
+            let Some(known) = set.descriptions().get(*sample) else {
+                bail!("there is no sample {sample}");
+            };
+            samples.push(SamplePrediction {
+                name: known.name.clone(),
+                file: set.files().get(*sample).cloned().unwrap_or_default(),
+                label: known.label.clone(),
+                class: truth.classes.get(*sample).copied().flatten().map(class),
+                part: truth.parts.get(*sample).copied().flatten(),
+                unscored: truth.unscored.get(*sample).copied().flatten(),
+                predicted: class(most_probable(p)),
+                probabilities: p.to_vec(),
+            });
+        }
+        let not_scored = count(&samples);
+        Ok(Self {
+            version: env!("CARGO_PKG_VERSION").into(),
+            run: run.to_owned(),
+            set: path.to_owned(),
+            is_training_set: truth.is_training_set,
+            classes: card.classes.clone(),
+            channels: card.channels.clone(),
+            samples,
+            not_scored,
+            scores: scores(&card.log_prior, set, truth, &predictions)?,
+            left_out: predictions.quarantined,
+            differences,
+        })
+    }
+
+    /// One row per sample: name, file, label, class, part, predicted, and a probability per class.
+    ///
+    /// # Errors
+    /// If rows and classes disagree.
+    pub fn table(&self) -> Result<Table> {
+        let fixed = ["name", "file", "label", "class", "part", "predicted"];
+        let mut heading = fixed.map(str::to_owned).to_vec();
+        for class in &self.classes {
+            heading.push(format!("p_{class}"));
+        }
+        let mut table = Table::new(heading);
+        for sample in &self.samples {
+            let mut cells = vec![
+                Cell::from(sample.name.as_str()),
+                Cell::from(sample.file.as_str()),
+                Cell::from(sample.label.as_str()),
+                Cell::from(sample.class.as_deref()),
+                Cell::from(sample.part.map(Part::name)),
+                Cell::from(sample.predicted.as_str()),
+            ];
+            for probability in &sample.probabilities {
+                cells.push(Cell::from(*probability));
+            }
+            table.push(cells)?;
+        }
+        Ok(table)
+    }
+}
+
+impl Answer for PredictReport {
+    /// The accuracy is never shown without that of the majority class.
+    fn text(&self) -> String {
+        let mut lines = vec![format!(
+            "{} samples predicted, {} left out",
+            self.samples.len(),
+            self.left_out.len()
+        )];
+        match &self.scores {
+            Some(scores) => {
+                lines.push(match self.is_training_set {
+                    true => format!(
+                        "scores of the test part of the training, {} samples",
+                        scores.samples
+                    ),
+                    false => {
+                        format!(
+                            "scores of the samples of known class that are new to the network, {}",
+                            scores.samples
+                        )
+                    }
+                });
+                lines.push(format!(
+                    "balanced accuracy {:.3} (majority {:.3}), accuracy {:.3} (majority {:.3})",
+                    scores.balanced_accuracy,
+                    scores.majority_balanced_accuracy,
+                    scores.accuracy,
+                    scores.majority_accuracy
+                ));
+                lines.push(format!(
+                    "log-loss {:.3} nats, prior {:.3}: gained {:+.3}",
+                    scores.log_loss_nats, scores.prior_log_loss_nats, scores.nats_gained_over_prior
+                ));
+            }
+            None if self.is_training_set => {
+                lines.push("no scores: no sample of the test part can be read".into())
+            }
+            None => lines.push("no scores: no sample remains to be scored".into()),
+        }
+        for NotScored { why, samples } in &self.not_scored {
+            lines.push(format!("not scored: {samples} {}", why.words()));
+        }
+        lines.join("\n")
+    }
+}
+
+/// Counts samples by the reason why they are not scored.
+fn count(samples: &[SamplePrediction]) -> Vec<NotScored> {
+    let mut counts: BTreeMap<Unscored, usize> = BTreeMap::new();
+    for sample in samples {
+        if let Some(why) = sample.unscored {
+            *counts.entry(why).or_default() += 1;
+        }
+    }
+    let mut not_scored = Vec::new();
+    for (why, samples) in counts {
+        not_scored.push(NotScored { why, samples });
+    }
+    not_scored
+}
+
+/// Computes scores with the weights of training: a sample counts 1 / (size of its family). Families
+/// are counted over all samples with a class in the set of the training, and over the scored
+/// samples in any other set.
+fn scores(
+    log_prior: &[f64],
+    set: &VoxelSet,
+    truth: &Truth,
+    predictions: &Predictions,
+) -> Result<Option<SetScores>> {
+    let count = log_prior.len();
+    let (mut labelled, mut descriptions) = (Vec::new(), Vec::new());
+    for (sample, class) in truth.classes.iter().enumerate() {
+        if class.is_some() && (truth.is_training_set || truth.may_be_scored(sample)) {
+            labelled.push(sample);
+            descriptions.push(set.descriptions()[sample].clone());
+        }
+    }
+    let all_weights = family_weights(&descriptions);
+    let (mut probabilities, mut labels, mut weights) = (Vec::new(), Vec::new(), Vec::new());
+    let of_samples = predictions.probabilities.chunks(count.max(1));
+    for (sample, p) in predictions.samples.iter().zip(of_samples) {
+        if let Some(class) = truth.classes[*sample]
+            && let Ok(place) = labelled.binary_search(sample)
+            && truth.may_be_scored(*sample)
+        {
+            probabilities.extend_from_slice(p);
+            labels.push(class);
+            weights.push(all_weights[place]);
+        }
+    }
+    if labels.is_empty() {
+        return Ok(None);
+    }
+    let of = |p: &[f64]| Scores::of(p, &labels, count, Some(&weights));
+    let prior: Vec<f64> = log_prior.iter().map(|log| log.exp()).collect();
+    let (own, prior) = (of(&probabilities)?, of(&prior.repeat(labels.len()))?);
+    Ok(Some(SetScores {
+        samples: labels.len(),
+        accuracy: own.accuracy,
+        majority_accuracy: prior.accuracy,
+        balanced_accuracy: own.balanced_accuracy,
+        majority_balanced_accuracy: prior.balanced_accuracy,
+        log_loss_nats: own.log_loss_nats,
+        prior_log_loss_nats: prior.log_loss_nats,
+        nats_gained_over_prior: own.nats_gained_over(&prior),
+    }))
+}

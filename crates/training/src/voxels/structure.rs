@@ -1,0 +1,347 @@
+//! One structure to one sample, or the reason why not.
+
+use super::manifest::Entry;
+use super::settings::{Spacing, VoxelizeSettings};
+use protomer_common::input::InputFile;
+use anyhow::{Result, anyhow, bail};
+use protomer_body::chemistry::residue_names::modified_residue;
+use protomer_body::chemistry::{
+    AminoAcid, ChargedSites, SiteSettings, build_sites, sites_of_points,
+};
+use protomer_body::structure::{Ending, Format, SelectionSettings, Structure};
+use protomer_body::{BodyError, structure_warnings};
+use protomer_field::voxels::channels::{bounds, pose};
+use protomer_field::voxels::lattice::SPACING_RANGE_ANGSTROM;
+use protomer_field::voxels::orientation::principal_axes;
+use protomer_field::voxels::{Channel, Lattice, VoxelAtom, Voxels, voxelise};
+use protomer_field::{ChargedSphere, FieldError};
+use protomer_io::atomic::sha256_hex;
+use protomer_io::points::read_points;
+use protomer_io::zarr::as_stored;
+use protomer_kernel::Vec3;
+use serde::{Deserialize, Serialize};
+
+/// Why a structure is excluded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Reason {
+    /// The file is missing, damaged, or not a structure file.
+    Unreadable,
+    /// Too many residues lack heavy atoms, or the file was cut off.
+    Truncated,
+    /// It contains no amino acids.
+    NoProtein,
+    /// It does not fit in the grid.
+    TooLarge,
+    /// The potential did not converge or is not finite.
+    Potential,
+    /// Something else.
+    Failed,
+}
+
+/// The outcome for a structure.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Outcome {
+    /// A sample.
+    Sample(Box<Sample>),
+    /// Left out.
+    Excluded {
+        /// Why.
+        reason: Reason,
+        /// A description in words.
+        detail: String,
+    },
+}
+
+/// A sample.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sample {
+    /// Its properties.
+    pub properties: Properties,
+    /// Its voxels.
+    pub voxels: Voxels,
+    /// Warnings about the file, such as unknown residues or missing atoms.
+    pub warnings: Vec<String>,
+}
+
+/// Properties of a structure besides its voxels.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Properties {
+    /// Number of residues that are one of the twenty amino acids or a modification of one.
+    pub residues: usize,
+    /// Radius of gyration of the atoms, equally weighted, Å.
+    pub radius_of_gyration_angstrom: f64,
+    /// Extents of the spheres along the principal axes, Å, largest first.
+    pub extents_angstrom: [f64; 3],
+    /// Net charge, e.
+    pub net_charge_e: f64,
+    /// Edge of a voxel, Å.
+    pub spacing_angstrom: f64,
+    /// The rotation R of the structure.
+    pub rotation_wxyz: [f64; 4],
+    /// A point p of the file is mapped to R p - middle, Å.
+    pub middle_angstrom: [f64; 3],
+    /// Share of each amino acid, by the one-letter codes in alphabetical order.
+    pub composition: [f64; 20],
+}
+
+/// Maximum number of warnings kept per structure.
+const MOST_WARNINGS: usize = 10;
+
+/// An error that excludes a structure.
+struct Excluded(Reason, anyhow::Error);
+
+type Checked<T> = std::result::Result<T, Excluded>;
+
+/// Voxelises a structure.
+pub fn voxelize_structure(entry: &Entry, settings: &VoxelizeSettings) -> Outcome {
+    match sample(entry, settings) {
+        Ok(sample) => Outcome::Sample(Box::new(sample)),
+        Err(Excluded(reason, error)) => Outcome::Excluded {
+            reason,
+            detail: format!("{error:#}"),
+        },
+    }
+}
+
+fn sample(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Sample> {
+    let content = read(entry, settings)?;
+    let amino_acids = amino_acids_of(&content, settings)?;
+    let Content {
+        sites, warnings, ..
+    } = content;
+    let mut atoms = atoms_of(&sites);
+    let positions: Vec<Vec3> = atoms.iter().map(|atom| atom.sphere.centre).collect();
+    let rotation = settings
+        .orientation
+        .rotation(&positions, settings.seed, key_of(&entry.name));
+    let middle = pose(&mut atoms, &rotation);
+    let lattice = lattice(&atoms, settings).map_err(|error| Excluded(Reason::TooLarge, error))?;
+    let voxel_settings = settings.voxel_settings();
+    let voxel_settings = voxel_settings.map_err(|error| Excluded(Reason::Failed, error))?;
+    let residues = sites.residues.iter();
+    let hydropathy: Vec<Option<f64>> = residues.map(|residue| residue.hydropathy).collect();
+    let voxels = voxelise(&atoms, &hydropathy, &lattice, &voxel_settings);
+    let voxels = voxels.map_err(no_voxels)?;
+    check_values(&voxels, &settings.channels)
+        .map_err(|error| Excluded(Reason::Potential, error))?;
+    let properties = Properties {
+        residues: amino_acids.len(),
+        radius_of_gyration_angstrom: radius_of_gyration(&positions),
+        extents_angstrom: extents(&atoms),
+        net_charge_e: sites.net_charge_e(),
+        spacing_angstrom: lattice.spacing_angstrom(),
+        rotation_wxyz: [rotation.w, rotation.i, rotation.j, rotation.k],
+        middle_angstrom: middle.into(),
+        composition: composition(&amino_acids),
+    };
+    Ok(Sample {
+        properties,
+        voxels,
+        warnings,
+    })
+}
+
+/// The amino acids of a structure, if it has any and enough of them are complete.
+fn amino_acids_of(content: &Content, settings: &VoxelizeSettings) -> Checked<Vec<AminoAcid>> {
+    let residues = &content.sites.residues;
+    let mut amino_acids = Vec::with_capacity(residues.len());
+    for residue in residues {
+        amino_acids.extend(amino_acid(&residue.name));
+    }
+    if amino_acids.is_empty() {
+        let error = anyhow!("none of the {} residues is an amino acid", residues.len());
+        return Err(Excluded(Reason::NoProtein, error));
+    }
+    let (incomplete, count) = (content.incomplete, amino_acids.len());
+    if incomplete as f64 > settings.most_incomplete * count as f64 {
+        let error =
+            anyhow!("{incomplete} of {count} residues lack heavy atoms, as in a trace of Cα atoms");
+        return Err(Excluded(Reason::Truncated, error));
+    }
+    Ok(amino_acids)
+}
+
+/// The atoms in the coordinates of the file.
+fn atoms_of(sites: &ChargedSites) -> Vec<VoxelAtom> {
+    let mut atoms = Vec::with_capacity(sites.sites.len());
+    for site in &sites.sites {
+        let sphere = ChargedSphere {
+            centre: site.position + sites.origin_angstrom,
+            radius_angstrom: site.radius_angstrom,
+            charge_e: site.charge_e,
+        };
+        atoms.push(VoxelAtom {
+            sphere,
+            residue: site.residue,
+        });
+    }
+    atoms
+}
+
+fn no_voxels(error: FieldError) -> Excluded {
+    let reason = match error {
+        FieldError::NotConverged { .. } | FieldError::ChargeOutside { .. } => Reason::Potential,
+        _ => Reason::Failed,
+    };
+    Excluded(reason, error.into())
+}
+
+/// Whether a set can keep the values.
+fn check_values(voxels: &Voxels, channels: &[Channel]) -> Result<()> {
+    for (channel, values) in channels.iter().zip(&voxels.values) {
+        if let Some(value) = values.iter().find(|value| !as_stored(**value).is_finite()) {
+            bail!(
+                "the channel {} holds {value}; a set keeps finite values up to ± 65504",
+                channel.name()
+            );
+        }
+    }
+    Ok(())
+}
+
+/// The content of a structure file.
+struct Content {
+    sites: ChargedSites,
+    /// Residues that lack heavy atoms.
+    incomplete: usize,
+    warnings: Vec<String>,
+}
+
+fn read(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Content> {
+    let file = InputFile::read(&entry.path).map_err(unreadable)?;
+    if Format::of_name(&file.name) == Some(Format::Pqr) {
+        let points = read_points(&file.name, &file.bytes).map_err(unreadable)?;
+        let sites = sites_of_points(&points).map_err(unreadable)?;
+        let warnings = of_ending(&Ending::of_pqr(&String::from_utf8_lossy(&file.bytes)))?;
+        return Ok(Content {
+            sites,
+            incomplete: 0,
+            warnings,
+        });
+    }
+    let structure = Structure::read(&file.name, &file.bytes).map_err(unreadable)?;
+    let mut warnings = of_ending(&structure.ending)?;
+    // With these settings the selection fails only if nothing remains without nucleic acids,
+    // ligands and water.
+    let selection = structure.select(&SelectionSettings::default());
+    let selection = selection.map_err(|error| Excluded(Reason::NoProtein, error.into()))?;
+    let site_settings = SiteSettings {
+        ph: settings.ph,
+        ..SiteSettings::default()
+    };
+    let sites = build_sites(&selection, &site_settings).map_err(|error| match error {
+        BodyError::Trace { .. } => Excluded(Reason::Truncated, error.into()),
+        _ => Excluded(Reason::Failed, error.into()),
+    })?;
+    warnings.extend(structure_warnings(&structure, &selection.report));
+    Ok(Content {
+        sites,
+        incomplete: selection.report.incomplete.len(),
+        warnings: at_most(MOST_WARNINGS, warnings),
+    })
+}
+
+fn unreadable(error: impl Into<anyhow::Error>) -> Excluded {
+    Excluded(Reason::Unreadable, error.into())
+}
+
+/// Refuses a file that was cut off, because half a protein is not a valid sample. Warns if the file
+/// does not show whether it is complete.
+fn of_ending(ending: &Ending) -> Checked<Vec<String>> {
+    match ending {
+        Ending::Whole => Ok(Vec::new()),
+        Ending::Unknown => Ok(vec![Ending::UNKNOWN.to_owned()]),
+        Ending::CutOff(message) => Err(Excluded(Reason::Truncated, anyhow!("{message}"))),
+    }
+}
+
+/// The first warnings, and the number of the others.
+pub(super) fn at_most(most: usize, mut warnings: Vec<String>) -> Vec<String> {
+    if let Some(more @ 1..) = warnings.len().checked_sub(most) {
+        warnings.truncate(most);
+        warnings.push(format!("and {more} more"));
+    }
+    warnings
+}
+
+fn amino_acid(name: &str) -> Option<AminoAcid> {
+    AminoAcid::of_residue(name).or_else(|| modified_residue(name)?.parent)
+}
+
+/// A number derived from the name.
+fn key_of(name: &str) -> u64 {
+    u64::from_str_radix(&sha256_hex(name.as_bytes())[..16], 16).unwrap_or(0)
+}
+
+fn lattice(atoms: &[VoxelAtom], settings: &VoxelizeSettings) -> Result<Lattice> {
+    let (low, high) = bounds(atoms);
+    let extent = (high - low).max();
+    let intervals = settings.size as f64 - 1.0;
+    let spacing = match settings.spacing {
+        Spacing::Angstrom(spacing) => spacing,
+        // A margin, so that rounding does not push an atom off the lattice.
+        Spacing::Fit(_) => (extent / intervals * (1.0 + 1e-9)).max(SPACING_RANGE_ANGSTROM.0),
+    };
+    let needed = (extent / spacing).ceil() as usize + 1;
+    if needed > settings.size {
+        return Err(anyhow!(
+            "{extent:.1} Å need {needed} voxels of {spacing} Å, the grid has {}",
+            settings.size
+        ));
+    }
+    if spacing > SPACING_RANGE_ANGSTROM.1 {
+        return Err(anyhow!(
+            "{extent:.1} Å need voxels of {spacing:.2} Å, the largest are {} Å",
+            SPACING_RANGE_ANGSTROM.1
+        ));
+    }
+    Ok(Lattice::new(settings.size, spacing)?)
+}
+
+fn radius_of_gyration(positions: &[Vec3]) -> f64 {
+    let count = positions.len().max(1) as f64;
+    let middle = positions.iter().sum::<Vec3>() / count;
+    let mut squares = 0.0;
+    for position in positions {
+        squares += (position - middle).norm_squared();
+    }
+    (squares / count).sqrt()
+}
+
+fn extents(atoms: &[VoxelAtom]) -> [f64; 3] {
+    let positions: Vec<Vec3> = atoms.iter().map(|atom| atom.sphere.centre).collect();
+    let (rotation, _) = principal_axes(&positions);
+    let mut turned = atoms.to_vec();
+    for atom in &mut turned {
+        atom.sphere.centre = rotation * atom.sphere.centre;
+    }
+    let (low, high) = bounds(&turned);
+    let mut extents: [f64; 3] = (high - low).into();
+    extents.sort_by(|a, b| b.total_cmp(a));
+    extents
+}
+
+fn composition(amino_acids: &[AminoAcid]) -> [f64; 20] {
+    let letters = letters();
+    let mut shares = [0.0; 20];
+    for amino_acid in amino_acids {
+        if let Ok(place) = letters.binary_search(&amino_acid.letter()) {
+            shares[place] += 1.0 / amino_acids.len() as f64;
+        }
+    }
+    shares
+}
+
+/// One-letter codes in alphabetical order.
+///
+/// ```
+/// let letters: String = protomer_training::voxels::structure::letters().into_iter().collect();
+/// assert_eq!(letters, "ACDEFGHIKLMNPQRSTVWY");
+/// ```
+pub fn letters() -> Vec<char> {
+    let mut letters: Vec<char> = AminoAcid::all().map(AminoAcid::letter).collect();
+    letters.sort_unstable();
+    letters
+}
