@@ -1,10 +1,10 @@
 //! The electrostatic potential around a structure, from the linearised Poisson-Boltzmann equation
 //! or as a sum over screened charges.
 
-use protomer_common::answer::Answer;
 use crate::bodies::surface_of_file::read_sites;
-use protomer_common::input::InputFile;
 use anyhow::{Context, Result, bail};
+use protomer_common::answer::Answer;
+use protomer_common::input::InputFile;
 use protomer_field::debye_huckel::Superposition;
 use protomer_field::poisson_boltzmann::{error_estimate_kt, grid_around};
 use protomer_field::{

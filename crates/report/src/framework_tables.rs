@@ -4,8 +4,8 @@ use super::html::{definitions, escape, paragraph, table};
 use super::page::{Page, Section};
 use super::{data, provenance};
 use anyhow::{Context, Result};
-use protomer_lattices::frameworks::tables::{Agreement, Row, describe, legend};
 use protomer_io::csv::{Cell, Table};
+use protomer_lattices::frameworks::tables::{Agreement, Row, describe, legend};
 use protomer_results::keys;
 use std::path::Path;
 

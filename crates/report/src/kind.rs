@@ -1,13 +1,13 @@
 //! The kind of results in a directory, with their settings.
 
 use anyhow::{Result, bail};
-use protomer_lattices::lattice::settings::LatticeSettings;
-use protomer_training::learning::train::TrainSettings;
-use protomer_training::learning::tune::TuneSettings;
 use protomer::stability::run::RunSettings;
-use protomer_training::voxels::work_path;
+use protomer_lattices::lattice::settings::LatticeSettings;
 use protomer_results::ResultKind;
 use protomer_results::keys::read_toml;
+use protomer_training::learning::train::TrainSettings;
+use protomer_training::learning::tune::TuneSettings;
+use protomer_training::voxels::work_path;
 use std::path::Path;
 
 /// The kind of results in a directory.

@@ -6,9 +6,9 @@ use super::html::{
 use super::page::{Page, Section};
 use super::{data, figures, provenance, training};
 use anyhow::{Context, Result};
+use protomer_io::csv::cells;
 use protomer_training::learning::train::TrainSettings;
 use protomer_training::learning::tune::TuneSettings;
-use protomer_io::csv::cells;
 use std::path::Path;
 
 /// Number of trials shown unfolded.

@@ -3,9 +3,9 @@
 use super::html::{paragraph, significant, table};
 use super::page::Section;
 use anyhow::{Context, Result};
-use protomer_training::voxels::samples::VoxelSet;
 use protomer_learn::SampleSource;
 use protomer_learn::scaling::{ChannelScaling, ScalingMode, Transform};
+use protomer_training::voxels::samples::VoxelSet;
 use rayon::prelude::*;
 use serde_json::Value;
 

@@ -2,9 +2,9 @@
 
 use anyhow::Result;
 use clap::Args;
-use protomer_common::quantity;
 use protomer::stability::interaction::{InteractionSettings, ScreenedCoulomb};
 use protomer::stability::run::EnergyMode;
+use protomer_common::quantity;
 
 /// What lies between the bodies.
 #[derive(Debug, Clone, Args)]

@@ -5,9 +5,9 @@ use crate::front::Front;
 use anyhow::Result;
 use clap::Args;
 use protomer::assemblies::assembly_file::Assembly;
-use protomer_common::quantity;
 use protomer::stability::energy_tables::EnergyTables;
 use protomer::stability::run::Engine;
+use protomer_common::quantity;
 use std::sync::Arc;
 
 /// The resources of tables of energies by levels.

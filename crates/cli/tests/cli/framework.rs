@@ -2,12 +2,12 @@
 //! paper, files, loads.
 
 use crate::common;
-use protomer_lattices::frameworks::report::{Analytic, Relax, Report, Settings, analyse};
-use protomer_lattices::frameworks::tables::{Agreement, rows};
-use protomer_lattices::frameworks::{curve, network_file};
 use protomer_crystal::framework::analytic::Honeycomb;
 use protomer_crystal::framework::{AVOGADRO_PER_MOL, Framework, StressKind, build};
 use protomer_kernel::random::CounterRng;
+use protomer_lattices::frameworks::report::{Analytic, Relax, Report, Settings, analyse};
+use protomer_lattices::frameworks::tables::{Agreement, rows};
+use protomer_lattices::frameworks::{curve, network_file};
 
 fn settings() -> Settings {
     Settings {

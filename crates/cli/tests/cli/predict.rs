@@ -2,15 +2,15 @@
 //! directories that hold none.
 
 use crate::common::{is_ok, program};
+use protomer_field::voxels::Voxels;
+use protomer_learn::controls::{Control, Form, Variant};
+use protomer_learn::{InMemory, SparseGrid};
 use protomer_training::learning::train::TrainSettings;
 use protomer_training::voxels::VoxelizeSettings;
 use protomer_training::voxels::records::{SampleRecord, SetContent};
 use protomer_training::voxels::row::Row;
 use protomer_training::voxels::set::{attributes, write};
 use protomer_training::voxels::structure::Properties;
-use protomer_field::voxels::Voxels;
-use protomer_learn::controls::{Control, Form, Variant};
-use protomer_learn::{InMemory, SparseGrid};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -2,12 +2,12 @@
 //! refused.
 
 use crate::common::{TemporaryFolder, contents, is_ok, message};
-use protomer_training::learning::train::{Source, TrainSettings};
-use protomer_training::learning::tune::{Trial, TuneSettings, tune_in};
 use protomer_learn::controls::{Control, Variant};
 use protomer_learn::scaling::ScalingMode;
 use protomer_learn::trial::TrialSettings;
 use protomer_results::{End, Execution};
+use protomer_training::learning::train::{Source, TrainSettings};
+use protomer_training::learning::tune::{Trial, TuneSettings, tune_in};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};

@@ -2,6 +2,9 @@
 //! threads, the same files.
 
 use crate::common::{Watcher, program};
+use protomer_field::voxels::{Channel, Orientation, PotentialModel};
+use protomer_learn::SampleSource;
+use protomer_results::{Execution, Shard};
 use protomer_training::voxels::manifest::Manifest;
 use protomer_training::voxels::merge::merge;
 use protomer_training::voxels::samples::VoxelSet;
@@ -9,9 +12,6 @@ use protomer_training::voxels::structure::Reason;
 use protomer_training::voxels::{
     Fit, Spacing, State, VoxelizeReport, VoxelizeSettings, voxelize, work_path,
 };
-use protomer_field::voxels::{Channel, Orientation, PotentialModel};
-use protomer_learn::SampleSource;
-use protomer_results::{Execution, Shard};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -117,7 +117,9 @@ fn bundled(name: &str) -> (Vec<u8>, String) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../data/structures")
         .join(name);
-    let text = protomer_common::input::InputFile::read(&path).unwrap().bytes;
+    let text = protomer_common::input::InputFile::read(&path)
+        .unwrap()
+        .bytes;
     (
         std::fs::read(path).unwrap(),
         String::from_utf8(text).unwrap(),

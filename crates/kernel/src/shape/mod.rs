@@ -5,6 +5,8 @@
 //! | [`hull`] | the convex hull of points |
 //! | [`measures`] | volume, surface, mean curvature, second virial coefficient; rounding by Steiner's formulas |
 //! | [`builders`] | shapes by name |
+//! | [`polytope`] | corners, edges and faces about the centroid |
+//! | [`closest`] | the closest points of two convex bodies |
 //!
 //! Shapes have no unit of length of their own.
 //!
@@ -18,8 +20,10 @@
 //! ```
 
 pub mod builders;
+pub mod closest;
 pub mod hull;
 pub mod measures;
+pub mod polytope;
 
 use crate::{KernelError, Result, Vec3};
 use hull::Hull;

@@ -6,9 +6,9 @@
 use super::directory::read_settings;
 use super::start::network;
 use super::trajectory::{corner_position, read_states};
+use anyhow::{Context, Result, bail};
 use protomer_common::answer::Answer;
 use protomer_common::output_file::write_once;
-use anyhow::{Context, Result, bail};
 use protomer_crystal::lattice::{Network, Rod};
 use protomer_results::ResultKind;
 use serde::Serialize;

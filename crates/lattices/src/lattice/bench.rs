@@ -8,9 +8,9 @@
 
 use super::settings::{LatticeSettings, Start, TimeStep, Velocities};
 use super::start::{begin, time_step};
+use anyhow::{Result, bail};
 use protomer_common::answer::Answer;
 use protomer_common::cpu_time::ThreadClock;
-use anyhow::{Result, bail};
 use protomer_crystal::lattice::Mover;
 use serde::Serialize;
 use std::sync::Arc;

@@ -3,8 +3,8 @@
 //! The file is JSON with `ns` (squares along an edge), `r0`, `s0` and `v0` (x, y, θ and their
 //! rates, square after square), `times`; `kappa`, `l` and `I` are optional; other keys are ignored.
 
-use protomer_common::answer::Answer;
 use anyhow::{Result, bail};
+use protomer_common::answer::Answer;
 use protomer_crystal::lattice::collision::replay;
 use protomer_crystal::lattice::contact::TOUCHING;
 use protomer_crystal::lattice::{Coherence, Dynamics, Edges, Network, Square, State};

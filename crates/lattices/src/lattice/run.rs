@@ -8,8 +8,8 @@ use super::log::LogRow;
 use super::settings::LatticeSettings;
 use super::start::{Begun, begin, time_step};
 use super::trajectory::Trajectory;
-use protomer_common::answer::Answer;
 use anyhow::{Error, Result, bail};
+use protomer_common::answer::Answer;
 use protomer_crystal::lattice::{Mover, State};
 use protomer_results::{
     CHECKPOINT, End, Execution, Layout, Log, LogMark, ResultKind, ResultsDirectory, Run, Turn,

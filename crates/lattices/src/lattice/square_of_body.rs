@@ -1,9 +1,9 @@
 //! The square that represents a body, as part of a configuration.
 
 use super::settings::LatticeSettings;
-use protomer_common::answer::Answer;
 use anyhow::{Context, Result};
 use protomer_body::Body;
+use protomer_common::answer::Answer;
 use protomer_crystal::lattice::Square;
 pub use protomer_crystal::lattice::square_of_body::{Axis, Size};
 use protomer_crystal::lattice::square_of_body::{BodySquare, Solid};

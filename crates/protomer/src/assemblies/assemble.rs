@@ -1,11 +1,11 @@
 //! Assemblies from recipes and from structures, written as assembly files.
 
-use protomer_common::answer::{Answer, columns, heading};
 use crate::assemblies::assembly_file::{AssemblyFile, BodyEntry, Placement};
 use crate::bodies::body_file;
 use anyhow::{Context, Result, bail};
 use protomer_body::assembly::{self, Expansion, HardBodies, HardBody, expand_until_free};
 use protomer_body::{Body, BodySettings, Source, build_body_of_selection};
+use protomer_common::answer::{Answer, columns, heading};
 use protomer_io::atomic::write_atomically;
 use protomer_results::ResultKind;
 use serde::Serialize;
@@ -229,7 +229,11 @@ pub fn assemble_structure(
         (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let mut described = Vec::new();
     for (kind, body_type) in types.into_iter().enumerate() {
-        let name = format!("{}_{}", protomer_common::input::stem(input), body_type.reference);
+        let name = format!(
+            "{}_{}",
+            protomer_common::input::stem(input),
+            body_type.reference
+        );
         let source = Source {
             file: &file.name,
             sha256: &file.sha256,

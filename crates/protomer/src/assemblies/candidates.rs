@@ -1,9 +1,9 @@
 //! The up/down arrangements of a ring or stack that are distinct under its symmetry.
 
-use protomer_common::answer::{Answer, columns, heading};
 use crate::assemblies::assemble::{BodyFiles, write_assembly};
 use anyhow::{Result, bail};
 use protomer_body::assembly::{Candidates, Stack, Symmetry};
+use protomer_common::answer::{Answer, columns, heading};
 use serde::Serialize;
 use serde_json::json;
 use std::path::PathBuf;

@@ -1,9 +1,9 @@
 //! A fluid: bodies at random positions and orientations in a periodic box, without overlaps.
 
-use protomer_common::answer::Answer;
 use crate::assemblies::assemble::{BodyFiles, write_assembly};
 use anyhow::{Result, bail};
 use protomer_body::assembly::Placement;
+use protomer_common::answer::Answer;
 use protomer_kernel::units::NUMBER_DENSITY_PER_MOLAR;
 use serde::Serialize;
 use serde_json::json;

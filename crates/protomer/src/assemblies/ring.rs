@@ -1,9 +1,9 @@
 //! Rings, and stacks of two rings, closed to contact.
 
-use protomer_common::answer::Answer;
 use crate::assemblies::assemble::{BodyFiles, write_assembly};
 use anyhow::{Result, bail};
 use protomer_body::assembly::{Recipe, RecipeSite};
+use protomer_common::answer::Answer;
 use serde::Serialize;
 use serde_json::json;
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! Downloads entries from the Protein Data Bank, only on request.
 
-use protomer_common::answer::Answer;
 use anyhow::{Context, Result, bail};
+use protomer_common::answer::Answer;
 use protomer_io::atomic::write_atomically;
 use protomer_results::{Progress, ResultKind};
 use serde::Serialize;

@@ -1,14 +1,14 @@
 //! Converts structure files to body files in parallel. A file that fails is reported; the others
 //! continue.
 
-use protomer_common::answer::{Answer, columns, heading};
 use crate::bodies::body_file;
-use protomer_common::input::{InputFile, stem};
 use anyhow::{Context, Result, bail};
 use protomer_body::structure::{Format, SelectionReport};
 use protomer_body::{
     Body, BodyError, BodySettings, BuiltBody, Source, build_body, build_body_of_points,
 };
+use protomer_common::answer::{Answer, columns, heading};
+use protomer_common::input::{InputFile, stem};
 use protomer_io::atomic::write_atomically;
 use protomer_io::mesh::{MeshFormat, write_mesh};
 use protomer_io::points::{PointRecord, read_points};

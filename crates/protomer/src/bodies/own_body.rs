@@ -1,11 +1,11 @@
 //! A body from a custom mesh and charges.
 
-use protomer_common::answer::Answer;
 use crate::bodies::body_file;
 use crate::bodies::ingest::BodyMeasures;
-use protomer_common::input::InputFile;
 use anyhow::{Context, Result};
 use protomer_body::{Body, Provenance, Site, check_name};
+use protomer_common::answer::Answer;
+use protomer_common::input::InputFile;
 use protomer_io::mesh::read_mesh;
 use protomer_io::points::read_points;
 use protomer_kernel::Vec3;

@@ -1,12 +1,12 @@
 //! The solvent-excluded surface of a file, without charges.
 
-use protomer_common::answer::Answer;
 use crate::bodies::body_file;
-use protomer_common::input::InputFile;
 use anyhow::{Context, Result};
 use protomer_body::chemistry::{SiteSettings, build_sites, sites_of_points};
 use protomer_body::structure::{Format, SelectionSettings, Structure};
 use protomer_body::{Site, SurfaceSettings, surface_of_sites};
+use protomer_common::answer::Answer;
+use protomer_common::input::InputFile;
 use protomer_io::atomic::write_atomically;
 use protomer_io::mesh::{MeshFormat, write_mesh};
 use protomer_io::points::{read_points, read_xyzr};

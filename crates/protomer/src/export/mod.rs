@@ -24,10 +24,10 @@ pub use source::Frame;
 pub use structure_file::StructureFormat;
 pub use values::ResidueValues;
 
-use protomer_common::answer::Answer;
-use protomer_common::output_file::require_writable;
 use anyhow::{Result, bail};
 use protomer_body::structure::write::{PlacedBodies, PlacedBody, WrittenChain};
+use protomer_common::answer::Answer;
+use protomer_common::output_file::require_writable;
 use protomer_io::atomic::write_atomically;
 use serde::Serialize;
 use source::Source;

@@ -1,7 +1,7 @@
 //! Several sweeps in one figure: which arrangement is stable over the wider range of salt?
 
-use protomer_common::answer::Answer;
 use anyhow::{Context, Result, bail};
+use protomer_common::answer::Answer;
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
 use protomer_results::{ResultKind, keys};
 use serde::Serialize;

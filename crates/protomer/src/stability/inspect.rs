@@ -1,10 +1,10 @@
 //! The state of an assembly: overlaps, pair energies, radius of gyration.
 
-use protomer_common::answer::Answer;
 use crate::stability::effective::EffectiveBody;
 use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::{EnergyMode, Engine, RunSettings, require_room};
 use anyhow::Result;
+use protomer_common::answer::Answer;
 use protomer_kernel::units::kilojoule_per_mol_per_kt;
 use protomer_mc::hard::overlapping_pairs;
 use protomer_mc::observables::{contacts, r_g_angstrom};

@@ -1,8 +1,8 @@
 //! Manifests list structures with their labels: CSV with the columns `file`, `label`, `cluster`
 //! and optionally `family`, `name`.
 
-use protomer_common::input::{InputFile, stem};
 use anyhow::{Context, Result, bail};
+use protomer_common::input::{InputFile, stem};
 use protomer_io::csv::cells;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};

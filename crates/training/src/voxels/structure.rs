@@ -2,7 +2,6 @@
 
 use super::manifest::Entry;
 use super::settings::{Spacing, VoxelizeSettings};
-use protomer_common::input::InputFile;
 use anyhow::{Result, anyhow, bail};
 use protomer_body::chemistry::residue_names::modified_residue;
 use protomer_body::chemistry::{
@@ -10,6 +9,7 @@ use protomer_body::chemistry::{
 };
 use protomer_body::structure::{Ending, Format, SelectionSettings, Structure};
 use protomer_body::{BodyError, structure_warnings};
+use protomer_common::input::InputFile;
 use protomer_field::voxels::channels::{bounds, pose};
 use protomer_field::voxels::lattice::SPACING_RANGE_ANGSTROM;
 use protomer_field::voxels::orientation::principal_axes;

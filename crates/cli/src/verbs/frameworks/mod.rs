@@ -10,12 +10,12 @@ use anyhow::{Result, bail};
 use builders::Builder;
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory};
-use protomer_lattices::frameworks::answer::{Analysis, LoadSettings, PaperTables, cell_counts};
-use protomer_lattices::frameworks::report::{Relax, Report, Settings};
-use protomer_lattices::frameworks::{curve, network_file};
 use protomer_common::quantity::length_angstrom;
 use protomer_crystal::framework::analytic::Honeycomb;
 use protomer_crystal::framework::{AVOGADRO_PER_MOL, Framework, StressKind};
+use protomer_lattices::frameworks::answer::{Analysis, LoadSettings, PaperTables, cell_counts};
+use protomer_lattices::frameworks::report::{Relax, Report, Settings};
+use protomer_lattices::frameworks::{curve, network_file};
 use protomer_results::keys::nearest;
 use std::path::{Path, PathBuf};
 

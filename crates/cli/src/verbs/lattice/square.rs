@@ -6,8 +6,8 @@ use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
 use protomer::bodies::body_file;
-use protomer_lattices::lattice::square_of_body::{Axis, Size, square_of_body};
 use protomer_common::output_file::write_once;
+use protomer_lattices::lattice::square_of_body::{Axis, Size, square_of_body};
 use std::path::{Path, PathBuf};
 
 /// The square that represents a body with a symmetry axis, as part of a configuration.

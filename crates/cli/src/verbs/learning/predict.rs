@@ -6,9 +6,9 @@ use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
 use protomer_common::answer::Answer;
-use protomer_training::learning::predict::{PredictReport, predict};
 use protomer_common::output_file::{require_writable, write_once};
 use protomer_results::End;
+use protomer_training::learning::predict::{PredictReport, predict};
 use std::path::PathBuf;
 
 /// Apply a network trained by 'protomer train' to every sample of a set of voxels: class,

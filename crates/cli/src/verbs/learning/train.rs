@@ -9,14 +9,14 @@ use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, anyhow, bail};
 use clap::Args;
-use protomer_training::learning::train::{
-    ControlRun, Job, Metrics, TrainSettings, channels_of, open_set, run_control, run_job,
-};
 use protomer_learn::controls::{Control, Form};
 use protomer_learn::network::GlobalPooling;
 use protomer_learn::split::Fractions;
 use protomer_learn::{BlockSettings, Device};
 use protomer_results::{End, Execution};
+use protomer_training::learning::train::{
+    ControlRun, Job, Metrics, TrainSettings, channels_of, open_set, run_control, run_job,
+};
 use std::path::{Path, PathBuf};
 
 /// The task. Omitted settings come from the defaults, or from the control.

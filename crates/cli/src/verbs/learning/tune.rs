@@ -9,10 +9,10 @@ use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
+use protomer_results::Shard;
 use protomer_training::learning::train::{Source, TrainSettings, channels_of, open_set};
 use protomer_training::learning::tune::{TuneReport, TuneSettings, tune_in, tune_shard};
 use protomer_training::voxels::samples::VoxelSet;
-use protomer_results::Shard;
 use std::path::PathBuf;
 
 /// Search for the network that predicts best: blocks, kernels, channels, learning rate. The same

@@ -10,10 +10,10 @@ use crate::reply::Reply;
 use anyhow::{Result, bail};
 use clap::Args;
 use protomer::assemblies::assembly_file::Assembly;
-use protomer_common::quantity;
 use protomer::stability::effective;
 use protomer::stability::run::RunSettings;
 use protomer::stability::sweep::{resolved, run_shard, run_sweep};
+use protomer_common::quantity;
 use protomer_results::{End, Shard};
 use std::path::PathBuf;
 

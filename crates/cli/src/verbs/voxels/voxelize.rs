@@ -7,9 +7,9 @@ use crate::reply::{Outcome, Reply};
 use anyhow::{Error, Result, anyhow};
 use clap::Args;
 use protomer_common::quantity;
+use protomer_results::Shard;
 use protomer_training::voxels::manifest::Manifest;
 use protomer_training::voxels::{Spacing, State, VoxelizeReport, VoxelizeSettings, voxelize};
-use protomer_results::Shard;
 use std::path::PathBuf;
 
 /// Turn the structures of a manifest into a set of sparse voxel grids, a zarr v3 group: surface,

@@ -2,8 +2,8 @@
 
 use super::plan::axes;
 use super::table::{ConditionRow, Estimate, RunRow};
-use protomer_common::answer::{Answer, columns};
 use crate::lattice::settings::LatticeSettings;
+use protomer_common::answer::{Answer, columns};
 use serde::Serialize;
 
 /// The result of a sweep.

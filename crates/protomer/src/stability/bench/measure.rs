@@ -1,9 +1,9 @@
 //! Moves from a prepared state, measured.
 
-use protomer_common::cpu_time::{ProcessClock, Stopwatch};
 use crate::stability::energy_tables::{EnergyTables, PotentialTable};
 use crate::stability::run::EnergyMode;
 use anyhow::Result;
+use protomer_common::cpu_time::{ProcessClock, Stopwatch};
 use protomer_io::atomic::sha256_hex;
 use protomer_kernel::potential::Yukawa;
 use protomer_mc::energy::levels::{Levels, table_reach_angstrom};

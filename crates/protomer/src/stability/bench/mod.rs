@@ -20,15 +20,15 @@ mod states;
 pub mod suite;
 pub mod tables;
 
-use protomer_common::answer::Answer;
 use crate::assemblies::assembly_file::Assembly;
-use protomer_common::cpu_time::{ProcessClock, Stopwatch};
 use crate::stability::effective::{EffectiveBody, EffectiveStore, SoluteModel};
 use crate::stability::energy_tables::EnergyTables;
 use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::{EnergyMode, Engine, Promise, RunSettings};
 use crate::stability::terms::FurtherTerms;
 use anyhow::Result;
+use protomer_common::answer::Answer;
+use protomer_common::cpu_time::{ProcessClock, Stopwatch};
 use protomer_io::atomic::sha256_hex;
 use protomer_mc::energy::levels::LevelReport;
 use protomer_mc::{Settings, Simulation};

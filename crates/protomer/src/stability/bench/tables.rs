@@ -1,8 +1,8 @@
 //! The tables of the benchmark, as values and as text.
 
-use protomer_common::answer::{Answer, columns};
 use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::EnergyMode;
+use protomer_common::answer::{Answer, columns};
 use serde::Serialize;
 
 /// Moves per CPU-second of one energy mode.

@@ -2,10 +2,10 @@
 
 use crate::bodies::body_file;
 use crate::bodies::ingest::read_and_build;
-use protomer_common::input::stem;
 use crate::stability::effective::EffectiveStore;
 use anyhow::{Context, Result, bail};
 use protomer_body::{Body, BodySettings};
+use protomer_common::input::stem;
 use protomer_io::atomic::sha256_hex;
 use protomer_mc::BodyType;
 use std::path::Path;

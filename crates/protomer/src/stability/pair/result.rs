@@ -3,10 +3,10 @@
 use super::figure;
 use super::input::PairBodies;
 use super::settings::PairRunSettings;
-use protomer_common::answer::{Answer, columns, heading};
 use crate::stability::interaction::ScreenedCoulomb;
 use anyhow::{Context, Result};
 use protomer_body::Body;
+use protomer_common::answer::{Answer, columns, heading};
 use protomer_io::atomic::write_atomically;
 use protomer_io::csv::{Cell, Table};
 use protomer_kernel::Pose;

@@ -1,7 +1,7 @@
 //! The figure of a sweep: radius of gyration, surviving contacts and bound bodies against salt, with
 //! individual replicas.
 
-use super::table::SweepResult;
+use super::result::SweepResult;
 use anyhow::Result;
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
 use std::path::Path;

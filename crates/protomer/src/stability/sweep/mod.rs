@@ -9,15 +9,16 @@
 
 pub mod figure;
 pub mod half_salt;
+pub mod result;
 pub mod stability;
 pub mod table;
 
-use protomer_common::answer::{Answer, columns, heading};
 use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::{
     AcceptedFractions, Engine, Exchanged, LadderRun, LogRow, Replica, RunSettings, Rung, salt_label,
 };
 use anyhow::{Context, Error, Result, bail};
+use protomer_common::answer::{Answer, columns, heading};
 use protomer_io::atomic::write_atomically;
 use protomer_mc::observables::contacts;
 use protomer_plot::Figure;
@@ -25,12 +26,13 @@ use protomer_results::{
     Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Shard, Work, conduct,
     conduct_shard, drive, keys, log, settings,
 };
+use result::SweepResult;
 use serde::Serialize;
 use serde_json::{Value, json};
 use stability::Stability;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
-use table::{ReplicaResult, SaltRow, SweepResult, to_csv};
+use table::{ReplicaResult, SaltRow, to_csv};
 
 /// The directory of a sweep.
 const LAYOUT: Layout = Layout {

@@ -3,9 +3,9 @@
 use super::fit::Difference;
 use super::trained::Trained;
 use super::truth::{Part, Truth, Unscored};
-use protomer_common::answer::Answer;
 use crate::voxels::samples::VoxelSet;
 use anyhow::{Result, bail};
+use protomer_common::answer::Answer;
 use protomer_io::csv::{Cell, Table};
 use protomer_learn::SampleSource;
 use protomer_learn::scaling::Quarantined;

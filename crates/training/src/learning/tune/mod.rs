@@ -13,9 +13,9 @@ pub mod figure;
 mod records;
 mod table;
 
-use protomer_common::answer::{Answer, columns, heading};
 use crate::learning::train::{Epochs, Prepared, TrainSettings, TrainingRun, check};
 use anyhow::{Context, Result, bail};
+use protomer_common::answer::{Answer, columns, heading};
 use protomer_io::atomic::write_atomically;
 use protomer_learn::halving::{Halving, Reached};
 use protomer_learn::sample::SampleSource;

@@ -1,8 +1,10 @@
-//! `protomer shape`: what is known exactly of a convex shape.
+//! `protomer shape`: what is known exactly of a convex shape, and what two shapes feel.
+
+mod contact;
 
 use crate::reply::Reply;
-use anyhow::Result;
-use clap::Args;
+use anyhow::{Result, bail};
+use clap::{Args, Subcommand};
 use protomer::shapes::measure_shape;
 use std::path::PathBuf;
 
@@ -15,9 +17,10 @@ use std::path::PathBuf;
 /// truncated-tetrahedron:T (T from 0, the tetrahedron with edges of length 1, to 1, the octahedron;
 /// 2/3 is Archimedean), cuboid:A,B,C, prism:N,HEIGHT (edges of length 1), polygon:N (area 1).
 #[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true, arg_required_else_help = true)]
 pub struct ShapeArgs {
     /// File with points, or the name of a shape.
-    shape: String,
+    shape: Option<String>,
     /// Radius of the ball, or disk, that rounds it (Minkowski sum).
     #[arg(
         long,
@@ -29,11 +32,26 @@ pub struct ShapeArgs {
     /// Mesh file to write, without the rounding: .ply, .obj, .off or .stl.
     #[arg(short, long)]
     output: Option<PathBuf>,
+    #[command(subcommand)]
+    verb: Option<ShapeVerb>,
+}
+
+#[derive(Debug, Subcommand)]
+enum ShapeVerb {
+    Contact(contact::ContactArgs),
 }
 
 impl ShapeArgs {
     pub fn run(&self) -> Result<Reply> {
-        let report = measure_shape(&self.shape, self.rounding, self.output.as_deref())?;
-        Ok(Reply::data(report))
+        match (&self.verb, &self.shape) {
+            (Some(ShapeVerb::Contact(args)), _) => args.run(),
+            (None, Some(shape)) => {
+                let report = measure_shape(shape, self.rounding, self.output.as_deref())?;
+                Ok(Reply::data(report))
+            }
+            (None, None) => {
+                bail!("give the file or the name of a shape, or: shape contact PAIRS.json")
+            }
+        }
     }
 }

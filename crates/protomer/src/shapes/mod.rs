@@ -1,8 +1,10 @@
-//! Convex shapes from files and names, and what is known of them exactly.
+//! Convex shapes from files and names: what is known of them exactly, and what two of them feel.
 
+pub mod contact;
+
+use anyhow::{Context, Result, bail};
 use protomer_common::answer::Answer;
 use protomer_common::input::InputFile;
-use anyhow::{Context, Result, bail};
 use protomer_io::atomic::write_atomically;
 use protomer_io::mesh::{MeshFormat, read_mesh, write_mesh};
 use protomer_kernel::Vec3;
