@@ -352,49 +352,103 @@ def potential(
     )
 
 
-def shape(
-    shape: Text,
-    *,
-    rounding: Number | None = None,
-    output: Path | None = None,
-    threads: Integer | None = None,
-    force: bool = False,
-    progress: Progress | None = None,
-) -> Result:
+class _Shape:
     """Measure a convex shape, rounded or not: volume, surface, integrated mean curvature and second virial
     coefficient, exactly. The shape is the convex hull of the points of a file: text with two columns (a
     polygon) or three (a polyhedron), or an .off, .obj, .ply or .stl mesh. One point with a rounding is a disk
     or a ball. Or it has a name: tetrahedron, cube, octahedron, dodecahedron, icosahedron (edges of length 1),
     truncated-tetrahedron:T (T from 0, the tetrahedron with edges of length 1, to 1, the octahedron; 2/3 is
     Archimedean), cuboid:A,B,C, prism:N,HEIGHT (edges of length 1), polygon:N (area 1).
-
-    Parameters
-    ----------
-    shape
-        File with points, or the name of a shape
-    rounding
-        Radius of the ball, or disk, that rounds it (Minkowski sum) [default: 0]
-    output
-        Mesh file to write, without the rounding: .ply, .obj, .off or .stl
-    threads
-        Threads to use; 0 means all [default: 0]
-    force
-        Overwrite existing results
-    progress
-        Called as progress(done, total, unit) during the work.
     """
-    return call(
-        Result,
-        ["shape"],
-        [shape],
-        {
-            "--rounding": rounding,
-            "--output": output,
-            "--threads": threads,
-            "--force": force,
-        },
-        progress,
-    )
+
+    def __call__(
+        self,
+        shape: Text | None = None,
+        *,
+        rounding: Number | None = None,
+        output: Path | None = None,
+        threads: Integer | None = None,
+        force: bool = False,
+        progress: Progress | None = None,
+    ) -> Result:
+        """Measure a convex shape, rounded or not: volume, surface, integrated mean curvature and second virial
+        coefficient, exactly. The shape is the convex hull of the points of a file: text with two columns (a
+        polygon) or three (a polyhedron), or an .off, .obj, .ply or .stl mesh. One point with a rounding is a
+        disk or a ball. Or it has a name: tetrahedron, cube, octahedron, dodecahedron, icosahedron (edges of
+        length 1), truncated-tetrahedron:T (T from 0, the tetrahedron with edges of length 1, to 1, the
+        octahedron; 2/3 is Archimedean), cuboid:A,B,C, prism:N,HEIGHT (edges of length 1), polygon:N (area 1).
+
+        Parameters
+        ----------
+        shape
+            File with points, or the name of a shape
+        rounding
+            Radius of the ball, or disk, that rounds it (Minkowski sum) [default: 0]
+        output
+            Mesh file to write, without the rounding: .ply, .obj, .off or .stl
+        threads
+            Threads to use; 0 means all [default: 0]
+        force
+            Overwrite existing results
+        progress
+            Called as progress(done, total, unit) during the work.
+        """
+        return call(
+            Result,
+            ["shape"],
+            [shape],
+            {
+                "--rounding": rounding,
+                "--output": output,
+                "--threads": threads,
+                "--force": force,
+            },
+            progress,
+        )
+
+    def contact(
+        self,
+        pairs: Path,
+        *,
+        potential: Literal["contact", "face-sum", "smooth"] | None = None,
+        threads: Integer | None = None,
+        force: bool = False,
+        progress: Progress | None = None,
+    ) -> Result:
+        """Print the repulsion of pairs of convex shapes: energy, force and torques of each pair. PAIRS is a JSON
+        list of objects: `a` and `b` (file or name of a shape, as for `shape`), `position` (of the centroid of
+        b; that of a is at the origin), `orientation_a` and `orientation_b` (an angle in radians for polygons,
+        a quaternion w x y z for polyhedra; left out: not turned). The repulsion has the length 0.15 sigma,
+        where sigma is the mean diameter of the balls about the centroids that fit in, and the energy 1 at
+        that distance; energies are in units of epsilon.
+
+        Parameters
+        ----------
+        pairs
+            JSON file with the pairs
+        potential
+            Which points of the bodies repel each other [default: smooth]
+        threads
+            Threads to use; 0 means all [default: 0]
+        force
+            Overwrite existing results
+        progress
+            Called as progress(done, total, unit) during the work.
+        """
+        return call(
+            Result,
+            ["shape", "contact"],
+            [pairs],
+            {
+                "--potential": potential,
+                "--threads": threads,
+                "--force": force,
+            },
+            progress,
+        )
+
+
+shape = _Shape()
 
 
 def body(
