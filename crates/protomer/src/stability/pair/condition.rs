@@ -2,7 +2,7 @@
 
 use super::input::Prepared;
 use super::pose_files;
-use super::residues::{self, residue_energies};
+use super::residues::{self, RESIDUES, residue_energies};
 use super::result::{ConditionResult, PoseResult, b22_per_b2, mean_force_to_csv};
 use super::settings::{Energies, PairRunSettings};
 use crate::stability::effective::{self, EffectiveStore};
@@ -22,9 +22,18 @@ use std::sync::Arc;
 
 /// The potential of mean force of one condition.
 const MEAN_FORCE: &str = "mean_force.csv";
-/// The energies of residues at the bound poses of one condition.
-const RESIDUES: &str = "residues.csv";
 const RESULT: &str = "condition.json";
+
+/// The name of the directory of a condition.
+pub(super) fn label(ph: Option<f64>, salt_molar: Option<f64>) -> String {
+    let salt = salt_molar.map(salt_label);
+    match (ph, salt) {
+        (None, None) => "condition".into(),
+        (None, Some(salt)) => salt,
+        (Some(ph), None) => format!("ph_{ph:.2}"),
+        (Some(ph), Some(salt)) => format!("ph_{ph:.2}_{salt}"),
+    }
+}
 
 /// Two bodies in one medium.
 pub struct Condition<'a> {
@@ -74,13 +83,7 @@ impl<'a> Condition<'a> {
 
     /// The name of its directory.
     pub(super) fn label(&self) -> String {
-        let salt = self.salt_molar.map(salt_label);
-        match (self.ph, salt) {
-            (None, None) => "condition".into(),
-            (None, Some(salt)) => salt,
-            (Some(ph), None) => format!("ph_{ph:.2}"),
-            (Some(ph), Some(salt)) => format!("ph_{ph:.2}_{salt}"),
-        }
+        label(self.ph, self.salt_molar)
     }
 
     fn are_equal(&self) -> bool {

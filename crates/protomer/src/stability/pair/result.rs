@@ -1,5 +1,6 @@
 //! What two bodies do together, one row per salt and pH.
 
+use super::condition::label;
 use super::figure;
 use super::input::PairBodies;
 use super::settings::PairRunSettings;
@@ -218,7 +219,20 @@ impl PairResult {
         }
     }
 
-    /// Writes the table, the JSON form and the figure into a directory.
+    /// The names of the folders of the conditions, in their order.
+    pub fn folders(&self) -> Vec<String> {
+        let mut phs: Vec<Option<f64>> = self.settings.ph.iter().copied().map(Some).collect();
+        if phs.is_empty() {
+            phs.push(None);
+        }
+        let salts = self.settings.salts();
+        let of_ph = |ph: &Option<f64>| -> Vec<String> {
+            salts.iter().map(|salt| label(*ph, *salt)).collect()
+        };
+        phs.iter().flat_map(of_ph).collect()
+    }
+
+    /// Writes the table, the JSON form and the figures into a directory.
     pub(super) fn write(&self, directory: &Path) -> Result<()> {
         let json = serde_json::to_string_pretty(self).context("the result cannot be serialised")?;
         let csv = to_csv(&self.conditions)?;
