@@ -67,6 +67,10 @@ def write_inputs(found, output):
         f"σ: {diameter}, ε: {EPSILON_KJ_PER_MOL}}}"
         for name, (stickiness, diameter) in CALVADOS.items()
     ]
+    write_topology(atoms, output)
+
+
+def write_topology(atoms, output):
     energy = [
         "system:",
         "  energy:",
@@ -83,8 +87,11 @@ def convert(structure, ph, output):
     (output / "structure.pdb").write_bytes(gzip.decompress(text) if structure.suffix == ".gz" else text)
     command = [BIN / "pdb2xyz", "-i", "structure.pdb", "-o", "beads.xyz", "-t", "topology.yaml", "--pH", ph]
     subprocess.run(list(map(str, command)), cwd=output, capture_output=True, check=True)
-    atoms = re.findall(r"charge: (\S+), .*name: (\w+),", (output / "topology.yaml").read_text())
-    charges = {name: float(charge) for charge, name in atoms}
+    # duello 0.7 refuses other keys of this file.
+    atoms = [line for line in (output / "topology.yaml").read_text().splitlines() if line.startswith("  - {")]
+    write_topology(atoms, output)
+    fields = (re.search(r"charge: (\S+), .*name: (\w+),", line).groups() for line in atoms)
+    charges = {name: float(charge) for charge, name in fields}
     rows = [line.split() for line in (output / "beads.xyz").read_text().splitlines()[2:]]
     # Cysteines in bridges have a name of their own. The ends of the chain, NTR and CTR, have a charge beside the bead of
     # their residue; to us they are charges only, to duello also repulsive balls of 2 Å.
