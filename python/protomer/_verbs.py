@@ -14,6 +14,7 @@ from .results import (
     FrameworkResult,
     LatticeResult,
     LatticeSweepResult,
+    PairResult,
     PotentialResult,
     PredictResult,
     Result,
@@ -1751,7 +1752,7 @@ def pair(
     client: Client | None = None,
     parts: int | None = None,
     progress: Progress | None = None,
-) -> Result:
+) -> PairResult:
     """The thermodynamics of two bodies over a grid of salt and pH: second virial coefficient, potential of mean
     force, dissociation constant, bound poses. The same command continues work that was stopped.
 
@@ -1828,7 +1829,7 @@ def pair(
         Called as progress(done, total, unit) during the work.
     """
     return call(
-        Result,
+        PairResult,
         ["pair"],
         [first, second],
         {

@@ -22,6 +22,7 @@ __all__ = [
     "FrameworkResult",
     "LatticeResult",
     "LatticeSweepResult",
+    "PairResult",
     "PotentialResult",
     "PredictResult",
     "Result",
@@ -199,6 +200,114 @@ class FrameworkResult(Result):
             ax.plot(angle, np.where(around < 0.0, -around, np.nan), linestyle="--", label="-ν")
         ax.legend()
         return ax
+
+
+class PairResult(Result):
+    """Two bodies over a grid of salt and pH: one entry of `conditions` for each."""
+
+    def _column(self, name: str) -> Numbers:
+        return numbers([row[name] for row in self._fields["conditions"]])
+
+    @property
+    def salt_molar(self) -> Numbers:
+        """Salt concentrations, mol/L, (C,); NaN where a Debye length was stated."""
+        return self._column("salt_M")
+
+    @property
+    def ph(self) -> Numbers:
+        """pH values, (C,); NaN for body files, whose charges are fixed."""
+        return self._column("ph")
+
+    @property
+    def b2_angstrom3(self) -> Numbers:
+        """Second virial coefficients, Å³, (C,)."""
+        return self._column("b2_angstrom3")
+
+    @property
+    def b2_error_angstrom3(self) -> Numbers:
+        """Their standard errors, Å³, (C,)."""
+        return self._column("b2_error_angstrom3")
+
+    @property
+    def b22_mol_ml_per_g2(self) -> Numbers:
+        """The same as scattering measures it, mol mL/g², (C,); NaN where the molar mass is not known."""
+        return self._column("b22_mol_ml_per_g2")
+
+    @property
+    def kd_molar(self) -> Numbers:
+        """Dissociation constants, mol/L, (C,); NaN where contacts are not favoured."""
+        return self._column("kd_molar")
+
+    def plot(self, ax: Axes | None = None, *, kind: Literal["salt", "map", "distance"] = "salt") -> Axes:
+        """Draws the second virial coefficient against salt with its error, a line for each pH; as a map over salt and pH;
+        or the potential of mean force (kT) against the distance (Å).
+
+        The map needs several salts and pH values. Its colours are symmetric about zero: red for attraction.
+        """
+        if kind not in ("salt", "map", "distance"):
+            raise ValueError(f"there is no plot of kind {kind!r}; choose salt, map or distance")
+        if kind == "distance":
+            return self._plot_distance(new_axes(ax))
+        if np.any(np.isnan(self.salt_molar)):
+            raise ValueError('the salt is not known, because a Debye length was stated; use kind="distance"')
+        return self._plot_map(ax) if kind == "map" else self._plot_salt(new_axes(ax))
+
+    def _plot_salt(self, ax: Axes) -> Axes:
+        values, errors, label = self._b2()
+        for name, own in self._lines():
+            ax.errorbar(self.salt_molar[own] * 1000.0, values[own], yerr=errors[own], marker="o", capsize=3, label=name)
+        ax.axhline(0.0, color="0.5", linewidth=0.8)
+        ax.set_ylabel(label)
+        ax.legend()
+        return _against_salt(ax, self.salt_molar)
+
+    def _plot_map(self, ax: Axes | None) -> Axes:
+        salts, phs = np.unique(self.salt_molar), np.unique(self.ph[np.isfinite(self.ph)])
+        if salts.size < 2 or phs.size < 2:
+            raise ValueError("a map needs at least two salts and two pH values; call pm.pair with salt= and ph= of several each")
+        values, _, label = self._b2()
+        cells = np.full((phs.size, salts.size), np.nan)
+        cells[np.searchsorted(phs, self.ph), np.searchsorted(salts, self.salt_molar)] = values
+        limit = np.nanmax(np.abs(cells)) or 1.0
+        ax = new_axes(ax)
+        # Red where the bodies attract each other, as in the figure of the run.
+        mesh = ax.pcolormesh(cells, cmap="RdBu", vmin=-limit, vmax=limit, edgecolors="white")
+        ax.figure.colorbar(mesh, ax=ax, label=label)
+        ax.set_xticks(np.arange(salts.size) + 0.5, [f"{salt:g}" for salt in salts * 1000.0])
+        ax.set_yticks(np.arange(phs.size) + 0.5, [f"{ph:g}" for ph in phs])
+        ax.set_xlabel("salt (mM)")
+        ax.set_ylabel("pH")
+        return ax
+
+    def _plot_distance(self, ax: Axes) -> Axes:
+        for row in self._fields["conditions"]:
+            # Near the contact w(r) is all error; where there is no error it has no value.
+            own = [at for at in row["mean_force"] if at["w_error_kt"] is not None and at["w_error_kt"] < 0.5]
+            parts = [] if row["ph"] is None else [f"pH {row['ph']:g}"]
+            parts += [] if row["salt_M"] is None else [f"{row['salt_M'] * 1000.0:g} mM"]
+            distance, energy = (numbers([at[key] for at in own]) for key in ("distance_angstrom", "w_kt"))
+            ax.plot(distance, energy, label=", ".join(parts) or None)
+        ax.axhline(0.0, color="0.5", linewidth=0.8)
+        ax.set_xlabel("distance of the origins (Å)")
+        ax.set_ylabel("w (kT)")
+        if ax.get_legend_handles_labels()[1]:
+            ax.legend()
+        return ax
+
+    def _b2(self) -> tuple[Numbers, Numbers, str]:
+        """B2 and its error per condition, with their unit: per mass where the molar masses are known."""
+        b22 = self.b22_mol_ml_per_g2
+        if np.all(np.isfinite(b22)):
+            return b22 * 1e4, self._column("b22_error_mol_ml_per_g2") * 1e4, "B22 (10⁻⁴ mol mL/g²)"
+        return self.b2_angstrom3 / 1000.0, self.b2_error_angstrom3 / 1000.0, "B2 (10³ Å³)"
+
+    def _lines(self) -> list[tuple[str, NDArray[Any]]]:
+        """The conditions of each pH, in rising order of salt, with a name."""
+        ph = self.ph
+        if np.all(np.isnan(ph)):
+            return [("bodies as they are", np.argsort(self.salt_molar))]
+        own = ((value, np.flatnonzero(ph == value)) for value in np.unique(ph))
+        return [(f"pH {value:g}", rows[np.argsort(self.salt_molar[rows])]) for value, rows in own]
 
 
 class PotentialResult(Result):

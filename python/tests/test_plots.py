@@ -73,6 +73,74 @@ def test_a_comparison_draws_a_line_for_each_sweep():
     assert [container[0].get_ydata().tolist() for container in axes.containers] == [[20.0, 21.0]] * 2
 
 
+def pair_rows(grid):
+    return [
+        {
+            "ph": ph,
+            "salt_M": salt,
+            "b2_angstrom3": 1000.0 * b2,
+            "b2_error_angstrom3": 500.0,
+            "b22_mol_ml_per_g2": None if ph is None else 1e-4 * b2,
+            "b22_error_mol_ml_per_g2": None if ph is None else 2e-5,
+            "kd_molar": None,
+            "mean_force": [
+                {"distance_angstrom": 20.0 + at, "w_kt": b2 / (1.0 + at), "w_error_kt": error}
+                for at, error in enumerate([None, 2.0, 0.1, 0.2])
+            ],
+        }
+        for ph, salt, b2 in grid
+    ]
+
+
+GRID = [(7.0, 0.3, -1.0), (7.0, 0.03, 2.0), (4.5, 0.3, 3.0), (4.5, 0.03, 8.0)]
+
+
+def test_a_pair_draws_a_line_for_each_ph():
+    pair = pm.PairResult({"conditions": pair_rows(GRID)})
+    axes = pair.plot()
+    assert labels(axes) == ("salt (mM)", "B22 (10⁻⁴ mol mL/g²)") and legend(axes) == ["pH 4.5", "pH 7"]
+    assert axes.get_xscale() == "log"
+    for container, values in zip(axes.containers, [[8.0, 3.0], [2.0, -1.0]], strict=True):
+        np.testing.assert_allclose(container[0].get_xydata(), np.column_stack([[30.0, 300.0], values]))
+        np.testing.assert_allclose(error_bars(container), [values, [0.2, 0.2]])
+    axes = pm.PairResult({"conditions": pair_rows([(None, 0.3, -1.0), (None, 0.1, 2.0)])}).plot()
+    assert axes.get_ylabel() == "B2 (10³ Å³)" and legend(axes) == ["bodies as they are"]
+    np.testing.assert_allclose(axes.containers[0][0].get_ydata(), [2.0, -1.0])
+
+
+def test_a_pair_draws_a_map_that_is_symmetric_about_zero():
+    pair = pm.PairResult({"conditions": pair_rows(GRID)})
+    axes = pair.plot(kind="map")
+    (mesh,) = axes.collections
+    # Rows rise with the pH, columns with the salt.
+    np.testing.assert_allclose(mesh.get_array().reshape(2, 2), [[8.0, 3.0], [2.0, -1.0]])
+    assert mesh.get_clim() == (-8.0, 8.0) and labels(axes) == ("salt (mM)", "pH")
+    red, _, blue, _ = mesh.cmap(0.0)
+    assert red > blue, "attraction is red"
+    assert mesh.cmap(1.0)[2] > mesh.cmap(1.0)[0]
+    assert [text.get_text() for text in axes.get_xticklabels()] == ["30", "300"]
+    assert [text.get_text() for text in axes.get_yticklabels()] == ["4.5", "7"]
+    assert mesh.colorbar.ax.get_ylabel() == "B22 (10⁻⁴ mol mL/g²)"
+    # A condition that is missing stays empty.
+    axes = pm.PairResult({"conditions": pair_rows(GRID[:3])}).plot(kind="map")
+    assert np.ma.getmaskarray(axes.collections[0].get_array()).reshape(2, 2).tolist() == [[True, False], [False, False]]
+    for few in (GRID[:2], GRID[::2], [(None, 0.1, 1.0), (None, 0.3, 1.0)]):
+        with pytest.raises(ValueError, match="at least two salts and two pH"):
+            pm.PairResult({"conditions": pair_rows(few)}).plot(kind="map")
+
+
+def test_a_pair_draws_its_potential_of_mean_force():
+    pair = pm.PairResult({"conditions": pair_rows([(4.5, 0.03, 8.0), (4.5, None, 2.0)])})
+    axes = pair.plot(kind="distance")
+    assert labels(axes) == ("distance of the origins (Å)", "w (kT)") and legend(axes) == ["pH 4.5, 30 mM", "pH 4.5"]
+    # Without an error, and with a large one, w has no value.
+    np.testing.assert_allclose(axes.lines[0].get_xydata(), [[22.0, 8.0 / 3.0], [23.0, 2.0]])
+    with pytest.raises(ValueError, match="Debye length"):
+        pair.plot()
+    with pytest.raises(ValueError, match="no plot of kind 'heat'"):
+        pair.plot(kind="heat")
+
+
 def test_a_simulation_and_its_log(ring, tmp_path):
     run = pm.simulate(ring, salt="100mM", sweeps=6, equilibration=2, log_every=2, output=tmp_path / "run")
     log = pm.read_log(tmp_path / "run")

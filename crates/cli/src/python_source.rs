@@ -37,12 +37,13 @@ const SHARED: [(&str, &str, &str); 2] = [
     ),
 ];
 /// Verbs whose results have their own class; a star stands for the verb and all its subcommands.
-const RESULTS: [(&str, &str); 12] = [
+const RESULTS: [(&str, &str); 13] = [
     ("bench", "BenchResult"),
     ("compare", "CompareResult"),
     ("framework *", "FrameworkResult"),
     ("lattice run", "LatticeResult"),
     ("lattice sweep", "LatticeSweepResult"),
+    ("pair", "PairResult"),
     ("potential", "PotentialResult"),
     ("predict", "PredictResult"),
     ("simulate", "SimulationResult"),

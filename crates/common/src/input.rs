@@ -5,13 +5,27 @@ use protomer_io::atomic::sha256_hex;
 use protomer_io::gzip::read_maybe_gzip_from;
 use std::fs::File;
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// Upper limit for a decompressed structure or mesh file.
 const LARGEST_INPUT_BYTES: u64 = 2_000_000_000;
 
 /// Extensions of the structure files that a folder is searched for, each also with `.gz`.
 const STRUCTURE_ENDINGS: [&str; 5] = ["pdb", "ent", "cif", "mmcif", "pqr"];
+
+/// The relative path from a directory, which need not exist yet, to a file. It stays valid when a
+/// folder that holds both is moved. `None` if there is no such file, or no relative path.
+pub fn path_from(file: &Path, directory: &Path) -> Option<PathBuf> {
+    let file = file.canonicalize().ok()?;
+    let from = directory
+        .canonicalize()
+        .or_else(|_| std::path::absolute(directory))
+        .ok()?;
+    let both = file.components().zip(from.components());
+    let common = both.take_while(|(a, b)| a == b).count();
+    let up = from.components().skip(common).map(|_| Component::ParentDir);
+    (common > 0).then(|| up.chain(file.components().skip(common)).collect())
+}
 
 /// A file in memory.
 ///

@@ -94,10 +94,18 @@ fn style_of(figure: &Figure, series: &Series) -> Style {
 
 /// Draws title, caption and legend; returns where the panels may begin.
 fn draw_heading(figure: &Figure, shape: Shape, canvas: &mut dyn Canvas) -> f64 {
+    let mut y = draw_title(&figure.title, &figure.caption, shape, canvas);
+    let names = figure.series_names();
+    if names.len() > 1 {
+        y = draw_legend(&names, y + 4.0, shape.width, canvas);
+    }
+    y + 14.0
+}
+
+/// Draws title and caption; returns their lower end.
+pub(crate) fn draw_title(title: &str, caption: &str, shape: Shape, canvas: &mut dyn Canvas) -> f64 {
     let mut y = MARGIN;
-    let title = (&figure.title, TITLE_SIZE, INK);
-    let caption = (&figure.caption, CAPTION_SIZE, PALE_INK);
-    for (text, size, colour) in [title, caption] {
+    for (text, size, colour) in [(title, TITLE_SIZE, INK), (caption, CAPTION_SIZE, PALE_INK)] {
         if text.is_empty() {
             continue;
         }
@@ -113,11 +121,12 @@ fn draw_heading(figure: &Figure, shape: Shape, canvas: &mut dyn Canvas) -> f64 {
         }
         y += size * 0.45;
     }
-    let names = figure.series_names();
-    if names.len() > 1 {
-        y = draw_legend(&names, y + 4.0, shape.width, canvas);
-    }
-    y + 14.0
+    y
+}
+
+/// The height of title and caption.
+pub(crate) fn heading_height(title: &str, caption: &str, shape: Shape) -> f64 {
+    draw_title(title, caption, shape, &mut Nowhere)
 }
 
 /// A row of the legend: its width, and the number and width of each entry.

@@ -18,10 +18,12 @@
 //! | `canvas` | the shapes that every output can draw |
 //! | `svg`, `pixels` | the two outputs |
 //! | [`heat_map`](HeatMap) | matrices as coloured squares |
+//! | [`colour_map`](ColourMap) | a table of numbers above and below zero as coloured cells |
 //! | `source` | a figure stored inside its own SVG, so that it can be drawn again |
 
 mod axis;
 mod canvas;
+mod colour_map;
 mod error;
 mod figure;
 mod heat_map;
@@ -36,6 +38,7 @@ mod text;
 mod ticks;
 mod typeface;
 
+pub use colour_map::ColourMap;
 pub use error::{PlotError, Result};
 pub use figure::{Axis, Figure, Panel, Point, Series};
 pub use heat_map::HeatMap;

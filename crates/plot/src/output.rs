@@ -14,9 +14,9 @@ pub const HEIGHT: u32 = 800;
 /// Height of a panel on a narrow screen.
 const NARROW_PANEL_HEIGHT: f64 = 210.0;
 /// Width of a figure for a narrow screen.
-const NARROW_WIDTH: f64 = 520.0;
+pub(crate) const NARROW_WIDTH: f64 = 520.0;
 /// For files, and for screens that are wide enough.
-const WIDE: Shape = Shape {
+pub(crate) const WIDE: Shape = Shape {
     width: WIDTH as f64,
     height: HEIGHT as f64,
     least_shrunk: 0.8,

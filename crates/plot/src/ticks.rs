@@ -70,7 +70,8 @@ fn power_label(digit: i32, exponent: i32) -> String {
     }
 }
 
-fn decimal(value: f64, decimals: usize) -> String {
+/// A number with this many decimals.
+pub(crate) fn decimal(value: f64, decimals: usize) -> String {
     // Adding zero keeps -0 from being written.
     with_minus_sign(format!("{:.decimals$}", value + 0.0))
 }

@@ -2,7 +2,7 @@
 
 use super::html::escape;
 use anyhow::{Context, Result, bail};
-use protomer_plot::Figure;
+use protomer_plot::{ColourMap, Figure};
 use std::path::Path;
 
 /// Draws a figure, followed by the HTML `below` it.
@@ -14,6 +14,15 @@ pub fn drawn(figure: &Figure, below: &str) -> Result<String> {
         bail!("a figure without its source")
     };
     Ok(around(&in_both_shapes(&svg, figure)?, &figure.title, below))
+}
+
+/// Draws a map.
+///
+/// # Errors
+/// If it cannot be drawn.
+pub fn map(map: &ColourMap) -> Result<String> {
+    let html = both(&map.to_svg()?, &map.to_narrow_svg()?);
+    Ok(around(&html, &map.title, ""))
 }
 
 /// A figure from the directory, followed by the HTML `below` it; empty if it does not exist.
@@ -49,12 +58,15 @@ const PART: &str = "<svg class=\"part\"";
 
 /// The figure in its usual form and redrawn for narrow screens; the page shows one of the two.
 fn in_both_shapes(svg: &str, figure: &Figure) -> Result<String> {
-    let narrow = figure.to_narrow_svg()?;
-    Ok(format!(
+    Ok(both(svg, &figure.to_narrow_svg()?))
+}
+
+fn both(wide: &str, narrow: &str) -> String {
+    format!(
         "<div class=\"wide\">{}</div><div class=\"narrow\">{}</div>",
-        svg.trim_end(),
+        wide.trim_end(),
         narrow.trim_end()
-    ))
+    )
 }
 
 /// Parts that flow into rows as the width allows.

@@ -12,6 +12,7 @@
 //! | `voxel_channels` | the content of the channels of a set |
 //! | `traces` | the logs of simulations as a figure |
 //! | `scenes` | the bodies shown, and their positions |
+//! | `pair_surfaces` | two bodies in their best pose, coloured by the energies of residues |
 //! | `mesh_view` | meshes as data for the viewer |
 //! | `figures`, `data` | embedded figures, folded tables with a link to save them |
 //! | `provenance` | version, hashes, seed, how it ended |
@@ -31,6 +32,7 @@ mod mesh_view;
 mod monte_carlo;
 mod page;
 mod pair;
+mod pair_surfaces;
 mod provenance;
 mod scenes;
 mod traces;

@@ -203,7 +203,11 @@ function viewMeshes(root, data) {
   data.scenes.forEach((scene, number) => sceneMenu.add(new Option(scene.name, number)));
   data.colourings.forEach((colouring, number) => colourMenu.add(new Option(colouring.name, number)));
   colourMenu.add(new Option("body", data.colourings.length));
-  sceneMenu.onchange = redraw;
+  // A scene may have its own colours.
+  sceneMenu.onchange = () => {
+    colourMenu.value = data.scenes[sceneMenu.value].colouring ?? colourMenu.value;
+    explain();
+  };
   colourMenu.onchange = explain;
   new ResizeObserver(redraw).observe(canvas);
   // Rings lie flat in their files: a little from one side, they have depth.

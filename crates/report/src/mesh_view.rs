@@ -39,6 +39,8 @@ pub struct Scene {
     pub name: String,
     /// The mesh and the pose of each body.
     pub bodies: Vec<(usize, Pose)>,
+    /// The colouring that is chosen with it; `None` for the one that is shown.
+    pub colouring: Option<usize>,
 }
 
 /// The data of the viewer.
@@ -161,10 +163,14 @@ fn scene_to_json(scene: &Scene, meshes: &[ShownMesh]) -> Value {
         let at = rounded(&pose.position);
         json!([mesh, at[0], at[1], at[2], w, x, y, z])
     };
-    json!({
+    let mut json = json!({
         "name": scene.name, "centre": rounded(&centre), "radius": thousandths(radius),
         "bodies": scene.bodies.iter().map(body).collect::<Vec<_>>(),
-    })
+    });
+    if let Some(colouring) = scene.colouring {
+        json["colouring"] = colouring.into();
+    }
+    json
 }
 
 struct Bounds {

@@ -2,7 +2,7 @@
 
 use super::html::{paragraph, significant, significant_or_dash, table};
 use super::page::{Page, Section};
-use super::{data, figures, provenance};
+use super::{data, figures, pair_surfaces, provenance};
 use anyhow::Result;
 use protomer::stability::pair::{ConditionResult, PairResult, figure};
 use protomer_results::{Record, keys};
@@ -14,7 +14,7 @@ use std::path::Path;
 /// If a file is damaged.
 pub fn page(directory: &Path) -> Result<Page> {
     let record = Record::read(directory)?;
-    let problems = provenance::unfinished(record.as_ref())
+    let mut problems: Vec<String> = provenance::unfinished(record.as_ref())
         .into_iter()
         .collect();
     let provenance = provenance::section(directory, "run.toml", record.as_ref(), Vec::new())?;
@@ -25,11 +25,17 @@ pub fn page(directory: &Path) -> Result<Page> {
         subtitle = format!("{first} and {second}");
         let csv = data::of_file(directory, "pair.csv")?;
         let mut html = figures::of_file(directory, "pair.svg", "Virial coefficient", &csv)?;
+        if let Some(map) = figure::map(result) {
+            html += &figures::map(&map)?;
+        }
         html += &virial_coefficients(&result.conditions);
         sections.push(Section::new("Results", html));
         let mean_force = figures::drawn(&figure::against_distance(result), "")?;
         sections.push(Section::new("Potential of mean force", mean_force));
         sections.push(Section::new("Bound poses", poses(&result.conditions)));
+        let surfaces = pair_surfaces::collect(directory, record.as_ref(), result)?;
+        sections.extend(surfaces.section);
+        problems.extend(surfaces.notes);
     }
     sections.push(provenance);
     Ok(Page {

@@ -21,7 +21,7 @@ use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
 /// A page with more vertices than this is slow to open.
-const MOST_VERTICES: usize = 400_000;
+pub(crate) const MOST_VERTICES: usize = 400_000;
 /// Scenes with more bodies than this are slow to turn.
 const MOST_BODIES: usize = 256;
 /// Final states in the menu.
@@ -93,6 +93,7 @@ pub fn collect(
         scenes.push(Scene {
             name: format!("body {}", shown.name),
             bodies: vec![(number, Pose::identity())],
+            colouring: None,
         });
     }
     let (states, unread) = states(collected.assembly.as_ref(), &trajectories, periodic_box);
@@ -140,6 +141,7 @@ fn states(
         scenes.push(Scene {
             name: "the start".into(),
             bodies: kinds.zip(assembly.poses.iter().copied()).collect(),
+            colouring: None,
         });
     }
     let step = trajectories.len().div_ceil(MOST_ENDS).max(1);
@@ -148,6 +150,7 @@ fn states(
             Ok(bodies) => scenes.push(Scene {
                 name: format!("the end at {} mM", millimolar(*salt)),
                 bodies,
+                colouring: None,
             }),
             Err(error) => unread.push(format!("{error:#}")),
         }

@@ -4,6 +4,8 @@
 #![allow(clippy::print_stderr)] // for a person who runs the tests
 
 use crate::common::{CHARGES, TemporaryFolder, contents, is_ok, message};
+use protomer::bodies::body_file;
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
 
@@ -235,6 +237,176 @@ fn the_viewer_has_the_shapes_and_the_potential_of_every_charge() {
             }
         }
     }
+}
+
+/// Two copies of the bundled peptide under these conditions.
+fn pair(conditions: &str) -> TemporaryFolder {
+    let place = TemporaryFolder::new();
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/structures");
+    std::fs::copy(data.join("1bd2_short.pdb.gz"), place.path("peptide.pdb.gz")).unwrap();
+    is_ok(&place.run(&format!(
+        "pair peptide.pdb.gz {conditions} --contacts calvados3 --relative-error 0.5 \
+         --most-directions 256 --seed 3 -q -o pair"
+    )));
+    place
+}
+
+/// Energies (kT) of the residues of a body in the best pose, by chain, number, insertion code and
+/// name, split by hand: no cell of this table has a comma.
+fn best_energies(table: &str, body: &str) -> BTreeMap<String, f64> {
+    let rows = table
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').collect::<Vec<&str>>());
+    rows.filter(|row| row[0] == "1" && row[1] == body)
+        .map(|row| (row[2..6].join(" "), row[6].parse().unwrap()))
+        .collect()
+}
+
+#[test]
+fn a_pair_has_a_map_and_surfaces_with_the_energies_of_residues() {
+    let place = pair("--salt 30mM,300mM --ph 4,9");
+    let (html, sections) = page(&place, "pair");
+    assert_eq!(
+        sections,
+        [
+            "Status",
+            "Results",
+            "Potential of mean force",
+            "Bound poses",
+            "Bodies",
+            "Provenance"
+        ]
+    );
+    assert!(html.contains("nothing failed and nothing is missing"));
+    for name in ["pair_map.svg", "pair_map.png"] {
+        assert!(place.path(&format!("pair/{name}")).is_file(), "{name}");
+    }
+    assert_eq!(
+        html.matches("aria-label=\"Second virial coefficient against salt and pH\"")
+            .count(),
+        1
+    );
+    assert!(
+        html.contains(
+            "Second virial coefficient against salt and pH"
+                .replace(' ', "\u{a0}")
+                .as_str()
+        )
+    );
+    carries(&html, &place.path("pair/pair.csv"));
+
+    let viewed = viewed(&html);
+    let conditions = [
+        ("pH 4, 30 mM", 4.0, "ph_4.00_salt_0.030000M"),
+        ("pH 4, 300 mM", 4.0, "ph_4.00_salt_0.300000M"),
+        ("pH 9, 30 mM", 9.0, "ph_9.00_salt_0.030000M"),
+        ("pH 9, 300 mM", 9.0, "ph_9.00_salt_0.300000M"),
+    ];
+    let (colourings, scenes) = (&viewed["colourings"], &viewed["scenes"]);
+    let label = colourings[0]["labels"][2].as_str().unwrap();
+    let limit: f64 = label.trim_start_matches('+').parse().unwrap();
+    assert_eq!(colourings[0]["labels"][0], format!("−{limit}"));
+    assert!(colourings[0]["unit"].as_str().unwrap().contains("kT"));
+    // The surface does not depend on the pH, so there are two: of the first and the second body.
+    assert_eq!(viewed["meshes"].as_array().unwrap().len(), 2);
+    let names: Vec<&str> = scenes
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|s| s["name"].as_str().unwrap())
+        .collect();
+    assert_eq!(names[4..], ["first body, peptide", "second body, peptide"]);
+    let mut largest: f64 = 0.0;
+    for (number, (name, ph, folder)) in conditions.into_iter().enumerate() {
+        assert_eq!(colourings[number]["name"], format!("residues, {name}"));
+        assert_eq!(names[number], format!("best pose, {name}"));
+        assert_eq!(scenes[number]["colouring"], number);
+        // The second body stands where the best pose has it.
+        let json: serde_json::Value =
+            serde_json::from_str(&read(&place.path(&format!("pair/{folder}/condition.json"))))
+                .unwrap();
+        let bodies = &scenes[number]["bodies"];
+        assert_eq!(
+            bodies[0],
+            serde_json::json!([0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+        );
+        for (k, key) in [(0, "position_angstrom"), (3, "orientation_wxyz")] {
+            let expected = json["poses"][0][key].as_array().unwrap();
+            for (part, expected) in expected.iter().enumerate() {
+                let found = bodies[1][1 + k + part].as_f64().unwrap();
+                assert!((found - expected.as_f64().unwrap()).abs() < 6e-4, "{key}");
+            }
+        }
+        let table = read(&place.path(&format!("pair/{folder}/residues.csv")));
+        carries(&html, &place.path(&format!("pair/{folder}/residues.csv")));
+        // The colour of every vertex, from the table and the atoms of a body made here.
+        is_ok(&place.run(&format!("ingest -q peptide.pdb.gz --ph {ph} --force -o .")));
+        let body = body_file::read(&place.path("peptide.body")).unwrap().0;
+        let mut coloured = 0;
+        for (mesh, body_number) in viewed["meshes"].as_array().unwrap().iter().zip(["1", "2"]) {
+            let energies = best_energies(&table, body_number);
+            let sum: f64 = energies.values().sum();
+            let energy_kt = json["poses"][0]["energy_kt"].as_f64().unwrap();
+            // Up to 0.01 kT of each of nine residues is not in the table.
+            assert!((sum - energy_kt).abs() < 0.09, "{sum} {energy_kt}");
+            largest = energies
+                .values()
+                .fold(largest, |most, energy| most.max(energy.abs()));
+            let levels = from_base64(mesh["values"][number].as_str().unwrap());
+            assert_eq!(levels.len(), body.mesh.vertices.len());
+            for (vertex, level) in body.mesh.vertices.iter().zip(levels) {
+                let away = |site: &&protomer_body::Site| (site.position - vertex).norm();
+                let sites = body.sites.iter().filter(|site| site.residue.is_some());
+                let nearest = sites.min_by(|a, b| away(a).total_cmp(&away(b))).unwrap();
+                let residue = &body.residues[nearest.residue.unwrap() as usize];
+                let key = format!(
+                    "{} {} {} {}",
+                    residue.chain, residue.number, residue.insertion_code, residue.name
+                );
+                let energy_kt = energies.get(&key).copied().unwrap_or(0.0);
+                let expected = 128.0 + 127.0 * energy_kt / limit;
+                assert!(
+                    (f64::from(level) - expected).abs() < 0.6,
+                    "{key}: {level} {expected}"
+                );
+                coloured += usize::from(level < 120);
+            }
+        }
+        assert!(coloured > 20, "{name}: something holds the bodies together");
+    }
+    assert!(
+        limit >= largest && limit <= 2.6 * largest,
+        "{limit} {largest}"
+    );
+}
+
+#[test]
+fn a_pair_whose_files_are_gone_has_a_page_without_surfaces() {
+    let place = pair("--salt 300mM --ph 4");
+    std::fs::rename(place.path("peptide.pdb.gz"), place.path("moved.pdb.gz")).unwrap();
+    let (html, sections) = page(&place, "pair");
+    assert!(html.contains("the files of the bodies were not found"));
+    assert!(
+        !sections.contains(&"Bodies".to_owned()) && sections.contains(&"Bound poses".to_owned())
+    );
+    // Another protein under the same name is not shown as if it were this one.
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/structures");
+    std::fs::copy(data.join("4e43.pdb.gz"), place.path("peptide.pdb.gz")).unwrap();
+    assert!(
+        page(&place, "pair")
+            .0
+            .contains("is not what these results were made from")
+    );
+    std::fs::rename(place.path("moved.pdb.gz"), place.path("peptide.pdb.gz")).unwrap();
+    let table = place.path("pair/ph_4.00_salt_0.300000M/residues.csv");
+    let damaged = read(&table).replace("LYS", "TRP");
+    std::fs::write(&table, damaged).unwrap();
+    let refused = message(&place.run("report pair --force"));
+    assert!(
+        refused.contains("residues.csv:") && refused.contains("names the residue TRP"),
+        "{refused}"
+    );
 }
 
 #[test]

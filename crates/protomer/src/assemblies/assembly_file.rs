@@ -12,11 +12,12 @@
 use crate::bodies::body_file;
 use anyhow::{Context, Result, bail};
 use protomer_body::Body;
+use protomer_common::input::path_from;
 use protomer_kernel::mesh::LARGEST_COORDINATE_ANGSTROM;
 use protomer_kernel::{Boundary, Pose, Vec3};
 use protomer_results::keys;
 use serde::{Deserialize, Serialize};
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// An assembly as written in its file.
@@ -201,19 +202,7 @@ impl Assembly {
     /// The relative path from a directory to the assembly file. It stays valid when a folder
     /// that holds both is moved. `None` without a file, or if there is no relative path.
     pub fn path_from(&self, directory: &Path) -> Option<PathBuf> {
-        let file = self.path.as_ref()?.canonicalize().ok()?;
-        // The directory need not exist yet.
-        let from = directory
-            .canonicalize()
-            .or_else(|_| std::path::absolute(directory))
-            .ok()?;
-        let common = file
-            .components()
-            .zip(from.components())
-            .take_while(|(a, b)| a == b)
-            .count();
-        let up = from.components().skip(common).map(|_| Component::ParentDir);
-        (common > 0).then(|| up.chain(file.components().skip(common)).collect())
+        path_from(self.path.as_ref()?, directory)
     }
 
     /// Edge lengths of the periodic box, Å.

@@ -3,6 +3,7 @@
 use crate::flags::cache::CacheArgs;
 use crate::flags::execution::ExecutionArgs;
 use crate::flags::medium::MediumArgs;
+use crate::flags::scheduler::SchedulerArgs;
 use crate::flags::solute::SoluteArgs;
 use crate::flags::terms::TermsArgs;
 use crate::front::Front;
@@ -70,6 +71,8 @@ pub struct PairArgs {
     execution: ExecutionArgs,
     #[command(flatten)]
     cache: CacheArgs,
+    #[command(flatten)]
+    scheduler: SchedulerArgs,
 }
 
 /// What acts between two bodies.
@@ -95,6 +98,7 @@ enum CoreChoice {
 
 impl PairArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
+        self.scheduler.check()?;
         let settings = self.settings()?;
         let bodies = PairBodies::read(&self.first, self.second.as_deref(), &settings.ph)?
             .with_effective_store(self.cache.effective_store(front));
@@ -137,7 +141,12 @@ impl PairArgs {
                 match &self.output {
                     Some(output) => {
                         let figure = output.join("pair.png");
-                        reply.with_note(format!("figure: {}", figure.display()))
+                        let reply = reply.with_note(format!("figure: {}", figure.display()));
+                        let map = output.join("pair_map.png");
+                        match map.is_file() {
+                            true => reply.with_note(format!("map: {}", map.display())),
+                            false => reply,
+                        }
                     }
                     None => reply,
                 }

@@ -2,12 +2,11 @@
 
 use super::input::Prepared;
 use super::pose_files;
-use super::residues::{self, residue_energies};
+use super::residues::{self, RESIDUES, residue_energies};
 use super::result::{ConditionResult, PoseResult, b22_per_b2, mean_force_to_csv};
-use super::settings::{Energies, PairRunSettings};
+use super::settings::{Energies, PairRunSettings, label};
 use crate::stability::effective::{self, EffectiveStore};
 use crate::stability::interaction::ScreenedCoulomb;
-use crate::stability::run::salt_label;
 use anyhow::{Error, Result, bail};
 use protomer_field::effective_charges::EffectiveCharges;
 use protomer_io::atomic::write_atomically;
@@ -22,8 +21,6 @@ use std::sync::Arc;
 
 /// The potential of mean force of one condition.
 const MEAN_FORCE: &str = "mean_force.csv";
-/// The energies of residues at the bound poses of one condition.
-const RESIDUES: &str = "residues.csv";
 const RESULT: &str = "condition.json";
 
 /// Two bodies in one medium.
@@ -74,13 +71,7 @@ impl<'a> Condition<'a> {
 
     /// The name of its directory.
     pub(super) fn label(&self) -> String {
-        let salt = self.salt_molar.map(salt_label);
-        match (self.ph, salt) {
-            (None, None) => "condition".into(),
-            (None, Some(salt)) => salt,
-            (Some(ph), None) => format!("ph_{ph:.2}"),
-            (Some(ph), Some(salt)) => format!("ph_{ph:.2}_{salt}"),
-        }
+        label(self.ph, self.salt_molar)
     }
 
     fn are_equal(&self) -> bool {

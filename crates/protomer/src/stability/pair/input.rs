@@ -5,11 +5,16 @@ use crate::bodies::ingest::read_and_build;
 use crate::stability::effective::EffectiveStore;
 use anyhow::{Context, Result, bail};
 use protomer_body::{Body, BodySettings};
-use protomer_common::input::stem;
+use protomer_common::input::{path_from, stem};
 use protomer_io::atomic::sha256_hex;
 use protomer_mc::BodyType;
-use std::path::Path;
+use protomer_results::Record;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// The key of the files in the details of a record.
+const FILES: &str = "bodies";
 
 /// The bodies of a pair at every pH.
 #[derive(Debug, Clone)]
@@ -20,6 +25,7 @@ pub struct PairBodies {
     pub are_equal: bool,
     /// Warnings of the making of bodies.
     pub warnings: Vec<String>,
+    files: [PathBuf; 2],
     ph: Vec<Option<f64>>,
     pairs: Vec<[Prepared; 2]>,
     pub(super) effective_store: Arc<EffectiveStore>,
@@ -69,10 +75,45 @@ impl PairBodies {
             sha256: sha256_hex(hashes.as_bytes()),
             are_equal,
             warnings,
+            files: files.map(Path::to_owned),
             ph,
             pairs,
             effective_store: Arc::default(),
         })
+    }
+
+    /// Reads the bodies that the results of a directory were made from.
+    ///
+    /// # Errors
+    /// If the record does not name their files, or these are gone or have changed.
+    pub fn of_results(directory: &Path, record: &Record, ph: &[f64]) -> Result<Self> {
+        let named: Option<[PathBuf; 2]> =
+            serde_json::from_value(record.details[FILES].clone()).unwrap_or_default();
+        let Some(named) = named else {
+            bail!("run.json names no files of bodies");
+        };
+        let [first, second] = named.map(|file| directory.join(file));
+        let bodies = Self::read(&first, Some(&second), ph)?;
+        if bodies.sha256 != record.input_sha256 {
+            bail!(
+                "{} or {} is not what these results were made from",
+                first.display(),
+                second.display()
+            );
+        }
+        Ok(bodies)
+    }
+
+    /// What [`PairBodies::of_results`] needs of a record.
+    pub(super) fn details(&self, directory: &Path) -> Value {
+        let [first, second] = self.files.each_ref().map(|file| path_from(file, directory));
+        json!({ FILES: first.zip(second).map(|(first, second)| [first, second]) })
+    }
+
+    /// The two bodies at a pH that was stated; those of body files for `None`.
+    pub fn at(&self, ph: Option<f64>) -> Option<[&Body; 2]> {
+        let number = self.ph.iter().position(|known| *known == ph)?;
+        Some(self.pairs[number].each_ref().map(|of| &*of.body))
     }
 
     /// The same bodies with effective charges from elsewhere.

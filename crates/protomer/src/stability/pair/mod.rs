@@ -3,6 +3,7 @@
 //!
 //! ```text
 //! DIR/run.toml  run.json  pair.csv  pair.json  pair.svg  pair.png
+//! DIR/pair_map.svg  pair_map.png                                        with several salts and pH values
 //! DIR/salt_0.100000M/        run.json  checkpoint.bin  mean_force.csv   one condition each
 //! DIR/salt_0.100000M/        residues.csv                           energies of residues at its poses
 //! DIR/salt_0.100000M/poses/  pose_01.pdb  pose_01.cif ...               its bound poses
@@ -17,8 +18,9 @@
 //! | `residues` | which residues hold a pose together |
 //! | `pose_files` | bound poses with all atoms |
 //! | `result` | what is found, and its table |
-//! | `figure` | B₂ against salt, and w(r) |
+//! | `figure` | B₂ against salt, over salt and pH, and w(r) |
 
+mod answer;
 mod condition;
 pub mod figure;
 mod input;
@@ -28,6 +30,7 @@ mod result;
 mod settings;
 
 pub use input::PairBodies;
+pub use residues::{ResidueTable, nearest_residue};
 pub use result::{ConditionResult, PairPart, PairResult, PoseResult};
 pub use settings::{Energies, PairRunSettings};
 
@@ -37,6 +40,7 @@ use protomer_results::{
     Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Shard, Work, conduct,
     conduct_shard, drive, settings as stored,
 };
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// The directory of a pair.
@@ -49,6 +53,8 @@ const LAYOUT: Layout = Layout {
         "pair.json",
         "pair.svg",
         "pair.png",
+        "pair_map.svg",
+        "pair_map.png",
         "report.html",
     ],
     is_result: is_condition,
@@ -177,6 +183,11 @@ impl<'a> Campaign for Conditions<'a> {
             identity: self.identity.clone(),
             input_sha256: self.bodies.sha256.clone(),
         }
+    }
+
+    /// Tells a report where to find the surfaces of the bodies.
+    fn details(&self) -> Value {
+        self.bodies.details(self.directory)
     }
 
     fn tasks(&self) -> &[Condition<'a>] {

@@ -1,14 +1,31 @@
 //! Which residues hold a bound pose together.
 
 use super::result::PoseResult;
-use anyhow::Result;
+use anyhow::{Context, Result, bail};
 use protomer_body::residue_contacts::{Bead, beads_of};
 use protomer_body::{Body, Residue};
-use protomer_io::csv::{Cell, Table};
+use protomer_io::csv::{Cell, Table, cells};
 use protomer_kernel::pose::RelativePose;
 use protomer_kernel::{Pose, Vec3};
 use protomer_mc::energy::terms::{EnergyParts, Term};
 use protomer_mc::pair::BodyPair;
+use std::path::Path;
+
+/// The file with the energies of residues at the bound poses of one condition.
+pub(super) const RESIDUES: &str = "residues.csv";
+/// Its columns.
+const COLUMNS: [&str; 10] = [
+    "pose",
+    "body",
+    "chain",
+    "number",
+    "insertion_code",
+    "residue",
+    "energy_kt",
+    "charges_kt",
+    "contacts_kt",
+    "desolvation_kt",
+];
 
 /// The energies of the residues of both bodies at one pose, in the order of the residues.
 ///
@@ -56,8 +73,8 @@ fn nearest_bead(beads: &[Bead], place: &Vec3) -> Option<usize> {
     nearest.map(|bead| bead.residue)
 }
 
-/// The residue of the atom nearest to a place in the body's frame (Å).
-fn nearest_residue(body: &Body, place: &Vec3) -> Option<usize> {
+/// The residue of the atom whose centre is nearest to a place in the body's frame (Å).
+pub fn nearest_residue(body: &Body, place: &Vec3) -> Option<usize> {
     let mut nearest = (f64::INFINITY, None);
     for site in &body.sites {
         let square = (site.position - place).norm_squared();
@@ -71,18 +88,7 @@ fn nearest_residue(body: &Body, place: &Vec3) -> Option<usize> {
 /// A table of residues over all poses; residues with less than 0.01 kT are left out.
 pub(super) fn to_csv(bodies: [&Body; 2], poses: &[ResidueEnergies]) -> Result<String> {
     const LEAST_KT: f64 = 0.01;
-    let mut table = Table::new([
-        "pose",
-        "body",
-        "chain",
-        "number",
-        "insertion_code",
-        "residue",
-        "energy_kt",
-        "charges_kt",
-        "contacts_kt",
-        "desolvation_kt",
-    ]);
+    let mut table = Table::new(COLUMNS);
     for (number, energies) in poses.iter().enumerate() {
         for (body, of_body) in energies.iter().enumerate() {
             for (residue, parts) in bodies[body].residues.iter().zip(of_body) {
@@ -93,6 +99,95 @@ pub(super) fn to_csv(bodies: [&Body; 2], poses: &[ResidueEnergies]) -> Result<St
         }
     }
     Ok(table.to_csv()?)
+}
+
+/// The table of the residues of a condition, as its file has it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ResidueTable {
+    /// Where it was read from.
+    pub path: String,
+    /// The text of the file.
+    pub csv: String,
+}
+
+impl ResidueTable {
+    /// Reads the table of a condition's folder.
+    ///
+    /// # Errors
+    /// If the file cannot be read.
+    pub fn read(folder: &Path) -> Result<Self> {
+        let path = folder.join(RESIDUES).display().to_string();
+        let csv = std::fs::read_to_string(&path).with_context(|| format!("cannot read {path}"))?;
+        Ok(Self { path, csv })
+    }
+
+    /// The energies (kT) of the residues of both bodies at one pose, counted from 1; zero for those
+    /// that the table leaves out.
+    ///
+    /// # Errors
+    /// If the table is damaged, or names a residue that the bodies do not have.
+    pub fn energies_kt(&self, bodies: [&Body; 2], pose: usize) -> Result<[Vec<f64>; 2]> {
+        let mut energies = bodies.map(|body| vec![0.0; body.residues.len()]);
+        // The rows are in the order of the residues, so that two of one name stay apart.
+        let mut next = [0, 0];
+        for (index, line) in self.csv.lines().enumerate() {
+            let number = index + 1;
+            let row = cells(&self.path, number, line)?;
+            let at = || format!("{}:{number}", self.path);
+            if number == 1 {
+                if row != COLUMNS {
+                    bail!("{} has other columns than residues of a pair have", at());
+                }
+                continue;
+            }
+            let &[
+                of_pose,
+                of_body,
+                chain,
+                in_chain,
+                insertion_code,
+                name,
+                energy_kt,
+                ..,
+            ] = &*row.iter().map(String::as_str).collect::<Vec<&str>>()
+            else {
+                bail!(
+                    "{} has {} cells under {} columns",
+                    at(),
+                    row.len(),
+                    COLUMNS.len()
+                );
+            };
+            if of_pose.parse() != Ok(pose) {
+                continue;
+            }
+            let body = match of_body {
+                "1" => 0,
+                "2" => 1,
+                _ => bail!("{} names body {of_body:?}; there are 1 and 2", at()),
+            };
+            let is_named = |residue: &Residue| {
+                residue.chain.trim() == chain
+                    && in_chain.parse() == Ok(residue.number)
+                    && residue.insertion_code.trim() == insertion_code
+                    && residue.name == name
+            };
+            let mut left = bodies[body].residues.iter().skip(next[body]);
+            let Some(further) = left.position(is_named) else {
+                bail!(
+                    "{} names the residue {name} {in_chain} of chain {chain:?}, which body {} does \
+                     not have there",
+                    at(),
+                    of_body
+                );
+            };
+            let residue = next[body] + further;
+            next[body] = residue + 1;
+            let energy: f64 = energy_kt.parse().with_context(at)?;
+            energies[body][residue] = energy;
+        }
+        Ok(energies)
+    }
 }
 
 fn row(pose: usize, body: usize, residue: &Residue, parts: &EnergyParts) -> Vec<Cell> {
@@ -108,4 +203,106 @@ fn row(pose: usize, body: usize, residue: &Residue, parts: &EnergyParts) -> Vec<
         Cell::Number(parts.contacts_kt),
         Cell::Number(parts.desolvation_kt),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use protomer_body::{BodySettings, Source, build_body};
+
+    const ATOM: &str = "\
+ATOM      1  CA  LYS X   1      11.639   6.071  -5.147  1.00 10.00           C";
+
+    /// A body of these residues (chain, number, name), an atom each, 10 Å apart along x.
+    fn body(residues: &[(&str, i32, &str)]) -> Body {
+        let source = Source {
+            file: "atom.pdb",
+            sha256: "",
+        };
+        let built = build_body("atom", source, ATOM.as_bytes(), &BodySettings::default());
+        let mut body = built.unwrap().body;
+        let (residue, site) = (body.residues[0].clone(), body.sites[0].clone());
+        (body.residues, body.sites) = (Vec::new(), Vec::new());
+        for (number, (chain, in_chain, name)) in residues.iter().enumerate() {
+            body.residues.push(Residue {
+                chain: (*chain).into(),
+                number: *in_chain,
+                name: (*name).into(),
+                ..residue.clone()
+            });
+            let mut site = site.clone();
+            site.position = Vec3::new(10.0 * number as f64, 0.0, 0.0);
+            site.residue = Some(number as u32);
+            body.sites.push(site);
+        }
+        body
+    }
+
+    fn parts(energies_kt: &[f64]) -> Vec<EnergyParts> {
+        let part = |energy_kt: &f64| EnergyParts {
+            charges_kt: 2.0 * energy_kt,
+            contacts_kt: -energy_kt,
+            ..EnergyParts::default()
+        };
+        energies_kt.iter().map(part).collect()
+    }
+
+    fn table(csv: String) -> ResidueTable {
+        ResidueTable {
+            path: "residues.csv".into(),
+            csv,
+        }
+    }
+
+    #[test]
+    fn a_table_reads_back_pose_by_pose_also_with_names_that_repeat() {
+        let first = body(&[("A", 1, "LYS"), ("A, B", 2, "GLU"), ("A", 1, "LYS")]);
+        let second = body(&[("", -4, "ASP"), ("", -3, "ASP")]);
+        let poses = [
+            [parts(&[-1.5, 0.0, 0.25]), parts(&[-0.5, 0.0])],
+            [parts(&[1e-3, 3.0, 0.1]), parts(&[0.0, 0.125])],
+        ];
+        let table = table(to_csv([&first, &second], &poses).unwrap());
+        let read = |pose: usize| table.energies_kt([&first, &second], pose).unwrap();
+        assert_eq!(read(1), [vec![-1.5, 0.0, 0.25], vec![-0.5, 0.0]]);
+        // What is less than 0.01 kT is not in the table.
+        assert_eq!(read(2), [vec![0.0, 3.0, 0.1], vec![0.0, 0.125]]);
+        assert_eq!(read(3), [vec![0.0; 3], vec![0.0; 2]]);
+    }
+
+    #[test]
+    fn a_table_of_other_bodies_or_a_damaged_one_is_refused() {
+        let of = body(&[("A", 1, "LYS"), ("A", 2, "GLU")]);
+        let refused = |csv: String| {
+            let error = table(csv).energies_kt([&of, &of], 1).unwrap_err();
+            format!("{error:#}")
+        };
+        let head = COLUMNS.join(",");
+        let other = refused(format!("{head}\n1,2,A,3,,GLU,1,1,0,0\n"));
+        assert!(
+            other.contains("residues.csv:2 names the residue GLU 3"),
+            "{other}"
+        );
+        assert!(other.contains("which body 2 does not have"), "{other}");
+        // Out of order: the same residue twice.
+        let row = "1,1,A,2,,GLU,1,1,0,0\n";
+        assert!(refused(format!("{head}\n{row}{row}")).contains("residues.csv:3"));
+        assert!(refused(format!("{head}\n1,1,A\n")).contains("3 cells under 10"));
+        assert!(refused(format!("{head}\n1,7,A,1,,LYS,1,1,0,0\n")).contains("body \"7\""));
+        assert!(refused(format!("{head}\n1,1,A,1,,LYS,x,1,0,0\n")).contains("residues.csv:2"));
+        assert!(refused("a,b\n".into()).contains("other columns"));
+    }
+
+    #[test]
+    fn a_place_belongs_to_the_residue_of_the_nearest_atom() {
+        let mut body = body(&[("A", 1, "LYS"), ("A", 2, "GLU")]);
+        let at = |body: &Body, x: f64| nearest_residue(body, &Vec3::new(x, 3.0, 0.0));
+        assert_eq!(
+            [-20.0, 4.9, 5.1, 30.0].map(|x| at(&body, x)),
+            [0, 0, 1, 1].map(Some)
+        );
+        // A bare charge has no residue.
+        body.sites[1].residue = None;
+        assert_eq!(at(&body, 30.0), Some(0));
+    }
 }

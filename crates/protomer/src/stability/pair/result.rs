@@ -1,22 +1,17 @@
 //! What two bodies do together, one row per salt and pH.
 
-use super::figure;
 use super::input::PairBodies;
-use super::settings::PairRunSettings;
+use super::settings::{PairRunSettings, label};
 use crate::stability::interaction::ScreenedCoulomb;
-use anyhow::{Context, Result};
+use anyhow::Result;
 use protomer_body::Body;
-use protomer_common::answer::{Answer, columns, heading};
-use protomer_io::atomic::write_atomically;
 use protomer_io::csv::{Cell, Table};
 use protomer_kernel::Pose;
 use protomer_kernel::pose::RelativePose;
 use protomer_kernel::units::AVOGADRO_PER_MOL;
 use protomer_mc::pair::profile::MeanForceRow;
 use protomer_mc::pair::{BodyPair, BoundPose, EnergyParts, PairThermodynamics};
-use protomer_plot::Figure;
 use serde::{Deserialize, Serialize};
-use std::path::Path;
 
 /// Å³ in a litre.
 const ANGSTROM3_PER_LITRE: f64 = 1e27;
@@ -154,7 +149,7 @@ impl ConditionResult {
         }
     }
 
-    fn cells(&self) -> Vec<(&'static str, Cell)> {
+    pub(super) fn cells(&self) -> Vec<(&'static str, Cell)> {
         vec![
             ("ph", optional(self.ph)),
             ("salt_M", optional(self.salt_molar)),
@@ -218,82 +213,18 @@ impl PairResult {
         }
     }
 
-    /// Writes the table, the JSON form and the figure into a directory.
-    pub(super) fn write(&self, directory: &Path) -> Result<()> {
-        let json = serde_json::to_string_pretty(self).context("the result cannot be serialised")?;
-        let csv = to_csv(&self.conditions)?;
-        write_atomically(&directory.join("pair.csv"), |file| {
-            file.write_all(csv.as_bytes())
-        })?;
-        write_atomically(&directory.join("pair.json"), |file| {
-            writeln!(file, "{json}")
-        })?;
-        figure::write(self, directory)
-    }
-}
-
-impl Answer for PairResult {
-    fn text(&self) -> String {
-        let mut rows = vec![heading([
-            "pH",
-            "salt (M)",
-            "B2 (Å³)",
-            "±",
-            "hard (Å³)",
-            "B22 (mol mL/g²)",
-            "±",
-            "K_D (M)",
-            "lowest (kT)",
-        ])];
-        for condition in &self.conditions {
-            rows.push(vec![
-                shown(condition.ph, |ph| format!("{ph:.2}")),
-                shown(condition.salt_molar, |salt| format!("{salt:.4}")),
-                format!("{:.0}", condition.b2_angstrom3),
-                format!("{:.0}", condition.b2_error_angstrom3),
-                format!("{:.0}", condition.b2_hard_angstrom3),
-                shown(condition.b22_mol_ml_per_g2, |b22| format!("{b22:.2e}")),
-                shown(condition.b22_error_mol_ml_per_g2, |b22| {
-                    format!("{b22:.1e}")
-                }),
-                shown(condition.kd_molar, |kd| format!("{kd:.2e}")),
-                shown(condition.poses.first(), |pose| {
-                    format!("{:.2}", pose.energy_kt)
-                }),
-            ]);
+    /// The names of the folders of the conditions, in their order.
+    pub fn folders(&self) -> Vec<String> {
+        let mut phs: Vec<Option<f64>> = self.settings.ph.iter().copied().map(Some).collect();
+        if phs.is_empty() {
+            phs.push(None);
         }
-        columns(&rows)
+        let salts = self.settings.salts();
+        let of_ph = |ph: &Option<f64>| -> Vec<String> {
+            salts.iter().map(|salt| label(*ph, *salt)).collect()
+        };
+        phs.iter().flat_map(of_ph).collect()
     }
-
-    fn figure(&self) -> Option<Figure> {
-        Some(figure::figure(self))
-    }
-}
-
-impl Answer for PairPart {
-    fn text(&self) -> String {
-        format!(
-            "part {} of {}: {} conditions done; run without --shard for the table",
-            self.shard, self.of, self.conditions
-        )
-    }
-}
-
-/// A dash for what is not known.
-fn shown<T>(value: Option<T>, format: impl FnOnce(T) -> String) -> String {
-    value.map_or("-".into(), format)
-}
-
-fn to_csv(conditions: &[ConditionResult]) -> Result<String> {
-    let mut names = Vec::new();
-    for (name, _) in conditions.iter().take(1).flat_map(ConditionResult::cells) {
-        names.push(name);
-    }
-    let mut table = Table::new(names);
-    for condition in conditions {
-        table.push(condition.cells().into_iter().map(|(_, cell)| cell))?;
-    }
-    Ok(table.to_csv()?)
 }
 
 /// The table of a potential of mean force.

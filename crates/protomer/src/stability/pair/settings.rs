@@ -3,6 +3,7 @@
 use crate::stability::contacts::{ContactCore, ContactTerm};
 use crate::stability::effective::{SoluteModel, require_electrolyte};
 use crate::stability::interaction::InteractionSettings;
+use crate::stability::run::salt_label;
 use crate::stability::terms::FurtherTerms;
 use anyhow::{Result, bail};
 use protomer_mc::pair::{Core, Estimator, PairSettings};
@@ -181,5 +182,16 @@ impl PairRunSettings {
     /// Steps of one condition.
     pub(super) fn steps(&self) -> u64 {
         Estimator::steps(&self.sampling)
+    }
+}
+
+/// The name of the directory of a condition.
+pub(super) fn label(ph: Option<f64>, salt_molar: Option<f64>) -> String {
+    let salt = salt_molar.map(salt_label);
+    match (ph, salt) {
+        (None, None) => "condition".into(),
+        (None, Some(salt)) => salt,
+        (Some(ph), None) => format!("ph_{ph:.2}"),
+        (Some(ph), Some(salt)) => format!("ph_{ph:.2}_{salt}"),
     }
 }
